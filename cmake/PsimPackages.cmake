@@ -1,0 +1,36 @@
+# Finds what the build needs and, where something is missing, says which Debian package brings it.
+# All missing ones are named at once.
+
+set(_psim_missing "")
+
+macro(psim_need package debian)
+  find_package(${package} ${ARGN} QUIET)
+  if(NOT ${package}_FOUND)
+    list(APPEND _psim_missing ${debian})
+  endif()
+endmacro()
+
+psim_need(CpuFeatures libcpu-features-dev CONFIG)
+psim_need(Threads libc6-dev)
+if(PSIM_BUILD_PROGRAMS OR PSIM_BUILD_TESTS OR PSIM_BUILD_BENCH)
+  psim_need(nlohmann_json nlohmann-json3-dev CONFIG)
+endif()
+if(PSIM_BUILD_PROGRAMS)
+  psim_need(CLI11 libcli11-dev CONFIG)
+  psim_need(fmt libfmt-dev CONFIG)
+  psim_need(PNG libpng-dev)
+endif()
+if(PSIM_BUILD_BENCH)
+  psim_need(benchmark libbenchmark-dev CONFIG)
+endif()
+if(PSIM_BUILD_TESTS)
+  psim_need(GTest libgtest-dev)
+endif()
+
+if(_psim_missing)
+  set(_message "")
+  foreach(_package IN LISTS _psim_missing)
+    string(APPEND _message "psim: ${_package} is missing: apt install ${_package}\n")
+  endforeach()
+  message(FATAL_ERROR "${_message}")
+endif()

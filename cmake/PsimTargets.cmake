@@ -1,0 +1,73 @@
+# What every target of the tree has in common.
+
+# Auto-vectorisation off, in the words of the compiler at hand.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  set(PSIM_NO_AUTO_VECTORIZATION -fno-vectorize -fno-slp-vectorize)
+else()
+  set(PSIM_NO_AUTO_VECTORIZATION -fno-tree-vectorize -fno-tree-slp-vectorize)
+endif()
+
+# Language, warnings and floating point. -ffp-contract=off is part of the promise that all builds
+# give the same bits: without it a compiler may fuse a multiply and an add.
+function(psim_target_defaults target)
+  target_compile_features(${target} PRIVATE cxx_std_20)
+  set_target_properties(${target} PROPERTIES
+    CXX_EXTENSIONS OFF
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
+  if(BUILD_SHARED_LIBS)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wconversion -ffp-contract=off -fno-math-errno)
+  if(PSIM_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(PSIM_ASSERTS)
+    target_compile_definitions(${target} PRIVATE PSIM_ENABLE_ASSERTS _GLIBCXX_ASSERTIONS)
+  endif()
+  if(PSIM_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${PSIM_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=${PSIM_SANITIZE})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # false alarms in <regex>, only under sanitizers
+      target_compile_options(${target} PRIVATE -Wno-error=maybe-uninitialized)
+    endif()
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND PSIM_SANITIZE MATCHES "thread")
+      target_compile_options(${target} PRIVATE -Wno-error=tsan)  # says that fences are not seen
+    endif()
+  endif()
+endfunction()
+
+# What a user of the library needs: the public headers and the libraries behind them.
+function(psim_library_interface target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PRIVATE CpuFeatures::cpu_features Threads::Threads)
+  set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
+  if(PSIM_SANITIZE)
+    target_link_options(${target} PRIVATE -fsanitize=${PSIM_SANITIZE})
+  endif()
+endfunction()
+
+function(psim_library_properties target)
+  psim_library_interface(${target})
+  set_target_properties(${target} PROPERTIES
+    OUTPUT_NAME psim
+    EXPORT_NAME psim
+    VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR})
+endfunction()
+
+# A shared library exports the names of the public headers and nothing else. The headers carry no
+# export marks; the list is cmake/psim.map.
+function(psim_hide_internals target)
+  set_target_properties(psim_core_objects PROPERTIES
+    CXX_VISIBILITY_PRESET default VISIBILITY_INLINES_HIDDEN ON)
+  target_link_options(${target} PRIVATE
+    "LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/psim.map")
+  set_property(TARGET ${target} APPEND PROPERTY
+    LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/psim.map")
+endfunction()

@@ -1,0 +1,65 @@
+# The test program and the checks that are not GoogleTest: installation and generated code.
+# Labels: `slow` (suites whose name begins with Slow), `install`, `asm`.
+include(GoogleTest)
+
+# The oracles stand alone: they must not see the code that they judge.
+file(GLOB _reference_sources CONFIGURE_DEPENDS tests/reference/*.cpp)
+if(_reference_sources)
+  add_library(psim_reference STATIC ${_reference_sources})
+  psim_target_defaults(psim_reference)
+  target_include_directories(psim_reference PUBLIC tests/reference)
+endif()
+
+file(GLOB _test_sources CONFIGURE_DEPENDS tests/*_test.cpp)
+if(_test_sources AND TARGET psim_scene)
+  file(GLOB _test_helpers CONFIGURE_DEPENDS tests/*.cpp)
+  list(APPEND _test_sources ${_test_helpers})
+  list(REMOVE_DUPLICATES _test_sources)
+  add_executable(psim_tests ${_test_sources})
+  psim_target_defaults(psim_tests)
+  target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
+  target_link_libraries(psim_tests PRIVATE psim_scene nlohmann_json::nlohmann_json
+                                           GTest::gtest GTest::gtest_main)
+  if(TARGET psim_reference)
+    target_link_libraries(psim_tests PRIVATE psim_reference)
+  endif()
+  # Tests read scenes/ and docs/ from the source tree and start the program beside them.
+  target_compile_definitions(psim_tests PRIVATE
+    "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
+    "PSIM_PROGRAM=\"${PROJECT_BINARY_DIR}/psim\"")
+  if(TARGET psim)
+    add_dependencies(psim_tests psim)
+  endif()
+
+  # PRE_TEST: a test program that does not start is a failed test, not a failed build.
+  gtest_discover_tests(psim_tests TEST_LIST psim_quick_tests
+    TEST_FILTER "-Slow*:*/Slow*" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT 600)
+  gtest_discover_tests(psim_tests TEST_LIST psim_slow_tests
+    TEST_FILTER "Slow*:*/Slow*" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS slow TIMEOUT 1800)
+endif()
+
+# What the compiler made of the kernels, and what an installation is good for. Neither means
+# anything in a sanitizer build.
+if(TARGET psim_core AND NOT PSIM_SANITIZE)
+  add_test(NAME InstalledLibraryServesAConsumer
+    COMMAND ${CMAKE_COMMAND}
+      -D "BUILD_DIR=${PROJECT_BINARY_DIR}"
+      -D "CONSUMER_DIR=${PROJECT_SOURCE_DIR}/tests/install"
+      -D "CXX=${CMAKE_CXX_COMPILER}"
+      -D "GENERATOR=${CMAKE_GENERATOR}"
+      -D "SHARED=${BUILD_SHARED_LIBS}"
+      -P "${PROJECT_SOURCE_DIR}/tests/install/check_install.cmake")
+  set_tests_properties(InstalledLibraryServesAConsumer PROPERTIES LABELS install TIMEOUT 300)
+endif()
+if(TARGET psim_kernels AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
+  find_package(Python3 COMPONENTS Interpreter REQUIRED)
+  add_test(NAME AsmInspect
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/asm-inspect"
+            --build "${PROJECT_BINARY_DIR}" --check)
+  add_test(NAME AsmInspectFindsFaults
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/asm/check_faults.py"
+            "${CMAKE_CXX_COMPILER}")
+  set_tests_properties(AsmInspect AsmInspectFindsFaults PROPERTIES LABELS asm TIMEOUT 300)
+endif()

@@ -1,0 +1,111 @@
+// What a world is made of: descriptions that the host fills in. Plain data, no behaviour.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "psim/isa.h"
+#include "psim/types.h"
+
+namespace psim {
+
+/// Surface and bulk properties. Two materials in contact mix: restitution by max, friction by
+/// geometric mean.
+struct Material {
+  double density = 1;      ///< kg/m^2, > 0
+  double restitution = 0;  ///< 0..1
+  double friction = 0;     ///< Coulomb coefficient, 0..100
+};
+
+struct DiscShape {
+  double radius = 0.5;  ///< metres, > 0
+};
+
+/// A line from p1 to p2 in the body's frame; no thickness; solid from both sides; static only.
+struct SegmentShape {
+  Vec2 p1;
+  Vec2 p2;
+};
+
+/// Segments joined end to end (and last to first if `loop`), in the body's frame; static only.
+/// A disc feels no bump at the joints of a straight or convex run.
+struct ChainShape {
+  std::vector<Vec2> vertices;  ///< at least 2 (3 if loop)
+  bool loop = false;
+};
+
+using Shape = std::variant<DiscShape, SegmentShape, ChainShape>;
+
+/// One body. `mass` wins over the material's density; a disc's inertia is m r^2 / 2.
+struct BodyDesc {
+  BodyType type = BodyType::dynamic_body;
+  Shape shape = DiscShape{};
+  Vec2 position;                ///< metres, inside the world's bounds
+  double angle = 0;             ///< radians
+  Vec2 velocity;                ///< m/s
+  double angular_velocity = 0;  ///< rad/s
+  Material material;
+  double mass = 0;           ///< kg; 0 = from the density
+  double gravity_scale = 1;  ///< factor on the world's gravity and wells
+  bool fixed_rotation = false;
+  bool bullet = false;
+};
+
+/// Many discs that share everything but place, size and speed. Spans of length n, or empty for
+/// "all zero"; `radius` has length n or 1.
+struct DiscBatch {
+  std::span<const double> x, y;
+  std::span<const double> radius;
+  std::span<const double> angle;
+  std::span<const double> vx, vy;
+  std::span<const double> angular_velocity;
+  BodyType type = BodyType::dynamic_body;
+  Material material;
+  double mass = 0;  ///< kg each; 0 = from the density
+  double gravity_scale = 1;
+  bool fixed_rotation = false;
+  bool bullet = false;
+};
+
+/// Acceleration `strength * d / (|d|^2 + softening^2)^((exponent+1)/2)` towards `position`, zero
+/// beyond `range` (0 = no limit).
+struct WellField {
+  Vec2 position;
+  double strength = 0;   ///< GM for exponent 2
+  double softening = 0;  ///< metres
+  double exponent = 2;
+  double range = 0;  ///< metres
+};
+
+/// dv/dt = -linear v - quadratic |v| v.
+struct DragField {
+  double linear = 0;     ///< 1/s
+  double quadratic = 0;  ///< 1/m
+};
+
+using Field = std::variant<WellField, DragField>;
+
+/// The world and how it is stepped. Checked by World::create.
+struct WorldDesc {
+  Bounds bounds{-500, -500, 500, 500};
+  Boundary boundary = Boundary::walls;
+  Vec2 gravity{0, -9.81};         ///< m/s^2
+  double linear_damping = 0;      ///< 1/s: dv/dt = -c v, integrated exactly
+  Material wall;                  ///< of the four sides, when boundary is `walls`
+  std::vector<Field> fields;
+  double dt = 1.0 / 60;           ///< seconds a frame
+  int substeps = 4;               ///< 1..64
+  double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
+};
+
+/// How the host wants the world run. None of it changes a bit of the result.
+struct RunOptions {
+  Isa isa = best_isa();  ///< must be available
+  int threads = 1;       ///< 1..256; 1 runs without a pool
+};
+
+}  // namespace psim

@@ -1,0 +1,9 @@
+// psim: a 2D real-time physics engine for very many bodies. Include this one header.
+#pragma once
+
+#include "psim/desc.h"
+#include "psim/isa.h"
+#include "psim/report.h"
+#include "psim/types.h"
+#include "psim/version.h"
+#include "psim/world.h"

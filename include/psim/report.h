@@ -1,0 +1,69 @@
+// What a world tells about itself: per step, and about the plan it runs by.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace psim {
+
+/// The stages of a step, in order. The same word names a stage in its file, timer, trace, bench
+/// and test.
+enum class Stage : std::uint8_t {
+  forces,
+  broad_phase,
+  narrow_phase,
+  colouring,
+  solver,
+  integrate,
+  publish,
+};
+inline constexpr std::size_t kStageCount = 7;
+inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
+    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "publish"};
+
+/// What one step did. Values, never exceptions: bad data in a running world is quarantined and
+/// counted here.
+struct StepReport {
+  std::array<double, kStageCount> stage_ms{};  ///< wall time a stage
+  double total_ms = 0;
+  std::uint64_t pairs = 0;      ///< candidate pairs in the lists (discs and static shapes)
+  std::uint64_t contacts = 0;   ///< of those, touching: impulse > 0 or overlap
+  std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
+  std::uint64_t awake = 0;      ///< dynamic bodies that were stepped
+  bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
+  std::uint32_t escaped = 0;    ///< bodies that left an open world in this step
+  std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
+  std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
+  double virial = 0;  ///< sum over contacts of normal impulse x centre distance, N s m
+};
+
+/// Sums over every body, computed when asked for (not part of a step), in double precision and in
+/// id order.
+struct Diagnostics {
+  double kinetic = 0;    ///< J, rotation included
+  double potential = 0;  ///< J: uniform gravity from y = 0 (x = 0), and wells
+  double momentum_x = 0;  ///< kg m/s
+  double momentum_y = 0;
+  double angular_momentum = 0;  ///< kg m^2/s about the origin
+  double max_penetration = 0;   ///< metres, over current contacts
+};
+
+/// One stage of the plan: whether this scene needs it and why.
+struct PlanEntry {
+  std::string stage;    ///< e.g. "narrow_phase", "solver.friction"
+  bool needed = false;
+  std::string reason;   ///< e.g. "no body and no wall has friction"
+};
+
+/// Work done by vector lanes since the world was made: real lanes and padding or one-at-a-time
+/// fallbacks.
+struct LaneCounts {
+  std::uint64_t vector = 0;
+  std::uint64_t scalar = 0;
+};
+
+}  // namespace psim

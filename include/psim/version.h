@@ -1,0 +1,6 @@
+#pragma once
+
+#define PSIM_VERSION_MAJOR 0
+#define PSIM_VERSION_MINOR 1
+#define PSIM_VERSION_PATCH 0
+#define PSIM_VERSION_STRING "0.1.0"

@@ -1,0 +1,147 @@
+// A world of bodies, stepped in fixed frames. Many worlds may live at once; none shares state.
+// Nothing here throws on bad data, prints or exits: what is wrong comes back as a value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "psim/desc.h"
+#include "psim/report.h"
+
+namespace psim {
+
+/// A body as the outside sees it: doubles, by id.
+struct BodyState {
+  BodyId id;
+  double x = 0, y = 0;   ///< metres
+  double angle = 0;      ///< radians, not wrapped
+  double vx = 0, vy = 0; ///< m/s
+  double omega = 0;      ///< rad/s
+  double radius = 0;     ///< metres; 0 for segments and chains
+  BodyType type = BodyType::dynamic_body;
+};
+
+/// Published columns in id order, valid until the next call that changes the world. Removed bodies
+/// have no row; `id[k]` names the body of row k. All spans have the same length.
+struct PublishedState {
+  std::span<const std::uint32_t> id;
+  std::span<const double> x, y, angle, vx, vy, omega, radius;
+  std::span<const BodyType> type;
+};
+
+/// What a renderer reads, from any thread, while the next step runs: the newest complete frame.
+/// `x_prev` and `x` are one step apart: draw x_prev + alpha (x - x_prev). Order is by id.
+struct Snapshot {
+  std::uint64_t frame = 0;
+  std::vector<std::uint32_t> id;
+  std::vector<float> x, y, x_prev, y_prev;  ///< metres from `origin`
+  std::vector<float> angle, angle_prev, radius, speed;
+  Vec2 origin;
+};
+
+/// A host's own job system: psim calls `parallel_for(count, job)`; the host runs job(0..count-1) on
+/// any of its threads in any order and returns when all are done.
+struct JobSystem {
+  std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)> parallel_for;
+  int workers = 1;  ///< how many of the host's threads may run jobs at once
+};
+
+/// One span of a stage on one thread, for traces. Times are nanoseconds from the first call of
+/// World::start_trace.
+struct TraceEvent {
+  const char* name = "";
+  int thread = 0;
+  std::int64_t begin_ns = 0;
+  std::int64_t end_ns = 0;
+};
+
+class World {
+ public:
+  /// Checks the description and makes an empty world. On failure returns nothing and puts one
+  /// line into `error`.
+  static std::unique_ptr<World> create(const WorldDesc& desc, const RunOptions& options,
+                                       std::string& error);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Adds a body; kNoBody and one line in `error` if the description is refused. Ids count from 0
+  /// in the order of the calls. O(1) amortised.
+  BodyId add_body(const BodyDesc& desc, std::string& error);
+
+  /// Adds discs in bulk; returns the number added (all or none) and the first id's index in
+  /// `first`; the ids are consecutive when no body was removed before. A million in well under a
+  /// second.
+  std::size_t add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error);
+
+  /// Removes a body; false if the id is stale. What leaned on it falls.
+  bool remove_body(BodyId id);
+
+  bool is_valid(BodyId id) const;
+  BodyId id_of(std::uint32_t index) const;
+  std::optional<BodyState> body(BodyId id) const;
+  /// Sets place or motion; false if the id is stale or the body static. A non-finite value is
+  /// accepted and quarantines the body in the next step.
+  bool set_transform(BodyId id, Vec2 position, double angle);
+  bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
+  /// Adds impulse / mass to the velocity, N s.
+  bool apply_impulse(BodyId id, Vec2 impulse);
+
+  /// Advances by desc.dt. Deterministic: the same calls give the same bits on every ISA and any
+  /// number of threads.
+  StepReport step();
+  /// Advances by another dt (seconds, > 0, finite) with the same number of substeps.
+  StepReport step(double dt);
+
+  std::size_t body_count() const;     ///< all living bodies
+  std::size_t dynamic_count() const;  ///< of those, dynamic or kinematic
+  std::size_t static_count() const;
+  std::uint64_t frame() const;
+  std::uint64_t escaped_total() const;
+  const WorldDesc& desc() const;
+  Isa isa() const;
+  int threads() const;
+
+  /// 64-bit hash over every living body's position, angle and velocities in id order; signed
+  /// zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.
+  std::uint64_t state_hash() const;
+  Diagnostics diagnostics() const;
+  LaneCounts lane_counts() const;
+  std::size_t memory_bytes() const;
+  std::vector<PlanEntry> plan() const;
+  /// How many frames each stage had nothing to do or was not in the plan: name and frames.
+  std::vector<std::pair<std::string, std::uint64_t>> skipped() const;
+
+  /// Columns of every living body, built on demand.
+  PublishedState published();
+
+  /// Turns the publish stage on (it is off until someone asks): after every step a snapshot is
+  /// put into a lock-free buffer. `latest_snapshot` may be called from one other thread at any
+  /// time; it returns nullptr before the first frame.
+  void enable_snapshots(bool on);
+  const Snapshot* latest_snapshot();
+
+  /// Replaces the world's own workers by the host's; an empty parallel_for goes back.
+  void set_job_system(JobSystem jobs);
+
+  /// Starts recording stage spans; take_trace returns and clears what was recorded.
+  void start_trace();
+  std::vector<TraceEvent> take_trace();
+
+ private:
+  struct Impl;
+  explicit World(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Bytes that `discs` dynamic discs need before the first step, an upper estimate for checks
+/// before a run.
+std::size_t estimate_memory_bytes(std::size_t discs);
+
+}  // namespace psim

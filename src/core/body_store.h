@@ -1,0 +1,186 @@
+// Every body by id, and the hot columns of those that move, by slot. Slots follow the grid's cell
+// order and change whenever the lists are rebuilt; ids are stable.
+//
+//   by id:   BodyInfo (where its slot is, its Surface: mass, radius, material)
+//   by slot: pos, vel, disp (records), id, radius, spin, angle   moved together by the sort
+//            vel0, acc, vel_rest, event_time, linked             scratch of one build, not moved
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "column.h"
+#include "lattice.h"
+#include "psim/desc.h"
+#include "views.h"
+
+namespace psim {
+
+inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
+
+enum class Place : std::uint8_t { none, moving, fixed, frozen };
+
+/// What bodies of one make share: a million equal discs have one Surface.
+struct Surface {
+  float inv_mass = 0;       ///< 1/kg; 0 = kinematic or static
+  float mass = 0;           ///< kg
+  float spin_gain = 0;      ///< r^2 / inertia, 1/kg; 0 = does not turn
+  float radius = 0;         ///< m
+  float gravity_scale = 1;
+  float restitution = 0;
+  float friction = 0;
+  BodyType type = BodyType::dynamic_body;
+  friend bool operator==(const Surface&, const Surface&) = default;
+};
+
+/// One body, by id.
+struct BodyInfo {
+  std::uint32_t slot = kNoSlot;  ///< moving: column slot; fixed, frozen: place in its list
+  std::uint32_t generation = 0;
+  std::uint32_t surface = 0;
+  Place place = Place::none;
+};
+
+/// Surfaces in use, each once for a run of equal bodies.
+class SurfaceTable {
+ public:
+  const Surface& operator[](std::uint32_t i) const { return list_[i].surface; }
+  std::size_t bytes() const { return list_.capacity() * sizeof(Entry); }
+
+  std::uint32_t acquire(const Surface& s) {
+    if (last_ < list_.size() && list_[last_].users != 0 && list_[last_].surface == s) {
+      ++list_[last_].users;
+      return last_;
+    }
+    if (free_.empty()) {
+      last_ = static_cast<std::uint32_t>(list_.size());
+      list_.push_back({s, 1});
+    } else {
+      last_ = free_.back();
+      free_.pop_back();
+      list_[last_] = {s, 1};
+    }
+    return last_;
+  }
+  void release(std::uint32_t i) {
+    if (--list_[i].users == 0) free_.push_back(i);
+  }
+
+ private:
+  struct Entry {
+    Surface surface;
+    std::uint32_t users = 0;
+  };
+  std::vector<Entry> list_;
+  std::vector<std::uint32_t> free_;
+  std::uint32_t last_ = 0;
+};
+
+class BodyStore {
+ public:
+  explicit BodyStore(MemoryMeter& meter)
+      : pos(meter), vel(meter), disp(meter), id(meter), radius(meter), spin(meter), angle(meter),
+        vel0(meter), spin0(meter), acc(meter), vel_rest(meter), event_time(meter), linked(meter),
+        built(meter), reach(meter), info(meter) {}
+
+  // By slot.
+  Column<std::int32_t> pos;
+  Column<float> vel, disp;
+  Column<std::uint32_t> id;
+  Column<float> radius;
+  Column<float> spin;    ///< only if the plan has rotation
+  Column<double> angle;  ///< only if the plan has rotation
+  Column<float> vel0, spin0, acc;
+  Column<float> vel_rest;  ///< m/s records: what velocities lost to rounding (fields only)
+  Column<float> event_time;
+  Column<std::uint8_t> linked;
+  Column<std::int32_t> built;     ///< position when the lists were made
+  Column<float> reach;           ///< radius + margin of the lists, m
+
+  // By id.
+  mutable Column<BodyInfo> info;
+  SurfaceTable surfaces;
+  const Surface& surface(std::uint32_t body_id) const { return surfaces[info[body_id].surface]; }
+  std::uint32_t id_count = 0;
+  std::vector<std::uint32_t> free_ids;
+
+  std::uint32_t count = 0;  ///< slots in use, dead ones (id == kNoSlot) included until a rebuild
+  std::uint32_t dead = 0;
+  std::size_t living = 0, moving = 0, fixed = 0, kinematic = 0;
+
+  /// Sorting moves slots without telling the ids: whoever asks for info[id].slot of moving bodies
+  /// calls this first. O(bodies) after a sort, else nothing.
+  void find_slots() const {
+    if (!slots_stale) return;
+    slots_stale = false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (id[i] != kNoSlot) info[id[i]].slot = i;
+    }
+  }
+  mutable bool slots_stale = false;
+
+  std::uint32_t blocks() const { return (count + kernels::kBlock - 1) / kernels::kBlock; }
+
+  /// A fresh id, recycled if one is free.
+  std::uint32_t take_id() {
+    ++living;
+    if (!free_ids.empty()) {
+      const std::uint32_t index = free_ids.back();
+      free_ids.pop_back();
+      return index;
+    }
+    info.reserve(std::size_t{id_count} + 1);
+    return id_count++;
+  }
+
+  /// Room for n more slots.
+  void reserve_slots(std::size_t n) {
+    const std::size_t total = kernels::round_up_block(count + n);
+    pos.reserve(2 * total);
+    vel.reserve(2 * total);
+    disp.reserve(2 * total);
+    id.reserve(total);
+    radius.reserve(total);
+    linked.reserve(total);
+    if (!spin.empty()) add_rotation();
+  }
+
+  /// Makes the rotation columns (zero) if they are not there.
+  void add_rotation() {
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    spin.reserve(total);
+    angle.reserve(total);
+    spin0.reserve(total);
+  }
+
+  /// Neutral padding up to a whole block: at the last body's place, at rest, unlinked.
+  void pad_tail() {
+    const std::uint32_t end = static_cast<std::uint32_t>(kernels::round_up_block(count));
+    for (std::uint32_t i = count; i < end; ++i) {
+      pos[2 * i] = pos[2 * (count - 1)];
+      pos[2 * i + 1] = pos[2 * (count - 1) + 1];
+      vel[2 * i] = vel[2 * i + 1] = disp[2 * i] = disp[2 * i + 1] = 0;
+      radius[i] = 0;
+      linked[i] = 0;
+      id[i] = kNoSlot;
+      if (!spin.empty()) spin[i] = 0;
+    }
+  }
+
+  kernels::BodyView view() {
+    kernels::BodyView v;
+    v.pos = pos.data();
+    v.vel = vel.data();
+    v.vel0 = vel0.data();
+    v.disp = disp.data();
+    v.acc = acc.empty() ? nullptr : acc.data();
+    v.vel_rest = vel_rest.empty() ? nullptr : vel_rest.data();
+    v.spin = spin.empty() ? nullptr : spin.data();
+    v.spin0 = spin0.empty() ? nullptr : spin0.data();
+    v.event_time = event_time.empty() ? nullptr : event_time.data();
+    v.linked = linked.data();
+    return v;
+  }
+};
+
+}  // namespace psim

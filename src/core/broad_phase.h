@@ -1,0 +1,82 @@
+// Broad phase: which bodies may touch before the lists are made again.
+//
+// Lists are made with a margin of skin + |v| time around every body and serve until some body has
+// used its margin up. In: positions, velocities, radii. Out: bodies in cell order, a PairTable of
+// candidate pairs (each once) and of bodies near fixed shapes. O(bodies + candidates).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "grid_sort.h"
+#include "kernel_table.h"
+#include "pair_table.h"
+#include "static_shapes.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// What the broad phase must know of the world.
+struct BroadPhaseParams {
+  float skin = 0;         ///< m
+  float time = 0;         ///< s: how much motion the margin adds
+  bool walls = false;
+  bool periodic = false;
+  bool mixed_radii = false;
+  bool link_all = false;  ///< every body takes substeps (fields)
+  Bounds bounds;          ///< relative to the lattice centre, m
+};
+
+class BroadPhase {
+ public:
+  BroadPhase(MemoryMeter& meter, const Lattice& lattice)
+      : sort_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
+
+  /// True if the lists can serve a step of `time` seconds more.
+  bool lists_serve(BodyStore& bodies, float time, const kernels::KernelTable& k, WorkerPool& pool);
+
+  /// Sorts the bodies and fills `table`. `from()` then maps slots to the slots before.
+  void build(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
+             const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
+
+  const std::uint32_t* from() const { return sort_.from(); }
+  /// Area of the bodies' box at the last build, m^2; 0 before the first.
+  double area() const { return area_; }
+
+  /// Of the candidates, the pairs that can meet within `time` at their present relative speed:
+  /// gap < |u| time + slack. Fills `table` alike and sets bodies.linked. O(candidates).
+  void select(BodyStore& bodies, float time, float slack, bool link_all,
+              const PairTable& candidates, PairTable& table, const kernels::KernelTable& k,
+              WorkerPool& pool);
+
+ private:
+  void choose_grid(const BodyStore& bodies, const BroadPhaseParams& p, const std::int32_t extent[4],
+                   float most);
+  void cut_strips(const BodyStore& bodies, PairTable& table);
+  bool search_strip(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t strip,
+                    PairTable& table) const;
+  bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
+  void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
+  void find_singles(BodyStore& bodies, const StaticShapes& shapes, const BroadPhaseParams& p,
+                    std::size_t strip, PairTable& table) const;
+  kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;
+
+  struct alignas(64) Measure {  // of one task's bodies
+    float most = 0;
+    std::int32_t extent[4] = {};
+  };
+
+  GridSort sort_;
+  std::vector<Measure> measures_;
+  Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
+  const Lattice* lattice_;
+  Grid grid_;
+  float large_ = 1e30f;      // m: reach above which a body is not in the grid
+  float most_ = 0;           // m: largest reach in the grid
+  double area_ = 0;
+  double pairs_a_body_ = 1;  // room in the pair list; grows when it was too small
+  double pairs_a_large_ = 64;
+};
+
+}  // namespace psim

@@ -1,0 +1,372 @@
+#include "contact_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "invariant.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+using kernels::Model;
+
+float mixed_friction(float a, float b) { return std::sqrt(a * b); }
+
+// The impulse lane of old pair (a, b) in either order, or none.
+constexpr std::uint32_t kNoLane = 0xFFFFFFFFu;
+
+std::uint32_t find_pair(const PairTable& old, std::uint32_t a, std::uint32_t b) {
+  if (a >= old.body_count || b >= old.body_count) return kNoLane;
+  for (std::uint32_t p = old.pairs_of_begin(a), end = old.pairs_of_end(a); p < end; ++p) {
+    if (old.other[p] == b) return old.contact[p];
+  }
+  for (std::uint32_t p = old.pairs_of_begin(b), end = old.pairs_of_end(b); p < end; ++p) {
+    if (old.other[p] == a) return old.contact[p];
+  }
+  return kNoLane;
+}
+
+std::uint32_t find_single(const PairTable& old, std::uint32_t body, std::uint32_t shape) {
+  if (body >= old.body_count) return kNoLane;
+  const std::vector<SinglePair>& list = old.singles[old.strip_of(body)];
+  auto at = std::lower_bound(list.begin(), list.end(), body,
+                             [](const SinglePair& s, std::uint32_t b) { return s.body < b; });
+  for (; at != list.end() && at->body == body; ++at) {
+    if (at->shape == shape) return at->contact;
+  }
+  return kNoLane;
+}
+
+std::uint32_t blocks_of(std::uint32_t lanes) { return (lanes + kBlock - 1) / kBlock; }
+
+}  // namespace
+
+ContactStore::ContactStore(MemoryMeter& m)
+    : body(m), nx(m), ny(m), gap(m), rsum(m), impulse(m), mass(m), wa(m), wb(m), mu(m),
+      friction(m), tmass(m), qa(m), qb(m), e(m), impact(m), start(m), s_body(m), s_shape(m), s_nx(m),
+      s_ny(m), s_gap(m), s_base_x(m), s_base_y(m), s_rsum(m), s_refresh(m), s_impulse(m),
+      s_mass(m), s_wb(m), s_mu(m), s_friction(m), s_tmass(m), s_qb(m), s_e(m), s_impact(m), s_start(m),
+      used_(m), colour_(m), old_impulse_(m), old_friction_(m), old_s_impulse_(m),
+      old_s_friction_(m), old_s_nx_(m), old_s_ny_(m) {}
+
+void ContactStore::forget() {
+  if (!impulse.empty()) std::fill_n(impulse.data(), impulse.capacity(), 0.0f);
+  if (!friction.empty()) std::fill_n(friction.data(), friction.capacity(), 0.0f);
+  if (!s_impulse.empty()) std::fill_n(s_impulse.data(), s_impulse.capacity(), 0.0f);
+  if (!s_friction.empty()) std::fill_n(s_friction.data(), s_friction.capacity(), 0.0f);
+}
+
+// Greedy first fit, pairs in order. Bodies of
+// this strip and of the next one's first row are touched: even strips first, then odd ones.
+void ContactStore::colour_strip(const PairTable& table, std::size_t index) {
+  const Strip& s = table.strips[index];
+  Counts& counts = counts_[index];
+  counts.fill(0);
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    used_[table.owner[p]] = 0;
+    used_[table.other[p]] = 0;
+  }
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    std::uint32_t& mine = used_[table.owner[p]];
+    std::uint32_t& theirs = used_[table.other[p]];
+    const auto c = std::min(static_cast<std::uint32_t>(std::countr_zero(~(mine | theirs))), kColours);
+    const std::uint32_t bit = c < kColours ? 1u << c : 0u;
+    mine |= bit;
+    theirs |= bit;
+    colour_[p] = static_cast<std::uint8_t>(c);
+    ++counts[c];
+  }
+}
+
+void ContactStore::fill_pair(const BodyStore& b, std::uint32_t i, std::uint32_t j,
+                             std::size_t lane) {
+  body[2 * lane] = numbers_->number(i);
+  body[2 * lane + 1] = numbers_->number(j);
+  rsum[lane] = b.radius[i] + b.radius[j];
+  if (model_.model == Model::plain && !model_.bounce) return;
+  const Surface& ia = alike_ != nullptr ? *alike_ : b.surface(b.id[i]);
+  const Surface& ib = alike_ != nullptr ? *alike_ : b.surface(b.id[j]);
+  if (model_.bounce) e[lane] = std::max(ia.restitution, ib.restitution);
+  if (model_.model == Model::plain) return;
+  const float w = ia.inv_mass + ib.inv_mass;
+  wa[lane] = ia.inv_mass;
+  wb[lane] = ib.inv_mass;
+  mass[lane] = w > 0 ? 1 / w : 0;
+  if (model_.model == Model::massed) return;
+  mu[lane] = mixed_friction(ia.friction, ib.friction);
+  qa[lane] = ia.spin_gain;
+  qb[lane] = ib.spin_gain;
+  const float wt = w + ia.spin_gain + ib.spin_gain;
+  tmass[lane] = wt > 0 ? 1 / wt : 0;
+}
+
+// A lane that does nothing: a resting dummy beyond the bodies against itself, far apart.
+void ContactStore::pad_pair(std::size_t lane, std::uint32_t dummy) {
+  body[2 * lane] = dummy;
+  body[2 * lane + 1] = dummy + 1;
+  rsum[lane] = -1;
+  impulse[lane] = 0;
+  if (model_.bounce) {
+    e[lane] = 0;
+    impact[lane] = 1;
+  }
+  if (model_.model == Model::plain) return;
+  wa[lane] = wb[lane] = mass[lane] = 0;
+  if (model_.model == Model::massed) return;
+  mu[lane] = qa[lane] = qb[lane] = tmass[lane] = friction[lane] = 0;
+}
+
+void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const PairTable& old,
+                                 const std::uint32_t* from, std::size_t index) {
+  const Strip& s = table.strips[index];
+  if (s.pair_begin == s.pair_end) return;
+  const Counts& counts = counts_[index];
+  // Dummies: two a strip, beyond the last block of bodies.
+  const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
+  Counts next;
+  std::uint32_t lane = s.block_begin * kBlock;
+  for (std::uint32_t c = 0; c < kColours; ++c) {
+    next[c] = lane;
+    const std::uint32_t end = lane + blocks_of(counts[c]) * kBlock;
+    for (std::uint32_t l = lane + counts[c]; l < end; ++l) pad_pair(l, dummy);
+    lane = end;
+  }
+  next[kColours] = lane;
+  for (std::uint32_t o = 0; o < counts[kColours]; ++o) {
+    for (std::uint32_t l = 1; l < kBlock; ++l) pad_pair(lane + kBlock * o + l, dummy);
+  }
+  const bool rough = model_.model == Model::rough;
+  const bool carry = old.body_count != 0;
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const std::uint32_t i = table.owner[p], j = table.other[p];
+    const std::uint32_t c = colour_[p];
+    const std::uint32_t at = next[c];
+    next[c] += c < kColours ? 1 : kBlock;
+    table.contact[p] = at;
+    fill_pair(b, i, j, at);
+    const std::uint32_t before =
+        !carry ? kNoLane
+               : (from != nullptr ? find_pair(old, from[i], from[j]) : find_pair(old, i, j));
+    const float l = before == kNoLane ? 0.0f : old_impulse_[before];
+    impulse[at] = l > 0 ? l : 0.0f;
+    if (rough) friction[at] = before == kNoLane ? 0.0f : old_friction_[before];
+  }
+}
+
+void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shapes,
+                                   const Material& wall, PairTable& table, const PairTable& old,
+                                   const std::uint32_t* from, std::size_t index) {
+  std::vector<SinglePair>& list = table.singles[index];
+  if (list.empty()) return;
+  const Strip& s = table.strips[index];
+  const Counts& counts = single_counts_[index];
+  const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
+  const bool massed = model_.model != Model::plain, rough = model_.model == Model::rough;
+  const auto pad = [&](std::size_t lane) {
+    s_body[lane] = dummy;
+    s_shape[lane] = kNoSlot;
+    s_nx[lane] = 0;
+    s_ny[lane] = 1;
+    s_gap[lane] = 1;
+    s_base_x[lane] = s_base_y[lane] = s_rsum[lane] = 0;
+    s_refresh[lane] = std::numeric_limits<float>::infinity();
+    s_impulse[lane] = 0;
+    if (model_.bounce) {
+      s_e[lane] = 0;
+      s_impact[lane] = 1;
+    }
+    if (massed) s_wb[lane] = s_mass[lane] = 0;
+    if (rough) s_mu[lane] = s_qb[lane] = s_tmass[lane] = s_friction[lane] = 0;
+  };
+  Counts next;
+  std::uint32_t lane = s.single_begin * kBlock;
+  for (std::uint32_t c = 0; c < kColours; ++c) {
+    next[c] = lane;
+    const std::uint32_t end = lane + blocks_of(counts[c]) * kBlock;
+    for (std::uint32_t l = lane + counts[c]; l < end; ++l) pad(l);
+    lane = end;
+  }
+  next[kColours] = lane;
+  for (std::uint32_t o = 0; o < counts[kColours]; ++o) {
+    for (std::uint32_t l = 1; l < kBlock; ++l) pad(lane + kBlock * o + l);
+  }
+  std::uint32_t last = kNoSlot, sequence = 0;
+  for (SinglePair& pair : list) {
+    sequence = pair.body == last ? sequence + 1 : 0;
+    last = pair.body;
+    const std::uint32_t c = std::min(sequence, kColours);
+    const std::uint32_t at = next[c];
+    next[c] += c < kColours ? 1 : kBlock;
+    pair.contact = at;
+    s_body[at] = numbers_->number(pair.body);
+    s_shape[at] = pair.shape;
+    const Surface& info = b.surface(b.id[pair.body]);
+    const bool is_wall = pair.shape >= kWallLeft;
+    const float we = is_wall ? static_cast<float>(wall.restitution) : shapes[pair.shape].restitution;
+    const float wm = is_wall ? static_cast<float>(wall.friction) : shapes[pair.shape].friction;
+    if (model_.bounce) s_e[at] = std::max(info.restitution, we);
+    if (massed) {
+      s_wb[at] = info.inv_mass;
+      s_mass[at] = info.inv_mass > 0 ? 1 / info.inv_mass : 0;
+    }
+    if (rough) {
+      s_mu[at] = mixed_friction(info.friction, wm);
+      s_qb[at] = info.spin_gain;
+      const float wt = info.inv_mass + info.spin_gain;
+      s_tmass[at] = wt > 0 ? 1 / wt : 0;
+    }
+    const std::uint32_t before = find_single(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
+    const float l = before == kNoLane ? 0.0f : old_s_impulse_[before];
+    s_impulse[at] = l > 0 ? l : 0.0f;
+    // The side that a pressed contact was on: the narrow phase keeps to it.
+    s_nx[at] = before == kNoLane ? 0.0f : old_s_nx_[before];
+    s_ny[at] = before == kNoLane ? 0.0f : old_s_ny_[before];
+    if (rough) s_friction[at] = before == kNoLane ? 0.0f : old_s_friction_[before];
+  }
+}
+
+void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
+  body.reserve_loosely(2 * pair_lanes);
+  for (Column<float>* c : {&nx, &ny, &gap, &rsum, &impulse, &old_impulse_}) c->reserve_loosely(pair_lanes);
+  s_body.reserve_loosely(single_lanes);
+  s_shape.reserve_loosely(single_lanes);
+  for (Column<float>* c : {&s_nx, &s_ny, &s_gap, &s_base_x, &s_base_y, &s_rsum, &s_refresh,
+                           &s_impulse, &old_s_impulse_, &old_s_nx_, &old_s_ny_}) {
+    c->reserve_loosely(single_lanes);
+  }
+  if (model_.bounce) {
+    for (Column<float>* c : {&e, &impact, &start}) c->reserve_loosely(pair_lanes);
+    for (Column<float>* c : {&s_e, &s_impact, &s_start}) c->reserve_loosely(single_lanes);
+  }
+  if (model_.model == Model::plain) return;
+  for (Column<float>* c : {&mass, &wa, &wb}) c->reserve_loosely(pair_lanes);
+  for (Column<float>* c : {&s_mass, &s_wb}) c->reserve_loosely(single_lanes);
+  if (model_.model == Model::massed) return;
+  for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb}) c->reserve_loosely(pair_lanes);
+  for (Column<float>* c : {&s_mu, &s_friction, &old_s_friction_, &s_tmass, &s_qb}) {
+    c->reserve_loosely(single_lanes);
+  }
+}
+
+void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
+                         ContactModel model, const Surface* alike, PairTable& table, const PairTable& old,
+                         const std::uint32_t* from, WorkerPool& pool) {
+  if (model != model_) {  // what the new model does not read gives its memory back
+    if (model.model != Model::rough) {
+      for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu,
+                               &s_friction, &old_s_friction_, &s_tmass, &s_qb}) {
+        c->release();
+      }
+    }
+    if (model.model == Model::plain) {
+      for (Column<float>* c : {&mass, &wa, &wb, &s_mass, &s_wb}) c->release();
+    }
+    if (!model.bounce) {
+      for (Column<float>* c : {&e, &impact, &start, &s_e, &s_impact, &s_start}) c->release();
+    }
+    model_ = model;
+  }
+  alike_ = alike;
+  numbers_ = &numbers;
+  const std::size_t strips = table.strips.size();
+  counts_.resize(std::max(counts_.size(), strips));
+  single_counts_.resize(counts_.size());
+  used_.reserve(kernels::round_up_block(b.count));
+  colour_.reserve_loosely(table.strips.back().pair_end);
+  table.contact.reserve_loosely(table.strips.back().pair_end);
+  const std::size_t grid_strips = strips - 1;
+  for (std::size_t parity = 0; parity < 2; ++parity) {
+    pool.run((grid_strips + 1 - parity) / 2, [&](std::size_t k) { colour_strip(table, 2 * k + parity); });
+  }
+  colour_strip(table, grid_strips);
+
+  pair_blocks_ = single_blocks_ = colours_ = 0;
+  pair_count_ = single_count_ = 0;
+  for (std::size_t k = 0; k < strips; ++k) {
+    Strip& s = table.strips[k];
+    Counts& singles = single_counts_[k];
+    singles.fill(0);
+    std::uint32_t last = kNoSlot, sequence = 0;
+    for (const SinglePair& pair : table.singles[k]) {
+      sequence = pair.body == last ? sequence + 1 : 0;
+      last = pair.body;
+      ++singles[std::min(sequence, kColours)];
+    }
+    s.block_begin = pair_blocks_;
+    s.single_begin = single_blocks_;
+    s.colours = 0;
+    for (std::uint32_t c = 0; c < kColours; ++c) {
+      pair_blocks_ += blocks_of(counts_[k][c]);
+      single_blocks_ += blocks_of(singles[c]);
+      if (counts_[k][c] != 0) s.colours = c + 1;
+    }
+    pair_blocks_ += counts_[k][kColours];
+    single_blocks_ += singles[kColours];
+    s.block_end = pair_blocks_;
+    s.single_end = single_blocks_;
+    colours_ = std::max(colours_, s.colours);
+    pair_count_ += s.pair_end - s.pair_begin;
+    single_count_ += table.singles[k].size();
+  }
+  old_impulse_.swap(impulse);
+  old_s_impulse_.swap(s_impulse);
+  old_s_nx_.swap(s_nx);
+  old_s_ny_.swap(s_ny);
+  old_friction_.swap(friction);
+  old_s_friction_.swap(s_friction);
+  make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{single_blocks_} * kBlock);
+  pool.run(strips, [&](std::size_t k) {
+    lay_out_strip(b, table, old, from, k);
+    lay_out_singles(b, shapes, wall, table, old, from, k);
+  });
+}
+
+kernels::ContactView ContactStore::pairs() {
+  kernels::ContactView v;
+  v.body = body.data();
+  v.nx = nx.data();
+  v.ny = ny.data();
+  v.gap = gap.data();
+  v.impulse = impulse.data();
+  v.rsum = rsum.data();
+  v.mass = mass.data();
+  v.wa = wa.data();
+  v.wb = wb.data();
+  v.mu = mu.data();
+  v.friction = friction.data();
+  v.tmass = tmass.data();
+  v.qa = qa.data();
+  v.qb = qb.data();
+  v.e = e.data();
+  v.impact = impact.data();
+  v.start = start.data();
+  return v;
+}
+
+kernels::SingleView ContactStore::singles() {
+  kernels::SingleView v;
+  v.body = s_body.data();
+  v.nx = s_nx.data();
+  v.ny = s_ny.data();
+  v.gap = s_gap.data();
+  v.impulse = s_impulse.data();
+  v.base_x = s_base_x.data();
+  v.base_y = s_base_y.data();
+  v.rsum = s_rsum.data();
+  v.refresh = s_refresh.data();
+  v.mass = s_mass.data();
+  v.wb = s_wb.data();
+  v.mu = s_mu.data();
+  v.friction = s_friction.data();
+  v.tmass = s_tmass.data();
+  v.qb = s_qb.data();
+  v.e = s_e.data();
+  v.impact = s_impact.data();
+  v.start = s_start.data();
+  return v;
+}
+
+}  // namespace psim

@@ -1,0 +1,88 @@
+// Contacts as the solver wants them: blocks of 8 lanes, by strip, then by colour, so that the lanes
+// of a block share no body. Columns that the plan's model does not read own no memory.
+//
+// The lists and colours last as long as the PairTable; impulses stay in their place meanwhile and
+// are carried over, pair by pair, when the lists are made again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "column.h"
+#include "pair_table.h"
+#include "psim/desc.h"
+#include "solver_bodies.h"
+#include "static_shapes.h"
+#include "views.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// Which columns contacts have.
+struct ContactModel {
+  kernels::Model model = kernels::Model::plain;
+  bool bounce = false;
+  friend bool operator==(const ContactModel&, const ContactModel&) = default;
+};
+
+class ContactStore {
+ public:
+  explicit ContactStore(MemoryMeter& meter);
+
+  /// Colours the pairs of `table`, lays the blocks out and carries impulses over from the old
+  /// table (`from` maps new slots to old ones; null: the same). `alike`: the cold data of all moving bodies, if
+  /// they agree. O(pairs).
+  void build(BodyStore& bodies, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
+             ContactModel model, const Surface* alike, PairTable& table, const PairTable& old,
+             const std::uint32_t* from, WorkerPool& pool);
+
+  /// Forgets all impulses (the model changed, or the lists are of another world state).
+  void forget();
+
+  kernels::ContactView pairs();
+  kernels::SingleView singles();
+
+  std::uint32_t pair_blocks() const { return pair_blocks_; }
+  std::uint32_t single_blocks() const { return single_blocks_; }
+  std::uint32_t colours() const { return colours_; }
+  std::uint64_t pair_count() const { return pair_count_; }
+  std::uint64_t single_count() const { return single_count_; }
+
+  // Pair contacts, by lane.
+  Column<std::uint32_t> body;  ///< two a lane, as SolverBodies numbers them
+  Column<float> nx, ny, gap, rsum, impulse, mass, wa, wb, mu, friction, tmass, qa, qb, e, impact, start;
+  // Single contacts, by lane.
+  Column<std::uint32_t> s_body, s_shape;
+  Column<float> s_nx, s_ny, s_gap, s_base_x, s_base_y, s_rsum, s_refresh, s_impulse, s_mass, s_wb,
+      s_mu, s_friction, s_tmass, s_qb, s_e, s_impact, s_start;
+
+ private:
+  // Colours a pair can have; a body with more partners than that overflows into blocks of one lane.
+  static constexpr std::uint32_t kColours = 31;
+  using Counts = std::array<std::uint32_t, kColours + 1>;  // the last: overflow
+
+  void colour_strip(const PairTable& table, std::size_t strip);
+  void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old,
+                     const std::uint32_t* from, std::size_t strip);
+  void lay_out_singles(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall,
+                       PairTable& table, const PairTable& old, const std::uint32_t* from,
+                       std::size_t strip);
+  void fill_pair(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, std::size_t lane);
+  void pad_pair(std::size_t lane, std::uint32_t dummy);
+  void make_room(std::size_t pair_lanes, std::size_t single_lanes);
+
+  ContactModel model_;
+  const Surface* alike_ = nullptr;
+  const SolverBodies* numbers_ = nullptr;
+  Column<std::uint32_t> used_;    // by slot: colours taken
+  Column<std::uint8_t> colour_;   // by pair
+  std::vector<Counts> counts_;    // by strip
+  std::vector<Counts> single_counts_;
+  Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
+  std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;
+  std::uint64_t pair_count_ = 0, single_count_ = 0;
+};
+
+}  // namespace psim

@@ -1,0 +1,223 @@
+#include "grid_sort.h"
+
+#include <algorithm>
+
+#include "invariant.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+
+constexpr std::uint32_t kLargeKey = 0xFFFFFFFEu;
+constexpr std::uint32_t kDeadKey = 0xFFFFFFFFu;
+constexpr std::uint32_t kChunkBodies = 4096;   // of a task; a multiple of the block
+constexpr std::uint32_t kRangeCells = 16384;   // of a prefix task
+
+}  // namespace
+
+void GridSort::find_keys(const BodyStore& bodies, const Grid& grid, float large, bool special,
+                         const kernels::KernelTable& k, Chunk& chunk) {
+  const std::uint32_t blocks_end = (chunk.end + kBlock - 1) / kBlock;
+  k.cell_keys(bodies.pos.data(), grid.view, key_.data(), chunk.begin / kBlock, blocks_end);
+  std::uint32_t low = 0xFFFFFFFFu, high = 0;
+  chunk.large = chunk.dead = 0;
+  if (special) {
+    for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
+      if (bodies.id[i] == kNoSlot) {
+        key_[i] = kDeadKey;
+        ++chunk.dead;
+      } else if (bodies.reach[i] > large) {
+        key_[i] = kLargeKey;
+        ++chunk.large;
+      } else {
+        low = std::min(low, key_[i]);
+        high = std::max(high, key_[i]);
+      }
+    }
+  } else {
+    for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
+      low = std::min(low, key_[i]);
+      high = std::max(high, key_[i]);
+    }
+  }
+  chunk.low = low <= high ? low : 0;
+  chunk.high = low <= high ? high + 1 : 0;
+}
+
+void GridSort::count_chunk(const Chunk& chunk) {
+  std::uint32_t* counts = counts_.data() + chunk.counts;
+  std::fill(counts, counts + (chunk.high - chunk.low), 0u);
+  for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
+    if (key_[i] < kLargeKey) ++counts[key_[i] - chunk.low];
+  }
+}
+
+void GridSort::scatter_chunk(BodyStore& b, const Chunk& chunk, std::uint32_t large_at,
+                             std::uint32_t dead_at, bool mixed_radii) {
+  std::uint32_t* counts = counts_.data() + chunk.counts;
+  const std::uint32_t* cell_start = start();
+  const bool turning = !b.spin.empty();
+  const auto copy2 = [](auto* to, const auto* source, std::size_t a, std::size_t c) {
+    to[2 * a] = source[2 * c];
+    to[2 * a + 1] = source[2 * c + 1];
+  };
+  for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
+    const std::uint32_t key = key_[i];
+    std::uint32_t to;
+    if (key < kLargeKey) {
+      to = cell_start[key] + counts[key - chunk.low]++;
+    } else if (key == kLargeKey) {
+      to = large_at++;
+    } else {
+      to = dead_at++;
+    }
+    copy2(pos_.data(), b.pos.data(), to, i);
+    copy2(vel_.data(), b.vel.data(), to, i);
+    copy2(disp_.data(), b.disp.data(), to, i);
+    id_[to] = b.id[i];
+    reach_[to] = b.reach[i];
+    key_sorted_[to] = key;
+    from_[to] = i;
+    if (mixed_radii) radius_[to] = b.radius[i];
+    if (turning) {
+      spin_[to] = b.spin[i];
+      angle_[to] = b.angle[i];
+    }
+  }
+}
+
+std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool mixed_radii,
+                             const kernels::KernelTable& k, WorkerPool& pool) {
+  const std::uint32_t n = b.count;
+  const std::size_t padded = kernels::round_up_block(n);
+  key_.reserve(padded);
+  key_sorted_.reserve(padded);
+  from_.reserve(padded);
+  pos_.reserve(2 * padded);
+  vel_.reserve(2 * padded);
+  disp_.reserve(2 * padded);
+  id_.reserve(padded);
+  reach_.reserve(padded);
+  if (mixed_radii) radius_.reserve(padded);
+  if (!b.spin.empty()) {
+    spin_.reserve(padded);
+    angle_.reserve(padded);
+  }
+  start_.reserve_loosely(std::size_t{grid.keys} + 2);
+
+  std::size_t chunk_count = (n + kChunkBodies - 1) / kChunkBodies;
+  chunks_.resize(chunk_count);
+  for (std::size_t c = 0; c < chunk_count; ++c) {
+    chunks_[c].begin = static_cast<std::uint32_t>(c) * kChunkBodies;
+    chunks_[c].end = std::min(n, chunks_[c].begin + kChunkBodies);
+  }
+  const bool special = b.dead != 0 || large < 1e30f;
+  pool.run(chunk_count, [&](std::size_t c) {
+    find_keys(b, grid, large, special, k, chunks_[c]);
+  });
+  std::size_t windows = 0;
+  for (Chunk& c : chunks_) {
+    c.counts = windows;
+    windows += c.high - c.low;
+  }
+  if (windows > 4 * std::size_t{grid.keys} + 65536) {  // shuffled: one chunk for all
+    Chunk all = chunks_[0];
+    all.begin = 0;
+    all.end = n;
+    for (const Chunk& c : chunks_) {
+      if (c.high == c.low) continue;
+      all.low = all.high == all.low ? c.low : std::min(all.low, c.low);
+      all.high = std::max(all.high, c.high);
+    }
+    all.large = all.dead = 0;
+    for (const Chunk& c : chunks_) {
+      all.large += c.large;
+      all.dead += c.dead;
+    }
+    all.counts = 0;
+    chunks_.assign(1, all);
+    chunk_count = 1;
+    windows = all.high - all.low;
+  }
+  counts_.reserve_loosely(windows);
+  pool.run(chunk_count, [&](std::size_t c) { count_chunk(chunks_[c]); });
+
+  // Places: within a cell by chunk, cells in order.
+  std::uint32_t* cells = start_.data() + 1;
+  const std::size_t ranges = (grid.keys + kRangeCells - 1) / kRangeCells;
+  range_sum_.resize(ranges);
+  pool.run(ranges, [&](std::size_t r) {
+    const auto low = static_cast<std::uint32_t>(r * kRangeCells);
+    const auto high = static_cast<std::uint32_t>(
+        std::min<std::size_t>(grid.keys, (r + 1) * std::size_t{kRangeCells}));
+    std::fill(cells + low, cells + high, 0u);
+    for (const Chunk& c : chunks_) {
+      const std::uint32_t from = std::max(low, c.low), to = std::min(high, c.high);
+      std::uint32_t* counts = counts_.data() + c.counts;
+      for (std::uint32_t cell = from; cell < to; ++cell) {
+        const std::uint32_t before = cells[cell];
+        cells[cell] = before + counts[cell - c.low];
+        counts[cell - c.low] = before;
+      }
+    }
+    std::uint32_t sum = 0;
+    for (std::uint32_t cell = low; cell < high; ++cell) sum += cells[cell];
+    range_sum_[r] = sum;
+  });
+  std::uint32_t small = 0;
+  for (std::uint32_t& sum : range_sum_) {
+    const std::uint32_t here = sum;
+    sum = small;
+    small += here;
+  }
+  pool.run(ranges, [&](std::size_t r) {
+    const auto low = static_cast<std::uint32_t>(r * kRangeCells);
+    const auto high = static_cast<std::uint32_t>(
+        std::min<std::size_t>(grid.keys, (r + 1) * std::size_t{kRangeCells}));
+    std::uint32_t run = range_sum_[r];
+    for (std::uint32_t cell = low; cell < high; ++cell) {
+      const std::uint32_t here = cells[cell];
+      cells[cell] = run;
+      run += here;
+    }
+  });
+  start_[0] = 0;
+  cells[grid.keys] = small;
+  std::uint32_t larges = 0;
+  for (const Chunk& c : chunks_) larges += c.large;
+
+  // The places of large and dead bodies are few: chunk by chunk.
+  std::vector<std::uint32_t>& large_at = range_sum_;
+  large_at.resize(2 * chunk_count);
+  std::uint32_t next_large = small, next_dead = small + larges;
+  for (std::size_t c = 0; c < chunk_count; ++c) {
+    large_at[2 * c] = next_large;
+    large_at[2 * c + 1] = next_dead;
+    next_large += chunks_[c].large;
+    next_dead += chunks_[c].dead;
+  }
+  PSIM_ASSERT(next_dead == n);
+  pool.run(chunk_count, [&](std::size_t c) {
+    scatter_chunk(b, chunks_[c], large_at[2 * c], large_at[2 * c + 1], mixed_radii);
+  });
+  b.pos.swap(pos_);
+  b.vel.swap(vel_);
+  b.disp.swap(disp_);
+  b.id.swap(id_);
+  b.reach.swap(reach_);
+  if (mixed_radii) b.radius.swap(radius_);
+  if (!b.spin.empty()) {
+    b.spin.swap(spin_);
+    b.angle.swap(angle_);
+  }
+  b.count = small + larges;
+  b.dead = 0;
+  b.slots_stale = true;
+  // Both halves of every swapped pair must have room for what comes next.
+  b.reserve_slots(0);
+  if (b.count != 0) b.pad_tail();
+  return small;
+}
+
+}  // namespace psim

@@ -1,0 +1,71 @@
+// Sorts bodies into the cells of a grid over their box: a stable counting sort in parallel, with the
+// same result for any number of threads.
+//
+//   keys      cell of every body; each chunk of bodies notes the window of cells that it meets
+//   count     each chunk counts its bodies by cell, in its own window
+//   prefix    counts become places: by cell, then by chunk
+//   scatter   each chunk moves its bodies' columns to their new slots
+// Bodies come nearly sorted from the last time, so the windows are small; if they are not (a first
+// sort of shuffled bodies), one chunk does it alone. Measured in docs/performance.md.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "kernel_table.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// The grid of one build.
+struct Grid {
+  kernels::GridView view;
+  double cell_x = 1, cell_y = 1;  ///< m
+  bool periodic = false;
+  std::uint32_t keys = 0;         ///< cells with guards
+};
+
+class GridSort {
+ public:
+  explicit GridSort(MemoryMeter& meter)
+      : key_(meter), start_(meter), counts_(meter), from_(meter), pos_(meter), vel_(meter),
+        disp_(meter), id_(meter), radius_(meter), reach_(meter), spin_(meter), angle_(meter),
+        key_sorted_(meter) {}
+
+  /// Sorts; drops dead bodies; bodies whose reach exceeds `large` go last. Afterwards from()[slot]
+  /// is the slot before. Returns the first large slot.
+  std::uint32_t sort(BodyStore& bodies, const Grid& grid, float large, bool mixed_radii,
+                     const kernels::KernelTable& k, WorkerPool& pool);
+
+  const std::uint32_t* from() const { return from_.data(); }
+  const std::uint32_t* keys() const { return key_sorted_.data(); }
+  /// First slot of a cell; index -1 and the guards above the last row are readable.
+  const std::uint32_t* start() const { return start_.data() + 1; }
+
+ private:
+  struct Chunk {
+    std::uint32_t begin = 0, end = 0;        // bodies
+    std::uint32_t low = 0, high = 0;         // window of keys, past-the-end high
+    std::size_t counts = 0;                  // its window in counts_
+    std::uint32_t large = 0, dead = 0;       // how many
+  };
+
+  void find_keys(const BodyStore& bodies, const Grid& grid, float large, bool special,
+                 const kernels::KernelTable& k, Chunk& chunk);
+  void count_chunk(const Chunk& chunk);
+  void scatter_chunk(BodyStore& bodies, const Chunk& chunk, std::uint32_t large_at,
+                     std::uint32_t dead_at, bool mixed_radii);
+
+  Column<std::uint32_t> key_, start_, counts_, from_;
+  Column<std::int32_t> pos_;
+  Column<float> vel_, disp_;
+  Column<std::uint32_t> id_;
+  Column<float> radius_, reach_, spin_;
+  Column<double> angle_;
+  Column<std::uint32_t> key_sorted_;
+  std::vector<Chunk> chunks_;
+  std::vector<std::uint32_t> range_sum_;
+};
+
+}  // namespace psim

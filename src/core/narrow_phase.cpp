@@ -1,0 +1,166 @@
+#include "narrow_phase.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace psim {
+namespace {
+
+constexpr float kFar = 1e6f;  // m: gap of a contact that another one stands for
+
+class SingleGeometry {
+ public:
+  SingleGeometry(const BodyStore& b, const StaticShapes& shapes, const Walls& walls,
+                 const Lattice& lattice, float refresh, ContactStore& c)
+      : b_(b), shapes_(shapes), walls_(walls), c_(c), px_(lattice.pitch_x()),
+        py_(lattice.pitch_y()), refresh_(refresh) {}
+
+  /// All contacts of one body: list[begin..end).
+  void body(const std::vector<SinglePair>& list, std::size_t begin, std::size_t end) {
+    corners_ = 0;
+    for (std::size_t k = begin; k < end; ++k) one(list[k]);
+    if (corners_ != 0 && end - begin > 1) drop_doubled_corners(list, begin, end);
+  }
+
+ private:
+  void one(const SinglePair& pair) {
+    const std::uint32_t i = pair.body;
+    const std::int32_t x = b_.pos[2 * std::size_t{i}], y = b_.pos[2 * std::size_t{i} + 1];
+    const float r = b_.radius[i];
+    if (pair.shape >= kWallLeft) {
+      const auto d = [](std::int32_t a, std::int32_t w, float rest, double pitch) {
+        return static_cast<float>(wrap_sub(a, w) * pitch - static_cast<double>(rest));
+      };
+      switch (pair.shape) {
+        case kWallLeft: return face(pair, 1, 0, d(x, walls_.low.x, walls_.low.dx, px_) - r);
+        case kWallRight: return face(pair, -1, 0, -d(x, walls_.high.x, walls_.high.dx, px_) - r);
+        case kWallBottom: return face(pair, 0, 1, d(y, walls_.low.y, walls_.low.dy, py_) - r);
+        default: return face(pair, 0, -1, -d(y, walls_.high.y, walls_.high.dy, py_) - r);
+      }
+    }
+    const StaticShape& s = shapes_[pair.shape];
+    const double ax = wrap_sub(x, s.p.x) * px_ - static_cast<double>(s.p.dx);
+    const double ay = wrap_sub(y, s.p.y) * py_ - static_cast<double>(s.p.dy);
+    if (!s.segment) return round(pair, ax, ay, s.radius, r);
+    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
+    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
+    const double uu = ux * ux + uy * uy;
+    const double along = ax * ux + ay * uy;
+    if (along < 0 || along > uu) {
+      ++corners_;
+      if (along < 0) return round(pair, ax, ay, 0, r);
+      return round(pair, ax - ux, ay - uy, 0, r);
+    }
+    const double length = std::sqrt(uu);
+    const double side = (ux * ay - uy * ax) / length;  // left of p->q is positive
+    double sign = side < 0 ? -1 : 1;
+    // Pressed through a thin segment by its neighbours, a disc is still on the side it came from.
+    const std::uint32_t at = pair.contact;
+    if (c_.s_impulse[at] > 0) {
+      const double was = static_cast<double>(c_.s_nx[at]) * -uy + static_cast<double>(c_.s_ny[at]) * ux;
+      if (was != 0) sign = was < 0 ? -1 : 1;
+    }
+    face(pair, static_cast<float>(-uy / length * sign), static_cast<float>(ux / length * sign),
+         static_cast<float>(side * sign) - r);
+  }
+
+  void face(const SinglePair& pair, float nx, float ny, float gap) {
+    const std::uint32_t at = pair.contact;
+    c_.s_nx[at] = nx;
+    c_.s_ny[at] = ny;
+    c_.s_gap[at] = gap;
+    c_.s_base_x[at] = c_.s_base_y[at] = 0;
+    c_.s_rsum[at] = b_.radius[pair.body];
+    c_.s_refresh[at] = std::numeric_limits<float>::infinity();
+  }
+
+  void round(const SinglePair& pair, double x, double y, float fixed, float r) {
+    const std::uint32_t at = pair.contact;
+    const double far = std::sqrt(x * x + y * y);
+    c_.s_nx[at] = far > 0 ? static_cast<float>(x / far) : 0.0f;
+    c_.s_ny[at] = far > 0 ? static_cast<float>(y / far) : 1.0f;
+    c_.s_gap[at] = static_cast<float>(far) - (r + fixed);
+    c_.s_base_x[at] = static_cast<float>(x);
+    c_.s_base_y[at] = static_cast<float>(y);
+    c_.s_rsum[at] = r + fixed;
+    c_.s_refresh[at] = refresh_;
+  }
+
+  // Where a disc meets the end of a segment that lies on another segment it meets, the other one
+  // carries it: no bump at joints. Of two ends at one point the first counts.
+  void drop_doubled_corners(const std::vector<SinglePair>& list, std::size_t begin,
+                            std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t at = list[k].contact;
+      if (!is_corner(list[k])) continue;
+      // The corner relative to the body's centre is -(base).
+      const double cx = -static_cast<double>(c_.s_base_x[at]);
+      const double cy = -static_cast<double>(c_.s_base_y[at]);
+      for (std::size_t o = begin; o < end; ++o) {
+        if (o == k || list[o].shape >= kWallLeft || !shapes_[list[o].shape].segment) continue;
+        const bool other_corner = is_corner(list[o]);
+        if (other_corner && o > k) continue;
+        if (distance_to(list[o], cx, cy) < 1e-5 * static_cast<double>(b_.radius[list[k].body]) + 4 * px_) {
+          c_.s_gap[at] = kFar;
+          c_.s_refresh[at] = std::numeric_limits<float>::infinity();
+          c_.s_impulse[at] = 0;
+          break;
+        }
+      }
+    }
+  }
+
+  bool is_corner(const SinglePair& pair) const {
+    return pair.shape < kWallLeft && shapes_[pair.shape].segment &&
+           (c_.s_base_x[pair.contact] != 0 || c_.s_base_y[pair.contact] != 0);
+  }
+
+  // Distance from a point (relative to the body's centre) to a segment.
+  double distance_to(const SinglePair& pair, double x, double y) const {
+    const StaticShape& s = shapes_[pair.shape];
+    const std::size_t i = pair.body;
+    const double ax = x + wrap_sub(b_.pos[2 * i], s.p.x) * px_ - static_cast<double>(s.p.dx);
+    const double ay = y + wrap_sub(b_.pos[2 * i + 1], s.p.y) * py_ - static_cast<double>(s.p.dy);
+    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
+    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
+    const double t = std::fmin(std::fmax((ax * ux + ay * uy) / (ux * ux + uy * uy), 0), 1);
+    const double dx = ax - t * ux, dy = ay - t * uy;
+    return std::sqrt(dx * dx + dy * dy);
+  }
+
+  const BodyStore& b_;
+  const StaticShapes& shapes_;
+  const Walls& walls_;
+  ContactStore& c_;
+  double px_, py_;
+  float refresh_;
+  int corners_ = 0;
+};
+
+}  // namespace
+
+void narrow_phase(BodyStore& b, SolverBodies& solved, const StaticShapes& shapes, const Walls& walls,
+                  const Lattice& lattice, float refresh, PairTable& table, ContactStore& contacts,
+                  const kernels::KernelTable& k, WorkerPool& pool) {
+  solved.load(b, pool);
+  const kernels::BodyView bodies = solved.view(b);
+  const kernels::ContactView pairs = contacts.pairs();
+  kernels::ContactParams p;
+  p.pitch_x = static_cast<float>(lattice.pitch_x());
+  p.pitch_y = static_cast<float>(lattice.pitch_y());
+  pool.run(table.strips.size(), [&](std::size_t index) {
+    const Strip& s = table.strips[index];
+    if (s.block_begin != s.block_end) k.prepare(bodies, pairs, p, s.block_begin, s.block_end);
+    const std::vector<SinglePair>& list = table.singles[index];
+    SingleGeometry geometry(b, shapes, walls, lattice, refresh, contacts);
+    for (std::size_t begin = 0; begin < list.size();) {
+      std::size_t end = begin + 1;
+      while (end < list.size() && list[end].body == list[begin].body) ++end;
+      geometry.body(list, begin, end);
+      begin = end;
+    }
+  });
+}
+
+}  // namespace psim

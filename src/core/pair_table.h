@@ -1,0 +1,74 @@
+// The neighbour lists of one build: strips of bodies, their candidate pairs and pairs with fixed
+// shapes. Two tables alternate, so that stored impulses can be carried from the old to the new.
+//
+// A strip is some whole rows of the grid: a run of slots. Its pairs reach into itself and the first
+// row of the next strip, so all even strips, then all odd strips, can be worked on side by side.
+// Bodies too large for the grid form one last group, worked on alone.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "column.h"
+
+namespace psim {
+
+struct Strip {
+  std::uint32_t body_begin = 0, body_end = 0;
+  std::uint32_t row_begin = 0, row_end = 0;
+  std::uint32_t pair_begin = 0, pair_end = 0;    ///< in PairTable::other
+  std::uint32_t block_begin = 0, block_end = 0;  ///< contact blocks
+  std::uint32_t single_begin = 0, single_end = 0;  ///< blocks of contacts with fixed shapes
+  std::uint32_t colours = 0;
+};
+
+/// A body near a fixed shape.
+struct SinglePair {
+  std::uint32_t body = 0;
+  std::uint32_t shape = 0;
+  std::uint32_t contact = 0;  ///< 8 block + lane
+};
+
+struct PairTable {
+  explicit PairTable(MemoryMeter& meter) : first(meter), owner(meter), other(meter), contact(meter) {}
+
+  Column<std::uint32_t> first;    ///< by slot: its first pair; the high bit marks a strip's first body
+  Column<std::uint32_t> owner;    ///< by pair: the slot that found it; ascending in a strip
+  Column<std::uint32_t> other;    ///< by pair: the partner's slot
+  Column<std::uint32_t> contact;  ///< by pair: 8 block + lane
+  std::vector<Strip> strips;      ///< the last is the group of large bodies
+  std::vector<std::vector<SinglePair>> singles;  ///< by strip, by body
+  std::uint32_t body_count = 0;
+  std::uint32_t large_begin = 0;
+
+  static constexpr std::uint32_t kStripStart = 0x80000000u;
+
+  void swap(PairTable& o) {
+    first.swap(o.first);
+    owner.swap(o.owner);
+    other.swap(o.other);
+    contact.swap(o.contact);
+    strips.swap(o.strips);
+    singles.swap(o.singles);
+    std::swap(body_count, o.body_count);
+    std::swap(large_begin, o.large_begin);
+  }
+
+  std::uint32_t pairs_of_begin(std::uint32_t body) const { return first[body] & ~kStripStart; }
+  std::uint32_t pairs_of_end(std::uint32_t body) const {
+    const std::uint32_t next = first[std::size_t{body} + 1];
+    return (next & kStripStart) != 0 ? strips[strip_of(body)].pair_end : next;
+  }
+  /// The strip that owns a body. O(log strips).
+  std::size_t strip_of(std::uint32_t body) const {
+    std::size_t low = 0, high = strips.size();
+    while (high - low > 1) {
+      const std::size_t middle = (low + high) / 2;
+      // Empty strips share their begin with the next one; the owner is the last that starts here.
+      (strips[middle].body_begin <= body ? low : high) = middle;
+    }
+    return low;
+  }
+};
+
+}  // namespace psim

@@ -1,0 +1,53 @@
+#include "plan.h"
+
+namespace psim {
+
+Plan make_plan(const Traits& t) {
+  Plan p;
+  p.fields = t.fields;
+  p.forces = t.fields || t.kinematic != 0 || t.odd_gravity != 0;
+  p.friction = t.moving_rough >= 2 ||
+               (t.moving_rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
+  p.restitution = t.moving_bounce != 0 ||
+                  (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
+  p.masses = t.same_mass != t.moving || t.kinematic != 0;
+  p.radii = t.same_radius != t.moving;
+  p.surfaces = t.same_surface != t.moving;
+  p.rotation = p.friction || t.turning;
+  p.publish = t.snapshots;
+  p.model.model = p.friction ? kernels::Model::rough
+                             : (p.masses ? kernels::Model::massed : kernels::Model::plain);
+  p.model.bounce = p.restitution;
+  return p;
+}
+
+std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
+  std::vector<PlanEntry> out;
+  const auto add = [&](const char* stage, bool needed, const char* yes, const char* no) {
+    out.push_back({stage, needed, needed ? yes : no});
+  };
+  const bool moves = t.moving != 0;
+  add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",
+      "gravity is uniform: part of the kick");
+  add("damping", t.damping, "linear damping or drag, integrated exactly", "no damping and no drag");
+  add("broad_phase", moves, "bodies move", "no body moves");
+  add("broad_phase.walls", t.walls && moves, "the world has walls", "the world has no walls");
+  add("broad_phase.fixed_shapes", t.fixed != 0 && moves, "discs, segments or chains stand fixed",
+      "nothing stands fixed");
+  add("broad_phase.mixed_radii", p.radii, "radii differ", "all moving discs have one radius");
+  add("narrow_phase", moves, "bodies move", "no body moves");
+  add("colouring", moves, "bodies move", "no body moves");
+  add("solver", moves, "bodies may touch", "no body moves");
+  add("solver.restitution", p.restitution, "a material bounces: time-of-impact sweeps",
+      "no body and no wall has restitution");
+  add("solver.masses", p.masses, "masses differ", "all moving bodies have one mass");
+  add("solver.friction", p.friction, "two surfaces that can meet have friction",
+      "no two surfaces that can meet have friction");
+  add("rotation", p.rotation, "friction or a given spin turns bodies", "nothing turns a body");
+  add("integrate", moves, "bodies move", "no body moves");
+  add("sleep", false, "", "sleeping does not exist in this version");
+  add("publish", p.publish, "a renderer reads snapshots", "no renderer is attached");
+  return out;
+}
+
+}  // namespace psim

@@ -1,0 +1,53 @@
+// What a scene needs, decided from its traits whenever they change: which stages run and which
+// variants of the contact kernels. What is not in the plan owns no memory and costs no branch.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "contact_store.h"
+#include "psim/report.h"
+
+namespace psim {
+
+/// Counted as bodies come and go.
+struct Traits {
+  std::uint64_t moving = 0;           ///< dynamic and kinematic bodies
+  std::uint64_t same_mass = 0;        ///< of those, with the first one's mass
+  std::uint64_t same_radius = 0;
+  std::uint64_t same_surface = 0;     ///< with the first one's mass, friction and restitution
+  std::uint64_t moving_bounce = 0;    ///< with restitution
+  std::uint64_t moving_rough = 0;     ///< with friction
+  std::uint64_t kinematic = 0;
+  std::uint64_t odd_gravity = 0;      ///< gravity scale other than 1
+  std::uint64_t fixed = 0;
+  std::uint64_t fixed_bounce = 0;
+  std::uint64_t fixed_rough = 0;
+  bool turning = false;               ///< some body was given an angle or a spin
+  bool walls = false, wall_bounce = false, wall_rough = false;
+  bool fields = false;                ///< wells or quadratic drag
+  bool damping = false;
+  bool snapshots = false;
+};
+
+struct Plan {
+  bool forces = false;       ///< accelerations differ from body to body
+  bool fields = false;       ///< and with place or speed: every body takes substeps
+  bool friction = false;
+  bool restitution = false;
+  bool masses = false;       ///< unequal
+  bool radii = false;        ///< unequal
+  bool surfaces = false;     ///< mass, friction or restitution unequal
+  bool rotation = false;
+  bool publish = false;
+  ContactModel model;
+
+  friend bool operator==(const Plan&, const Plan&) = default;
+};
+
+Plan make_plan(const Traits& traits);
+
+/// The plan as a table for people, with the reason of every entry.
+std::vector<PlanEntry> explain(const Plan& plan, const Traits& traits);
+
+}  // namespace psim

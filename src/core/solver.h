@@ -1,0 +1,66 @@
+// The contact solver: substeps of impact sweeps, kick, warm start, solve, drift and relax over
+// coloured blocks. docs/solver.md derives the scheme; docs/decisions/ has what was measured.
+//
+// In: contacts with normals and gaps. In and out: velocities, displacements, impulses.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "body_store.h"
+#include "contact_store.h"
+#include "forces.h"
+#include "kernel_table.h"
+#include "pair_table.h"
+#include "solver_bodies.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// A step's settings for the solver.
+struct SolverParams {
+  double dt = 0;
+  int substeps = 1;
+  Vec2 gravity;
+  double damping = 0;    ///< 1/s
+  double pitch_x = 1, pitch_y = 1;
+  double restitution_threshold = 0;  ///< m/s
+  float refresh = 0;     ///< m
+  float warm = 1;        ///< new substep / old substep
+  ContactModel model;
+};
+
+/// What the passes of a step did.
+struct SolverReport {
+  double virial = 0;     ///< N s m, or m^2/s where masses are equal (times the mass)
+  double forces_ms = 0;  ///< of the time: spent on accelerations
+};
+
+class Solver {
+ public:
+  /// Runs all substeps. `forces` is null where accelerations are uniform. `held` are kinematic
+  /// bodies (ids) with the velocities they keep.
+  SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table, ContactStore& contacts,
+                   const SolverParams& params, Forces* forces,
+                   const std::vector<std::pair<std::uint32_t, Vec2>>& held,
+                   const kernels::KernelTable& k, WorkerPool& pool);
+
+  /// Contacts with an impulse at the end of the last run.
+  std::uint64_t closed() const { return closed_; }
+
+ private:
+  template <class Each>
+  void for_pairs(const PairTable& table, WorkerPool& pool, const Each& each);
+  template <class Each>
+  void for_singles(const PairTable& table, WorkerPool& pool, const Each& each);
+  void mark_impacts(const SolverBodies& bodies, PairTable& table, ContactStore& contacts, WorkerPool& pool);
+
+  std::vector<std::uint8_t> touched_;   // by slot: carries a contact
+  std::vector<float> held_at_;          // where the held bodies were before a drift, m, records
+  std::vector<double> virial_;          // by strip
+  std::vector<std::uint64_t> closed_by_strip_;
+  std::uint64_t closed_ = 0;
+};
+
+}  // namespace psim

@@ -1,0 +1,132 @@
+#include "solver_bodies.h"
+
+#include <algorithm>
+
+#include "tasks.h"
+
+namespace psim {
+
+using kernels::kBlock;
+
+void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bool impacts,
+                          WorkerPool& pool) {
+  compact_ = compact;
+  const std::size_t strips = table.strips.size();
+  const bool turning = !b.spin.empty();
+  if (!compact) {
+    count_ = b.count;
+    const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
+    b.pos.reserve(2 * all);
+    b.vel.reserve(2 * all);
+    b.disp.reserve(2 * all);
+    b.vel0.reserve(2 * all);
+    if (turning) {
+      b.spin.reserve(all);
+      b.spin0.reserve(all);
+    }
+    if (impacts) b.event_time.reserve(all);
+    for (std::size_t d = dummies(); d < all; ++d) {
+      b.pos[2 * d] = b.pos[2 * d + 1] = 0;
+      b.vel[2 * d] = b.vel[2 * d + 1] = b.disp[2 * d] = b.disp[2 * d + 1] = 0;
+      b.vel0[2 * d] = b.vel0[2 * d + 1] = 0;
+      if (turning) b.spin[d] = b.spin0[d] = 0;
+      if (impacts) b.event_time[d] = 0;
+    }
+    return;
+  }
+  // Number the linked bodies strip by strip.
+  number_.reserve(kernels::round_up_block(b.count));
+  strip_begin_.assign(strips + 1, 0);
+  pool.run(strips, [&](std::size_t s) {
+    const Strip& strip = table.strips[s];
+    std::uint32_t n = 0;
+    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) n += b.linked[i] & 1u;
+    strip_begin_[s + 1] = n;
+  });
+  for (std::size_t s = 0; s < strips; ++s) strip_begin_[s + 1] += strip_begin_[s];
+  count_ = strip_begin_[strips];
+  const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
+  slot_.reserve_loosely(all);
+  pos_.reserve_loosely(2 * all);
+  vel_.reserve_loosely(2 * all);
+  disp_.reserve_loosely(2 * all);
+  vel0_.reserve_loosely(2 * all);
+  linked_.reserve_loosely(all);
+  if (turning) {
+    spin_.reserve_loosely(all);
+    spin0_.reserve_loosely(all);
+  }
+  if (impacts) event_time_.reserve_loosely(all);
+  pool.run(strips, [&](std::size_t s) {
+    const Strip& strip = table.strips[s];
+    std::uint32_t n = strip_begin_[s];
+    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
+      number_[i] = n;
+      if ((b.linked[i] & 1u) == 0) continue;
+      slot_[n++] = i;
+    }
+  });
+  std::fill(linked_.data(), linked_.data() + count_, std::uint8_t{0xFF});
+  std::fill(linked_.data() + count_, linked_.data() + all, std::uint8_t{0});
+  for (std::size_t d = count_; d < all; ++d) {
+    pos_[2 * d] = pos_[2 * d + 1] = 0;
+    vel_[2 * d] = vel_[2 * d + 1] = disp_[2 * d] = disp_[2 * d + 1] = 0;
+    vel0_[2 * d] = vel0_[2 * d + 1] = 0;
+    if (turning) spin_[d] = spin0_[d] = 0;
+    if (impacts) event_time_[d] = 0;
+  }
+}
+
+void SolverBodies::load(const BodyStore& b, WorkerPool& pool) {
+  if (!compact_) return;
+  const bool turning = !b.spin.empty();
+  const std::uint32_t blocks_here = blocks();
+  pool.run(stream_tasks(blocks_here), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks_here);
+    const std::size_t end = std::min(count_, r.end * kBlock);
+    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+      const std::size_t i = slot_[n];
+      pos_[2 * n] = b.pos[2 * i];
+      pos_[2 * n + 1] = b.pos[2 * i + 1];
+      vel_[2 * n] = b.vel[2 * i];
+      vel_[2 * n + 1] = b.vel[2 * i + 1];
+      disp_[2 * n] = b.disp[2 * i];
+      disp_[2 * n + 1] = b.disp[2 * i + 1];
+      if (turning) spin_[n] = b.spin[i];
+    }
+  });
+}
+
+void SolverBodies::store(BodyStore& b, WorkerPool& pool) const {
+  if (!compact_) return;
+  const bool turning = !b.spin.empty();
+  const std::uint32_t blocks_here = blocks();
+  pool.run(stream_tasks(blocks_here), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks_here);
+    const std::size_t end = std::min(count_, r.end * kBlock);
+    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+      const std::size_t i = slot_[n];
+      b.vel[2 * i] = vel_[2 * n];
+      b.vel[2 * i + 1] = vel_[2 * n + 1];
+      b.disp[2 * i] = disp_[2 * n];
+      b.disp[2 * i + 1] = disp_[2 * n + 1];
+      if (turning) b.spin[i] = spin_[n];
+    }
+  });
+}
+
+kernels::BodyView SolverBodies::view(BodyStore& b) {
+  if (!compact_) return b.view();
+  kernels::BodyView v;
+  v.pos = pos_.data();
+  v.vel = vel_.data();
+  v.vel0 = vel0_.data();
+  v.disp = disp_.data();
+  v.spin = b.spin.empty() ? nullptr : spin_.data();
+  v.spin0 = b.spin.empty() ? nullptr : spin0_.data();
+  v.event_time = event_time_.empty() ? nullptr : event_time_.data();
+  v.linked = linked_.data();
+  return v;
+}
+
+}  // namespace psim

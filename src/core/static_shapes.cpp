@@ -1,0 +1,136 @@
+#include "static_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+
+std::uint32_t StaticShapes::add(const StaticShape& shape) {
+  shapes_.reserve(std::size_t{count_} + 1);
+  shapes_[count_] = shape;
+  ++alive_;
+  dirty_ = true;
+  return count_++;
+}
+
+void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
+  for (std::uint32_t i = first; i < count_ && shapes_[i].owner == owner && shapes_[i].alive; ++i) {
+    shapes_[i].alive = false;
+    --alive_;
+  }
+  dirty_ = true;
+}
+
+void StaticShapes::box_of(const StaticShape& s, double box[4]) const {
+  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+  const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
+  const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
+  const double r = static_cast<double>(s.radius) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  box[0] = std::fmin(px, qx) - r;
+  box[1] = std::fmax(px, qx) + r;
+  box[2] = std::fmin(py, qy) - r;
+  box[3] = std::fmax(py, qy) + r;
+}
+
+void StaticShapes::cells_of(double xmin, double xmax, double ymin, double ymax,
+                            std::int64_t range[4]) const {
+  const auto clamp = [](double c, std::int64_t n) {
+    if (!(c > 0)) return std::int64_t{0};
+    return c >= static_cast<double>(n - 1) ? n - 1 : static_cast<std::int64_t>(c);
+  };
+  range[0] = clamp((xmin - origin_x_) / cell_, cols_);
+  range[1] = clamp((xmax - origin_x_) / cell_, cols_);
+  range[2] = clamp((ymin - origin_y_) / cell_, rows_);
+  range[3] = clamp((ymax - origin_y_) / cell_, rows_);
+}
+
+void StaticShapes::build_grid() {
+  if (!dirty_) return;
+  dirty_ = false;
+  cols_ = rows_ = 0;
+  if (alive_ == 0) return;
+  double all[4] = {1e300, -1e300, 1e300, -1e300};
+  double extent_sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!shapes_[i].alive) continue;
+    double b[4];
+    box_of(shapes_[i], b);
+    all[0] = std::fmin(all[0], b[0]), all[1] = std::fmax(all[1], b[1]);
+    all[2] = std::fmin(all[2], b[2]), all[3] = std::fmax(all[3], b[3]);
+    extent_sum += std::fmax(b[1] - b[0], b[3] - b[2]);
+  }
+  const double width = std::fmax(all[1] - all[0], 1e-9), height = std::fmax(all[3] - all[2], 1e-9);
+  const double n = static_cast<double>(alive_);
+  // About four cells a shape, none smaller than a quarter of the mean shape.
+  cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
+  cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
+  origin_x_ = all[0];
+  origin_y_ = all[2];
+  cols_ = static_cast<std::int64_t>(width / cell_) + 1;
+  rows_ = static_cast<std::int64_t>(height / cell_) + 1;
+  const auto cells = static_cast<std::size_t>(cols_ * rows_);
+  cell_start_.reserve(cells + 1);
+  std::fill(cell_start_.data(), cell_start_.data() + cells + 1, 0u);
+  const auto visit = [&](auto&& each) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (!shapes_[i].alive) continue;
+      double b[4];
+      std::int64_t r[4];
+      box_of(shapes_[i], b);
+      cells_of(b[0], b[1], b[2], b[3], r);
+      // A slanted segment takes only the cells near its line, row by row.
+      for (std::int64_t row = r[2]; row <= r[3]; ++row) {
+        std::int64_t c0 = r[0], c1 = r[1];
+        if (shapes_[i].segment && r[3] > r[2] && r[1] > r[0]) {
+          const StaticShape& s = shapes_[i];
+          const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+          const double qx = s.q.x * lattice_->pitch_x(), qy = s.q.y * lattice_->pitch_y();
+          const double y0 = origin_y_ + static_cast<double>(row) * cell_ - cell_ * 0.01;
+          const double y1 = y0 + cell_ * 1.02;
+          const double t0 = std::clamp((y0 - py) / (qy - py), 0.0, 1.0);
+          const double t1 = std::clamp((y1 - py) / (qy - py), 0.0, 1.0);
+          const double xa = px + t0 * (qx - px), xb = px + t1 * (qx - px);
+          std::int64_t narrow[4];
+          cells_of(std::fmin(xa, xb) - cell_ * 0.01, std::fmax(xa, xb) + cell_ * 0.01, y0, y1,
+                   narrow);
+          c0 = narrow[0];
+          c1 = narrow[1];
+        }
+        for (std::int64_t c = c0; c <= c1; ++c) each(static_cast<std::size_t>(row * cols_ + c), i);
+      }
+    }
+  };
+  visit([&](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
+  for (std::size_t c = 0; c < cells; ++c) cell_start_[c + 1] += cell_start_[c];
+  cell_shape_.reserve(cell_start_[cells]);
+  visit([&](std::size_t cell, std::uint32_t i) { cell_shape_[cell_start_[cell]++] = i; });
+  for (std::size_t c = cells; c > 0; --c) cell_start_[c] = cell_start_[c - 1];
+  cell_start_[0] = 0;
+}
+
+void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
+                        std::vector<std::uint32_t>& out) const {
+  if (cols_ == 0) return;
+  const double mx = x * lattice_->pitch_x(), my = y * lattice_->pitch_y();
+  const double r = static_cast<double>(reach);
+  if (mx + r < origin_x_ || my + r < origin_y_ ||
+      mx - r > origin_x_ + static_cast<double>(cols_) * cell_ ||
+      my - r > origin_y_ + static_cast<double>(rows_) * cell_) {
+    return;
+  }
+  std::int64_t range[4];
+  cells_of(mx - r, mx + r, my - r, my + r, range);
+  const std::size_t from = out.size();
+  for (std::int64_t row = range[2]; row <= range[3]; ++row) {
+    for (std::int64_t c = range[0]; c <= range[1]; ++c) {
+      const auto cell = static_cast<std::size_t>(row * cols_ + c);
+      for (std::uint32_t k = cell_start_[cell]; k < cell_start_[cell + 1]; ++k) {
+        out.push_back(cell_shape_[k]);
+      }
+    }
+  }
+  std::sort(out.begin() + static_cast<std::ptrdiff_t>(from), out.end());
+  out.erase(std::unique(out.begin() + static_cast<std::ptrdiff_t>(from), out.end()), out.end());
+}
+
+}  // namespace psim

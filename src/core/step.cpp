@@ -1,0 +1,353 @@
+// One step, in order. Read World::Impl::step from top to bottom: each call is a stage, or a group
+// of stages, in a file of its own name. docs/step.md is the same list with what each reads and
+// writes.
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tasks.h"
+#include "world_impl.h"
+
+namespace psim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using kernels::kBlock;
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+// Times one stage, and tells the tracer.
+class StageTimer {
+ public:
+  StageTimer(StepReport& report, Tracer& tracer, Stage stage)
+      : report_(report), tracer_(tracer), stage_(static_cast<std::size_t>(stage)),
+        begin_(Clock::now()) {
+    tracer_.set_stage(kStageNames[stage_].data());
+  }
+  ~StageTimer() {
+    const Clock::time_point end = Clock::now();
+    report_.stage_ms[stage_] += std::chrono::duration<double, std::milli>(end - begin_).count();
+    if (tracer_.on()) tracer_.add(0, kStageNames[stage_].data(), begin_, end);
+  }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  StepReport& report_;
+  Tracer& tracer_;
+  std::size_t stage_;
+  Clock::time_point begin_;
+};
+
+// Round to nearest, denormals kept, no traps; whatever the host had comes back at the end.
+class FloatSettings {
+ public:
+  FloatSettings() : before_(_mm_getcsr()) { _mm_setcsr(0x1F80); }
+  ~FloatSettings() { _mm_setcsr(before_); }
+  FloatSettings(const FloatSettings&) = delete;
+  FloatSettings& operator=(const FloatSettings&) = delete;
+
+ private:
+  unsigned before_;
+};
+
+// Margin around bodies in the lists: a tenth of the radius suits piles (docs/performance.md).
+constexpr double kSkinOfRadius = 0.1;
+// Sideways motion within a step after which a contact's normal is computed anew, of the radius.
+constexpr float kRefreshOfRadius = 0.02f;
+constexpr double kMarginFrames = 1.25;  // frames of motion that the margin adds
+
+}  // namespace
+
+StepReport World::Impl::step(double dt) {
+  const FloatSettings settings;
+  const Clock::time_point begin = Clock::now();
+  StepReport report;
+  if (!(dt > 0) || !std::isfinite(dt)) return report;
+  const std::uint64_t growths = memory.growths;
+  pool.begin_step();
+  freeze_doubtful(report);
+  replan();
+  if (plan.publish && placed) publisher.look(bodies, fixed, frozen, lattice);
+  placed = false;
+  if (bodies.count != bodies.dead) {
+    refresh_lists(dt, report);
+    solve(dt, report);
+    integrate(dt, report);
+  }
+  ++frame;
+  if (plan.publish) {
+    const StageTimer timer(report, tracer, Stage::publish);
+    publisher.publish(bodies, fixed, frozen, lattice, frame, pool);
+  }
+  pool.end_step();
+  count_contacts(report);
+  report.arena_growths = memory.growths - growths;
+  report.awake = bodies.moving;
+  report.total_ms = ms_since(begin);
+  return report;
+}
+
+// The plan follows the traits; arrays of what left the plan are given back.
+void World::Impl::replan() {
+  if (!plan_stale) return;
+  plan_stale = false;
+  const Plan next = make_plan(traits);
+  if (next.model != plan.model) impulses_valid = false;
+  if (next != plan) lists_stale = true;
+  plan = next;
+  if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
+  if (plan.forces) {
+    if (!forces) forces = std::make_unique<Forces>(desc.fields, desc.gravity, lattice);
+  } else {
+    forces.reset();
+    bodies.acc.release();
+  }
+  if (!plan.fields) bodies.vel_rest.release();
+  if (!plan.restitution) bodies.event_time.release();
+  forces_stale = true;
+}
+
+// How the lists of a build should be made.
+struct World::Impl::ListPlan {
+  bool loose = false;  ///< bodies fly: select from the candidates every step
+  float skin = 0;      ///< m
+  float time = 0;      ///< s of a body's own motion that its margin adds
+  double speed = 0;    ///< m/s, root mean square of the sample about its mean
+  double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
+};
+
+// Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
+// Bodies in flight: margins for several frames, of which each step selects the pairs that can meet.
+// How many frames: building costs kBuild a body, selecting kSelect a candidate, and the candidates
+// of a margin m follow from the number density. Speeds are sampled, by slot.
+World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
+  constexpr double kBuild = 25, kSelect = 5;  // ns, measured (docs/performance.md)
+  const std::uint32_t stride = std::max(1u, bodies.count / 2048);
+  double sum = 0, samples = 0, radii = 0, mean_x = 0, mean_y = 0;
+  for (std::uint32_t i = 0; i < bodies.count; i += stride) {
+    const double vx = static_cast<double>(bodies.vel[2 * std::size_t{i}]);
+    const double vy = static_cast<double>(bodies.vel[2 * std::size_t{i} + 1]);
+    sum += vx * vx + vy * vy;
+    mean_x += vx;
+    mean_y += vy;
+    radii += static_cast<double>(bodies.radius[i]);
+    samples += 1;
+  }
+  const double r = radii / samples;
+  ListPlan plan_out;
+  plan_out.skin = static_cast<float>(kSkinOfRadius * r);
+  plan_out.time = static_cast<float>(kMarginFrames * dt);
+  const double speed = std::sqrt(sum / samples);
+  // What they share does not make them meet.
+  mean_x /= samples;
+  mean_y /= samples;
+  plan_out.speed = std::sqrt(std::fmax(speed * speed - mean_x * mean_x - mean_y * mean_y, 0));
+  const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
+  if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return plan_out;
+  const double area = broad.area() > 0 ? broad.area()
+                                       : (desc.bounds.xmax - desc.bounds.xmin) *
+                                             (desc.bounds.ymax - desc.bounds.ymin);
+  const double density = bodies.count / area;
+  // Without restitution impacts only slow bodies down.
+  plan_out.crowding =
+      plan.restitution ? std::clamp(3 * density * 3.14159 * r * r, 0.1, 1.0) : 0.1;
+  double best = 1e300, frames = 1;
+  for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+    const double outer = 2 * r + 3 * k * frame;
+    const double cost = kBuild / k + kSelect * density * 1.5708 * (outer * outer - 4 * r * r);
+    if (cost < best) {
+      best = cost;
+      frames = k;
+    }
+  }
+  plan_out.loose = true;
+  plan_out.skin = static_cast<float>(0.02 * r + frames * 1.2 * frame);
+  plan_out.time = static_cast<float>(frames * kMarginFrames * dt * 0.3);
+  return plan_out;
+}
+
+// Broad phase: bodies in cell order and candidates, made anew if the old ones no longer serve.
+void World::Impl::make_candidates(double dt, StepReport& report) {
+  const StageTimer timer(report, tracer, Stage::broad_phase);
+  const auto reach_time = static_cast<float>((loose ? 1.0 : kMarginFrames) * dt);
+  if (!lists_stale) lists_stale = !broad.lists_serve(bodies, reach_time, kernels, pool);
+  if (!lists_stale) {
+    ++skipped_frames[1];
+    return;
+  }
+  if (!bodies.spin.empty()) bodies.add_rotation();
+  const ListPlan lists = plan_lists(dt);
+  loose = lists.loose;
+  sampled_speed = lists.speed;
+  crowding = lists.crowding;
+  BroadPhaseParams p;
+  p.skin = lists.skin;
+  p.time = lists.time;
+  p.walls = desc.boundary == Boundary::walls;
+  p.periodic = desc.boundary == Boundary::periodic;
+  p.mixed_radii = plan.radii;
+  p.link_all = plan.fields;
+  const Vec2 c = lattice.centre();
+  p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x,
+              desc.bounds.ymax - c.y};
+  if (!loose) table.swap(old_table);
+  broad.build(bodies, shapes, p, kernels, pool, loose ? candidates : table);
+  report.rebuilt = true;
+}
+
+// Broad phase, narrow phase and colouring: contacts with normals and gaps for this step.
+void World::Impl::refresh_lists(double dt, StepReport& report) {
+  bodies.pad_tail();
+  make_candidates(dt, report);
+  if (loose) {
+    const StageTimer timer(report, tracer, Stage::narrow_phase);
+    table.swap(old_table);
+    const double g = std::sqrt(desc.gravity.x * desc.gravity.x + desc.gravity.y * desc.gravity.y);
+    // The slack allows for what impacts within the step do to velocities: little in a thin gas of
+    // equals, more where discs are close, much where a heavy body meets a light one.
+    const double slack = 0.02 * static_cast<double>(least_radius) + g * dt * dt +
+                         (plan.masses ? 1.0 : crowding) * sampled_speed * dt;
+    broad.select(bodies, static_cast<float>(kMarginFrames * dt), static_cast<float>(slack),
+                 plan.fields, candidates, table, kernels, pool);
+  }
+  if ((lists_stale || loose) && !held.empty()) {  // kinematic bodies are the solver's
+    bodies.find_slots();
+    for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
+  }
+  if (lists_stale || loose) {
+    const StageTimer timer(report, tracer, Stage::colouring);
+    if (!impulses_valid) old_table.body_count = 0;
+    solved.choose(bodies, table, loose && !plan.forces, plan.restitution, pool);
+    contacts.build(bodies, solved, shapes, desc.wall, plan.model,
+                   plan.surfaces ? nullptr : &first_surface, table, old_table,
+                   lists_stale ? broad.from() : nullptr, pool);
+    impulses_valid = true;
+    if (lists_stale) forces_stale = true;
+    lists_stale = false;
+  } else {
+    ++skipped_frames[3];
+  }
+  const StageTimer timer(report, tracer, Stage::narrow_phase);
+  if (contacts.pair_blocks() + contacts.single_blocks() == 0) {
+    ++skipped_frames[2];
+    return;
+  }
+  narrow_phase(bodies, solved, shapes, walls, lattice, kRefreshOfRadius * least_radius, table, contacts, kernels,
+               pool);
+}
+
+void World::Impl::solve(double dt, StepReport& report) {
+  if (forces && (forces_stale || bodies.acc.empty())) {
+    const StageTimer timer(report, tracer, Stage::forces);
+    const std::size_t padded = kernels::round_up_block(bodies.count);
+    const std::size_t all = std::max(2 * padded, bodies.vel0.capacity());  // padding lanes read it
+    bodies.acc.reserve(all);
+    std::fill(bodies.acc.data() + 2 * padded, bodies.acc.data() + all, 0.0f);
+    if (plan.fields) {
+      bodies.vel_rest.reserve(2 * padded);
+      std::fill_n(bodies.vel_rest.data(), 2 * padded, 0.0f);
+    } else {
+      forces->accelerations(bodies, 0, pool);
+    }
+    forces_stale = false;
+  }
+  if (!forces) ++skipped_frames[0];
+  if (!plan.restitution) ++skipped_frames[5];
+  if (!plan.masses && !plan.friction) ++skipped_frames[6];
+  if (!plan.friction) ++skipped_frames[7];
+  if (!plan.rotation) ++skipped_frames[8];
+  if (!plan.publish) ++skipped_frames[9];
+  const StageTimer timer(report, tracer, Stage::solver);
+  if (contacts.pair_blocks() + contacts.single_blocks() == 0 && !plan.fields && held.empty()) {
+    ++skipped_frames[4];
+    return;  // nobody is near anything: the closed form of integrate is all
+  }
+  SolverParams p;
+  p.dt = dt;
+  p.substeps = desc.substeps;
+  p.gravity = desc.gravity;
+  p.damping = desc.linear_damping + linear_drag(desc.fields);
+  p.pitch_x = lattice.pitch_x();
+  p.pitch_y = lattice.pitch_y();
+  p.restitution_threshold = desc.restitution_threshold;
+  p.refresh = kRefreshOfRadius * least_radius;
+  const double h = dt / desc.substeps;
+  p.warm = last_substep > 0 ? static_cast<float>(h / last_substep) : 1.0f;
+  p.model = plan.model;
+  last_substep = h;
+  const SolverReport done = solver.run(bodies, solved, table, contacts, p, forces.get(), held, kernels, pool);
+  report.virial = done.virial * (plan.masses || plan.friction ? 1.0 : static_cast<double>(first_mass));
+  report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
+  report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
+  const std::uint64_t passes = 2u * static_cast<std::uint64_t>(desc.substeps) + 2;
+  const std::uint64_t work = passes * kBlock * (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks());
+  if (options.isa == Isa::scalar) {
+    lanes.scalar += work;
+  } else {
+    lanes.vector += work;
+    lanes.scalar += contacts.single_count();  // their geometry is found one by one
+  }
+}
+
+// Free bodies take the closed form of the frame; every body's offset folds into its lattice place.
+void World::Impl::integrate(double dt, StepReport& report) {
+  const StageTimer timer(report, tracer, Stage::integrate);
+  const double c = desc.linear_damping + linear_drag(desc.fields);
+  // x(t) = x + v (1-e^-ct)/c + g (t - (1-e^-ct)/c)/c,  v(t) = v e^-ct + g (1-e^-ct)/c
+  const double span = c > 0 ? -std::expm1(-c * dt) / c : dt;
+  const double fall = c * dt > 1e-4 ? (dt - span) / c : dt * dt / 2 * (1 - c * dt / 3);
+  kernels::StreamParams p;
+  p.h = static_cast<float>(dt);
+  p.damp = static_cast<float>(std::exp(-c * dt));
+  p.kick_x = static_cast<float>(desc.gravity.x * span);
+  p.kick_y = static_cast<float>(desc.gravity.y * span);
+  p.coast = static_cast<float>(span);
+  p.drop = static_cast<float>(fall);
+  p.fall_x = static_cast<float>(desc.gravity.x * fall);
+  p.fall_y = static_cast<float>(desc.gravity.y * fall);
+  p.pitch_x = static_cast<float>(lattice.pitch_x());
+  p.pitch_y = static_cast<float>(lattice.pitch_y());
+  p.inv_pitch_x = static_cast<float>(1 / lattice.pitch_x());
+  p.inv_pitch_y = static_cast<float>(1 / lattice.pitch_y());
+  const double limit = speed_limit(dt);
+  p.speed_limit2 = static_cast<float>(limit * limit);
+  const std::uint32_t blocks = bodies.blocks();
+  const kernels::BodyView view = bodies.view();
+  p.far_x = static_cast<float>(kFarSteps * lattice.pitch_x());
+  p.far_y = static_cast<float>(kFarSteps * lattice.pitch_y());
+  const bool bounded = desc.boundary != Boundary::periodic;
+  std::atomic<bool> fine{true}, inside{true};
+  const bool turning = !bodies.spin.empty();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    if (!kernels.integrate(view, p, r.begin, r.end)) fine.store(false, std::memory_order_relaxed);
+    if (bounded && !walls_hold(r)) inside.store(false, std::memory_order_relaxed);
+    if (!turning) return;
+    for (std::size_t i = std::size_t{r.begin} * kBlock;
+         i < std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count); ++i) {
+      if (bodies.linked[i] != 0) continue;  // turned with the substeps
+      bodies.angle[i] += dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
+    }
+  });
+  (options.isa == Isa::scalar ? lanes.scalar : lanes.vector) += std::uint64_t{blocks} * kBlock;
+  if (!fine.load()) settle_bad_bodies(dt, report);
+  if (inside.load()) return;
+  if (desc.boundary == Boundary::open) {
+    remove_escaped(report);
+  } else {
+    bring_back();
+  }
+}
+
+void World::Impl::count_contacts(StepReport& report) {
+  report.pairs = contacts.pair_count() + contacts.single_count();
+  report.contacts = solver.closed();
+  report.colours = contacts.colours();
+}
+
+}  // namespace psim

@@ -1,0 +1,49 @@
+// Records which stage ran when on which thread, if someone asked. Off: one branch a stage.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "psim/world.h"
+
+namespace psim {
+
+class Tracer {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void start(int threads) {
+    if (!on_) origin_ = Clock::now();
+    on_ = true;
+    tracks_.resize(static_cast<std::size_t>(threads));
+  }
+  bool on() const { return on_; }
+  void set_stage(const char* name) { stage_ = name; }
+  const char* stage() const { return stage_; }
+
+  /// Adds a span; each thread writes its own track.
+  void add(std::size_t thread, const char* name, Clock::time_point begin, Clock::time_point end) {
+    tracks_[thread].push_back({name, static_cast<int>(thread), ns(begin), ns(end)});
+  }
+
+  std::vector<TraceEvent> take() {
+    std::vector<TraceEvent> all;
+    for (std::vector<TraceEvent>& t : tracks_) {
+      all.insert(all.end(), t.begin(), t.end());
+      t.clear();
+    }
+    return all;
+  }
+
+ private:
+  std::int64_t ns(Clock::time_point t) const {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(t - origin_).count();
+  }
+  bool on_ = false;
+  const char* stage_ = "";
+  Clock::time_point origin_;
+  std::vector<std::vector<TraceEvent>> tracks_;
+};
+
+}  // namespace psim

@@ -1,0 +1,111 @@
+// The parts of a world. Each stage takes what it needs of them; none takes the world.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "body_store.h"
+#include "broad_phase.h"
+#include "contact_store.h"
+#include "forces.h"
+#include "kernel_select.h"
+#include "narrow_phase.h"
+#include "plan.h"
+#include "psim/world.h"
+#include "publish.h"
+#include "solver.h"
+#include "solver_bodies.h"
+#include "static_shapes.h"
+#include "tasks.h"
+#include "trace.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+struct World::Impl {
+  Impl(const WorldDesc& d, const RunOptions& o);
+
+  WorldDesc desc;
+  RunOptions options;
+  kernels::KernelTable kernels;
+  Lattice lattice;
+  MemoryMeter memory;
+  BodyStore bodies;
+  StaticShapes shapes;
+  std::vector<FixedBody> fixed;
+  std::vector<BodyState> frozen;
+  BroadPhase broad;
+  PairTable table, old_table;  // what the contacts are made from
+  PairTable candidates;        // loose scenes: what `table` is selected from every step
+  bool loose = false;          // bodies fly: few candidates meet within a step
+  double sampled_speed = 0;    // m/s, when the lists were made
+  double crowding = 0.1;
+  SolverBodies solved;
+  ContactStore contacts;
+  Solver solver;
+  std::unique_ptr<Forces> forces;
+  Publisher publisher;
+  Tracer tracer;
+  WorkerPool pool;
+  Walls walls;
+
+  Traits traits;
+  Plan plan;
+  float first_mass = 0, first_radius = 0;  // that Traits counts against
+  Surface first_surface;
+  float least_radius = 0;  // of all moving bodies so far, m
+  bool plan_stale = true;
+  bool lists_stale = true;
+  bool forces_stale = true;
+  bool placed = true;  // the host added or moved bodies since the last step
+  bool impulses_valid = false;  // the table's impulses belong to the present model
+  double last_substep = 0;
+  std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
+  std::vector<std::pair<std::uint32_t, Vec2>> held;  // kinematic ids and their velocities
+
+  std::uint64_t frame = 0;
+  std::uint64_t escaped = 0;
+  LaneCounts lanes;
+  std::array<std::uint64_t, 10> skipped_frames{};
+
+  // Published columns (world_state.cpp).
+  std::vector<std::uint32_t> out_id;
+  std::vector<double> out_x, out_y, out_angle, out_vx, out_vy, out_omega, out_radius;
+  std::vector<BodyType> out_type;
+
+  // world_bodies.cpp
+  std::uint32_t enter(const Surface& surface, Vec2 at, double angle, Vec2 velocity, double omega);
+  void count_in(const Surface& info, int sign);
+  void remove(std::uint32_t id);
+  void freeze(std::uint32_t id, const BodyState& last);
+  Vec2 capped(Vec2 velocity) const;
+  BodyState state_of(std::uint32_t id) const;
+
+  // strays.cpp
+  static constexpr std::int32_t kFarSteps = 1 << 30;  // lattice steps that nobody exceeds in a frame
+  double speed_limit(double dt) const;
+  void settle_bad_bodies(double dt, StepReport& report);
+  void freeze_doubtful(StepReport& report);
+  bool walls_hold(BlockRange blocks) const;
+  void remove_escaped(StepReport& report);
+  void bring_back();
+
+  // step.cpp
+  void replan();
+  StepReport step(double dt);
+  void refresh_lists(double dt, StepReport& report);
+  struct ListPlan;
+  ListPlan plan_lists(double dt) const;
+  void make_candidates(double dt, StepReport& report);
+  void solve(double dt, StepReport& report);
+  void integrate(double dt, StepReport& report);
+  void count_contacts(StepReport& report);
+};
+
+/// Names of the counters in Impl::skipped_frames.
+inline constexpr std::array<const char*, 10> kSkipNames = {
+    "forces",  "broad_phase",        "narrow_phase",  "colouring", "solver",
+    "solver.restitution", "solver.masses", "solver.friction", "rotation",  "publish"};
+
+}  // namespace psim

@@ -1,0 +1,57 @@
+// The kernels of one ISA as function pointers. A world keeps a copy; pointers are taken per range,
+// never per contact. Every function is pure over its views. Tables are constant-initialised, so
+// that nothing of an ISA runs before it was chosen.
+#pragma once
+
+#include <cstdint>
+
+#include "views.h"
+
+namespace psim::kernels {
+
+using Range = std::uint32_t;  // first or past-last block
+
+struct KernelTable {
+  // Streams over bodies (stream_kernel.h).
+  void (*kick_first)(const BodyView&, const StreamParams&, Range, Range);
+  void (*kick_again)(const BodyView&, const StreamParams&, Range, Range);
+  void (*drift)(const BodyView&, const StreamParams&, Range, Range);
+  bool (*integrate)(const BodyView&, const StreamParams&, Range, Range);
+  float (*list_age)(const BodyView&, const std::int32_t* built, const float* radius,
+                    const float* reach, const StreamParams&, float reach_time, Range, Range);
+  float (*reaches)(const BodyView&, const float* radius, float skin, float time, float* reach,
+                   Range, Range);
+  void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Range, Range);
+  void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Range, Range);
+  // Pair search (pair_kernel.h): bodies, not blocks.
+  bool (*find_pairs)(const PairRow&, std::uint32_t begin, std::uint32_t end, PairList&);
+  bool (*find_near)(const PairRow&, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList&);
+  std::uint32_t (*select_pairs)(const BodyView&, const PairSelection&, std::uint32_t begin,
+                                std::uint32_t end);
+  // Contacts (contact_kernel.h, single_kernel.h, impact_kernel.h), by model and restitution.
+  void (*prepare)(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  void (*warm[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  void (*solve[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range,
+                            Range);
+  void (*relax[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range,
+                            Range);
+  void (*spend[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  bool (*sweep[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range,
+                         double* virial);
+  void (*warm_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
+                               Range);
+  void (*solve_single[kModels][2])(const BodyView&, const SingleView&, const ContactParams&, Range,
+                                   Range);
+  void (*relax_single[kModels][2])(const BodyView&, const SingleView&, const ContactParams&, Range,
+                                   Range);
+  void (*spend_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
+                                Range);
+  bool (*sweep_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
+                                Range, double* virial);
+};
+
+extern const KernelTable kScalarKernels;
+extern const KernelTable kSseKernels;
+extern const KernelTable kAvx2Kernels;
+
+}  // namespace psim::kernels

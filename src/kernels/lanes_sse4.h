@@ -1,0 +1,192 @@
+// Lane types of the SSE4.1 variant, width 4. Same operations as lanes_scalar.h, by hand.
+#pragma once
+
+#include <smmintrin.h>
+
+#include <cstdint>
+#include <cstring>
+
+#include "block_layout.h"
+#include "compact_table.h"
+
+namespace psim::kernels {
+namespace {
+
+struct SseLanes {
+  static constexpr std::uint32_t width = 4;
+  static constexpr std::uint32_t records = 2;
+
+  struct F { __m128 v; };
+  struct I { __m128i v; };
+  struct Rec { __m128 v; };    // x0 y0 x1 y1
+  struct RecI { __m128i v; };
+
+  static F load(const float* p) { return {_mm_loadu_ps(p)}; }
+  static void store(float* p, F a) { _mm_storeu_ps(p, a.v); }
+  static F set1(float a) { return {_mm_set1_ps(a)}; }
+  static F add(F a, F b) { return {_mm_add_ps(a.v, b.v)}; }
+  static F sub(F a, F b) { return {_mm_sub_ps(a.v, b.v)}; }
+  static F mul(F a, F b) { return {_mm_mul_ps(a.v, b.v)}; }
+  static F div(F a, F b) { return {_mm_div_ps(a.v, b.v)}; }
+  static F sqrt(F a) { return {_mm_sqrt_ps(a.v)}; }
+  static F min(F a, F b) { return {_mm_min_ps(a.v, b.v)}; }
+  static F max(F a, F b) { return {_mm_max_ps(a.v, b.v)}; }
+  static F less(F a, F b) { return {_mm_cmplt_ps(a.v, b.v)}; }
+  static F less_equal(F a, F b) { return {_mm_cmple_ps(a.v, b.v)}; }
+  static F both(F a, F b) { return {_mm_and_ps(a.v, b.v)}; }
+  static F either(F a, F b) { return {_mm_or_ps(a.v, b.v)}; }
+  static F but_not(F a, F b) { return {_mm_andnot_ps(b.v, a.v)}; }
+  static F abs(F a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
+  static F negate(F a) { return {_mm_xor_ps(_mm_set1_ps(-0.0f), a.v)}; }
+  static F select(F mask, F yes, F no) { return {_mm_blendv_ps(no.v, yes.v, mask.v)}; }
+  static F select_sign(F mask, F set, F clear) {
+    return {_mm_blendv_ps(clear.v, set.v, mask.v)};
+  }
+  static std::uint32_t bits(F mask) { return static_cast<std::uint32_t>(_mm_movemask_ps(mask.v)); }
+  static I load_int(const std::int32_t* p) {
+    return {_mm_loadu_si128(reinterpret_cast<const __m128i*>(p))};
+  }
+  static void store_int(std::int32_t* p, I a) {
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), a.v);
+  }
+  static I sub(I a, I b) { return {_mm_sub_epi32(a.v, b.v)}; }
+  static F to_float(I a) { return {_mm_cvtepi32_ps(a.v)}; }
+
+  // Two records at p and q: p.x p.y q.x q.y, by movq and movhps.
+  [[gnu::always_inline]] static __m128 join(const void* p, const void* q) {
+    const __m128 low = _mm_castsi128_ps(_mm_loadl_epi64(static_cast<const __m128i*>(p)));
+    return _mm_loadh_pi(low, static_cast<const __m64*>(q));
+  }
+  template <int Step>
+  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+    const __m128 a = join(rec + 2 * static_cast<std::size_t>(slots[0]),
+                          rec + 2 * static_cast<std::size_t>(slots[Step]));
+    const __m128 b = join(rec + 2 * static_cast<std::size_t>(slots[2 * Step]),
+                          rec + 2 * static_cast<std::size_t>(slots[3 * Step]));
+    x = {_mm_shuffle_ps(a, b, 0x88)};
+    y = {_mm_shuffle_ps(a, b, 0xDD)};
+  }
+  template <int Step>
+  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+    const __m128 a = join(rec + 2 * static_cast<std::size_t>(slots[0]),
+                          rec + 2 * static_cast<std::size_t>(slots[Step]));
+    const __m128 b = join(rec + 2 * static_cast<std::size_t>(slots[2 * Step]),
+                          rec + 2 * static_cast<std::size_t>(slots[3 * Step]));
+    x = {_mm_castps_si128(_mm_shuffle_ps(a, b, 0x88))};
+    y = {_mm_castps_si128(_mm_shuffle_ps(a, b, 0xDD))};
+  }
+  template <int Step>
+  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+    const __m128 low = _mm_unpacklo_ps(x.v, y.v);
+    const __m128 high = _mm_unpackhi_ps(x.v, y.v);
+    _mm_storel_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[0])), low);
+    _mm_storeh_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[Step])), low);
+    _mm_storel_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[2 * Step])),
+                  high);
+    _mm_storeh_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[3 * Step])),
+                  high);
+  }
+  template <int Step>
+  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+    const __m128 a = _mm_unpacklo_ps(_mm_load_ss(col + slots[0]), _mm_load_ss(col + slots[Step]));
+    const __m128 b =
+        _mm_unpacklo_ps(_mm_load_ss(col + slots[2 * Step]), _mm_load_ss(col + slots[3 * Step]));
+    return {_mm_movelh_ps(a, b)};
+  }
+  template <int Step>
+  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+    _mm_store_ss(col + slots[0], a.v);
+    _mm_store_ss(col + slots[Step], _mm_shuffle_ps(a.v, a.v, 1));
+    _mm_store_ss(col + slots[2 * Step], _mm_movehl_ps(a.v, a.v));
+    _mm_store_ss(col + slots[3 * Step], _mm_shuffle_ps(a.v, a.v, 3));
+  }
+
+  static Rec load_rec(const float* p) { return {_mm_loadu_ps(p)}; }
+  static void store_rec(float* p, Rec a) { _mm_storeu_ps(p, a.v); }
+  static Rec set_rec(float x, float y) { return {_mm_setr_ps(x, y, x, y)}; }
+  static Rec add(Rec a, Rec b) { return {_mm_add_ps(a.v, b.v)}; }
+  static Rec sub(Rec a, Rec b) { return {_mm_sub_ps(a.v, b.v)}; }
+  static Rec mul(Rec a, Rec b) { return {_mm_mul_ps(a.v, b.v)}; }
+  static Rec div(Rec a, Rec b) { return {_mm_div_ps(a.v, b.v)}; }
+  static Rec sqrt(Rec a) { return {_mm_sqrt_ps(a.v)}; }
+  static Rec min(Rec a, Rec b) { return {_mm_min_ps(a.v, b.v)}; }
+  static Rec max(Rec a, Rec b) { return {_mm_max_ps(a.v, b.v)}; }
+  static Rec norm2(Rec a) {
+    const __m128 s = _mm_mul_ps(a.v, a.v);
+    return {_mm_add_ps(s, _mm_shuffle_ps(s, s, 0xB1))};
+  }
+  static Rec less_equal(Rec a, Rec b) { return {_mm_cmple_ps(a.v, b.v)}; }
+  static Rec both(Rec a, Rec b) { return {_mm_and_ps(a.v, b.v)}; }
+  static Rec select(Rec mask, Rec yes, Rec no) { return {_mm_blendv_ps(no.v, yes.v, mask.v)}; }
+  static bool all(Rec mask) { return _mm_movemask_ps(mask.v) == 0xF; }
+  static Rec mask_rec(const std::uint8_t* p) {
+    std::uint16_t two;
+    std::memcpy(&two, p, 2);
+    return {_mm_castsi128_ps(_mm_cvtepi8_epi64(_mm_cvtsi32_si128(two)))};
+  }
+  static RecI load_rec_int(const std::int32_t* p) { return {load_int(p).v}; }
+  static void store_rec_int(std::int32_t* p, RecI a) { store_int(p, I{a.v}); }
+  static RecI add(RecI a, RecI b) { return {_mm_add_epi32(a.v, b.v)}; }
+  static RecI sub(RecI a, RecI b) { return {_mm_sub_epi32(a.v, b.v)}; }
+  static RecI nearest(Rec a) { return {_mm_cvtps_epi32(a.v)}; }
+  static RecI truncate(Rec a) { return {_mm_cvttps_epi32(a.v)}; }
+  static Rec to_float(RecI a) { return {_mm_cvtepi32_ps(a.v)}; }
+  static RecI min(RecI a, RecI b) { return {_mm_min_epi32(a.v, b.v)}; }
+  static RecI max(RecI a, RecI b) { return {_mm_max_epi32(a.v, b.v)}; }
+  static RecI set_rec_int(std::int32_t x, std::int32_t y) { return {_mm_setr_epi32(x, y, x, y)}; }
+  static Rec spread(const float* p) {
+    const __m128 a = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+    return {_mm_unpacklo_ps(a, a)};
+  }
+  static float largest(Rec a) {
+    return _mm_cvtss_f32(_mm_max_ss(a.v, _mm_movehl_ps(a.v, a.v)));
+  }
+  static void store_keys(std::uint32_t* keys, RecI c, std::uint32_t stride) {
+    const __m128i s = _mm_setr_epi32(1, static_cast<int>(stride), 1, static_cast<int>(stride));
+    const __m128i p = _mm_mullo_epi32(c.v, s);
+    const __m128i k = _mm_add_epi32(p, _mm_shuffle_epi32(p, 0xB1));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(keys), _mm_shuffle_epi32(k, 0x08));
+  }
+
+  /// Positions and reaches of 4 bodies in a row from j.
+  static void candidates(const std::int32_t* pos, const float* reach, std::uint32_t j, I& x, I& y,
+                         F& r) {
+    const __m128 a = _mm_loadu_ps(reinterpret_cast<const float*>(pos + 2 * std::size_t{j}));
+    const __m128 b = _mm_loadu_ps(reinterpret_cast<const float*>(pos + 2 * std::size_t{j} + 4));
+    x = {_mm_castps_si128(_mm_shuffle_ps(a, b, 0x88))};
+    y = {_mm_castps_si128(_mm_shuffle_ps(a, b, 0xDD))};
+    r = load(reach + j);
+  }
+  /// Mask of the lanes whose body number j + lane is below the end.
+  static std::uint32_t below(std::uint32_t j, std::uint32_t end) {
+    const __m128i n = _mm_set1_epi32(static_cast<int>(end - j));
+    return static_cast<std::uint32_t>(
+        _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(n, _mm_setr_epi32(0, 1, 2, 3)))));
+  }
+  /// Packs the values of the lanes in mask to out; writes a whole register in any case.
+  static std::uint32_t pack(std::uint32_t* out, const std::uint32_t* in, std::uint32_t mask) {
+    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(in));
+    const __m128i control = _mm_loadu_si128(reinterpret_cast<const __m128i*>(kCompact4.byte[mask]));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_shuffle_epi8(all, control));
+    return kCompact4.count[mask];
+  }
+  static void fill(std::uint32_t* out, std::uint32_t value) {
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_set1_epi32(static_cast<int>(value)));
+  }
+  static I set1_int(std::int32_t a) { return {_mm_set1_epi32(a)}; }
+  /// Writes j + lane for the lanes in mask, packed, and returns how many; writes 4 in any case.
+  static std::uint32_t append(std::uint32_t* out, std::uint32_t j, std::uint32_t mask) {
+    const __m128i all = _mm_add_epi32(_mm_set1_epi32(static_cast<int>(j)), _mm_setr_epi32(0, 1, 2, 3));
+    const __m128i control = _mm_loadu_si128(reinterpret_cast<const __m128i*>(kCompact4.byte[mask]));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), _mm_shuffle_epi8(all, control));
+    return kCompact4.count[mask];
+  }
+
+ private:
+  static constexpr auto kCompact4 = make_compact4();
+};
+
+using Lanes = SseLanes;
+
+}  // namespace
+}  // namespace psim::kernels

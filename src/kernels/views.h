@@ -1,0 +1,161 @@
+// What kernels see: plain pointers, counts and constants. No world, no thread, no allocator.
+// "Record" columns hold {x, y} pairs, 8 bytes a body: a contact touches few lines that way
+// (docs/kernels.md has the measured alternatives). Slots are body places in cell order.
+#pragma once
+
+#include <cstdint>
+
+#include "block_layout.h"
+
+namespace psim::kernels {
+
+/// Constants of the stream kernels for one substep or frame.
+struct StreamParams {
+  float h = 0;            ///< s, length of the substep (or frame, for integrate)
+  float kick_x = 0;       ///< m/s, uniform gravity x h
+  float kick_y = 0;
+  float damp = 1;         ///< exp(-c h)
+  float smooth_limit2 = 0;  ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
+  float coast = 0;        ///< s; closed form of a free body over a frame: d += coast v + fall
+  float drop = 0;         ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
+  float fall_x = 0;       ///< m
+  float fall_y = 0;
+  float pitch_x = 0;      ///< m a lattice step
+  float pitch_y = 0;
+  float inv_pitch_x = 0;
+  float inv_pitch_y = 0;
+  float speed_limit2 = 0; ///< (m/s)^2: faster (or NaN) is reported as bad
+  float far_x = 1e30f;    ///< m: nobody goes further in a frame, or it could wrap around the lattice
+  float far_y = 1e30f;
+};
+
+/// Body columns. Records are {x, y}; every column is readable to kReadPad beyond its end and its
+/// blocks of 8 are whole.
+struct BodyView {
+  std::int32_t* pos = nullptr;     ///< lattice position records
+  float* vel = nullptr;            ///< m/s records
+  float* vel0 = nullptr;           ///< velocity before the substep's kick, records
+  float* disp = nullptr;           ///< m, offset from the lattice point, records
+  const float* acc = nullptr;      ///< m/s^2 records of this substep, or null: uniform gravity
+  float* vel_rest = nullptr;       ///< m/s records, what vel lost to rounding, or null: not kept
+  float* spin = nullptr;           ///< surface speed omega r, m/s, or null: no rotation
+  float* spin0 = nullptr;
+  float* event_time = nullptr;     ///< s into the substep of the last impact, or null: no impacts
+  const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
+};
+
+/// Grid that cell keys are computed against.
+struct GridView {
+  std::int32_t mid_x = 0, mid_y = 0;    ///< lattice point that `offset` cells belong to
+  float scale_x = 0, scale_y = 0;       ///< cells a lattice step
+  float offset_x = 0, offset_y = 0;     ///< cells
+  std::int32_t cols = 0, rows = 0;
+  std::uint32_t stride = 0;             ///< keys a row (cols + empty guard cells)
+};
+
+/// One row of bodies searched against itself and the next row.
+struct PairRow {
+  const std::int32_t* pos = nullptr;
+  const float* reach = nullptr;          ///< m: radius + margin
+  const std::uint32_t* key = nullptr;    ///< cell of each body
+  const std::uint32_t* start = nullptr;  ///< first body of each cell; start[key+1] its end
+  std::int32_t next_row = 0;  ///< key distance from a cell to the cell above it
+  float pitch_x = 0, pitch_y = 0;
+  // Periodic worlds: the keys of the row's first and last cell, whose bodies also look across the
+  // seam. kNoSeam otherwise.
+  std::uint32_t seam_first = 0xFFFFFFFFu, seam_last = 0xFFFFFFFFu;
+};
+
+/// Where pair search writes: pair p is owner[p], other[p]; those of body i begin at first[i].
+struct PairList {
+  std::uint32_t* owner = nullptr;
+  std::uint32_t* other = nullptr;
+  std::uint32_t* first = nullptr;
+  std::uint32_t count = 0;     ///< numbers written so far
+  std::uint32_t capacity = 0;  ///< numbers that fit
+};
+
+/// Flat pairs of slots, and where the chosen ones go.
+struct PairSelection {
+  const std::uint32_t* owner = nullptr;
+  const std::uint32_t* other = nullptr;
+  const float* radius = nullptr;
+  float pitch_x = 0, pitch_y = 0;
+  float time = 0;    ///< s
+  float slack = 0;   ///< m
+  std::uint32_t* out_owner = nullptr;  ///< room for the count and kBlock more
+  std::uint32_t* out_other = nullptr;
+};
+
+/// Constants of the contact passes of one substep. Soft terms: docs/solver.md.
+struct ContactParams {
+  float h = 0;
+  float inv_h = 0;
+  float pitch_x = 0, pitch_y = 0;
+  float soft_rate = 0;     ///< 1/s: mass scale x bias rate
+  float soft_mass = 0;     ///< mass scale
+  float soft_impulse = 0;  ///< impulse scale
+  float push = 0;          ///< m/s: fastest push-out
+  float refresh = 0;       ///< m: sideways motion above which a normal is computed anew
+  float warm = 0;          ///< factor on stored impulses (new h / old h)
+  float gravity_x = 0, gravity_y = 0;  ///< m/s^2
+  float bounce_floor = 0;  ///< m/s: e |vn| below this is left to the solver
+  bool first_sweep = true; ///< of the substep: marks of the one before are stale
+  bool last_sweep = false; ///< what would still collide is left to the solver, unless elastic
+  float impact_floor = 0;  ///< m/s: slower approaches of touching bodies do not bounce
+};
+
+/// Contacts between two bodies, in blocks of 8 that share no body within a colour. Lane l of block
+/// k has its floats at [8 k + l] and its slots at body[2 (8 k + l)] (A) and [.. + 1] (B); the
+/// normal points from A to B. Impulses: N s, or m/s where all masses are equal (mass 1).
+/// A stored normal impulse of -0 marks a contact that is open in this substep.
+struct ContactView {
+  const std::uint32_t* body = nullptr;
+  float* nx = nullptr;
+  float* ny = nullptr;
+  float* gap = nullptr;       ///< m: separation at displacement 0 along the stored normal
+  float* impulse = nullptr;
+  const float* rsum = nullptr;  ///< m: sum of radii
+  // Unequal masses:
+  const float* mass = nullptr;  ///< effective normal mass
+  const float* wa = nullptr;    ///< inverse masses
+  const float* wb = nullptr;
+  // Friction:
+  const float* mu = nullptr;
+  float* friction = nullptr;    ///< stored tangent impulse
+  const float* tmass = nullptr; ///< effective tangent mass
+  const float* qa = nullptr;    ///< r^2 / inertia: change of surface speed a tangent impulse
+  const float* qb = nullptr;
+  // Restitution:
+  const float* e = nullptr;     ///< coefficient
+  float* impact = nullptr;      ///< sign bit set: settled by a time-of-impact sweep this substep
+  float* start = nullptr;       ///< impulse at the start of the substep
+};
+
+/// Contacts of one body with fixed geometry. The normal points to the body.
+struct SingleView {
+  const std::uint32_t* body = nullptr;  ///< one slot a lane
+  float* nx = nullptr;
+  float* ny = nullptr;
+  float* gap = nullptr;
+  float* impulse = nullptr;
+  const float* base_x = nullptr;  ///< m: from the fixed point to the body's lattice point
+  const float* base_y = nullptr;
+  const float* rsum = nullptr;    ///< m: radii of the body and of the fixed point
+  const float* refresh = nullptr; ///< m: as ContactParams::refresh; infinite for flat faces
+  const float* mass = nullptr;
+  const float* wb = nullptr;
+  const float* mu = nullptr;
+  float* friction = nullptr;
+  const float* tmass = nullptr;
+  const float* qb = nullptr;
+  const float* e = nullptr;
+  float* impact = nullptr;
+  float* start = nullptr;
+};
+
+/// Which columns the contact passes read: equal masses; any masses; any masses and friction.
+enum class Model : std::uint8_t { plain, massed, rough };
+inline constexpr int kModels = 3;
+
+}  // namespace psim::kernels

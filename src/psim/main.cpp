@@ -1,0 +1,56 @@
+// psim, the command line. Data goes to stdout, talk to stderr. Exit status: 0 done, 1 a check
+// failed, 2 the user has something to put right (one line says what).
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "about.h"
+#include "benchmark.h"
+#include "options.h"
+#include "run.h"
+#include "user_error.h"
+#include "verify.h"
+
+namespace psim::cli {
+namespace {
+
+int run_mode(const Options& options) {
+  switch (options.mode) {
+    case Mode::version:
+      return print_version();
+    case Mode::list_scenes:
+      return print_scenes();
+    case Mode::explain:
+      return explain_scene(options);
+    case Mode::check:
+      return check_scene_file(options);
+    case Mode::verify:
+      return verify_scene(options);
+    case Mode::benchmark:
+      return benchmark_scene(options);
+    case Mode::run:
+      break;
+  }
+  return run_scene(options);
+}
+
+}  // namespace
+}  // namespace psim::cli
+
+int main(int argc, char** argv) {
+  constexpr int kUserErrorStatus = 2;
+  try {
+    const auto options = psim::cli::parse_options(argc, argv);
+    if (!options) return 0;
+    return psim::cli::run_mode(*options);
+  } catch (const psim::cli::UserError& error) {
+    fmt::print(stderr, "psim: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "psim: out of memory; a smaller scene or a larger machine would do\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "psim: {}\n", error.what());
+  }
+  return kUserErrorStatus;
+}

@@ -1,0 +1,44 @@
+// The command line as a checked value.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "psim/isa.h"
+
+namespace psim::cli {
+
+/// What psim does instead of, or as, a run.
+enum class Mode : std::uint8_t { run, list_scenes, explain, check, verify, benchmark, version };
+
+enum class ReportFormat : std::uint8_t { text, json };
+
+struct Options {
+  Mode mode = Mode::run;
+
+  std::string scene = "discs";  ///< a built-in name or a file
+  std::optional<std::uint64_t> particles;
+  std::optional<std::uint64_t> seed;
+
+  std::optional<std::uint64_t> frames;
+  std::optional<double> dt_s;
+  std::optional<int> substeps;
+  std::optional<bool> sleep;
+  int threads = 1;
+  Isa isa = Isa::scalar;
+
+  ReportFormat report = ReportFormat::text;
+  double budget_ms = 16.67;
+  std::string state, metrics, trajectory, image, trace;  ///< file names; empty = not wanted
+  std::uint64_t every = 1;                               ///< frames between trajectory rows
+
+  static constexpr std::uint64_t kDefaultFrames = 600;
+  std::uint64_t frame_count() const { return frames.value_or(kDefaultFrames); }
+};
+
+/// Reads the command line. Nothing if --help was asked for and printed. Throws UserError that names
+/// the option, the value and what would be right.
+std::optional<Options> parse_options(int argc, const char* const* argv);
+
+}  // namespace psim::cli

@@ -1,0 +1,19 @@
+// The files that a run writes, opened together before the run begins and named at its end.
+#pragma once
+
+#include <optional>
+
+#include "atomic_file.h"
+#include "options.h"
+
+namespace psim::cli {
+
+struct OutputFiles {
+  /// Opens every file that the options ask for; throws UserError if one cannot be written, or if
+  /// two of them, or one and the scene file, are the same. Nothing is left behind then.
+  explicit OutputFiles(const Options& options);
+
+  std::optional<AtomicFile> state, metrics, trajectory, image, trace;
+};
+
+}  // namespace psim::cli

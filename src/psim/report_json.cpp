@@ -1,0 +1,65 @@
+// The report for programs. Numbers read back to the same bits; the state hash is text because many
+// JSON readers hold numbers as doubles and would lose its low bits.
+#include <nlohmann/json.hpp>
+
+#include "about.h"
+#include "psim/version.h"
+#include "run_report.h"
+#include "text.h"
+
+namespace psim::cli {
+
+std::string report_json(const RunReport& report) {
+  using Json = nlohmann::ordered_json;
+  const Samples& frame = report.frame_ms;
+  Json json;
+  json["version"] = PSIM_VERSION_STRING;
+  json["compiler"] = compiler_name();
+  json["scene"] = report.scene;
+  json["isa"] = isa_name(report.isa);
+  json["lanes"] = isa_lanes(report.isa);
+  json["threads"] = report.threads;
+  json["frames"] = frame.count();
+  json["dt"] = report.dt_s;
+  json["substeps"] = report.substeps;
+  json["seed"] = report.seed;
+  json["bodies"] = {{"total", report.bodies_total},
+                    {"dynamic", report.bodies_dynamic},
+                    {"static", report.bodies_static},
+                    {"awake", report.bodies_awake}};
+  json["budget_ms"] = report.budget_ms;
+  json["frames_over_budget"] = report.frames_over_budget;
+  json["frame_ms"] = {{"mean", frame.mean()},
+                      {"p50", frame.percentile(50)},
+                      {"p95", frame.percentile(95)},
+                      {"p99", frame.percentile(99)},
+                      {"max", frame.max()}};
+  Json& phases = json["phase_ms"] = Json::object();
+  for (std::size_t i = 0; i < kPhaseCount; ++i) {
+    const Samples& ms = report.phase_ms[i];
+    phases[std::string(kPhases[i].key)] = {
+        {"mean", ms.mean()}, {"p99", ms.percentile(99)}, {"max", ms.max()}};
+  }
+  json["counts"] = {{"pairs", report.per_frame(report.pairs_sum)},
+                    {"contacts", report.per_frame(report.contacts_sum)},
+                    {"colours", report.per_frame(report.colours_sum)},
+                    {"neighbour_rebuilds", report.neighbour_rebuilds}};
+  json["simd"] = {{"lanes_vector", report.lanes.vector}, {"lanes_scalar", report.lanes.scalar}};
+  json["energy"] = {{"kinetic_start", report.start.kinetic},
+                    {"potential_start", report.start.potential},
+                    {"kinetic", report.end.kinetic},
+                    {"potential", report.end.potential}};
+  json["momentum"] = {{"x", report.end.momentum_x}, {"y", report.end.momentum_y}};
+  json["max_penetration"] = report.end.max_penetration;
+  json["virial"] = report.virial;
+  json["escaped"] = report.escaped;
+  Json& skipped = json["skipped"] = Json::object();
+  for (const auto& [stage, frames] : report.skipped) {
+    if (frames > 0) skipped[stage] = frames;
+  }
+  json["memory_bytes"] = report.memory_bytes;
+  json["state_hash"] = hash_text(report.state_hash);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace psim::cli

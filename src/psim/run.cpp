@@ -1,0 +1,143 @@
+// One run from options to report. Only World::step is inside the timed span: diagnostics, files,
+// trace and progress happen between frames and cost the figures nothing. There is no hidden
+// warm-up: the first frames count.
+#include "run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "csv.h"
+#include "image.h"
+#include "interrupt.h"
+#include "outputs.h"
+#include "progress.h"
+#include "run_report.h"
+#include "scene_choice.h"
+#include "text.h"
+#include "trace.h"
+
+namespace psim::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+RunReport begin_report(const Options& options, const Scene& scene, const World& world) {
+  RunReport report;
+  report.scene = scene.name;
+  report.isa = world.isa();
+  report.threads = world.threads();
+  report.frames_wanted = options.frame_count();
+  report.dt_s = world.desc().dt;
+  report.substeps = world.desc().substeps;
+  report.seed = scene.seed;
+  report.budget_ms = options.budget_ms;
+  report.bodies_awake = world.dynamic_count();
+  report.frame_ms.reserve(report.frames_wanted);
+  for (Samples& phase : report.phase_ms) phase.reserve(report.frames_wanted);
+  report.start = world.diagnostics();
+  return report;
+}
+
+void add_frame(RunReport& report, double total_ms, const StepReport& step, std::uint64_t frame) {
+  report.frame_ms.add(total_ms);
+  if (total_ms > report.budget_ms) ++report.frames_over_budget;
+  const auto phases = phase_ms(step);
+  for (std::size_t i = 0; i < kPhaseCount; ++i) report.phase_ms[i].add(phases[i]);
+  report.pairs_sum += static_cast<double>(step.pairs);
+  report.contacts_sum += static_cast<double>(step.contacts);
+  report.colours_sum += step.colours;
+  report.neighbour_rebuilds += step.rebuilt ? 1 : 0;
+  report.virial += step.virial;
+  report.bodies_awake = step.awake;
+  if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;
+  report.quarantined += step.quarantined;
+}
+
+void end_report(RunReport& report, const World& world) {
+  report.bodies_total = world.body_count();
+  report.bodies_dynamic = world.dynamic_count();
+  report.bodies_static = world.static_count();
+  report.lanes = world.lane_counts();
+  report.end = world.diagnostics();
+  report.escaped = world.escaped_total();
+  report.skipped = world.skipped();
+  report.memory_bytes = world.memory_bytes();
+  report.state_hash = world.state_hash();
+}
+
+void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every) {
+  std::optional<TraceWriter> trace;
+  if (files.trace) trace.emplace(*files.trace, world);
+  if (files.metrics) write_metrics_header(*files.metrics);
+  if (files.trajectory) {
+    write_trajectory_header(*files.trajectory);
+    write_trajectory_rows(*files.trajectory, 0, world.published());
+  }
+  Progress progress(one_line(report.scene), report.frames_wanted);
+  for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
+    const Clock::time_point begin = Clock::now();
+    const StepReport step = world.step();
+    const Clock::time_point end = Clock::now();
+    const double total_ms = std::chrono::duration<double, std::milli>(end - begin).count();
+
+    add_frame(report, total_ms, step, frame);
+    if (files.metrics) {
+      write_metrics_row(*files.metrics, frame, total_ms, step, world.diagnostics());
+    }
+    if (files.trajectory && frame % every == 0) {
+      write_trajectory_rows(*files.trajectory, frame, world.published());
+    }
+    if (trace) trace->frame(frame, begin, end, step);
+    progress.update(frame, end);
+  }
+  if (trace) trace->finish();
+}
+
+void write_files(OutputFiles& files, const Scene& scene, World& world) {
+  if (files.state) write_state(*files.state, world.published());
+  if (files.image) write_image(*files.image, scene, world.published());
+  for (std::optional<AtomicFile>* file :
+       {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace}) {
+    if (*file) (*file)->commit();
+  }
+}
+
+void say_what_was_odd(const Options& options, const RunReport& report) {
+  if (report.frame_ms.count() < report.frames_wanted) {
+    fmt::print(stderr, "psim: interrupted after frame {} of {}\n", report.frame_ms.count(),
+               report.frames_wanted);
+  }
+  if (report.quarantined > 0) {
+    fmt::print(stderr,
+               "psim: {} bodies had numbers that are not finite or out of range and were frozen, "
+               "the first in frame {}\n",
+               report.quarantined, report.first_quarantine_frame);
+  }
+  if (options.sleep.value_or(false)) {
+    fmt::print(stderr, "psim: --sleep on has no effect yet: every body stays awake\n");
+  }
+}
+
+}  // namespace
+
+int run_scene(const Options& options) {
+  catch_interrupts();
+  const Scene scene = choose_scene(options);
+  check_memory(scene);
+  OutputFiles files(options);
+  const auto world = make_world(scene, options.isa, options.threads);
+
+  RunReport report = begin_report(options, scene, *world);
+  run_frames(report, *world, files, options.every);
+  end_report(report, *world);
+
+  say_what_was_odd(options, report);
+  print_out(options.report == ReportFormat::json ? report_json(report) : report_text(report));
+  write_files(files, scene, *world);
+  return 0;
+}
+
+}  // namespace psim::cli

@@ -1,0 +1,56 @@
+// What a run came to: filled by run.cpp, printed by report_text.cpp and report_json.cpp.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "phases.h"
+#include "psim/isa.h"
+#include "psim/report.h"
+#include "samples.h"
+
+namespace psim::cli {
+
+struct RunReport {
+  std::string scene;
+  Isa isa = Isa::scalar;
+  int threads = 1;
+  std::uint64_t frames_wanted = 0;  ///< frames done are frame_ms.count()
+  double dt_s = 0;
+  int substeps = 0;
+  std::uint64_t seed = 0;
+
+  std::size_t bodies_total = 0, bodies_dynamic = 0, bodies_static = 0;
+  std::uint64_t bodies_awake = 0;
+
+  double budget_ms = 0;
+  std::uint64_t frames_over_budget = 0;
+  Samples frame_ms;  ///< wall time around every World::step, the first ones included
+  std::array<Samples, kPhaseCount> phase_ms;
+
+  double pairs_sum = 0, contacts_sum = 0, colours_sum = 0;  ///< over all frames
+  std::uint64_t neighbour_rebuilds = 0;
+  LaneCounts lanes;
+
+  Diagnostics start, end;
+  double virial = 0;  ///< N s m, over all frames
+  std::uint64_t escaped = 0;
+  std::uint64_t quarantined = 0, first_quarantine_frame = 0;
+
+  std::vector<std::pair<std::string, std::uint64_t>> skipped;
+  std::size_t memory_bytes = 0;
+  std::uint64_t state_hash = 0;
+
+  double per_frame(double sum) const {
+    return frame_ms.count() == 0 ? 0 : sum / static_cast<double>(frame_ms.count());
+  }
+};
+
+std::string report_text(const RunReport& report);
+std::string report_json(const RunReport& report);
+
+}  // namespace psim::cli

@@ -1,0 +1,119 @@
+// What a world tells about itself: the plan with its reasons, times, traces, counts.
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+TEST(Plan, GivesAReasonForEveryStage) {
+  auto world = pile(20);
+  const auto plan = world->plan();
+  ASSERT_FALSE(plan.empty());
+  for (const PlanEntry& entry : plan) {
+    EXPECT_FALSE(entry.stage.empty());
+    EXPECT_FALSE(entry.reason.empty()) << entry.stage;
+  }
+}
+
+bool needs(World& world, std::string_view stage) {
+  for (const PlanEntry& entry : world.plan()) {
+    if (entry.stage == stage) return entry.needed;
+  }
+  ADD_FAILURE() << "no stage " << stage << " in the plan";
+  return false;
+}
+
+TEST(Plan, HasFrictionOnlyWhereSomethingRubs) {
+  auto smooth = pile(20);
+  EXPECT_FALSE(needs(*smooth, "solver.friction"));
+  auto rough = pile(20, material(0, 0.5));
+  EXPECT_TRUE(needs(*rough, "solver.friction"));
+  // Rough discs that can only touch smooth ones: the mean is zero.
+  auto mixed = make(walled({0, 0, 10, 10}));
+  add(*mixed, disc({5, 5}, {}, 0.5, material(0, 0)));
+  EXPECT_FALSE(needs(*mixed, "solver.friction"));
+}
+
+TEST(Plan, FollowsWhatIsAdded) {
+  auto world = make(unbounded());
+  add(*world, ground(material(0, 0.5)));
+  add(*world, disc({0, 1}));
+  EXPECT_FALSE(needs(*world, "solver.friction"));
+  const BodyId rough = add(*world, disc({5, 0.5}, {3, 0}, 0.5, material(0, 0.5)));
+  EXPECT_TRUE(needs(*world, "solver.friction"));
+  run(*world, 60);
+  EXPECT_LT(state(*world, rough).omega, -1);
+}
+
+TEST(StepReports, HoldTimesOfTheStages) {
+  auto world = pile(500);
+  for (int k = 0; k < 10; ++k) {
+    const StepReport report = world->step();
+    double sum = 0;
+    for (const double ms : report.stage_ms) {
+      EXPECT_GE(ms, 0);
+      sum += ms;
+    }
+    EXPECT_GT(report.total_ms, 0);
+    EXPECT_LE(sum, report.total_ms * 1.05 + 0.05);
+    EXPECT_EQ(report.awake, 500u);
+  }
+}
+
+TEST(StepReports, CountContactsAndPairs) {
+  auto apart = make(unbounded(100, {0, 0}));
+  add(*apart, disc({0, 0}));
+  add(*apart, disc({50, 0}));
+  EXPECT_EQ(apart->step().contacts, 0u);
+
+  auto column = make(unbounded());
+  add(*column, ground());
+  for (int k = 0; k < 3; ++k) add(*column, disc({0, 0.5 + k}));
+  run(*column, 120);
+  const StepReport report = column->step();
+  EXPECT_EQ(report.contacts, 3u);
+  EXPECT_GE(report.pairs, 3u);
+  EXPECT_GE(report.colours, 2u);
+}
+
+TEST(StepReports, VirialOfOneImpactIsItsImpulseTimesTheDistance) {
+  auto world = make(unbounded(100, {0, 0}));
+  BodyDesc a = disc({-2, 0}, {3, 0}, 0.5, material(1)), b = disc({0, 0}, {}, 0.75, material(1));
+  a.mass = b.mass = 2;
+  add(*world, a);
+  add(*world, b);
+  double virial = 0;
+  for (int k = 0; k < 60; ++k) virial += world->step().virial;
+  EXPECT_NEAR(virial, 2 * 3 * 1.25, 1e-3);  // equal masses swap: J = m v
+}
+
+TEST(Traces, HoldEveryStageOfEveryStep) {
+  auto world = pile(500, {}, best_isa(), 2);
+  EXPECT_TRUE(world->take_trace().empty());
+  world->start_trace();
+  run(*world, 5);
+  const auto events = world->take_trace();
+  EXPECT_GE(events.size(), 5u);
+  std::vector<std::string> names;
+  for (const TraceEvent& event : events) {
+    EXPECT_GE(event.begin_ns, 0);
+    EXPECT_GE(event.end_ns, event.begin_ns);
+    EXPECT_GE(event.thread, 0);
+    EXPECT_LT(event.thread, 2);
+    names.push_back(event.name);
+  }
+  EXPECT_NE(std::find(names.begin(), names.end(), "solver"), names.end());
+}
+
+TEST(Skipped, CountsFramesOfWhatWasLeftOut) {
+  auto world = pile(20);
+  run(*world, 10);
+  bool friction_skipped = false;
+  for (const auto& [stage, frames] : world->skipped()) {
+    EXPECT_LE(frames, 10u) << stage;
+    if (stage == "solver.friction") friction_skipped = frames == 10;
+  }
+  EXPECT_TRUE(friction_skipped);
+}
+
+}  // namespace
+}  // namespace psim::test

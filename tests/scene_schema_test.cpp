@@ -1,0 +1,237 @@
+// docs/scene.schema.json and the parser describe one format: every document below, the scenes of
+// scenes/ and thousands of damaged ones are judged by both. The parser alone knows what a schema
+// cannot say (places inside the world, references, lengths) and what this version cannot simulate.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "json_schema.h"
+#include "psim/scene.h"
+
+namespace psim {
+namespace {
+
+using Json = nlohmann::json;
+
+const test::JsonSchema& schema() {
+  static const test::JsonSchema kSchema = [] {
+    std::ifstream file(PSIM_SOURCE_DIR "/docs/scene.schema.json");
+    return test::JsonSchema(Json::parse(file));
+  }();
+  return kSchema;
+}
+
+// Nothing, or what the parser said.
+std::string refusal(const std::string& text) {
+  std::string error;
+  parse_scene(text, "f", error);
+  return error;
+}
+
+bool beyond_the_schema(std::string_view error) {
+  for (const std::string_view reason :
+       {"not available in this version", "outside the world", "out of the world",
+        "larger than the world", "is no area", "is too large: at most 1e9 m", "no material",
+        "no body ", "names are unique", "one for each body", "is p1", "is the vertex before it",
+        "is the first vertex", "at least 3", "is less than the smallest", "stands beside \"vx\"",
+        "is the body of"}) {
+    if (error.find(reason) != error.npos) return true;
+  }
+  return false;
+}
+
+// Uses every key of the format.
+const std::vector<std::string>& good_documents() {
+  static const std::vector<std::string> kDocuments = {
+      R"({"psim": 1, "world": {"bounds": [0, 0, 1, 1]}})",
+      R"({"psim": 1, "name": "n", "description": "d",
+          "world": {"bounds": [-50, -50, 50, 50], "boundary": "periodic", "gravity": [0, -1],
+                    "linear_damping": 0.1, "material": "m"},
+          "step": {"dt": 0.02, "substeps": 2, "sleeping": false, "integrator": "verlet",
+                   "restitution_threshold": 0.1},
+          "materials": {"m": {"density": 2, "restitution": 0.5, "friction": 0.3}},
+          "bodies": [{"name": "a", "type": "dynamic", "shape": {"disc": {"radius": 1}},
+                      "position": [1, 2], "angle": 1, "velocity": [1, 2], "angular_velocity": 1,
+                      "material": "m", "density": 3, "mass": 4, "restitution": 1, "friction": 1,
+                      "gravity_scale": 2, "fixed_rotation": true, "bullet": true}],
+          "fields": [{"type": "well", "position": [0, 0], "strength": 1, "softening": 0.1,
+                      "exponent": 3, "range": 5},
+                     {"type": "drag", "linear": 1, "quadratic": 2}],
+          "joints": []})",
+      R"({"psim": 1, "world": {"bounds": [-50, -50, 50, 50]},
+          "bodies": [{"type": "static", "position": [0, 0],
+                      "shape": {"segment": {"p1": [0, 0], "p2": [1, 1]}}},
+                     {"type": "static", "position": [0, 0],
+                      "shape": {"chain": {"vertices": [[0, 0], [1, 1], [2, 0]], "loop": true}}}]})",
+      R"({"psim": 1, "world": {"bounds": [-50, -50, 50, 50], "boundary": "open"},
+          "materials": {"m": {}},
+          "groups": [{"layout": "lattice", "count": 4, "region": [0, 0, 9, 9], "radius": [1, 2],
+                      "jitter": 0.5, "velocity": [1, 1], "velocity_spread": 1, "seed": 3,
+                      "type": "kinematic", "angle": 1, "angular_velocity": 1, "material": "m",
+                      "density": 1, "mass": 1, "restitution": 0, "friction": 0, "gravity_scale": 1,
+                      "fixed_rotation": false, "bullet": false},
+                     {"layout": "random", "count": 4, "region": [0, 0, 9, 9],
+                      "shape": {"disc": {"radius": 1}}},
+                     {"layout": "explicit", "x": [1, 2], "y": [1, 2], "radius": [1, 1],
+                      "vx": [1, 2], "vy": [1, 2], "type": "static", "angle": 1,
+                      "angular_velocity": 1, "material": "m", "density": 1, "mass": 1,
+                      "restitution": 0, "friction": 0, "gravity_scale": 1,
+                      "fixed_rotation": false, "bullet": false},
+                     {"layout": "explicit", "x": [], "y": [], "radius": 1, "velocity": [1, 1]},
+                     {"layout": "explicit", "x": [], "y": [], "shape": {"disc": {"radius": 1}}}]})"};
+  return kDocuments;
+}
+
+// Of the format, and refused by this version.
+const std::vector<std::string>& future_documents() {
+  static const std::vector<std::string> kDocuments = {
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]}, "step": {"integrator": "symplectic4"}})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
+          "bodies": [{"shape": {"box": {"size": [1, 2]}}, "position": [0, 0]},
+                     {"shape": {"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]]}},
+                      "position": [0, 0]},
+                     {"shape": {"capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 1}},
+                      "position": [0, 0]}]})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
+          "groups": [{"layout": "hex", "count": 1, "region": [0, 0, 9, 9],
+                      "shape": {"box": {"size": [1, 2]}}}]})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
+          "bodies": [{"name": "a", "shape": {"disc": {"radius": 1}}, "position": [0, 0]},
+                     {"shape": {"disc": {"radius": 1}}, "position": [3, 0]}],
+          "joints": [{"type": "spring", "a": "a", "b": 1, "anchor_a": [0, 0], "anchor_b": [0, 0],
+                      "length": 1, "stiffness": 10, "damping": 1}]})"};
+  return kDocuments;
+}
+
+void expect_agreement(const Json& document) {
+  const std::string violation = schema().violation(document);
+  const std::string error = refusal(document.dump());
+  if (violation.empty()) {
+    EXPECT_TRUE(error.empty() || beyond_the_schema(error))
+        << "fits the schema, yet: " << error << "\n"
+        << document.dump();
+  } else {
+    EXPECT_FALSE(error.empty()) << "against the schema at " << violation << ", yet it was read\n"
+                                << document.dump();
+  }
+}
+
+TEST(SceneSchema, GoodDocumentsFitBoth) {
+  for (const std::string& text : good_documents()) {
+    EXPECT_EQ(schema().violation(Json::parse(text)), "") << text;
+    EXPECT_EQ(refusal(text), "") << text;
+  }
+}
+
+TEST(SceneSchema, WhatIsNotAvailableYetFitsTheSchema) {
+  for (const std::string& text : future_documents()) {
+    EXPECT_EQ(schema().violation(Json::parse(text)), "") << text;
+    EXPECT_NE(refusal(text).find("not available in this version"), std::string::npos) << text;
+  }
+}
+
+TEST(SceneSchema, ScenesOfTheRepositoryFitBoth) {
+  for (const auto& entry : std::filesystem::directory_iterator(PSIM_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".json") continue;
+    std::ifstream file(entry.path());
+    EXPECT_EQ(schema().violation(Json::parse(file)), "") << entry.path();
+    std::string error;
+    EXPECT_TRUE(load_scene(entry.path().string(), error)) << error;
+  }
+}
+
+TEST(SceneSchema, TheExampleOfTheDocumentationFitsBoth) {
+  std::ifstream file(PSIM_SOURCE_DIR "/docs/scenes.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t begin = page.find("```json\n") + 8;
+  const std::string text = page.substr(begin, page.find("```", begin) - begin);
+  EXPECT_EQ(schema().violation(Json::parse(text)), "");
+  EXPECT_EQ(refusal(text), "");
+}
+
+TEST(SceneSchema, WrittenScenesFitIt) {
+  for (const std::string& text : good_documents()) {
+    std::string error;
+    const std::optional<Scene> scene = parse_scene(text, "f", error);
+    ASSERT_TRUE(scene) << error;
+    EXPECT_EQ(schema().violation(Json::parse(scene_to_json(*scene))), "");
+  }
+}
+
+// Every value replaced by values of every kind and size, every key dropped, renamed and joined by an
+// unknown one: the two must judge each of these documents alike.
+TEST(SceneSchema, BothJudgeDamagedDocumentsAlike) {
+  const std::vector<Json> values = {nullptr,
+                                    true,
+                                    "x",
+                                    "",
+                                    0,
+                                    -1,
+                                    1.5,
+                                    1,
+                                    65,
+                                    1e-7,
+                                    2e6,
+                                    -2e6,
+                                    1e10,
+                                    -1e10,
+                                    1e13,
+                                    1e22,
+                                    101,
+                                    10.5,
+                                    1e300,
+                                    20000000,
+                                    Json::array(),
+                                    Json::array({1}),
+                                    Json::array({1, 2}),
+                                    Json::array({1, "x"}),
+                                    Json::array({1, 2, 3}),
+                                    Json::array({1e10, 1}),
+                                    Json::array({0, 0, 1, 1}),
+                                    Json::object(),
+                                    Json::object({{"disc", 1}}),
+                                    "static",
+                                    "hex",
+                                    "explicit",
+                                    "drag",
+                                    "well"};
+  std::vector<std::string> texts = good_documents();
+  texts.insert(texts.end(), future_documents().begin(), future_documents().end());
+  std::size_t judged = 0;
+  for (const std::string& text : texts) {
+    const Json document = Json::parse(text);
+    const Json leaves = document.flatten();
+    for (const auto& [place, unused] : leaves.items()) {
+      // The leaf and everything around it.
+      for (Json::json_pointer at(place); !at.empty(); at = at.parent_pointer()) {
+        for (const Json& value : values) {
+          Json damaged = document;
+          damaged[at] = value;
+          expect_agreement(damaged);
+          ++judged;
+        }
+        if (!document.at(at.parent_pointer()).is_object()) continue;
+        Json damaged = document;
+        Json& parent = damaged[at.parent_pointer()];
+        parent.erase(at.back());
+        expect_agreement(damaged);
+        parent[at.back() + "x"] = document.at(at);
+        expect_agreement(damaged);
+        parent[at.back()] = document.at(at);
+        expect_agreement(damaged);
+      }
+    }
+  }
+  EXPECT_GT(judged, 1000u);
+}
+
+}  // namespace
+}  // namespace psim

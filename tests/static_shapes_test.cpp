@@ -1,0 +1,231 @@
+// Static discs, segments and chains: smooth to roll over, tight to be inside of, solid from both
+// sides.
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+/// Ground from -5 to 100 of pieces of one metre, as segments or as one chain.
+void add_pieces(World& world, bool as_chain, Material m) {
+  std::vector<Vec2> vertices;
+  for (int k = -5; k <= 100; ++k) vertices.push_back({1.0 * k, 0});
+  if (as_chain) {
+    add(world, chain(vertices, false, m));
+    return;
+  }
+  for (std::size_t k = 0; k + 1 < vertices.size(); ++k)
+    add(world, segment(vertices[k], vertices[k + 1], m));
+}
+
+TEST(StaticShapes, DiscGlidesOverAHundredJointsUnmoved) {
+  for (const Isa isa : available_isas()) {
+    for (const bool as_chain : {false, true}) {
+      SCOPED_TRACE(testing::Message() << isa_name(isa) << (as_chain ? " chain" : " segments"));
+      auto world = make(unbounded(200), isa);
+      add_pieces(*world, as_chain, {});
+      const BodyId id = add(*world, disc({0, 0.5}, {4.7, 0}));
+      run(*world, 120);
+      const double level = state(*world, id).y;
+      double bump = 0;
+      for (int k = 0; k < 1000; ++k) {
+        world->step();
+        bump = std::max(bump, std::abs(state(*world, id).y - level));
+      }
+      EXPECT_GT(state(*world, id).x, 80);
+      EXPECT_LT(bump, 1e-4);
+      EXPECT_NEAR(state(*world, id).vx / 4.7, 1, 1e-5);
+    }
+  }
+}
+
+TEST(StaticShapes, DiscRollsOverAHundredJointsWithoutLoss) {
+  for (const bool as_chain : {false, true}) {
+    auto world = make(unbounded(200));
+    add_pieces(*world, as_chain, material(0, 0.5));
+    BodyDesc rolling = disc({0, 0.5}, {4.7, 0}, 0.5, material(0, 0.5));
+    rolling.angular_velocity = -9.4;
+    const BodyId id = add(*world, rolling);
+    run(*world, 1100);
+    EXPECT_NEAR(state(*world, id).vx / 4.7, 1, 1e-3) << as_chain;
+    EXPECT_NEAR(state(*world, id).omega / -9.4, 1, 1e-3) << as_chain;
+  }
+}
+
+TEST(StaticShapes, ElasticDiscBouncesTrueOnAJoint) {
+  for (const bool as_chain : {false, true}) {
+    auto world = make(unbounded(200));
+    add_pieces(*world, as_chain, material(1));
+    const BodyId id = add(*world, disc({7, 2}, {0.9, 0}, 0.5, material(1)));
+    run(*world, 600);
+    EXPECT_NEAR(state(*world, id).vx, 0.9, 1e-4) << as_chain;
+  }
+}
+
+TEST(StaticShapes, DiscRestsInAV) {
+  for (const bool as_chain : {false, true}) {
+    auto world = make(unbounded());
+    if (as_chain) {
+      add(*world, chain({{-5, 5}, {0, 0}, {5, 5}}));
+    } else {
+      add(*world, segment({-5, 5}, {0, 0}));
+      add(*world, segment({0, 0}, {5, 5}));
+    }
+    const BodyId id = add(*world, disc({0.4, 1.5}));
+    run_seconds(*world, 60);
+    EXPECT_NEAR(state(*world, id).x, 0, 0.01) << as_chain;
+    EXPECT_NEAR(state(*world, id).y, 0.5 * std::sqrt(2.0), 0.01) << as_chain;
+    EXPECT_NEAR(std::hypot(state(*world, id).vx, state(*world, id).vy), 0, 0.01) << as_chain;
+  }
+}
+
+TEST(StaticShapes, DiscBalancesOnTheTipOfASegment) {
+  // The end of a segment is a point: the disc's normal is from the point to its centre.
+  auto world = make(unbounded());
+  add(*world, segment({0, -5}, {0, 0}));
+  const BodyId on_top = add(*world, disc({0, 0.5}));
+  run_seconds(*world, 2);
+  EXPECT_NEAR(state(*world, on_top).y, 0.5, 0.01);
+
+  auto bounce = make(unbounded(100, {0, 0}));
+  add(*bounce, segment({-5, 0}, {0, 0}, material(1)));
+  // Comes down beside the end: hits the point at 45 degrees and leaves sideways.
+  const double offset = 0.5 * std::sqrt(0.5);
+  const BodyId id = add(*bounce, disc({offset, 2}, {0, -3}, 0.5, material(1)));
+  run(*bounce, 120);
+  EXPECT_NEAR(state(*bounce, id).vx, 3, 3e-4);
+  EXPECT_NEAR(state(*bounce, id).vy, 0, 3e-4);
+}
+
+TEST(StaticShapes, SegmentsAreSolidFromBothSides) {
+  auto world = make(unbounded(100, {0, 0}));
+  add(*world, segment({-5, 0}, {5, 0}, material(1)));
+  const BodyId above = add(*world, disc({-1, 2}, {0, -3}, 0.5, material(1)));
+  const BodyId below = add(*world, disc({1, -2}, {0, 3}, 0.5, material(1)));
+  run(*world, 60);
+  EXPECT_NEAR(state(*world, above).vy, 3, 3e-4);
+  EXPECT_NEAR(state(*world, below).vy, -3, 3e-4);
+}
+
+TEST(StaticShapes, PositionAndAngleMoveTheShape) {
+  auto world = make(unbounded(100, {0, 0}));
+  BodyDesc wall = segment({0, 0}, {10, 0}, material(1));
+  wall.position = {5, -5};
+  wall.angle = kPi / 2;  // upright at x = 5, from y = -5 to 5
+  add(*world, wall);
+  const BodyId id = add(*world, disc({2, 1}, {3, 0}, 0.5, material(1)));
+  run(*world, 90);
+  EXPECT_NEAR(state(*world, id).vx, -3, 3e-4);
+  EXPECT_LT(state(*world, id).x, 4.5);
+}
+
+TEST(StaticShapes, ThinWallsHoldFastDiscs) {
+  for (const double speed : {30.0, 100.0, 300.0}) {
+    for (const double restitution : {0.0, 1.0}) {
+      auto world = make(unbounded(1000, {0, 0}));
+      add(*world, segment({0, -50}, {0, 50}, material(restitution)));
+      std::vector<BodyId> ids;
+      for (int k = 0; k < 40; ++k) {
+        ids.push_back(add(
+            *world, disc({-5 - 0.13 * k, -40.0 + 2 * k}, {speed, 0}, 0.1, material(restitution))));
+      }
+      run(*world, 60);
+      for (const BodyId& id : ids)
+        EXPECT_LT(state(*world, id).x, 0) << speed << " e " << restitution;
+    }
+  }
+}
+
+TEST(StaticShapes, BulletsDoNotPassThinWalls) {
+  for (const double speed : {1e3, 1e4}) {
+    auto world = make(unbounded(1000, {0, 0}));
+    add(*world, segment({0, -50}, {0, 50}, material(1)));
+    BodyDesc bullet = disc({-7, 0.3}, {speed, 0}, 0.1, material(1));
+    bullet.bullet = true;
+    const BodyId id = add(*world, bullet);
+    for (int k = 0; k < 3 && world->is_valid(id); ++k) {
+      world->step();
+      ASSERT_TRUE(!world->is_valid(id) || state(*world, id).x < 0) << speed;
+    }
+  }
+}
+
+std::vector<Vec2> circle(double radius, int corners) {
+  std::vector<Vec2> vertices;
+  for (int k = 0; k < corners; ++k) {
+    const double a = 2 * kPi * k / corners;
+    vertices.push_back({radius * std::cos(a), radius * std::sin(a)});
+  }
+  return vertices;
+}
+
+TEST(StaticShapes, ALoopKeepsItsDiscsInside) {
+  for (const Isa isa : available_isas()) {
+    for (const double restitution : {0.0, 0.8}) {
+      auto world = make(unbounded(50), isa, 2);
+      add(*world, chain(circle(15, 32), true, material(restitution)));
+      add(*world, lattice(200, {-9, -9, 9, 9}, 0.4, 5, material(restitution)));
+      for (int k = 0; k < 600; ++k) {
+        world->step();
+        if (k % 20) continue;
+        const PublishedState s = world->published();
+        for (std::size_t row = 1; row < s.id.size(); ++row) {
+          ASSERT_LT(std::hypot(s.x[row], s.y[row]), 15 - 0.35) << "frame " << k << " disc " << row;
+        }
+      }
+      EXPECT_EQ(world->body_count(), 201u);
+    }
+  }
+}
+
+TEST(StaticShapes, AnElasticGasInALoopKeepsItsEnergy) {
+  auto world = make(unbounded(50, {0, 0}));
+  add(*world, chain(circle(15, 32), true, material(1)));
+  add(*world, lattice(100, {-9, -9, 9, 9}, 0.4, 5, material(1)));
+  const double start = world->diagnostics().kinetic;
+  run(*world, 600);
+  EXPECT_NEAR(world->diagnostics().kinetic / start, 1, 1e-3);
+}
+
+TEST(StaticShapes, DiscRollsThroughABowlAndBack) {
+  // Frictionless bowl of 100 pieces: comes up again to where it was let go.
+  std::vector<Vec2> bowl;
+  for (int k = 0; k <= 200; ++k) {
+    const double a = kPi + kPi * k / 200;
+    bowl.push_back({10 * std::cos(a), 10 * std::sin(a)});
+  }
+  auto world = make(unbounded());
+  add(*world, chain(bowl));
+  const double a = kPi + 0.8;
+  const BodyId id = add(*world, disc({9.499 * std::cos(a), 9.499 * std::sin(a)}));
+  const double start = state(*world, id).y;
+  double highest = -100;
+  for (int k = 0; k < 600; ++k) {
+    world->step();
+    if (state(*world, id).x > 0) highest = std::max(highest, state(*world, id).y);
+  }
+  const double depth = start + 9.5;
+  EXPECT_GT(highest, start - 0.02 * depth);
+  EXPECT_LT(highest, start + 0.01 * depth);
+}
+
+TEST(StaticShapes, ManySmallDiscsDrainThroughAGap) {
+  // A funnel: whoever is above the gap comes out below it, none elsewhere.
+  auto world = make(walled({-20, -20, 20, 20}));
+  add(*world, chain({{-20, 10}, {-2, 0}}));
+  add(*world, chain({{20, 10}, {2, 0}}));
+  add(*world, lattice(150, {-8, 10, 8, 19}, 0.3, 0, {}));
+  for (int k = 0; k < 600; ++k) {
+    world->step();
+    if (k % 10) continue;
+    const PublishedState s = world->published();
+    for (std::size_t row = 2; row < s.id.size(); ++row) {
+      if (s.y[row] > 0 && std::abs(s.x[row]) > 2) {
+        ASSERT_GT(s.y[row] - (std::abs(s.x[row]) - 2) * 10 / 18, 0.2) << "frame " << k;
+      }
+    }
+  }
+  EXPECT_TRUE(all_inside(*world));
+}
+
+}  // namespace
+}  // namespace psim::test
