@@ -165,13 +165,17 @@ TEST(SlowPile, StaysQuietForAMinute) {
   run_seconds(*world, 20);
   const PublishedState s = world->published();
   const std::vector<double> x(s.x.begin(), s.x.end()), y(s.y.begin(), s.y.end());
+  const double early = rms_speed(*world);
   run_seconds(*world, 40);
   const PublishedState later = world->published();
-  double worst = 0;
+  std::vector<double> moved;
   for (std::size_t k = 0; k < x.size(); ++k) {
-    worst = std::max(worst, std::hypot(later.x[k] - x[k], later.y[k] - y[k]));
+    moved.push_back(std::hypot(later.x[k] - x[k], later.y[k] - y[k]));
   }
-  EXPECT_LT(worst, 0.05);
+  std::ranges::sort(moved);
+  // A disc that stands free on the floor rolls on for ever, as it should; the load carriers stay.
+  EXPECT_LT(quantile(moved, 0.99), 0.002);
+  EXPECT_LT(rms_speed(*world), 1.1 * early + 1e-5);
   EXPECT_LT(rms_speed(*world), 1e-3);
 }
 
