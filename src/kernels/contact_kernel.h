@@ -9,6 +9,9 @@
 // Soft contact after Catto (Solver2D, 2024), stiffness tied to the substep (docs/solver.md). In the
 // plain model all masses are 1 and m = 1/2. An open contact (s > 0, l = 0) is marked by storing -0
 // so that relax leaves it alone.
+//
+// A contact whose impulses do not change leaves its bodies' velocities alone, bit for bit. A vector
+// of such contacts, most of those of a scene in flight, skips its stores.
 #pragma once
 
 #include "views.h"
@@ -65,6 +68,36 @@ template <class L>
   L::store(c.gap + k, gap);
 }
 
+/// vA -= wA (px, py), vB += wB (px, py) in the lanes of `moved`. Subtractions only: adding a zero
+/// would turn a velocity of -0 into +0.
+template <class L, Model M>
+[[gnu::always_inline]] inline void push_apart(const BodyView& b, const ContactView& c, std::size_t k,
+                                              typename L::F moved, typename L::F px,
+                                              typename L::F py, typename L::F vax, typename L::F vay,
+                                              typename L::F vbx, typename L::F vby) {
+  const std::uint32_t* slot = c.body + 2 * k;
+  auto ax = px, ay = py, bx = L::negate(px), by = L::negate(py);
+  if constexpr (M != Model::plain) {
+    const auto wa = L::load(c.wa + k), wb = L::load(c.wb + k);
+    ax = L::mul(wa, ax), ay = L::mul(wa, ay);
+    bx = L::mul(wb, bx), by = L::mul(wb, by);
+  }
+  L::template scatter<2>(b.vel, slot, L::sub(vax, L::both(moved, ax)), L::sub(vay, L::both(moved, ay)));
+  L::template scatter<2>(b.vel, slot + 1, L::sub(vbx, L::both(moved, bx)),
+                         L::sub(vby, L::both(moved, by)));
+}
+
+/// Spins alike: uA -= qA dt, uB -= qB dt.
+template <class L>
+[[gnu::always_inline]] inline void turn_apart(const BodyView& b, const ContactView& c, std::size_t k,
+                                              typename L::F dt, typename L::F ua, typename L::F ub) {
+  const std::uint32_t* slot = c.body + 2 * k;
+  const auto turned = L::differ(dt, L::set1(0));
+  const auto da = L::mul(L::load(c.qa + k), dt), db = L::mul(L::load(c.qb + k), dt);
+  L::template scatter1<2>(b.spin, slot, L::sub(ua, L::both(turned, da)));
+  L::template scatter1<2>(b.spin, slot + 1, L::sub(ub, L::both(turned, db)));
+}
+
 /// v += w l n for the impulses of the last substep, scaled by p.warm.
 template <class L, Model M>
 void warm_contacts(const BodyView& b, const ContactView& c, const ContactParams& p,
@@ -77,30 +110,25 @@ void warm_contacts(const BodyView& b, const ContactView& c, const ContactParams&
     const auto l = L::mul(L::load(c.impulse + k), warm);
     L::store(c.impulse + k, l);
     auto px = L::mul(l, nx), py = L::mul(l, ny);
+    auto moved = L::differ(l, L::set1(0));
     typename L::F t{};
     if constexpr (M == Model::rough) {
       t = L::mul(L::load(c.friction + k), warm);
       L::store(c.friction + k, t);
       px = L::sub(px, L::mul(t, ny));
       py = L::add(py, L::mul(t, nx));
+      moved = L::either(moved, L::differ(t, L::set1(0)));
     }
-    auto ax = px, ay = py, bx = px, by = py;
-    if constexpr (M != Model::plain) {
-      const auto wa = L::load(c.wa + k), wb = L::load(c.wb + k);
-      ax = L::mul(wa, px), ay = L::mul(wa, py);
-      bx = L::mul(wb, px), by = L::mul(wb, py);
-    }
-    typename L::F vx, vy;
-    L::template gather<2>(b.vel, slot, vx, vy);
-    L::template scatter<2>(b.vel, slot, L::sub(vx, ax), L::sub(vy, ay));
-    L::template gather<2>(b.vel, slot + 1, vx, vy);
-    L::template scatter<2>(b.vel, slot + 1, L::add(vx, bx), L::add(vy, by));
+    if (!L::bits(moved)) continue;
+    typename L::F vax, vay, vbx, vby;
+    L::template gather<2>(b.vel, slot, vax, vay);
+    L::template gather<2>(b.vel, slot + 1, vbx, vby);
     if constexpr (M == Model::rough) {
       const auto ua = L::template gather1<2>(b.spin, slot);
-      L::template scatter1<2>(b.spin, slot, L::sub(ua, L::mul(L::load(c.qa + k), t)));
       const auto ub = L::template gather1<2>(b.spin, slot + 1);
-      L::template scatter1<2>(b.spin, slot + 1, L::sub(ub, L::mul(L::load(c.qb + k), t)));
+      turn_apart<L>(b, c, k, t, ua, ub);
     }
+    push_apart<L, M>(b, c, k, moved, px, py, vax, vay, vbx, vby);
   }
 }
 
@@ -170,16 +198,9 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     next = L::select(L::both(apart, L::less_equal(next, zero)), open, next);
     if constexpr (Bounce) next = L::select_sign(settled, open, next);
     L::store(c.impulse + k, next);
-    auto px = L::mul(change, nx), py = L::mul(change, ny);
-    if constexpr (M == Model::plain) {
-      L::template scatter<2>(b.vel, slot, L::sub(vax, px), L::sub(vay, py));
-      L::template scatter<2>(b.vel, slot + 1, L::add(vbx, px), L::add(vby, py));
-    } else {
-      const auto wa = L::load(c.wa + k), wb = L::load(c.wb + k);
-      L::template scatter<2>(b.vel, slot, L::sub(vax, L::mul(wa, px)), L::sub(vay, L::mul(wa, py)));
-      L::template scatter<2>(b.vel, slot + 1, L::add(vbx, L::mul(wb, px)),
-                             L::add(vby, L::mul(wb, py)));
-    }
+    const auto moved = L::differ(change, zero);
+    if (!L::bits(moved)) continue;
+    push_apart<L, M>(b, c, k, moved, L::mul(change, nx), L::mul(change, ny), vax, vay, vbx, vby);
   }
 }
 
@@ -191,11 +212,23 @@ template <class L, Model M, bool Bounce>
 void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams& p,
                     std::uint32_t begin, std::uint32_t end) {
   const auto zero = L::set1(0), half = L::set1(0.5f);
+  constexpr std::uint32_t kAll = (1u << L::width) - 1;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock;
        k < static_cast<std::size_t>(end) * kBlock; k += L::width) {
     const std::uint32_t* slot = c.body + 2 * k;
-    const auto nx = L::load(c.nx + k), ny = L::load(c.ny + k);
     const auto l = L::load(c.impulse + k);
+    typename L::F t{};
+    if constexpr (M == Model::rough) t = L::load(c.friction + k);
+    if (L::bits(l) == kAll) {  // all open, and nothing to take back
+      auto left = L::differ(l, zero);
+      if constexpr (M == Model::rough) left = L::either(left, L::differ(t, zero));
+      if (!L::bits(left)) {
+        if constexpr (M == Model::rough) L::store(c.friction + k, zero);
+        if constexpr (Bounce) L::store(c.start + k, zero);
+        continue;
+      }
+    }
+    const auto nx = L::load(c.nx + k), ny = L::load(c.ny + k);
     typename L::F vax, vay, vbx, vby;
     L::template gather<2>(b.vel, slot, vax, vay);
     L::template gather<2>(b.vel, slot + 1, vbx, vby);
@@ -213,30 +246,22 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
     L::store(c.impulse + k, next);
     const auto change = L::sub(next, l);
     auto px = L::mul(change, nx), py = L::mul(change, ny);
-    if constexpr (M == Model::plain) {
-      L::template scatter<2>(b.vel, slot, L::sub(vax, px), L::sub(vay, py));
-      L::template scatter<2>(b.vel, slot + 1, L::add(vbx, px), L::add(vby, py));
-    } else {
-      const auto wa = L::load(c.wa + k), wb = L::load(c.wb + k);
-      if constexpr (M == Model::rough) {
-        auto ua = L::template gather1<2>(b.spin, slot);
-        auto ub = L::template gather1<2>(b.spin, slot + 1);
-        const auto vt = L::sub(L::sub(L::sub(L::mul(nx, ry), L::mul(ny, rx)), ub), ua);
-        const auto cap = L::mul(L::load(c.mu + k), L::max(next, zero));
-        const auto t = L::load(c.friction + k);
-        const auto wish = L::sub(t, L::mul(L::load(c.tmass + k), vt));
-        const auto kept = L::max(L::min(wish, cap), L::negate(cap));
-        const auto dt = L::sub(kept, t);
-        L::store(c.friction + k, kept);
-        px = L::sub(px, L::mul(dt, ny));
-        py = L::add(py, L::mul(dt, nx));
-        L::template scatter1<2>(b.spin, slot, L::sub(ua, L::mul(L::load(c.qa + k), dt)));
-        L::template scatter1<2>(b.spin, slot + 1, L::sub(ub, L::mul(L::load(c.qb + k), dt)));
-      }
-      L::template scatter<2>(b.vel, slot, L::sub(vax, L::mul(wa, px)), L::sub(vay, L::mul(wa, py)));
-      L::template scatter<2>(b.vel, slot + 1, L::add(vbx, L::mul(wb, px)),
-                             L::add(vby, L::mul(wb, py)));
+    auto moved = L::differ(change, zero);
+    if constexpr (M == Model::rough) {
+      const auto ua = L::template gather1<2>(b.spin, slot);
+      const auto ub = L::template gather1<2>(b.spin, slot + 1);
+      const auto vt = L::sub(L::sub(L::sub(L::mul(nx, ry), L::mul(ny, rx)), ub), ua);
+      const auto cap = L::mul(L::load(c.mu + k), L::max(next, zero));
+      const auto wish = L::sub(t, L::mul(L::load(c.tmass + k), vt));
+      const auto kept = L::select_sign(l, zero, L::max(L::min(wish, cap), L::negate(cap)));
+      const auto dt = L::sub(kept, t);
+      L::store(c.friction + k, kept);
+      px = L::sub(px, L::mul(dt, ny));
+      py = L::add(py, L::mul(dt, nx));
+      moved = L::either(moved, L::differ(dt, zero));
+      turn_apart<L>(b, c, k, dt, ua, ub);
     }
+    push_apart<L, M>(b, c, k, moved, px, py, vax, vay, vbx, vby);
     if constexpr (Bounce) {  // with l0 the impulse at the substep's start, min(l, l0) lasts
       const auto lasts = L::min(next, L::max(L::load(c.start + k), zero));
       L::store(c.start + k, L::both(was, L::sub(next, lasts)));

@@ -33,6 +33,7 @@ struct AvxLanes {
   static F min(F a, F b) { return {_mm256_min_ps(a.v, b.v)}; }
   static F max(F a, F b) { return {_mm256_max_ps(a.v, b.v)}; }
   static F less(F a, F b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OS)}; }
+  static F differ(F a, F b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_NEQ_UQ)}; }
   static F less_equal(F a, F b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OS)}; }
   static F both(F a, F b) { return {_mm256_and_ps(a.v, b.v)}; }
   static F either(F a, F b) { return {_mm256_or_ps(a.v, b.v)}; }

@@ -33,6 +33,7 @@ struct ScalarLanes {
   static F min(F a, F b) { return {_mm_min_ss(a.v, b.v)}; }  // a < b ? a : b
   static F max(F a, F b) { return {_mm_max_ss(a.v, b.v)}; }  // a > b ? a : b
   static F less(F a, F b) { return {_mm_cmplt_ss(a.v, b.v)}; }
+  static F differ(F a, F b) { return {_mm_cmpneq_ss(a.v, b.v)}; }  // also where one is a NaN
   static F less_equal(F a, F b) { return {_mm_cmple_ss(a.v, b.v)}; }
   static F both(F a, F b) { return {_mm_and_ps(a.v, b.v)}; }
   static F either(F a, F b) { return {_mm_or_ps(a.v, b.v)}; }

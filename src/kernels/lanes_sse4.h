@@ -32,6 +32,7 @@ struct SseLanes {
   static F min(F a, F b) { return {_mm_min_ps(a.v, b.v)}; }
   static F max(F a, F b) { return {_mm_max_ps(a.v, b.v)}; }
   static F less(F a, F b) { return {_mm_cmplt_ps(a.v, b.v)}; }
+  static F differ(F a, F b) { return {_mm_cmpneq_ps(a.v, b.v)}; }
   static F less_equal(F a, F b) { return {_mm_cmple_ps(a.v, b.v)}; }
   static F both(F a, F b) { return {_mm_and_ps(a.v, b.v)}; }
   static F either(F a, F b) { return {_mm_or_ps(a.v, b.v)}; }
