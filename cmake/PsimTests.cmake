@@ -1,5 +1,5 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
-# Labels: `slow` (suites whose name begins with Slow), `install`, `asm`.
+# Labels: `slow` (suites whose name begins with Slow), `install`, `asm`, `accuracy`.
 include(GoogleTest)
 
 # The oracles stand alone: they must not see the code that they judge.
@@ -15,6 +15,9 @@ if(_test_sources AND TARGET psim_scene)
   file(GLOB _test_helpers CONFIGURE_DEPENDS tests/*.cpp)
   list(APPEND _test_sources ${_test_helpers})
   list(REMOVE_DUPLICATES _test_sources)
+  if(NOT TARGET accuracy)
+    list(FILTER _test_sources EXCLUDE REGEX "/accuracy_cli_test\\.cpp$")
+  endif()
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
   target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
@@ -30,6 +33,10 @@ if(_test_sources AND TARGET psim_scene)
   if(TARGET psim)
     add_dependencies(psim_tests psim)
   endif()
+  if(TARGET accuracy)
+    add_dependencies(psim_tests accuracy)
+    target_compile_definitions(psim_tests PRIVATE "PSIM_ACCURACY=\"${PROJECT_BINARY_DIR}/accuracy\"")
+  endif()
 
   # PRE_TEST: a test program that does not start is a failed test, not a failed build.
   gtest_discover_tests(psim_tests TEST_LIST psim_quick_tests
@@ -38,6 +45,13 @@ if(_test_sources AND TARGET psim_scene)
   gtest_discover_tests(psim_tests TEST_LIST psim_slow_tests
     TEST_FILTER "Slow*:*/Slow*" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS slow TIMEOUT 1800)
+endif()
+
+# Errors against the limits of the accuracy laboratory, at speed.
+if(TARGET accuracy AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
+  add_test(NAME AccuracyQuick
+    COMMAND accuracy --quick --output "${PROJECT_BINARY_DIR}/accuracy-quick.csv")
+  set_tests_properties(AccuracyQuick PROPERTIES LABELS accuracy TIMEOUT 600)
 endif()
 
 # What the compiler made of the kernels, and what an installation is good for. Neither means

@@ -92,6 +92,18 @@ StepReport World::Impl::step(double dt) {
   return report;
 }
 
+void World::Impl::prepare() {
+  if (bodies.count == bodies.dead || !doubtful.empty()) return;
+  const FloatSettings settings;
+  const auto counted = skipped_frames;
+  StepReport ignored;
+  pool.begin_step();
+  replan();
+  refresh_lists(desc.dt, ignored);
+  pool.end_step();
+  skipped_frames = counted;
+}
+
 // The plan follows the traits; arrays of what left the plan are given back.
 void World::Impl::replan() {
   if (!plan_stale) return;

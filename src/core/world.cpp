@@ -82,6 +82,7 @@ std::unique_ptr<World> World::create(const WorldDesc& desc, const RunOptions& op
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 World::~World() = default;
 
+void World::prepare() { impl_->prepare(); }
 StepReport World::step() { return impl_->step(impl_->desc.dt); }
 StepReport World::step(double dt) { return impl_->step(dt); }
 

@@ -93,6 +93,7 @@ struct World::Impl {
 
   // step.cpp
   void replan();
+  void prepare();
   StepReport step(double dt);
   void refresh_lists(double dt, StepReport& report);
   struct ListPlan;

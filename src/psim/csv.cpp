@@ -24,7 +24,8 @@ void write_body(AtomicFile& file, const PublishedState& state, std::size_t row) 
 }  // namespace
 
 void write_state(AtomicFile& file, const PublishedState& state) {
-  file.write("id,x,y,angle,vx,vy,omega\n");
+  file.write(kStateHeader);
+  file.write("\n");
   for (std::size_t row = 0; row < state.id.size(); ++row) write_body(file, state, row);
 }
 
@@ -52,7 +53,10 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
   file.write("\n");
 }
 
-void write_trajectory_header(AtomicFile& file) { file.write("frame,id,x,y,angle,vx,vy,omega\n"); }
+void write_trajectory_header(AtomicFile& file) {
+  file.write(kTrajectoryHeader);
+  file.write("\n");
+}
 
 void write_trajectory_rows(AtomicFile& file, std::uint64_t frame, const PublishedState& state) {
   for (std::size_t row = 0; row < state.id.size(); ++row) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "atomic_file.h"
 #include "psim/report.h"
@@ -10,7 +11,10 @@
 
 namespace psim::cli {
 
-/// id,x,y,angle,vx,vy,omega
+inline constexpr std::string_view kStateHeader = "id,x,y,angle,vx,vy,omega";
+inline constexpr std::string_view kTrajectoryHeader = "frame,id,x,y,angle,vx,vy,omega";
+
+/// kStateHeader and a row a body.
 void write_state(AtomicFile& file, const PublishedState& state);
 
 /// frame,total_ms,<phase>_ms…,pairs,contacts,awake,kinetic,potential,max_penetration
@@ -18,7 +22,7 @@ void write_metrics_header(AtomicFile& file);
 void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
                        const StepReport& report, const Diagnostics& diagnostics);
 
-/// frame,id,x,y,angle,vx,vy,omega
+/// kTrajectoryHeader, then a row a body every frame that is written.
 void write_trajectory_header(AtomicFile& file);
 void write_trajectory_rows(AtomicFile& file, std::uint64_t frame, const PublishedState& state);
 

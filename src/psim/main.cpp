@@ -8,6 +8,7 @@
 
 #include "about.h"
 #include "benchmark.h"
+#include "diff.h"
 #include "options.h"
 #include "run.h"
 #include "user_error.h"
@@ -30,6 +31,8 @@ int run_mode(const Options& options) {
       return verify_scene(options);
     case Mode::benchmark:
       return benchmark_scene(options);
+    case Mode::diff:
+      return diff(options);
     case Mode::run:
       break;
   }

@@ -4,13 +4,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "psim/isa.h"
 
 namespace psim::cli {
 
 /// What psim does instead of, or as, a run.
-enum class Mode : std::uint8_t { run, list_scenes, explain, check, verify, benchmark, version };
+enum class Mode : std::uint8_t {
+  run,
+  list_scenes,
+  explain,
+  check,
+  verify,
+  benchmark,
+  diff,
+  version
+};
 
 enum class ReportFormat : std::uint8_t { text, json };
 
@@ -32,6 +42,9 @@ struct Options {
   double budget_ms = 16.67;
   std::string state, metrics, trajectory, image, trace;  ///< file names; empty = not wanted
   std::uint64_t every = 1;                               ///< frames between trajectory rows
+
+  std::vector<std::string> files;  ///< Mode::diff: the two to compare, or none
+  std::vector<Options> sides;      ///< Mode::diff: the two settings to compare, or none
 
   static constexpr std::uint64_t kDefaultFrames = 600;
   std::uint64_t frame_count() const { return frames.value_or(kDefaultFrames); }

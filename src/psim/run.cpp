@@ -1,6 +1,6 @@
 // One run from options to report. Only World::step is inside the timed span: diagnostics, files,
-// trace and progress happen between frames and cost the figures nothing. There is no hidden
-// warm-up: the first frames count.
+// trace and progress happen between frames and cost the figures nothing. Loading ends with
+// World::prepare; there is no hidden warm-up: the first frames count.
 #include "run.h"
 
 #include <fmt/format.h>
@@ -129,6 +129,7 @@ int run_scene(const Options& options) {
   check_memory(scene);
   OutputFiles files(options);
   const auto world = make_world(scene, options.isa, options.threads);
+  world->prepare();
 
   RunReport report = begin_report(options, scene, *world);
   run_frames(report, *world, files, options.every);
