@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include "invariant.h"
 #include "tasks.h"
@@ -271,6 +272,63 @@ bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
   return true;
 }
 
+// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
+double BroadPhase::expected_pairs(std::size_t strip) const {
+  double most = 0;
+  for (std::size_t s = strip == 0 ? 0 : strip - 1; s <= strip + 1; ++s) {
+    most = std::max(most, s < pairs_a_body_.size() ? pairs_a_body_[s] : 1.0);
+  }
+  return 1.15 * most;
+}
+
+// Every strip writes its pairs into room of its own; those whose room was too small get more at the
+// end of the list. Where the guess was wrong for many, all begin again.
+void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
+                        PairTable& table) {
+  const std::size_t strips = table.strips.size();
+  std::vector<std::uint32_t>& pending = pending_;
+  pending.resize(strips);
+  full_.assign(strips, 0);
+  std::uint32_t room = 0;
+  double large_room = pairs_a_large_;
+  for (double more = 1; !pending.empty(); more *= 1.5) {
+    if (pending.size() > strips / 8) {
+      pending.resize(strips);
+      std::iota(pending.begin(), pending.end(), 0u);
+      room = 0;
+    }
+    for (const std::uint32_t s : pending) {
+      Strip& strip = table.strips[s];
+      const double each = s + 1 == strips ? large_room : expected_pairs(s);
+      const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
+      strip.pair_begin = room;
+      room += static_cast<std::uint32_t>(own);
+      strip.pair_end = room;
+    }
+    table.owner.reserve_loosely(room + kBlock);
+    table.other.reserve_loosely(room + kBlock);
+    pool.run(pending.size(), [&](std::size_t n) {
+      const std::uint32_t s = pending[n];
+      full_[s] = s + 1 == strips ? !search_large(b, k, table) : !search_strip(b, k, s, table);
+    });
+    std::erase_if(pending, [&](std::uint32_t s) { return full_[s] == 0; });
+  }
+  table.pair_room = room;
+  pairs_a_body_.resize(strips - 1);
+  pairs_ = 0;
+  for (std::size_t s = 0; s < strips; ++s) {
+    const Strip& strip = table.strips[s];
+    pairs_ += strip.pair_end - strip.pair_begin;
+    const double each = static_cast<double>(strip.pair_end - strip.pair_begin) /
+                        std::max(strip.body_end - strip.body_begin, 1u);
+    if (s + 1 < strips) {
+      pairs_a_body_[s] = each;
+    } else {
+      pairs_a_large_ = std::max(16.0, 1.25 * each);
+    }
+  }
+}
+
 void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) const {
   const Strip& s = table.strips[index];
   const auto mark = [&](std::uint32_t slot) {
@@ -389,30 +447,7 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
               b.pos.data() + std::size_t{r.end} * 2 * kBlock,
               b.built.data() + std::size_t{r.begin} * 2 * kBlock);
   });
-  for (;;) {
-    std::uint32_t room = 0;
-    for (std::size_t s = 0; s < strips; ++s) {
-      Strip& strip = table.strips[s];
-      const double each = s + 1 == strips ? pairs_a_large_ : pairs_a_body_;
-      const double own = each * (strip.body_end - strip.body_begin) + 128;
-      strip.pair_begin = room;
-      room += static_cast<std::uint32_t>(own);
-      strip.pair_end = room;
-    }
-    table.owner.reserve_loosely(room + kBlock);
-    table.other.reserve_loosely(room + kBlock);
-    std::atomic<bool> full{false}, full_large{false};
-    pool.run(strips, [&](std::size_t s) {
-      if (s + 1 == strips) {
-        if (!search_large(b, k, table)) full_large.store(true, std::memory_order_relaxed);
-      } else if (!search_strip(b, k, s, table)) {
-        full.store(true, std::memory_order_relaxed);
-      }
-    });
-    if (!full.load() && !full_large.load()) break;
-    if (full.load()) pairs_a_body_ *= 1.5;
-    if (full_large.load()) pairs_a_large_ *= 2;
-  }
+  search(b, k, pool, table);
   pool.run(strips, [&](std::size_t s) {
     find_singles(b, shapes, p, s, table);
     link(b, table, s);
@@ -461,6 +496,7 @@ void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
   for (const Strip& s : table.strips) total += s.pair_end - s.pair_begin;
   table.owner.reserve_loosely(total);
   table.other.reserve_loosely(total);
+  table.pair_room = total;
   total = 0;
   for (Strip& s : table.strips) {  // tight: what is not selected takes no room
     const std::uint32_t n = s.pair_end - s.pair_begin;

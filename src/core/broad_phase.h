@@ -44,6 +44,9 @@ class BroadPhase {
   /// Area of the bodies' box at the last build, m^2; 0 before the first.
   double area() const { return area_; }
 
+  /// How many pairs the last build found.
+  std::uint64_t pairs() const { return pairs_; }
+
   /// Of the candidates, the pairs that can meet within `time` at their present relative speed:
   /// gap < |u| time + slack. Fills `table` alike and sets bodies.linked. O(candidates).
   void select(BodyStore& bodies, float time, float slack, bool link_all,
@@ -57,6 +60,9 @@ class BroadPhase {
   bool search_strip(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t strip,
                     PairTable& table) const;
   bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
+  double expected_pairs(std::size_t strip) const;
+  void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
+              PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
   void find_singles(BodyStore& bodies, const StaticShapes& shapes, const BroadPhaseParams& p,
                     std::size_t strip, PairTable& table) const;
@@ -75,8 +81,11 @@ class BroadPhase {
   float large_ = 1e30f;      // m: reach above which a body is not in the grid
   float most_ = 0;           // m: largest reach in the grid
   double area_ = 0;
-  double pairs_a_body_ = 1;  // room in the pair list; grows when it was too small
+  std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;
+  std::uint64_t pairs_ = 0;
+  std::vector<std::uint32_t> pending_;  // strips yet to be searched
+  std::vector<std::uint8_t> full_;      // strips whose room was too small
 };
 
 }  // namespace psim

@@ -33,7 +33,7 @@ class Column {
   /// Makes room for n values (and the readable pad). Keeps the content; new values are zero.
   void reserve(std::size_t n) {
     if (n <= capacity_) return;
-    std::size_t wanted = capacity_ + capacity_ / 4;
+    std::size_t wanted = capacity_ + capacity_ / 8;
     if (wanted < n) wanted = n;
     wanted = kernels::round_up_block(wanted) + kernels::kReadPad;
     const std::size_t bytes =
@@ -51,9 +51,9 @@ class Column {
     capacity_bytes_ = bytes;
   }
 
-  /// The same with a quarter to spare where it grows: for lists whose length goes up and down.
+  /// The same with an eighth to spare where it grows: for lists whose length goes up and down.
   void reserve_loosely(std::size_t n) {
-    if (n > capacity_) reserve(n + n / 4 + 256);
+    if (n > capacity_) reserve(n + n / 8 + 256);
   }
 
   /// Gives the memory back.

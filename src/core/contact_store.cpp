@@ -275,8 +275,8 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   counts_.resize(std::max(counts_.size(), strips));
   single_counts_.resize(counts_.size());
   used_.reserve(kernels::round_up_block(b.count));
-  colour_.reserve_loosely(table.strips.back().pair_end);
-  table.contact.reserve_loosely(table.strips.back().pair_end);
+  colour_.reserve_loosely(table.pair_room);
+  table.contact.reserve_loosely(table.pair_room);
   const std::size_t grid_strips = strips - 1;
   for (std::size_t parity = 0; parity < 2; ++parity) {
     pool.run((grid_strips + 1 - parity) / 2, [&](std::size_t k) { colour_strip(table, 2 * k + parity); });

@@ -40,6 +40,7 @@ struct PairTable {
   std::vector<std::vector<SinglePair>> singles;  ///< by strip, by body
   std::uint32_t body_count = 0;
   std::uint32_t large_begin = 0;
+  std::uint32_t pair_room = 0;  ///< pairs and gaps: past the last strip's pairs
 
   static constexpr std::uint32_t kStripStart = 0x80000000u;
 
@@ -52,6 +53,7 @@ struct PairTable {
     singles.swap(o.singles);
     std::swap(body_count, o.body_count);
     std::swap(large_begin, o.large_begin);
+    std::swap(pair_room, o.pair_room);
   }
 
   std::uint32_t pairs_of_begin(std::uint32_t body) const { return first[body] & ~kStripStart; }

@@ -131,6 +131,7 @@ struct World::Impl::ListPlan {
   float time = 0;      ///< s of a body's own motion that its margin adds
   double speed = 0;    ///< m/s, root mean square of the sample about its mean
   double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
+  double ring = 0;        ///< m^2: half the area round a body in which partners are candidates
 };
 
 // Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
@@ -164,17 +165,20 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const double area = broad.area() > 0 ? broad.area()
                                        : (desc.bounds.xmax - desc.bounds.xmin) *
                                              (desc.bounds.ymax - desc.bounds.ymin);
-  const double density = bodies.count / area;
+  // Where bodies lie in heaps their number a box says little: the last lists say more.
+  const double density = std::fmax(bodies.count / area, candidate_density);
   // Without restitution impacts only slow bodies down.
   plan_out.crowding =
-      plan.restitution ? std::clamp(3 * density * 3.14159 * r * r, 0.1, 1.0) : 0.1;
+      plan.restitution ? std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0) : 0.1;
   double best = 1e300, frames = 1;
   for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
     const double outer = 2 * r + 3 * k * frame;
-    const double cost = kBuild / k + kSelect * density * 1.5708 * (outer * outer - 4 * r * r);
+    const double ring = 1.5708 * (outer * outer - 4 * r * r);
+    const double cost = kBuild / k + kSelect * density * ring;
     if (cost < best) {
       best = cost;
       frames = k;
+      plan_out.ring = ring;
     }
   }
   plan_out.loose = true;
@@ -209,6 +213,9 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
               desc.bounds.ymax - c.y};
   if (!loose) table.swap(old_table);
   broad.build(bodies, shapes, p, kernels, pool, loose ? candidates : table);
+  if (loose) {
+    candidate_density = static_cast<double>(broad.pairs()) / (bodies.count * lists.ring);
+  }
   report.rebuilt = true;
 }
 

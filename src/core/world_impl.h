@@ -41,6 +41,7 @@ struct World::Impl {
   bool loose = false;          // bodies fly: few candidates meet within a step
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
+  double candidate_density = 0;  // 1/m^2, of the last loose lists
   SolverBodies solved;
   ContactStore contacts;
   Solver solver;

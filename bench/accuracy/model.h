@@ -1,0 +1,45 @@
+// A scene as the engines get it: psim's own Scene, read back from its JSON text, and the same
+// bodies one by one in the order of their ids, for engines that know nothing of groups.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "psim/scene.h"
+
+namespace psim::accuracy {
+
+/// Frames a second: of scenes, observers and clocks. Settings divide a frame into steps.
+inline constexpr int kFrameRate = 60;
+inline constexpr double kGravity = 9.81;
+
+struct Model {
+  Scene scene;
+  std::vector<BodyDesc> bodies;
+};
+
+/// Writes the scene as JSON, parses that and lists its bodies. Throws std::runtime_error with the
+/// parser's line if the scene is refused.
+Model make_model(const Scene& scene);
+
+double radius_of(const BodyDesc& body);  ///< 0 for segments and chains
+double mass_of(const BodyDesc& body);    ///< kg, of a disc
+double inertia_of(const BodyDesc& body);
+
+// ---- scenes in few words ----------------------------------------------------------------------
+
+inline Material material(double restitution, double friction = 0) {
+  return {1, restitution, friction};
+}
+/// Open, and so large that nothing leaves.
+Scene open_scene(double half_size, Vec2 gravity = {0, -kGravity});
+/// Walls from (0, 0) to (width, height), of the given material.
+Scene walled_scene(double width, double height, Material wall, Vec2 gravity = {0, 0});
+Scene periodic_scene(double width, double height);
+
+BodyDesc disc(Vec2 position, Vec2 velocity, Material surface, double radius = 0.5);
+BodyDesc segment(Vec2 p1, Vec2 p2, Material surface);
+/// Level ground through y = 0.
+BodyDesc ground(Material surface, double half_length = 100);
+
+}  // namespace psim::accuracy

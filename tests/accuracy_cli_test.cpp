@@ -1,0 +1,75 @@
+// The accuracy program as a user meets it: its rows, its lists, its refusals.
+#include <psim/scene.h>
+
+#include "cli_runner.h"
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+Outcome run_accuracy(std::vector<std::string> arguments) {
+  return Process(PSIM_ACCURACY, std::move(arguments)).wait();
+}
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  return fields;
+}
+
+TEST(Accuracy, WritesOneTidyRowAPoint) {
+  const auto result = run_accuracy({"--quick", "--case", "free-fall", "--engine", "psim"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto lines = lines_of(result.out);
+  ASSERT_GT(lines.size(), 3u);
+  EXPECT_EQ(
+      lines[0],
+      "case,engine,setting,h,iterations,seconds_per_sim_second,row_visits,error,unit,reference");
+  int defaults = 0;
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    ASSERT_EQ(fields.size(), 10u) << lines[k];
+    EXPECT_EQ(fields[0], "free-fall");
+    EXPECT_EQ(fields[1], "psim");
+    EXPECT_GT(std::stod(fields[3]), 0);
+    EXPECT_GT(std::stod(fields[5]), 0);
+    EXPECT_GE(std::stod(fields[7]), 0);
+    EXPECT_EQ(fields[9], "analytic");
+    defaults += fields[2].ends_with(" default") ? 1 : 0;
+  }
+  EXPECT_EQ(defaults, 1);
+}
+
+TEST(Accuracy, ListsEnginesAndCasesAndRunsNothing) {
+  const auto result = run_accuracy({"--list"});
+  EXPECT_EQ(result.status, 0);
+  for (const char* word : {"psim", "box2d", "box2d3", "chipmunk", "kepler", "pile-penetration"}) {
+    EXPECT_NE(result.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(Accuracy, RefusesWhatItDoesNotKnow) {
+  for (const char* option : {"--case", "--engine"}) {
+    const auto result = run_accuracy({option, "nonesuch"});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.err.find("nonesuch"), std::string::npos);
+  }
+}
+
+TEST(Accuracy, ItsScenesAreSceneFiles) {
+  const ScratchFolder folder;
+  const auto result = run_accuracy({"--write-scenes", folder.file("scenes")});
+  ASSERT_EQ(result.status, 0) << result.err;
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file("scenes"))) {
+    std::string error;
+    EXPECT_TRUE(load_scene(entry.path().string(), error)) << error;
+    ++scenes;
+  }
+  EXPECT_GT(scenes, 20);
+}
+
+}  // namespace
+}  // namespace psim::test
