@@ -33,7 +33,7 @@ class PairSearch : public Workload {
  public:
   PairSearch(const Margin& margin, std::uint32_t n) : discs_(scene_placement(margin.scene, n)) {
     const KernelTable& k = kernels_of(Isa::scalar);
-    const float most = k.reaches(discs_.view(), discs_.radius.data(), margin.skin, margin.time,
+    const float most = k.reaches(discs_.view(), discs_.radius.data(), {margin.skin, margin.time},
                                  discs_.reach.data(), 0, discs_.blocks());
     choose_grid(k, most);
     sort_by_cell(k);

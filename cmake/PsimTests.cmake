@@ -1,5 +1,6 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
-# Labels: `slow` (suites whose name begins with Slow), `install`, `asm`, `accuracy`.
+# Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
+# SlowStress), `install`, `asm`, `accuracy`.
 include(GoogleTest)
 
 # The oracles stand alone: they must not see the code that they judge.
@@ -38,13 +39,25 @@ if(_test_sources AND TARGET psim_scene)
     target_compile_definitions(psim_tests PRIVATE "PSIM_ACCURACY=\"${PROJECT_BINARY_DIR}/accuracy\"")
   endif()
 
+  # The measuring functions of `accuracy --stress`, which the Stress suites hold to their figures.
+  file(GLOB _stress_sources CONFIGURE_DEPENDS bench/accuracy/stress*.cpp)
+  target_sources(psim_tests PRIVATE ${_stress_sources})
+  target_include_directories(psim_tests PRIVATE bench/accuracy)
+
+  # `ctest -L` and `-LE` take regular expressions: `slow-stress` is found by `slow` and by `stress`.
   # PRE_TEST: a test program that does not start is a failed test, not a failed build.
-  gtest_discover_tests(psim_tests TEST_LIST psim_quick_tests
-    TEST_FILTER "-Slow*:*/Slow*" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT 600)
-  gtest_discover_tests(psim_tests TEST_LIST psim_slow_tests
-    TEST_FILTER "Slow*:*/Slow*" DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS slow TIMEOUT 1800)
+  function(psim_suites list filter timeout label)
+    set(_properties TIMEOUT ${timeout})
+    if(label)
+      list(APPEND _properties LABELS ${label})
+    endif()
+    gtest_discover_tests(psim_tests TEST_LIST ${list} TEST_FILTER "${filter}"
+      DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES ${_properties})
+  endfunction()
+  psim_suites(psim_quick_tests "-Slow*:*/Slow*:Stress*" 600 "")
+  psim_suites(psim_slow_tests "Slow*:*/Slow*-SlowStress*" 1800 slow)
+  psim_suites(psim_stress_tests "Stress*" 600 stress)
+  psim_suites(psim_slow_stress_tests "SlowStress*" 1800 slow-stress)
 endif()
 
 # Errors against the limits of the accuracy laboratory, at speed.

@@ -177,8 +177,18 @@ TEST_F(KernelExact, ListAgeAndReaches) {
                             p, 0.02f, i, n);
     });
     compare(s, [&](const KernelTable& k, State& at) {
-      at.value = k.reaches(at.b.view(), at.b.radius.data(), 0.1f, 0.02f, at.b.reach.data(), i, n);
+      at.value = k.reaches(at.b.view(), at.b.radius.data(), {0.1f, 0.02f, 3, -1}, at.b.reach.data(), i, n);
     });
+  });
+}
+
+TEST_F(KernelExact, LookAhead) {
+  for_streams(450, [](const State& s, const StreamParams& p, std::uint32_t i, std::uint32_t n) {
+    for (const float ahead : {0.01f, 1e30f}) {
+      compare(s, [&](const KernelTable& k, State& at) {
+        k.look_ahead(at.b.view(), p, ahead, at.b.built.data(), i, n);
+      });
+    }
   });
 }
 

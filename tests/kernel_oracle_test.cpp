@@ -169,8 +169,13 @@ TEST(KernelOracle, ListAgeReachesAndExtentAreTheExtremes) {
   }
   EXPECT_NEAR(double{scalar().list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p,
                                        0.02f, 1, 4)}, age, 1e-6);
-  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), 0.1f, 0.02f, b.reach.data(), 1, 4)},
+  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), {0.1f, 0.02f}, b.reach.data(), 1, 4)},
               most, 1e-6);
+  scalar().look_ahead(b.view(), p, 0.02f, b.built.data(), 1, 4);
+  for (std::size_t i = 16; i < 64; ++i) {
+    const double steps = std::nearbyint(double{b.vel[i]} * time / double{kPitch});
+    EXPECT_NEAR(double(b.built[i]) - double(b.pos[i]), steps, 1 + 1e-6 * std::fabs(steps));
+  }
   for (std::size_t i = 8; i < 32; ++i) {
     EXPECT_NEAR(double{b.reach[i]},
                 double{b.radius[i]} + skin + length(record(b.vel, i)) * time, 1e-6);

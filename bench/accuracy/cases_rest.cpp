@@ -111,9 +111,11 @@ Case pile_case() {
   c.name = "pile";
   c.shows =
       "1000 discs dropped 2 cm apart: overlap and motion after 10 s, energy gained on the way";
-  c.quantities = {{"pile-penetration", "of a diameter, p99", "analytic", {{4, 0.012}, {8, 0.0045}}},
-                  {"pile-speed", "m/s, rms", "analytic", {{4, 1e-3}, {8, 3e-3}}},
-                  {"pile-energy-gain", "relative", "analytic", {{4, 1e-3}}}};
+  // Which pile it becomes is chance: any change of order makes another one.
+  c.quantities = {
+      {"pile-penetration", "of a diameter, p99", "analytic", {{4, 0.02}, {8, 0.008}}},
+      {"pile-speed", "m/s, rms", "analytic", {{4, 5e-3}, {8, 5e-3}}},
+      {"pile-energy-gain", "relative", "analytic", {{4, 1e-3}}}};
   c.scale = Scale::large;
   c.scene = [] { return pile(1000); };
   c.measure = measure_pile;

@@ -173,7 +173,7 @@ void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) {
 
 kernels::PairRow BroadPhase::row_view(const BodyStore& b, std::uint32_t row) const {
   kernels::PairRow v;
-  v.pos = b.pos.data();
+  v.pos = b.built.data();
   v.reach = b.reach.data();
   v.key = sort_.keys();
   v.start = sort_.start();
@@ -244,9 +244,9 @@ bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
         }
       };
       std::int64_t cols[2], rows[2];
-      span(b.pos[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols,
+      span(b.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols,
            grid_.periodic, cols);
-      span(b.pos[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows,
+      span(b.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows,
            grid_.periodic, rows);
       for (std::int64_t r = rows[0]; r <= rows[1]; ++r) {
         const auto row = static_cast<std::uint32_t>((r % g.rows + g.rows) % g.rows);
@@ -349,11 +349,16 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
   out.clear();
   const Strip& s = table.strips[index];
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  // What stands still moves against the common velocity too.
+  const double extra =
+      std::hypot(static_cast<double>(p.margin.common_x), static_cast<double>(p.margin.common_y)) *
+      static_cast<double>(p.margin.time);
   std::vector<std::uint32_t> found;
   const auto look = [&](std::uint32_t i) {
-    const double reach = static_cast<double>(b.reach[i]);
+    const double reach = static_cast<double>(b.reach[i]) + extra;
+    const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
     if (p.walls) {
-      const double x = b.pos[2 * std::size_t{i}] * px, y = b.pos[2 * std::size_t{i} + 1] * py;
+      const double x = at[0] * px, y = at[1] * py;
       if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
       if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
       if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
@@ -361,7 +366,7 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
     }
     if (shapes.any()) {
       found.clear();
-      shapes.near(b.pos[2 * std::size_t{i}], b.pos[2 * std::size_t{i} + 1], b.reach[i], found);
+      shapes.near(at[0], at[1], static_cast<float>(reach), found);
       for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
     }
   };
@@ -375,7 +380,7 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
   const auto cell = [](double at, double pitch, std::int32_t mid, double edge, float offset) {
     return (at - mid * pitch) / edge + static_cast<double>(offset);
   };
-  const double reach = static_cast<double>(most_);
+  const double reach = static_cast<double>(most_) + extra;
   const double low_row = cell(p.bounds.ymin + reach, py, g.mid_y, grid_.cell_y, g.offset_y) + 0.01;
   const double high_row = cell(p.bounds.ymax - reach, py, g.mid_y, grid_.cell_y, g.offset_y) - 0.01;
   const double low_col = cell(p.bounds.xmin + reach, px, g.mid_x, grid_.cell_x, g.offset_x) + 0.01;
@@ -402,10 +407,25 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
   }
 }
 
+// Writes into `built` where the bodies are looked at.
+void BroadPhase::place(BodyStore& b, float ahead, const kernels::KernelTable& k, BlockRange r) const {
+  if (ahead == 0) {
+    std::copy(b.pos.data() + std::size_t{r.begin} * 2 * kBlock,
+              b.pos.data() + std::size_t{r.end} * 2 * kBlock,
+              b.built.data() + std::size_t{r.begin} * 2 * kBlock);
+    return;
+  }
+  kernels::StreamParams p;
+  p.inv_pitch_x = static_cast<float>(1 / lattice_->pitch_x());
+  p.inv_pitch_y = static_cast<float>(1 / lattice_->pitch_y());
+  k.look_ahead(b.view(), p, ahead, b.built.data(), r.begin, r.end);
+}
+
 void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
                        const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
   shapes.build_grid();
   b.reach.reserve(kernels::round_up_block(b.count));
+  b.built.reserve(2 * kernels::round_up_block(b.count));
   const kernels::BodyView view = b.view();
   const std::uint32_t blocks = b.blocks();
   const std::size_t tasks = stream_tasks(blocks);
@@ -414,11 +434,12 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
   pool.run(tasks, [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     Measure& m = measures[t];
-    m.most = k.reaches(view, b.radius.data(), p.skin, p.time, b.reach.data(), r.begin, r.end);
-    const std::int32_t* at = b.pos.data() + 2 * std::size_t{r.begin} * kBlock;
+    m.most = k.reaches(view, b.radius.data(), p.margin, b.reach.data(), r.begin, r.end);
+    place(b, p.ahead, k, r);
+    const std::int32_t* at = b.built.data() + 2 * std::size_t{r.begin} * kBlock;
     m.extent[0] = m.extent[2] = at[0];
     m.extent[1] = m.extent[3] = at[1];
-    k.extent(b.pos.data(), m.extent, r.begin, r.end);
+    k.extent(b.built.data(), m.extent, r.begin, r.end);
   });
   Measure all = measures[0];
   for (const Measure& m : measures) {
@@ -437,21 +458,23 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
 
   const std::size_t strips = table.strips.size();
   const std::uint32_t stream_blocks = b.blocks();
-  b.built.reserve(2 * kernels::round_up_block(b.count));
   pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, stream_blocks);
     std::fill(b.linked.data() + std::size_t{r.begin} * kBlock,
               b.linked.data() + std::size_t{r.end} * kBlock,
               p.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
-    std::copy(b.pos.data() + std::size_t{r.begin} * 2 * kBlock,
-              b.pos.data() + std::size_t{r.end} * 2 * kBlock,
-              b.built.data() + std::size_t{r.begin} * 2 * kBlock);
+    place(b, p.ahead, k, r);
   });
   search(b, k, pool, table);
   pool.run(strips, [&](std::size_t s) {
     find_singles(b, shapes, p, s, table);
     link(b, table, s);
   });
+  if (p.ahead != 0) {
+    pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
+      place(b, 0, k, stream_range(t, stream_blocks));
+    });
+  }
   table.first[b.count] = PairTable::kStripStart;
   for (const Strip& s : table.strips) {
     if (s.body_begin < s.body_end) table.first[s.body_begin] |= PairTable::kStripStart;

@@ -1,7 +1,8 @@
 // Broad phase: which bodies may touch before the lists are made again.
 //
 // Lists are made with a margin of skin + |v| time around every body and serve until some body has
-// used its margin up. In: positions, velocities, radii. Out: bodies in cell order, a PairTable of
+// used its margin up. Lists for a single step look at the bodies where they will be in its middle,
+// with v against the mean velocity: bodies that fly side by side need little margin. In: positions, velocities, radii. Out: bodies in cell order, a PairTable of
 // candidate pairs (each once) and of bodies near fixed shapes. O(bodies + candidates).
 #pragma once
 
@@ -13,14 +14,15 @@
 #include "kernel_table.h"
 #include "pair_table.h"
 #include "static_shapes.h"
+#include "tasks.h"
 #include "worker_pool.h"
 
 namespace psim {
 
 /// What the broad phase must know of the world.
 struct BroadPhaseParams {
-  float skin = 0;         ///< m
-  float time = 0;         ///< s: how much motion the margin adds
+  kernels::ReachParams margin;
+  float ahead = 0;        ///< s: bodies are looked at where they will be by then
   bool walls = false;
   bool periodic = false;
   bool mixed_radii = false;
@@ -60,6 +62,7 @@ class BroadPhase {
   bool search_strip(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t strip,
                     PairTable& table) const;
   bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
+  void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k, BlockRange blocks) const;
   double expected_pairs(std::size_t strip) const;
   void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
               PairTable& table);

@@ -19,7 +19,7 @@ constexpr std::uint32_t kRangeCells = 16384;   // of a prefix task
 void GridSort::find_keys(const BodyStore& bodies, const Grid& grid, float large, bool special,
                          const kernels::KernelTable& k, Chunk& chunk) {
   const std::uint32_t blocks_end = (chunk.end + kBlock - 1) / kBlock;
-  k.cell_keys(bodies.pos.data(), grid.view, key_.data(), chunk.begin / kBlock, blocks_end);
+  k.cell_keys(bodies.built.data(), grid.view, key_.data(), chunk.begin / kBlock, blocks_end);
   std::uint32_t low = 0xFFFFFFFFu, high = 0;
   chunk.large = chunk.dead = 0;
   if (special) {

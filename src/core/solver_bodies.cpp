@@ -8,34 +8,36 @@ namespace psim {
 
 using kernels::kBlock;
 
-void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bool impacts,
-                          WorkerPool& pool) {
-  compact_ = compact;
-  const std::size_t strips = table.strips.size();
+// Above this share of linked bodies copying them costs more than it saves.
+constexpr double kCompactBelow = 0.6;
+
+// All bodies as they stand.
+void SolverBodies::take_all(BodyStore& b, std::size_t strips, bool impacts) {
   const bool turning = !b.spin.empty();
-  if (!compact) {
-    count_ = b.count;
-    const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
-    b.pos.reserve(2 * all);
-    b.vel.reserve(2 * all);
-    b.disp.reserve(2 * all);
-    b.vel0.reserve(2 * all);
-    if (turning) {
-      b.spin.reserve(all);
-      b.spin0.reserve(all);
-    }
-    if (impacts) b.event_time.reserve(all);
-    for (std::size_t d = dummies(); d < all; ++d) {
-      b.pos[2 * d] = b.pos[2 * d + 1] = 0;
-      b.vel[2 * d] = b.vel[2 * d + 1] = b.disp[2 * d] = b.disp[2 * d + 1] = 0;
-      b.vel0[2 * d] = b.vel0[2 * d + 1] = 0;
-      if (turning) b.spin[d] = b.spin0[d] = 0;
-      if (impacts) b.event_time[d] = 0;
-    }
-    return;
+  compact_ = false;
+  count_ = b.count;
+  const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
+  b.pos.reserve(2 * all);
+  b.vel.reserve(2 * all);
+  b.disp.reserve(2 * all);
+  b.vel0.reserve(2 * all);
+  if (turning) {
+    b.spin.reserve(all);
+    b.spin0.reserve(all);
   }
-  // Number the linked bodies strip by strip.
-  number_.reserve(kernels::round_up_block(b.count));
+  if (impacts) b.event_time.reserve(all);
+  for (std::size_t d = dummies(); d < all; ++d) {
+    b.pos[2 * d] = b.pos[2 * d + 1] = 0;
+    b.vel[2 * d] = b.vel[2 * d + 1] = b.disp[2 * d] = b.disp[2 * d + 1] = 0;
+    b.vel0[2 * d] = b.vel0[2 * d + 1] = 0;
+    if (turning) b.spin[d] = b.spin0[d] = 0;
+    if (impacts) b.event_time[d] = 0;
+  }
+}
+
+// Counts the linked bodies strip by strip: strip_begin_[s] is the number of the first one of s.
+void SolverBodies::count_linked(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
+  const std::size_t strips = table.strips.size();
   strip_begin_.assign(strips + 1, 0);
   pool.run(strips, [&](std::size_t s) {
     const Strip& strip = table.strips[s];
@@ -44,6 +46,19 @@ void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bo
     strip_begin_[s + 1] = n;
   });
   for (std::size_t s = 0; s < strips; ++s) strip_begin_[s + 1] += strip_begin_[s];
+}
+
+void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bool impacts,
+                          WorkerPool& pool) {
+  const std::size_t strips = table.strips.size();
+  const bool turning = !b.spin.empty();
+  if (compact) count_linked(b, table, pool);
+  if (!compact || strip_begin_[strips] > kCompactBelow * b.count) {
+    take_all(b, strips, impacts);
+    return;
+  }
+  compact_ = true;
+  number_.reserve(kernels::round_up_block(b.count));
   count_ = strip_begin_[strips];
   const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
   slot_.reserve_loosely(all);

@@ -20,8 +20,8 @@ class SolverBodies {
       : number_(meter), slot_(meter), pos_(meter), vel_(meter), disp_(meter), vel0_(meter),
         spin_(meter), spin0_(meter), event_time_(meter), linked_(meter) {}
 
-  /// Chooses the bodies for the lists of `table`: the linked ones, numbered by slot (`compact`), or
-  /// all as they stand. `extra` records beyond them are kept at rest for padding lanes.
+  /// Chooses the bodies for the lists of `table`: the linked ones, numbered by slot (`compact`, if
+  /// they are few enough), or all as they stand. `extra` records beyond them are kept at rest for padding lanes.
   void choose(BodyStore& bodies, const PairTable& table, bool compact, bool impacts,
               WorkerPool& pool);
 
@@ -42,6 +42,9 @@ class SolverBodies {
   kernels::BodyView view(BodyStore& bodies);
 
  private:
+  void take_all(BodyStore& bodies, std::size_t strips, bool impacts);
+  void count_linked(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
+
   bool compact_ = false;
   std::uint32_t count_ = 0;
   Column<std::uint32_t> number_;  ///< by slot

@@ -127,71 +127,118 @@ void World::Impl::replan() {
 // How the lists of a build should be made.
 struct World::Impl::ListPlan {
   bool loose = false;  ///< bodies fly: select from the candidates every step
-  float skin = 0;      ///< m
-  float time = 0;      ///< s of a body's own motion that its margin adds
+  kernels::ReachParams margin;
+  float ahead = 0;     ///< s: not 0 for lists of one step, see BroadPhaseParams
   double speed = 0;    ///< m/s, root mean square of the sample about its mean
   double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
-  double ring = 0;        ///< m^2: half the area round a body in which partners are candidates
+  double ring = 0;     ///< m^2: half the area round a body in which partners are candidates
 };
 
-// Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
-// Bodies in flight: margins for several frames, of which each step selects the pairs that can meet.
-// How many frames: building costs kBuild a body, selecting kSelect a candidate, and the candidates
-// of a margin m follow from the number density. Speeds are sampled, by slot.
-World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
-  constexpr double kBuild = 25, kSelect = 5;  // ns, measured (docs/performance.md)
-  const std::uint32_t stride = std::max(1u, bodies.count / 2048);
-  double sum = 0, samples = 0, radii = 0, mean_x = 0, mean_y = 0;
-  for (std::uint32_t i = 0; i < bodies.count; i += stride) {
-    const double vx = static_cast<double>(bodies.vel[2 * std::size_t{i}]);
-    const double vy = static_cast<double>(bodies.vel[2 * std::size_t{i} + 1]);
-    sum += vx * vx + vy * vy;
-    mean_x += vx;
-    mean_y += vy;
-    radii += static_cast<double>(bodies.radius[i]);
-    samples += 1;
+namespace {
+
+// Radii and velocities of some bodies, by slot.
+struct Sample {
+  double radius = 0;              // mean, m
+  double mean_x = 0, mean_y = 0;  // m/s
+  double square = 0;              // mean |v|^2
+  double fastest = 0, fastest_off = 0;  // largest |v| and |v - mean|, m/s
+  double off() const { return std::sqrt(std::fmax(square - mean_x * mean_x - mean_y * mean_y, 0)); }
+};
+
+Sample sample_bodies(const BodyStore& b) {
+  const std::uint32_t stride = std::max(1u, b.count / 2048);
+  Sample s;
+  double n = 0;
+  const auto velocity = [&](std::uint32_t i) {
+    return Vec2{static_cast<double>(b.vel[2 * std::size_t{i}]),
+                static_cast<double>(b.vel[2 * std::size_t{i} + 1])};
+  };
+  for (std::uint32_t i = 0; i < b.count; i += stride, n += 1) {
+    const Vec2 v = velocity(i);
+    s.square += v.x * v.x + v.y * v.y;
+    s.mean_x += v.x;
+    s.mean_y += v.y;
+    s.radius += static_cast<double>(b.radius[i]);
+    s.fastest = std::fmax(s.fastest, std::hypot(v.x, v.y));
   }
-  const double r = radii / samples;
-  ListPlan plan_out;
-  plan_out.skin = static_cast<float>(kSkinOfRadius * r);
-  plan_out.time = static_cast<float>(kMarginFrames * dt);
-  const double speed = std::sqrt(sum / samples);
-  // What they share does not make them meet.
-  mean_x /= samples;
-  mean_y /= samples;
-  plan_out.speed = std::sqrt(std::fmax(speed * speed - mean_x * mean_x - mean_y * mean_y, 0));
+  s.square /= n;
+  s.mean_x /= n;
+  s.mean_y /= n;
+  s.radius /= n;
+  for (std::uint32_t i = 0; i < b.count; i += stride) {
+    const Vec2 v = velocity(i);
+    s.fastest_off = std::fmax(s.fastest_off, std::hypot(v.x - s.mean_x, v.y - s.mean_y));
+  }
+  return s;
+}
+
+}  // namespace
+
+// What impacts within a step do to velocities moves bodies by this much, m: little in a thin gas of
+// equals, more where discs are close, much where a heavy body meets a light one.
+double World::Impl::impact_slack(double speed, double close, double dt) const {
+  const double g = std::sqrt(desc.gravity.x * desc.gravity.x + desc.gravity.y * desc.gravity.y);
+  return 0.02 * static_cast<double>(least_radius) + g * dt * dt +
+         (plan.masses ? 1.0 : close) * speed * dt;
+}
+
+// Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
+// Bodies in flight: margins for several frames, of which each step selects the pairs that can meet;
+// or, where they would soon be used up, lists for this step alone. The choice is by cost: building
+// takes kBuild a body and kTest a body looked at, selecting kSelect a candidate, and both counts
+// follow from the number density.
+World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
+  constexpr double kBuild = 25, kTest = 0.25, kSelect = 5;  // ns, measured (docs/performance.md)
+  const Sample s = sample_bodies(bodies);
+  const double r = s.radius;
+  ListPlan out;
+  out.margin.skin = static_cast<float>(kSkinOfRadius * r);
+  out.margin.time = static_cast<float>(kMarginFrames * dt);
+  out.speed = s.off();
+  const double speed = std::sqrt(s.square);
   const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
-  if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return plan_out;
+  if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return out;
   const double area = broad.area() > 0 ? broad.area()
                                        : (desc.bounds.xmax - desc.bounds.xmin) *
                                              (desc.bounds.ymax - desc.bounds.ymin);
   // Where bodies lie in heaps their number a box says little: the last lists say more.
   const double density = std::fmax(bodies.count / area, candidate_density);
   // Without restitution impacts only slow bodies down.
-  plan_out.crowding =
-      plan.restitution ? std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0) : 0.1;
-  double best = 1e300, frames = 1;
-  for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
-    const double outer = 2 * r + 3 * k * frame;
-    const double ring = 1.5708 * (outer * outer - 4 * r * r);
-    const double cost = kBuild / k + kSelect * density * ring;
-    if (cost < best) {
-      best = cost;
-      frames = k;
-      plan_out.ring = ring;
-    }
+  if (plan.restitution) {
+    out.crowding = std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
   }
-  plan_out.loose = true;
-  plan_out.skin = static_cast<float>(0.02 * r + frames * 1.2 * frame);
-  plan_out.time = static_cast<float>(frames * kMarginFrames * dt * 0.3);
-  return plan_out;
+  out.loose = true;
+  const auto ring = [&](double outer) { return 1.5708 * (outer * outer - 4 * r * r); };
+  const auto build = [&](double reach) {
+    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / bodies.count));
+    return kBuild + kTest * 4.5 * density * edge * edge;
+  };
+  const double half = kMarginFrames * dt / 2;
+  const double skin = 0.505 * impact_slack(out.speed, out.crowding, dt);
+  out.ring = ring(2 * (r + skin + 1.2 * half * out.speed));
+  double best = build(r + skin + half * s.fastest_off) + kSelect * density * out.ring;
+  out.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean_x),
+                static_cast<float>(s.mean_y)};
+  out.ahead = static_cast<float>(half);
+  for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+    const double around = ring(2 * r + 3 * k * frame);
+    const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
+    const double cost = build(reach) / k + kSelect * density * around;
+    if (!(cost < best)) continue;
+    best = cost;
+    out.ring = around;
+    out.margin = {static_cast<float>(0.02 * r + k * 1.2 * frame),
+                  static_cast<float>(k * kMarginFrames * dt * 0.3), 0, 0};
+    out.ahead = 0;
+  }
+  return out;
 }
 
 // Broad phase: bodies in cell order and candidates, made anew if the old ones no longer serve.
 void World::Impl::make_candidates(double dt, StepReport& report) {
   const StageTimer timer(report, tracer, Stage::broad_phase);
   const auto reach_time = static_cast<float>((loose ? 1.0 : kMarginFrames) * dt);
-  if (!lists_stale) lists_stale = !broad.lists_serve(bodies, reach_time, kernels, pool);
+  if (!lists_stale) lists_stale = once || !broad.lists_serve(bodies, reach_time, kernels, pool);
   if (!lists_stale) {
     ++skipped_frames[1];
     return;
@@ -199,11 +246,12 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   if (!bodies.spin.empty()) bodies.add_rotation();
   const ListPlan lists = plan_lists(dt);
   loose = lists.loose;
+  once = lists.ahead != 0;
   sampled_speed = lists.speed;
   crowding = lists.crowding;
   BroadPhaseParams p;
-  p.skin = lists.skin;
-  p.time = lists.time;
+  p.margin = lists.margin;
+  p.ahead = lists.ahead;
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = plan.radii;
@@ -226,12 +274,8 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
   if (loose) {
     const StageTimer timer(report, tracer, Stage::narrow_phase);
     table.swap(old_table);
-    const double g = std::sqrt(desc.gravity.x * desc.gravity.x + desc.gravity.y * desc.gravity.y);
-    // The slack allows for what impacts within the step do to velocities: little in a thin gas of
-    // equals, more where discs are close, much where a heavy body meets a light one.
-    const double slack = 0.02 * static_cast<double>(least_radius) + g * dt * dt +
-                         (plan.masses ? 1.0 : crowding) * sampled_speed * dt;
-    broad.select(bodies, static_cast<float>(kMarginFrames * dt), static_cast<float>(slack),
+    const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, dt));
+    broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack,
                  plan.fields, candidates, table, kernels, pool);
   }
   if ((lists_stale || loose) && !held.empty()) {  // kinematic bodies are the solver's

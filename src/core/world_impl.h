@@ -39,6 +39,7 @@ struct World::Impl {
   PairTable table, old_table;  // what the contacts are made from
   PairTable candidates;        // loose scenes: what `table` is selected from every step
   bool loose = false;          // bodies fly: few candidates meet within a step
+  bool once = false;           // the lists are for one step
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
   double candidate_density = 0;  // 1/m^2, of the last loose lists
@@ -98,6 +99,7 @@ struct World::Impl {
   StepReport step(double dt);
   void refresh_lists(double dt, StepReport& report);
   struct ListPlan;
+  double impact_slack(double speed, double close, double dt) const;
   ListPlan plan_lists(double dt) const;
   void make_candidates(double dt, StepReport& report);
   void solve(double dt, StepReport& report);

@@ -19,8 +19,10 @@ struct KernelTable {
   bool (*integrate)(const BodyView&, const StreamParams&, Range, Range);
   float (*list_age)(const BodyView&, const std::int32_t* built, const float* radius,
                     const float* reach, const StreamParams&, float reach_time, Range, Range);
-  float (*reaches)(const BodyView&, const float* radius, float skin, float time, float* reach,
-                   Range, Range);
+  void (*look_ahead)(const BodyView&, const StreamParams&, float ahead, std::int32_t* place, Range,
+                     Range);
+  float (*reaches)(const BodyView&, const float* radius, const ReachParams&, float* reach, Range,
+                   Range);
   void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Range, Range);
   void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Range, Range);
   // Pair search (pair_kernel.h): bodies, not blocks.

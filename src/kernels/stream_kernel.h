@@ -181,13 +181,27 @@ float list_age(const BodyView& b, const std::int32_t* built, const float* radius
   return L::largest(worst);
 }
 
-/// reach = radius + skin + |v| time: how far a body can touch before the lists are made again.
-/// Returns the largest.
+/// Where bodies will be in `ahead` seconds at their present velocity: X + nearest(v ahead / pitch).
 template <class L>
-float reaches(const BodyView& b, const float* radius, float skin, float time, float* reach,
+void look_ahead(const BodyView& b, const StreamParams& p, float ahead, std::int32_t* place,
+                std::uint32_t begin, std::uint32_t end) {
+  const auto time = L::set_rec(ahead, ahead);
+  const auto steps = L::set_rec(p.inv_pitch_x, p.inv_pitch_y);
+  for (std::size_t i = static_cast<std::size_t>(begin) * kBlock;
+       i < static_cast<std::size_t>(end) * kBlock; i += L::records) {
+    const auto way = L::mul(L::mul(L::load_rec(b.vel + 2 * i), time), steps);
+    L::store_rec_int(place + 2 * i, L::add(L::load_rec_int(b.pos + 2 * i), L::nearest(way)));
+  }
+}
+
+/// reach = radius + skin + |v - common| time: how far a body can touch before the lists are made
+/// again. Returns the largest.
+template <class L>
+float reaches(const BodyView& b, const float* radius, const ReachParams& p, float* reach,
               std::uint32_t begin, std::uint32_t end) {
-  const auto base = L::set1(skin);
-  const auto t = L::set1(time);
+  const auto base = L::set1(p.skin);
+  const auto t = L::set1(p.time);
+  const auto common_x = L::set1(p.common_x), common_y = L::set1(p.common_y);
   auto most = L::set1(0);
   for (std::uint32_t block = begin; block < end; ++block) {
     for (std::uint32_t r = 0; r < kBlock; r += L::width) {
@@ -196,6 +210,8 @@ float reaches(const BodyView& b, const float* radius, float skin, float time, fl
       for (std::uint32_t l = 0; l < L::width; ++l) slots[l] = static_cast<std::uint32_t>(body + l);
       typename L::F x, y;
       L::template gather<1>(b.vel, slots, x, y);
+      x = L::sub(x, common_x);
+      y = L::sub(y, common_y);
       const auto speed = L::sqrt(L::add(L::mul(x, x), L::mul(y, y)));
       const auto m = L::add(base, L::mul(speed, t));
       const auto total = L::add(L::load(radius + body), m);

@@ -22,6 +22,7 @@ constexpr KernelTable table_of() {
       .drift = drift<L>,
       .integrate = integrate<L>,
       .list_age = list_age<L>,
+      .look_ahead = look_ahead<L>,
       .reaches = reaches<L>,
       .extent = extent<L>,
       .cell_keys = cell_keys<L>,

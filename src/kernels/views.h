@@ -44,6 +44,14 @@ struct BodyView {
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };
 
+/// Margins of the neighbour lists.
+struct ReachParams {
+  float skin = 0;      ///< m
+  float time = 0;      ///< s of a body's own motion
+  float common_x = 0;  ///< m/s: velocity that motion is measured against
+  float common_y = 0;
+};
+
 /// Grid that cell keys are computed against.
 struct GridView {
   std::int32_t mid_x = 0, mid_y = 0;    ///< lattice point that `offset` cells belong to

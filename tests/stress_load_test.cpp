@@ -1,0 +1,134 @@
+// Driving the contact solver hard: long and uneven steps, mass ratios, overlaps, crowds. The bounds
+// are about twice what is measured today (docs/stress.md); better is welcome, worse is a loss.
+#include <gtest/gtest.h>
+
+#include "stress.h"
+
+namespace psim::accuracy::stress {
+namespace {
+
+// ---- length of the step -----------------------------------------------------------------------
+
+TEST(StressSteps, APileComesToRestAtUpToATwentiethOfASecond) {
+  EXPECT_GE(largest_stable_step(), 0.05);
+}
+
+TEST(StressSteps, OfAnyLengthGainNoEnergyAndLoseNobody) {
+  for (const double dt : {1.0 / 15, 0.1, 0.2, 0.5, 1.0}) {
+    for (const double friction : {0.0, 0.5}) {
+      const Landing landing = land(dt, 0.3 * friction, friction);
+      EXPECT_TRUE(landing.whole) << dt;
+      EXPECT_LT(landing.energy_gain, 1e-6) << dt;
+      EXPECT_LT(landing.speed, 0.05) << dt;
+    }
+  }
+}
+
+TEST(StressSteps, AFifthMoreOrLessByChanceDoNoHarm) {
+  const Landing landing = land_at_random_steps(0.8 / 60, 1.2 / 60);
+  EXPECT_TRUE(landing.whole);
+  EXPECT_LT(landing.energy_gain, 1e-6);
+  EXPECT_LT(landing.overlap, 0.03);
+  EXPECT_LT(landing.speed, 0.11);
+}
+
+// Far from good: a step that is much longer than the one before shakes whatever is at rest.
+TEST(StressSteps, OfVeryUnevenLengthLoseNobody) {
+  const Landing landing = land_at_random_steps(1e-4, 0.05);
+  EXPECT_TRUE(landing.whole);
+  EXPECT_LT(landing.energy_gain, 80);
+  EXPECT_LT(speed_after_a_short_step(1.0 / 240), 2.5);
+}
+
+// ---- mass ratios ------------------------------------------------------------------------------
+
+TEST(StressMass, LightRestsOnHeavy) {
+  for (const double ratio : {1e-6, 1e-3, 0.1}) {
+    EXPECT_LT(heavy_on_light(ratio).overlap, 7e-4) << ratio;
+    EXPECT_LT(heavy_on_light(ratio).speed, 1e-6) << ratio;
+  }
+}
+
+TEST(StressMass, HeavyRestsOnLightUpToAHundredToOne) {
+  EXPECT_LT(heavy_on_light(1).overlap, 1.4e-3);
+  EXPECT_LT(heavy_on_light(10).overlap, 7.5e-3);
+  EXPECT_LT(heavy_on_light(100).overlap, 0.05);
+  EXPECT_GT(first_sinking_ratio(0.05), 140);
+}
+
+TEST(StressMass, HeavierStillSinksInQuietly) {
+  for (const double ratio : {1e3, 1e4, 1e6}) {
+    const Load load = heavy_on_light(ratio);
+    EXPECT_LT(load.overlap, ratio < 2e3 ? 0.5 : 2.0) << ratio;
+    EXPECT_LT(load.speed, 1e-5) << ratio;
+  }
+}
+
+TEST(StressMass, ElasticPairsOfAnyRatioHaveTheClosedForm) {
+  for (double ratio = 1e-6; ratio < 2e6; ratio *= 10) {
+    EXPECT_LT(elastic_pair_error(ratio), 1e-6) << ratio;
+  }
+}
+
+TEST(StressMass, GravelUnderAGiantIsNotShotAway) { EXPECT_LT(gravel_speed(), 35); }
+
+// ---- overlaps ---------------------------------------------------------------------------------
+
+TEST(StressOverlap, OfAPairBecomesNoMotion) {
+  for (const double overlap : {0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99, 1.0}) {
+    for (const double restitution : {0.0, 0.5, 1.0}) {
+      for (const double ratio : {1.0, 1000.0}) {
+        EXPECT_LT(speed_from_overlap(overlap, restitution, ratio), 1.5e-6)
+            << overlap << " e " << restitution << " ratio " << ratio;
+      }
+    }
+  }
+}
+
+TEST(StressOverlap, WithTheGroundBecomesNoJump) {
+  for (const double overlap : {0.1, 0.5, 0.9, 1.0}) EXPECT_LE(jump_from_the_ground(overlap), 1e-6);
+}
+
+TEST(StressOverlap, OfABlockIsPushedOutAtBoundedSpeed) {
+  EXPECT_LT(speed_from_overlapping_block(0.1, 0), 10);
+  for (const double overlap : {0.25, 0.5, 0.75, 0.9}) {
+    for (const double restitution : {0.0, 1.0}) {
+      EXPECT_LT(speed_from_overlapping_block(overlap, restitution), 25) << overlap;
+    }
+  }
+}
+
+void expect_apart(int discs, double speed) {
+  const OnePoint point = one_point(discs);
+  EXPECT_TRUE(point.finite) << discs;
+  EXPECT_LT(point.speed, speed) << discs;
+  EXPECT_LT(point.momentum, 3e-6) << discs;
+}
+
+TEST(StressOverlap, ManyAtOnePointComeApartAtBoundedSpeed) {
+  expect_apart(2, 1e-6);
+  expect_apart(3, 2.5);
+  expect_apart(10, 16);
+  expect_apart(100, 140);
+}
+
+TEST(SlowStressOverlap, AThousandAtOnePointComeApart) { expect_apart(1000, 550); }
+
+// ---- crowds -----------------------------------------------------------------------------------
+
+TEST(StressCrowd, SixHundredSmallDiscsRestOnABigOneThatFloats) {
+  const Crowd ring = ring_on_a_big_disc();
+  EXPECT_TRUE(ring.finite);
+  EXPECT_LT(ring.overlap, 4e-4);
+  EXPECT_LT(ring.speed, 1e-4);
+}
+
+TEST(SlowStressCrowd, TenThousandComeToRestOnOneSegment) {
+  const Crowd crowd = discs_on_a_plate();
+  EXPECT_TRUE(crowd.finite);
+  EXPECT_LT(crowd.overlap, 0.2);
+  EXPECT_LT(crowd.speed, 3e-3);
+}
+
+}  // namespace
+}  // namespace psim::accuracy::stress
