@@ -8,11 +8,12 @@ namespace {
 TEST(Pile, ComesToRestWithoutSinking) {
   for (const Material m : {material(0), material(0, 0.5), material(0.3, 0.5)}) {
     auto world = pile(1000, m, best_isa(), 2);
-    run_seconds(*world, 10);
+    run_seconds(*world, 12);  // a late slip may take until then
     const auto depths = penetrations(*world);
     EXPECT_GT(depths.size(), 1000u) << "mu " << m.friction;
     // Friction locks in some of the compression of the landing.
-    EXPECT_LT(quantile(depths, 0.99), m.friction > 0 ? 0.025 : 0.02) << "mu " << m.friction << " e " << m.restitution;
+    EXPECT_LT(quantile(depths, 0.99), m.friction > 0 ? 0.025 : 0.02)
+        << "mu " << m.friction << " e " << m.restitution;
     EXPECT_LT(depths.back(), 0.05) << "mu " << m.friction << " e " << m.restitution;
     EXPECT_LT(rms_speed(*world), 1e-3) << "mu " << m.friction << " e " << m.restitution;
     EXPECT_TRUE(all_inside(*world));

@@ -14,7 +14,7 @@ struct StressRow {
   std::string meaning;
 };
 
-/// Every figure. `quick`: a tenth of the million steps, and coarser searches; 10 s instead of a minute.
+/// Every figure, about 12 s. `quick`: a tenth of the million steps, no large crowds; 3 s.
 std::vector<StressRow> run_stress(bool quick);
 
 namespace stress {

@@ -79,7 +79,7 @@ Landing land_at_random_steps(double shortest, double longest) {
 }
 
 double largest_stable_step() {
-  constexpr std::array<double, 11> kPerSecond = {240, 120, 60, 45, 30, 20, 15, 10, 5, 2, 1};
+  constexpr std::array<double, 12> kPerSecond = {240, 120, 60, 45, 30, 25, 20, 15, 10, 5, 2, 1};
   double largest = 0;
   for (const double per_second : kPerSecond) {
     const double dt = 1 / per_second;

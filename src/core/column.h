@@ -53,7 +53,7 @@ class Column {
 
   /// The same with an eighth to spare where it grows: for lists whose length goes up and down.
   void reserve_loosely(std::size_t n) {
-    if (n > capacity_) reserve(n + n / 8 + 256);
+    if (n > capacity_) reserve(n + n / 8 + 1024);
   }
 
   /// Gives the memory back.
