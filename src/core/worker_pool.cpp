@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks.h"
+
 namespace psim {
 namespace {
-
-// Every thread computes under the same floating-point settings: round to nearest, no flushing of
-// denormals, no traps. A host may have changed its own.
-constexpr unsigned kMxcsr = 0x1F80;
 
 constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
   return static_cast<std::uint64_t>(ticket) << 32 | number;

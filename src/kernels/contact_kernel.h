@@ -43,31 +43,6 @@ void prepare_contacts(const BodyView& b, const ContactView& c, const ContactPara
   }
 }
 
-/// Contact geometry anew where the bodies moved sideways by more than p.refresh since `prepare`:
-/// the lanes in `stale` get the normal at their present displacement and a gap that gives the exact
-/// separation there.
-template <class L>
-[[gnu::cold, gnu::noinline]] void refresh_normals(const BodyView& b, const ContactView& c, const ContactParams& p,
-                     std::size_t k, typename L::F stale, typename L::F ddx, typename L::F ddy,
-                     typename L::F& nx, typename L::F& ny, typename L::F& gap) {
-  const std::uint32_t* slot = c.body + 2 * k;
-  typename L::I ax, ay, bx, by;
-  L::template gather_int<2>(b.pos, slot, ax, ay);
-  L::template gather_int<2>(b.pos, slot + 1, bx, by);
-  const auto dx = L::add(L::mul(L::to_float(L::sub(bx, ax)), L::set1(p.pitch_x)), ddx);
-  const auto dy = L::add(L::mul(L::to_float(L::sub(by, ay)), L::set1(p.pitch_y)), ddy);
-  const auto far = L::sqrt(L::add(L::mul(dx, dx), L::mul(dy, dy)));
-  const auto use = L::both(stale, L::less(L::set1(0), far));
-  const auto inverse = L::div(L::set1(1), L::select(use, far, L::set1(1)));
-  nx = L::select(use, L::mul(dx, inverse), nx);
-  ny = L::select(use, L::mul(dy, inverse), ny);
-  const auto along = L::add(L::mul(nx, ddx), L::mul(ny, ddy));
-  gap = L::select(use, L::sub(L::sub(far, L::load(c.rsum + k)), along), gap);
-  L::store(c.nx + k, nx);
-  L::store(c.ny + k, ny);
-  L::store(c.gap + k, gap);
-}
-
 /// vA -= wA (px, py), vB += wB (px, py) in the lanes of `moved`. Subtractions only: adding a zero
 /// would turn a velocity of -0 into +0.
 template <class L, Model M>
@@ -85,6 +60,46 @@ template <class L, Model M>
   L::template scatter<2>(b.vel, slot, L::sub(vax, L::both(moved, ax)), L::sub(vay, L::both(moved, ay)));
   L::template scatter<2>(b.vel, slot + 1, L::sub(vbx, L::both(moved, bx)),
                          L::sub(vby, L::both(moved, by)));
+}
+
+/// Contact geometry anew where the bodies moved sideways by more than p.refresh since `prepare`:
+/// the lanes in `stale` get the normal at their present displacement and a gap that gives the exact
+/// separation there. Impulses that the velocities hold along the old normal are turned with it.
+template <class L, Model M>
+[[gnu::cold, gnu::noinline]] void refresh_normals(const BodyView& b, const ContactView& c, const ContactParams& p,
+                     std::size_t k, typename L::F stale, typename L::F ddx, typename L::F ddy,
+                     typename L::F& nx, typename L::F& ny, typename L::F& gap) {
+  const std::uint32_t* slot = c.body + 2 * k;
+  typename L::I ax, ay, bx, by;
+  L::template gather_int<2>(b.pos, slot, ax, ay);
+  L::template gather_int<2>(b.pos, slot + 1, bx, by);
+  const auto dx = L::add(L::mul(L::to_float(L::sub(bx, ax)), L::set1(p.pitch_x)), ddx);
+  const auto dy = L::add(L::mul(L::to_float(L::sub(by, ay)), L::set1(p.pitch_y)), ddy);
+  const auto far = L::sqrt(L::add(L::mul(dx, dx), L::mul(dy, dy)));
+  const auto use = L::both(stale, L::less(L::set1(0), far));
+  const auto inverse = L::div(L::set1(1), L::select(use, far, L::set1(1)));
+  const auto was_x = nx, was_y = ny;
+  nx = L::select(use, L::mul(dx, inverse), nx);
+  ny = L::select(use, L::mul(dy, inverse), ny);
+  const auto along = L::add(L::mul(nx, ddx), L::mul(ny, ddy));
+  gap = L::select(use, L::sub(L::sub(far, L::load(c.rsum + k)), along), gap);
+  L::store(c.nx + k, nx);
+  L::store(c.ny + k, ny);
+  L::store(c.gap + k, gap);
+  const auto l = L::load(c.impulse + k);
+  const auto turn_x = L::sub(nx, was_x), turn_y = L::sub(ny, was_y);
+  auto px = L::mul(l, turn_x), py = L::mul(l, turn_y);
+  auto held = L::differ(l, L::set1(0));
+  if constexpr (M == Model::rough) {
+    const auto t = L::load(c.friction + k);
+    px = L::sub(px, L::mul(t, turn_y));
+    py = L::add(py, L::mul(t, turn_x));
+    held = L::either(held, L::differ(t, L::set1(0)));
+  }
+  typename L::F vax, vay, vbx, vby;
+  L::template gather<2>(b.vel, slot, vax, vay);
+  L::template gather<2>(b.vel, slot + 1, vbx, vby);
+  push_apart<L, M>(b, c, k, L::both(use, held), px, py, vax, vay, vbx, vby);
 }
 
 /// Spins alike: uA -= qA dt, uB -= qB dt.
@@ -150,6 +165,18 @@ template <class L>
   return L::both(L::both(fast, near), L::less(L::set1(0), L::load(c.e + k)));
 }
 
+/// Of pairs apart by s, those that pass each other at their present velocities: the closest point of
+/// the path of D = n (s + R) along u stays outside R,
+///   (D x u)^2 > R^2 u^2,  that is  vt^2 s (s + 2 R) > R^2 vn^2.
+/// A contact stops what crosses its tangent line within the substep; these never touch.
+template <class L>
+[[gnu::always_inline]] inline typename L::F passing(typename L::F s, typename L::F radius,
+                                                    typename L::F vn, typename L::F vt) {
+  const auto miss = L::mul(L::mul(vt, vt), L::mul(s, L::add(s, L::add(radius, radius))));
+  const auto reach = L::mul(radius, vn);
+  return L::less(L::mul(reach, reach), miss);
+}
+
 /// The solve pass: push out softly, or stop the approach of a gap that would close.
 template <class L, Model M, bool Bounce>
 void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams& p,
@@ -168,7 +195,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const auto ddx = L::sub(dbx, dax), ddy = L::sub(dby, day);
     const auto sideways = L::abs(L::sub(L::mul(nx, ddy), L::mul(ny, ddx)));
     const auto stale = L::less(refresh, sideways);
-    if (L::bits(stale)) refresh_normals<L>(b, c, p, k, stale, ddx, ddy, nx, ny, gap);
+    if (L::bits(stale)) refresh_normals<L, M>(b, c, p, k, stale, ddx, ddy, nx, ny, gap);
     const auto s = L::add(gap, L::add(L::mul(nx, ddx), L::mul(ny, ddy)));
     const auto apart = L::less(zero, s);
     auto bias = L::select(apart, L::mul(s, inv_h), L::max(L::mul(s, rate), push));
@@ -193,6 +220,11 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const auto dl = L::add(L::mul(m, L::add(L::mul(mass_scale, vn), bias)),
                            L::mul(impulse_scale, l));
     auto next = L::max(L::sub(l, dl), zero);
+    if (L::bits(L::both(apart, L::less(zero, next)))) {
+      const auto vt = L::sub(L::mul(nx, L::sub(vby, vay)), L::mul(ny, L::sub(vbx, vax)));
+      const auto past = L::both(apart, passing<L>(s, L::load(c.rsum + k), vn, vt));
+      next = L::select(past, zero, next);
+    }
     if constexpr (Bounce) next = L::select_sign(settled, zero, next);
     const auto change = L::sub(next, l);
     next = L::select(L::both(apart, L::less_equal(next, zero)), open, next);

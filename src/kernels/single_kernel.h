@@ -3,6 +3,9 @@
 //   s = gap + n.d,  vn = n.v,  v += w l n,  vt = t.v - u,  t = (-ny, nx)
 #pragma once
 
+#include <limits>
+
+#include "contact_kernel.h"
 #include "views.h"
 
 namespace psim::kernels {
@@ -37,14 +40,16 @@ void warm_singles(const BodyView& b, const SingleView& c, const ContactParams& p
   }
 }
 
-/// As refresh_normals of contact_kernel.h, for round fixed shapes.
-template <class L>
+/// As refresh_normals of contact_kernel.h, for round fixed shapes; (vx, vy) are the body's velocity.
+template <class L, Model M>
 [[gnu::cold, gnu::noinline]] void refresh_single(const SingleView& c, std::size_t k, typename L::F stale, typename L::F dx,
-                    typename L::F dy, typename L::F& nx, typename L::F& ny, typename L::F& gap) {
+                    typename L::F dy, typename L::F& nx, typename L::F& ny, typename L::F& gap,
+                    typename L::F& vx, typename L::F& vy) {
   const auto x = L::add(L::load(c.base_x + k), dx), y = L::add(L::load(c.base_y + k), dy);
   const auto far = L::sqrt(L::add(L::mul(x, x), L::mul(y, y)));
   const auto use = L::both(stale, L::less(L::set1(0), far));
   const auto inverse = L::div(L::set1(1), L::select(use, far, L::set1(1)));
+  const auto was_x = nx, was_y = ny;
   nx = L::select(use, L::mul(x, inverse), nx);
   ny = L::select(use, L::mul(y, inverse), ny);
   const auto along = L::add(L::mul(nx, dx), L::mul(ny, dy));
@@ -52,6 +57,23 @@ template <class L>
   L::store(c.nx + k, nx);
   L::store(c.ny + k, ny);
   L::store(c.gap + k, gap);
+  const auto l = L::load(c.impulse + k);
+  const auto turn_x = L::sub(was_x, nx), turn_y = L::sub(was_y, ny);
+  auto px = L::mul(l, turn_x), py = L::mul(l, turn_y);
+  auto held = L::differ(l, L::set1(0));
+  if constexpr (M == Model::rough) {
+    const auto t = L::load(c.friction + k);
+    px = L::sub(px, L::mul(t, turn_y));
+    py = L::add(py, L::mul(t, turn_x));
+    held = L::either(held, L::differ(t, L::set1(0)));
+  }
+  if constexpr (M != Model::plain) {
+    const auto w = L::load(c.wb + k);
+    px = L::mul(w, px), py = L::mul(w, py);
+  }
+  const auto turned = L::both(use, held);
+  vx = L::sub(vx, L::both(turned, px));
+  vy = L::sub(vy, L::both(turned, py));
 }
 
 template <class L>
@@ -83,7 +105,7 @@ void solve_singles(const BodyView& b, const SingleView& c, const ContactParams& 
     auto nx = L::load(c.nx + k), ny = L::load(c.ny + k), gap = L::load(c.gap + k);
     const auto sideways = L::abs(L::sub(L::mul(nx, dy), L::mul(ny, dx)));
     const auto stale = L::less(L::load(c.refresh + k), sideways);
-    if (L::bits(stale)) refresh_single<L>(c, k, stale, dx, dy, nx, ny, gap);
+    if (L::bits(stale)) refresh_single<L, M>(c, k, stale, dx, dy, nx, ny, gap, vx, vy);
     const auto s = L::add(gap, L::add(L::mul(nx, dx), L::mul(ny, dy)));
     const auto apart = L::less(zero, s);
     auto bias = L::select(apart, L::mul(s, inv_h), L::max(L::mul(s, rate), push));
@@ -105,6 +127,12 @@ void solve_singles(const BodyView& b, const SingleView& c, const ContactParams& 
     const auto dl = L::add(L::mul(m, L::add(L::mul(mass_scale, vn), bias)),
                            L::mul(impulse_scale, l));
     auto next = L::max(L::sub(l, dl), zero);
+    if (L::bits(L::both(apart, L::less(zero, next)))) {
+      const auto vt = L::sub(L::mul(nx, vy), L::mul(ny, vx));
+      const auto round = L::less(L::load(c.refresh + k), L::set1(std::numeric_limits<float>::infinity()));
+      const auto past = L::both(apart, passing<L>(s, L::load(c.rsum + k), vn, vt));
+      next = L::select(L::both(round, past), zero, next);
+    }
     if constexpr (Bounce) next = L::select_sign(settled, zero, next);
     const auto change = L::sub(next, l);
     next = L::select(L::both(apart, L::less_equal(next, zero)), open, next);
