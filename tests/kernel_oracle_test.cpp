@@ -336,7 +336,7 @@ TEST(KernelOracle, SelectPairsKeepsThoseThatCanMeet) {
 /// One contact in doubles. A fixed partner has inverse mass 0, and stands still.
 struct Contact {
   Vec n, va, vb, da, db, va0, vb0;
-  double gap, l, w_a, w_b, m, mu, t, mt, q_a, q_b, u_a, u_b, e, start;
+  double gap, radius, l, w_a, w_b, m, mu, t, mt, q_a, q_b, u_a, u_b, e, start;
 };
 
 Contact contact_of(const Bodies& b, const Contacts& c, std::size_t k, Model model) {
@@ -345,6 +345,7 @@ Contact contact_of(const Bodies& b, const Contacts& c, std::size_t k, Model mode
   const std::size_t i = c.body[c.step * k], j = c.body[c.step * k + c.step - 1];
   x.n = {c.nx[k], c.ny[k]};
   x.gap = c.gap[k];
+  x.radius = c.rsum[k];
   x.l = c.impulse[k];
   if (pair) {
     x.va = record(b.vel, i), x.da = record(b.disp, i), x.va0 = record(b.vel0, i);
@@ -393,7 +394,10 @@ void solve(Contact& x, const ContactParams& p, bool bounce) {
   } else if (s <= 0) {
     dl = -x.m * (double{p.soft_mass} * vn + soft) - double{p.soft_impulse} * x.l;
   }
-  const double next = std::fmax(x.l + dl, 0.0);
+  double next = std::fmax(x.l + dl, 0.0);
+  const Vec u = x.vb - x.va;
+  const double offset = std::fabs((s + x.radius) * dot(left_of(x.n), u)) / length(u);
+  if (s > 0 && offset > x.radius) next = 0;  // they pass each other
   push(x, next - x.l, 0);
   x.start = x.l;
   x.l = s > 0 && next <= 0 ? -0.0 : next;
