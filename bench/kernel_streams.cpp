@@ -25,7 +25,26 @@ struct StreamState : Discs {
     params.kick_x = 0.01f;
     params.kick_y = -0.04f;
     params.smooth_limit2 = 1;
+    for (Column<float>* c : {&acc, &vel_rest, &disp_rest, &bend}) {
+      c->reserve(2 * kernels::round_up_block(n));
+    }
     bodies = view();
+    in_field = bodies;
+    in_field.acc = acc.data();
+    in_field.vel_rest = vel_rest.data();
+    in_field.disp_rest = disp_rest.data();
+    in_field.bend = bend.data();
+    well.strength = 1e-3;  // velocities hardly change
+    well.softening2 = 1;
+    well.range2 = 1e30;
+    well.whole = 1;
+    well.fraction = 1u << 31;
+    field.wells = &well;
+    field.well_count = 1;
+    field.h = kStep;
+    field.pitch_x = lattice.pitch_x();
+    field.pitch_y = lattice.pitch_y();
+    field.smooth = 1;
     grid.cols = grid.rows = static_cast<std::int32_t>(1.6 * std::sqrt(n)) + 1;
     grid.stride = static_cast<std::uint32_t>(grid.cols) + 1;
     grid.scale_x = grid.scale_y = static_cast<float>(grid.cols * 0x1p-30);
@@ -35,11 +54,19 @@ struct StreamState : Discs {
   StreamParams params;
   std::uint32_t block_end;
   Column<std::uint32_t> keys{meter};
-  BodyView bodies;
+  Column<float> acc{meter}, vel_rest{meter}, disp_rest{meter}, bend{meter};
+  BodyView bodies, in_field;
+  kernels::WellTerms well;
+  kernels::FieldParams field;
   kernels::GridView grid;
 };
 
 using StreamPass = void (*)(StreamState& s, const KernelTable& k);
+
+template <kernels::Method kMethod>
+void advance(StreamState& s, const KernelTable& k) {
+  k.advance[static_cast<std::size_t>(kMethod)][0](s.in_field, s.field, 0, s.block_end);
+}
 
 class Stream : public Workload {
  public:
@@ -80,6 +107,17 @@ constexpr Entry kStreams[] = {
      }},
     {"Drift", 0xFF, 25 + 8,
      [](StreamState& s, const KernelTable& k) { k.drift(s.bodies, s.params, 0, s.block_end); }},
+    {"Accelerate", 0xFF, 25 + 8,  // one well of exponent 2, as the next four
+     [](StreamState& s, const KernelTable& k) {
+       k.accelerate[0](s.in_field, s.field, 0, s.block_end);
+     }},
+    {"AdvanceEuler", 0xFF, 41 + 40, advance<kernels::Method::euler>},
+    {"AdvanceRk4", 0xFF, 41 + 40, advance<kernels::Method::rk4>},
+    {"AdvanceSymplectic4", 0xFF, 41 + 40, advance<kernels::Method::symplectic4>},
+    {"DriftBent", 0xFF, 49 + 16,
+     [](StreamState& s, const KernelTable& k) {
+       k.drift_bent(s.in_field, s.field, 0, s.block_end);
+     }},
     {"ListAge", 0, 32,
      [](StreamState& s, const KernelTable& k) {
        sink = k.list_age(s.bodies, s.built.data(), s.radius.data(), s.reach.data(), s.params, 0.02f,

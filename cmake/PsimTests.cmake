@@ -39,8 +39,12 @@ if(_test_sources AND TARGET psim_scene)
     target_compile_definitions(psim_tests PRIVATE "PSIM_ACCURACY=\"${PROJECT_BINARY_DIR}/accuracy\"")
   endif()
 
-  # The measuring functions of `accuracy --stress`, which the Stress suites hold to their figures.
+  # The measuring functions of `accuracy --stress`, which the Stress suites hold to their figures,
+  # with psim as the only engine.
   file(GLOB _stress_sources CONFIGURE_DEPENDS bench/accuracy/stress*.cpp)
+  foreach(_part engines engine_psim model run)
+    list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
+  endforeach()
   target_sources(psim_tests PRIVATE ${_stress_sources})
   target_include_directories(psim_tests PRIVATE bench/accuracy)
 

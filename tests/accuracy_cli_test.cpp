@@ -1,6 +1,8 @@
 // The accuracy program as a user meets it: its rows, its lists, its refusals.
 #include <psim/scene.h>
 
+#include <set>
+
 #include "cli_runner.h"
 #include "support.h"
 
@@ -47,6 +49,37 @@ TEST(Accuracy, ListsEnginesAndCasesAndRunsNothing) {
   for (const char* word : {"psim", "box2d", "box2d3", "chipmunk", "kepler", "pile-penetration"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
+}
+
+TEST(SlowAccuracy, StressGradesEveryStress) {
+  const ScratchFolder folder;
+  const auto result = run_accuracy(
+      {"--stress", "--quick", "--engine", "psim", "--output", folder.file("stress.csv")});
+  EXPECT_TRUE(result.status == 0 || result.status == 1) << result.err;
+  const auto lines = lines_of(read_file(folder.file("stress.csv")));
+  ASSERT_GT(lines.size(), 20u);
+  EXPECT_EQ(lines[0], "stress,figure,engine,value,unit,limit,grade,what");
+  std::set<std::string> stresses;
+  bool all_hold = true;
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    ASSERT_GE(fields.size(), 8u) << lines[k];
+    stresses.insert(fields[0]);
+    EXPECT_TRUE(fields[6] == "holds" || fields[6] == "misses") << lines[k];
+    all_hold = all_hold && fields[6] == "holds";
+    EXPECT_NE(result.out.find(fields[1]), std::string::npos) << fields[1];
+  }
+  EXPECT_EQ(stresses.size(), 14u);
+  EXPECT_EQ(result.status == 0, all_hold);
+}
+
+TEST(Accuracy, StressAndCasesExcludeEachOther) {
+  const ScratchFolder folder;
+  const auto result =
+      run_accuracy({"--stress", "--case", "kepler", "--output", folder.file("stress.csv")});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(folder.names().empty());
 }
 
 TEST(Accuracy, RefusesWhatItDoesNotKnow) {

@@ -164,6 +164,30 @@ TEST_F(CliDiff, SettingsThatDifferAreNamedWithFrameAndStage) {
                {"First difference before any step: body 0 x: ", "Frames that differ: 2 of 2"});
 }
 
+TEST_F(CliDiff, IntegratorsDifferWhereThereAreFieldsAndOnlyThere) {
+  const auto world = [this](const char* name, const char* fields) {
+    return folder_.write(name, R"({"psim": 1,
+      "world": {"bounds": [-99, -99, 99, 99], "boundary": "open", "gravity": [0, -9.81]},
+      "bodies": [{"shape": {"disc": {"radius": 0.5}}, "position": [0, 50]}], "fields": [)" +
+                                   std::string(fields) + "]}");
+  };
+  const auto compared = [](const std::string& scene) {
+    return run_psim({"diff", "--scene", scene, "--frames", "5", "--b", "--integrator rk4"});
+  };
+  expect_words(compared(world("uniform.json", "")), 0, {", verlet\n", ", rk4\n", "The same bits"});
+  expect_words(compared(world("well.json", R"({"type": "well", "position": [0, 0], "strength": 9})")),
+               1, {"First difference in frame 1, stage "});
+}
+
+TEST_F(CliDiff, WhereNothingTouchesTheStageIsIntegrate) {
+  const std::string flight = folder_.write("flight.json", R"({"psim": 1,
+    "world": {"bounds": [-99, -99, 99, 99], "boundary": "open", "gravity": [0, -9.81]},
+    "bodies": [{"shape": {"disc": {"radius": 0.5}}, "position": [0, 50]}]})");
+  const Outcome outcome =
+      run_psim({"diff", "--scene", flight, "--frames", "5", "--b", "--dt 0.01"});
+  expect_words(outcome, 1, {"First difference in frame 1, stage integrate: body 0 y: "});
+}
+
 TEST_F(CliDiff, WhatTheFilesSayIsWhatTheSettingsSay) {
   const auto course = [this](const char* substeps) {
     const std::string file = folder_.file(std::string(substeps) + ".csv");

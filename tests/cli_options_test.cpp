@@ -31,6 +31,7 @@ TEST(CliOptions, MistakesAreOneLineThatNamesWhatWouldBeRight) {
       {{"--dt", "inf"}, {"--dt inf", "seconds"}},
       {{"--dt", "1e-7"}, {"--dt 1e-7", "seconds"}},
       {{"--substeps", "65"}, {"--substeps 65", "1 to 64"}},
+      {{"--integrator", "rk5"}, {"--integrator rk5", "verlet, euler, rk4 or symplectic4"}},
       {{"--isa", "mmx"}, {"--isa mmx", "auto, scalar, sse or avx2"}},
       {{"--report", "xml"}, {"--report xml", "text or json"}},
       {{"--budget", "0"}, {"--budget 0", "above 0"}},
@@ -83,7 +84,8 @@ TEST(CliOptions, HelpNamesEveryOption) {
         "--dt",     "--substeps",    "--threads",    "--isa",     "--report",
         "--state",  "--metrics",     "--trajectory", "--every",   "--image",
         "--trace",  "--explain",     "--verify",     "--check",   "--benchmark",
-        "--budget", "--governor",    "--sleep",      "--version", "--help"}) {
+        "--budget", "--governor",    "--sleep",      "--version", "--help",
+        "--integrator"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }

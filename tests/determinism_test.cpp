@@ -23,10 +23,12 @@ std::unique_ptr<World> mixed(std::size_t n, Isa isa, int threads) {
   return world;
 }
 
+template <Integrator kIntegrator>
 std::unique_ptr<World> with_fields(std::size_t n, Isa isa, int threads) {
   const double side = std::ceil(2.5 * std::sqrt(static_cast<double>(n)));
   WorldDesc desc = walled({0, 0, side, side}, {1, -2}, material(0.5));
   desc.linear_damping = 0.1;
+  desc.integrator = kIntegrator;
   desc.fields.push_back(WellField{{0.5 * side, 0.5 * side}, 300, 0.5, 2, 0});
   desc.fields.push_back(WellField{{0.2 * side, 0.7 * side}, -100, 0.5, 1, 0.3 * side});
   desc.fields.push_back(DragField{0.05, 0.01});
@@ -65,7 +67,10 @@ const Case kCases[] = {
        return gas_in_period(n, 0.4, material(0.9, 0.2), 10, isa, threads);
      }},
     {"MixedRadii", mixed},
-    {"Fields", with_fields},
+    {"Fields", with_fields<Integrator::verlet>},
+    {"FieldsByEuler", with_fields<Integrator::euler>},
+    {"FieldsByRk4", with_fields<Integrator::rk4>},
+    {"FieldsBySymplectic4", with_fields<Integrator::symplectic4>},
     {"Statics", with_statics},
 };
 

@@ -153,6 +153,49 @@ TEST_F(KernelExact, Drift) {
   });
 }
 
+TEST_F(KernelExact, Accelerate) {
+  for_streams(210, [](const State& s, const StreamParams&, std::uint32_t i, std::uint32_t n) {
+    Random random(211);
+    const FieldSet fields(random);
+    for (const int drag : {0, 1}) {
+      for (const bool scales : {false, true}) {
+        compare(s, [&](const KernelTable& k, State& at) {
+          k.accelerate[drag](at.b.field_view(scales), fields.p, i, n);
+        });
+      }
+    }
+  });
+}
+
+TEST_F(KernelExact, Advance) {
+  for_streams(220, [](const State& s, const StreamParams&, std::uint32_t i, std::uint32_t n) {
+    Random random(221);
+    const FieldSet weak(random), strong(random, 100, 30);
+    for (const FieldSet* fields : {&weak, &strong}) {
+      for (int method = 0; method < kernels::kMethods; ++method) {
+        for (const int drag : {0, 1}) {
+          compare(s, [&](const KernelTable& k, State& at) {
+            k.advance[method][drag](at.b.field_view(fields == &weak), fields->p, i, n);
+          });
+        }
+      }
+    }
+  });
+}
+
+TEST_F(KernelExact, DriftBent) {
+  for_streams(230, [](const State& s, const StreamParams&, std::uint32_t i, std::uint32_t n) {
+    Random random(231);
+    FieldSet fields(random);
+    for (const double smooth : {fields.p.smooth, 1.0, -1.0}) {
+      fields.p.smooth = smooth;
+      compare(s, [&](const KernelTable& k, State& at) {
+        k.drift_bent(at.b.field_view(false), fields.p, i, n);
+      });
+    }
+  });
+}
+
 TEST_F(KernelExact, Integrate) {
   bool fine = false, bad = false;
   for_streams(300, [&](const State& s, const StreamParams& p, std::uint32_t i, std::uint32_t n) {

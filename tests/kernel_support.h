@@ -61,7 +61,7 @@ inline void make_nasty(Random& random, std::vector<float>& column, std::size_t n
 struct Bodies {
   std::size_t count = 0;
   std::vector<std::int32_t> pos, built;
-  std::vector<float> vel, vel0, disp, acc, vel_rest;
+  std::vector<float> vel, vel0, disp, acc, vel_rest, disp_rest, bend, pull;
   std::vector<float> spin, spin0, event_time, radius, reach;
   std::vector<std::uint8_t> linked;
 
@@ -90,6 +90,14 @@ struct Bodies {
       reach[i] = radius[i] + uniform(random, 0, 0.1);
       linked[i] = random.chance(0.5) ? 0xFF : 0;
     }
+    Random own(n);  // of what fields need
+    for (auto* c : {&disp_rest, &bend}) c->resize(2 * total);
+    pull.resize(total);
+    for (std::size_t i = 0; i < 2 * n; ++i) {
+      disp_rest[i] = uniform(own, -1e-9, 1e-9);
+      bend[i] = uniform(own, -1e-5, 1e-5);
+    }
+    for (std::size_t i = 0; i < n; ++i) pull[i] = own.chance(0.2) ? 0 : uniform(own, -1, 2);
   }
 
   std::uint32_t dummy() const { return static_cast<std::uint32_t>(count); }
@@ -97,6 +105,9 @@ struct Bodies {
   void be_nasty(Random& random, double chance) {
     for (auto* c : {&vel, &vel0, &disp, &acc, &vel_rest}) make_nasty(random, *c, 2 * count, chance);
     for (auto* c : {&spin, &spin0}) make_nasty(random, *c, count, chance);
+    Random own(count);
+    for (auto* c : {&disp_rest, &bend}) make_nasty(own, *c, 2 * count, chance);
+    make_nasty(own, pull, count, chance);
     for (std::size_t i = 0; i < count; ++i) {
       if (!random.chance(chance)) continue;
       const std::int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1, 1};
@@ -126,8 +137,18 @@ struct Bodies {
     return v;
   }
 
+  /// What a world with fields and an integrator has.
+  BodyView field_view(bool scales) {
+    BodyView v = view(true);
+    v.vel_rest = vel_rest.data();
+    v.disp_rest = disp_rest.data();
+    v.bend = bend.data();
+    if (scales) v.pull = pull.data();
+    return v;
+  }
+
   std::vector<std::pair<const char*, const std::vector<float>*>> floats() const {
-    return {{"vel", &vel},           {"vel0", &vel0},     {"disp", &disp},
+    return {{"disp_rest", &disp_rest}, {"bend", &bend}, {"pull", &pull}, {"vel", &vel},           {"vel0", &vel0},     {"disp", &disp},
             {"acc", &acc},           {"spin", &spin},     {"vel_rest", &vel_rest},
             {"spin0", &spin0},       {"reach", &reach},   {"event_time", &event_time},
             {"radius", &radius}};
@@ -381,6 +402,42 @@ inline StreamParams stream_params(Random& random) {
   p.speed_limit2 = 1e6f;
   return p;
 }
+
+/// Wells of all kinds (powers 1/2, 1, 3/2, 2.85; soft, hard, with an end, repelling) and drag.
+struct FieldSet {
+  std::vector<kernels::WellTerms> wells;
+  kernels::FieldParams p;
+
+  explicit FieldSet(Random& random, double linear = 0.3, double quadratic = 0.1, double h = kSubstep) {
+    const double exponents[] = {0, 1, 2, 4.7};
+    for (const double exponent : exponents) {
+      kernels::WellTerms w;
+      w.x = random.uniform(-2, 2);
+      w.y = random.uniform(-2, 2);
+      w.strength = random.uniform(-5, 15);
+      w.softening2 = random.chance(0.5) ? 0 : random.uniform(0.01, 0.3);
+      w.range2 = random.chance(0.5) ? std::numeric_limits<double>::infinity() : 4;
+      const double power = (exponent + 1) / 2;
+      w.whole = static_cast<std::uint32_t>(power);
+      w.fraction = static_cast<std::uint32_t>((power - w.whole) * 0x1p30) << 2;
+      wells.push_back(w);
+    }
+    p.wells = wells.data();
+    p.well_count = static_cast<std::uint32_t>(wells.size());
+    p.h = h;
+    p.pitch_x = p.pitch_y = double{kPitch};
+    p.gravity_x = 0.5;
+    p.gravity_y = -9.81;
+    p.linear = linear;
+    p.quadratic = quadratic;
+    p.fade = std::exp(-linear * h);
+    p.fade_span = linear > 0 ? (1 - p.fade) / linear : h;
+    p.half_fade = std::exp(-linear * h / 2);
+    p.smooth = 4 * h * h;
+  }
+  FieldSet(const FieldSet&) = delete;
+  FieldSet& operator=(const FieldSet&) = delete;
+};
 
 inline ContactParams contact_params() {
   ContactParams p;

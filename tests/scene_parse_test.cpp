@@ -62,7 +62,7 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
     "psim": 1, "name": "n", "description": "d",
     "world": {"bounds": [-1, -2, 3, 4], "boundary": "periodic", "gravity": [1, -2],
               "linear_damping": 0.25, "material": "m"},
-    "step": {"dt": 0.01, "substeps": 8, "sleeping": false, "integrator": "verlet",
+    "step": {"dt": 0.01, "substeps": 8, "sleeping": false, "integrator": "rk4",
              "restitution_threshold": 0.125},
     "materials": {"m": {"density": 2, "restitution": 0.5, "friction": 0.75},
                   "wall": {"density": 9}},
@@ -85,6 +85,7 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
   EXPECT_EQ(scene.world.wall.density, 2);
   EXPECT_EQ(scene.world.dt, 0.01);
   EXPECT_EQ(scene.world.substeps, 8);
+  EXPECT_EQ(scene.world.integrator, Integrator::rk4);
   EXPECT_FALSE(scene.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0.125);
   ASSERT_EQ(scene.bodies.size(), 3u);
@@ -112,6 +113,16 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
   EXPECT_EQ(std::get<DragField>(scene.world.fields[1]).quadratic, 0.25);
 }
 
+TEST(SceneParse, ReadsEveryIntegratorAndNoOther) {
+  for (const Integrator integrator : kAllIntegrators) {
+    const std::string step =
+        "\"step\": {\"integrator\": \"" + std::string(integrator_name(integrator)) + "\"}";
+    EXPECT_EQ(parsed(scene_with(step)).world.integrator, integrator) << step;
+  }
+  expect_starts(scene_with(R"("step": {"integrator": "leapfrog"})"),
+                "f.json:2:24: step.integrator: ");
+}
+
 TEST(SceneParse, FillsInDefaults) {
   const Scene scene = parsed(R"({"psim": 1, "world": {"bounds": [0, 0, 1, 1]},
     "bodies": [{"shape": {"disc": {"radius": 0.5}}, "position": [0, 0]}]})");
@@ -119,6 +130,7 @@ TEST(SceneParse, FillsInDefaults) {
   EXPECT_EQ(scene.world.gravity.y, -9.81);
   EXPECT_EQ(scene.world.dt, 1.0 / 60);
   EXPECT_EQ(scene.world.substeps, 4);
+  EXPECT_EQ(scene.world.integrator, Integrator::verlet);
   EXPECT_TRUE(scene.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0);
   EXPECT_EQ(scene.bodies[0].type, BodyType::dynamic_body);
@@ -337,9 +349,6 @@ TEST(SceneParse, WhatThisVersionCannotSimulateIsSaidInOnePlace) {
                 "f.json:5:60: bodies[0].shape.capsule: a capsule is not available");
   expect_starts(shape(R"({"segment": {"p1": [0, 0], "p2": [1, 0]}})"),
                 "f.json:5:60: bodies[0].shape.segment: a segment or chain that is not");
-  expect_starts(
-      scene_with(R"("step": {"integrator": "rk4"})"),
-      "f.json:2:24: step.integrator: another integrator than \"verlet\" is not available");
   const std::string two = R"("bodies": [{"name": "a", "shape": {"disc": {"radius": 1}}, "position":
 [1, 1]}, {"shape": {"disc": {"radius": 1}}, "position": [5, 5]}], "joints": )";
   expect_starts(scene_with(two + R"([{"type": "spring", "a": "a", "b": 1, "stiffness": 10}])"),
@@ -398,6 +407,7 @@ TEST(SceneToJson, EveryFieldChangesTheText) {
   EXPECT_TRUE(differs([](Scene& s) { s.world.wall.friction = 1; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.dt = 0.01; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.substeps = 5; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.world.integrator = Integrator::euler; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.restitution_threshold = 1; }));
   EXPECT_TRUE(differs([](Scene& s) { s.sleeping = false; }));
   EXPECT_TRUE(differs([](Scene& s) { s.seed = 2; }));

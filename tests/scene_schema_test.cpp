@@ -71,6 +71,9 @@ const std::vector<std::string>& good_documents() {
                       "shape": {"segment": {"p1": [0, 0], "p2": [1, 1]}}},
                      {"type": "static", "position": [0, 0],
                       "shape": {"chain": {"vertices": [[0, 0], [1, 1], [2, 0]], "loop": true}}}]})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]}, "step": {"integrator": "euler"}})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]}, "step": {"integrator": "rk4"}})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]}, "step": {"integrator": "symplectic4"}})",
       R"({"psim": 1, "world": {"bounds": [-50, -50, 50, 50], "boundary": "open"},
           "materials": {"m": {}},
           "groups": [{"layout": "lattice", "count": 4, "region": [0, 0, 9, 9], "radius": [1, 2],
@@ -93,7 +96,6 @@ const std::vector<std::string>& good_documents() {
 // Of the format, and refused by this version.
 const std::vector<std::string>& future_documents() {
   static const std::vector<std::string> kDocuments = {
-      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]}, "step": {"integrator": "symplectic4"}})",
       R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
           "bodies": [{"shape": {"box": {"size": [1, 2]}}, "position": [0, 0]},
                      {"shape": {"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]]}},

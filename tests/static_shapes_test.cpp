@@ -17,6 +17,25 @@ void add_pieces(World& world, bool as_chain, Material m) {
     add(world, segment(vertices[k], vertices[k + 1], m));
 }
 
+TEST(StaticShapes, SegmentsOfAnyLengthCarry) {
+  for (const double reach : {50.0, 250.0, 300.0, 401.0, 1000.0, 1e6, 1e12, 1e300}) {
+    for (const double slope : {0.0, 0.2}) {
+      SCOPED_TRACE(testing::Message() << reach << " slope " << slope);
+      auto world = make(unbounded(100));
+      add(*world, segment({-reach, -slope * reach}, {reach, slope * reach}));
+      // Touching it, on both sides of the origin.
+      const double above = 0.5 * std::hypot(1, slope);
+      std::vector<BodyId> ids;
+      for (const double x : {-40.0, 3.0, 40.0}) ids.push_back(add(*world, disc({x, slope * x + above})));
+      run(*world, 60);
+      for (const BodyId id : ids) {
+        const BodyState s = state(*world, id);
+        EXPECT_NEAR(s.y, slope * s.x + above, 2e-3);
+      }
+    }
+  }
+}
+
 TEST(StaticShapes, DiscGlidesOverAHundredJointsUnmoved) {
   for (const Isa isa : available_isas()) {
     for (const bool as_chain : {false, true}) {

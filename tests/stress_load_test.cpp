@@ -100,7 +100,6 @@ TEST(StressOverlap, OfABlockIsPushedOutAtBoundedSpeed) {
 
 void expect_apart(int discs, double speed) {
   const OnePoint point = one_point(discs);
-  EXPECT_TRUE(point.finite) << discs;
   EXPECT_LT(point.speed, speed) << discs;
   EXPECT_LT(point.momentum, 3e-6) << discs;
 }
@@ -118,14 +117,12 @@ TEST(SlowStressOverlap, AThousandAtOnePointComeApart) { expect_apart(1000, 550);
 
 TEST(StressCrowd, SixHundredSmallDiscsRestOnABigOneThatFloats) {
   const Crowd ring = ring_on_a_big_disc();
-  EXPECT_TRUE(ring.finite);
   EXPECT_LT(ring.overlap, 4e-4);
   EXPECT_LT(ring.speed, 1e-4);
 }
 
 TEST(SlowStressCrowd, TenThousandComeToRestOnOneSegment) {
   const Crowd crowd = discs_on_a_plate();
-  EXPECT_TRUE(crowd.finite);
   EXPECT_LT(crowd.overlap, 0.2);
   EXPECT_LT(crowd.speed, 3e-3);
 }

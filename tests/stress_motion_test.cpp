@@ -29,13 +29,10 @@ TEST(StressSpeed, AThinWallHoldsManyElasticDiscsOfAnySpeed) {
   }
 }
 
-// Discs without restitution are stopped by a line, not by a disc, when they cross it within a substep: those
-// that would pass each other closely throw each other aside, some through the wall.
-TEST(StressSpeed, AThinWallHoldsInelasticDiscsToThreeHundredMetresASecond) {
-  EXPECT_EQ(discs_through_a_wall(100, 0), 0);
-  EXPECT_EQ(discs_through_a_wall(300, 0), 0);
-  EXPECT_LT(discs_through_a_wall(1000, 0), 8);
-  EXPECT_LT(discs_through_a_wall(3000, 0), 60);
+TEST(StressSpeed, AThinWallHoldsManyInelasticDiscsOfAnySpeed) {
+  for (const double speed : {1e2, 1e3, 3e3, 1e4, 1e5}) {
+    EXPECT_EQ(discs_through_a_wall(speed, 0), 0) << speed;
+  }
 }
 
 TEST(StressSpeed, BulletsShotAtEachOtherMeet) {
@@ -46,16 +43,18 @@ TEST(StressSpeed, BulletsShotAtEachOtherMeet) {
   }
 }
 
-TEST(StressSpeed, InelasticPairsGainNoEnergyBelowADiameterASubstep) {
-  for (const double reach : {0.1, 0.3, 0.5, 0.8, 1.0}) {
+TEST(StressSpeed, InelasticPairsGainNoEnergy) {
+  for (const double reach : {0.1, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 4.0, 8.0, 16.0}) {
     EXPECT_LE(energy_of_inelastic_pair(reach), 1) << reach;
   }
-  EXPECT_GT(first_gaining_reach(), 1.2);
 }
 
-TEST(StressSpeed, FasterInelasticPairsGainABoundedEnergy) {
-  EXPECT_LT(energy_of_inelastic_pair(4), 11);
-  EXPECT_LT(energy_of_inelastic_pair(16), 20);
+TEST(StressSpeed, InelasticPairsThatMissEachOtherGoOnStraight) {
+  for (const double reach : {0.1, 1.0, 4.0, 16.0, 100.0}) {
+    for (const double distance : {1.05, 1.5, 5.0}) {
+      EXPECT_LT(deflection_at_a_miss(reach, distance), 1e-6) << reach << " " << distance;
+    }
+  }
 }
 
 // ---- far away, denormals ----------------------------------------------------------------------
@@ -69,14 +68,14 @@ TEST(SlowStressDenormals, SlowAStepDownByABoundedFactor) { EXPECT_LT(denormal_sl
 // ---- long runs --------------------------------------------------------------------------------
 
 TEST(StressLong, InvariantsOverAHundredThousandSteps) {
-  EXPECT_LT(kepler_energy(4, 100'000).largest, 4e-5);
+  EXPECT_LT(kepler_energy(25'000).largest, 4e-5);
   EXPECT_LT(bounce_energy(25'000).largest, 6e-5);
   EXPECT_LT(gas_energy(25'000).largest, 1.5e-4);
   EXPECT_LT(stack_place(0.5, 25'000).largest, 1e-8);
 }
 
 TEST(SlowStressLong, AnOrbitKeepsItsEnergyForAMillionSteps) {
-  const Drift drift = kepler_energy(4, 1'000'000);
+  const Drift drift = kepler_energy(250'000);
   EXPECT_LT(drift.largest, 5e-5);
   EXPECT_LT(std::abs(drift.change), 1.5e-5);
 }
@@ -107,8 +106,8 @@ TEST(StressJoints, AThousandAreNeitherFeltNorCostSpeed) {
 }
 
 TEST(StressReversal, AnOrbitReturnsAfterTenRounds) {
-  EXPECT_LT(orbit_return(4, 377), 3e-4);
-  EXPECT_LT(orbit_return(4, 3770), 1e-2);
+  EXPECT_LT(orbit_return(377), 3e-4);
+  EXPECT_LT(orbit_return(3770), 1e-2);
 }
 
 TEST(StressReversal, ABouncingDiscReturns) {

@@ -29,6 +29,8 @@ struct Case {
   std::string shows;
   std::vector<Quantity> quantities;
   Scale scale = Scale::small;
+  /// Also other instruction sets and thread counts: the same errors, other times.
+  bool machine_variants = true;
   double timed_seconds = 2;  ///< of the scene's beginning
   std::function<Scene()> scene;
   /// Drives the run to its end; one error a quantity, in their order.

@@ -10,6 +10,7 @@ namespace {
 constexpr double kFall = 10;   // s
 constexpr double kDrag = 0.5;  // 1/s
 constexpr double kDragTime = 2;
+constexpr double kQuadratic = 0.05;  // 1/m
 constexpr double kSpin = 100;  // rad/s
 constexpr double kSpinTime = 10;
 
@@ -52,6 +53,25 @@ Case linear_drag() {
   return c;
 }
 
+Case quadratic_drag() {
+  Case c;
+  c.name = "quadratic-drag";
+  c.shows = "a fall from rest with quadratic drag 0.05/m, after 2 s";
+  c.quantities = {{"quadratic-drag", "of the way", "analytic", {{4, 1e-4}}}};
+  c.scene = [] {
+    Scene scene = open_scene(100);
+    scene.world.fields = {DragField{0, kQuadratic}};
+    scene.bodies = {disc({0, 50}, {0, 0}, material(0))};
+    return scene;
+  };
+  c.measure = [](Run& run) -> std::vector<double> {
+    run.seconds(kDragTime);
+    const double drop = reference::quadratic_drag_drop(kGravity, kQuadratic, kDragTime);
+    return {std::abs((50 - run.body(0).y) / drop - 1)};
+  };
+  return c;
+}
+
 Case free_spin() {
   Case c;
   c.name = "spin";
@@ -73,6 +93,8 @@ Case free_spin() {
 
 }  // namespace
 
-std::vector<Case> flight_cases(Effort) { return {free_fall(), linear_drag(), free_spin()}; }
+std::vector<Case> flight_cases(Effort) { 
+  return {free_fall(), linear_drag(), quadratic_drag(), free_spin()};
+}
 
 }  // namespace psim::accuracy

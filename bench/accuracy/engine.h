@@ -14,10 +14,11 @@
 
 namespace psim::accuracy {
 
-/// How an engine is asked to run. A frame of 1/60 s is `steps` calls of the engine, each divided by
-/// the engine itself into `substeps`.
+/// How an engine is asked to run. A frame is `steps` calls of the engine, each divided by the engine
+/// itself into `substeps`.
 struct Setting {
   std::string curve;  ///< what is not h or iterations: integrator, variant, contact setting
+  double frame = 1.0 / kFrameRate;  ///< s
   int steps = 1;
   int substeps = 1;
   int iterations = 1;  ///< solver iterations a substep
@@ -28,8 +29,9 @@ struct Setting {
   int threads = 1;
   bool is_default = false;
 
+  bool is_machine_variant() const { return isa != best_isa() || threads != 1; }
   int divisions() const { return steps * substeps; }
-  double h() const { return 1.0 / (kFrameRate * divisions()); }
+  double h() const { return frame / divisions(); }
 };
 
 /// A scene at work in one engine.

@@ -2,10 +2,12 @@
 // friction multiply, so each surface gets the square root, and where restitutions differ a callback
 // takes the greater.
 #include <chipmunk/chipmunk.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "engine.h"
@@ -210,7 +212,25 @@ std::vector<Setting> chipmunk_settings(Effort effort, Scale scale) {
 
 }  // namespace
 
+namespace {
+
+// A library built without NDEBUG says so on stdout, which is for rows, when it makes its first
+// space.
+void let_it_introduce_itself() {
+  std::fflush(stdout);
+  const int rows = ::dup(STDOUT_FILENO);
+  if (rows < 0) return;
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  cpSpaceFree(cpSpaceNew());
+  std::fflush(stdout);
+  ::dup2(rows, STDOUT_FILENO);
+  ::close(rows);
+}
+
+}  // namespace
+
 Engine chipmunk_engine() {
+  let_it_introduce_itself();
   Engine engine;
   engine.name = "chipmunk";
   engine.version = cpVersionString;

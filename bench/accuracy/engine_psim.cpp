@@ -1,5 +1,4 @@
 // psim itself.
-#include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
@@ -10,17 +9,16 @@
 namespace psim::accuracy {
 namespace {
 
-/// What WorldDesc can choose from; the first is the default.
-constexpr std::array<std::string_view, 1> kIntegrators = {"verlet"};
-
 constexpr int kDefaultSubsteps = 4;
+constexpr std::string_view kDefaultIntegrator = "verlet";
 
 class PsimSimulation : public Simulation {
  public:
   PsimSimulation(const Model& model, const Setting& setting) : steps_(setting.steps) {
     Scene scene = model.scene;
-    scene.world.dt = 1.0 / (kFrameRate * setting.steps);
+    scene.world.dt = setting.frame / setting.steps;
     scene.world.substeps = setting.substeps;
+    scene.world.integrator = parse_integrator(setting.integrator).value_or(Integrator::verlet);
     std::string error;
     world_ = build_world(scene, {setting.isa, setting.threads}, error);
     if (!world_) throw std::runtime_error(error);
@@ -80,7 +78,7 @@ Setting substepped(std::string_view integrator, int substeps) {
   s.integrator = integrator;
   s.curve = integrator;
   s.substeps = substeps;
-  s.is_default = substeps == kDefaultSubsteps && integrator == kIntegrators[0];
+  s.is_default = substeps == kDefaultSubsteps && integrator == kDefaultIntegrator;
   return s;
 }
 
@@ -94,7 +92,7 @@ std::vector<int> substep_sweep(Effort effort, Scale scale) {
 void append_short_frames(Scale scale, std::vector<Setting>& settings) {
   for (const int steps : {2, 4, 8, 16}) {
     if (scale == Scale::large && steps > 4) break;
-    Setting s = substepped(kIntegrators[0], kDefaultSubsteps);
+    Setting s = substepped(kDefaultIntegrator, kDefaultSubsteps);
     s.curve += " short-frames";
     s.steps = steps;
     s.is_default = false;
@@ -104,7 +102,7 @@ void append_short_frames(Scale scale, std::vector<Setting>& settings) {
 
 /// What changes the time and no bit of the result.
 void append_machine_variants(Scale scale, std::vector<Setting>& settings) {
-  const Setting base = substepped(kIntegrators[0], kDefaultSubsteps);
+  const Setting base = substepped(kDefaultIntegrator, kDefaultSubsteps);
   for (const Isa isa : kAllIsas) {
     if (isa == base.isa || !isa_available(isa)) continue;
     Setting s = base;
@@ -124,8 +122,10 @@ void append_machine_variants(Scale scale, std::vector<Setting>& settings) {
 
 std::vector<Setting> psim_settings(Effort effort, Scale scale) {
   std::vector<Setting> settings;
-  for (const std::string_view integrator : kIntegrators) {
-    for (const int k : substep_sweep(effort, scale)) settings.push_back(substepped(integrator, k));
+  for (const Integrator integrator : kAllIntegrators) {
+    for (const int k : substep_sweep(effort, scale)) {
+      settings.push_back(substepped(integrator_name(integrator), k));
+    }
   }
   if (effort == Effort::full) append_short_frames(scale, settings);
   append_machine_variants(scale, settings);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "model.h"
+#include "run.h"
 
 namespace psim::accuracy {
 
@@ -38,5 +39,8 @@ inline Scene gas_in_period(int count, double packing, double speed, std::uint64_
   scene.groups = {lattice(count, side, 0, speed, seed)};
   return scene;
 }
+
+/// Z = pA / NkT over so many seconds of an elastic gas of equal discs in a periodic world.
+double compressibility(Run& run, double seconds);
 
 }  // namespace psim::accuracy

@@ -4,6 +4,7 @@
 //   accuracy --quick                         the default settings and few others, 1 to 2 minutes
 //   accuracy --case kepler --case pile       two cases over all settings
 //   accuracy --output docs/data/accuracy.csv everything
+//   accuracy --stress --quick                how far the engines can be driven, 20 s
 // Rows go to stdout or the file, talk to stderr. Exit 1 if psim misses a limit, 2 if asked wrongly.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "case.h"
 #include "csv.h"
 #include "engine.h"
+#include "report_stress.h"
 #include "sweep.h"
 
 namespace {
@@ -27,6 +29,7 @@ using namespace psim::accuracy;
 struct Options {
   bool list = false;
   bool quick = false;
+  bool stress = false;
   std::vector<std::string> cases;
   std::vector<std::string> engines;
   std::string output;
@@ -97,6 +100,7 @@ std::vector<std::string> run_case(const Case& of, const std::vector<Engine>& eng
   for (const Engine& engine : engines) {
     if (!engine.refuses(model).empty()) continue;
     for (const Setting& setting : engine.settings(effort, of.scale)) {
+      if (!matters(setting, model)) continue;
       for (const Row& row : run_setting(of, model, engine, setting, effort)) {
         write_row(out, row);
         all.push_back(row);
@@ -111,6 +115,9 @@ int run(const Options& options) {
   std::vector<Case> cases = all_cases(options.effort());
   std::vector<Engine> engines = all_engines();
   if (options.list) return list(cases, engines), 0;
+  if (options.stress && !options.cases.empty()) {
+    throw std::invalid_argument("--stress and --case: one at a time");
+  }
   keep(options.cases, "case", cases);
   keep(options.engines, "engine", engines);
   drop_absent(options.engines, engines);
@@ -120,6 +127,12 @@ int run(const Options& options) {
   if (!options.output.empty()) {
     file.open(options.output);
     if (!file) throw std::invalid_argument("cannot write " + options.output);
+  }
+  if (options.stress) {
+    const int missed =
+        report_stress(engines, options.effort(), std::cout, file.is_open() ? &file : nullptr);
+    if (missed > 0) std::fprintf(stderr, "accuracy: psim misses %d limits\n", missed);
+    return missed == 0 && file && std::cout ? 0 : 1;
   }
   std::ostream& out = options.output.empty() ? std::cout : file;
   write_header(out);
@@ -145,6 +158,7 @@ int main(int argc, char** argv) {
   app.add_option("--engine", options.engines, "only this engine; may be given again")
       ->allow_extra_args(false);
   app.add_flag("--quick", options.quick, "few settings, shorter cases: under three minutes");
+  app.add_flag("--stress", options.stress, "table of how far the engines can be driven, no cases");
   app.add_option("--output", options.output, "CSV file instead of stdout");
   app.add_option("--write-scenes", options.scenes,
                  "writes the cases' scene files into this folder and ends");

@@ -17,11 +17,13 @@ struct Failed : std::runtime_error {
 
 class Run {
  public:
-  Run(const Model& model, std::unique_ptr<Simulation> simulation)
-      : model_(&model), simulation_(std::move(simulation)) {}
+  /// `thorough`: statistics are worth their time, this is a setting that is quoted.
+  Run(const Model& model, std::unique_ptr<Simulation> simulation, bool thorough = false)
+      : model_(&model), simulation_(std::move(simulation)), thorough_(thorough) {}
 
   const Model& model() const { return *model_; }
   Simulation& simulation() { return *simulation_; }
+  bool thorough() const { return thorough_; }
 
   void frame();
   void frames(int count);
@@ -38,6 +40,7 @@ class Run {
  private:
   const Model* model_;
   std::unique_ptr<Simulation> simulation_;
+  bool thorough_;
   int frames_ = 0;
   double visits_ = 0;
   std::vector<BodyState> bodies_;

@@ -33,7 +33,7 @@ double median_time(const Case& of, const Model& model, const Engine& engine, con
 }
 
 const Limit* limit_of(const Row& row) {
-  if (row.setting.steps != 1) return nullptr;
+  if (row.setting.steps != 1 || row.setting.integrator != "verlet") return nullptr;
   for (const Limit& limit : row.quantity->limits) {
     if (limit.substeps == row.setting.substeps) return &limit;
   }
@@ -49,6 +49,11 @@ std::string describe(const Row& row) {
 
 }  // namespace
 
+bool matters(const Setting& setting, const Model& model) {
+  return setting.integrator.empty() || setting.integrator == "verlet" ||
+         !model.scene.world.fields.empty();
+}
+
 std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine,
                              const Setting& setting, Effort effort) {
   std::vector<Row> rows;
@@ -59,7 +64,7 @@ std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& e
     row.setting = setting;
     rows.push_back(row);
   }
-  Run run(model, engine.make(model, setting));
+  Run run(model, engine.make(model, setting), setting.is_default);
   try {
     const std::vector<double> errors = of.measure(run);
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].error = errors[k];

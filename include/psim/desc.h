@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "psim/integrator.h"
 #include "psim/isa.h"
 #include "psim/types.h"
 
@@ -99,6 +100,7 @@ struct WorldDesc {
   std::vector<Field> fields;
   double dt = 1.0 / 60;           ///< seconds a frame
   int substeps = 4;               ///< 1..64
+  Integrator integrator = Integrator::verlet;  ///< of wells and drag
   double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "psim/desc.h"
+#include "psim/integrator.h"
 #include "psim/isa.h"
 #include "psim/report.h"
 #include "psim/types.h"

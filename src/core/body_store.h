@@ -3,10 +3,13 @@
 //
 //   by id:   BodyInfo (where its slot is, its Surface: mass, radius, material)
 //   by slot: pos, vel, disp (records), id, radius, spin, angle   moved together by the sort
-//            vel0, acc, vel_rest, event_time, linked             scratch of one build, not moved
+//            vel_rest, disp_rest                                 moved after it (fields only)
+//            vel0, acc, bend, pull, event_time, linked           scratch of one build, not moved
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "column.h"
@@ -47,6 +50,17 @@ class SurfaceTable {
   const Surface& operator[](std::uint32_t i) const { return list_[i].surface; }
   std::size_t bytes() const { return list_.capacity() * sizeof(Entry); }
 
+  /// The heaviest dynamic body over the lightest; 1 if there is none. O(surfaces).
+  double mass_ratio() const {
+    float least = std::numeric_limits<float>::infinity(), most = 0;
+    for (const Entry& e : list_) {
+      if (e.users == 0 || !(e.surface.mass > 0)) continue;
+      least = std::fmin(least, e.surface.mass);
+      most = std::fmax(most, e.surface.mass);
+    }
+    return most > 0 ? static_cast<double>(most) / static_cast<double>(least) : 1;
+  }
+
   std::uint32_t acquire(const Surface& s) {
     if (last_ < list_.size() && list_[last_].users != 0 && list_[last_].surface == s) {
       ++list_[last_].users;
@@ -80,8 +94,9 @@ class BodyStore {
  public:
   explicit BodyStore(MemoryMeter& meter)
       : pos(meter), vel(meter), disp(meter), id(meter), radius(meter), spin(meter), angle(meter),
-        vel0(meter), spin0(meter), acc(meter), vel_rest(meter), event_time(meter), linked(meter),
-        built(meter), reach(meter), info(meter) {}
+        vel0(meter), spin0(meter), acc(meter), bend(meter), pull(meter), vel_rest(meter),
+        disp_rest(meter), spare(meter), event_time(meter), linked(meter), built(meter),
+        reach(meter), info(meter) {}
 
   // By slot.
   Column<std::int32_t> pos;
@@ -91,7 +106,11 @@ class BodyStore {
   Column<float> spin;    ///< only if the plan has rotation
   Column<double> angle;  ///< only if the plan has rotation
   Column<float> vel0, spin0, acc;
-  Column<float> vel_rest;  ///< m/s records: what velocities lost to rounding (fields only)
+  Column<float> bend;       ///< m records: see BodyView (only if the plan has an integrator)
+  Column<float> pull;       ///< gravity scale, 0: kinematic (only if the plan has scales)
+  Column<float> vel_rest;   ///< m/s records: what velocities lost to rounding (fields only)
+  Column<float> disp_rest;  ///< m records: what offsets lost (only if the plan has an integrator)
+  Column<float> spare;      ///< scratch of move_rests
   Column<float> event_time;
   Column<std::uint8_t> linked;
   Column<std::int32_t> built;     ///< position when the lists were made
@@ -143,6 +162,7 @@ class BodyStore {
     radius.reserve(total);
     linked.reserve(total);
     if (!spin.empty()) add_rotation();
+    if (!vel_rest.empty()) add_rests(!disp_rest.empty());
   }
 
   /// Makes the rotation columns (zero) if they are not there.
@@ -151,6 +171,20 @@ class BodyStore {
     spin.reserve(total);
     angle.reserve(total);
     spin0.reserve(total);
+  }
+
+  /// Makes the columns of what rounding took (zero) if they are not there.
+  void add_rests(bool of_offsets) {
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    vel_rest.reserve(2 * total);
+    if (of_offsets) disp_rest.reserve(2 * total);
+  }
+
+  /// Forgets what velocity and offset of a slot lost: they are new.
+  void clear_rests(std::size_t slot) {
+    for (Column<float>* rest : {&vel_rest, &disp_rest}) {
+      if (!rest->empty()) (*rest)[2 * slot] = (*rest)[2 * slot + 1] = 0;
+    }
   }
 
   /// Neutral padding up to a whole block: at the last body's place, at rest, unlinked.
@@ -175,6 +209,9 @@ class BodyStore {
     v.disp = disp.data();
     v.acc = acc.empty() ? nullptr : acc.data();
     v.vel_rest = vel_rest.empty() ? nullptr : vel_rest.data();
+    v.disp_rest = disp_rest.empty() ? nullptr : disp_rest.data();
+    v.bend = bend.empty() ? nullptr : bend.data();
+    v.pull = pull.empty() ? nullptr : pull.data();
     v.spin = spin.empty() ? nullptr : spin.data();
     v.spin0 = spin0.empty() ? nullptr : spin0.data();
     v.event_time = event_time.empty() ? nullptr : event_time.data();

@@ -44,6 +44,28 @@ std::uint32_t blocks_of(std::uint32_t lanes) { return (lanes + kBlock - 1) / kBl
 
 }  // namespace
 
+// Where the lanes of each class begin: colours of ordinary contacts, their overflow, then the same
+// of contacts under heavy loads. Overflow has a block a contact.
+struct ContactStore::Layout {
+  Counts begin{};                     // lane
+  std::uint32_t loaded = 0, end = 0;  // block
+
+  Layout(const Counts& counts, std::uint32_t first_block, bool split) : end(first_block) {
+    for (std::uint32_t c = 0; c < (split ? kLoaded : kColours); ++c) place(counts, c);
+    place(counts, kOverflow);
+    loaded = end;
+    if (!split) return;
+    for (std::uint32_t c = kLoaded; c < kColours; ++c) place(counts, c);
+    place(counts, kLoadedOverflow);
+  }
+
+ private:
+  void place(const Counts& counts, std::uint32_t c) {
+    begin[c] = end * kBlock;
+    end += c < kColours ? blocks_of(counts[c]) : counts[c];
+  }
+};
+
 ContactStore::ContactStore(MemoryMeter& m)
     : body(m), nx(m), ny(m), gap(m), rsum(m), impulse(m), mass(m), wa(m), wb(m), mu(m),
       friction(m), tmass(m), qa(m), qb(m), e(m), impact(m), start(m), s_body(m), s_shape(m), s_nx(m),
@@ -69,16 +91,38 @@ void ContactStore::colour_strip(const PairTable& table, std::size_t index) {
     used_[table.owner[p]] = 0;
     used_[table.other[p]] = 0;
   }
+  const std::uint32_t last = s.loaded ? kLoaded : kColours;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    std::uint32_t& mine = used_[table.owner[p]];
-    std::uint32_t& theirs = used_[table.other[p]];
-    const auto c = std::min(static_cast<std::uint32_t>(std::countr_zero(~(mine | theirs))), kColours);
+    const std::uint32_t a = table.owner[p], b = table.other[p];
+    const bool loaded = s.loaded && (loads_->at(a) || loads_->at(b));
+    const std::uint32_t taken = used_[a] | used_[b] | (loaded ? (1u << kLoaded) - 1 : 0);
+    auto c = static_cast<std::uint32_t>(std::countr_zero(~taken));
+    if (c >= (loaded ? kColours : last)) c = loaded ? kLoadedOverflow : kOverflow;
     const std::uint32_t bit = c < kColours ? 1u << c : 0u;
-    mine |= bit;
-    theirs |= bit;
+    used_[a] |= bit;
+    used_[b] |= bit;
     colour_[p] = static_cast<std::uint8_t>(c);
     ++counts[c];
   }
+}
+
+// Singles of a body are numbered in turn, a class each, apart from those under heavy loads.
+std::uint32_t ContactStore::single_class(const Strip& s, std::uint32_t body, std::uint32_t sequence) const {
+  if (!s.loaded) return std::min(sequence, kOverflow);
+  if (loads_->at(body)) return sequence < kColours - kLoaded ? kLoaded + sequence : kLoadedOverflow;
+  return sequence < kLoaded ? sequence : kOverflow;
+}
+
+// Whether any contact of the strip has to do with a body under a heavy load.
+bool ContactStore::is_loaded(const PairTable& table, std::size_t index) const {
+  if (!loads_->any()) return false;
+  const Strip& s = table.strips[index];
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    if (loads_->at(table.owner[p]) || loads_->at(table.other[p])) return true;
+  }
+  const auto& singles = table.singles[index];
+  return std::any_of(singles.begin(), singles.end(),
+                     [&](const SinglePair& pair) { return loads_->at(pair.body); });
 }
 
 void ContactStore::fill_pair(const BodyStore& b, std::uint32_t i, std::uint32_t j,
@@ -101,6 +145,19 @@ void ContactStore::fill_pair(const BodyStore& b, std::uint32_t i, std::uint32_t 
   qb[lane] = ib.spin_gain;
   const float wt = w + ia.spin_gain + ib.spin_gain;
   tmass[lane] = wt > 0 ? 1 / wt : 0;
+}
+
+// Fills the lanes of a layout that have no contact.
+template <class Each>
+void ContactStore::pad(const Counts& counts, const Counts& begin, const Each& each) {
+  for (std::uint32_t c = 0; c < kColours; ++c) {
+    for (std::uint32_t l = counts[c]; l < blocks_of(counts[c]) * kBlock; ++l) each(begin[c] + l);
+  }
+  for (const std::uint32_t c : {kOverflow, kLoadedOverflow}) {
+    for (std::uint32_t l = 0; l < counts[c] * kBlock; ++l) {
+      if (l % kBlock != 0) each(begin[c] + l);
+    }
+  }
 }
 
 // A lane that does nothing: a resting dummy beyond the bodies against itself, far apart.
@@ -126,18 +183,8 @@ void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const Pai
   const Counts& counts = counts_[index];
   // Dummies: two a strip, beyond the last block of bodies.
   const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
-  Counts next;
-  std::uint32_t lane = s.block_begin * kBlock;
-  for (std::uint32_t c = 0; c < kColours; ++c) {
-    next[c] = lane;
-    const std::uint32_t end = lane + blocks_of(counts[c]) * kBlock;
-    for (std::uint32_t l = lane + counts[c]; l < end; ++l) pad_pair(l, dummy);
-    lane = end;
-  }
-  next[kColours] = lane;
-  for (std::uint32_t o = 0; o < counts[kColours]; ++o) {
-    for (std::uint32_t l = 1; l < kBlock; ++l) pad_pair(lane + kBlock * o + l, dummy);
-  }
+  Counts next = Layout(counts, s.block_begin, s.loaded).begin;
+  pad(counts, next, [&](std::uint32_t lane) { pad_pair(lane, dummy); });
   const bool rough = model_.model == Model::rough;
   const bool carry = old.body_count != 0;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
@@ -165,7 +212,7 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
   const Counts& counts = single_counts_[index];
   const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
   const bool massed = model_.model != Model::plain, rough = model_.model == Model::rough;
-  const auto pad = [&](std::size_t lane) {
+  const auto pad_single = [&](std::size_t lane) {
     s_body[lane] = dummy;
     s_shape[lane] = kNoSlot;
     s_nx[lane] = 0;
@@ -181,23 +228,13 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
     if (massed) s_wb[lane] = s_mass[lane] = 0;
     if (rough) s_mu[lane] = s_qb[lane] = s_tmass[lane] = s_friction[lane] = 0;
   };
-  Counts next;
-  std::uint32_t lane = s.single_begin * kBlock;
-  for (std::uint32_t c = 0; c < kColours; ++c) {
-    next[c] = lane;
-    const std::uint32_t end = lane + blocks_of(counts[c]) * kBlock;
-    for (std::uint32_t l = lane + counts[c]; l < end; ++l) pad(l);
-    lane = end;
-  }
-  next[kColours] = lane;
-  for (std::uint32_t o = 0; o < counts[kColours]; ++o) {
-    for (std::uint32_t l = 1; l < kBlock; ++l) pad(lane + kBlock * o + l);
-  }
+  Counts next = Layout(counts, s.single_begin, s.loaded).begin;
+  pad(counts, next, pad_single);
   std::uint32_t last = kNoSlot, sequence = 0;
   for (SinglePair& pair : list) {
     sequence = pair.body == last ? sequence + 1 : 0;
     last = pair.body;
-    const std::uint32_t c = std::min(sequence, kColours);
+    const std::uint32_t c = single_class(s, pair.body, sequence);
     const std::uint32_t at = next[c];
     next[c] += c < kColours ? 1 : kBlock;
     pair.contact = at;
@@ -252,8 +289,9 @@ void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
 }
 
 void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
-                         ContactModel model, const Surface* alike, PairTable& table, const PairTable& old,
-                         const std::uint32_t* from, WorkerPool& pool) {
+                         ContactModel model, const Surface* alike, const HeavyLoads& loads,
+                         PairTable& table, const PairTable& old, const std::uint32_t* from,
+                         WorkerPool& pool) {
   if (model != model_) {  // what the new model does not read gives its memory back
     if (model.model != Model::rough) {
       for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu,
@@ -271,6 +309,7 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   }
   alike_ = alike;
   numbers_ = &numbers;
+  loads_ = &loads;
   const std::size_t strips = table.strips.size();
   counts_.resize(std::max(counts_.size(), strips));
   single_counts_.resize(counts_.size());
@@ -278,6 +317,7 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   colour_.reserve_loosely(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
   const std::size_t grid_strips = strips - 1;
+  pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
   for (std::size_t parity = 0; parity < 2; ++parity) {
     pool.run((grid_strips + 1 - parity) / 2, [&](std::size_t k) { colour_strip(table, 2 * k + parity); });
   }
@@ -293,20 +333,19 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
     for (const SinglePair& pair : table.singles[k]) {
       sequence = pair.body == last ? sequence + 1 : 0;
       last = pair.body;
-      ++singles[std::min(sequence, kColours)];
+      ++singles[single_class(s, pair.body, sequence)];
     }
+    const Layout pairs(counts_[k], pair_blocks_, s.loaded), fixed(singles, single_blocks_, s.loaded);
     s.block_begin = pair_blocks_;
+    s.loaded_begin = pairs.loaded;
+    s.block_end = pair_blocks_ = pairs.end;
     s.single_begin = single_blocks_;
+    s.single_loaded_begin = fixed.loaded;
+    s.single_end = single_blocks_ = fixed.end;
     s.colours = 0;
     for (std::uint32_t c = 0; c < kColours; ++c) {
-      pair_blocks_ += blocks_of(counts_[k][c]);
-      single_blocks_ += blocks_of(singles[c]);
       if (counts_[k][c] != 0) s.colours = c + 1;
     }
-    pair_blocks_ += counts_[k][kColours];
-    single_blocks_ += singles[kColours];
-    s.block_end = pair_blocks_;
-    s.single_end = single_blocks_;
     colours_ = std::max(colours_, s.colours);
     pair_count_ += s.pair_end - s.pair_begin;
     single_count_ += table.singles[k].size();

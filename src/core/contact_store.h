@@ -11,6 +11,7 @@
 
 #include "body_store.h"
 #include "column.h"
+#include "heavy_loads.h"
 #include "pair_table.h"
 #include "psim/desc.h"
 #include "solver_bodies.h"
@@ -33,10 +34,10 @@ class ContactStore {
 
   /// Colours the pairs of `table`, lays the blocks out and carries impulses over from the old
   /// table (`from` maps new slots to old ones; null: the same). `alike`: the cold data of all moving bodies, if
-  /// they agree. O(pairs).
+  /// they agree. Contacts of bodies in `loads` come last in their strip. O(pairs).
   void build(BodyStore& bodies, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
-             ContactModel model, const Surface* alike, PairTable& table, const PairTable& old,
-             const std::uint32_t* from, WorkerPool& pool);
+             ContactModel model, const Surface* alike, const HeavyLoads& loads, PairTable& table,
+             const PairTable& old, const std::uint32_t* from, WorkerPool& pool);
 
   /// Forgets all impulses (the model changed, or the lists are of another world state).
   void forget();
@@ -60,8 +61,12 @@ class ContactStore {
 
  private:
   // Colours a pair can have; a body with more partners than that overflows into blocks of one lane.
-  static constexpr std::uint32_t kColours = 31;
-  using Counts = std::array<std::uint32_t, kColours + 1>;  // the last: overflow
+  // Under heavy loads the colours from kLoaded on are theirs.
+  static constexpr std::uint32_t kColours = 31, kLoaded = 16;
+  static constexpr std::uint32_t kOverflow = kColours, kLoadedOverflow = kColours + 1;
+  static constexpr std::uint32_t kClasses = kColours + 2;
+  using Counts = std::array<std::uint32_t, kClasses>;
+  struct Layout;
 
   void colour_strip(const PairTable& table, std::size_t strip);
   void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old,
@@ -71,11 +76,16 @@ class ContactStore {
                        std::size_t strip);
   void fill_pair(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, std::size_t lane);
   void pad_pair(std::size_t lane, std::uint32_t dummy);
+  template <class Each>
+  void pad(const Counts& counts, const Counts& begin, const Each& each);
+  bool is_loaded(const PairTable& table, std::size_t strip) const;
+  std::uint32_t single_class(const Strip& s, std::uint32_t body, std::uint32_t sequence) const;
   void make_room(std::size_t pair_lanes, std::size_t single_lanes);
 
   ContactModel model_;
   const Surface* alike_ = nullptr;
   const SolverBodies* numbers_ = nullptr;
+  const HeavyLoads* loads_ = nullptr;
   Column<std::uint32_t> used_;    // by slot: colours taken
   Column<std::uint8_t> colour_;   // by pair
   std::vector<Counts> counts_;    // by strip

@@ -1,6 +1,7 @@
 #include "forces.h"
 
 #include <cmath>
+#include <limits>
 
 #include "tasks.h"
 
@@ -42,58 +43,86 @@ double deterministic_power(double s, double p) {
   return result;
 }
 
-Forces::Forces(std::vector<Field> fields, Vec2 gravity, const Lattice& lattice)
-    : gravity_(gravity), lattice_(&lattice) {
-  for (const Field& f : fields) {
-    if (const auto* well = std::get_if<WellField>(&f)) wells_.push_back(*well);
+Forces::Forces(const WorldDesc& world, const Lattice& lattice)
+    : linear_(world.linear_damping + linear_drag(world.fields)), gravity_(world.gravity),
+      lattice_(&lattice) {
+  const Vec2 centre = lattice.centre();
+  for (const Field& f : world.fields) {
     if (const auto* drag = std::get_if<DragField>(&f)) quadratic_ += drag->quadratic;
+    const auto* well = std::get_if<WellField>(&f);
+    if (!well) continue;
+    wells_.push_back(*well);
+    const double power = (well->exponent + 1) / 2, whole = std::floor(power);
+    kernels::WellTerms t;
+    t.x = well->position.x - centre.x;
+    t.y = well->position.y - centre.y;
+    t.strength = well->strength;
+    t.softening2 = well->softening * well->softening;
+    t.range2 = well->range > 0 ? well->range * well->range
+                               : std::numeric_limits<double>::infinity();
+    t.whole = static_cast<std::uint32_t>(whole);
+    t.fraction = static_cast<std::uint32_t>((power - whole) * 0x1p30) << 2;
+    terms_.push_back(t);
+  }
+  switch (world.integrator) {
+    case Integrator::verlet: break;
+    case Integrator::euler: method_ = kernels::Method::euler; break;
+    case Integrator::rk4: method_ = kernels::Method::rk4; break;
+    case Integrator::symplectic4: method_ = kernels::Method::symplectic4; break;
   }
 }
 
-// Drag is split off as Strang does, half a kick, drag, half a kick; the drag alone is exact,
-//   dv/dt = -q |v| v:  v(h) = v(0) / (1 + q |v(0)| h),
-// and so stable however strong it is.
-void Forces::accelerations(BodyStore& b, double h, WorkerPool& pool) const {
+kernels::FieldParams Forces::params(double h) const {
+  kernels::FieldParams p;
+  p.wells = terms_.data();
+  p.well_count = static_cast<std::uint32_t>(terms_.size());
+  p.h = h;
+  p.pitch_x = lattice_->pitch_x();
+  p.pitch_y = lattice_->pitch_y();
+  p.gravity_x = gravity_.x;
+  p.gravity_y = gravity_.y;
+  p.linear = linear_;
+  p.quadratic = quadratic_;
+  p.fade = std::exp(-linear_ * h);
+  p.half_fade = std::exp(-linear_ * h / 2);
+  p.fade_span = linear_ > 0 ? -std::expm1(-linear_ * h) / linear_ : h;
+  p.smooth = method_ == kernels::Method::euler ? -1 : 4 * h * h;
+  return p;
+}
+
+void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
   const std::uint32_t blocks = b.blocks();
-  const Vec2 centre = lattice_->centre();
   pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
-    const std::uint32_t end = std::min(b.count, r.end * kernels::kBlock);
-    for (std::uint32_t i = r.begin * kernels::kBlock; i < end; ++i) {
-      const Surface& info = b.surface(b.id[i] == kNoSlot ? 0 : b.id[i]);
-      double ax = 0, ay = 0;
-      if (b.id[i] != kNoSlot && info.inv_mass > 0) {
-        const double scale = static_cast<double>(info.gravity_scale);
-        ax = gravity_.x * scale;
-        ay = gravity_.y * scale;
-        const double vx = static_cast<double>(b.vel[2 * i]);
-        const double vy = static_cast<double>(b.vel[2 * i + 1]);
-        const double x = b.pos[2 * i] * lattice_->pitch_x() + static_cast<double>(b.disp[2 * i]);
-        const double y =
-            b.pos[2 * i + 1] * lattice_->pitch_y() + static_cast<double>(b.disp[2 * i + 1]);
-        for (const WellField& w : wells_) {
-          const double dx = (w.position.x - centre.x) - (x + h / 2 * vx);
-          const double dy = (w.position.y - centre.y) - (y + h / 2 * vy);
-          const double d2 = dx * dx + dy * dy;
-          if (w.range > 0 && d2 > w.range * w.range) continue;
-          const double s = d2 + w.softening * w.softening;
-          if (!(s > 0)) continue;
-          const double f = w.strength * scale / deterministic_power(s, (w.exponent + 1) / 2);
-          ax += f * dx;
-          ay += f * dy;
-        }
-        if (quadratic_ != 0) {
-          const double ux = vx + h / 2 * ax, uy = vy + h / 2 * ay;
-          const double rate = quadratic_ * std::sqrt(ux * ux + uy * uy);
-          const double lost = rate / (1 + rate * h);  // (u(0) - u(h)) / (h u(0))
-          ax -= lost * ux;
-          ay -= lost * uy;
-        }
+    for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
+      float scale = 0;
+      if (i < b.count && b.id[i] != kNoSlot) {
+        const Surface& surface = b.surface(b.id[i]);
+        if (surface.inv_mass > 0) scale = surface.gravity_scale;
       }
-      b.acc[2 * i] = static_cast<float>(ax);
-      b.acc[2 * i + 1] = static_cast<float>(ay);
+      b.pull[i] = scale;
+      b.acc[2 * std::size_t{i}] = static_cast<float>(gravity_.x * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i} + 1] = static_cast<float>(gravity_.y * static_cast<double>(scale));
     }
   });
+}
+
+void move_rests(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
+  const std::uint32_t blocks = b.blocks();
+  for (Column<float>* rest : {&b.vel_rest, &b.disp_rest}) {
+    if (rest->empty()) continue;
+    b.spare.reserve(rest->capacity());
+    pool.run(stream_tasks(blocks), [&](std::size_t t) {
+      const BlockRange r = stream_range(t, blocks);
+      for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+          b.spare[2 * std::size_t{i} + axis] =
+              i < b.count ? (*rest)[2 * std::size_t{from[i]} + axis] : 0.0f;
+        }
+      }
+    });
+    rest->swap(b.spare);
+  }
 }
 
 // a = k d / (d^2 + e^2)^((n+1)/2):  U = -k (d^2 + e^2)^((1-n)/2) / (n - 1), or k ln(s)/2 for n = 1.

@@ -61,6 +61,28 @@ class Lattice {
             centre_.y + (y * pitch_y_ + static_cast<double>(dy))};
   }
 
+  /// Cuts a line from p to q to what lies on the lattice, so that its ends are not clamped one by one
+  /// (Liang & Barsky 1984). Left as it is if none of it does, and where the lattice wraps.
+  void clip(Vec2& p, Vec2& q) const {
+    if (wraps_) return;
+    double begin = 0, end = 1;
+    const Vec2 way{q.x - p.x, q.y - p.y};
+    const auto cut = [&](double from, double along, double half) {
+      if (along == 0) return std::fabs(from) <= half;
+      const double a = (-half - from) / along, b = (half - from) / along;
+      begin = std::fmax(begin, std::fmin(a, b));
+      end = std::fmin(end, std::fmax(a, b));
+      return begin < end;
+    };
+    constexpr double kReach = 0x1p30 - 0x1p20;  // lattice steps
+    if (!cut(p.x - centre_.x, way.x, kReach * pitch_x_) ||
+        !cut(p.y - centre_.y, way.y, kReach * pitch_y_)) {
+      return;
+    }
+    if (end < 1) q = {p.x + end * way.x, p.y + end * way.y};
+    if (begin > 0) p = {p.x + begin * way.x, p.y + begin * way.y};
+  }
+
   Vec2 centre() const { return centre_; }
   bool wraps() const { return wraps_; }  ///< periodic world
 

@@ -19,7 +19,9 @@ struct Strip {
   std::uint32_t pair_begin = 0, pair_end = 0;    ///< in PairTable::other
   std::uint32_t block_begin = 0, block_end = 0;  ///< contact blocks
   std::uint32_t single_begin = 0, single_end = 0;  ///< blocks of contacts with fixed shapes
+  std::uint32_t loaded_begin = 0, single_loaded_begin = 0;  ///< of these, under heavy loads: to the end
   std::uint32_t colours = 0;
+  bool loaded = false;  ///< it has contacts under heavy loads
 };
 
 /// A body near a fixed shape.

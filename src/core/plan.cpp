@@ -5,12 +5,16 @@ namespace psim {
 Plan make_plan(const Traits& t) {
   Plan p;
   p.fields = t.fields;
-  p.forces = t.fields || t.kinematic != 0 || t.odd_gravity != 0;
+  p.scales = t.kinematic != 0 || t.odd_gravity != 0;
+  p.forces = t.fields || p.scales;
+  if (t.fields) p.integrator = t.integrator;
   p.friction = t.moving_rough >= 2 ||
                (t.moving_rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
   p.restitution = t.moving_bounce != 0 ||
                   (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
   p.masses = t.same_mass != t.moving || t.kinematic != 0;
+  p.loads = p.masses && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) &&
+            (t.gravity || t.fields);
   p.radii = t.same_radius != t.moving;
   p.surfaces = t.same_surface != t.moving;
   p.rotation = p.friction || t.turning;
@@ -21,6 +25,21 @@ Plan make_plan(const Traits& t) {
   return p;
 }
 
+namespace {
+
+const char* integrator_reason(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::euler: return "euler moves bodies in the fields, one evaluation a substep";
+    case Integrator::rk4: return "rk4 moves bodies in the fields, four evaluations a substep";
+    case Integrator::symplectic4:
+      return "symplectic4 moves bodies in the fields, four evaluations a substep";
+    case Integrator::verlet: break;
+  }
+  return "";
+}
+
+}  // namespace
+
 std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   std::vector<PlanEntry> out;
   const auto add = [&](const char* stage, bool needed, const char* yes, const char* no) {
@@ -29,6 +48,9 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   const bool moves = t.moving != 0;
   add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",
       "gravity is uniform: part of the kick");
+  add("forces.integrator", p.integrator != Integrator::verlet, integrator_reason(p.integrator),
+      t.fields ? "verlet: the kick and the drift are leapfrog already"
+               : "gravity is uniform: every integrator is the closed form");
   add("damping", t.damping, "linear damping or drag, integrated exactly", "no damping and no drag");
   add("broad_phase", moves, "bodies move", "no body moves");
   add("broad_phase.walls", t.walls && moves, "the world has walls", "the world has no walls");
@@ -41,6 +63,8 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("solver.restitution", p.restitution, "a material bounces: time-of-impact sweeps",
       "no body and no wall has restitution");
   add("solver.masses", p.masses, "masses differ", "all moving bodies have one mass");
+  add("solver.heavy_loads", p.loads, "some bodies may carry others eight times as heavy",
+      "no body carries one eight times as heavy");
   add("solver.friction", p.friction, "two surfaces that can meet have friction",
       "no two surfaces that can meet have friction");
   add("rotation", p.rotation, "friction or a given spin turns bodies", "nothing turns a body");

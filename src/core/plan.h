@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "contact_store.h"
+#include "psim/integrator.h"
 #include "psim/report.h"
 
 namespace psim {
@@ -25,7 +26,10 @@ struct Traits {
   std::uint64_t fixed_rough = 0;
   bool turning = false;               ///< some body was given an angle or a spin
   bool walls = false, wall_bounce = false, wall_rough = false;
+  double mass_ratio = 1;              ///< heaviest to lightest dynamic body
+  bool gravity = false;
   bool fields = false;                ///< wells or quadratic drag
+  Integrator integrator = Integrator::verlet;
   bool damping = false;
   bool snapshots = false;
 };
@@ -33,9 +37,12 @@ struct Traits {
 struct Plan {
   bool forces = false;       ///< accelerations differ from body to body
   bool fields = false;       ///< and with place or speed: every body takes substeps
+  bool scales = false;       ///< and gravity does not act on all alike
+  Integrator integrator = Integrator::verlet;  ///< verlet where there are no fields
   bool friction = false;
   bool restitution = false;
   bool masses = false;       ///< unequal
+  bool loads = false;        ///< so unequal that some may carry much heavier ones
   bool radii = false;        ///< unequal
   bool surfaces = false;     ///< mass, friction or restitution unequal
   bool rotation = false;

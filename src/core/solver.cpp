@@ -16,9 +16,12 @@ using Clock = std::chrono::steady_clock;
 
 // Contact stiffness: frequency kStiffness / h, damping ratio kDamping. The highest at which one
 // solve pass a substep stays quiet in deep piles (docs/decisions/003-contact-scheme.md).
-constexpr double kStiffness = 0.16;
+constexpr double kStiffness = 0.2;
 constexpr double kDamping = 10;
 constexpr double kFixedStiffness = 2;  // contacts with fixed shapes, times stiffer
+// Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge.
+constexpr double kLoadedStiffness = 0.9;
+constexpr int kLoadedSweeps = 16;
 constexpr double kPush = 3;            // m/s, fastest push-out
 constexpr int kSweeps = 6;             // impact sweeps a substep at most; usually the third is idle
 
@@ -56,6 +59,32 @@ void Solver::for_singles(const PairTable& table, WorkerPool& pool, const Each& e
     const Strip& s = table.strips[k];
     if (s.single_begin != s.single_end) each(k, s);
   });
+}
+
+// Strips with contacts under heavy loads: even ones, odd ones, the large bodies' group.
+void Solver::find_loaded(const PairTable& table) {
+  loaded_.clear();
+  const std::size_t strips = table.strips.size() - 1;
+  for (std::size_t parity = 0; parity < 2; ++parity) {
+    for (std::size_t k = parity; k < strips; k += 2) {
+      if (table.strips[k].loaded) loaded_.push_back(static_cast<std::uint32_t>(k));
+    }
+    (parity == 0 ? loaded_odd_ : loaded_large_) = loaded_.size();
+  }
+  if (table.strips[strips].loaded) loaded_.push_back(static_cast<std::uint32_t>(strips));
+}
+
+// One sweep over contacts under heavy loads: pairs as in for_pairs, then singles.
+template <class Pairs, class Singles>
+void Solver::for_loaded(const PairTable& table, WorkerPool& pool, const Pairs& pairs,
+                        const Singles& singles) {
+  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
+    pool.run(end - begin, [&](std::size_t k) { each(table.strips[loaded_[begin + k]]); });
+  };
+  run(0, loaded_odd_, pairs);
+  run(loaded_odd_, loaded_large_, pairs);
+  run(loaded_large_, loaded_.size(), pairs);
+  run(0, loaded_.size(), singles);
 }
 
 // Which contacts the impact sweeps may settle: with restitution, and none of the bodies resting on
@@ -125,8 +154,13 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
   pairs.bounce_floor = static_cast<float>(std::fmax(g * h / 2, params.restitution_threshold));
   pairs.impact_floor = static_cast<float>(std::fmax(2 * g * h, params.restitution_threshold));
   ContactParams singles = pairs;
-  set_soft(pairs, h, kStiffness / h);
-  set_soft(singles, h, kFixedStiffness * kStiffness / h);
+  set_soft(pairs, h, kStiffness / params.stiff_substep);
+  set_soft(singles, h, kFixedStiffness * kStiffness / params.stiff_substep);
+  ContactParams loaded = pairs, loaded_singles = singles;
+  set_soft(loaded, h, kLoadedStiffness / params.stiff_substep);
+  set_soft(loaded_singles, h, kFixedStiffness * kLoadedStiffness / params.stiff_substep);
+  find_loaded(table);
+  const int loaded_sweeps = loaded_.empty() ? 0 : kLoadedSweeps;
 
   const auto model = static_cast<std::size_t>(params.model.model);
   const std::size_t bounce = params.model.bounce ? 1 : 0;
@@ -137,6 +171,13 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
   const kernels::SingleView sv = contacts.singles();
   const kernels::BodyView view = solved.view(b);
   const bool varying = forces != nullptr && forces->varying();
+  const kernels::FieldParams field = forces ? forces->params(h) : kernels::FieldParams{};
+  const bool drag = field.quadratic != 0;
+  // The kick of another integrator than leapfrog, if the world asks for one.
+  const auto advance =
+      varying && forces->method()
+          ? k.advance[static_cast<std::size_t>(*forces->method())][drag || field.linear != 0]
+          : nullptr;
   Clock::duration forces_time{};
   const auto streams = [&](auto&& each) {
     pool.run(tasks, [&](std::size_t t) {
@@ -152,11 +193,12 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
 
   for (int substep = 0; substep < params.substeps; ++substep) {
     const bool first = substep == 0 || varying;
-    if (varying) {
+    const auto force = [&](const auto kernel) {
       const Clock::time_point start = Clock::now();
-      forces->accelerations(b, h, pool);
+      streams([&](std::uint32_t begin, std::uint32_t end) { kernel(view, field, begin, end); });
       forces_time += Clock::now() - start;
-    }
+    };
+    if (varying && (!advance || bounce)) force(k.accelerate[drag]);
     if (bounce) {
       streams([&](std::uint32_t begin, std::uint32_t end) {
         std::fill(view.event_time + std::size_t{begin} * 8, view.event_time + std::size_t{end} * 8,
@@ -187,8 +229,9 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
         sweep_singles(any);
       }
     }
+    if (advance) force(advance);
     streams([&](std::uint32_t begin, std::uint32_t end) {
-      (first ? k.kick_first : k.kick_again)(view, stream, begin, end);
+      if (!advance) (first ? k.kick_first : k.kick_again)(view, stream, begin, end);
       if (!rough) return;
       for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
         const float u = view.spin[i];
@@ -214,13 +257,28 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
       });
     }
     for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-      k.solve[model][bounce](view, cv, pairs, s.block_begin, s.block_end);
+      k.solve[model][bounce](view, cv, pairs, s.block_begin, s.loaded_begin);
     });
+    for (int sweep = 0; sweep < loaded_sweeps; ++sweep) {
+      loaded.again = loaded_singles.again = sweep != 0;
+      for_loaded(
+          table, pool,
+          [&](const Strip& s) {
+            k.solve[model][bounce](view, cv, loaded, s.loaded_begin, s.block_end);
+          },
+          [&](const Strip& s) {
+            k.solve_single[model][bounce](view, sv, loaded_singles, s.single_loaded_begin, s.single_end);
+          });
+    }
     for_singles(table, pool, [&](std::size_t, const Strip& s) {
-      k.solve_single[model][bounce](view, sv, singles, s.single_begin, s.single_end);
+      k.solve_single[model][bounce](view, sv, singles, s.single_begin, s.single_loaded_begin);
     });
     streams([&](std::uint32_t begin, std::uint32_t end) {
-      k.drift(view, drift, begin, end);
+      if (advance) {
+        k.drift_bent(view, field, begin, end);
+      } else {
+        k.drift(view, drift, begin, end);
+      }
       if (b.spin.empty()) return;
       for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved.count()); ++n) {
         if (view.linked[n] == 0) continue;
@@ -230,14 +288,26 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
     });
     for (std::size_t n = 0; n < held.size(); ++n) {  // they go straight on: nothing damps them
       const std::size_t i = b.info[held[n].first].slot;
+      b.clear_rests(i);
       b.disp[2 * i] = held_at_[2 * n] + stream.h * b.vel[2 * i];
       b.disp[2 * i + 1] = held_at_[2 * n + 1] + stream.h * b.vel[2 * i + 1];
     }
     for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-      k.relax[model][bounce](view, cv, pairs, s.block_begin, s.block_end);
+      k.relax[model][bounce](view, cv, pairs, s.block_begin, s.loaded_begin);
     });
+    for (int sweep = 0; sweep < loaded_sweeps; ++sweep) {
+      loaded.more = loaded_singles.more = sweep + 1 != loaded_sweeps;
+      for_loaded(
+          table, pool,
+          [&](const Strip& s) {
+            k.relax[model][bounce](view, cv, loaded, s.loaded_begin, s.block_end);
+          },
+          [&](const Strip& s) {
+            k.relax_single[model][bounce](view, sv, loaded_singles, s.single_loaded_begin, s.single_end);
+          });
+    }
     for_singles(table, pool, [&](std::size_t, const Strip& s) {
-      k.relax_single[model][bounce](view, sv, singles, s.single_begin, s.single_end);
+      k.relax_single[model][bounce](view, sv, singles, s.single_begin, s.single_loaded_begin);
     });
     if (bounce) {
       for_pairs(table, pool, [&](std::size_t, const Strip& s) {

@@ -22,6 +22,7 @@ namespace psim {
 struct SolverParams {
   double dt = 0;
   int substeps = 1;
+  double stiff_substep = 0;  ///< s, that contact stiffness is for: the present one or longer
   Vec2 gravity;
   double damping = 0;    ///< 1/s
   double pitch_x = 1, pitch_y = 1;
@@ -54,9 +55,14 @@ class Solver {
   void for_pairs(const PairTable& table, WorkerPool& pool, const Each& each);
   template <class Each>
   void for_singles(const PairTable& table, WorkerPool& pool, const Each& each);
+  void find_loaded(const PairTable& table);
+  template <class Pairs, class Singles>
+  void for_loaded(const PairTable& table, WorkerPool& pool, const Pairs& pairs, const Singles& singles);
   void mark_impacts(const SolverBodies& bodies, PairTable& table, ContactStore& contacts, WorkerPool& pool);
 
   std::vector<std::uint8_t> touched_;   // by slot: carries a contact
+  std::vector<std::uint32_t> loaded_;   // strips with contacts under heavy loads
+  std::size_t loaded_odd_ = 0, loaded_large_ = 0;  // where the odd ones and the large group begin
   std::vector<float> held_at_;          // where the held bodies were before a drift, m, records
   std::vector<double> virial_;          // by strip
   std::vector<std::uint64_t> closed_by_strip_;

@@ -61,6 +61,8 @@ constexpr double kSkinOfRadius = 0.1;
 // Sideways motion within a step after which a contact's normal is computed anew, of the radius.
 constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kMarginFrames = 1.25;  // frames of motion that the margin adds
+constexpr double kStiffening = 0.98;    // a step, of the substep that contact stiffness is for
+constexpr double kMostWarm = 4;         // on stored impulses where a step is longer than the last
 
 }  // namespace
 
@@ -109,18 +111,27 @@ void World::Impl::prepare() {
 void World::Impl::replan() {
   if (!plan_stale) return;
   plan_stale = false;
+  traits.mass_ratio = traits.same_mass == traits.moving ? 1 : bodies.surfaces.mass_ratio();
   const Plan next = make_plan(traits);
   if (next.model != plan.model) impulses_valid = false;
   if (next != plan) lists_stale = true;
   plan = next;
   if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
   if (plan.forces) {
-    if (!forces) forces = std::make_unique<Forces>(desc.fields, desc.gravity, lattice);
+    if (!forces) forces = std::make_unique<Forces>(desc, lattice);
   } else {
     forces.reset();
     bodies.acc.release();
   }
-  if (!plan.fields) bodies.vel_rest.release();
+  if (plan.fields) {
+    bodies.add_rests(plan.integrator != Integrator::verlet);
+  } else {
+    bodies.vel_rest.release();
+    bodies.disp_rest.release();
+    bodies.bend.release();
+    bodies.spare.release();
+  }
+  if (!plan.scales) bodies.pull.release();
   if (!plan.restitution) bodies.event_time.release();
   forces_stale = true;
 }
@@ -262,6 +273,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
               desc.bounds.ymax - c.y};
   if (!loose) table.swap(old_table);
   broad.build(bodies, shapes, p, kernels, pool, loose ? candidates : table);
+  if (plan.fields) move_rests(bodies, broad.from(), pool);
   if (loose) {
     candidate_density = static_cast<double>(broad.pairs()) / (bodies.count * lists.ring);
   }
@@ -287,8 +299,13 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     const StageTimer timer(report, tracer, Stage::colouring);
     if (!impulses_valid) old_table.body_count = 0;
     solved.choose(bodies, table, loose && !plan.forces, plan.restitution, pool);
+    if (plan.loads) {
+      loads.find(bodies, table, pool);
+    } else {
+      loads.forget();
+    }
     contacts.build(bodies, solved, shapes, desc.wall, plan.model,
-                   plan.surfaces ? nullptr : &first_surface, table, old_table,
+                   plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
                    lists_stale ? broad.from() : nullptr, pool);
     impulses_valid = true;
     if (lists_stale) forces_stale = true;
@@ -312,11 +329,10 @@ void World::Impl::solve(double dt, StepReport& report) {
     const std::size_t all = std::max(2 * padded, bodies.vel0.capacity());  // padding lanes read it
     bodies.acc.reserve(all);
     std::fill(bodies.acc.data() + 2 * padded, bodies.acc.data() + all, 0.0f);
-    if (plan.fields) {
-      bodies.vel_rest.reserve(2 * padded);
-      std::fill_n(bodies.vel_rest.data(), 2 * padded, 0.0f);
-    } else {
-      forces->accelerations(bodies, 0, pool);
+    if (plan.integrator != Integrator::verlet) bodies.bend.reserve(2 * padded);
+    if (plan.scales) {
+      bodies.pull.reserve(padded);
+      forces->scale_gravity(bodies, pool);
     }
     forces_stale = false;
   }
@@ -326,6 +342,7 @@ void World::Impl::solve(double dt, StepReport& report) {
   if (!plan.friction) ++skipped_frames[7];
   if (!plan.rotation) ++skipped_frames[8];
   if (!plan.publish) ++skipped_frames[9];
+  if (!loads.any()) ++skipped_frames[10];
   const StageTimer timer(report, tracer, Stage::solver);
   if (contacts.pair_blocks() + contacts.single_blocks() == 0 && !plan.fields && held.empty()) {
     ++skipped_frames[4];
@@ -341,8 +358,12 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.restitution_threshold = desc.restitution_threshold;
   p.refresh = kRefreshOfRadius * least_radius;
   const double h = dt / desc.substeps;
-  // A longer step must not repeat the push-out of a short one many times over.
-  p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, 1)) : 1.0f;
+  // After a longer step contacts stay as soft as they were then, and stiffen by and by: what rests
+  // on a soft contact's overlap would be thrown off by a stiff one.
+  stiff_substep = std::fmax(h, kStiffening * stiff_substep);
+  p.stiff_substep = stiff_substep;
+  // Loads grow with the step, but impacts do not: not many times over.
+  p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, kMostWarm)) : 1.0f;
   p.model = plan.model;
   last_substep = h;
   const SolverReport done = solver.run(bodies, solved, table, contacts, p, forces.get(), held, kernels, pool);

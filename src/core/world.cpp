@@ -60,7 +60,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
     : desc(d), options(o), kernels(kernels_of(o.isa)),
       lattice(d.bounds, d.boundary == Boundary::periodic), bodies(memory), shapes(memory, lattice),
       broad(memory, lattice), table(memory), old_table(memory), candidates(memory),
-      solved(memory), contacts(memory), pool(o.threads) {
+      solved(memory), loads(memory), contacts(memory), pool(o.threads) {
   pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls.low = edges.to_lattice({d.bounds.xmin, d.bounds.ymin});
@@ -68,7 +68,9 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
   traits.walls = d.boundary == Boundary::walls;
   traits.wall_bounce = d.wall.restitution > 0;
   traits.wall_rough = d.wall.friction > 0;
+  traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
+  traits.integrator = d.integrator;
   traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
 }
 

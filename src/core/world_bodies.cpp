@@ -119,6 +119,7 @@ std::uint32_t World::Impl::enter(const Surface& surface, Vec2 at, double angle, 
   bodies.id[slot] = id;
   bodies.radius[slot] = surface.radius;
   bodies.linked[slot] = 0;
+  bodies.clear_rests(slot);
   if (!bodies.spin.empty()) {
     bodies.spin[slot] = static_cast<float>(omega) * surface.radius;
     bodies.angle[slot] = angle;
@@ -167,7 +168,7 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
   std::vector<StaticShape> parts;
   const double c = std::cos(d.angle), s = std::sin(d.angle);
   const auto place = [&](Vec2 p) {
-    return w.lattice.to_lattice({d.position.x + c * p.x - s * p.y, d.position.y + s * p.x + c * p.y});
+    return Vec2{d.position.x + c * p.x - s * p.y, d.position.y + s * p.x + c * p.y};
   };
   const auto segment = [&](Vec2 p, Vec2 q) {
     if (!finite(p.x) || !finite(p.y) || !finite(q.x) || !finite(q.y)) {
@@ -177,8 +178,10 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
     }
     StaticShape part;
     part.segment = true;
-    part.p = place(p);
-    part.q = place(q);
+    Vec2 from = place(p), to = place(q);
+    w.lattice.clip(from, to);
+    part.p = w.lattice.to_lattice(from);
+    part.q = w.lattice.to_lattice(to);
     parts.push_back(part);
   };
   float radius = 0;
@@ -395,6 +398,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
     w.bodies.add_rotation();
   }
   if (!w.bodies.angle.empty()) w.bodies.angle[i] = angle;
+  w.bodies.clear_rests(i);
   w.lists_stale = w.forces_stale = w.placed = true;
   return true;
 }
@@ -417,6 +421,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     w.bodies.add_rotation();
   }
   if (!w.bodies.spin.empty()) w.bodies.spin[i] = static_cast<float>(angular_velocity) * w.bodies.radius[i];
+  w.bodies.clear_rests(i);
   if (w.bodies.surface(id.index).type == BodyType::kinematic_body) {
     for (auto& [held_id, v] : w.held) {
       if (held_id == id.index) v = velocity;
@@ -467,6 +472,14 @@ BodyState World::Impl::state_of(std::uint32_t id) const {
   s.y = p.y;
   s.vx = static_cast<double>(bodies.vel[2 * i]);
   s.vy = static_cast<double>(bodies.vel[2 * i + 1]);
+  if (!bodies.vel_rest.empty()) {
+    s.vx += static_cast<double>(bodies.vel_rest[2 * i]);
+    s.vy += static_cast<double>(bodies.vel_rest[2 * i + 1]);
+  }
+  if (!bodies.disp_rest.empty()) {
+    s.x += static_cast<double>(bodies.disp_rest[2 * i]);
+    s.y += static_cast<double>(bodies.disp_rest[2 * i + 1]);
+  }
   if (!bodies.spin.empty()) {
     s.angle = bodies.angle[i];
     s.omega = static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]);

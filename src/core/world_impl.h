@@ -44,6 +44,7 @@ struct World::Impl {
   double crowding = 0.1;
   double candidate_density = 0;  // 1/m^2, of the last loose lists
   SolverBodies solved;
+  HeavyLoads loads;
   ContactStore contacts;
   Solver solver;
   std::unique_ptr<Forces> forces;
@@ -63,13 +64,14 @@ struct World::Impl {
   bool placed = true;  // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
   double last_substep = 0;
+  double stiff_substep = 0;  // s, that contacts are as stiff for: falls slowly where steps get shorter
   std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
   std::vector<std::pair<std::uint32_t, Vec2>> held;  // kinematic ids and their velocities
 
   std::uint64_t frame = 0;
   std::uint64_t escaped = 0;
   LaneCounts lanes;
-  std::array<std::uint64_t, 10> skipped_frames{};
+  std::array<std::uint64_t, 11> skipped_frames{};
 
   // Published columns (world_state.cpp).
   std::vector<std::uint32_t> out_id;
@@ -108,8 +110,8 @@ struct World::Impl {
 };
 
 /// Names of the counters in Impl::skipped_frames.
-inline constexpr std::array<const char*, 10> kSkipNames = {
-    "forces",  "broad_phase",        "narrow_phase",  "colouring", "solver",
-    "solver.restitution", "solver.masses", "solver.friction", "rotation",  "publish"};
+inline constexpr std::array<const char*, 11> kSkipNames = {
+    "forces",        "broad_phase",     "narrow_phase", "colouring", "solver", "solver.restitution",
+    "solver.masses", "solver.friction", "rotation",     "publish",   "solver.heavy_loads"};
 
 }  // namespace psim

@@ -51,7 +51,7 @@ Diagnostics World::diagnostics() const {
   Impl& w = *impl_;
   const BodyStore& b = w.bodies;
   Diagnostics d;
-  const Forces wells(w.desc.fields, w.desc.gravity, w.lattice);
+  const Forces wells(w.desc, w.lattice);
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
     if (info.place != Place::moving) continue;

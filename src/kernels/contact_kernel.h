@@ -214,7 +214,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
       mass_scale = L::select(hit, one, mass_scale);
       impulse_scale = L::select(hit, zero, impulse_scale);
       settled = L::load(c.impact + k);
-      L::store(c.start + k, l);
+      if (!p.again) L::store(c.start + k, l);
     }
     const auto m = M == Model::plain ? half : L::load(c.mass + k);
     const auto dl = L::add(L::mul(m, L::add(L::mul(mass_scale, vn), bias)),
@@ -294,7 +294,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
       turn_apart<L>(b, c, k, dt, ua, ub);
     }
     push_apart<L, M>(b, c, k, moved, px, py, vax, vay, vbx, vby);
-    if constexpr (Bounce) {  // with l0 the impulse at the substep's start, min(l, l0) lasts
+    if (Bounce && !p.more) {  // with l0 the impulse at the substep's start, min(l, l0) lasts
       const auto lasts = L::min(next, L::max(L::load(c.start + k), zero));
       L::store(c.start + k, L::both(was, L::sub(next, lasts)));
       L::store(c.impulse + k, L::select(was, lasts, next));

@@ -25,6 +25,11 @@ struct KernelTable {
                    Range);
   void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Range, Range);
   void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Range, Range);
+  // Smooth forces (field_kernel.h), by whether there is drag: quadratic for accelerate, any for
+  // advance.
+  void (*accelerate[2])(const BodyView&, const FieldParams&, Range, Range);
+  void (*advance[kMethods][2])(const BodyView&, const FieldParams&, Range, Range);
+  void (*drift_bent)(const BodyView&, const FieldParams&, Range, Range);
   // Pair search (pair_kernel.h): bodies, not blocks.
   bool (*find_pairs)(const PairRow&, std::uint32_t begin, std::uint32_t end, PairList&);
   bool (*find_near)(const PairRow&, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList&);

@@ -17,7 +17,10 @@ struct AvxLanes {
   static constexpr std::uint32_t width = 8;
   static constexpr std::uint32_t records = 4;
 
+  static constexpr std::uint32_t doubles = 4;
+
   struct F { __m256 v; };
+  struct D { __m256d v; };
   struct I { __m256i v; };
   struct Rec { __m256 v; };    // x0 y0 x1 y1 x2 y2 x3 y3
   struct RecI { __m256i v; };
@@ -156,6 +159,38 @@ struct AvxLanes {
   static RecI set_rec_int(std::int32_t x, std::int32_t y) {
     return {_mm256_setr_epi32(x, y, x, y, x, y, x, y)};
   }
+
+  static D set1_d(double a) { return {_mm256_set1_pd(a)}; }
+  static D add(D a, D b) { return {_mm256_add_pd(a.v, b.v)}; }
+  static D sub(D a, D b) { return {_mm256_sub_pd(a.v, b.v)}; }
+  static D mul(D a, D b) { return {_mm256_mul_pd(a.v, b.v)}; }
+  static D div(D a, D b) { return {_mm256_div_pd(a.v, b.v)}; }
+  static D sqrt(D a) { return {_mm256_sqrt_pd(a.v)}; }
+  static D less(D a, D b) { return {_mm256_cmp_pd(a.v, b.v, _CMP_LT_OS)}; }
+  static D less_equal(D a, D b) { return {_mm256_cmp_pd(a.v, b.v, _CMP_LE_OS)}; }
+  static D but_not(D a, D b) { return {_mm256_andnot_pd(b.v, a.v)}; }
+  static D select(D mask, D yes, D no) { return {_mm256_blendv_pd(no.v, yes.v, mask.v)}; }
+  static D mask_d(const std::uint8_t* p) { return {_mm256_castps_pd(mask_rec(p).v)}; }
+  static D load_d(const float* p) { return {_mm256_cvtps_pd(_mm_loadu_ps(p))}; }
+  static void load_rec_d(const float* p, D& x, D& y) {
+    const __m256i apart = _mm256_setr_epi32(0, 2, 4, 6, 1, 3, 5, 7);
+    const __m256 a = _mm256_permutevar8x32_ps(_mm256_loadu_ps(p), apart);
+    x = {_mm256_cvtps_pd(_mm256_castps256_ps128(a))};
+    y = {_mm256_cvtps_pd(_mm256_extractf128_ps(a, 1))};
+  }
+  static void load_rec_int_d(const std::int32_t* p, D& x, D& y) {
+    const __m256i apart = _mm256_setr_epi32(0, 2, 4, 6, 1, 3, 5, 7);
+    const __m256i a = _mm256_permutevar8x32_epi32(load_int(p).v, apart);
+    x = {_mm256_cvtepi32_pd(_mm256_castsi256_si128(a))};
+    y = {_mm256_cvtepi32_pd(_mm256_extracti128_si256(a, 1))};
+  }
+  static void store_rec_d(float* p, D x, D y) {
+    const __m128 a = _mm256_cvtpd_ps(x.v), b = _mm256_cvtpd_ps(y.v);
+    _mm_storeu_ps(p, _mm_unpacklo_ps(a, b));
+    _mm_storeu_ps(p + 4, _mm_unpackhi_ps(a, b));
+  }
+  static D round_to_float(D a) { return {_mm256_cvtps_pd(_mm256_cvtpd_ps(a.v))}; }
+
   static Rec spread(const float* p) {
     const __m128 a = _mm_loadu_ps(p);
     return {_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_unpacklo_ps(a, a)),

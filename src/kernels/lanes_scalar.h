@@ -16,7 +16,10 @@ struct ScalarLanes {
   static constexpr std::uint32_t width = 1;
   static constexpr std::uint32_t records = 1;  // {x, y} records a Rec register holds
 
+  static constexpr std::uint32_t doubles = 1;  // lanes of a D register
+
   struct F { __m128 v; };
+  struct D { __m128d v; };
   struct I { std::int32_t v; };
   struct Rec { __m128 x, y; };
   struct RecI { std::int32_t x, y; };
@@ -145,6 +148,40 @@ struct ScalarLanes {
   static RecI min(RecI a, RecI b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
   static RecI max(RecI a, RecI b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
   static RecI set_rec_int(std::int32_t x, std::int32_t y) { return {x, y}; }
+
+  // Doubles, one lane a body, from and to float columns.
+  static D set1_d(double a) { return {_mm_set_sd(a)}; }
+  static D add(D a, D b) { return {_mm_add_sd(a.v, b.v)}; }
+  static D sub(D a, D b) { return {_mm_sub_sd(a.v, b.v)}; }
+  static D mul(D a, D b) { return {_mm_mul_sd(a.v, b.v)}; }
+  static D div(D a, D b) { return {_mm_div_sd(a.v, b.v)}; }
+  static D sqrt(D a) { return {_mm_sqrt_sd(a.v, a.v)}; }
+  static D less(D a, D b) { return {_mm_cmplt_sd(a.v, b.v)}; }
+  static D less_equal(D a, D b) { return {_mm_cmple_sd(a.v, b.v)}; }
+  static D but_not(D a, D b) { return {_mm_andnot_pd(b.v, a.v)}; }  // a & ~b
+  static D select(D mask, D yes, D no) {
+    return {_mm_or_pd(_mm_and_pd(mask.v, yes.v), _mm_andnot_pd(mask.v, no.v))};
+  }
+  static D mask_d(const std::uint8_t* p) {
+    return {_mm_castsi128_pd(_mm_cvtsi64_si128(static_cast<std::int8_t>(*p)))};
+  }
+  static D load_d(const float* p) { return {_mm_cvtss_sd(_mm_setzero_pd(), _mm_load_ss(p))}; }
+  static void load_rec_d(const float* p, D& x, D& y) {
+    x = load_d(p);
+    y = load_d(p + 1);
+  }
+  static void load_rec_int_d(const std::int32_t* p, D& x, D& y) {
+    x = {_mm_cvtsi32_sd(_mm_setzero_pd(), p[0])};
+    y = {_mm_cvtsi32_sd(_mm_setzero_pd(), p[1])};
+  }
+  static void store_rec_d(float* p, D x, D y) {
+    _mm_store_ss(p, _mm_cvtsd_ss(_mm_setzero_ps(), x.v));
+    _mm_store_ss(p + 1, _mm_cvtsd_ss(_mm_setzero_ps(), y.v));
+  }
+  static D round_to_float(D a) {
+    return {_mm_cvtss_sd(_mm_setzero_pd(), _mm_cvtsd_ss(_mm_setzero_ps(), a.v))};
+  }
+
   /// Two floats, one a record, spread to {a, a} records.
   static Rec spread(const float* p) {
     const __m128 a = _mm_load_ss(p);

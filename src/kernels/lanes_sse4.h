@@ -16,7 +16,10 @@ struct SseLanes {
   static constexpr std::uint32_t width = 4;
   static constexpr std::uint32_t records = 2;
 
+  static constexpr std::uint32_t doubles = 2;
+
   struct F { __m128 v; };
+  struct D { __m128d v; };
   struct I { __m128i v; };
   struct Rec { __m128 v; };    // x0 y0 x1 y1
   struct RecI { __m128i v; };
@@ -135,6 +138,37 @@ struct SseLanes {
   static RecI min(RecI a, RecI b) { return {_mm_min_epi32(a.v, b.v)}; }
   static RecI max(RecI a, RecI b) { return {_mm_max_epi32(a.v, b.v)}; }
   static RecI set_rec_int(std::int32_t x, std::int32_t y) { return {_mm_setr_epi32(x, y, x, y)}; }
+
+  static D set1_d(double a) { return {_mm_set1_pd(a)}; }
+  static D add(D a, D b) { return {_mm_add_pd(a.v, b.v)}; }
+  static D sub(D a, D b) { return {_mm_sub_pd(a.v, b.v)}; }
+  static D mul(D a, D b) { return {_mm_mul_pd(a.v, b.v)}; }
+  static D div(D a, D b) { return {_mm_div_pd(a.v, b.v)}; }
+  static D sqrt(D a) { return {_mm_sqrt_pd(a.v)}; }
+  static D less(D a, D b) { return {_mm_cmplt_pd(a.v, b.v)}; }
+  static D less_equal(D a, D b) { return {_mm_cmple_pd(a.v, b.v)}; }
+  static D but_not(D a, D b) { return {_mm_andnot_pd(b.v, a.v)}; }
+  static D select(D mask, D yes, D no) { return {_mm_blendv_pd(no.v, yes.v, mask.v)}; }
+  static D mask_d(const std::uint8_t* p) { return {_mm_castps_pd(mask_rec(p).v)}; }
+  static D load_d(const float* p) {
+    return {_mm_cvtps_pd(
+        _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))))};
+  }
+  static void load_rec_d(const float* p, D& x, D& y) {
+    const __m128 a = _mm_loadu_ps(p);
+    x = {_mm_cvtps_pd(_mm_shuffle_ps(a, a, 0x88))};
+    y = {_mm_cvtps_pd(_mm_shuffle_ps(a, a, 0xDD))};
+  }
+  static void load_rec_int_d(const std::int32_t* p, D& x, D& y) {
+    const __m128i a = load_int(p).v;
+    x = {_mm_cvtepi32_pd(_mm_shuffle_epi32(a, 0x88))};
+    y = {_mm_cvtepi32_pd(_mm_shuffle_epi32(a, 0xDD))};
+  }
+  static void store_rec_d(float* p, D x, D y) {
+    _mm_storeu_ps(p, _mm_unpacklo_ps(_mm_cvtpd_ps(x.v), _mm_cvtpd_ps(y.v)));
+  }
+  static D round_to_float(D a) { return {_mm_cvtps_pd(_mm_cvtpd_ps(a.v))}; }
+
   static Rec spread(const float* p) {
     const __m128 a = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
     return {_mm_unpacklo_ps(a, a)};

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "contact_kernel.h"
+#include "field_kernel.h"
 #include "impact_kernel.h"
 #include "kernel_table.h"
 #include "pair_kernel.h"
@@ -26,6 +27,11 @@ constexpr KernelTable table_of() {
       .reaches = reaches<L>,
       .extent = extent<L>,
       .cell_keys = cell_keys<L>,
+      .accelerate = {accelerate<L, false>, accelerate<L, true>},
+      .advance = {{advance<L, Method::euler, false>, advance<L, Method::euler, true>},
+                  {advance<L, Method::rk4, false>, advance<L, Method::rk4, true>},
+                  {advance<L, Method::symplectic4, false>, advance<L, Method::symplectic4, true>}},
+      .drift_bent = drift_bent<L>,
       .find_pairs = find_pairs<L>,
       .find_near = find_near<L>,
       .select_pairs = select_pairs<L>,

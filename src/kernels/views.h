@@ -36,13 +36,45 @@ struct BodyView {
   float* vel = nullptr;            ///< m/s records
   float* vel0 = nullptr;           ///< velocity before the substep's kick, records
   float* disp = nullptr;           ///< m, offset from the lattice point, records
-  const float* acc = nullptr;      ///< m/s^2 records of this substep, or null: uniform gravity
+  float* acc = nullptr;            ///< m/s^2 records of this substep, or null: uniform gravity
   float* vel_rest = nullptr;       ///< m/s records, what vel lost to rounding, or null: not kept
+  float* disp_rest = nullptr;      ///< m records, what disp lost, or null: leapfrog
+  float* bend = nullptr;           ///< m records, a method's way less h (v0 + v)/2, or null: leapfrog
+  const float* pull = nullptr;     ///< gravity scale, or null: all 1
   float* spin = nullptr;           ///< surface speed omega r, m/s, or null: no rotation
   float* spin0 = nullptr;
   float* event_time = nullptr;     ///< s into the substep of the last impact, or null: no impacts
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };
+
+/// A well as the kernels want it: strength d / (|d|^2 + softening2)^((exponent+1)/2), none where
+/// |d|^2 > range2.
+struct WellTerms {
+  double x = 0, y = 0;         ///< m, in the coordinates of lattice positions
+  double strength = 0;
+  double softening2 = 0;       ///< m^2
+  double range2 = 0;           ///< m^2; infinite: no end
+  std::uint32_t whole = 0;     ///< (exponent + 1)/2: whole part
+  std::uint32_t fraction = 0;  ///< and 2^32 times the rest, 30 bits of it
+};
+
+/// Smooth forces over one substep, for field_kernel.h.
+struct FieldParams {
+  const WellTerms* wells = nullptr;
+  std::uint32_t well_count = 0;
+  double h = 0;                     ///< s
+  double pitch_x = 0, pitch_y = 0;  ///< m a lattice step
+  double gravity_x = 0, gravity_y = 0;
+  double linear = 0;                ///< 1/s: linear drag and damping
+  double quadratic = 0;             ///< 1/m
+  double fade = 1, fade_span = 0;   ///< exp(-linear h) and (1 - exp(-linear h)) / linear
+  double half_fade = 1;             ///< exp(-linear h / 2)
+  double smooth = 0;  ///< s^2: (v - v0)^2 / acc^2 up to which contacts act smoothly; < 0: never
+};
+
+/// What a scene can ask for besides leapfrog, which needs no method of its own.
+enum class Method : std::uint8_t { euler, rk4, symplectic4 };
+inline constexpr int kMethods = 3;
 
 /// Margins of the neighbour lists.
 struct ReachParams {
@@ -111,6 +143,8 @@ struct ContactParams {
   bool first_sweep = true; ///< of the substep: marks of the one before are stale
   bool last_sweep = false; ///< what would still collide is left to the solver, unless elastic
   float impact_floor = 0;  ///< m/s: slower approaches of touching bodies do not bounce
+  bool again = false;      ///< solve: not the substep's first sweep over these contacts
+  bool more = false;       ///< relax: not the last one
 };
 
 /// Contacts between two bodies, in blocks of 8 that share no body within a colour. Lane l of block

@@ -138,9 +138,11 @@ struct Parting {
 };
 
 std::string side_text(const Options& options, const World& world) {
-  return fmt::format("{} {}, {} threads, {} bodies, {} substeps of {} s", one_line(options.scene),
-                     isa_name(world.isa()), world.threads(), grouped(world.body_count()),
-                     world.desc().substeps, world.desc().dt / world.desc().substeps);
+  const WorldDesc& desc = world.desc();
+  return fmt::format("{} {}, {} threads, {} bodies, {} substeps of {} s, {}",
+                     one_line(options.scene), isa_name(world.isa()), world.threads(),
+                     grouped(world.body_count()), desc.substeps, desc.dt / desc.substeps,
+                     integrator_name(desc.integrator));
 }
 
 std::string parting_text(const Parting& parting, const StateComparison& states) {

@@ -20,6 +20,7 @@ struct Typed {
   TypedSettings settings;
   TypedDiff diff;
   std::string report, state, metrics, trajectory, every, image, trace, budget, governor;
+  std::string target_error, target_ms;
   bool list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
        version = false;
 };
@@ -35,6 +36,11 @@ void declare(CLI::App& app, Typed& typed) {
   declare_settings(app, typed.settings);
   value("--budget", typed.budget, "MS", "Run", "frame budget in ms (16.67)");
   value("--governor", typed.governor, "on|off", "Run", "keep the budget by doing less (off)");
+
+  value("--target-error", typed.target_error, "E", "Run",
+        "the cheapest integrator and substeps that were measured to err no more");
+  value("--target-ms", typed.target_ms, "MS", "Run",
+        "the most accurate ones that take no longer for a frame");
 
   value("--report", typed.report, "text|json", "Output", "form of the report (text)");
   value("--state", typed.state, "FILE.csv", "Output", "final state, a row per body");
@@ -85,11 +91,24 @@ void check_outputs(const CLI::App& app, Mode mode) {
     throw UserError("--every: has a meaning only with --trajectory FILE");
   }
   if (mode == Mode::run) return;
-  for (const char* name :
-       {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report"}) {
+  for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report",
+                           "--target-error", "--target-ms"}) {
     if (app.count(name) > 0) {
       throw UserError(
           fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
+    }
+  }
+}
+
+// A target chooses the settings, so nobody else may.
+void check_target(const CLI::App& app) {
+  for (const char* target : {"--target-error", "--target-ms"}) {
+    if (app.count(target) == 0) continue;
+    for (const char* other : {"--target-error", "--target-ms", "--substeps", "--integrator"}) {
+      if (std::string_view(other) == target || app.count(other) == 0) continue;
+      const bool is_target = std::string_view(other).starts_with("--target");
+      throw UserError(is_target ? std::string("--target-error and --target-ms: one at a time")
+                                : fmt::format("{}: {} chooses it", other, target));
     }
   }
 }
@@ -130,6 +149,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options options;
   options.mode = choose_mode(typed);
   check_outputs(app, options.mode);
+  check_target(app);
   read_settings(app, typed.settings, options);
   if (on_off("--governor", typed.governor, given("--governor")).value_or(false)) {
     refuse("--governor", "on", "there is no governor yet; only off works");
@@ -137,6 +157,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   options.budget_ms = number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9,
                                      "must be a number of milliseconds above 0")
                           .value_or(options.budget_ms);
+  options.target_error =
+      number<double>("--target-error", typed.target_error, given("--target-error"), 1e-12, 1,
+                     "must be a number above 0 and at most 1, as 1e-3");
+  options.target_ms = number<double>("--target-ms", typed.target_ms, given("--target-ms"), 1e-9,
+                                     1e9, "must be a number of milliseconds above 0");
   if (given("--report") && typed.report != "text" && typed.report != "json") {
     refuse("--report", typed.report, "must be text or json");
   }

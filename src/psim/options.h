@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "psim/integrator.h"
 #include "psim/isa.h"
 
 namespace psim::cli {
@@ -34,7 +35,9 @@ struct Options {
   std::optional<std::uint64_t> frames;
   std::optional<double> dt_s;
   std::optional<int> substeps;
+  std::optional<Integrator> integrator;
   std::optional<bool> sleep;
+  std::optional<double> target_error, target_ms;  ///< one of them at most
   int threads = 1;
   Isa isa = Isa::scalar;
 

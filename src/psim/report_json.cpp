@@ -8,9 +8,33 @@
 #include "text.h"
 
 namespace psim::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is not known is null.
+Json settings_json(const TargetSettings& settings) {
+  return {{"integrator", integrator_name(settings.integrator)},
+          {"substeps", settings.substeps},
+          {"error", settings.error},
+          {"ms_per_frame", settings.ms_per_frame}};
+}
+
+Json target_json(const Target& target) {
+  Json json;
+  json[target.of_time ? "ms" : "error"] = target.wanted;
+  json["kind"] = scene_kind_name(target.traits.kind);
+  json["because"] = target.traits.because;
+  json["rate"] = target.traits.rate;
+  json["measure"] = target.measure;
+  json["chosen"] = settings_json(target.chosen);
+  json["refused"] = target.refused ? settings_json(*target.refused) : Json();
+  return json;
+}
+
+}  // namespace
 
 std::string report_json(const RunReport& report) {
-  using Json = nlohmann::ordered_json;
   const Samples& frame = report.frame_ms;
   Json json;
   json["version"] = PSIM_VERSION_STRING;
@@ -27,6 +51,7 @@ std::string report_json(const RunReport& report) {
                     {"dynamic", report.bodies_dynamic},
                     {"static", report.bodies_static},
                     {"awake", report.bodies_awake}};
+  if (report.target) json["target"] = target_json(*report.target);
   json["budget_ms"] = report.budget_ms;
   json["frames_over_budget"] = report.frames_over_budget;
   json["frame_ms"] = {{"mean", frame.mean()},

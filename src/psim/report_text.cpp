@@ -68,6 +68,7 @@ std::string report_text(const RunReport& report) {
       out, "Energy {:.6g} -> {:.6g} J  momentum ({:.4g}, {:.4g})  max penetration {:.3g} m\n",
       report.start.kinetic + report.start.potential, report.end.kinetic + report.end.potential,
       report.end.momentum_x, report.end.momentum_y, report.end.max_penetration);
+  if (report.target) text += target_text(*report.target);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
   fmt::format_to(out, "State {}\n", hash_text(report.state_hash));
   return text;

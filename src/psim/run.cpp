@@ -125,13 +125,15 @@ void say_what_was_odd(const Options& options, const RunReport& report) {
 
 int run_scene(const Options& options) {
   catch_interrupts();
-  const Scene scene = choose_scene(options);
+  Scene scene = choose_scene(options);
   check_memory(scene);
+  const std::optional<Target> target = apply_target(options, scene);
   OutputFiles files(options);
   const auto world = make_world(scene, options.isa, options.threads);
   world->prepare();
 
   RunReport report = begin_report(options, scene, *world);
+  report.target = target;
   run_frames(report, *world, files, options.every);
   end_report(report, *world);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "psim/isa.h"
 #include "psim/report.h"
 #include "samples.h"
+#include "target.h"
 
 namespace psim::cli {
 
@@ -26,6 +28,8 @@ struct RunReport {
 
   std::size_t bodies_total = 0, bodies_dynamic = 0, bodies_static = 0;
   std::uint64_t bodies_awake = 0;
+
+  std::optional<Target> target;
 
   double budget_ms = 0;
   std::uint64_t frames_over_budget = 0;

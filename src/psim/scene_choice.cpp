@@ -88,6 +88,7 @@ Scene choose_scene(const Options& options) {
   Scene scene = is_builtin(options.scene) ? builtin_scene(options) : file_scene(options);
   if (options.dt_s) scene.world.dt = *options.dt_s;
   if (options.substeps) scene.world.substeps = *options.substeps;
+  if (options.integrator) scene.world.integrator = *options.integrator;
   if (options.sleep) scene.sleeping = *options.sleep;
   return scene;
 }

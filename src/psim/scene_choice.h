@@ -10,7 +10,8 @@
 
 namespace psim::cli {
 
-/// The scene that the options name, with --particles, --seed, --dt, --substeps and --sleep applied.
+/// The scene that the options name, with --particles, --seed, --dt, --substeps, --integrator and
+/// --sleep applied.
 /// Throws UserError.
 Scene choose_scene(const Options& options);
 

@@ -22,6 +22,13 @@ Isa choose_isa(const std::string& text, bool given) {
   return *isa;
 }
 
+std::optional<Integrator> choose_integrator(const std::string& text, bool given) {
+  if (!given) return std::nullopt;
+  const std::optional<Integrator> integrator = parse_integrator(text);
+  if (!integrator) refuse("--integrator", text, "must be verlet, euler, rk4 or symplectic4");
+  return integrator;
+}
+
 }  // namespace
 
 void refuse(std::string_view option, std::string_view text, std::string_view right) {
@@ -39,10 +46,12 @@ void refuse_leftovers(const CLI::App& app) {
   if (left.empty()) return;
   const std::string& word = left.front();
   if (!word.starts_with('-')) {
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
     throw UserError(
         fmt::format("{}: unexpected word; options begin with --, and a scene is given "
-                    "as --scene NAME",
-                    one_line(word)));
+                    "as --scene NAME{}",
+                    one_line(word), did_you_mean(word, commands)));
   }
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options()) {
@@ -83,6 +92,8 @@ void declare_settings(CLI::App& app, TypedSettings& typed) {
   value("--frames", typed.frames, "N", "Run", "frames to run (600)");
   value("--dt", typed.dt, "S", "Run", "seconds a frame (the scene's, else 1/60)");
   value("--substeps", typed.substeps, "N", "Run", "substeps a frame, 1..64 (the scene's, else 4)");
+  value("--integrator", typed.integrator, "NAME", "Run",
+        "verlet, euler, rk4 or symplectic4 for wells and drag (the scene's, else verlet)");
   value("--threads", typed.threads, "N", "Run", "worker threads, 1..256 (the machine's cores)");
   value("--isa", typed.isa, "NAME", "Run", "auto, scalar, sse or avx2 (auto: the CPU's best)");
   value("--sleep", typed.sleep, "on|off", "Run", "bodies at rest sleep (the scene's, else on)");
@@ -102,6 +113,7 @@ void read_settings(const CLI::App& app, const TypedSettings& typed, Options& opt
                                 "must be a number of seconds, 0.000001 to 1");
   options.substeps = number<int>("--substeps", typed.substeps, given("--substeps"), 1, 64,
                                  "must be a whole number, 1 to 64");
+  options.integrator = choose_integrator(typed.integrator, given("--integrator"));
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   options.threads = number<int>("--threads", typed.threads, given("--threads"), 1, kMostThreads,
                                 "must be a whole number, 1 to 256")

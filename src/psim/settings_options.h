@@ -16,7 +16,7 @@ namespace psim::cli {
 
 /// The words as they were typed; CLI11 fills them, read_settings turns them into values.
 struct TypedSettings {
-  std::string scene, particles, seed, frames, dt, substeps, threads, isa, sleep;
+  std::string scene, particles, seed, frames, dt, substeps, integrator, threads, isa, sleep;
 };
 
 /// An option with a value; the last one given wins.

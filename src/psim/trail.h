@@ -13,6 +13,7 @@ struct Trail {
   std::uint64_t hash = 0;
   std::uint64_t pairs = 0, contacts = 0;
   std::uint32_t colours = 0;
+  bool solved = false;  // the solver had something to do
   friend bool operator==(const Trail&, const Trail&) = default;
 };
 

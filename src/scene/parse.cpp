@@ -38,7 +38,7 @@ Scene read_scene(const scene::Json& document) {
   if (const auto description = root.find("description")) out.description = description->string();
   scene::read_materials(root, context);
   scene::read_world(root, context, out.world);
-  scene::read_step(root, context, out);
+  scene::read_step(root, out);
   scene::read_fields(root, out.world);
   scene::read_bodies(root, context, out);
   scene::read_groups(root, context, out);

@@ -9,7 +9,7 @@
 
 namespace psim::scene {
 
-enum class Feature { boxes, polygons, capsules, moving_segments, joints, integrators };
+enum class Feature { boxes, polygons, capsules, moving_segments, joints };
 
 constexpr const char* feature_name(Feature feature) {
   switch (feature) {
@@ -23,8 +23,6 @@ constexpr const char* feature_name(Feature feature) {
       return "a segment or chain that is not \"type\": \"static\"";
     case Feature::joints:
       return "a joint";
-    case Feature::integrators:
-      return "another integrator than \"verlet\"";
   }
   return "";
 }

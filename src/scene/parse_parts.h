@@ -29,7 +29,7 @@ struct Context {
 void read_materials(const Node& scene, Context& context);
 /// After the materials; notes the bounds.
 void read_world(const Node& scene, Context& context, WorldDesc& world);
-void read_step(const Node& scene, Context& context, Scene& out);
+void read_step(const Node& scene, Scene& out);
 void read_fields(const Node& scene, WorldDesc& world);
 void read_bodies(const Node& scene, Context& context, Scene& out);
 void read_groups(const Node& scene, Context& context, Scene& out);

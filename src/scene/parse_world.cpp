@@ -120,7 +120,7 @@ void read_world(const Node& scene, Context& context, WorldDesc& world) {
   }
 }
 
-void read_step(const Node& scene, Context& context, Scene& out) {
+void read_step(const Node& scene, Scene& out) {
   const std::optional<Node> step = scene.find("step");
   if (!step) return;
   step->expect_object(kStepKeys);
@@ -132,9 +132,7 @@ void read_step(const Node& scene, Context& context, Scene& out) {
   out.world.restitution_threshold =
       step->number_or("restitution_threshold", out.world.restitution_threshold, kSpeed);
   if (const std::optional<Node> integrator = step->find("integrator")) {
-    if (integrator->one_of(kIntegrators) != 0) {
-      context.availability.uses(Feature::integrators, *integrator);
-    }
+    out.world.integrator = kAllIntegrators[integrator->one_of(kIntegrators)];
   }
 }
 

@@ -43,6 +43,11 @@ inline double quadratic_drag_distance(double v0, double q, double t) {
   return std::log1p(q * v0 * t) / q;
 }
 
+/// dv/dt = -g - q |v| v from rest: height lost, with the terminal speed w = sqrt(g/q).
+inline double quadratic_drag_drop(double g, double q, double t) {
+  return std::log(std::cosh(std::sqrt(g * q) * t)) / q;
+}
+
 // ---- a disc that bounces on a floor -----------------------------------------------------------
 
 /// Let go at rest `gap` above the floor. Bounces count from 0.

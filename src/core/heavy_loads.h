@@ -1,0 +1,58 @@
+// Bodies that carry much heavier ones. One solve pass a substep brings a load down a contact or two;
+// under a body a thousand times heavier it takes hundreds. The contacts of such bodies, and of what
+// they rest on, are made stiffer and swept more often (docs/solver.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "column.h"
+#include "pair_table.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+class HeavyLoads {
+ public:
+  /// The least ratio of masses that counts.
+  static constexpr float kLeastRatio = 8;
+
+  explicit HeavyLoads(MemoryMeter& meter) : inv_mass_(meter), level_(meter) {}
+
+  /// Finds them among the pairs of `table`: bodies with a partner at least kLeastRatio heavier, and
+  /// what is within five contacts of one. So that their contacts stay a small share of all, the
+  /// ratio is doubled, or fewer contacts away count, until they are. O(pairs).
+  void find(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
+
+  /// Nobody carries anything.
+  void forget() { any_ = false; }
+
+  bool any() const { return any_; }
+  /// Whether a body's contacts need it.
+  bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
+
+ private:
+  // A body's level: kTop if a partner is much heavier, less by one a contact away, 0 beyond.
+  static constexpr std::uint8_t kTop = 6;
+  static constexpr int kRatios = 24;  // by powers of two from kLeastRatio
+  using ByRatio = std::array<std::uint32_t, kRatios>;
+  using ByLevel = std::array<std::uint32_t, kTop + 1>;
+
+  ByRatio count_ratios(const PairTable& table, WorkerPool& pool);
+  void mark(const PairTable& table, float ratio, WorkerPool& pool);
+  void spread(const PairTable& table, float ratio, std::uint8_t level, WorkerPool& pool);
+  void activate();
+  ByLevel count_levels(const PairTable& table, WorkerPool& pool);
+
+  Column<float> inv_mass_;       // by slot
+  Column<std::uint8_t> level_;   // by slot
+  std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level at hand
+  std::vector<ByRatio> ratios_;  // by strip
+  std::vector<ByLevel> levels_;
+  std::uint8_t cut_ = 1;
+  bool any_ = false;
+};
+
+}  // namespace psim
