@@ -5,12 +5,15 @@ file(GLOB _accuracy_sources CONFIGURE_DEPENDS bench/accuracy/*.cpp)
 list(FILTER _accuracy_sources EXCLUDE REGEX "/(main|engine_(box2d24|box2d3|chipmunk))\\.cpp$")
 add_library(psim_accuracy STATIC ${_accuracy_sources})
 psim_target_defaults(psim_accuracy)
-target_include_directories(psim_accuracy PUBLIC bench/accuracy tests/reference)
+target_include_directories(psim_accuracy PUBLIC bench/accuracy tests/reference PRIVATE src/scene)
 target_link_libraries(psim_accuracy PUBLIC psim_scene)
 
 add_executable(accuracy bench/accuracy/main.cpp)
 psim_target_defaults(accuracy)
 target_link_libraries(accuracy PRIVATE psim_accuracy CLI11::CLI11)
+# Where --calibrate writes, and what psim is built with.
+target_compile_definitions(accuracy PRIVATE
+  "PSIM_CALIBRATION_FILE=\"${PROJECT_SOURCE_DIR}/docs/data/calibration.csv\"")
 
 # One engine's adapter. Each sees its own headers only: Box2D 2 and 3 use the same file names.
 function(psim_accuracy_engine file macro include)

@@ -4,6 +4,7 @@
 //   accuracy --quick                         the default settings and few others, 1 to 2 minutes
 //   accuracy --case kepler --case pile       two cases over all settings
 //   accuracy --output docs/data/accuracy.csv everything
+//   accuracy --calibrate                     docs/data/calibration.csv, 4 minutes
 //   accuracy --stress --quick                how far the engines can be driven, 20 s
 // Rows go to stdout or the file, talk to stderr. Exit 1 if psim misses a limit, 2 if asked wrongly.
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate.h"
 #include "case.h"
 #include "csv.h"
 #include "engine.h"
@@ -30,6 +32,7 @@ struct Options {
   bool list = false;
   bool quick = false;
   bool stress = false;
+  bool calibrate = false;
   std::vector<std::string> cases;
   std::vector<std::string> engines;
   std::string output;
@@ -100,7 +103,7 @@ std::vector<std::string> run_case(const Case& of, const std::vector<Engine>& eng
   for (const Engine& engine : engines) {
     if (!engine.refuses(model).empty()) continue;
     for (const Setting& setting : engine.settings(effort, of.scale)) {
-      if (!matters(setting, model)) continue;
+      if (!matters(setting, of, model)) continue;
       for (const Row& row : run_setting(of, model, engine, setting, effort)) {
         write_row(out, row);
         all.push_back(row);
@@ -117,6 +120,13 @@ int run(const Options& options) {
   if (options.list) return list(cases, engines), 0;
   if (options.stress && !options.cases.empty()) {
     throw std::invalid_argument("--stress and --case: one at a time");
+  }
+  if (options.calibrate) {
+    if (options.stress || !options.cases.empty() || !options.engines.empty()) {
+      throw std::invalid_argument("--calibrate: stands alone, or with --quick and --output");
+    }
+    calibrate(options.output.empty() ? PSIM_CALIBRATION_FILE : options.output, options.effort());
+    return 0;
   }
   keep(options.cases, "case", cases);
   keep(options.engines, "engine", engines);
@@ -159,6 +169,9 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_flag("--quick", options.quick, "few settings, shorter cases: under three minutes");
   app.add_flag("--stress", options.stress, "table of how far the engines can be driven, no cases");
+  app.add_flag("--calibrate", options.calibrate,
+               "measures what psim --target-error and --target-ms choose from, into "
+               "docs/data/calibration.csv or --output");
   app.add_option("--output", options.output, "CSV file instead of stdout");
   app.add_option("--write-scenes", options.scenes,
                  "writes the cases' scene files into this folder and ends");

@@ -49,7 +49,8 @@ std::string describe(const Row& row) {
 
 }  // namespace
 
-bool matters(const Setting& setting, const Model& model) {
+bool matters(const Setting& setting, const Case& of, const Model& model) {
+  if (setting.is_machine_variant() && !of.machine_variants) return false;
   return setting.integrator.empty() || setting.integrator == "verlet" ||
          !model.scene.world.fields.empty();
 }

@@ -24,7 +24,7 @@ struct Row {
 };
 
 /// False for psim's other integrators where the scene has no fields: the same bits as verlet.
-bool matters(const Setting& setting, const Model& model);
+bool matters(const Setting& setting, const Case& of, const Model& model);
 
 /// All rows of one setting, one a quantity. A failed run gives rows, too.
 std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine,

@@ -185,36 +185,44 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
   const auto inv_h = L::set1(p.inv_h), rate = L::set1(p.soft_rate), push = L::set1(-p.push);
   const auto soft_mass = L::set1(p.soft_mass), soft_impulse = L::set1(p.soft_impulse);
   const auto refresh = L::set1(p.refresh), open = L::set1(-0.0f);
+  constexpr std::uint32_t kAll = (1u << L::width) - 1;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock;
        k < static_cast<std::size_t>(end) * kBlock; k += L::width) {
     const std::uint32_t* slot = c.body + 2 * k;
+    const auto l = L::load(c.impulse + k);
+    typename L::F settled{};
+    if constexpr (Bounce) {
+      settled = L::load(c.impact + k);
+      if (!p.again) L::store(c.start + k, l);
+      if (L::bits(settled) == kAll && !L::bits(L::differ(l, zero))) {  // settled, nothing to take back
+        L::store(c.impulse + k, open);
+        continue;
+      }
+    }
     typename L::F dax, day, dbx, dby;
     L::template gather<2>(b.disp, slot, dax, day);
     L::template gather<2>(b.disp, slot + 1, dbx, dby);
     auto nx = L::load(c.nx + k), ny = L::load(c.ny + k), gap = L::load(c.gap + k);
     const auto ddx = L::sub(dbx, dax), ddy = L::sub(dby, day);
     const auto sideways = L::abs(L::sub(L::mul(nx, ddy), L::mul(ny, ddx)));
-    const auto stale = L::less(refresh, sideways);
+    auto stale = L::less(refresh, sideways);
+    if constexpr (Bounce) stale = L::select_sign(settled, zero, stale);
     if (L::bits(stale)) refresh_normals<L, M>(b, c, p, k, stale, ddx, ddy, nx, ny, gap);
     const auto s = L::add(gap, L::add(L::mul(nx, ddx), L::mul(ny, ddy)));
     const auto apart = L::less(zero, s);
     auto bias = L::select(apart, L::mul(s, inv_h), L::max(L::mul(s, rate), push));
     auto mass_scale = L::select(apart, one, soft_mass);
     auto impulse_scale = L::select(apart, zero, soft_impulse);
-    const auto l = L::load(c.impulse + k);
     typename L::F vax, vay, vbx, vby;
     L::template gather<2>(b.vel, slot, vax, vay);
     L::template gather<2>(b.vel, slot + 1, vbx, vby);
     const auto vn = L::add(L::mul(nx, L::sub(vbx, vax)), L::mul(ny, L::sub(vby, vay)));
-    typename L::F settled{};
     if constexpr (Bounce) {
       typename L::F target;
       const auto hit = bouncing<L>(b, c, p, k, nx, ny, s, target);
       bias = L::select(hit, L::min(target, bias), bias);
       mass_scale = L::select(hit, one, mass_scale);
       impulse_scale = L::select(hit, zero, impulse_scale);
-      settled = L::load(c.impact + k);
-      if (!p.again) L::store(c.start + k, l);
     }
     const auto m = M == Model::plain ? half : L::load(c.mass + k);
     const auto dl = L::add(L::mul(m, L::add(L::mul(mass_scale, vn), bias)),
