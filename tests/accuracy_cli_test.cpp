@@ -82,6 +82,38 @@ TEST(Accuracy, StressAndCasesExcludeEachOther) {
   EXPECT_TRUE(folder.names().empty());
 }
 
+TEST(SlowAccuracy, CalibratesEveryKindOfScene) {
+  const ScratchFolder folder;
+  const std::string file = folder.file("calibration.csv");
+  const auto result = run_accuracy({"--calibrate", "--quick", "--output", file});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto lines = lines_of(read_file(file));
+  const auto shipped =
+      lines_of(read_file(std::string(PSIM_SOURCE_DIR) + "/docs/data/calibration.csv"));
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines[0], shipped.at(0));
+  std::set<std::string> kinds, shipped_kinds;
+  for (std::size_t k = 1; k < shipped.size(); ++k) shipped_kinds.insert(fields_of(shipped[k])[0]);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    ASSERT_EQ(fields.size(), 10u) << lines[k];
+    kinds.insert(fields[0]);
+    for (const std::size_t positive : {3, 4, 5, 6, 7, 9}) {
+      EXPECT_GT(std::stod(fields[positive]), 0) << lines[k];
+    }
+  }
+  EXPECT_EQ(kinds, shipped_kinds);
+  EXPECT_EQ(kinds.size(), 5u);
+}
+
+TEST(Accuracy, CalibrationStandsAlone) {
+  const ScratchFolder folder;
+  const auto result =
+      run_accuracy({"--calibrate", "--case", "pile", "--output", folder.file("calibration.csv")});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(Accuracy, RefusesWhatItDoesNotKnow) {
   for (const char* option : {"--case", "--engine"}) {
     const auto result = run_accuracy({option, "nonesuch"});

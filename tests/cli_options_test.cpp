@@ -85,7 +85,7 @@ TEST(CliOptions, HelpNamesEveryOption) {
         "--state",  "--metrics",     "--trajectory", "--every",   "--image",
         "--trace",  "--explain",     "--verify",     "--check",   "--benchmark",
         "--budget", "--governor",    "--sleep",      "--version", "--help",
-        "--integrator"}) {
+        "--integrator", "--target-error", "--target-ms"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }

@@ -132,7 +132,8 @@ TEST_P(EveryIntegrator, OrbitStaysTheSameAmongOthersThatChangeItsSlot) {
     }
     const BodyId id = add(*world, disc({5, 0}, {0, 17.5}, 0.01));
     for (int k = 0; k < 300; ++k) {
-      if (crowd && k % 50 == 10) world->remove_body(world->id_of(static_cast<std::uint32_t>(k / 5)));
+      if (crowd && k % 50 == 10)
+        world->remove_body(world->id_of(static_cast<std::uint32_t>(k / 5)));
       world->step();
     }
     return state(*world, id);

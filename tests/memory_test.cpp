@@ -19,6 +19,19 @@ TEST(Memory, APileTakesAtMostSixHundredBytesADisc) {
   EXPECT_LE(world->memory_bytes() / n, 600u);
 }
 
+// The lists of a block that falls far in an empty box follow its own density, not the box's.
+TEST(Memory, ABlockThatFallsFarKeepsItsListsShort) {
+  const std::size_t n = 5000;
+  auto world = make(walled({0, 0, 3000, 3000}));
+  add(*world, lattice(n, {1000, 2000, 1030, 2030}, 0.1, 0, {}, 0.5));
+  std::size_t most = 0;
+  for (int frame = 0; frame < 120; ++frame) {
+    world->step();
+    most = std::max(most, world->memory_bytes() / n);
+  }
+  EXPECT_LE(most, 800u);
+}
+
 TEST(Memory, TheEstimateIsAnUpperOne) {
   for (const std::size_t n : {0u, 1u, 1000u, 100000u}) {
     auto world = make(walled({0, 0, 1000, 1000}, {0, -kG}));

@@ -11,7 +11,7 @@ constexpr double kFall = 10;   // s
 constexpr double kDrag = 0.5;  // 1/s
 constexpr double kDragTime = 2;
 constexpr double kQuadratic = 0.05;  // 1/m
-constexpr double kSpin = 100;  // rad/s
+constexpr double kSpin = 100;        // rad/s
 constexpr double kSpinTime = 10;
 
 Case free_fall() {
@@ -93,7 +93,7 @@ Case free_spin() {
 
 }  // namespace
 
-std::vector<Case> flight_cases(Effort) { 
+std::vector<Case> flight_cases(Effort) {
   return {free_fall(), linear_drag(), quadratic_drag(), free_spin()};
 }
 

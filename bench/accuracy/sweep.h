@@ -23,7 +23,8 @@ struct Row {
   bool failed() const { return error == std::numeric_limits<double>::infinity(); }
 };
 
-/// False for psim's other integrators where the scene has no fields: the same bits as verlet.
+/// False for psim's other integrators where the scene has no fields, the same bits as verlet, and
+/// for instruction sets and threads where the case does without them.
 bool matters(const Setting& setting, const Case& of, const Model& model);
 
 /// All rows of one setting, one a quantity. A failed run gives rows, too.

@@ -421,6 +421,24 @@ void BroadPhase::place(BodyStore& b, float ahead, const kernels::KernelTable& k,
   k.look_ahead(b.view(), p, ahead, b.built.data(), r.begin, r.end);
 }
 
+// From the cell of every n-th body and its neighbours.
+double BroadPhase::sample_density(std::uint32_t bodies) const {
+  const std::uint32_t stride = std::max(1u, bodies / 2048), row = grid_.view.stride;
+  const std::uint32_t* const start = sort_.start();
+  double sum = 0, samples = 0;
+  for (std::uint32_t i = 0; i < bodies; i += stride, samples += 1) {
+    const std::uint32_t key = sort_.keys()[i];
+    const std::uint32_t low = key < row ? key : key - row;
+    const std::uint32_t high = key / row + 1 < static_cast<std::uint32_t>(grid_.view.rows) ? key + row : key;
+    double found = 0, rows = 0;
+    for (std::uint32_t k = low; k <= high; k += row, rows += 1) {
+      found += start[k + 2] - start[static_cast<std::ptrdiff_t>(k) - 1];
+    }
+    sum += found / rows;
+  }
+  return samples > 0 ? sum / samples / (3 * grid_.cell_x * grid_.cell_y) : 0;
+}
+
 void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
                        const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
   shapes.build_grid();
@@ -451,6 +469,7 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
   }
   choose_grid(b, p, all.extent, all.most);
   table.large_begin = sort_.sort(b, grid_, large_, p.mixed_radii, k, pool);
+  density_ = sample_density(table.large_begin);
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);
   cut_strips(b, table);

@@ -46,8 +46,9 @@ class BroadPhase {
   /// Area of the bodies' box at the last build, m^2; 0 before the first.
   double area() const { return area_; }
 
-  /// How many pairs the last build found.
-  std::uint64_t pairs() const { return pairs_; }
+  /// Bodies a square metre around a body, on average over bodies, at the last build; 0 before the
+  /// first.
+  double density() const { return density_; }
 
   /// Of the candidates, the pairs that can meet within `time` at their present relative speed:
   /// gap < |u| time + slack. Fills `table` alike and sets bodies.linked. O(candidates).
@@ -63,6 +64,7 @@ class BroadPhase {
                     PairTable& table) const;
   bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
   void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k, BlockRange blocks) const;
+  double sample_density(std::uint32_t bodies) const;
   double expected_pairs(std::size_t strip) const;
   void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
               PairTable& table);
@@ -83,7 +85,7 @@ class BroadPhase {
   Grid grid_;
   float large_ = 1e30f;      // m: reach above which a body is not in the grid
   float most_ = 0;           // m: largest reach in the grid
-  double area_ = 0;
+  double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;
   std::uint64_t pairs_ = 0;

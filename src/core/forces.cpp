@@ -44,7 +44,8 @@ double deterministic_power(double s, double p) {
 }
 
 Forces::Forces(const WorldDesc& world, const Lattice& lattice)
-    : linear_(world.linear_damping + linear_drag(world.fields)), gravity_(world.gravity),
+    : linear_(world.linear_damping + linear_drag(world.fields)),
+      gravity_(world.gravity),
       lattice_(&lattice) {
   const Vec2 centre = lattice.centre();
   for (const Field& f : world.fields) {
@@ -58,17 +59,24 @@ Forces::Forces(const WorldDesc& world, const Lattice& lattice)
     t.y = well->position.y - centre.y;
     t.strength = well->strength;
     t.softening2 = well->softening * well->softening;
-    t.range2 = well->range > 0 ? well->range * well->range
-                               : std::numeric_limits<double>::infinity();
+    t.range2 =
+        well->range > 0 ? well->range * well->range : std::numeric_limits<double>::infinity();
     t.whole = static_cast<std::uint32_t>(whole);
     t.fraction = static_cast<std::uint32_t>((power - whole) * 0x1p30) << 2;
     terms_.push_back(t);
   }
   switch (world.integrator) {
-    case Integrator::verlet: break;
-    case Integrator::euler: method_ = kernels::Method::euler; break;
-    case Integrator::rk4: method_ = kernels::Method::rk4; break;
-    case Integrator::symplectic4: method_ = kernels::Method::symplectic4; break;
+    case Integrator::verlet:
+      break;
+    case Integrator::euler:
+      method_ = kernels::Method::euler;
+      break;
+    case Integrator::rk4:
+      method_ = kernels::Method::rk4;
+      break;
+    case Integrator::symplectic4:
+      method_ = kernels::Method::symplectic4;
+      break;
   }
 }
 
@@ -135,8 +143,8 @@ double Forces::potential(Vec2 p) const {
       if (!(s > 0)) return 0.0;
       if (w.exponent == 1) return w.strength * std::log(s) / 2;
       const double half = (w.exponent - 1) / 2;
-      const double power = half >= 0 ? 1 / deterministic_power(s, half)
-                                     : deterministic_power(s, -half);
+      const double power =
+          half >= 0 ? 1 / deterministic_power(s, half) : deterministic_power(s, -half);
       return -w.strength * power / (w.exponent - 1);
     };
     const double d2 = dx * dx + dy * dy;

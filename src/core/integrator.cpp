@@ -5,10 +5,14 @@ namespace psim {
 
 std::string_view integrator_name(Integrator integrator) {
   switch (integrator) {
-    case Integrator::verlet: return "verlet";
-    case Integrator::euler: return "euler";
-    case Integrator::rk4: return "rk4";
-    case Integrator::symplectic4: return "symplectic4";
+    case Integrator::verlet:
+      return "verlet";
+    case Integrator::euler:
+      return "euler";
+    case Integrator::rk4:
+      return "rk4";
+    case Integrator::symplectic4:
+      return "symplectic4";
   }
   return "?";
 }

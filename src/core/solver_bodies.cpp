@@ -8,8 +8,9 @@ namespace psim {
 
 using kernels::kBlock;
 
-// Above this share of linked bodies copying them costs more than it saves.
-constexpr double kCompactBelow = 0.6;
+// Above 0.6 of linked bodies copying them costs more than it saves; either way is kept a while, since
+// each has columns of its own.
+constexpr double kCompactBelow = 0.5, kCompactUntil = 0.75;
 
 // All bodies as they stand.
 void SolverBodies::take_all(BodyStore& b, std::size_t strips, bool impacts) {
@@ -53,7 +54,7 @@ void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bo
   const std::size_t strips = table.strips.size();
   const bool turning = !b.spin.empty();
   if (compact) count_linked(b, table, pool);
-  if (!compact || strip_begin_[strips] > kCompactBelow * b.count) {
+  if (!compact || strip_begin_[strips] > (compact_ ? kCompactUntil : kCompactBelow) * b.count) {
     take_all(b, strips, impacts);
     return;
   }

@@ -140,10 +140,10 @@ void World::Impl::replan() {
 struct World::Impl::ListPlan {
   bool loose = false;  ///< bodies fly: select from the candidates every step
   kernels::ReachParams margin;
+  double frames = 0;   ///< that loose lists are made for; 0: one, looking ahead
   float ahead = 0;     ///< s: not 0 for lists of one step, see BroadPhaseParams
   double speed = 0;    ///< m/s, root mean square of the sample about its mean
   double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
-  double ring = 0;     ///< m^2: half the area round a body in which partners are candidates
 };
 
 namespace {
@@ -213,8 +213,8 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const double area = broad.area() > 0 ? broad.area()
                                        : (desc.bounds.xmax - desc.bounds.xmin) *
                                              (desc.bounds.ymax - desc.bounds.ymin);
-  // Where bodies lie in heaps their number a box says little: the last lists say more.
-  const double density = std::fmax(bodies.count / area, candidate_density);
+  // Where bodies lie in heaps their number a box says little: the last grid says more.
+  const double density = std::fmax(bodies.count / area, broad.density());
   // Without restitution impacts only slow bodies down.
   if (plan.restitution) {
     out.crowding = std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
@@ -227,21 +227,23 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   };
   const double half = kMarginFrames * dt / 2;
   const double skin = 0.505 * impact_slack(out.speed, out.crowding, dt);
-  out.ring = ring(2 * (r + skin + 1.2 * half * out.speed));
-  double best = build(r + skin + half * s.fastest_off) + kSelect * density * out.ring;
+  // The last choice is kept if it is nearly as good: every change of mind needs room of its own.
+  const auto favour = [&](double frames) { return loose && frames == list_frames ? 0.85 : 1.0; };
+  double best = favour(0) * (build(r + skin + half * s.fastest_off) +
+                             kSelect * density * ring(2 * (r + skin + 1.2 * half * out.speed)));
   out.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean_x),
                 static_cast<float>(s.mean_y)};
   out.ahead = static_cast<float>(half);
   for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
-    const double around = ring(2 * r + 3 * k * frame);
     const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
-    const double cost = build(reach) / k + kSelect * density * around;
+    const double cost =
+        favour(k) * (build(reach) / k + kSelect * density * ring(2 * r + 3 * k * frame));
     if (!(cost < best)) continue;
     best = cost;
-    out.ring = around;
     out.margin = {static_cast<float>(0.02 * r + k * 1.2 * frame),
                   static_cast<float>(k * kMarginFrames * dt * 0.3), 0, 0};
     out.ahead = 0;
+    out.frames = k;
   }
   return out;
 }
@@ -259,6 +261,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   const ListPlan lists = plan_lists(dt);
   loose = lists.loose;
   once = lists.ahead != 0;
+  list_frames = lists.frames;
   sampled_speed = lists.speed;
   crowding = lists.crowding;
   BroadPhaseParams p;
@@ -274,9 +277,6 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   if (!loose) table.swap(old_table);
   broad.build(bodies, shapes, p, kernels, pool, loose ? candidates : table);
   if (plan.fields) move_rests(bodies, broad.from(), pool);
-  if (loose) {
-    candidate_density = static_cast<double>(broad.pairs()) / (bodies.count * lists.ring);
-  }
   report.rebuilt = true;
 }
 

@@ -40,9 +40,9 @@ struct World::Impl {
   PairTable candidates;        // loose scenes: what `table` is selected from every step
   bool loose = false;          // bodies fly: few candidates meet within a step
   bool once = false;           // the lists are for one step
+  double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
-  double candidate_density = 0;  // 1/m^2, of the last loose lists
   SolverBodies solved;
   HeavyLoads loads;
   ContactStore contacts;

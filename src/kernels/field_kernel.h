@@ -94,8 +94,8 @@ template <class L>
     const auto d2 = norm2<L>(d);
     const auto s = L::add(d2, L::set1_d(w.softening2));
     const auto acts = L::but_not(L::less(zero, s), L::less(L::set1_d(w.range2), d2));
-    const auto f = L::div(L::mul(L::set1_d(w.strength), pull),
-                          power<L>(L::select(acts, s, one), w));
+    const auto f =
+        L::div(L::mul(L::set1_d(w.strength), pull), power<L>(L::select(acts, s, one), w));
     a = select<L>(acts, add<L>(a, scale<L>(f, d)), a);
   }
   return a;
@@ -196,8 +196,7 @@ template <class L, bool kDrag>
 
 /// A kick of t seconds at one place: dv/dt = f - (c + q |v|) v, the drag by a Runge-Kutta step in v.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline Pair<L> kicked(const FieldParams& p, double t, Pair<L> f,
-                                             Pair<L> v) {
+[[gnu::always_inline]] inline Pair<L> kicked(const FieldParams& p, double t, Pair<L> f, Pair<L> v) {
   if constexpr (!kDrag) return add<L>(v, scale<L>(t, f));
   const auto half = L::set1_d(t / 2), whole = L::set1_d(t), two = L::set1_d(2);
   const auto a = [&](Pair<L> at) { return with_drag<L, true>(p, f, at); };
@@ -243,8 +242,8 @@ template <class L>
   const auto rate = L::add(L::set1_d(p.linear), L::mul(q, fast));
   calm = L::less(L::mul(rate, L::set1_d(p.h)), L::set1_d(0.5));
   const Pair<L> u = add<L>(s.v, scale<L>(half, f));
-  const auto left = L::div(L::set1_d(p.fade),
-                           L::add(one, L::mul(L::mul(q, norm<L>(u)), L::set1_d(p.fade_span))));
+  const auto left =
+      L::div(L::set1_d(p.fade), L::add(one, L::mul(L::mul(q, norm<L>(u)), L::set1_d(p.fade_span))));
   const Pair<L> v = add<L>(scale<L>(left, u), scale<L>(half, f));
   return {add<L>(out, scale<L>(half, v)), sub<L>(v, s.v)};
 }
@@ -252,8 +251,7 @@ template <class L>
 template <class L, Method kMethod, bool kDrag>
 [[gnu::always_inline]] inline Change<L> change_of(const FieldParams& p, const Flight<L>& s) {
   if constexpr (kMethod == Method::euler) return euler<L, kDrag>(p, s);
-  const Change<L> c =
-      kMethod == Method::rk4 ? rk4<L, kDrag>(p, s) : symplectic4<L, kDrag>(p, s);
+  const Change<L> c = kMethod == Method::rk4 ? rk4<L, kDrag>(p, s) : symplectic4<L, kDrag>(p, s);
   if constexpr (!kDrag) return c;
   typename L::D calm;
   const Change<L> slow = leap<L>(p, s, calm);
@@ -305,7 +303,8 @@ void drift_bent(const BodyView& b, const FieldParams& p, std::uint32_t begin, st
       const auto smooth = L::less_equal(norm2<L>(sub<L>(v, v0)), bound);
       const Pair<L> way =
           select<L>(smooth, add<L>(scale<L>(half, add<L>(v0, v)), bend), scale<L>(h, v));
-      const Pair<L> d = load_pair<L>(b.disp + 2 * body), rest = load_pair<L>(b.disp_rest + 2 * body);
+      const Pair<L> d = load_pair<L>(b.disp + 2 * body),
+                    rest = load_pair<L>(b.disp_rest + 2 * body);
       const Pair<L> exact = add<L>(add<L>(d, rest), way), to = rounded<L>(exact);
       store_pair<L>(b.disp + 2 * body, select<L>(mine, to, d));
       store_pair<L>(b.disp_rest + 2 * body, select<L>(mine, sub<L>(exact, to), rest));
