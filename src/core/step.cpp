@@ -228,7 +228,7 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const double half = kMarginFrames * dt / 2;
   const double skin = 0.505 * impact_slack(out.speed, out.crowding, dt);
   // The last choice is kept if it is nearly as good: every change of mind needs room of its own.
-  const auto favour = [&](double frames) { return loose && frames == list_frames ? 0.85 : 1.0; };
+  const auto favour = [&](double frames) { return loose && frames == list_frames ? 0.97 : 1.0; };
   double best = favour(0) * (build(r + skin + half * s.fastest_off) +
                              kSelect * density * ring(2 * (r + skin + 1.2 * half * out.speed)));
   out.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean_x),
