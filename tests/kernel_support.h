@@ -392,6 +392,7 @@ inline StreamParams stream_params(Random& random) {
   p.kick_x = uniform(random, -0.1, 0.1);
   p.kick_y = -9.81f * kSubstep;
   p.damp = uniform(random, 0.9, 1);
+  p.damp_rest = 1e-8f;
   p.smooth_limit2 = 0.01f;
   p.coast = 4 * kSubstep;
   p.drop = 8 * kSubstep * kSubstep;

@@ -9,17 +9,23 @@ namespace {
 
 // ---- length of the step -----------------------------------------------------------------------
 
-TEST(StressSteps, APileComesToRestAtUpToATwentyFifthOfASecond) {
-  EXPECT_GE(largest_stable_step(), 1.0 / 25);
+TEST(StressSteps, APileComesToRestAtUpToAFifteenthOfASecond) {
+  EXPECT_GE(largest_stable_step(), 1.0 / 15);
+  for (const double friction : {0.0, 0.5}) {
+    EXPECT_LT(land(1.0 / 60, 0.6 * friction, friction).overlap, 0.02) << friction;
+    EXPECT_LT(land(1.0 / 60, 0.6 * friction, friction).speed, 1e-6) << friction;
+    EXPECT_LT(land(1.0 / 30, 0.6 * friction, friction).overlap, 0.05) << friction;
+  }
 }
 
 TEST(StressSteps, OfAnyLengthGainNoEnergyAndLoseNobody) {
   for (const double dt : {1.0 / 15, 0.1, 0.2, 0.5, 1.0}) {
     for (const double friction : {0.0, 0.5}) {
-      const Landing landing = land(dt, 0.3 * friction, friction);
+      const Landing landing = land(dt, 0.6 * friction, friction);
       EXPECT_TRUE(landing.whole) << dt;
-      EXPECT_LT(landing.energy_gain, 1e-6) << dt;
-      EXPECT_LT(landing.speed, 0.05) << dt;
+      EXPECT_LT(landing.energy_gain, 1e-9) << dt;
+      EXPECT_LT(landing.speed, dt < 0.15 ? 5e-6 : 0.07) << dt;
+      if (dt < 0.15) EXPECT_LT(landing.overlap, 0.25) << dt;
     }
   }
 }
@@ -27,50 +33,60 @@ TEST(StressSteps, OfAnyLengthGainNoEnergyAndLoseNobody) {
 TEST(StressSteps, AFifthMoreOrLessByChanceDoNoHarm) {
   const Landing landing = land_at_random_steps(0.8 / 60, 1.2 / 60);
   EXPECT_TRUE(landing.whole);
-  EXPECT_LT(landing.energy_gain, 1e-6);
+  EXPECT_LT(landing.energy_gain, 1e-9);
   EXPECT_LT(landing.overlap, 0.03);
-  EXPECT_LT(landing.speed, 0.11);
+  EXPECT_LT(landing.speed, 0.04);
 }
 
-// Far from good: a step that is much longer than the one before shakes whatever is at rest.
-TEST(StressSteps, OfVeryUnevenLengthLoseNobody) {
+TEST(StressSteps, OfVeryUnevenLengthGainNoEnergy) {
   const Landing landing = land_at_random_steps(1e-4, 0.05);
   EXPECT_TRUE(landing.whole);
-  EXPECT_LT(landing.energy_gain, 80);
-  EXPECT_LT(speed_after_a_short_step(1.0 / 240), 2.5);
+  EXPECT_LT(landing.energy_gain, 1e-9);
+  EXPECT_LT(landing.overlap, 0.1);
+  EXPECT_LT(landing.speed, 0.25);
+}
+
+TEST(StressSteps, OneOfAnotherLengthShakesAPileWithinBounds) {
+  EXPECT_LT(speed_after_a_short_step(1.0 / 60), 5e-6);
+  EXPECT_LT(speed_after_a_short_step(1.0 / 240), 0.012);
+  EXPECT_LT(speed_after_a_short_step(1e-3), 0.55);
+  EXPECT_LT(speed_after_a_short_step(1e-6), 2.6);
+  EXPECT_LT(speed_after_a_short_step(0.1), 6.5);
 }
 
 // ---- mass ratios ------------------------------------------------------------------------------
 
 TEST(StressMass, LightRestsOnHeavy) {
   for (const double ratio : {1e-6, 1e-3, 0.1}) {
-    EXPECT_LT(heavy_on_light(ratio).overlap, 7e-4) << ratio;
-    EXPECT_LT(heavy_on_light(ratio).speed, 1e-6) << ratio;
+    EXPECT_LT(heavy_on_light(ratio).overlap, 1.2e-4) << ratio;
+    EXPECT_LT(heavy_on_light(ratio).speed, 1e-8) << ratio;
   }
 }
 
-TEST(StressMass, HeavyRestsOnLightUpToAHundredToOne) {
-  EXPECT_LT(heavy_on_light(1).overlap, 1.4e-3);
-  EXPECT_LT(heavy_on_light(10).overlap, 7.5e-3);
-  EXPECT_LT(heavy_on_light(100).overlap, 0.05);
-  EXPECT_GT(first_sinking_ratio(0.05), 140);
+TEST(StressMass, HeavyRestsOnLightUpToThousandsToOne) {
+  EXPECT_LT(heavy_on_light(1).overlap, 9e-4);
+  EXPECT_LT(heavy_on_light(10).overlap, 2.5e-4);
+  EXPECT_LT(heavy_on_light(100).overlap, 2.2e-3);
+  EXPECT_LT(heavy_on_light(1000).overlap, 0.022);
+  EXPECT_GT(first_sinking_ratio(0.05), 4000);
 }
 
 TEST(StressMass, HeavierStillSinksInQuietly) {
-  for (const double ratio : {1e3, 1e4, 1e6}) {
+  EXPECT_LT(heavy_on_light(1e4).overlap, 0.22);
+  for (const double ratio : {1e3, 1e4, 1e5, 1e6}) {
     const Load load = heavy_on_light(ratio);
-    EXPECT_LT(load.overlap, ratio < 2e3 ? 0.5 : 2.0) << ratio;
-    EXPECT_LT(load.speed, 1e-5) << ratio;
+    EXPECT_LT(load.overlap, 2) << ratio;
+    EXPECT_LT(load.speed, 1e-3) << ratio;
   }
 }
 
 TEST(StressMass, ElasticPairsOfAnyRatioHaveTheClosedForm) {
   for (double ratio = 1e-6; ratio < 2e6; ratio *= 10) {
-    EXPECT_LT(elastic_pair_error(ratio), 1e-6) << ratio;
+    EXPECT_LT(elastic_pair_error(ratio), 6e-7) << ratio;
   }
 }
 
-TEST(StressMass, GravelUnderAGiantIsNotShotAway) { EXPECT_LT(gravel_speed(), 35); }
+TEST(StressMass, GravelUnderAGiantIsNotShotAway) { EXPECT_LT(gravel_speed(), 250); }
 
 // ---- overlaps ---------------------------------------------------------------------------------
 
@@ -90,10 +106,10 @@ TEST(StressOverlap, WithTheGroundBecomesNoJump) {
 }
 
 TEST(StressOverlap, OfABlockIsPushedOutAtBoundedSpeed) {
-  EXPECT_LT(speed_from_overlapping_block(0.1, 0), 10);
+  EXPECT_LT(speed_from_overlapping_block(0.1, 0), 13);
   for (const double overlap : {0.25, 0.5, 0.75, 0.9}) {
     for (const double restitution : {0.0, 1.0}) {
-      EXPECT_LT(speed_from_overlapping_block(overlap, restitution), 25) << overlap;
+      EXPECT_LT(speed_from_overlapping_block(overlap, restitution), 30) << overlap;
     }
   }
 }
@@ -108,23 +124,23 @@ TEST(StressOverlap, ManyAtOnePointComeApartAtBoundedSpeed) {
   expect_apart(2, 1e-6);
   expect_apart(3, 2.5);
   expect_apart(10, 16);
-  expect_apart(100, 140);
+  expect_apart(100, 150);
 }
 
-TEST(SlowStressOverlap, AThousandAtOnePointComeApart) { expect_apart(1000, 550); }
+TEST(SlowStressOverlap, AThousandAtOnePointComeApart) { expect_apart(1000, 580); }
 
 // ---- crowds -----------------------------------------------------------------------------------
 
 TEST(StressCrowd, SixHundredSmallDiscsRestOnABigOneThatFloats) {
   const Crowd ring = ring_on_a_big_disc();
-  EXPECT_LT(ring.overlap, 4e-4);
-  EXPECT_LT(ring.speed, 1e-4);
+  EXPECT_LT(ring.overlap, 2.2e-4);
+  EXPECT_LT(ring.speed, 1e-5);
 }
 
 TEST(SlowStressCrowd, TenThousandComeToRestOnOneSegment) {
   const Crowd crowd = discs_on_a_plate();
-  EXPECT_LT(crowd.overlap, 0.2);
-  EXPECT_LT(crowd.speed, 3e-3);
+  EXPECT_LT(crowd.overlap, 0.023);
+  EXPECT_LT(crowd.speed, 7e-4);
 }
 
 }  // namespace

@@ -63,33 +63,34 @@ TEST(StressFar, AWorldAboutADistantPointHasTheSameBits) {
   for (const double x : {1e4, -1e6, 1e8}) EXPECT_EQ(difference_at(x), 0) << x;
 }
 
-TEST(SlowStressDenormals, SlowAStepDownByABoundedFactor) { EXPECT_LT(denormal_slowdown(), 50); }
+// With denormals computed instead of taken for zero it is 22.
+TEST(SlowStressDenormals, DoNotSlowAStepDown) { EXPECT_LT(denormal_slowdown(), 2); }
 
 // ---- long runs --------------------------------------------------------------------------------
 
 TEST(StressLong, InvariantsOverAHundredThousandSteps) {
-  EXPECT_LT(kepler_energy(25'000).largest, 4e-5);
-  EXPECT_LT(bounce_energy(25'000).largest, 6e-5);
-  EXPECT_LT(gas_energy(25'000).largest, 1.5e-4);
-  EXPECT_LT(stack_place(0.5, 25'000).largest, 1e-8);
+  EXPECT_LT(kepler_energy(25'000).largest, 2.4e-5);
+  EXPECT_LT(bounce_energy(25'000).largest, 5e-5);
+  EXPECT_LT(gas_energy(25'000).largest, 1e-4);
+  EXPECT_LT(stack_place(0.5, 25'000).largest, 7e-9);
 }
 
 TEST(SlowStressLong, AnOrbitKeepsItsEnergyForAMillionSteps) {
   const Drift drift = kepler_energy(250'000);
-  EXPECT_LT(drift.largest, 5e-5);
-  EXPECT_LT(std::abs(drift.change), 1.5e-5);
+  EXPECT_LT(drift.largest, 2.8e-5);
+  EXPECT_LT(std::abs(drift.change), 4e-6);
 }
 
 TEST(SlowStressLong, ElasticImpactsKeepTheirEnergyForAMillionSteps) {
   EXPECT_LT(bounce_energy(250'000).largest, 5e-4);
-  EXPECT_LT(gas_energy(250'000).largest, 1.5e-3);
+  EXPECT_LT(gas_energy(250'000).largest, 1e-3);
 }
 
 TEST(SlowStressLong, AColumnDoesNotCreepInAMillionSteps) {
   for (const double friction : {0.0, 0.5}) {
     const Drift drift = stack_place(friction, 250'000);
-    EXPECT_LT(drift.largest, 1e-8) << friction;
-    EXPECT_LT(std::abs(drift.change), 2e-10) << friction;
+    EXPECT_LT(drift.largest, 8e-9) << friction;
+    EXPECT_LT(std::abs(drift.change), 1e-10) << friction;
   }
 }
 
@@ -99,25 +100,25 @@ TEST(StressJoints, AThousandAreNeitherFeltNorCostSpeed) {
   for (const double speed : {5.0, 20.0, 50.0}) {
     for (const double friction : {0.0, 0.5}) {
       const Glide way = glide(speed, friction);
-      EXPECT_LT(way.bump, 2.5e-5) << speed << " mu " << friction;
+      EXPECT_LT(way.bump, 1.4e-5) << speed << " mu " << friction;
       EXPECT_LT(std::abs(way.speed_lost), 1e-6) << speed << " mu " << friction;
     }
   }
 }
 
 TEST(StressReversal, AnOrbitReturnsAfterTenRounds) {
-  EXPECT_LT(orbit_return(377), 3e-4);
-  EXPECT_LT(orbit_return(3770), 1e-2);
+  EXPECT_LT(orbit_return(377), 3e-5);
+  EXPECT_LT(orbit_return(3770), 5e-4);
 }
 
 TEST(StressReversal, ABouncingDiscReturns) {
-  EXPECT_LT(bounce_return(600), 4e-6);
+  EXPECT_LT(bounce_return(600), 2.5e-6);
   EXPECT_LT(bounce_return(6000), 4e-5);
 }
 
 TEST(StressReversal, AGasReturnsUntilChaosTakesOver) {
-  EXPECT_LT(gas_return(60), 1e-5);
-  EXPECT_LT(gas_return(120), 3e-4);
+  EXPECT_LT(gas_return(60), 6e-6);
+  EXPECT_LT(gas_return(120), 1e-4);
 }
 
 }  // namespace

@@ -109,19 +109,20 @@ void append_masses(Figures& all) {
 }
 
 void append_overlaps(bool quick, Figures& all) {
-  const int crowd = quick ? 100 : 1000;
-  all.push_back({"S3", quick ? "100-at-one-point-speed" : "1000-at-one-point-speed", "m/s",
-                 Bound::at_most, 1000,
-                 [crowd](const Start& s) { return one_point(crowd, s).speed; }, false,
-                 "the fastest of so many discs at one point, after 2 s"});
-  all.push_back({"S3", quick ? "100-at-one-point-momentum" : "1000-at-one-point-momentum",
-                 "of all momenta", Bound::at_most, 1e-5,
-                 [crowd](const Start& s) { return one_point(crowd, s).momentum; }, false,
+  all.push_back({"S3", "100-at-one-point-speed", "m/s", Bound::at_most, 300,
+                 [](const Start& s) { return one_point(100, s).speed; }, false,
+                 "the fastest of 100 discs at one point, after 2 s"});
+  all.push_back({"S3", "100-at-one-point-momentum", "of all momenta", Bound::at_most, 1e-5,
+                 [](const Start& s) { return one_point(100, s).momentum; }, false,
                  "momentum that they gain together"});
-  all.push_back({"S3", quick ? "100-at-one-point-overlap" : "1000-at-one-point-overlap",
-                 "of a diameter", Bound::at_most, 0.25,
-                 [crowd](const Start& s) { return one_point(crowd, s).overlap; }, false,
+  all.push_back({"S3", "100-at-one-point-overlap", "of a diameter", Bound::at_most, 0.01,
+                 [](const Start& s) { return one_point(100, s).overlap; }, false,
                  "the deepest overlap of them, after 2 s"});
+  if (!quick) {  // other engines take minutes: half a million contacts
+    all.push_back({"S3", "1000-at-one-point-speed", "m/s", Bound::at_most, 1000,
+                   [](const Start& s) { return one_point(1000, s).speed; }, true,
+                   "the same of 1000"});
+  }
   all.push_back({"S4", "overlapping-pair-speed", "m/s", Bound::at_most, 1e-3,
                  [](const Start& s) {
                    return worst(std::array{0.1, 0.5, 0.9}, [&s](double overlap) {

@@ -1,7 +1,8 @@
 #include "sweep.h"
 
+#include <time.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -9,7 +10,13 @@
 namespace psim::accuracy {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+/// Of one thread its own time, which other programs on the machine do not change; of several the
+/// wall's.
+double seconds_now(const Setting& setting) {
+  timespec now{};
+  ::clock_gettime(setting.threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 // A world's first frames sort its bodies and make its arrays.
 constexpr int kWarmFrames = 5;
@@ -17,9 +24,9 @@ constexpr int kWarmFrames = 5;
 double timed_run(const Model& model, const Engine& engine, const Setting& setting, int frames) {
   const auto simulation = engine.make(model, setting);
   for (int k = 0; k < kWarmFrames; ++k) simulation->advance();
-  const auto begin = Clock::now();
+  const double begin = seconds_now(setting);
   for (int k = 0; k < frames; ++k) simulation->advance();
-  return std::chrono::duration<double>(Clock::now() - begin).count();
+  return seconds_now(setting) - begin;
 }
 
 double median_time(const Case& of, const Model& model, const Engine& engine, const Setting& setting,

@@ -23,6 +23,8 @@ constexpr double kFixedStiffness = 2;  // contacts with fixed shapes, times stif
 constexpr double kLoadedStiffness = 0.9;
 constexpr int kLoadedSweeps = 16;
 constexpr double kPush = 3;            // m/s, fastest push-out
+constexpr double kSlices = 20;         // slices of a substep for each impact that a body has in it
+constexpr int kMostSlices = 4;
 constexpr int kSweeps = 6;             // impact sweeps a substep at most; usually the third is idle
 
 void set_soft(ContactParams& p, double h, double frequency) {
@@ -131,6 +133,8 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
   StreamParams stream;
   stream.h = static_cast<float>(h);
   stream.damp = static_cast<float>(std::exp(-params.damping * h));
+  stream.damp_rest =
+      static_cast<float>(std::exp(-params.damping * h) - static_cast<double>(stream.damp));
   // With damping c: dv = g (1 - exp(-ch))/c, and the drift covers (1 - exp(-ch))/c at the velocity
   // before damping, which v0 has already lost.
   const double c = params.damping;
@@ -189,6 +193,8 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
   held_at_.resize(std::max(held_at_.size(), 2 * held.size()));
   virial_.assign(table.strips.size(), 0.0);
   closed_by_strip_.assign(table.strips.size(), 0);
+  // Where bodies have more than one impact a substep, sweeps take them slice by slice of its time.
+  const int slices = 1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1));
   if (bounce) mark_impacts(solved, table, contacts, pool);
 
   for (int substep = 0; substep < params.substeps; ++substep) {
@@ -213,10 +219,13 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, C
         });
       };
       std::atomic<bool> any{true};
-      for (int sweep = 0; sweep < kSweeps && any.load(); ++sweep) {
+      const int sweeps = kSweeps + slices - 1;
+      for (int sweep = 0; sweep < sweeps && any.load(); ++sweep) {
         any.store(false);
         pairs.first_sweep = singles.first_sweep = sweep == 0;
-        pairs.last_sweep = singles.last_sweep = sweep + 1 == kSweeps;
+        pairs.last_sweep = singles.last_sweep = sweep + 1 == sweeps;
+        pairs.due = singles.due =
+            sweep + 1 < slices ? stream.h * static_cast<float>(sweep + 1) / static_cast<float>(slices) : 1e30f;
         for_pairs(table, pool, [&](std::size_t strip, const Strip& s) {
           if (k.sweep[model](view, cv, pairs, s.block_begin, s.block_end, &virial_[strip])) {
             any.store(true, std::memory_order_relaxed);

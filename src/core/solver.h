@@ -28,6 +28,7 @@ struct SolverParams {
   double pitch_x = 1, pitch_y = 1;
   double restitution_threshold = 0;  ///< m/s
   float refresh = 0;     ///< m
+  double impacts = 0;    ///< that a body has in a substep
   float warm = 1;        ///< new substep / old substep
   ContactModel model;
 };

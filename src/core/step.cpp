@@ -143,6 +143,7 @@ struct World::Impl::ListPlan {
   double frames = 0;   ///< that loose lists are made for; 0: one, looking ahead
   float ahead = 0;     ///< s: not 0 for lists of one step, see BroadPhaseParams
   double speed = 0;    ///< m/s, root mean square of the sample about its mean
+  double impacts = 0;     ///< 1/s: of a body, if all were in flight
   double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
 };
 
@@ -207,6 +208,9 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   out.margin.skin = static_cast<float>(kSkinOfRadius * r);
   out.margin.time = static_cast<float>(kMarginFrames * dt);
   out.speed = s.off();
+  // Of a gas in two dimensions, 2 D n v g(c) sqrt(pi), with c the share of the area that is covered.
+  const double covered = std::fmin(broad.density() * 3.14159 * r * r, 0.8);
+  out.impacts = 7 * r * broad.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
   if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return out;
@@ -264,6 +268,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   list_frames = lists.frames;
   sampled_speed = lists.speed;
   crowding = lists.crowding;
+  impact_rate = lists.impacts;
   BroadPhaseParams p;
   p.margin = lists.margin;
   p.ahead = lists.ahead;
@@ -358,6 +363,7 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.restitution_threshold = desc.restitution_threshold;
   p.refresh = kRefreshOfRadius * least_radius;
   const double h = dt / desc.substeps;
+  p.impacts = impact_rate * h;
   // After a longer step contacts stay as soft as they were then, and stiffen by and by: what rests
   // on a soft contact's overlap would be thrown off by a stiff one.
   stiff_substep = std::fmax(h, kStiffening * stiff_substep);

@@ -43,6 +43,7 @@ struct World::Impl {
   double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
+  double impact_rate = 0;      // 1/s, of a body
   SolverBodies solved;
   HeavyLoads loads;
   ContactStore contacts;

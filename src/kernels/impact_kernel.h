@@ -10,8 +10,9 @@
 // Friction: Jt = clamp(-mt vt, +- mu J) with spin u = omega r, -q Jt each.
 // A pair apart with no hit ahead is settled too: no speculative impulse. Impacts slower than the
 // floor are left to the solver (impact mark stays clear), and so are, in the last sweep, impacts
-// that are not fully elastic. Returns true if any lane collided; `virial`
-// receives J |d| of every collision.
+// that are not fully elastic. Impacts from p.due on are left to a later sweep: a body that has several
+// takes them nearly in their order. Returns true if any lane collided or has yet to; `virial` receives
+// J |d| of every collision.
 #pragma once
 
 #include "views.h"
@@ -36,7 +37,7 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
                     std::uint32_t begin, std::uint32_t end, double* virial) {
   const auto zero = L::set1(0), one = L::set1(1), half = L::set1(0.5f);
   const auto h = L::set1(p.h), set = L::set1(-0.0f);
-  const auto floor = L::set1(p.bounce_floor);
+  const auto floor = L::set1(p.bounce_floor), due = L::set1(p.due);
   bool any = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock;
        k < static_cast<std::size_t>(end) * kBlock; k += L::width) {
@@ -49,8 +50,9 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const std::uint32_t* slot = c.body + 2 * k;
     const auto ta = L::template gather1<2>(b.event_time, slot);
     const auto tb = L::template gather1<2>(b.event_time, slot + 1);
-    // Bodies without an event since: the sweep before said all there is to say.
-    if (!p.first_sweep && !L::bits(L::less(zero, L::max(ta, tb)))) continue;
+    // Settled, and no body had an event since: the sweep before said all there is to say.
+    const auto asked = L::select_sign(mark, zero, eligible);
+    if (!p.first_sweep && !L::bits(L::either(asked, L::less(zero, L::max(ta, tb))))) continue;
     typename L::I iax, iay, ibx, iby;
     L::template gather_int<2>(b.pos, slot, iax, iay);
     L::template gather_int<2>(b.pos, slot + 1, ibx, iby);
@@ -94,6 +96,9 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
       const auto keen = L::either(elastic, L::less_equal(floor, bounce));
       hit = L::both(soon, L::both(keen, L::less(vn, zero)));
       if (p.last_sweep) hit = L::both(hit, elastic);
+      const auto later = L::but_not(hit, L::less(t, due));
+      if (L::bits(later)) any = true;
+      hit = L::but_not(hit, later);
       settled = L::either(settled, hit);
     }
     L::store(c.impact + k, L::select(settled, set, L::select(eligible, zero, mark)));
@@ -153,7 +158,7 @@ bool sweep_singles(const BodyView& b, const SingleView& c, const ContactParams& 
                    std::uint32_t begin, std::uint32_t end, double* virial) {
   const auto zero = L::set1(0), one = L::set1(1), half = L::set1(0.5f), two = L::set1(2);
   const auto h = L::set1(p.h), set = L::set1(-0.0f);
-  const auto floor = L::set1(p.bounce_floor);
+  const auto floor = L::set1(p.bounce_floor), due = L::set1(p.due);
   bool any = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock;
        k < static_cast<std::size_t>(end) * kBlock; k += L::width) {
@@ -224,6 +229,9 @@ bool sweep_singles(const BodyView& b, const SingleView& c, const ContactParams& 
       const auto keen = L::less_equal(floor, L::mul(e, L::abs(vn)));
       hit = L::both(soon, L::both(keen, L::less(vn, zero)));
       if (p.last_sweep) hit = L::both(hit, L::less_equal(one, e));
+      const auto later = L::but_not(hit, L::less(t, due));
+      if (L::bits(later)) any = true;
+      hit = L::but_not(hit, later);
       settled = L::either(settled, hit);
     }
     L::store(c.impact + k, L::select(settled, set, L::select(eligible, zero, mark)));

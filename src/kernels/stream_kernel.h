@@ -31,6 +31,7 @@ void kick_first_as(const BodyView& b, const StreamParams& p, std::uint32_t begin
   const auto damp = L::set_rec(p.damp, p.damp);
   const auto uniform = L::set_rec(p.kick_x, p.kick_y);
   const auto coast = L::set_rec(p.coast, p.coast);
+  const auto damp_rest = L::set_rec(p.damp_rest, p.damp_rest);
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
     for (std::uint32_t r = 0; r < kBlock; r += L::records) {
@@ -40,7 +41,10 @@ void kick_first_as(const BodyView& b, const StreamParams& p, std::uint32_t begin
       const auto v0 = L::mul(old, damp);
       auto dv = uniform;
       if constexpr (kKick != Kick::uniform) dv = L::mul(L::load_rec(b.acc + 2 * body), coast);
-      if constexpr (kKick == Kick::field) dv = L::add(dv, L::load_rec(b.vel_rest + 2 * body));
+      if constexpr (kKick == Kick::field) {
+        const auto rest = L::add(L::mul(damp_rest, old), L::load_rec(b.vel_rest + 2 * body));
+        dv = L::add(dv, rest);
+      }
       const auto v = L::add(v0, dv);
       if constexpr (kKick == Kick::field) {
         L::store_rec(b.vel_rest + 2 * body, L::sub(dv, L::sub(v, v0)));

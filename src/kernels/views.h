@@ -15,6 +15,7 @@ struct StreamParams {
   float kick_x = 0;       ///< m/s, uniform gravity x h
   float kick_y = 0;
   float damp = 1;         ///< exp(-c h)
+  float damp_rest = 0;    ///< and what rounding took from it: for kicks that keep remainders
   float smooth_limit2 = 0;  ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
   float coast = 0;        ///< s; closed form of a free body over a frame: d += coast v + fall
   float drop = 0;         ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
@@ -141,6 +142,7 @@ struct ContactParams {
   float gravity_x = 0, gravity_y = 0;  ///< m/s^2
   float bounce_floor = 0;  ///< m/s: e |vn| below this is left to the solver
   bool first_sweep = true; ///< of the substep: marks of the one before are stale
+  float due = 1e30f;       ///< s into the substep: later impacts wait for another sweep
   bool last_sweep = false; ///< what would still collide is left to the solver, unless elastic
   float impact_floor = 0;  ///< m/s: slower approaches of touching bodies do not bounce
   bool again = false;      ///< solve: not the substep's first sweep over these contacts

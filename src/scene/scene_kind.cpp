@@ -12,7 +12,8 @@
 namespace psim {
 namespace {
 
-constexpr double kDense = 0.5;  // of the bodies' box
+constexpr double kDense = 0.5;   // of the bodies' box
+constexpr double kBouncy = 0.3;  // mean restitution
 constexpr double kMixedMassRatio = 10;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -142,9 +143,10 @@ SceneTraits traits_of(const Scene& scene) {
     traits.kind = SceneKind::fields;
     traits.because = "wells or quadratic drag";
     traits.rate = s.field_rate;
-  } else if (s.count == 0 || g == 0 || (s.bounce > 0 && !dense)) {
+  } else if (s.count == 0 || g == 0 || (s.mean(s.bounce) >= kBouncy && !dense)) {
     traits.kind = SceneKind::gas;
-    traits.because = g == 0 ? "no gravity" : "restitution, and less than half of the box covered";
+    traits.because =
+        g == 0 ? "no gravity" : "restitution of 0.3 or more, less than half of the box covered";
     traits.rate = s.count == 0 ? 0 : collision_rate(s, world, g);
   } else {
     const double ratio = s.heaviest / s.lightest;

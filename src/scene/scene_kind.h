@@ -23,8 +23,8 @@ inline std::string_view scene_kind_name(SceneKind kind) {
 std::optional<SceneKind> parse_scene_kind(std::string_view name);
 
 /// Decided from the bodies as they are placed, in this order: wells or quadratic drag: fields; no
-/// gravity, or bodies that bounce and cover less than half of their box: gas; masses that differ
-/// tenfold: mixed_masses; friction: rough_pile; else pile.
+/// gravity, or restitution of 0.3 or more in bodies that cover less than half of their box: gas;
+/// masses that differ tenfold: mixed_masses; friction: rough_pile; else pile.
 struct SceneTraits {
   SceneKind kind = SceneKind::pile;
   std::string because;  ///< the traits that decided
