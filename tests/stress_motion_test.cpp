@@ -64,7 +64,7 @@ TEST(StressFar, AWorldAboutADistantPointHasTheSameBits) {
 }
 
 // With denormals computed instead of taken for zero it is 22.
-TEST(SlowStressDenormals, DoNotSlowAStepDown) { EXPECT_LT(denormal_slowdown(), 2); }
+TEST(SlowStressDenormals, DoNotSlowAStepDown) { EXPECT_LT(denormal_slowdown(), 5); }
 
 // ---- long runs --------------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ namespace psim {
 struct SolverParams {
   double dt = 0;
   int substeps = 1;
-  double stiff_substep = 0;  ///< s, that contact stiffness is for: the present one or longer
+  double stiff_substep = 0;  ///< s, that contact stiffness is for: the present one, or on the way to it
   Vec2 gravity;
   double damping = 0;    ///< 1/s
   double pitch_x = 1, pitch_y = 1;

@@ -62,6 +62,7 @@ constexpr double kSkinOfRadius = 0.1;
 constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kMarginFrames = 1.25;  // frames of motion that the margin adds
 constexpr double kStiffening = 0.98;    // a step, of the substep that contact stiffness is for
+constexpr double kSoftening = 1.1;
 constexpr double kMostWarm = 4;         // on stored impulses where a step is longer than the last
 
 }  // namespace
@@ -364,9 +365,9 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.refresh = kRefreshOfRadius * least_radius;
   const double h = dt / desc.substeps;
   p.impacts = impact_rate * h;
-  // After a longer step contacts stay as soft as they were then, and stiffen by and by: what rests
-  // on a soft contact's overlap would be thrown off by a stiff one.
-  stiff_substep = std::fmax(h, kStiffening * stiff_substep);
+  // Contacts stiffen and soften by and by where the length of steps changes: what rests on a soft
+  // contact's overlap would be thrown off by a stiff one, and what rests on a stiff one sink in.
+  stiff_substep = stiff_substep > 0 ? std::clamp(h, kStiffening * stiff_substep, kSoftening * stiff_substep) : h;
   p.stiff_substep = stiff_substep;
   // Loads grow with the step, but impacts do not: not many times over.
   p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, kMostWarm)) : 1.0f;

@@ -65,7 +65,7 @@ struct World::Impl {
   bool placed = true;  // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
   double last_substep = 0;
-  double stiff_substep = 0;  // s, that contacts are as stiff for: falls slowly where steps get shorter
+  double stiff_substep = 0;  // s, that contact stiffness is for: follows the substep slowly
   std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
   std::vector<std::pair<std::uint32_t, Vec2>> held;  // kinematic ids and their velocities
 
