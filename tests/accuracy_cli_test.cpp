@@ -98,7 +98,7 @@ TEST(SlowAccuracy, CalibratesEveryKindOfScene) {
     const auto fields = fields_of(lines[k]);
     ASSERT_EQ(fields.size(), 10u) << lines[k];
     kinds.insert(fields[0]);
-    for (const std::size_t positive : {3, 4, 5, 6, 7, 9}) {
+    for (const std::size_t positive : {3u, 4u, 5u, 6u, 7u, 9u}) {
       EXPECT_GT(std::stod(fields[positive]), 0) << lines[k];
     }
   }

@@ -22,7 +22,7 @@ namespace psim {
 /// What the broad phase must know of the world.
 struct BroadPhaseParams {
   kernels::ReachParams margin;
-  float ahead = 0;        ///< s: bodies are looked at where they will be by then
+  float ahead = 0;  ///< s: bodies are looked at where they will be by then
   bool walls = false;
   bool periodic = false;
   bool mixed_radii = false;
@@ -63,7 +63,8 @@ class BroadPhase {
   bool search_strip(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t strip,
                     PairTable& table) const;
   bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
-  void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k, BlockRange blocks) const;
+  void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k,
+             BlockRange blocks) const;
   double sample_density(std::uint32_t bodies) const;
   double expected_pairs(std::size_t strip) const;
   void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
@@ -83,8 +84,8 @@ class BroadPhase {
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
   const Lattice* lattice_;
   Grid grid_;
-  float large_ = 1e30f;      // m: reach above which a body is not in the grid
-  float most_ = 0;           // m: largest reach in the grid
+  float large_ = 1e30f;  // m: reach above which a body is not in the grid
+  float most_ = 0;       // m: largest reach in the grid
   double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;

@@ -67,12 +67,50 @@ struct ContactStore::Layout {
 };
 
 ContactStore::ContactStore(MemoryMeter& m)
-    : body(m), nx(m), ny(m), gap(m), rsum(m), impulse(m), mass(m), wa(m), wb(m), mu(m),
-      friction(m), tmass(m), qa(m), qb(m), e(m), impact(m), start(m), s_body(m), s_shape(m), s_nx(m),
-      s_ny(m), s_gap(m), s_base_x(m), s_base_y(m), s_rsum(m), s_refresh(m), s_impulse(m),
-      s_mass(m), s_wb(m), s_mu(m), s_friction(m), s_tmass(m), s_qb(m), s_e(m), s_impact(m), s_start(m),
-      used_(m), colour_(m), old_impulse_(m), old_friction_(m), old_s_impulse_(m),
-      old_s_friction_(m), old_s_nx_(m), old_s_ny_(m) {}
+    : body(m),
+      nx(m),
+      ny(m),
+      gap(m),
+      rsum(m),
+      impulse(m),
+      mass(m),
+      wa(m),
+      wb(m),
+      mu(m),
+      friction(m),
+      tmass(m),
+      qa(m),
+      qb(m),
+      e(m),
+      impact(m),
+      start(m),
+      s_body(m),
+      s_shape(m),
+      s_nx(m),
+      s_ny(m),
+      s_gap(m),
+      s_base_x(m),
+      s_base_y(m),
+      s_rsum(m),
+      s_refresh(m),
+      s_impulse(m),
+      s_mass(m),
+      s_wb(m),
+      s_mu(m),
+      s_friction(m),
+      s_tmass(m),
+      s_qb(m),
+      s_e(m),
+      s_impact(m),
+      s_start(m),
+      used_(m),
+      colour_(m),
+      old_impulse_(m),
+      old_friction_(m),
+      old_s_impulse_(m),
+      old_s_friction_(m),
+      old_s_nx_(m),
+      old_s_ny_(m) {}
 
 void ContactStore::forget() {
   if (!impulse.empty()) std::fill_n(impulse.data(), impulse.capacity(), 0.0f);
@@ -107,7 +145,8 @@ void ContactStore::colour_strip(const PairTable& table, std::size_t index) {
 }
 
 // Singles of a body are numbered in turn, a class each, apart from those under heavy loads.
-std::uint32_t ContactStore::single_class(const Strip& s, std::uint32_t body, std::uint32_t sequence) const {
+std::uint32_t ContactStore::single_class(const Strip& s, std::uint32_t body,
+                                         std::uint32_t sequence) const {
   if (!s.loaded) return std::min(sequence, kOverflow);
   if (loads_->at(body)) return sequence < kColours - kLoaded ? kLoaded + sequence : kLoadedOverflow;
   return sequence < kLoaded ? sequence : kOverflow;
@@ -242,7 +281,8 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
     s_shape[at] = pair.shape;
     const Surface& info = b.surface(b.id[pair.body]);
     const bool is_wall = pair.shape >= kWallLeft;
-    const float we = is_wall ? static_cast<float>(wall.restitution) : shapes[pair.shape].restitution;
+    const float we =
+        is_wall ? static_cast<float>(wall.restitution) : shapes[pair.shape].restitution;
     const float wm = is_wall ? static_cast<float>(wall.friction) : shapes[pair.shape].friction;
     if (model_.bounce) s_e[at] = std::max(info.restitution, we);
     if (massed) {
@@ -255,7 +295,8 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
       const float wt = info.inv_mass + info.spin_gain;
       s_tmass[at] = wt > 0 ? 1 / wt : 0;
     }
-    const std::uint32_t before = find_single(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
+    const std::uint32_t before =
+        find_single(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
     const float l = before == kNoLane ? 0.0f : old_s_impulse_[before];
     s_impulse[at] = l > 0 ? l : 0.0f;
     // The side that a pressed contact was on: the narrow phase keeps to it.
@@ -267,7 +308,8 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
 
 void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
   body.reserve_loosely(2 * pair_lanes);
-  for (Column<float>* c : {&nx, &ny, &gap, &rsum, &impulse, &old_impulse_}) c->reserve_loosely(pair_lanes);
+  for (Column<float>* c : {&nx, &ny, &gap, &rsum, &impulse, &old_impulse_})
+    c->reserve_loosely(pair_lanes);
   s_body.reserve_loosely(single_lanes);
   s_shape.reserve_loosely(single_lanes);
   for (Column<float>* c : {&s_nx, &s_ny, &s_gap, &s_base_x, &s_base_y, &s_rsum, &s_refresh,
@@ -282,20 +324,21 @@ void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
   for (Column<float>* c : {&mass, &wa, &wb}) c->reserve_loosely(pair_lanes);
   for (Column<float>* c : {&s_mass, &s_wb}) c->reserve_loosely(single_lanes);
   if (model_.model == Model::massed) return;
-  for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb}) c->reserve_loosely(pair_lanes);
+  for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb})
+    c->reserve_loosely(pair_lanes);
   for (Column<float>* c : {&s_mu, &s_friction, &old_s_friction_, &s_tmass, &s_qb}) {
     c->reserve_loosely(single_lanes);
   }
 }
 
-void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
-                         ContactModel model, const Surface* alike, const HeavyLoads& loads,
-                         PairTable& table, const PairTable& old, const std::uint32_t* from,
-                         WorkerPool& pool) {
+void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes,
+                         const Material& wall, ContactModel model, const Surface* alike,
+                         const HeavyLoads& loads, PairTable& table, const PairTable& old,
+                         const std::uint32_t* from, WorkerPool& pool) {
   if (model != model_) {  // what the new model does not read gives its memory back
     if (model.model != Model::rough) {
-      for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu,
-                               &s_friction, &old_s_friction_, &s_tmass, &s_qb}) {
+      for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu, &s_friction,
+                               &old_s_friction_, &s_tmass, &s_qb}) {
         c->release();
       }
     }
@@ -319,7 +362,8 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   const std::size_t grid_strips = strips - 1;
   pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
   for (std::size_t parity = 0; parity < 2; ++parity) {
-    pool.run((grid_strips + 1 - parity) / 2, [&](std::size_t k) { colour_strip(table, 2 * k + parity); });
+    pool.run((grid_strips + 1 - parity) / 2,
+             [&](std::size_t k) { colour_strip(table, 2 * k + parity); });
   }
   colour_strip(table, grid_strips);
 
@@ -335,7 +379,8 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
       last = pair.body;
       ++singles[single_class(s, pair.body, sequence)];
     }
-    const Layout pairs(counts_[k], pair_blocks_, s.loaded), fixed(singles, single_blocks_, s.loaded);
+    const Layout pairs(counts_[k], pair_blocks_, s.loaded),
+        fixed(singles, single_blocks_, s.loaded);
     s.block_begin = pair_blocks_;
     s.loaded_begin = pairs.loaded;
     s.block_end = pair_blocks_ = pairs.end;

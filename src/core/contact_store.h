@@ -35,9 +35,10 @@ class ContactStore {
   /// Colours the pairs of `table`, lays the blocks out and carries impulses over from the old
   /// table (`from` maps new slots to old ones; null: the same). `alike`: the cold data of all moving bodies, if
   /// they agree. Contacts of bodies in `loads` come last in their strip. O(pairs).
-  void build(BodyStore& bodies, const SolverBodies& numbers, const StaticShapes& shapes, const Material& wall,
-             ContactModel model, const Surface* alike, const HeavyLoads& loads, PairTable& table,
-             const PairTable& old, const std::uint32_t* from, WorkerPool& pool);
+  void build(BodyStore& bodies, const SolverBodies& numbers, const StaticShapes& shapes,
+             const Material& wall, ContactModel model, const Surface* alike,
+             const HeavyLoads& loads, PairTable& table, const PairTable& old,
+             const std::uint32_t* from, WorkerPool& pool);
 
   /// Forgets all impulses (the model changed, or the lists are of another world state).
   void forget();
@@ -53,7 +54,8 @@ class ContactStore {
 
   // Pair contacts, by lane.
   Column<std::uint32_t> body;  ///< two a lane, as SolverBodies numbers them
-  Column<float> nx, ny, gap, rsum, impulse, mass, wa, wb, mu, friction, tmass, qa, qb, e, impact, start;
+  Column<float> nx, ny, gap, rsum, impulse, mass, wa, wb, mu, friction, tmass, qa, qb, e, impact,
+      start;
   // Single contacts, by lane.
   Column<std::uint32_t> s_body, s_shape;
   Column<float> s_nx, s_ny, s_gap, s_base_x, s_base_y, s_rsum, s_refresh, s_impulse, s_mass, s_wb,
@@ -86,9 +88,9 @@ class ContactStore {
   const Surface* alike_ = nullptr;
   const SolverBodies* numbers_ = nullptr;
   const HeavyLoads* loads_ = nullptr;
-  Column<std::uint32_t> used_;    // by slot: colours taken
-  Column<std::uint8_t> colour_;   // by pair
-  std::vector<Counts> counts_;    // by strip
+  Column<std::uint32_t> used_;   // by slot: colours taken
+  Column<std::uint8_t> colour_;  // by pair
+  std::vector<Counts> counts_;   // by strip
   std::vector<Counts> single_counts_;
   Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
   std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;

@@ -46,10 +46,10 @@ class HeavyLoads {
   void activate();
   ByLevel count_levels(const PairTable& table, WorkerPool& pool);
 
-  Column<float> inv_mass_;       // by slot
-  Column<std::uint8_t> level_;   // by slot
+  Column<float> inv_mass_;                   // by slot
+  Column<std::uint8_t> level_;               // by slot
   std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level at hand
-  std::vector<ByRatio> ratios_;  // by strip
+  std::vector<ByRatio> ratios_;              // by strip
   std::vector<ByLevel> levels_;
   std::uint8_t cut_ = 1;
   bool any_ = false;

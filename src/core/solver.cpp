@@ -22,10 +22,10 @@ constexpr double kFixedStiffness = 2;  // contacts with fixed shapes, times stif
 // Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge.
 constexpr double kLoadedStiffness = 0.9;
 constexpr int kLoadedSweeps = 16;
-constexpr double kPush = 3;            // m/s, fastest push-out
-constexpr double kSlices = 20;         // slices of a substep for each impact that a body has in it
+constexpr double kPush = 3;     // m/s, fastest push-out
+constexpr double kSlices = 20;  // slices of a substep for each impact that a body has in it
 constexpr int kMostSlices = 4;
-constexpr int kSweeps = 6;             // impact sweeps a substep at most; usually the third is idle
+constexpr int kSweeps = 6;  // impact sweeps a substep at most; usually the third is idle
 
 void set_soft(ContactParams& p, double h, double frequency) {
   constexpr double kPi = 3.14159265358979323846;
@@ -40,26 +40,346 @@ void set_soft(ContactParams& p, double h, double frequency) {
 
 }  // namespace
 
+// What a step's substeps work on, and their stages in the order of a substep.
+class Solver::Run {
+ public:
+  Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
+      ContactStore& contacts, const SolverParams& params, const Forces* forces,
+      const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool);
+
+  void substep(bool first_of_step);
+  double forces_ms() const {
+    return std::chrono::duration<double, std::milli>(forces_time_).count();
+  }
+
+ private:
+  template <class Each>
+  void for_pairs(const Each& each);
+  template <class Each>
+  void for_singles(const Each& each);
+  template <class Pairs, class Singles>
+  void for_loaded(const Pairs& pairs, const Singles& singles);
+  template <class Each>
+  void for_bodies(const Each& each);
+  template <class Kernel>
+  void force(Kernel kernel);
+
+  void impacts();
+  void kick(bool first);
+  void hold();
+  void warm(bool first_of_step);
+  void solve();
+  void drift();
+  void carry_held();
+  void relax();
+  void spend();
+
+  Solver& solver_;
+  BodyStore& bodies_;
+  SolverBodies& solved_;
+  const PairTable& table_;
+  const HeldBodies& held_;
+  const kernels::KernelTable& k_;
+  WorkerPool& pool_;
+  const kernels::BodyView view_;
+  const kernels::ContactView pairs_;
+  const kernels::SingleView singles_;
+
+  double h_;  // s
+  StreamParams stream_, drift_;
+  ContactParams pair_, single_, loaded_pair_, loaded_single_;
+  std::size_t model_, bounce_;
+  bool rough_;
+  int slices_, loaded_sweeps_;
+  bool varying_;  // accelerations are taken anew in every substep
+  kernels::FieldParams field_;
+  void (*accelerate_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
+                      std::uint32_t);
+  // The kick of another integrator than leapfrog, if the world asks for one.
+  void (*advance_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
+                   std::uint32_t) = nullptr;
+  Clock::duration forces_time_{};
+};
+
+Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
+                 ContactStore& contacts, const SolverParams& params, const Forces* forces,
+                 const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool)
+    : solver_(solver),
+      bodies_(bodies),
+      solved_(solved),
+      table_(table),
+      held_(held),
+      k_(k),
+      pool_(pool),
+      view_(solved.view(bodies)),
+      pairs_(contacts.pairs()),
+      singles_(contacts.singles()),
+      h_(params.dt / params.substeps),
+      model_(static_cast<std::size_t>(params.model.model)),
+      bounce_(params.model.bounce ? 1 : 0),
+      rough_(params.model.model == kernels::Model::rough),
+      slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
+      loaded_sweeps_(solver.loaded_.empty() ? 0 : kLoadedSweeps),
+      varying_(forces != nullptr && forces->varying()) {
+  const double g =
+      std::sqrt(params.gravity.x * params.gravity.x + params.gravity.y * params.gravity.y);
+  stream_.h = static_cast<float>(h_);
+  stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
+  stream_.damp_rest =
+      static_cast<float>(std::exp(-params.damping * h_) - static_cast<double>(stream_.damp));
+  // With damping c: dv = g (1 - exp(-ch))/c, and the drift covers (1 - exp(-ch))/c at the velocity
+  // before damping, which v0 has already lost.
+  const double c = params.damping;
+  const double span = c > 0 ? -std::expm1(-c * h_) / c : h_;
+  stream_.kick_x = static_cast<float>(params.gravity.x * span);
+  stream_.kick_y = static_cast<float>(params.gravity.y * span);
+  stream_.coast = static_cast<float>(span);
+  drift_ = stream_;
+  drift_.h = static_cast<float>(c > 0 ? span / std::exp(-c * h_) : h_);
+  drift_.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * g * g * h_ * h_);
+
+  pair_.h = stream_.h;
+  pair_.inv_h = static_cast<float>(1 / h_);
+  pair_.pitch_x = static_cast<float>(params.pitch_x);
+  pair_.pitch_y = static_cast<float>(params.pitch_y);
+  pair_.push = static_cast<float>(kPush);
+  pair_.refresh = params.refresh;
+  pair_.warm = params.warm;
+  pair_.gravity_x = static_cast<float>(params.gravity.x);
+  pair_.gravity_y = static_cast<float>(params.gravity.y);
+  pair_.bounce_floor = static_cast<float>(std::fmax(g * h_ / 2, params.restitution_threshold));
+  pair_.impact_floor = static_cast<float>(std::fmax(2 * g * h_, params.restitution_threshold));
+  single_ = loaded_pair_ = loaded_single_ = pair_;
+  set_soft(pair_, h_, kStiffness / params.stiff_substep);
+  set_soft(single_, h_, kFixedStiffness * kStiffness / params.stiff_substep);
+  set_soft(loaded_pair_, h_, kLoadedStiffness / params.stiff_substep);
+  set_soft(loaded_single_, h_, kFixedStiffness * kLoadedStiffness / params.stiff_substep);
+
+  if (forces) field_ = forces->params(h_);
+  const bool drag = field_.quadratic != 0;
+  accelerate_ = k.accelerate[drag];
+  if (varying_ && forces->method()) {
+    advance_ = k.advance[static_cast<std::size_t>(*forces->method())][drag || field_.linear != 0];
+  }
+  if (!held.empty()) bodies.find_slots();
+  solver.held_at_.resize(std::max(solver.held_at_.size(), 2 * held.size()));
+}
+
+void Solver::Run::substep(bool first_of_step) {
+  const bool first = first_of_step || varying_;
+  if (varying_ && (!advance_ || bounce_)) force(accelerate_);
+  if (bounce_) impacts();
+  if (advance_) force(advance_);
+  kick(first);
+  hold();
+  if (first) warm(first_of_step);
+  solve();
+  drift();
+  carry_held();
+  relax();
+  if (bounce_) spend();
+}
+
 // Even strips, then odd ones, then the large bodies' group: no two jobs of a phase share a body.
 template <class Each>
-void Solver::for_pairs(const PairTable& table, WorkerPool& pool, const Each& each) {
-  const std::size_t strips = table.strips.size() - 1;
+void Solver::Run::for_pairs(const Each& each) {
+  const std::size_t strips = table_.strips.size() - 1;
   for (std::size_t parity = 0; parity < 2; ++parity) {
-    pool.run((strips + 1 - parity) / 2, [&](std::size_t k) {
-      const Strip& s = table.strips[2 * k + parity];
+    pool_.run((strips + 1 - parity) / 2, [&](std::size_t k) {
+      const Strip& s = table_.strips[2 * k + parity];
       if (s.block_begin != s.block_end) each(2 * k + parity, s);
     });
   }
-  const Strip& large = table.strips.back();
+  const Strip& large = table_.strips.back();
   if (large.block_begin != large.block_end) each(strips, large);
 }
 
 // Contacts with fixed shapes have the last word of every pass.
 template <class Each>
-void Solver::for_singles(const PairTable& table, WorkerPool& pool, const Each& each) {
-  pool.run(table.strips.size(), [&](std::size_t k) {
-    const Strip& s = table.strips[k];
+void Solver::Run::for_singles(const Each& each) {
+  pool_.run(table_.strips.size(), [&](std::size_t k) {
+    const Strip& s = table_.strips[k];
     if (s.single_begin != s.single_end) each(k, s);
+  });
+}
+
+// One sweep over contacts under heavy loads: pairs as in for_pairs, then singles.
+template <class Pairs, class Singles>
+void Solver::Run::for_loaded(const Pairs& pairs, const Singles& singles) {
+  const std::vector<std::uint32_t>& loaded = solver_.loaded_;
+  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
+    pool_.run(end - begin, [&](std::size_t k) { each(table_.strips[loaded[begin + k]]); });
+  };
+  run(0, solver_.loaded_odd_, pairs);
+  run(solver_.loaded_odd_, solver_.loaded_large_, pairs);
+  run(solver_.loaded_large_, loaded.size(), pairs);
+  run(0, loaded.size(), singles);
+}
+
+template <class Each>
+void Solver::Run::for_bodies(const Each& each) {
+  const std::uint32_t blocks = solved_.blocks();
+  pool_.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    each(r.begin, r.end);
+  });
+}
+
+template <class Kernel>
+void Solver::Run::force(Kernel kernel) {
+  const Clock::time_point start = Clock::now();
+  for_bodies([&](std::uint32_t begin, std::uint32_t end) { kernel(view_, field_, begin, end); });
+  forces_time_ += Clock::now() - start;
+}
+
+// Collisions at their time, sweep after sweep until one finds none. Where bodies have more than one
+// a substep, the first sweeps take them slice by slice of its time.
+void Solver::Run::impacts() {
+  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
+    std::fill(view_.event_time + std::size_t{begin} * 8, view_.event_time + std::size_t{end} * 8,
+              0.0f);
+  });
+  std::atomic<bool> any{true};
+  const auto sweep_singles = [&] {
+    for_singles([&](std::size_t strip, const Strip& s) {
+      if (k_.sweep_single[model_](view_, singles_, single_, s.single_begin, s.single_end,
+                                  &solver_.virial_[strip])) {
+        any.store(true, std::memory_order_relaxed);
+      }
+    });
+  };
+  const int sweeps = kSweeps + slices_ - 1;
+  for (int sweep = 0; sweep < sweeps && any.load(); ++sweep) {
+    any.store(false);
+    pair_.first_sweep = single_.first_sweep = sweep == 0;
+    pair_.last_sweep = single_.last_sweep = sweep + 1 == sweeps;
+    pair_.due = single_.due = sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) /
+                                                        static_cast<float>(slices_)
+                                                  : 1e30f;
+    for_pairs([&](std::size_t strip, const Strip& s) {
+      if (k_.sweep[model_](view_, pairs_, pair_, s.block_begin, s.block_end,
+                           &solver_.virial_[strip])) {
+        any.store(true, std::memory_order_relaxed);
+      }
+    });
+    sweep_singles();
+  }
+  if (any.load()) {  // too many events: at least nobody leaves through a wall
+    single_.last_sweep = false;
+    sweep_singles();
+  }
+}
+
+// Gravity; in later substeps of a frame also what contacts did in the one before.
+void Solver::Run::kick(bool first) {
+  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
+    if (!advance_) (first ? k_.kick_first : k_.kick_again)(view_, stream_, begin, end);
+    if (!rough_) return;
+    for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
+      const float u = view_.spin[i];
+      view_.spin[i] = first ? u : u + (u - view_.spin0[i]);
+      view_.spin0[i] = u;
+    }
+  });
+}
+
+// Kinematic bodies keep their velocities.
+void Solver::Run::hold() {
+  for (std::size_t n = 0; n < held_.size(); ++n) {
+    const std::size_t i = bodies_.info[held_[n].first].slot;
+    bodies_.vel[2 * i] = bodies_.vel0[2 * i] = static_cast<float>(held_[n].second.x);
+    bodies_.vel[2 * i + 1] = bodies_.vel0[2 * i + 1] = static_cast<float>(held_[n].second.y);
+    solver_.held_at_[2 * n] = bodies_.disp[2 * i];
+    solver_.held_at_[2 * n + 1] = bodies_.disp[2 * i + 1];
+  }
+}
+
+void Solver::Run::warm(bool first_of_step) {
+  ContactParams warm_pair = pair_, warm_single = single_;
+  if (!first_of_step) warm_pair.warm = warm_single.warm = 1;
+  for_pairs([&](std::size_t, const Strip& s) {
+    k_.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end);
+  });
+  for_singles([&](std::size_t, const Strip& s) {
+    k_.warm_single[model_](view_, singles_, warm_single, s.single_begin, s.single_end);
+  });
+}
+
+void Solver::Run::solve() {
+  for_pairs([&](std::size_t, const Strip& s) {
+    k_.solve[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
+  });
+  for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
+    loaded_pair_.again = loaded_single_.again = sweep != 0;
+    for_loaded(
+        [&](const Strip& s) {
+          k_.solve[model_][bounce_](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
+        },
+        [&](const Strip& s) {
+          k_.solve_single[model_][bounce_](view_, singles_, loaded_single_, s.single_loaded_begin,
+                                           s.single_end);
+        });
+  }
+  for_singles([&](std::size_t, const Strip& s) {
+    k_.solve_single[model_][bounce_](view_, singles_, single_, s.single_begin,
+                                     s.single_loaded_begin);
+  });
+}
+
+void Solver::Run::drift() {
+  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
+    if (advance_) {
+      k_.drift_bent(view_, field_, begin, end);
+    } else {
+      k_.drift(view_, drift_, begin, end);
+    }
+    if (bodies_.spin.empty()) return;
+    for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved_.count()); ++n) {
+      if (view_.linked[n] == 0) continue;
+      const std::size_t i = solved_.slot(n);
+      bodies_.angle[i] +=
+          h_ * (static_cast<double>(view_.spin[n]) / static_cast<double>(bodies_.radius[i]));
+    }
+  });
+}
+
+// They go straight on: nothing damps them.
+void Solver::Run::carry_held() {
+  for (std::size_t n = 0; n < held_.size(); ++n) {
+    const std::size_t i = bodies_.info[held_[n].first].slot;
+    bodies_.clear_rests(i);
+    bodies_.disp[2 * i] = solver_.held_at_[2 * n] + stream_.h * bodies_.vel[2 * i];
+    bodies_.disp[2 * i + 1] = solver_.held_at_[2 * n + 1] + stream_.h * bodies_.vel[2 * i + 1];
+  }
+}
+
+void Solver::Run::relax() {
+  for_pairs([&](std::size_t, const Strip& s) {
+    k_.relax[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
+  });
+  for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
+    loaded_pair_.more = loaded_single_.more = sweep + 1 != loaded_sweeps_;
+    for_loaded(
+        [&](const Strip& s) {
+          k_.relax[model_][bounce_](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
+        },
+        [&](const Strip& s) {
+          k_.relax_single[model_][bounce_](view_, singles_, loaded_single_, s.single_loaded_begin,
+                                           s.single_end);
+        });
+  }
+  for_singles([&](std::size_t, const Strip& s) {
+    k_.relax_single[model_][bounce_](view_, singles_, single_, s.single_begin,
+                                     s.single_loaded_begin);
+  });
+}
+
+void Solver::Run::spend() {
+  for_pairs([&](std::size_t, const Strip& s) {
+    k_.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end);
+  });
+  for_singles([&](std::size_t, const Strip& s) {
+    k_.spend_single[model_](view_, singles_, single_, s.single_begin, s.single_end);
   });
 }
 
@@ -76,24 +396,12 @@ void Solver::find_loaded(const PairTable& table) {
   if (table.strips[strips].loaded) loaded_.push_back(static_cast<std::uint32_t>(strips));
 }
 
-// One sweep over contacts under heavy loads: pairs as in for_pairs, then singles.
-template <class Pairs, class Singles>
-void Solver::for_loaded(const PairTable& table, WorkerPool& pool, const Pairs& pairs,
-                        const Singles& singles) {
-  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
-    pool.run(end - begin, [&](std::size_t k) { each(table.strips[loaded_[begin + k]]); });
-  };
-  run(0, loaded_odd_, pairs);
-  run(loaded_odd_, loaded_large_, pairs);
-  run(loaded_large_, loaded_.size(), pairs);
-  run(0, loaded_.size(), singles);
-}
-
 // Which contacts the impact sweeps may settle: with restitution, and none of the bodies resting on
 // something (or fully elastic).
-void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c, WorkerPool& pool) {
-  touched_.resize(std::max<std::size_t>(touched_.size(),
-                                        b.dummies() + 2 * table.strips.size() + 8));
+void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c,
+                          WorkerPool& pool) {
+  touched_.resize(
+      std::max<std::size_t>(touched_.size(), b.dummies() + 2 * table.strips.size() + 8));
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
   const auto touch = [&](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
@@ -123,233 +431,43 @@ void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore&
   });
 }
 
-SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, ContactStore& contacts,
-                         const SolverParams& params, Forces* forces,
-                         const std::vector<std::pair<std::uint32_t, Vec2>>& held,
-                         const kernels::KernelTable& k, WorkerPool& pool) {
-  const double h = params.dt / params.substeps;
-  const double g = std::sqrt(params.gravity.x * params.gravity.x +
-                             params.gravity.y * params.gravity.y);
-  StreamParams stream;
-  stream.h = static_cast<float>(h);
-  stream.damp = static_cast<float>(std::exp(-params.damping * h));
-  stream.damp_rest =
-      static_cast<float>(std::exp(-params.damping * h) - static_cast<double>(stream.damp));
-  // With damping c: dv = g (1 - exp(-ch))/c, and the drift covers (1 - exp(-ch))/c at the velocity
-  // before damping, which v0 has already lost.
-  const double c = params.damping;
-  const double span = c > 0 ? -std::expm1(-c * h) / c : h;
-  stream.kick_x = static_cast<float>(params.gravity.x * span);
-  stream.kick_y = static_cast<float>(params.gravity.y * span);
-  stream.coast = static_cast<float>(span);
-  StreamParams drift = stream;
-  drift.h = static_cast<float>(c > 0 ? span / std::exp(-c * h) : h);
-  drift.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * g * g * h * h);
-  ContactParams pairs;
-  pairs.h = stream.h;
-  pairs.inv_h = static_cast<float>(1 / h);
-  pairs.pitch_x = static_cast<float>(params.pitch_x);
-  pairs.pitch_y = static_cast<float>(params.pitch_y);
-  pairs.push = static_cast<float>(kPush);
-  pairs.refresh = params.refresh;
-  pairs.warm = params.warm;
-  pairs.gravity_x = static_cast<float>(params.gravity.x);
-  pairs.gravity_y = static_cast<float>(params.gravity.y);
-  pairs.bounce_floor = static_cast<float>(std::fmax(g * h / 2, params.restitution_threshold));
-  pairs.impact_floor = static_cast<float>(std::fmax(2 * g * h, params.restitution_threshold));
-  ContactParams singles = pairs;
-  set_soft(pairs, h, kStiffness / params.stiff_substep);
-  set_soft(singles, h, kFixedStiffness * kStiffness / params.stiff_substep);
-  ContactParams loaded = pairs, loaded_singles = singles;
-  set_soft(loaded, h, kLoadedStiffness / params.stiff_substep);
-  set_soft(loaded_singles, h, kFixedStiffness * kLoadedStiffness / params.stiff_substep);
-  find_loaded(table);
-  const int loaded_sweeps = loaded_.empty() ? 0 : kLoadedSweeps;
-
-  const auto model = static_cast<std::size_t>(params.model.model);
-  const std::size_t bounce = params.model.bounce ? 1 : 0;
-  const bool rough = params.model.model == kernels::Model::rough;
-  const std::uint32_t blocks = solved.blocks();
-  const std::size_t tasks = stream_tasks(blocks);
-  const kernels::ContactView cv = contacts.pairs();
-  const kernels::SingleView sv = contacts.singles();
-  const kernels::BodyView view = solved.view(b);
-  const bool varying = forces != nullptr && forces->varying();
-  const kernels::FieldParams field = forces ? forces->params(h) : kernels::FieldParams{};
-  const bool drag = field.quadratic != 0;
-  // The kick of another integrator than leapfrog, if the world asks for one.
-  const auto advance =
-      varying && forces->method()
-          ? k.advance[static_cast<std::size_t>(*forces->method())][drag || field.linear != 0]
-          : nullptr;
-  Clock::duration forces_time{};
-  const auto streams = [&](auto&& each) {
-    pool.run(tasks, [&](std::size_t t) {
-      const BlockRange r = stream_range(t, blocks);
-      each(r.begin, r.end);
-    });
-  };
-  if (!held.empty()) b.find_slots();
-  held_at_.resize(std::max(held_at_.size(), 2 * held.size()));
-  virial_.assign(table.strips.size(), 0.0);
-  closed_by_strip_.assign(table.strips.size(), 0);
-  // Where bodies have more than one impact a substep, sweeps take them slice by slice of its time.
-  const int slices = 1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1));
-  if (bounce) mark_impacts(solved, table, contacts, pool);
-
-  for (int substep = 0; substep < params.substeps; ++substep) {
-    const bool first = substep == 0 || varying;
-    const auto force = [&](const auto kernel) {
-      const Clock::time_point start = Clock::now();
-      streams([&](std::uint32_t begin, std::uint32_t end) { kernel(view, field, begin, end); });
-      forces_time += Clock::now() - start;
-    };
-    if (varying && (!advance || bounce)) force(k.accelerate[drag]);
-    if (bounce) {
-      streams([&](std::uint32_t begin, std::uint32_t end) {
-        std::fill(view.event_time + std::size_t{begin} * 8, view.event_time + std::size_t{end} * 8,
-                  0.0f);
-      });
-      const auto sweep_singles = [&](std::atomic<bool>& any) {
-        for_singles(table, pool, [&](std::size_t strip, const Strip& s) {
-          if (k.sweep_single[model](view, sv, singles, s.single_begin, s.single_end,
-                                    &virial_[strip])) {
-            any.store(true, std::memory_order_relaxed);
-          }
-        });
-      };
-      std::atomic<bool> any{true};
-      const int sweeps = kSweeps + slices - 1;
-      for (int sweep = 0; sweep < sweeps && any.load(); ++sweep) {
-        any.store(false);
-        pairs.first_sweep = singles.first_sweep = sweep == 0;
-        pairs.last_sweep = singles.last_sweep = sweep + 1 == sweeps;
-        pairs.due = singles.due =
-            sweep + 1 < slices ? stream.h * static_cast<float>(sweep + 1) / static_cast<float>(slices) : 1e30f;
-        for_pairs(table, pool, [&](std::size_t strip, const Strip& s) {
-          if (k.sweep[model](view, cv, pairs, s.block_begin, s.block_end, &virial_[strip])) {
-            any.store(true, std::memory_order_relaxed);
-          }
-        });
-        sweep_singles(any);
-      }
-      if (any.load()) {  // too many events: at least nobody leaves through a wall
-        singles.last_sweep = false;
-        sweep_singles(any);
-      }
-    }
-    if (advance) force(advance);
-    streams([&](std::uint32_t begin, std::uint32_t end) {
-      if (!advance) (first ? k.kick_first : k.kick_again)(view, stream, begin, end);
-      if (!rough) return;
-      for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
-        const float u = view.spin[i];
-        view.spin[i] = first ? u : u + (u - view.spin0[i]);
-        view.spin0[i] = u;
-      }
-    });
-    for (std::size_t n = 0; n < held.size(); ++n) {
-      const std::size_t i = b.info[held[n].first].slot;
-      b.vel[2 * i] = b.vel0[2 * i] = static_cast<float>(held[n].second.x);
-      b.vel[2 * i + 1] = b.vel0[2 * i + 1] = static_cast<float>(held[n].second.y);
-      held_at_[2 * n] = b.disp[2 * i];
-      held_at_[2 * n + 1] = b.disp[2 * i + 1];
-    }
-    if (first) {
-      ContactParams warm_pairs = pairs, warm_singles = singles;
-      if (substep > 0) warm_pairs.warm = warm_singles.warm = 1;
-      for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-        k.warm[model](view, cv, warm_pairs, s.block_begin, s.block_end);
-      });
-      for_singles(table, pool, [&](std::size_t, const Strip& s) {
-        k.warm_single[model](view, sv, warm_singles, s.single_begin, s.single_end);
-      });
-    }
-    for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-      k.solve[model][bounce](view, cv, pairs, s.block_begin, s.loaded_begin);
-    });
-    for (int sweep = 0; sweep < loaded_sweeps; ++sweep) {
-      loaded.again = loaded_singles.again = sweep != 0;
-      for_loaded(
-          table, pool,
-          [&](const Strip& s) {
-            k.solve[model][bounce](view, cv, loaded, s.loaded_begin, s.block_end);
-          },
-          [&](const Strip& s) {
-            k.solve_single[model][bounce](view, sv, loaded_singles, s.single_loaded_begin, s.single_end);
-          });
-    }
-    for_singles(table, pool, [&](std::size_t, const Strip& s) {
-      k.solve_single[model][bounce](view, sv, singles, s.single_begin, s.single_loaded_begin);
-    });
-    streams([&](std::uint32_t begin, std::uint32_t end) {
-      if (advance) {
-        k.drift_bent(view, field, begin, end);
-      } else {
-        k.drift(view, drift, begin, end);
-      }
-      if (b.spin.empty()) return;
-      for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved.count()); ++n) {
-        if (view.linked[n] == 0) continue;
-        const std::size_t i = solved.slot(n);
-        b.angle[i] += h * (static_cast<double>(view.spin[n]) / static_cast<double>(b.radius[i]));
-      }
-    });
-    for (std::size_t n = 0; n < held.size(); ++n) {  // they go straight on: nothing damps them
-      const std::size_t i = b.info[held[n].first].slot;
-      b.clear_rests(i);
-      b.disp[2 * i] = held_at_[2 * n] + stream.h * b.vel[2 * i];
-      b.disp[2 * i + 1] = held_at_[2 * n + 1] + stream.h * b.vel[2 * i + 1];
-    }
-    for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-      k.relax[model][bounce](view, cv, pairs, s.block_begin, s.loaded_begin);
-    });
-    for (int sweep = 0; sweep < loaded_sweeps; ++sweep) {
-      loaded.more = loaded_singles.more = sweep + 1 != loaded_sweeps;
-      for_loaded(
-          table, pool,
-          [&](const Strip& s) {
-            k.relax[model][bounce](view, cv, loaded, s.loaded_begin, s.block_end);
-          },
-          [&](const Strip& s) {
-            k.relax_single[model][bounce](view, sv, loaded_singles, s.single_loaded_begin, s.single_end);
-          });
-    }
-    for_singles(table, pool, [&](std::size_t, const Strip& s) {
-      k.relax_single[model][bounce](view, sv, singles, s.single_begin, s.single_loaded_begin);
-    });
-    if (bounce) {
-      for_pairs(table, pool, [&](std::size_t, const Strip& s) {
-        k.spend[model](view, cv, pairs, s.block_begin, s.block_end);
-      });
-      for_singles(table, pool, [&](std::size_t, const Strip& s) {
-        k.spend_single[model](view, sv, singles, s.single_begin, s.single_end);
-      });
-    }
-  }
-  solved.store(b, pool);
-  // Solver impulses are those of the last substep; a step has that many of them.
+// Closed contacts, and the sum of impulse times distance. Impulses are those of the last substep; a
+// step has that many of them.
+void Solver::sum_up(const PairTable& table, const ContactStore& c, int substeps, WorkerPool& pool) {
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
     double sum = 0;
     std::uint64_t closed = 0;
     for (std::size_t l = std::size_t{s.block_begin} * 8; l < std::size_t{s.block_end} * 8; ++l) {
-      closed += std::signbit(contacts.impulse[l]) ? 0 : 1;  // -0 marks an open contact
-      if (contacts.impulse[l] > 0) {
-        sum += static_cast<double>(contacts.impulse[l]) * static_cast<double>(contacts.rsum[l]);
+      closed += std::signbit(c.impulse[l]) ? 0 : 1;  // -0 marks an open contact
+      if (c.impulse[l] > 0) {
+        sum += static_cast<double>(c.impulse[l]) * static_cast<double>(c.rsum[l]);
       }
     }
     for (std::size_t l = std::size_t{s.single_begin} * 8; l < std::size_t{s.single_end} * 8; ++l) {
-      closed += std::signbit(contacts.s_impulse[l]) ? 0 : 1;
-      if (contacts.s_impulse[l] > 0 && contacts.s_refresh[l] < 1e30f) {  // round ones
-        sum += static_cast<double>(contacts.s_impulse[l]) * static_cast<double>(contacts.s_rsum[l]);
+      closed += std::signbit(c.s_impulse[l]) ? 0 : 1;
+      if (c.s_impulse[l] > 0 && c.s_refresh[l] < 1e30f) {  // round ones
+        sum += static_cast<double>(c.s_impulse[l]) * static_cast<double>(c.s_rsum[l]);
       }
     }
-    virial_[index] += sum * params.substeps;
+    virial_[index] += sum * substeps;
     closed_by_strip_[index] = closed;
   });
+}
+
+SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table,
+                         ContactStore& contacts, const SolverParams& params, const Forces* forces,
+                         const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool) {
+  virial_.assign(table.strips.size(), 0.0);
+  closed_by_strip_.assign(table.strips.size(), 0);
+  find_loaded(table);
+  if (params.model.bounce) mark_impacts(solved, table, contacts, pool);
+  Run run(*this, b, solved, table, contacts, params, forces, held, k, pool);
+  for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
+  solved.store(b, pool);
+  sum_up(table, contacts, params.substeps, pool);
   SolverReport report;
-  report.forces_ms = std::chrono::duration<double, std::milli>(forces_time).count();
+  report.forces_ms = run.forces_ms();
   closed_ = 0;
   for (std::size_t s = 0; s < virial_.size(); ++s) {
     report.virial += virial_[s];

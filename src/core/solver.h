@@ -22,14 +22,15 @@ namespace psim {
 struct SolverParams {
   double dt = 0;
   int substeps = 1;
-  double stiff_substep = 0;  ///< s, that contact stiffness is for: the present one, or on the way to it
+  double stiff_substep =
+      0;  ///< s, that contact stiffness is for: the present one, or on the way to it
   Vec2 gravity;
-  double damping = 0;    ///< 1/s
+  double damping = 0;  ///< 1/s
   double pitch_x = 1, pitch_y = 1;
   double restitution_threshold = 0;  ///< m/s
-  float refresh = 0;     ///< m
-  double impacts = 0;    ///< that a body has in a substep
-  float warm = 1;        ///< new substep / old substep
+  float refresh = 0;                 ///< m
+  double impacts = 0;                ///< that a body has in a substep
+  float warm = 1;                    ///< new substep / old substep
   ContactModel model;
 };
 
@@ -39,33 +40,31 @@ struct SolverReport {
   double forces_ms = 0;  ///< of the time: spent on accelerations
 };
 
+/// Kinematic bodies (ids) with the velocities they keep.
+using HeldBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
+
 class Solver {
  public:
-  /// Runs all substeps. `forces` is null where accelerations are uniform. `held` are kinematic
-  /// bodies (ids) with the velocities they keep.
-  SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table, ContactStore& contacts,
-                   const SolverParams& params, Forces* forces,
-                   const std::vector<std::pair<std::uint32_t, Vec2>>& held,
-                   const kernels::KernelTable& k, WorkerPool& pool);
+  /// Runs all substeps. `forces` is null where accelerations are uniform.
+  SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table,
+                   ContactStore& contacts, const SolverParams& params, const Forces* forces,
+                   const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool);
 
   /// Contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }
 
  private:
-  template <class Each>
-  void for_pairs(const PairTable& table, WorkerPool& pool, const Each& each);
-  template <class Each>
-  void for_singles(const PairTable& table, WorkerPool& pool, const Each& each);
+  class Run;
   void find_loaded(const PairTable& table);
-  template <class Pairs, class Singles>
-  void for_loaded(const PairTable& table, WorkerPool& pool, const Pairs& pairs, const Singles& singles);
-  void mark_impacts(const SolverBodies& bodies, PairTable& table, ContactStore& contacts, WorkerPool& pool);
+  void mark_impacts(const SolverBodies& bodies, PairTable& table, ContactStore& contacts,
+                    WorkerPool& pool);
+  void sum_up(const PairTable& table, const ContactStore& contacts, int substeps, WorkerPool& pool);
 
-  std::vector<std::uint8_t> touched_;   // by slot: carries a contact
-  std::vector<std::uint32_t> loaded_;   // strips with contacts under heavy loads
+  std::vector<std::uint8_t> touched_;              // by slot: carries a contact
+  std::vector<std::uint32_t> loaded_;              // strips with contacts under heavy loads
   std::size_t loaded_odd_ = 0, loaded_large_ = 0;  // where the odd ones and the large group begin
-  std::vector<float> held_at_;          // where the held bodies were before a drift, m, records
-  std::vector<double> virial_;          // by strip
+  std::vector<float> held_at_;  // where the held bodies were before a drift, m, records
+  std::vector<double> virial_;  // by strip
   std::vector<std::uint64_t> closed_by_strip_;
   std::uint64_t closed_ = 0;
 };

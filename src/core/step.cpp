@@ -24,7 +24,9 @@ double ms_since(Clock::time_point begin) {
 class StageTimer {
  public:
   StageTimer(StepReport& report, Tracer& tracer, Stage stage)
-      : report_(report), tracer_(tracer), stage_(static_cast<std::size_t>(stage)),
+      : report_(report),
+        tracer_(tracer),
+        stage_(static_cast<std::size_t>(stage)),
         begin_(Clock::now()) {
     tracer_.set_stage(kStageNames[stage_].data());
   }
@@ -63,7 +65,7 @@ constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kMarginFrames = 1.25;  // frames of motion that the margin adds
 constexpr double kStiffening = 0.98;    // a step, of the substep that contact stiffness is for
 constexpr double kSoftening = 1.1;
-constexpr double kMostWarm = 4;         // on stored impulses where a step is longer than the last
+constexpr double kMostWarm = 4;  // on stored impulses where a step is longer than the last
 
 }  // namespace
 
@@ -141,9 +143,9 @@ void World::Impl::replan() {
 struct World::Impl::ListPlan {
   bool loose = false;  ///< bodies fly: select from the candidates every step
   kernels::ReachParams margin;
-  double frames = 0;   ///< that loose lists are made for; 0: one, looking ahead
-  float ahead = 0;     ///< s: not 0 for lists of one step, see BroadPhaseParams
-  double speed = 0;    ///< m/s, root mean square of the sample about its mean
+  double frames = 0;      ///< that loose lists are made for; 0: one, looking ahead
+  float ahead = 0;        ///< s: not 0 for lists of one step, see BroadPhaseParams
+  double speed = 0;       ///< m/s, root mean square of the sample about its mean
   double impacts = 0;     ///< 1/s: of a body, if all were in flight
   double crowding = 0.1;  ///< 0.1 to 1: how likely one impact leads to another within a step
 };
@@ -152,9 +154,9 @@ namespace {
 
 // Radii and velocities of some bodies, by slot.
 struct Sample {
-  double radius = 0;              // mean, m
-  double mean_x = 0, mean_y = 0;  // m/s
-  double square = 0;              // mean |v|^2
+  double radius = 0;                    // mean, m
+  double mean_x = 0, mean_y = 0;        // m/s
+  double square = 0;                    // mean |v|^2
   double fastest = 0, fastest_off = 0;  // largest |v| and |v - mean|, m/s
   double off() const { return std::sqrt(std::fmax(square - mean_x * mean_x - mean_y * mean_y, 0)); }
 };
@@ -211,7 +213,8 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   out.speed = s.off();
   // Of a gas in two dimensions, 2 D n v g(c) sqrt(pi), with c the share of the area that is covered.
   const double covered = std::fmin(broad.density() * 3.14159 * r * r, 0.8);
-  out.impacts = 7 * r * broad.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
+  out.impacts =
+      7 * r * broad.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
   if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return out;
@@ -294,8 +297,8 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     const StageTimer timer(report, tracer, Stage::narrow_phase);
     table.swap(old_table);
     const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, dt));
-    broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack,
-                 plan.fields, candidates, table, kernels, pool);
+    broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack, plan.fields, candidates,
+                 table, kernels, pool);
   }
   if ((lists_stale || loose) && !held.empty()) {  // kinematic bodies are the solver's
     bodies.find_slots();
@@ -324,8 +327,8 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     ++skipped_frames[2];
     return;
   }
-  narrow_phase(bodies, solved, shapes, walls, lattice, kRefreshOfRadius * least_radius, table, contacts, kernels,
-               pool);
+  narrow_phase(bodies, solved, shapes, walls, lattice, kRefreshOfRadius * least_radius, table,
+               contacts, kernels, pool);
 }
 
 void World::Impl::solve(double dt, StepReport& report) {
@@ -367,18 +370,23 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.impacts = impact_rate * h;
   // Contacts stiffen and soften by and by where the length of steps changes: what rests on a soft
   // contact's overlap would be thrown off by a stiff one, and what rests on a stiff one sink in.
-  stiff_substep = stiff_substep > 0 ? std::clamp(h, kStiffening * stiff_substep, kSoftening * stiff_substep) : h;
+  stiff_substep = stiff_substep > 0
+                      ? std::clamp(h, kStiffening * stiff_substep, kSoftening * stiff_substep)
+                      : h;
   p.stiff_substep = stiff_substep;
   // Loads grow with the step, but impacts do not: not many times over.
   p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, kMostWarm)) : 1.0f;
   p.model = plan.model;
   last_substep = h;
-  const SolverReport done = solver.run(bodies, solved, table, contacts, p, forces.get(), held, kernels, pool);
-  report.virial = done.virial * (plan.masses || plan.friction ? 1.0 : static_cast<double>(first_mass));
+  const SolverReport done =
+      solver.run(bodies, solved, table, contacts, p, forces.get(), held, kernels, pool);
+  report.virial =
+      done.virial * (plan.masses || plan.friction ? 1.0 : static_cast<double>(first_mass));
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const std::uint64_t passes = 2u * static_cast<std::uint64_t>(desc.substeps) + 2;
-  const std::uint64_t work = passes * kBlock * (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks());
+  const std::uint64_t work =
+      passes * kBlock * (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks());
   if (options.isa == Isa::scalar) {
     lanes.scalar += work;
   } else {
@@ -424,7 +432,8 @@ void World::Impl::integrate(double dt, StepReport& report) {
     for (std::size_t i = std::size_t{r.begin} * kBlock;
          i < std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count); ++i) {
       if (bodies.linked[i] != 0) continue;  // turned with the substeps
-      bodies.angle[i] += dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
+      bodies.angle[i] +=
+          dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
     }
   });
   (options.isa == Isa::scalar ? lanes.scalar : lanes.vector) += std::uint64_t{blocks} * kBlock;

@@ -43,7 +43,7 @@ struct World::Impl {
   double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
-  double impact_rate = 0;      // 1/s, of a body
+  double impact_rate = 0;  // 1/s, of a body
   SolverBodies solved;
   HeavyLoads loads;
   ContactStore contacts;
@@ -62,12 +62,12 @@ struct World::Impl {
   bool plan_stale = true;
   bool lists_stale = true;
   bool forces_stale = true;
-  bool placed = true;  // the host added or moved bodies since the last step
+  bool placed = true;           // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
   double last_substep = 0;
   double stiff_substep = 0;  // s, that contact stiffness is for: follows the substep slowly
   std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
-  std::vector<std::pair<std::uint32_t, Vec2>> held;  // kinematic ids and their velocities
+  HeldBodies held;
 
   std::uint64_t frame = 0;
   std::uint64_t escaped = 0;
@@ -88,7 +88,8 @@ struct World::Impl {
   BodyState state_of(std::uint32_t id) const;
 
   // strays.cpp
-  static constexpr std::int32_t kFarSteps = 1 << 30;  // lattice steps that nobody exceeds in a frame
+  static constexpr std::int32_t kFarSteps = 1
+                                            << 30;  // lattice steps that nobody exceeds in a frame
   double speed_limit(double dt) const;
   void settle_bad_bodies(double dt, StepReport& report);
   void freeze_doubtful(StepReport& report);
@@ -111,8 +112,16 @@ struct World::Impl {
 };
 
 /// Names of the counters in Impl::skipped_frames.
-inline constexpr std::array<const char*, 11> kSkipNames = {
-    "forces",        "broad_phase",     "narrow_phase", "colouring", "solver", "solver.restitution",
-    "solver.masses", "solver.friction", "rotation",     "publish",   "solver.heavy_loads"};
+inline constexpr std::array<const char*, 11> kSkipNames = {"forces",
+                                                           "broad_phase",
+                                                           "narrow_phase",
+                                                           "colouring",
+                                                           "solver",
+                                                           "solver.restitution",
+                                                           "solver.masses",
+                                                           "solver.friction",
+                                                           "rotation",
+                                                           "publish",
+                                                           "solver.heavy_loads"};
 
 }  // namespace psim
