@@ -8,8 +8,8 @@
 
 namespace psim::accuracy {
 
-/// Measures psim and whatever other engines are given, each with its default setting, at most
-/// three minutes; `quick`: runs a tenth as long, no large crowds, 20 s. A table of it goes to
+/// Measures psim and whatever other engines are given, each with its default setting, in
+/// about two minutes; `quick`: runs a tenth as long, no large crowds, 20 s. A table of it goes to
 /// `table`, a row as soon as it is known, and CSV to `csv` if that is not null. Returns how many
 /// limits psim missed.
 int report_stress(const std::vector<Engine>& engines, Effort effort, std::ostream& table,

@@ -39,7 +39,7 @@ double largest_stable_step(const Start& start = start_psim);
 Landing land_at_random_steps(double shortest, double longest);
 /// A pile at rest, one step of this length, then a second of common ones: the fastest disc, m/s.
 /// psim only.
-double speed_after_a_short_step(double short_step);
+double speed_after_another_step(double dt);
 
 // ---- S2: mass ratios --------------------------------------------------------------------------
 

@@ -129,11 +129,10 @@ Landing land_at_random_steps(double shortest, double longest) {
   return watch_landing(bin(1.0 / 60, kRough), uneven(length_of), frames);
 }
 
-double speed_after_a_short_step(double short_step) {
+double speed_after_another_step(double dt) {
   constexpr int kFramesToRest = 1200;
-  Trial trial(bin(1.0 / 60, kRough), uneven([short_step](int frame) {
-                return frame == kFramesToRest ? short_step : 1.0 / 60;
-              }));
+  Trial trial(bin(1.0 / 60, kRough),
+              uneven([dt](int frame) { return frame == kFramesToRest ? dt : 1.0 / 60; }));
   trial.frames(kFramesToRest + 1);
   return trial.fastest_within(60);
 }
