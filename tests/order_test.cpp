@@ -35,7 +35,7 @@ TEST(Convergence, RichardsonFindsLimitAndOrder) {
 /// A disc of negligible size under smooth forces.
 struct Flight {
   std::vector<Field> fields;
-  Vec2 x, v;  // v: representable in single precision
+  Vec2 x, v;
   double seconds = 0;
   Vec2 gravity{0, 0};
   double damping = 0;

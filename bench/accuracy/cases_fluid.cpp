@@ -106,7 +106,7 @@ Case pressure(const reference::HardDiscFluid& state, Effort effort) {
   Case c;
   c.name = name;
   c.shows = "Z = pA/NkT of 1000 elastic discs at that packing, periodic, kT/m = 1 (statistics: " +
-            std::string(quick ? "1 %" : "0.05 % with default settings, else 0.15 %") + ")";
+            std::string(quick ? "1 %" : "0.06 % with default settings, else 0.12 %") + ")";
   c.quantities = {{name, "relative", "Kolafa-Rottner 2006", {{4, quick ? 0.02 : 3e-3}}},
                   {name + "-penetration", "of a diameter", "analytic", {{4, 0.2}}}};
   c.scale = Scale::large;

@@ -187,6 +187,15 @@ class BodyStore {
     }
   }
 
+  /// Puts a velocity in, m/s, and keeps what does not fit into a float where remainders are kept.
+  void put_velocity(std::size_t slot, Vec2 v) {
+    vel[2 * slot] = static_cast<float>(v.x);
+    vel[2 * slot + 1] = static_cast<float>(v.y);
+    if (vel_rest.empty()) return;
+    vel_rest[2 * slot] = static_cast<float>(v.x - static_cast<double>(vel[2 * slot]));
+    vel_rest[2 * slot + 1] = static_cast<float>(v.y - static_cast<double>(vel[2 * slot + 1]));
+  }
+
   /// Neutral padding up to a whole block: at the last body's place, at rest, unlinked.
   void pad_tail() {
     const std::uint32_t end = static_cast<std::uint32_t>(kernels::round_up_block(count));

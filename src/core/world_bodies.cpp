@@ -114,12 +114,12 @@ std::uint32_t World::Impl::enter(const Surface& surface, Vec2 at, double angle, 
   bodies.pos[2 * std::size_t{slot} + 1] = p.y;
   bodies.disp[2 * std::size_t{slot}] = p.dx;
   bodies.disp[2 * std::size_t{slot} + 1] = p.dy;
-  bodies.vel[2 * std::size_t{slot}] = static_cast<float>(velocity.x);
-  bodies.vel[2 * std::size_t{slot} + 1] = static_cast<float>(velocity.y);
   bodies.id[slot] = id;
   bodies.radius[slot] = surface.radius;
   bodies.linked[slot] = 0;
+  if (traits.fields) bodies.add_rests(desc.integrator != Integrator::verlet);
   bodies.clear_rests(slot);
+  bodies.put_velocity(slot, velocity);
   if (!bodies.spin.empty()) {
     bodies.spin[slot] = static_cast<float>(omega) * surface.radius;
     bodies.angle[slot] = angle;
@@ -414,14 +414,13 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
   const BodyInfo& info = w.bodies.info[id.index];
   const std::size_t i = info.slot;
   velocity = w.capped(velocity);
-  w.bodies.vel[2 * i] = static_cast<float>(velocity.x);
-  w.bodies.vel[2 * i + 1] = static_cast<float>(velocity.y);
   if (angular_velocity != 0 && w.bodies.spin.empty()) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
   }
   if (!w.bodies.spin.empty()) w.bodies.spin[i] = static_cast<float>(angular_velocity) * w.bodies.radius[i];
   w.bodies.clear_rests(i);
+  w.bodies.put_velocity(i, velocity);
   if (w.bodies.surface(id.index).type == BodyType::kinematic_body) {
     for (auto& [held_id, v] : w.held) {
       if (held_id == id.index) v = velocity;
@@ -438,15 +437,14 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
   const BodyInfo& info = w.bodies.info[id.index];
   const std::size_t i = info.slot;
   const double wm = static_cast<double>(w.bodies.surface(id.index).inv_mass);
-  Vec2 v{static_cast<double>(w.bodies.vel[2 * i]) + wm * impulse.x,
-               static_cast<double>(w.bodies.vel[2 * i + 1]) + wm * impulse.y};
+  const BodyState now = w.state_of(id.index);
+  Vec2 v{now.vx + wm * impulse.x, now.vy + wm * impulse.y};
   if (!finite(v.x) || !finite(v.y)) {
     w.doubtful.push_back(id.index);
     return true;
   }
   v = w.capped(v);
-  w.bodies.vel[2 * i] = static_cast<float>(v.x);
-  w.bodies.vel[2 * i + 1] = static_cast<float>(v.y);
+  w.bodies.put_velocity(i, v);
   w.forces_stale = true;
   return true;
 }
