@@ -23,6 +23,7 @@ namespace psim {
 struct BroadPhaseParams {
   kernels::ReachParams margin;
   float ahead = 0;  ///< s: bodies are looked at where they will be by then
+  double pairs = 0;       ///< expected, a body; 0: as many as the last build found
   bool walls = false;
   bool periodic = false;
   bool mixed_radii = false;
