@@ -76,7 +76,9 @@ Case heavy(int ratio, double limit) {
   c.scene = [ratio] { return heavy_on_light(ratio); };
   c.measure = [](Run& run) -> std::vector<double> {
     run.seconds(10);
-    if (std::abs(run.body(2).x - run.body(1).x) > 0.1) throw Failed("the heavy one fell off");
+    const BodyState &light = run.body(1), &heavy = run.body(2);
+    if (std::abs(heavy.x - light.x) > 0.1) throw Failed("the heavy one fell off");
+    if (light.y < 0 || heavy.y < light.y) throw Failed("pushed through");
     return {deepest(run) / kRadius, rms_speed(run)};
   };
   return c;

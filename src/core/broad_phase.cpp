@@ -484,7 +484,7 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
               p.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
     place(b, p.ahead, k, r);
   });
-  if (p.pairs > 0) pairs_a_body_.assign(strips - 1, p.pairs);
+  if (p.outer > 0) pairs_a_body_.assign(strips - 1, 2 * p.outer * p.outer * density_);
   search(b, k, pool, table);
   pool.run(strips, [&](std::size_t s) {
     find_singles(b, shapes, p, s, table);

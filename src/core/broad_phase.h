@@ -22,8 +22,8 @@ namespace psim {
 /// What the broad phase must know of the world.
 struct BroadPhaseParams {
   kernels::ReachParams margin;
-  float ahead = 0;  ///< s: bodies are looked at where they will be by then
-  double pairs = 0;       ///< expected, a body; 0: as many as the last build found
+  float ahead = 0;   ///< s: bodies are looked at where they will be by then
+  double outer = 0;  ///< m: a typical distance of candidates; 0: as at the last build
   bool walls = false;
   bool periodic = false;
   bool mixed_radii = false;

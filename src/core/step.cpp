@@ -141,7 +141,7 @@ void World::Impl::replan() {
 
 // How the lists of a build should be made.
 struct World::Impl::ListPlan {
-  double pairs = 0;       ///< expected, a body
+  double outer = 0;    ///< m: a typical distance up to which two bodies are candidates
   bool loose = false;  ///< bodies fly: select from the candidates every step
   kernels::ReachParams margin;
   double frames = 0;      ///< that loose lists are made for; 0: one, looking ahead
@@ -211,8 +211,7 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   ListPlan out;
   out.margin.skin = static_cast<float>(kSkinOfRadius * r);
   out.margin.time = static_cast<float>(kMarginFrames * dt);
-  const double outer = 2 * (1 + kSkinOfRadius) * r;
-  out.pairs = 1.5708 * outer * outer * broad.density();
+  out.outer = 2 * (1 + kSkinOfRadius) * r;
   out.speed = s.off();
   // Of a gas in two dimensions, 2 D n v g(c) sqrt(pi), with c the share of the area that is covered.
   const double covered = std::fmin(broad.density() * 3.14159 * r * r, 0.8);
@@ -231,7 +230,12 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
     out.crowding = std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
   }
   out.loose = true;
-  const auto ring = [&](double outer) { return 1.5708 * (outer * outer - 4 * r * r); };
+  // Candidates of a body up to `outer` away: hard discs leave 2 r around it empty, but where they
+  // are packed all but itself is there.
+  const auto pairs = [&](double outer) {
+    return std::fmax(1.5708 * density * (outer * outer - 4 * r * r),
+                     1.5708 * density * outer * outer - 0.5);
+  };
   const auto build = [&](double reach) {
     const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / bodies.count));
     return kBuild + kTest * 4.5 * density * edge * edge;
@@ -240,18 +244,18 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const double skin = 0.505 * impact_slack(out.speed, out.crowding, dt);
   // The last choice is kept if it is nearly as good: every change of mind needs room of its own.
   const auto favour = [&](double frames) { return loose && frames == list_frames ? 0.97 : 1.0; };
-  out.pairs = density * ring(2 * (r + skin + 1.2 * half * out.speed));
-  double best = favour(0) * (build(r + skin + half * s.fastest_off) + kSelect * out.pairs);
+  out.outer = 2 * (r + skin + 1.2 * half * out.speed);
+  double best = favour(0) * (build(r + skin + half * s.fastest_off) + kSelect * pairs(out.outer));
   out.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean_x),
                 static_cast<float>(s.mean_y)};
   out.ahead = static_cast<float>(half);
   for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
     const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
-    const double pairs = density * ring(2 * r + 3 * k * frame);
-    const double cost = favour(k) * (build(reach) / k + kSelect * pairs);
+    const double outer = 2 * r + 3 * k * frame;
+    const double cost = favour(k) * (build(reach) / k + kSelect * pairs(outer));
     if (!(cost < best)) continue;
     best = cost;
-    out.pairs = pairs;
+    out.outer = outer;
     out.margin = {static_cast<float>(0.02 * r + k * 1.2 * frame),
                   static_cast<float>(k * kMarginFrames * dt * 0.3), 0, 0};
     out.ahead = 0;
@@ -271,7 +275,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   }
   if (!bodies.spin.empty()) bodies.add_rotation();
   const ListPlan lists = plan_lists(dt);
-  const bool changed = lists.loose != loose || lists.frames != list_frames;
+  const bool changed = broad.density() == 0 || lists.loose != loose || lists.frames != list_frames;
   loose = lists.loose;
   once = lists.ahead != 0;
   list_frames = lists.frames;
@@ -281,7 +285,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   BroadPhaseParams p;
   p.margin = lists.margin;
   p.ahead = lists.ahead;
-  p.pairs = changed ? lists.pairs : 0;
+  p.outer = changed ? lists.outer : 0;
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = plan.radii;
