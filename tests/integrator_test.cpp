@@ -227,8 +227,7 @@ TEST_P(EveryIntegrator, ABodyAtTheVeryCentreOfAWellStaysFinite) {
 // ---- contacts -----------------------------------------------------------------------------------
 
 TEST_P(EveryIntegrator, APileComesToRest) {
-  for (const double friction : {0.0, 0.5}) {
-    const Material m = material(0, friction);
+  for (const Material& m : {material(0), material(0, 0.5), material(0.3, 0.5)}) {
     WorldDesc desc = walled({0, 0, 33, 100}, {0, 0}, m);
     desc.fields.push_back(kDown);
     desc.integrator = GetParam();

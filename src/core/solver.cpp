@@ -38,6 +38,19 @@ void set_soft(ContactParams& p, double h, double frequency) {
   p.soft_impulse = static_cast<float>(a3);
 }
 
+// What resting bodies are pressed with, m/s^2: gravity, or, in fields, what bodies had on average in
+// the substep before, if that is more. Impacts slower than this makes in a substep are none.
+double pressing(const BodyStore& b, double gravity) {
+  if (b.acc.empty() || b.count == 0) return gravity;
+  const std::uint32_t stride = std::max(1u, b.count / 1024);
+  double sum = 0, samples = 0;
+  for (std::size_t i = 0; i < b.count; i += stride, samples += 1) {
+    const double x = static_cast<double>(b.acc[2 * i]), y = static_cast<double>(b.acc[2 * i + 1]);
+    sum += std::sqrt(x * x + y * y);
+  }
+  return std::fmax(gravity, sum / samples);
+}
+
 }  // namespace
 
 // What a step's substeps work on, and their stages in the order of a substep.
@@ -138,6 +151,7 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   drift_.h = static_cast<float>(c > 0 ? span / std::exp(-c * h_) : h_);
   drift_.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * g * g * h_ * h_);
 
+  const double pressed = pressing(bodies, g);
   pair_.h = stream_.h;
   pair_.inv_h = static_cast<float>(1 / h_);
   pair_.pitch_x = static_cast<float>(params.pitch_x);
@@ -147,8 +161,8 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   pair_.warm = params.warm;
   pair_.gravity_x = static_cast<float>(params.gravity.x);
   pair_.gravity_y = static_cast<float>(params.gravity.y);
-  pair_.bounce_floor = static_cast<float>(std::fmax(g * h_ / 2, params.restitution_threshold));
-  pair_.impact_floor = static_cast<float>(std::fmax(2 * g * h_, params.restitution_threshold));
+  pair_.bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, params.restitution_threshold));
+  pair_.impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, params.restitution_threshold));
   single_ = loaded_pair_ = loaded_single_ = pair_;
   set_soft(pair_, h_, kStiffness / params.stiff_substep);
   set_soft(single_, h_, kFixedStiffness * kStiffness / params.stiff_substep);
