@@ -35,8 +35,7 @@ class Box2d3Simulation : public Simulation {
   void advance() override {
     for (int k = 0; k < setting_.steps; ++k) {
       if (!model_->scene.world.fields.empty()) apply_fields();
-      b2World_Step(world_, static_cast<float>(setting_.frame / setting_.steps),
-                   setting_.substeps);
+      b2World_Step(world_, static_cast<float>(setting_.frame / setting_.steps), setting_.substeps);
       if (turns_) follow_angles();
       if (watched_) virial_ += contacts().virial;
     }
