@@ -315,10 +315,8 @@ void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, Worke
   }
   table.pair_room = room;
   pairs_a_body_.resize(strips - 1);
-  pairs_ = 0;
   for (std::size_t s = 0; s < strips; ++s) {
     const Strip& strip = table.strips[s];
-    pairs_ += strip.pair_end - strip.pair_begin;
     const double each = static_cast<double>(strip.pair_end - strip.pair_begin) /
                         std::max(strip.body_end - strip.body_begin, 1u);
     if (s + 1 < strips) {
@@ -350,9 +348,10 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
   const Strip& s = table.strips[index];
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   // What stands still moves against the common velocity too.
-  const double extra =
-      std::hypot(static_cast<double>(p.margin.common_x), static_cast<double>(p.margin.common_y)) *
-      static_cast<double>(p.margin.time);
+  const double common_x = static_cast<double>(p.margin.common_x),
+               common_y = static_cast<double>(p.margin.common_y);
+  const double extra = std::sqrt(common_x * common_x + common_y * common_y) *
+                       static_cast<double>(p.margin.time);
   std::vector<std::uint32_t> found;
   const auto look = [&](std::uint32_t i) {
     const double reach = static_cast<double>(b.reach[i]) + extra;

@@ -2,8 +2,9 @@
 //
 // Lists are made with a margin of skin + |v| time around every body and serve until some body has
 // used its margin up. Lists for a single step look at the bodies where they will be in its middle,
-// with v against the mean velocity: bodies that fly side by side need little margin. In: positions, velocities, radii. Out: bodies in cell order, a PairTable of
-// candidate pairs (each once) and of bodies near fixed shapes. O(bodies + candidates).
+// with v against the mean velocity: bodies that fly side by side need little margin.
+// In: positions, velocities, radii. Out: bodies in cell order, a PairTable of candidate pairs (each
+// once) and of bodies near fixed shapes. O(bodies + candidates).
 #pragma once
 
 #include <cstdint>
@@ -90,7 +91,6 @@ class BroadPhase {
   double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;
-  std::uint64_t pairs_ = 0;
   std::vector<std::uint32_t> pending_;  // strips yet to be searched
   std::vector<std::uint8_t> full_;      // strips whose room was too small
 };

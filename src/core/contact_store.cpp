@@ -154,7 +154,6 @@ std::uint32_t ContactStore::single_class(const Strip& s, std::uint32_t body,
 
 // Whether any contact of the strip has to do with a body under a heavy load.
 bool ContactStore::is_loaded(const PairTable& table, std::size_t index) const {
-  if (!loads_->any()) return false;
   const Strip& s = table.strips[index];
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     if (loads_->at(table.owner[p]) || loads_->at(table.other[p])) return true;
@@ -360,7 +359,10 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   colour_.reserve_loosely(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
   const std::size_t grid_strips = strips - 1;
-  pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
+  for (Strip& s : table.strips) s.loaded = false;
+  if (loads.any()) {
+    pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
+  }
   for (std::size_t parity = 0; parity < 2; ++parity) {
     pool.run((grid_strips + 1 - parity) / 2,
              [&](std::size_t k) { colour_strip(table, 2 * k + parity); });

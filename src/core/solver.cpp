@@ -38,8 +38,8 @@ void set_soft(ContactParams& p, double h, double frequency) {
   p.soft_impulse = static_cast<float>(a3);
 }
 
-// What resting bodies are pressed with, m/s^2: gravity, or, in fields, what bodies had on average in
-// the substep before, if that is more. Impacts slower than this makes in a substep are none.
+// What resting bodies are pressed with, m/s^2: gravity, or, in fields, the bodies' mean acceleration if
+// that is more. Impacts slower than this makes in a substep are none.
 double pressing(const BodyStore& b, double gravity) {
   if (b.acc.empty() || b.count == 0) return gravity;
   const std::uint32_t stride = std::max(1u, b.count / 1024);
@@ -77,6 +77,7 @@ class Solver::Run {
   template <class Kernel>
   void force(Kernel kernel);
 
+  void set_floors();
   void impacts();
   void kick(bool first);
   void hold();
@@ -98,7 +99,9 @@ class Solver::Run {
   const kernels::ContactView pairs_;
   const kernels::SingleView singles_;
 
-  double h_;  // s
+  double h_;          // s
+  double gravity_;    // m/s^2
+  double threshold_;  // m/s
   StreamParams stream_, drift_;
   ContactParams pair_, single_, loaded_pair_, loaded_single_;
   std::size_t model_, bounce_;
@@ -128,14 +131,15 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
       pairs_(contacts.pairs()),
       singles_(contacts.singles()),
       h_(params.dt / params.substeps),
+      gravity_(std::sqrt(params.gravity.x * params.gravity.x +
+                         params.gravity.y * params.gravity.y)),
+      threshold_(params.restitution_threshold),
       model_(static_cast<std::size_t>(params.model.model)),
       bounce_(params.model.bounce ? 1 : 0),
       rough_(params.model.model == kernels::Model::rough),
       slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
       loaded_sweeps_(solver.loaded_.empty() ? 0 : kLoadedSweeps),
       varying_(forces != nullptr && forces->varying()) {
-  const double g =
-      std::sqrt(params.gravity.x * params.gravity.x + params.gravity.y * params.gravity.y);
   stream_.h = static_cast<float>(h_);
   stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
   stream_.damp_rest =
@@ -149,9 +153,8 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   stream_.coast = static_cast<float>(span);
   drift_ = stream_;
   drift_.h = static_cast<float>(c > 0 ? span / std::exp(-c * h_) : h_);
-  drift_.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * g * g * h_ * h_);
+  drift_.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
 
-  const double pressed = pressing(bodies, g);
   pair_.h = stream_.h;
   pair_.inv_h = static_cast<float>(1 / h_);
   pair_.pitch_x = static_cast<float>(params.pitch_x);
@@ -161,8 +164,6 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   pair_.warm = params.warm;
   pair_.gravity_x = static_cast<float>(params.gravity.x);
   pair_.gravity_y = static_cast<float>(params.gravity.y);
-  pair_.bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, params.restitution_threshold));
-  pair_.impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, params.restitution_threshold));
   single_ = loaded_pair_ = loaded_single_ = pair_;
   set_soft(pair_, h_, kStiffness / params.stiff_substep);
   set_soft(single_, h_, kFixedStiffness * kStiffness / params.stiff_substep);
@@ -182,6 +183,7 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
 void Solver::Run::substep(bool first_of_step) {
   const bool first = first_of_step || varying_;
   if (varying_ && (!advance_ || bounce_)) force(accelerate_);
+  if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
   if (advance_) force(advance_);
   kick(first);
@@ -244,6 +246,14 @@ void Solver::Run::force(Kernel kernel) {
   const Clock::time_point start = Clock::now();
   for_bodies([&](std::uint32_t begin, std::uint32_t end) { kernel(view_, field_, begin, end); });
   forces_time_ += Clock::now() - start;
+}
+
+void Solver::Run::set_floors() {
+  const double pressed = pressing(bodies_, gravity_);
+  for (ContactParams* p : {&pair_, &single_, &loaded_pair_, &loaded_single_}) {
+    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold_));
+    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold_));
+  }
 }
 
 // Collisions at their time, sweep after sweep until one finds none. Where bodies have more than one

@@ -176,7 +176,7 @@ Sample sample_bodies(const BodyStore& b) {
     s.mean_x += v.x;
     s.mean_y += v.y;
     s.radius += static_cast<double>(b.radius[i]);
-    s.fastest = std::fmax(s.fastest, std::hypot(v.x, v.y));
+    s.fastest = std::fmax(s.fastest, std::sqrt(v.x * v.x + v.y * v.y));
   }
   s.square /= n;
   s.mean_x /= n;
@@ -184,7 +184,8 @@ Sample sample_bodies(const BodyStore& b) {
   s.radius /= n;
   for (std::uint32_t i = 0; i < b.count; i += stride) {
     const Vec2 v = velocity(i);
-    s.fastest_off = std::fmax(s.fastest_off, std::hypot(v.x - s.mean_x, v.y - s.mean_y));
+    const double x = v.x - s.mean_x, y = v.y - s.mean_y;
+    s.fastest_off = std::fmax(s.fastest_off, std::sqrt(x * x + y * y));
   }
   return s;
 }
