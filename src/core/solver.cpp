@@ -273,6 +273,7 @@ void Solver::Run::impacts() {
     });
   };
   const int sweeps = kSweeps + slices_ - 1;
+  pair_.sliced = single_.sliced = slices_ > 1;
   for (int sweep = 0; sweep < sweeps && any.load(); ++sweep) {
     any.store(false);
     pair_.first_sweep = single_.first_sweep = sweep == 0;

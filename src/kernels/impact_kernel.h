@@ -50,9 +50,10 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const std::uint32_t* slot = c.body + 2 * k;
     const auto ta = L::template gather1<2>(b.event_time, slot);
     const auto tb = L::template gather1<2>(b.event_time, slot + 1);
-    // Settled, and no body had an event since: the sweep before said all there is to say.
-    const auto asked = L::select_sign(mark, zero, eligible);
-    if (!p.first_sweep && !L::bits(L::either(asked, L::less(zero, L::max(ta, tb))))) continue;
+    // No impact left to this sweep, and no body had an event since: the one before said all.
+    auto asked = L::less(zero, L::max(ta, tb));
+    if (p.sliced) asked = L::either(asked, L::select_sign(mark, zero, eligible));
+    if (!p.first_sweep && !L::bits(asked)) continue;
     typename L::I iax, iay, ibx, iby;
     L::template gather_int<2>(b.pos, slot, iax, iay);
     L::template gather_int<2>(b.pos, slot + 1, ibx, iby);

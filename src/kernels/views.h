@@ -142,6 +142,7 @@ struct ContactParams {
   float gravity_x = 0, gravity_y = 0;  ///< m/s^2
   float bounce_floor = 0;  ///< m/s: e |vn| below this is left to the solver
   bool first_sweep = true; ///< of the substep: marks of the one before are stale
+  bool sliced = false;     ///< sweeps leave late impacts to the next ones, see due
   float due = 1e30f;       ///< s into the substep: later impacts wait for another sweep
   bool last_sweep = false; ///< what would still collide is left to the solver, unless elastic
   float impact_floor = 0;  ///< m/s: slower approaches of touching bodies do not bounce
