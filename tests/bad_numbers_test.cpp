@@ -242,7 +242,7 @@ TEST(Refused, StaticShapesThatAreNone) {
   std::vector<BodyDesc> bad = {
       segment({1, 1}, {1, 1}),       segment({kNan, 0}, {1, 1}), chain({{0, 0}}), chain({}),
       chain({{0, 0}, {1, 0}}, true), chain({{0, 0}, {kInf, 0}})};
-  BodyDesc moving = segment({0, 0}, {1, 0});
+  BodyDesc moving = chain({{0, 0}, {1, 0}});
   moving.type = BodyType::dynamic_body;
   bad.push_back(moving);
   for (std::size_t k = 0; k < bad.size(); ++k) {

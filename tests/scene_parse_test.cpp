@@ -327,40 +327,15 @@ TEST(SceneParse, ChecksGroups) {
                 "f.json:2:39: groups[0].count: 10000001 is out of range: a whole number from 0 to");
   expect_starts(group(R"("layout": "hex", "count": 4, "region": [1, 1, 11, 9], "radius": 1)"),
                 "f.json:2:52: groups[0].region: [1, 1, 11, 9] reaches out of the world");
-  expect_starts(group(placed + R"(, "shape": {"segment": {"p1": [0, 0], "p2": [1, 0]}})"),
-                "f.json:2:79: groups[0].shape: is no shape of a group");
+  expect_starts(
+      group(placed + R"(, "type": "static", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"),
+      "f.json:2:97: groups[0].shape: is no shape of a group");
   const std::string listed = R"("layout": "explicit", "x": [1, 2], "radius": 1, "y": )";
   expect_starts(group(listed + "[1]"), "f.json:2:66: groups[0].y: has 1 element, \"x\" has 2");
   expect_starts(group(listed + "[1, 11]"), "f.json:2:70: groups[0].y[1]: 11 is outside the world");
   expect_starts(group(listed + R"([1, 2], "vx": [1, 2], "velocity": [1, 2])"),
                 "f.json:2:88: groups[0].velocity: stands beside");
   expect_starts(group(listed + R"([1, 2], "seed": 1)"), "f.json:2:74: groups[0].seed: unknown key");
-}
-
-TEST(SceneParse, WhatThisVersionCannotSimulateIsSaidInOnePlace) {
-  const auto shape = [](std::string_view text) {
-    return with("{\"disc\": {\"radius\": 0.5}}", text);
-  };
-  expect_starts(shape(R"({"box": {"size": [1, 2]}})"),
-                "f.json:5:56: bodies[0].shape.box: a box is not available in this version");
-  expect_starts(shape(R"({"polygon": {"vertices": [[0, 0], [1, 0], [0, 1]]}})"),
-                "f.json:5:60: bodies[0].shape.polygon: a polygon is not available");
-  expect_starts(shape(R"({"capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 1}})"),
-                "f.json:5:60: bodies[0].shape.capsule: a capsule is not available");
-  expect_starts(shape(R"({"segment": {"p1": [0, 0], "p2": [1, 0]}})"),
-                "f.json:5:60: bodies[0].shape.segment: a segment or chain that is not");
-  const std::string two = R"("bodies": [{"name": "a", "shape": {"disc": {"radius": 1}}, "position":
-[1, 1]}, {"shape": {"disc": {"radius": 1}}, "position": [5, 5]}], "joints": )";
-  expect_starts(scene_with(two + R"([{"type": "spring", "a": "a", "b": 1, "stiffness": 10}])"),
-                "f.json:3:78: joints[0]: a joint is not available in this version");
-  EXPECT_EQ(error_of(scene_with(two + "[]")), "");
-  expect_starts(scene_with(two + R"([{"type": "spring", "a": "a", "b": 2}])"),
-                "f.json:3:112: joints[0].b: no body 2: ");
-  expect_starts(scene_with(two + R"([{"type": "spring", "a": "c", "b": 1}])"),
-                "f.json:3:102: joints[0].a: no body \"c\"");
-  // Other errors come first.
-  expect_starts(shape(R"({"box": {"size": [1, -2]}})"),
-                "f.json:5:69: bodies[0].shape.box.size[1]: -2 is out of range");
 }
 
 // Equal scenes have equal texts; that text keeps everything is the next test's.
@@ -418,6 +393,13 @@ TEST(SceneToJson, EveryFieldChangesTheText) {
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].gravity_scale = 2; }));
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].fixed_rotation = true; }));
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].bullet = true; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].sensor = true; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].filter.category = 2; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].filter.mask = 2; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].filter.group = -2; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.joints.emplace_back(); }));
+  EXPECT_TRUE(differs([](Scene& s) { s.groups[0].links.emplace(); }));
+  EXPECT_TRUE(differs([](Scene& s) { s.groups[0].body.shape = BoxShape{}; }));
   EXPECT_TRUE(differs([](Scene& s) { s.groups[0].jitter = 1; }));
   EXPECT_TRUE(differs([](Scene& s) { s.groups[0].velocity.y = 1; }));
   EXPECT_TRUE(differs([](Scene& s) { s.groups[0].velocity_spread = 1; }));

@@ -26,22 +26,56 @@ struct DiscShape {
   double radius = 0.5;  ///< metres, > 0
 };
 
-/// A line from p1 to p2 in the body's frame; no thickness; solid from both sides; static only.
+/// A line from p1 to p2 in the body's frame; no thickness; solid from both sides. A dynamic one is a
+/// thin rod: its density is kg/m.
 struct SegmentShape {
   Vec2 p1;
   Vec2 p2;
 };
 
-/// Segments joined end to end (and last to first if `loop`), in the body's frame; static only.
-/// A disc feels no bump at the joints of a straight or convex run.
+/// Segments joined end to end (and last to first if `loop`), in the body's frame; static or
+/// kinematic. Nothing feels a bump at the joints of a straight or convex run.
 struct ChainShape {
   std::vector<Vec2> vertices;  ///< at least 2 (3 if loop)
   bool loop = false;
 };
 
-using Shape = std::variant<DiscShape, SegmentShape, ChainShape>;
+/// A rectangle about the body's place.
+struct BoxShape {
+  double width = 1;   ///< metres, > 0
+  double height = 1;  ///< metres, > 0
+  double radius = 0;  ///< metres, >= 0: rounds it, outside of width and height
+};
 
-/// One body. `mass` wins over the material's density; a disc's inertia is m r^2 / 2.
+inline constexpr int kMostPolygonVertices = 8;
+
+/// A convex polygon in the body's frame, counter-clockwise; need not be centred.
+struct PolygonShape {
+  std::vector<Vec2> vertices;  ///< 3 to kMostPolygonVertices
+  double radius = 0;           ///< metres, >= 0: rounds it, outside of the vertices
+};
+
+/// All points within `radius` of the line from p1 to p2, in the body's frame.
+struct CapsuleShape {
+  Vec2 p1;
+  Vec2 p2;
+  double radius = 0.5;  ///< metres, > 0
+};
+
+using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+
+/// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
+/// (group < 0); else if each one's category is in the other's mask.
+struct Filter {
+  std::uint32_t category = 1;
+  std::uint32_t mask = 0xFFFFFFFFu;
+  std::int32_t group = 0;
+  friend bool operator==(const Filter&, const Filter&) = default;
+};
+
+/// One body. `mass` wins over the material's density; inertia follows from shape and mass (a
+/// disc's is m r^2 / 2). Dynamic bodies turn about their centre of mass, kinematic ones about
+/// `position`; `velocity` is that of the centre of mass.
 struct BodyDesc {
   BodyType type = BodyType::dynamic_body;
   Shape shape = DiscShape{};
@@ -53,7 +87,9 @@ struct BodyDesc {
   double mass = 0;           ///< kg; 0 = from the density
   double gravity_scale = 1;  ///< factor on the world's gravity and wells
   bool fixed_rotation = false;
-  bool bullet = false;
+  bool bullet = false;  ///< does not pass through other moving bodies either, however fast
+  bool sensor = false;  ///< static or kinematic: touches nothing, tells who overlaps it
+  Filter filter;
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for
@@ -70,6 +106,7 @@ struct DiscBatch {
   double gravity_scale = 1;
   bool fixed_rotation = false;
   bool bullet = false;
+  Filter filter;
 };
 
 /// Acceleration `strength * d / (|d|^2 + softening^2)^((exponent+1)/2)` towards `position`, zero

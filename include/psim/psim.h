@@ -2,8 +2,11 @@
 #pragma once
 
 #include "psim/desc.h"
+#include "psim/events.h"
 #include "psim/integrator.h"
 #include "psim/isa.h"
+#include "psim/joint.h"
+#include "psim/query.h"
 #include "psim/report.h"
 #include "psim/types.h"
 #include "psim/version.h"

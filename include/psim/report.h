@@ -35,6 +35,7 @@ struct StepReport {
   std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
   std::uint64_t awake = 0;      ///< dynamic bodies that were stepped
   bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
+  std::uint32_t stopped = 0;    ///< fast bodies put back to where they first met something
   std::uint32_t escaped = 0;    ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)

@@ -10,11 +10,26 @@
 #include <vector>
 
 #include "psim/desc.h"
+#include "psim/joint.h"
 #include "psim/world.h"
 
 namespace psim {
 
 enum class Layout : std::uint8_t { lattice, hex, random, explicit_list };
+
+/// Which bodies of a linked group stand still.
+enum class Pin : std::uint8_t { none, top, corners, left, ends };
+
+/// Joins the neighbours of a lattice or hex group, centre to centre, at the distance that they are
+/// placed at: a rope, a net, a cloth.
+struct LinkDesc {
+  JointType type = JointType::distance;  ///< distance, spring or rope
+  double stiffness = 0;                  ///< spring: N/m
+  double damping = 0;                    ///< spring: N s/m
+  bool diagonals = false;                ///< lattice: the two diagonals of every cell, too
+  Pin pin = Pin::none;                   ///< pinned bodies are static
+  bool collide = false;                  ///< whether neighbours still collide
+};
 
 /// Many alike bodies placed by rule. See docs/scenes.md for the layouts.
 struct GroupDesc {
@@ -27,7 +42,16 @@ struct GroupDesc {
   double velocity_spread = 0;  ///< uniform +-s on each axis
   std::uint64_t seed = 1;
   std::vector<double> x, y, radius, vx, vy;  ///< explicit_list only
-  BodyDesc body;                             ///< everything else (type, material, mass, ...)
+  std::optional<LinkDesc> links;             ///< lattice and hex only
+  /// Everything else (type, material, mass, ...). A shape other than a disc is that of every body,
+  /// and is placed by the circle around its origin that holds it; no chains.
+  BodyDesc body;
+};
+
+/// A joint of a scene: bodies by their index in the scene, which is their id.
+struct SceneJoint {
+  std::uint64_t a = 0, b = 0;
+  JointDesc joint;  ///< its a and b are filled in when the world is made
 };
 
 struct Scene {
@@ -38,13 +62,16 @@ struct Scene {
   std::vector<BodyDesc> bodies;
   std::vector<std::string> body_names;  ///< parallel to bodies; empty = unnamed
   std::vector<GroupDesc> groups;
+  std::vector<SceneJoint> joints;
   std::uint64_t seed = 1;  ///< mixed into every group's seed when set from outside
+  /// One line each: what of a file in another format is approximated or left out.
+  std::vector<std::string> notes;
 
   /// Number of bodies that the scene will make.
   std::uint64_t body_count() const;
 };
 
-/// Reads a scene from JSON text. On failure returns nothing and one line in `error`:
+/// Reads a scene from JSON text, psim's own or that of R.U.B.E. (docs/scenes.md). On failure returns nothing and one line in `error`:
 /// FILE:LINE:COL: path: what was wrong, what is allowed. `file` is used in messages only.
 std::optional<Scene> parse_scene(std::string_view text, std::string_view file, std::string& error);
 
@@ -58,12 +85,13 @@ struct BuiltinScene {
   std::string_view name;
   std::uint64_t default_particles;
   std::string_view description;  ///< one line: what it shows
+  bool sized = true;             ///< whether the number of bodies can be chosen
 };
 
 /// Every built-in scene, in the order of `--list-scenes`.
 const std::vector<BuiltinScene>& builtin_scenes();
 
-/// Makes a built-in scene with `particles` discs (0 = its default) from `seed`.
+/// Makes a built-in scene with `particles` bodies (0 = its default) from `seed`.
 std::optional<Scene> make_builtin(std::string_view name, std::uint64_t particles,
                                   std::uint64_t seed, std::string& error);
 

@@ -12,6 +12,9 @@
 #include <vector>
 
 #include "psim/desc.h"
+#include "psim/events.h"
+#include "psim/joint.h"
+#include "psim/query.h"
 #include "psim/report.h"
 
 namespace psim {
@@ -23,7 +26,7 @@ struct BodyState {
   double angle = 0;      ///< radians, not wrapped
   double vx = 0, vy = 0; ///< m/s
   double omega = 0;      ///< rad/s
-  double radius = 0;     ///< metres; 0 for segments and chains
+  double radius = 0;     ///< metres: of the circle about (x, y) that holds it; static: 0 unless a disc
   BodyType type = BodyType::dynamic_body;
 };
 
@@ -92,6 +95,37 @@ class World {
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   /// Adds impulse / mass to the velocity, N s.
   bool apply_impulse(BodyId id, Vec2 impulse);
+
+  /// N s at a world point: turns the body too.
+  bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
+  /// N m s.
+  bool apply_angular_impulse(BodyId id, double impulse);
+
+  /// Ties two bodies; kNoJoint and one line in `error` if the description is refused.
+  JointId add_joint(const JointDesc& desc, std::string& error);
+  /// False if the id is stale. Removing a body removes its joints.
+  bool remove_joint(JointId id);
+  bool is_valid_joint(JointId id) const;
+  std::optional<JointState> joint(JointId id) const;
+  /// Revolute and prismatic: rad/s and N m, or m/s and N. False if the id is stale or has no motor.
+  bool set_motor(JointId id, double speed, double limit);
+  std::size_t joint_count() const;
+
+  /// The first body that the way from `from` to `to` enters.
+  std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
+  /// All of them, nearest first, then by id.
+  std::vector<RayHit> ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
+  /// Bodies that overlap a shape placed at (position, angle), by id.
+  std::vector<BodyId> overlap(const Shape& shape, Vec2 position, double angle,
+                              const QueryFilter& filter = {}) const;
+  /// Bodies of which some part lies in the rectangle, by id.
+  std::vector<BodyId> in_region(const Bounds& region, const QueryFilter& filter = {}) const;
+  /// The body nearest to a point, none within `reach` metres: nothing; of several the least id.
+  std::optional<ClosestHit> closest(Vec2 point, double reach, const QueryFilter& filter = {}) const;
+
+  /// Chooses what steps tell; nothing at first.
+  void set_event_options(const EventOptions& options);
+  Events events() const;
 
   /// Sorts the bodies and makes the lists and arrays of a step without taking one, so that the first
   /// step costs no more than the later ones: for the end of loading. Changes no result.

@@ -15,6 +15,8 @@
 #include "column.h"
 #include "lattice.h"
 #include "psim/desc.h"
+#include "make_table.h"
+#include "shape_table.h"
 #include "views.h"
 
 namespace psim {
@@ -28,13 +30,15 @@ struct Surface {
   float inv_mass = 0;       ///< 1/kg; 0 = kinematic or static
   float mass = 0;           ///< kg
   float spin_gain = 0;      ///< r^2 / inertia, 1/kg; 0 = does not turn
-  float radius = 0;         ///< m
+  float radius = 0;         ///< m: of the circle about the centre that holds it
   float gravity_scale = 1;
   float restitution = 0;
   float friction = 0;
-  BodyType type = BodyType::dynamic_body;
+  std::uint32_t make : 24 = 0;        ///< in BodyStore::makes; 0: a plain disc that meets all
+  BodyType type : 8 = BodyType::dynamic_body;
   friend bool operator==(const Surface&, const Surface&) = default;
 };
+static_assert(sizeof(Surface) == 32);
 
 /// One body, by id.
 struct BodyInfo {
@@ -95,7 +99,7 @@ class BodyStore {
   explicit BodyStore(MemoryMeter& meter)
       : pos(meter), vel(meter), disp(meter), id(meter), radius(meter), spin(meter), angle(meter),
         vel0(meter), spin0(meter), acc(meter), bend(meter), pull(meter), vel_rest(meter),
-        disp_rest(meter), spare(meter), event_time(meter), linked(meter), built(meter),
+        disp_rest(meter), spare(meter), turn(meter), swing(meter), event_time(meter), linked(meter), built(meter),
         reach(meter), info(meter) {}
 
   // By slot.
@@ -111,6 +115,7 @@ class BodyStore {
   Column<float> vel_rest;   ///< m/s records: what velocities lost to rounding (fields only)
   Column<float> disp_rest;  ///< m records: what offsets lost (only if the plan has an integrator)
   Column<float> spare;      ///< scratch of move_rests
+  Column<float> turn, swing;  ///< since the frame's start: see BodyView (shapes, joints only)
   Column<float> event_time;
   Column<std::uint8_t> linked;
   Column<std::int32_t> built;     ///< position when the lists were made
@@ -119,6 +124,9 @@ class BodyStore {
   // By id.
   mutable Column<BodyInfo> info;
   SurfaceTable surfaces;
+  ShapeTable hulls;
+  MakeTable makes;
+  const Make& make(std::uint32_t body_id) const { return makes[surface(body_id).make]; }
   const Surface& surface(std::uint32_t body_id) const { return surfaces[info[body_id].surface]; }
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;
@@ -210,6 +218,18 @@ class BodyStore {
     }
   }
 
+  /// Makes the columns of turning within a frame (zero), or gives them back.
+  void keep_turns(bool wanted) {
+    if (!wanted) {
+      turn.release();
+      swing.release();
+      return;
+    }
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    turn.reserve(2 * total);
+    swing.reserve(total);
+  }
+
   kernels::BodyView view() {
     kernels::BodyView v;
     v.pos = pos.data();
@@ -223,6 +243,8 @@ class BodyStore {
     v.pull = pull.empty() ? nullptr : pull.data();
     v.spin = spin.empty() ? nullptr : spin.data();
     v.spin0 = spin0.empty() ? nullptr : spin0.data();
+    v.turn = turn.empty() ? nullptr : turn.data();
+    v.swing = swing.empty() ? nullptr : swing.data();
     v.event_time = event_time.empty() ? nullptr : event_time.data();
     v.linked = linked.data();
     return v;

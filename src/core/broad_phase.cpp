@@ -30,6 +30,7 @@ void make_singles(PairTable& table, std::size_t strips) {
   if (table.singles.size() >= strips) return;
   const std::size_t before = table.singles.size();
   table.singles.resize(strips);
+  table.found.resize(strips);
   for (std::size_t s = before; s < strips; ++s) table.singles[s].reserve(64);
 }
 
@@ -352,7 +353,7 @@ void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const Br
                common_y = static_cast<double>(p.margin.common_y);
   const double extra = std::sqrt(common_x * common_x + common_y * common_y) *
                        static_cast<double>(p.margin.time);
-  std::vector<std::uint32_t> found;
+  std::vector<std::uint32_t>& found = table.found[index];
   const auto look = [&](std::uint32_t i) {
     const double reach = static_cast<double>(b.reach[i]) + extra;
     const std::int32_t* at = b.built.data() + 2 * std::size_t{i};

@@ -349,6 +349,7 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
     }
     model_ = model;
   }
+  ++builds_;
   alike_ = alike;
   numbers_ = &numbers;
   loads_ = &loads;

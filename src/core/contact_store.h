@@ -51,6 +51,8 @@ class ContactStore {
   std::uint32_t colours() const { return colours_; }
   std::uint64_t pair_count() const { return pair_count_; }
   std::uint64_t single_count() const { return single_count_; }
+  /// How often the lanes were laid out: while it stays, so do they.
+  std::uint64_t builds() const { return builds_; }
 
   // Pair contacts, by lane.
   Column<std::uint32_t> body;  ///< two a lane, as SolverBodies numbers them
@@ -94,7 +96,7 @@ class ContactStore {
   std::vector<Counts> single_counts_;
   Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
   std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;
-  std::uint64_t pair_count_ = 0, single_count_ = 0;
+  std::uint64_t pair_count_ = 0, single_count_ = 0, builds_ = 0;
 };
 
 }  // namespace psim

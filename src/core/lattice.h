@@ -56,6 +56,24 @@ class Lattice {
     return out;
   }
 
+  /// The lattice place of `place` + `arm`. The arm is added on the lattice, so that a scene moved by
+  /// whole steps has the same bits.
+  LatticePoint to_lattice(Vec2 place, Vec2 arm) const {
+    if (arm.x == 0 && arm.y == 0) return to_lattice(place);
+    LatticePoint p = to_lattice(place);
+    const double limit = wraps_ ? 0x1p62 : 0x1p30;
+    const auto add = [&](std::int32_t& k, float& rest, double way, double pitch) {
+      const double all = static_cast<double>(rest) + way;
+      double steps = k + std::nearbyint(all / pitch);
+      steps = steps < limit ? (steps > -limit ? steps : -limit) : limit;
+      rest = static_cast<float>(all - (steps - k) * pitch);
+      k = static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(steps)));
+    };
+    add(p.x, p.dx, arm.x, pitch_x_);
+    add(p.y, p.dy, arm.y, pitch_y_);
+    return p;
+  }
+
   Vec2 to_world(std::int32_t x, std::int32_t y, float dx, float dy) const {
     return {centre_.x + (x * pitch_x_ + static_cast<double>(dx)),
             centre_.y + (y * pitch_y_ + static_cast<double>(dy))};

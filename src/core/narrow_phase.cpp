@@ -18,9 +18,10 @@ class SingleGeometry {
 
   /// All contacts of one body: list[begin..end).
   void body(const std::vector<SinglePair>& list, std::size_t begin, std::size_t end) {
-    corners_ = 0;
+    corners_ = inside_ = 0;
     for (std::size_t k = begin; k < end; ++k) one(list[k]);
     if (corners_ != 0 && end - begin > 1) drop_doubled_corners(list, begin, end);
+    if (inside_ != 0) keep_nearest_faces(list, begin, end);
   }
 
  private:
@@ -49,20 +50,21 @@ class SingleGeometry {
     const double along = ax * ux + ay * uy;
     if (along < 0 || along > uu) {
       ++corners_;
-      if (along < 0) return round(pair, ax, ay, 0, r);
-      return round(pair, ax - ux, ay - uy, 0, r);
+      if (along < 0) return round(pair, ax, ay, s.radius, r);
+      return round(pair, ax - ux, ay - uy, s.radius, r);
     }
     const double length = std::sqrt(uu);
     const double side = (ux * ay - uy * ax) / length;  // left of p->q is positive
-    double sign = side < 0 ? -1 : 1;
+    double sign = side < 0 || s.face ? -1 : 1;
+    if (s.face && side > 0) ++inside_;
     // Pressed through a thin segment by its neighbours, a disc is still on the side it came from.
     const std::uint32_t at = pair.contact;
-    if (c_.s_impulse[at] > 0) {
+    if (c_.s_impulse[at] > 0 && !s.face) {
       const double was = static_cast<double>(c_.s_nx[at]) * -uy + static_cast<double>(c_.s_ny[at]) * ux;
       if (was != 0) sign = was < 0 ? -1 : 1;
     }
     face(pair, static_cast<float>(-uy / length * sign), static_cast<float>(ux / length * sign),
-         static_cast<float>(side * sign) - r);
+         static_cast<float>(side * sign) - (r + s.radius));
   }
 
   void face(const SinglePair& pair, float nx, float ny, float gap) {
@@ -102,13 +104,53 @@ class SingleGeometry {
         const bool other_corner = is_corner(list[o]);
         if (other_corner && o > k) continue;
         if (distance_to(list[o], cx, cy) < 1e-5 * static_cast<double>(b_.radius[list[k].body]) + 4 * px_) {
-          c_.s_gap[at] = kFar;
-          c_.s_refresh[at] = std::numeric_limits<float>::infinity();
-          c_.s_impulse[at] = 0;
+          drop(at);
           break;
         }
       }
     }
+  }
+
+  // Edges of a polygon that have a disc's centre on their inner side: none of them counts if another
+  // edge has it outside, else the nearest one, by which the disc leaves.
+  void keep_nearest_faces(const std::vector<SinglePair>& list, std::size_t begin,
+                          std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      if (!is_face(list[k])) continue;
+      const double mine = outside(list[k]);
+      if (!(mine < 0)) continue;
+      for (std::size_t o = begin; o < end; ++o) {
+        if (o == k || !is_face(list[o]) || shapes_[list[o].shape].owner != shapes_[list[k].shape].owner) {
+          continue;
+        }
+        const double other = outside(list[o]);
+        if (other < mine || (other == mine && o > k)) continue;
+        drop(list[k].contact);
+        break;
+      }
+    }
+  }
+
+  bool is_face(const SinglePair& pair) const {
+    return pair.shape < kWallLeft && shapes_[pair.shape].face;
+  }
+
+  // How far a body's centre lies outside of an edge's line, m.
+  double outside(const SinglePair& pair) const {
+    const StaticShape& s = shapes_[pair.shape];
+    const std::size_t i = pair.body;
+    const double ax = wrap_sub(b_.pos[2 * i], s.p.x) * px_ - static_cast<double>(s.p.dx);
+    const double ay = wrap_sub(b_.pos[2 * i + 1], s.p.y) * py_ - static_cast<double>(s.p.dy);
+    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
+    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
+    return (uy * ax - ux * ay) / std::sqrt(ux * ux + uy * uy);
+  }
+
+  // Another contact stands for this one.
+  void drop(std::uint32_t at) {
+    c_.s_gap[at] = kFar;
+    c_.s_refresh[at] = std::numeric_limits<float>::infinity();
+    c_.s_impulse[at] = 0;
   }
 
   bool is_corner(const SinglePair& pair) const {
@@ -135,7 +177,7 @@ class SingleGeometry {
   ContactStore& c_;
   double px_, py_;
   float refresh_;
-  int corners_ = 0;
+  int corners_ = 0, inside_ = 0;
 };
 
 }  // namespace

@@ -40,6 +40,7 @@ struct PairTable {
   Column<std::uint32_t> contact;  ///< by pair: 8 block + lane
   std::vector<Strip> strips;      ///< the last is the group of large bodies
   std::vector<std::vector<SinglePair>> singles;  ///< by strip, by body
+  std::vector<std::vector<std::uint32_t>> found;  ///< by strip: scratch of their search
   std::uint32_t body_count = 0;
   std::uint32_t large_begin = 0;
   std::uint32_t pair_room = 0;  ///< pairs and gaps: past the last strip's pairs
@@ -53,6 +54,7 @@ struct PairTable {
     contact.swap(o.contact);
     strips.swap(o.strips);
     singles.swap(o.singles);
+    found.swap(o.found);
     std::swap(body_count, o.body_count);
     std::swap(large_begin, o.large_begin);
     std::swap(pair_room, o.pair_room);

@@ -17,7 +17,14 @@ Plan make_plan(const Traits& t) {
             (t.gravity || t.fields);
   p.radii = t.same_radius != t.moving;
   p.surfaces = t.same_surface != t.moving;
-  p.rotation = p.friction || t.turning;
+  p.shapes = t.cornered != 0;
+  p.joints = t.joints != 0;
+  p.turns = p.shapes || p.joints;
+  p.filters = t.filtered != 0 || t.sensors != 0 || t.exclusions;
+  p.bullets = t.bullets != 0 && t.moving > 1;
+  p.continuous = p.shapes || p.bullets;
+  p.rotation = p.friction || t.turning || p.turns;
+  p.events = t.events;
   p.publish = t.snapshots;
   p.model.model = p.friction ? kernels::Model::rough
                              : (p.masses ? kernels::Model::massed : kernels::Model::plain);
@@ -67,9 +74,17 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
       "no body carries one eight times as heavy");
   add("solver.friction", p.friction, "two surfaces that can meet have friction",
       "no two surfaces that can meet have friction");
-  add("rotation", p.rotation, "friction or a given spin turns bodies", "nothing turns a body");
+  add("manifolds", p.shapes, "bodies other than discs", "all moving bodies are discs");
+  add("joints", p.joints, "bodies are joined", "no body is joined to another");
+  add("filters", p.filters, "some bodies do not collide with others, or are sensors",
+      "everybody collides with everybody");
+  add("continuous", p.continuous, "shapes that are fast for their size, or bullets",
+      "discs meet fixed geometry at any speed, and nobody is a bullet");
+  add("rotation", p.rotation, "friction, a shape, a joint or a given spin turns bodies",
+      "nothing turns a body");
   add("integrate", moves, "bodies move", "no body moves");
   add("sleep", false, "", "sleeping does not exist in this version");
+  add("events", p.events, "the host asks for contacts, hits or sensors", "nobody asks for events");
   add("publish", p.publish, "a renderer reads snapshots", "no renderer is attached");
   return out;
 }

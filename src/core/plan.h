@@ -24,6 +24,12 @@ struct Traits {
   std::uint64_t fixed = 0;
   std::uint64_t fixed_bounce = 0;
   std::uint64_t fixed_rough = 0;
+  std::uint64_t cornered = 0;         ///< moving bodies other than discs
+  std::uint64_t filtered = 0;         ///< bodies that do not collide with all others
+  std::uint64_t sensors = 0;
+  std::uint64_t bullets = 0;
+  std::uint64_t joints = 0;
+  bool exclusions = false;            ///< some joined bodies do not collide
   bool turning = false;               ///< some body was given an angle or a spin
   bool walls = false, wall_bounce = false, wall_rough = false;
   double mass_ratio = 1;              ///< heaviest to lightest dynamic body
@@ -32,6 +38,7 @@ struct Traits {
   Integrator integrator = Integrator::verlet;
   bool damping = false;
   bool snapshots = false;
+  bool events = false;                ///< the host asked for some
 };
 
 struct Plan {
@@ -46,6 +53,13 @@ struct Plan {
   bool radii = false;        ///< unequal
   bool surfaces = false;     ///< mass, friction or restitution unequal
   bool rotation = false;
+  bool shapes = false;       ///< moving bodies other than discs: manifolds
+  bool filters = false;      ///< not everybody collides with everybody
+  bool joints = false;
+  bool turns = false;        ///< what points of a body do within a frame: shapes or joints
+  bool continuous = false;   ///< fast bodies are looked after
+  bool bullets = false;      ///< also against other moving bodies
+  bool events = false;
   bool publish = false;
   ContactModel model;
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "rotor.h"
 #include "tasks.h"
 
 namespace psim {
@@ -22,6 +23,13 @@ constexpr double kFixedStiffness = 2;  // contacts with fixed shapes, times stif
 // Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge.
 constexpr double kLoadedStiffness = 0.9;
 constexpr int kLoadedSweeps = 16;
+// Between bodies that are not discs: weight goes down by half-reactions (manifold_layout.cpp), which
+// makes stiffer contacts quiet (docs/decisions/007-manifolds.md).
+constexpr double kManifoldStiffness = 0.25;
+constexpr double kLoadedManifoldStiffness = 0.9;
+constexpr double kBouncingStiffness = 0.16;  // with restitution, where there are no half-reactions
+// In columns, which are solved exactly: stiff, but pushed out gently.
+constexpr double kColumnStiffness = 0.34, kFixedColumnStiffness = 4, kColumnPush = 0.1;
 constexpr double kPush = 3;     // m/s, fastest push-out
 constexpr double kSlices = 20;  // slices of a substep for each impact that a body has in it
 constexpr int kMostSlices = 4;
@@ -36,6 +44,15 @@ void set_soft(ContactParams& p, double h, double frequency) {
   p.soft_rate = static_cast<float>(a2 * a3 * omega / a1);
   p.soft_mass = static_cast<float>(a2 * a3);
   p.soft_impulse = static_cast<float>(a3);
+}
+
+// The same as compliance and rate of an overlap, see ManifoldBlock.
+void set_softness(double h, double frequency, float& soft, float& rate) {
+  constexpr double kPi = 3.14159265358979323846;
+  const double omega = 2 * kPi * frequency;
+  const double a1 = 2 * kDamping + h * omega;
+  soft = static_cast<float>(1 / (h * omega * a1));
+  rate = static_cast<float>(omega / a1);
 }
 
 // What resting bodies are pressed with, m/s^2: gravity, or, in fields, the bodies' mean acceleration if
@@ -57,8 +74,10 @@ double pressing(const BodyStore& b, double gravity) {
 class Solver::Run {
  public:
   Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
-      ContactStore& contacts, const SolverParams& params, const Forces* forces,
-      const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool);
+      ContactStore& contacts, Manifolds& manifolds, Columns& columns,
+                 JointStore& joints, const SolverParams& params,
+      const Forces* forces, const HeldBodies& held, const kernels::KernelTable& k,
+      WorkerPool& pool);
 
   void substep(bool first_of_step);
   double forces_ms() const {
@@ -73,6 +92,8 @@ class Solver::Run {
   template <class Pairs, class Singles>
   void for_loaded(const Pairs& pairs, const Singles& singles);
   template <class Each>
+  void for_manifolds(bool fixed, bool loaded, const Each& each);
+  template <class Each>
   void for_bodies(const Each& each);
   template <class Kernel>
   void force(Kernel kernel);
@@ -80,6 +101,7 @@ class Solver::Run {
   void set_floors();
   void impacts();
   void kick(bool first);
+  Vec2 arm_of(std::uint32_t id, double angle) const;
   void hold();
   void warm(bool first_of_step);
   void solve();
@@ -92,6 +114,9 @@ class Solver::Run {
   BodyStore& bodies_;
   SolverBodies& solved_;
   const PairTable& table_;
+  Manifolds& manifolds_;
+  Columns& columns_;
+  JointStore& joints_;
   const HeldBodies& held_;
   const kernels::KernelTable& k_;
   WorkerPool& pool_;
@@ -105,7 +130,7 @@ class Solver::Run {
   StreamParams stream_, drift_;
   ContactParams pair_, single_, loaded_pair_, loaded_single_;
   std::size_t model_, bounce_;
-  bool rough_;
+  bool rough_, turns_;
   int slices_, loaded_sweeps_;
   bool varying_;  // accelerations are taken anew in every substep
   kernels::FieldParams field_;
@@ -118,12 +143,17 @@ class Solver::Run {
 };
 
 Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
-                 ContactStore& contacts, const SolverParams& params, const Forces* forces,
-                 const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool)
+                 ContactStore& contacts, Manifolds& manifolds, Columns& columns,
+                 JointStore& joints, const SolverParams& params,
+                 const Forces* forces, const HeldBodies& held, const kernels::KernelTable& k,
+                 WorkerPool& pool)
     : solver_(solver),
       bodies_(bodies),
       solved_(solved),
       table_(table),
+      manifolds_(manifolds),
+      columns_(columns),
+      joints_(joints),
       held_(held),
       k_(k),
       pool_(pool),
@@ -137,8 +167,9 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
       model_(static_cast<std::size_t>(params.model.model)),
       bounce_(params.model.bounce ? 1 : 0),
       rough_(params.model.model == kernels::Model::rough),
+      turns_(params.turns),
       slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
-      loaded_sweeps_(solver.loaded_.empty() ? 0 : kLoadedSweeps),
+      loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : kLoadedSweeps),
       varying_(forces != nullptr && forces->varying()) {
   stream_.h = static_cast<float>(h_);
   stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
@@ -190,8 +221,12 @@ void Solver::Run::substep(bool first_of_step) {
   hold();
   if (first) warm(first_of_step);
   solve();
+  if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, true, pool_);
+  joints_.hold(view_, k_, pool_);
   drift();
   carry_held();
+  joints_.release(view_, k_, pool_);
+  if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, false, pool_);
   relax();
   if (bounce_) spend();
 }
@@ -230,6 +265,28 @@ void Solver::Run::for_loaded(const Pairs& pairs, const Singles& singles) {
   run(solver_.loaded_odd_, solver_.loaded_large_, pairs);
   run(solver_.loaded_large_, loaded.size(), pairs);
   run(0, loaded.size(), singles);
+}
+
+// Manifolds between moving bodies as for_pairs; those with a fixed side as for_singles, unless some of
+// those sides are kinematic: then the other one may lie in the next strip.
+template <class Each>
+void Solver::Run::for_manifolds(bool fixed, bool loaded, const Each& each) {
+  if (!manifolds_.any()) return;
+  const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
+  const auto one = [&](std::size_t index) {
+    Manifolds::StripBlocks& s = manifolds_.strip(index);
+    const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
+    if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
+  };
+  const std::size_t strips = table_.strips.size() - 1;
+  if (fixed && held_.empty()) {
+    pool_.run(strips + 1, one);
+    return;
+  }
+  for (std::size_t parity = 0; parity < 2; ++parity) {
+    pool_.run((strips + 1 - parity) / 2, [&](std::size_t k) { one(2 * k + parity); });
+  }
+  one(strips);
 }
 
 template <class Each>
@@ -299,7 +356,7 @@ void Solver::Run::impacts() {
 void Solver::Run::kick(bool first) {
   for_bodies([&](std::uint32_t begin, std::uint32_t end) {
     if (!advance_) (first ? k_.kick_first : k_.kick_again)(view_, stream_, begin, end);
-    if (!rough_) return;
+    if (!rough_ && !turns_) return;
     for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
       const float u = view_.spin[i];
       view_.spin[i] = first ? u : u + (u - view_.spin0[i]);
@@ -308,12 +365,28 @@ void Solver::Run::kick(bool first) {
   });
 }
 
-// Kinematic bodies keep their velocities.
+// From a kinematic body's place, which it turns about, to its centre, m.
+Vec2 Solver::Run::arm_of(std::uint32_t id, double angle) const {
+  const Make& make = bodies_.make(id);
+  if (make.centre_x == 0 && make.centre_y == 0) return {};
+  const SineCosine q = sine_cosine(angle);
+  const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
+  return {q.cosine * x - q.sine * y, q.sine * x + q.cosine * y};
+}
+
+// Kinematic bodies keep their velocities; the centre of one that turns about another point goes round.
 void Solver::Run::hold() {
   for (std::size_t n = 0; n < held_.size(); ++n) {
-    const std::size_t i = bodies_.info[held_[n].first].slot;
-    bodies_.vel[2 * i] = bodies_.vel0[2 * i] = static_cast<float>(held_[n].second.x);
-    bodies_.vel[2 * i + 1] = bodies_.vel0[2 * i + 1] = static_cast<float>(held_[n].second.y);
+    const std::uint32_t id = held_[n].first;
+    const std::size_t i = bodies_.info[id].slot;
+    Vec2 v = held_[n].second;
+    if (!bodies_.spin.empty()) {
+      const double omega = static_cast<double>(bodies_.spin[i]) / static_cast<double>(bodies_.radius[i]);
+      const Vec2 arm = arm_of(id, bodies_.angle[i] + omega * h_ / 2);
+      v = {v.x - omega * arm.y, v.y + omega * arm.x};
+    }
+    bodies_.vel[2 * i] = bodies_.vel0[2 * i] = static_cast<float>(v.x);
+    bodies_.vel[2 * i + 1] = bodies_.vel0[2 * i + 1] = static_cast<float>(v.y);
     solver_.held_at_[2 * n] = bodies_.disp[2 * i];
     solver_.held_at_[2 * n + 1] = bodies_.disp[2 * i + 1];
   }
@@ -325,15 +398,30 @@ void Solver::Run::warm(bool first_of_step) {
   for_pairs([&](std::size_t, const Strip& s) {
     k_.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end);
   });
+  for (const bool fixed : {false, true}) {
+    for (const bool loaded : {false, true}) {
+      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+        k_.warm_manifolds[fixed](view_, blocks, warm_pair.warm, begin, end);
+      });
+    }
+  }
   for_singles([&](std::size_t, const Strip& s) {
     k_.warm_single[model_](view_, singles_, warm_single, s.single_begin, s.single_end);
   });
+  joints_.warm(view_, k_, warm_pair.warm, pool_);
 }
 
 void Solver::Run::solve() {
+  joints_.solve(view_, k_, pool_);
   for_pairs([&](std::size_t, const Strip& s) {
     k_.solve[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });
+  const auto solve_manifolds = [&](bool fixed, bool loaded) {
+    for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+      k_.solve_manifolds[fixed][bounce_](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+    });
+  };
+  solve_manifolds(false, false);
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
     loaded_pair_.again = loaded_single_.again = sweep != 0;
     for_loaded(
@@ -344,7 +432,10 @@ void Solver::Run::solve() {
           k_.solve_single[model_][bounce_](view_, singles_, loaded_single_, s.single_loaded_begin,
                                            s.single_end);
         });
+    solve_manifolds(false, true);
+    solve_manifolds(true, true);
   }
+  solve_manifolds(true, false);
   for_singles([&](std::size_t, const Strip& s) {
     k_.solve_single[model_][bounce_](view_, singles_, single_, s.single_begin,
                                      s.single_loaded_begin);
@@ -358,6 +449,7 @@ void Solver::Run::drift() {
     } else {
       k_.drift(view_, drift_, begin, end);
     }
+    if (turns_) k_.swing_bodies(view_, bodies_.radius.data(), stream_.h, begin, end);
     if (bodies_.spin.empty()) return;
     for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved_.count()); ++n) {
       if (view_.linked[n] == 0) continue;
@@ -368,20 +460,37 @@ void Solver::Run::drift() {
   });
 }
 
-// They go straight on: nothing damps them.
+// Their places go straight on: nothing damps them.
 void Solver::Run::carry_held() {
   for (std::size_t n = 0; n < held_.size(); ++n) {
-    const std::size_t i = bodies_.info[held_[n].first].slot;
+    const std::uint32_t id = held_[n].first;
+    const std::size_t i = bodies_.info[id].slot;
     bodies_.clear_rests(i);
-    bodies_.disp[2 * i] = solver_.held_at_[2 * n] + stream_.h * bodies_.vel[2 * i];
-    bodies_.disp[2 * i + 1] = solver_.held_at_[2 * n + 1] + stream_.h * bodies_.vel[2 * i + 1];
+    float way_x = stream_.h * bodies_.vel[2 * i], way_y = stream_.h * bodies_.vel[2 * i + 1];
+    if (!bodies_.spin.empty()) {
+      const double omega = static_cast<double>(bodies_.spin[i]) / static_cast<double>(bodies_.radius[i]);
+      const Vec2 now = arm_of(id, bodies_.angle[i]), before = arm_of(id, bodies_.angle[i] - omega * h_);
+      if (now.x != before.x || now.y != before.y) {
+        way_x = static_cast<float>(h_ * held_[n].second.x + (now.x - before.x));
+        way_y = static_cast<float>(h_ * held_[n].second.y + (now.y - before.y));
+      }
+    }
+    bodies_.disp[2 * i] = solver_.held_at_[2 * n] + way_x;
+    bodies_.disp[2 * i + 1] = solver_.held_at_[2 * n + 1] + way_y;
   }
 }
 
 void Solver::Run::relax() {
+  joints_.relax(view_, k_, pool_);
   for_pairs([&](std::size_t, const Strip& s) {
     k_.relax[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });
+  const auto relax_manifolds = [&](bool fixed, bool loaded) {
+    for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+      k_.relax_manifolds[fixed][bounce_](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+    });
+  };
+  relax_manifolds(false, false);
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
     loaded_pair_.more = loaded_single_.more = sweep + 1 != loaded_sweeps_;
     for_loaded(
@@ -392,7 +501,10 @@ void Solver::Run::relax() {
           k_.relax_single[model_][bounce_](view_, singles_, loaded_single_, s.single_loaded_begin,
                                            s.single_end);
         });
+    relax_manifolds(false, true);
+    relax_manifolds(true, true);
   }
+  relax_manifolds(true, false);
   for_singles([&](std::size_t, const Strip& s) {
     k_.relax_single[model_][bounce_](view_, singles_, single_, s.single_begin,
                                      s.single_loaded_begin);
@@ -403,6 +515,13 @@ void Solver::Run::spend() {
   for_pairs([&](std::size_t, const Strip& s) {
     k_.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end);
   });
+  for (const bool fixed : {false, true}) {
+    for (const bool loaded : {false, true}) {
+      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+        k_.spend_manifolds[fixed](view_, blocks, begin, end);
+      });
+    }
+  }
   for_singles([&](std::size_t, const Strip& s) {
     k_.spend_single[model_](view_, singles_, single_, s.single_begin, s.single_end);
   });
@@ -480,20 +599,40 @@ void Solver::sum_up(const PairTable& table, const ContactStore& c, int substeps,
   });
 }
 
+void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p) {
+  const double stiffness[2] = {kManifoldStiffness, kLoadedManifoldStiffness};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double times = k % 2 == 1 ? kFixedStiffness : 1;
+    set_softness(h, times * stiffness[k / 2] / stiff_substep, p.soft[k], p.rate[k]);
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double times = k == 1 ? kFixedStiffness : 1;
+    set_softness(h, times * kBouncingStiffness / stiff_substep, p.bouncing_soft[k], p.bouncing_rate[k]);
+  }
+  const double columns[2] = {kColumnStiffness, kFixedColumnStiffness};
+  for (std::size_t k = 0; k < 2; ++k) {
+    set_softness(h, columns[k] / stiff_substep, p.column_soft[k], p.column_rate[k]);
+    p.column_rate[k] = std::min(p.column_rate[k], static_cast<float>(kColumnPush / h));
+  }
+}
+
 SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table,
-                         ContactStore& contacts, const SolverParams& params, const Forces* forces,
-                         const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool) {
+                         ContactStore& contacts, Manifolds& manifolds, Columns& columns,
+                 JointStore& joints, const SolverParams& params,
+                         const Forces* forces, const HeldBodies& held,
+                         const kernels::KernelTable& k, WorkerPool& pool) {
   virial_.assign(table.strips.size(), 0.0);
   closed_by_strip_.assign(table.strips.size(), 0);
   find_loaded(table);
   if (params.model.bounce) mark_impacts(solved, table, contacts, pool);
-  Run run(*this, b, solved, table, contacts, params, forces, held, k, pool);
+  Run run(*this, b, solved, table, contacts, manifolds, columns, joints, params, forces, held, k, pool);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   solved.store(b, pool);
   sum_up(table, contacts, params.substeps, pool);
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
+  for (std::size_t s = 0; s < manifolds.strips(); ++s) closed_ += manifolds.closed(s);
   for (std::size_t s = 0; s < virial_.size(); ++s) {
     report.virial += virial_[s];
     closed_ += closed_by_strip_[s];

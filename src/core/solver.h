@@ -9,9 +9,12 @@
 #include <vector>
 
 #include "body_store.h"
+#include "columns.h"
 #include "contact_store.h"
 #include "forces.h"
+#include "joint_store.h"
 #include "kernel_table.h"
+#include "manifolds.h"
 #include "pair_table.h"
 #include "solver_bodies.h"
 #include "worker_pool.h"
@@ -31,6 +34,7 @@ struct SolverParams {
   float refresh = 0;                 ///< m
   double impacts = 0;                ///< that a body has in a substep
   float warm = 1;                    ///< new substep / old substep
+  bool turns = false;                ///< points of bodies turn with them: shapes or joints
   ContactModel model;
 };
 
@@ -47,8 +51,13 @@ class Solver {
  public:
   /// Runs all substeps. `forces` is null where accelerations are uniform.
   SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table,
-                   ContactStore& contacts, const SolverParams& params, const Forces* forces,
-                   const HeldBodies& held, const kernels::KernelTable& k, WorkerPool& pool);
+                   ContactStore& contacts, Manifolds& manifolds, Columns& columns, JointStore& joints,
+                   const SolverParams& params, const Forces* forces, const HeldBodies& held, const kernels::KernelTable& k,
+                   WorkerPool& pool);
+
+  /// Compliance and push-out rate of contacts for a substep of `h`, stiffness as of `stiff_substep`:
+  /// between moving bodies, with fixed ones, and the same under heavy loads.
+  static void manifold_softness(double h, double stiff_substep, ManifoldParams& params);
 
   /// Contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }

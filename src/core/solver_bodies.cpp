@@ -27,11 +27,17 @@ void SolverBodies::take_all(BodyStore& b, std::size_t strips, bool impacts) {
     b.spin0.reserve(all);
   }
   if (impacts) b.event_time.reserve(all);
+  const bool swinging = !b.turn.empty();
+  if (swinging) {
+    b.turn.reserve(2 * all);
+    b.swing.reserve(all);
+  }
   for (std::size_t d = dummies(); d < all; ++d) {
     b.pos[2 * d] = b.pos[2 * d + 1] = 0;
     b.vel[2 * d] = b.vel[2 * d + 1] = b.disp[2 * d] = b.disp[2 * d + 1] = 0;
     b.vel0[2 * d] = b.vel0[2 * d + 1] = 0;
     if (turning) b.spin[d] = b.spin0[d] = 0;
+    if (swinging) b.turn[2 * d] = b.turn[2 * d + 1] = b.swing[d] = 0;
     if (impacts) b.event_time[d] = 0;
   }
 }

@@ -5,9 +5,19 @@
 
 namespace psim {
 
-std::uint32_t StaticShapes::add(const StaticShape& shape) {
+std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
   shapes_.reserve(std::size_t{count_} + 1);
   shapes_[count_] = shape;
+  if (hull != nullptr) {
+    if (free_hulls_.empty()) {
+      shapes_[count_].hull = static_cast<std::uint32_t>(hulls_.size());
+      hulls_.push_back(*hull);
+    } else {
+      shapes_[count_].hull = free_hulls_.back();
+      free_hulls_.pop_back();
+      hulls_[shapes_[count_].hull] = *hull;
+    }
+  }
   ++alive_;
   dirty_ = true;
   return count_++;
@@ -16,16 +26,92 @@ std::uint32_t StaticShapes::add(const StaticShape& shape) {
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
   for (std::uint32_t i = first; i < count_ && shapes_[i].owner == owner && shapes_[i].alive; ++i) {
     shapes_[i].alive = false;
+    if (shapes_[i].whole) free_hulls_.push_back(shapes_[i].hull);
     --alive_;
   }
   dirty_ = true;
+}
+
+namespace {
+
+void cut_to(double ends[2][2], double size) {
+  const double ux = ends[1][0] - ends[0][0], uy = ends[1][1] - ends[0][1];
+  const double length = std::sqrt(ux * ux + uy * uy);
+  if (!(length > 2 * size)) return;
+  const double along = -(ends[0][0] * ux + ends[0][1] * uy) / length;  // the body
+  const double low = along - size, high = along + size;
+  const double x = ends[0][0], y = ends[0][1];
+  if (high > 0 && high < length) {
+    ends[1][0] = x + ux * (high / length);
+    ends[1][1] = y + uy * (high / length);
+  }
+  if (low > 0 && low < length) {
+    ends[0][0] = x + ux * (low / length);
+    ends[0][1] = y + uy * (low / length);
+  }
+}
+
+}  // namespace
+
+Hull StaticShapes::seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size,
+                             float rest_x, float rest_y) const {
+  const StaticShape& s = shapes_[i];
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const auto off = [](std::int32_t a, std::int32_t b, float da, float db, double pitch) {
+    return wrap_sub(a, b) * pitch + (static_cast<double>(da) - static_cast<double>(db));
+  };
+  const double at_x = off(s.p.x, x, s.p.dx, rest_x, px), at_y = off(s.p.y, y, s.p.dy, rest_y, py);
+  Hull hull;
+  if (s.whole) {
+    hull = hulls_[s.hull];
+    for (int k = 0; k < hull.count; ++k) {
+      hull.x[k] = static_cast<float>(static_cast<double>(hull.x[k]) + at_x);
+      hull.y[k] = static_cast<float>(static_cast<double>(hull.y[k]) + at_y);
+    }
+    return hull;
+  }
+  hull.radius = s.radius;
+  hull.count = 1;
+  double ends[2][2] = {{at_x, at_y}, {0, 0}};
+  if (s.segment) {
+    hull.count = 2;
+    ends[1][0] = off(s.q.x, x, s.q.dx, rest_x, px);
+    ends[1][1] = off(s.q.y, y, s.q.dy, rest_y, py);
+    cut_to(ends, size);
+  }
+  for (int k = 0; k < hull.count; ++k) {
+    hull.x[k] = static_cast<float>(ends[k][0]);
+    hull.y[k] = static_cast<float>(ends[k][1]);
+  }
+  finish_hull(hull);
+  return hull;
+}
+
+const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) const {
+  const StaticShape& s = shapes_[i];
+  const auto of_chain = [&](std::uint32_t k) {
+    return k < count_ && shapes_[k].alive && shapes_[k].owner == s.owner && shapes_[k].segment &&
+           !shapes_[k].face;
+  };
+  const auto goes_on = [&](const StaticShape& o) {
+    const LatticePoint &mine = forward ? s.q : s.p, &other = forward ? o.p : o.q;
+    return mine.x == other.x && mine.y == other.y && mine.dx == other.dx && mine.dy == other.dy;
+  };
+  if (!of_chain(i)) return nullptr;
+  std::uint32_t k = forward ? i + 1 : i - 1;
+  if (!of_chain(k)) {  // a loop closes between its ends
+    k = i;
+    while (of_chain(forward ? k - 1 : k + 1)) k = forward ? k - 1 : k + 1;
+  }
+  return k != i && goes_on(shapes_[k]) ? &shapes_[k] : nullptr;
 }
 
 void StaticShapes::box_of(const StaticShape& s, double box[4]) const {
   const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
   const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
   const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
-  const double r = static_cast<double>(s.radius) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  const double size = static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+  const double r = size + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
   box[0] = std::fmin(px, qx) - r;
   box[1] = std::fmax(px, qx) + r;
   box[2] = std::fmin(py, qy) - r;
@@ -91,8 +177,9 @@ void StaticShapes::build_grid() {
           const double t1 = std::clamp((y1 - py) / (qy - py), 0.0, 1.0);
           const double xa = px + t0 * (qx - px), xb = px + t1 * (qx - px);
           std::int64_t narrow[4];
-          cells_of(std::fmin(xa, xb) - cell_ * 0.01, std::fmax(xa, xb) + cell_ * 0.01, y0, y1,
-                   narrow);
+          const double round = static_cast<double>(s.radius);
+          cells_of(std::fmin(xa, xb) - cell_ * 0.01 - round,
+                   std::fmax(xa, xb) + cell_ * 0.01 + round, y0, y1, narrow);
           c0 = narrow[0];
           c1 = narrow[1];
         }
@@ -125,12 +212,22 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
     for (std::int64_t c = range[0]; c <= range[1]; ++c) {
       const auto cell = static_cast<std::size_t>(row * cols_ + c);
       for (std::uint32_t k = cell_start_[cell]; k < cell_start_[cell + 1]; ++k) {
+        if (!whole_wanted_ && shapes_[cell_shape_[k]].whole) continue;
         out.push_back(cell_shape_[k]);
       }
     }
   }
-  std::sort(out.begin() + static_cast<std::ptrdiff_t>(from), out.end());
-  out.erase(std::unique(out.begin() + static_cast<std::ptrdiff_t>(from), out.end()), out.end());
+  const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
+  out.erase(std::remove_if(first, out.end(),
+                           [&](std::uint32_t i) {
+                             double box[4];
+                             box_of(shapes_[i], box);
+                             return box[0] > mx + r || box[1] < mx - r || box[2] > my + r ||
+                                    box[3] < my - r;
+                           }),
+            out.end());
+  std::sort(first, out.end());
+  out.erase(std::unique(first, out.end()), out.end());
 }
 
 }  // namespace psim

@@ -6,19 +6,24 @@
 #include <vector>
 
 #include "column.h"
+#include "hull.h"
 #include "lattice.h"
 #include "psim/desc.h"
 
 namespace psim {
 
-/// A static disc (radius > 0, one point) or segment (radius 0, two points).
+/// A piece of a static body: a disc (one point), a segment (two points) with a radius around it, or
+/// a whole polygon. Polygons come twice: as their edges, which discs meet, and whole, for all else.
 struct StaticShape {
   LatticePoint p, q;
   float radius = 0;
   float restitution = 0;
   float friction = 0;
   std::uint32_t owner = 0;   ///< body id
+  std::uint32_t hull = 0;    ///< whole: its number, see StaticShapes::hull
   bool segment = false;
+  bool face = false;         ///< a polygon's edge: its inside is left of p->q; discs only
+  bool whole = false;        ///< a polygon about p: shapes with corners only
   bool alive = true;
 };
 
@@ -33,12 +38,22 @@ class StaticShapes {
   StaticShapes(MemoryMeter& meter, const Lattice& lattice)
       : cell_start_(meter), cell_shape_(meter), shapes_(meter), lattice_(&lattice) {}
 
-  std::uint32_t add(const StaticShape& shape);
+  /// `hull`, of a whole polygon, is in world axes about p.
+  std::uint32_t add(const StaticShape& shape, const Hull* hull = nullptr);
   void remove(std::uint32_t first, std::uint32_t owner);
 
   std::size_t size() const { return count_; }
   const StaticShape& operator[](std::uint32_t i) const { return shapes_[i]; }
+  const Hull& hull(const StaticShape& whole) const { return hulls_[whole.hull]; }
+  /// A piece as seen from a body's place, precise where it is near: lines far longer than `size`, m,
+  /// are cut to what lies around the body.
+  Hull seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size, float rest_x = 0,
+                 float rest_y = 0) const;
+  /// Of a chain's segment, the one that goes on from its end q (`forward`) or ends in its p; or null.
+  const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
   bool any() const { return alive_ != 0; }
+  /// Whether questions find whole polygons: where no moving body has corners they are in the way.
+  void find_whole(bool wanted) { whole_wanted_ = wanted; }
   bool changed() const { return dirty_; }
 
   /// Makes the grid if shapes changed. O(shapes + cells).
@@ -54,6 +69,9 @@ class StaticShapes {
 
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> shapes_;
+  std::vector<Hull> hulls_;
+  std::vector<std::uint32_t> free_hulls_;
+  bool whole_wanted_ = false;
   const Lattice* lattice_;
   std::uint32_t count_ = 0;
   std::size_t alive_ = 0;

@@ -83,9 +83,19 @@ StepReport World::Impl::step(double dt) {
   if (bodies.count != bodies.dead) {
     refresh_lists(dt, report);
     solve(dt, report);
+    if (plan.continuous) {
+      bodies.find_slots();
+      report.stopped = continuous.stop(bodies, manifolds, table, shapes, lattice, bullets,
+                                       plan.filters, pool);
+    }
     integrate(dt, report);
   }
   ++frame;
+  queries.forget_moving();
+  if (plan.events) {
+    const StageTimer timer(report, tracer, Stage::publish);
+    events.collect(event_source(), queries, query_source());
+  }
   if (plan.publish) {
     const StageTimer timer(report, tracer, Stage::publish);
     publisher.publish(bodies, fixed, frozen, lattice, frame, pool);
@@ -117,7 +127,9 @@ void World::Impl::replan() {
   traits.mass_ratio = traits.same_mass == traits.moving ? 1 : bodies.surfaces.mass_ratio();
   const Plan next = make_plan(traits);
   if (next.model != plan.model) impulses_valid = false;
-  if (next != plan) lists_stale = true;
+  Plan same = next;
+  same.events = plan.events;  // who listens changes no result
+  if (same != plan) lists_stale = true;
   plan = next;
   if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
   if (plan.forces) {
@@ -134,6 +146,10 @@ void World::Impl::replan() {
     bodies.bend.release();
     bodies.spare.release();
   }
+  if (!plan.turns) bodies.keep_turns(false);
+  shapes.find_whole(plan.shapes);
+  if (!sorts_out()) manifolds.clear();
+  if (!plan.shapes) columns.forget();
   if (!plan.scales) bodies.pull.release();
   if (!plan.restitution) bodies.event_time.release();
   forces_stale = true;
@@ -315,15 +331,26 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     bodies.find_slots();
     for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
   }
+  if ((lists_stale || loose) && !joints.empty()) {  // so are joined ones
+    bodies.find_slots();
+    for (const std::uint32_t id : joints.bodies()) {
+      if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
+    }
+  }
   if (lists_stale || loose) {
     const StageTimer timer(report, tracer, Stage::colouring);
-    if (!impulses_valid) old_table.body_count = 0;
-    solved.choose(bodies, table, loose && !plan.forces, plan.restitution, pool);
+    if (!impulses_valid) {
+      old_table.body_count = 0;
+      manifolds.forget();
+    }
+    if (plan.turns) bodies.keep_turns(true);
+    solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
     if (plan.loads) {
       loads.find(bodies, table, pool);
     } else {
       loads.forget();
     }
+    if (sorts_out()) sort_out_pairs();
     contacts.build(bodies, solved, shapes, desc.wall, plan.model,
                    plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
                    lists_stale ? broad.from() : nullptr, pool);
@@ -334,12 +361,49 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     ++skipped_frames[3];
   }
   const StageTimer timer(report, tracer, Stage::narrow_phase);
+  if (plan.shapes) refresh_manifolds(dt);
   if (contacts.pair_blocks() + contacts.single_blocks() == 0) {
-    ++skipped_frames[2];
+    if (!manifolds.any()) ++skipped_frames[2];
     return;
   }
   narrow_phase(bodies, solved, shapes, walls, lattice, kRefreshOfRadius * least_radius, table,
                contacts, kernels, pool);
+}
+
+bool World::Impl::sorts_out() const {
+  return plan.shapes || plan.filters || joints.any_exclusions();
+}
+
+// Takes manifolds, and pairs that must not collide, out of the lists for discs.
+void World::Impl::sort_out_pairs() {
+  const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
+  manifolds.collect(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, plan.filters, table, lists_stale, pool);
+}
+
+// Hulls against hulls, at the frame's start.
+void World::Impl::refresh_manifolds(double dt) {
+  const double h = dt / desc.substeps;
+  ManifoldParams p;
+  p.dt = dt;
+  p.gravity = desc.gravity;
+  p.lattice = &lattice;
+  p.shapes = &shapes;
+  p.walls = walls;
+  p.wall = desc.wall;
+  Solver::manifold_softness(h, next_stiff_substep(h), p);
+  p.changed = !std::equal(p.soft, p.soft + 4, manifold_soft.begin());
+  std::copy(p.soft, p.soft + 4, manifold_soft.begin());
+  manifolds.refresh(bodies, p, table, pool);
+  columns.find(bodies, manifolds, p, table, pool);
+  manifolds.lay_out(bodies, loads, p, solved.dummies(), pool);
+  columns.place(manifolds);
+}
+
+// Contacts stiffen and soften by and by where the length of steps changes: what rests on a soft
+// contact's overlap would be thrown off by a stiff one, and what rests on a stiff one sink in.
+double World::Impl::next_stiff_substep(double h) const {
+  return stiff_substep > 0 ? std::clamp(h, kStiffening * stiff_substep, kSoftening * stiff_substep)
+                           : h;
 }
 
 void World::Impl::solve(double dt, StepReport& report) {
@@ -363,8 +427,10 @@ void World::Impl::solve(double dt, StepReport& report) {
   if (!plan.rotation) ++skipped_frames[8];
   if (!plan.publish) ++skipped_frames[9];
   if (!loads.any()) ++skipped_frames[10];
+  if (!plan.events) ++skipped_frames[11];
   const StageTimer timer(report, tracer, Stage::solver);
-  if (contacts.pair_blocks() + contacts.single_blocks() == 0 && !plan.fields && held.empty()) {
+  if (contacts.pair_blocks() + contacts.single_blocks() == 0 && !sorts_out() && !plan.fields &&
+      held.empty() && joints.empty()) {
     ++skipped_frames[4];
     return;  // nobody is near anything: the closed form of integrate is all
   }
@@ -379,25 +445,29 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.refresh = kRefreshOfRadius * least_radius;
   const double h = dt / desc.substeps;
   p.impacts = impact_rate * h;
-  // Contacts stiffen and soften by and by where the length of steps changes: what rests on a soft
-  // contact's overlap would be thrown off by a stiff one, and what rests on a stiff one sink in.
-  stiff_substep = stiff_substep > 0
-                      ? std::clamp(h, kStiffening * stiff_substep, kSoftening * stiff_substep)
-                      : h;
+  stiff_substep = next_stiff_substep(h);
   p.stiff_substep = stiff_substep;
   // Loads grow with the step, but impacts do not: not many times over.
   p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, kMostWarm)) : 1.0f;
   p.model = plan.model;
+  p.turns = plan.turns;
+  if (plan.turns) {
+    std::fill_n(bodies.turn.data(), bodies.turn.capacity(), 0.0f);
+    std::fill_n(bodies.swing.data(), bodies.swing.capacity(), 0.0f);
+  }
+  joints.prepare(bodies, fixed, solved, lattice, h, pool);
   last_substep = h;
+  if (plan.events) events.approach(event_source(), dt);
   const SolverReport done =
-      solver.run(bodies, solved, table, contacts, p, forces.get(), held, kernels, pool);
+      solver.run(bodies, solved, table, contacts, manifolds, columns, joints, p, forces.get(), held, kernels, pool);
   report.virial =
       done.virial * (plan.masses || plan.friction ? 1.0 : static_cast<double>(first_mass));
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const std::uint64_t passes = 2u * static_cast<std::uint64_t>(desc.substeps) + 2;
   const std::uint64_t work =
-      passes * kBlock * (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks());
+      passes * kBlock *
+      (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks() + manifolds.blocks());
   if (options.isa == Isa::scalar) {
     lanes.scalar += work;
   } else {
@@ -442,6 +512,7 @@ void World::Impl::integrate(double dt, StepReport& report) {
     if (!turning) return;
     for (std::size_t i = std::size_t{r.begin} * kBlock;
          i < std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count); ++i) {
+      if (plan.turns && !std::isfinite(bodies.spin[i])) fine.store(false, std::memory_order_relaxed);
       if (bodies.linked[i] != 0) continue;  // turned with the substeps
       bodies.angle[i] +=
           dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
@@ -458,9 +529,9 @@ void World::Impl::integrate(double dt, StepReport& report) {
 }
 
 void World::Impl::count_contacts(StepReport& report) {
-  report.pairs = contacts.pair_count() + contacts.single_count();
+  report.pairs = contacts.pair_count() + contacts.single_count() + manifolds.pair_count();
   report.contacts = solver.closed();
-  report.colours = contacts.colours();
+  report.colours = std::max(contacts.colours(), manifolds.colours());
 }
 
 }  // namespace psim

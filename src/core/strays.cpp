@@ -21,7 +21,9 @@ void World::Impl::settle_bad_bodies(double dt, StepReport& report) {
     float& vx = bodies.vel[2 * std::size_t{i}];
     float& vy = bodies.vel[2 * std::size_t{i} + 1];
     const float dx = bodies.disp[2 * std::size_t{i}], dy = bodies.disp[2 * std::size_t{i} + 1];
-    if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(dx) || !std::isfinite(dy)) {
+    const bool spins = bodies.spin.empty() || std::isfinite(bodies.spin[i]);
+    if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(dx) || !std::isfinite(dy) ||
+        !spins) {
       BodyState last = state_of(bodies.id[i]);
       const Vec2 at = lattice.to_world(bodies.built[2 * std::size_t{i}],
                                        bodies.built[2 * std::size_t{i} + 1], 0, 0);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "rotor.h"
 #include "world_impl.h"
 
 namespace psim {
@@ -60,7 +61,70 @@ Surface disc_surface(BodyType type, double radius, double mass, const Material& 
   return info;
 }
 
+// omega r, m/s, within what floats can square.
+float surface_speed(double omega, float radius) {
+  constexpr double kMost = 1e15;
+  return static_cast<float>(std::fmin(std::fmax(omega * static_cast<double>(radius), -kMost), kMost));
+}
+
+// What a shape with corners is to the engine: hulls about its centre of mass. A kinematic body turns
+// about its place, but it too is found and met by its centre, which goes round (Solver::Run::hold).
+bool shape_surface(const BodyDesc& d, HullSet& hulls, Surface& surface, Make& make,
+                   std::string& error) {
+  const bool dynamic = d.type == BodyType::dynamic_body;
+  if (dynamic && std::holds_alternative<ChainShape>(d.shape)) {
+    error = "a chain is static or kinematic";
+    return false;
+  }
+  if (!make_hulls(d.shape, true, hulls, error)) return false;
+  if (d.mass < 0 || !finite(d.mass)) {
+    error = "mass must be above 0 and finite (0: from the density)";
+    return false;
+  }
+  const double mass = d.mass > 0 ? d.mass : d.material.density * hulls.mass.area;
+  if (dynamic && !(mass > 1e-30 && mass < 1e30)) {
+    error = "mass must lie between 1e-30 and 1e30 kg";
+    return false;
+  }
+  float reach = 0, inner = 0;
+  for (const Hull& hull : hulls.parts) {
+    reach = std::fmax(reach, hull.reach);
+    inner = std::fmax(inner, hull.inner);
+  }
+  make.inner = inner;
+  surface = disc_surface(d.type, static_cast<double>(reach), mass, d.material, d.gravity_scale,
+                         d.fixed_rotation);
+  make.centre_x = static_cast<float>(hulls.mass.centre.x);
+  make.centre_y = static_cast<float>(hulls.mass.centre.y);
+  if (!dynamic) return true;
+  const double r = static_cast<double>(surface.radius);
+  const double inertia = mass * hulls.mass.inertia;
+  if (!d.fixed_rotation) surface.spin_gain = static_cast<float>(r * r / inertia);
+  return true;
+}
+
 }  // namespace
+
+// The centre of a kinematic body that turns about another place has a velocity of its own.
+void World::Impl::go_round(std::uint32_t id, Vec2 velocity) {
+  const Make& make = bodies.make(id);
+  if (make.centre_x == 0 && make.centre_y == 0) return;
+  const std::size_t i = bodies.info[id].slot;
+  const Vec2 arm = centre_of(make, {}, bodies.angle.empty() ? 0 : bodies.angle[i]);
+  const double omega = bodies.spin.empty() ? 0 : static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]);
+  bodies.put_velocity(i, {velocity.x - omega * arm.y, velocity.y + omega * arm.x});
+}
+
+Vec2 World::Impl::centre_of(const Make& make, Vec2 place, double angle) const {
+  if (make.centre_x == 0 && make.centre_y == 0) return place;
+  const SineCosine q = sine_cosine(angle);
+  const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
+  return {place.x + (q.cosine * x - q.sine * y), place.y + (q.sine * x + q.cosine * y)};
+}
+
+LatticePoint World::Impl::lattice_centre(const Make& make, Vec2 place, double angle) const {
+  return lattice.to_lattice(place, centre_of(make, {}, angle));
+}
 
 void World::Impl::count_in(const Surface& info, int sign) {
   const auto add = [sign](std::uint64_t& counter, bool yes) {
@@ -83,6 +147,11 @@ void World::Impl::count_in(const Surface& info, int sign) {
   add(traits.moving_rough, info.friction > 0);
   add(traits.kinematic, info.type == BodyType::kinematic_body);
   add(traits.odd_gravity, info.type == BodyType::dynamic_body && info.gravity_scale != 1);
+  const Make& make = bodies.makes[info.make];
+  add(traits.cornered, make.hull_count != 0);
+  add(traits.filtered, make.filter != Filter{});
+  add(traits.sensors, make.sensor);
+  add(traits.bullets, make.bullet);
   plan_stale = true;
 }
 
@@ -93,8 +162,8 @@ Vec2 World::Impl::capped(Vec2 v) const {
 }
 
 // Gives a moving disc an id and a slot at the end of the columns.
-std::uint32_t World::Impl::enter(const Surface& surface, Vec2 at, double angle, Vec2 velocity,
-                                 double omega) {
+std::uint32_t World::Impl::enter(const Surface& surface, const LatticePoint& p, double angle,
+                                 Vec2 velocity, double omega) {
   velocity = capped(velocity);
   bodies.find_slots();
   const std::uint32_t id = bodies.take_id();
@@ -109,7 +178,6 @@ std::uint32_t World::Impl::enter(const Surface& surface, Vec2 at, double angle, 
     traits.turning = true;
     if (bodies.spin.empty()) bodies.add_rotation();
   }
-  const LatticePoint p = lattice.to_lattice(at);
   bodies.pos[2 * std::size_t{slot}] = p.x;
   bodies.pos[2 * std::size_t{slot} + 1] = p.y;
   bodies.disp[2 * std::size_t{slot}] = p.dx;
@@ -121,13 +189,15 @@ std::uint32_t World::Impl::enter(const Surface& surface, Vec2 at, double angle, 
   bodies.clear_rests(slot);
   bodies.put_velocity(slot, velocity);
   if (!bodies.spin.empty()) {
-    bodies.spin[slot] = static_cast<float>(omega) * surface.radius;
+    bodies.spin[slot] = surface_speed(omega, surface.radius);
     bodies.angle[slot] = angle;
   }
   ++bodies.count;
   ++bodies.moving;
   placed = true;
+  queries.forget_moving();
   if (surface.type == BodyType::kinematic_body) held.emplace_back(id, velocity);
+  if (bodies.makes[surface.make].bullet) bullets.push_back(id);
   return id;
 }
 
@@ -144,98 +214,40 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
   }
   if (!error.empty()) return kNoBody;
 
-  if (const auto* disc = std::get_if<DiscShape>(&d.shape); disc != nullptr) {
-    const Inertia inertia = disc_mass(disc->radius, d.mass, d.material);
-    if (!inertia.error.empty()) {
-      error = inertia.error;
-      return kNoBody;
-    }
-    if (d.type != BodyType::static_body) {
-      w.bodies.reserve_slots(1);
-      const Surface info = disc_surface(d.type, disc->radius, inertia.mass, d.material,
-                                      d.gravity_scale, d.fixed_rotation);
-      const std::uint32_t id = w.enter(info, d.position, d.angle, d.velocity, d.angular_velocity);
-      w.count_in(info, +1);
-      w.lists_stale = true;
-      return {id, w.bodies.info[id].generation};
-    }
-  } else if (d.type != BodyType::static_body) {
-    error = "segments and chains can only be static";
+  if (d.sensor && d.type == BodyType::dynamic_body) {
+    error = "a sensor is static or kinematic";
     return kNoBody;
   }
-
-  // Static: shapes in world coordinates.
-  std::vector<StaticShape> parts;
-  const double c = std::cos(d.angle), s = std::sin(d.angle);
-  const auto place = [&](Vec2 p) {
-    return Vec2{d.position.x + c * p.x - s * p.y, d.position.y + s * p.x + c * p.y};
-  };
-  const auto segment = [&](Vec2 p, Vec2 q) {
-    if (!finite(p.x) || !finite(p.y) || !finite(q.x) || !finite(q.y)) {
-      error = "segment points must be finite";
-    } else if (p.x == q.x && p.y == q.y) {
-      error = "segment points must differ";
-    }
-    StaticShape part;
-    part.segment = true;
-    Vec2 from = place(p), to = place(q);
-    w.lattice.clip(from, to);
-    part.p = w.lattice.to_lattice(from);
-    part.q = w.lattice.to_lattice(to);
-    parts.push_back(part);
-  };
-  float radius = 0;
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
-    StaticShape part;
-    part.p = w.lattice.to_lattice(d.position);
-    part.radius = radius = static_cast<float>(disc->radius);
-    parts.push_back(part);
-  } else if (const auto* line = std::get_if<SegmentShape>(&d.shape)) {
-    segment(line->p1, line->p2);
-  } else {
-    const auto& chain = std::get<ChainShape>(d.shape);
-    const std::size_t n = chain.vertices.size();
-    if (n < (chain.loop ? 3u : 2u)) {
-      error = chain.loop ? "a chain loop needs at least 3 vertices"
-                         : "a chain needs at least 2 vertices";
-      return kNoBody;
-    }
-    for (std::size_t k = 0; k + 1 < n; ++k) segment(chain.vertices[k], chain.vertices[k + 1]);
-    if (chain.loop) segment(chain.vertices[n - 1], chain.vertices[0]);
+    error = disc_mass(disc->radius, d.mass, d.material).error;
+    if (!error.empty()) return kNoBody;
   }
-  if (!error.empty()) return kNoBody;
+  return d.type == BodyType::static_body ? w.add_fixed(d, error) : w.add_moving(d, error);
+}
 
-  const std::uint32_t id = w.bodies.take_id();
+BodyId World::Impl::add_moving(const BodyDesc& d, std::string& error) {
+  Make make;
+  make.filter = d.filter;
+  make.bullet = d.bullet;
+  make.sensor = d.sensor;
   Surface surface;
-  surface.type = BodyType::static_body;
-  surface.radius = radius;
-  surface.restitution = static_cast<float>(d.material.restitution);
-  surface.friction = static_cast<float>(d.material.friction);
-  BodyInfo& info = w.bodies.info[id];
-  const std::uint32_t generation = info.generation;
-  info.surface = w.bodies.surfaces.acquire(surface);
-  info.place = Place::fixed;
-  info.slot = static_cast<std::uint32_t>(w.fixed.size());
-  FixedBody f;
-  f.x = d.position.x;
-  f.y = d.position.y;
-  f.angle = d.angle;
-  f.radius = radius;
-  f.id = id;
-  f.first_shape = static_cast<std::uint32_t>(w.shapes.size());
-  for (StaticShape& part : parts) {
-    part.owner = id;
-    part.restitution = surface.restitution;
-    part.friction = surface.friction;
-    w.shapes.add(part);
+  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
+    surface = disc_surface(d.type, disc->radius, disc_mass(disc->radius, d.mass, d.material).mass,
+                           d.material, d.gravity_scale, d.fixed_rotation);
+  } else {
+    HullSet hulls;
+    if (!shape_surface(d, hulls, surface, make, error)) return kNoBody;
+    make.first_hull = bodies.hulls.acquire(hulls.parts);
+    make.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
   }
-  w.fixed.push_back(f);
-  ++w.bodies.fixed;
-  ++w.traits.fixed;
-  if (surface.restitution > 0) ++w.traits.fixed_bounce;
-  if (surface.friction > 0) ++w.traits.fixed_rough;
-  w.plan_stale = w.lists_stale = w.placed = true;
-  return {id, generation};
+  surface.make = bodies.makes.acquire(make) & MakeTable::kMost;
+  bodies.reserve_slots(1);
+  const std::uint32_t id = enter(surface, lattice_centre(make, d.position, d.angle), d.angle,
+                                 d.velocity, d.angular_velocity);
+  if (d.type == BodyType::kinematic_body) go_round(id, d.velocity);
+  count_in(surface, +1);
+  lists_stale = true;
+  return {id, bodies.info[id].generation};
 }
 
 std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
@@ -275,6 +287,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
     BodyDesc d;
     d.type = BodyType::static_body;
     d.material = batch.material;
+    d.filter = batch.filter;
     w.fixed.reserve(w.fixed.size() + n);
     for (std::size_t i = 0; i < n; ++i) {
       d.shape = DiscShape{radius_of(i)};
@@ -286,12 +299,16 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   }
   w.bodies.reserve_slots(n);
   w.bodies.info.reserve(w.bodies.id_count + n);
+  Make make;
+  make.filter = batch.filter;
+  make.bullet = batch.bullet;
   for (std::size_t i = 0; i < n; ++i) {
     const double r = radius_of(i);
     const double mass = batch.mass > 0 ? batch.mass : batch.material.density * kPi * r * r;
-    const Surface info = disc_surface(batch.type, r, mass, batch.material, batch.gravity_scale,
-                                    batch.fixed_rotation);
-    w.enter(info, {batch.x[i], batch.y[i]}, value(batch.angle, i),
+    Surface info = disc_surface(batch.type, r, mass, batch.material, batch.gravity_scale,
+                                batch.fixed_rotation);
+    info.make = w.bodies.makes.acquire(make) & MakeTable::kMost;
+    w.enter(info, w.lattice.to_lattice({batch.x[i], batch.y[i]}), value(batch.angle, i),
             {value(batch.vx, i), value(batch.vy, i)}, value(batch.angular_velocity, i));
     w.count_in(info, +1);
   }
@@ -301,8 +318,15 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
 
 // Takes a body out. Its slot stays as a dead one until the next sort.
 void World::Impl::remove(std::uint32_t id) {
+  remove_joints_of(id);
   bodies.find_slots();
   BodyInfo& info = bodies.info[id];
+  if (info.place == Place::fixed) {
+    queries.forget_fixed();
+  } else {
+    queries.forget_moving();
+  }
+  if (events.on()) events.body_left({id, info.generation}, false);
   const Surface surface = bodies.surface(id);
   bodies.surfaces.release(info.surface);
   if (info.place == Place::moving) {
@@ -313,6 +337,7 @@ void World::Impl::remove(std::uint32_t id) {
     if (surface.type == BodyType::kinematic_body) {
       std::erase_if(held, [id](const auto& h) { return h.first == id; });
     }
+    if (bodies.makes[surface.make].bullet) std::erase(bullets, id);
   } else if (info.place == Place::fixed) {
     const std::uint32_t at = info.slot;
     shapes.remove(fixed[at].first_shape, id);
@@ -323,6 +348,8 @@ void World::Impl::remove(std::uint32_t id) {
     --traits.fixed;
     if (surface.restitution > 0) --traits.fixed_bounce;
     if (surface.friction > 0) --traits.fixed_rough;
+    if (bodies.makes[surface.make].sensor) --traits.sensors;
+    if (bodies.makes[surface.make].filter != Filter{}) --traits.filtered;
     plan_stale = true;
   } else {
     const std::uint32_t at = info.slot;
@@ -330,6 +357,9 @@ void World::Impl::remove(std::uint32_t id) {
     bodies.info[frozen[at].id.index].slot = at;
     frozen.pop_back();
   }
+  const Make& make = bodies.makes[surface.make];
+  if (make.hull_count != 0) bodies.hulls.release(make.first_hull);
+  bodies.makes.release(surface.make);
   info.place = Place::none;
   info.slot = kNoSlot;
   ++info.generation;
@@ -340,6 +370,7 @@ void World::Impl::remove(std::uint32_t id) {
 
 // Out of the simulation, but still there: a body whose numbers are broken.
 void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
+  remove_joints_of(id);
   bodies.find_slots();
   BodyInfo& info = bodies.info[id];
   const Surface& surface = bodies.surface(id);
@@ -350,9 +381,12 @@ void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
   if (surface.type == BodyType::kinematic_body) {
     std::erase_if(held, [id](const auto& h) { return h.first == id; });
   }
+  if (bodies.makes[surface.make].bullet) std::erase(bullets, id);
   info.place = Place::frozen;
   info.slot = static_cast<std::uint32_t>(frozen.size());
   frozen.push_back(last);
+  queries.forget_moving();
+  if (events.on()) events.body_left({id, info.generation}, true);
   lists_stale = true;
 }
 
@@ -388,7 +422,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
     position.x = std::fmin(std::fmax(position.x, b.xmin), b.xmax);
     position.y = std::fmin(std::fmax(position.y, b.ymin), b.ymax);
   }
-  const LatticePoint p = w.lattice.to_lattice(position);
+  const LatticePoint p = w.lattice_centre(w.bodies.make(id.index), position, angle);
   w.bodies.pos[2 * i] = p.x;
   w.bodies.pos[2 * i + 1] = p.y;
   w.bodies.disp[2 * i] = p.dx;
@@ -400,6 +434,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   if (!w.bodies.angle.empty()) w.bodies.angle[i] = angle;
   w.bodies.clear_rests(i);
   w.lists_stale = w.forces_stale = w.placed = true;
+  w.queries.forget_moving();
   return true;
 }
 
@@ -418,13 +453,14 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
   }
-  if (!w.bodies.spin.empty()) w.bodies.spin[i] = static_cast<float>(angular_velocity) * w.bodies.radius[i];
+  if (!w.bodies.spin.empty()) w.bodies.spin[i] = surface_speed(angular_velocity, w.bodies.radius[i]);
   w.bodies.clear_rests(i);
   w.bodies.put_velocity(i, velocity);
   if (w.bodies.surface(id.index).type == BodyType::kinematic_body) {
     for (auto& [held_id, v] : w.held) {
       if (held_id == id.index) v = velocity;
     }
+    w.go_round(id.index, velocity);
   }
   w.forces_stale = true;
   return true;
@@ -449,6 +485,46 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
   return true;
 }
 
+bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
+  Impl& w = *impl_;
+  if (!apply_impulse(id, impulse)) return false;
+  const std::size_t i = w.bodies.info[id.index].slot;
+  const Vec2 centre = w.lattice.to_world(w.bodies.pos[2 * i], w.bodies.pos[2 * i + 1],
+                                         w.bodies.disp[2 * i], w.bodies.disp[2 * i + 1]);
+  Vec2 arm{point.x - centre.x, point.y - centre.y};
+  if (w.desc.boundary == Boundary::periodic) {  // of the nearest image
+    const double width = w.desc.bounds.xmax - w.desc.bounds.xmin;
+    const double height = w.desc.bounds.ymax - w.desc.bounds.ymin;
+    arm.x -= width * std::nearbyint(arm.x / width);
+    arm.y -= height * std::nearbyint(arm.y / height);
+  }
+  return apply_angular_impulse(id, arm.x * impulse.y - arm.y * impulse.x);
+}
+
+// d omega = impulse / I, and with u = omega R and the gain R^2 / I: du = gain impulse / R.
+bool World::apply_angular_impulse(BodyId id, double impulse) {
+  Impl& w = *impl_;
+  w.bodies.find_slots();
+  if (!is_valid(id) || w.bodies.info[id.index].place != Place::moving) return false;
+  const Surface& surface = w.bodies.surface(id.index);
+  if (surface.spin_gain == 0 || impulse == 0) return true;
+  const std::size_t i = w.bodies.info[id.index].slot;
+  const double change = static_cast<double>(surface.spin_gain) * impulse /
+                        static_cast<double>(surface.radius);
+  const double before = w.bodies.spin.empty() ? 0 : static_cast<double>(w.bodies.spin[i]);
+  const auto spin = static_cast<float>(before + change);
+  if (!finite(static_cast<double>(spin))) {
+    w.doubtful.push_back(id.index);
+    return true;
+  }
+  if (w.bodies.spin.empty()) {
+    w.traits.turning = w.plan_stale = true;
+    w.bodies.add_rotation();
+  }
+  w.bodies.spin[i] = spin;
+  return true;
+}
+
 BodyState World::Impl::state_of(std::uint32_t id) const {
   bodies.find_slots();
   const BodyInfo& info = bodies.info[id];
@@ -464,8 +540,14 @@ BodyState World::Impl::state_of(std::uint32_t id) const {
     return s;
   }
   const std::size_t i = info.slot;
-  const Vec2 p = lattice.to_world(bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.disp[2 * i],
+  const Make& make = bodies.make(id);
+  Vec2 arm;
+  Vec2 p = lattice.to_world(bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.disp[2 * i],
                                   bodies.disp[2 * i + 1]);
+  if (make.centre_x != 0 || make.centre_y != 0) {
+    arm = centre_of(make, {}, bodies.angle.empty() ? 0 : bodies.angle[i]);
+    p = {p.x - arm.x, p.y - arm.y};
+  }
   s.x = p.x;
   s.y = p.y;
   s.vx = static_cast<double>(bodies.vel[2 * i]);
@@ -481,6 +563,10 @@ BodyState World::Impl::state_of(std::uint32_t id) const {
   if (!bodies.spin.empty()) {
     s.angle = bodies.angle[i];
     s.omega = static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]);
+    if (s.type == BodyType::kinematic_body) {  // of its place
+      s.vx += s.omega * arm.y;
+      s.vy -= s.omega * arm.x;
+    }
   }
   return s;
 }

@@ -7,13 +7,19 @@
 
 #include "body_store.h"
 #include "broad_phase.h"
+#include "columns.h"
+#include "continuous.h"
 #include "contact_store.h"
+#include "events.h"
 #include "forces.h"
+#include "joint_store.h"
 #include "kernel_select.h"
+#include "manifolds.h"
 #include "narrow_phase.h"
 #include "plan.h"
 #include "psim/world.h"
 #include "publish.h"
+#include "query_index.h"
 #include "solver.h"
 #include "solver_bodies.h"
 #include "static_shapes.h"
@@ -47,9 +53,15 @@ struct World::Impl {
   SolverBodies solved;
   HeavyLoads loads;
   ContactStore contacts;
+  Manifolds manifolds;
+  Columns columns;
+  JointStore joints;
+  Continuous continuous;
   Solver solver;
   std::unique_ptr<Forces> forces;
   Publisher publisher;
+  QueryIndex queries;
+  EventList events;
   Tracer tracer;
   WorkerPool pool;
   Walls walls;
@@ -65,27 +77,43 @@ struct World::Impl {
   bool placed = true;           // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
   double last_substep = 0;
+  std::array<float, 4> manifold_soft{};
   double stiff_substep = 0;  // s, that contact stiffness is for: follows the substep slowly
   std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
   HeldBodies held;
+  std::vector<std::uint32_t> bullets;  // ids
 
   std::uint64_t frame = 0;
   std::uint64_t escaped = 0;
   LaneCounts lanes;
-  std::array<std::uint64_t, 11> skipped_frames{};
+  std::array<std::uint64_t, 12> skipped_frames{};
 
   // Published columns (world_state.cpp).
   std::vector<std::uint32_t> out_id;
   std::vector<double> out_x, out_y, out_angle, out_vx, out_vy, out_omega, out_radius;
   std::vector<BodyType> out_type;
 
+  BodyId add_fixed(const BodyDesc& desc, std::string& error);  // world_fixed.cpp
+
   // world_bodies.cpp
-  std::uint32_t enter(const Surface& surface, Vec2 at, double angle, Vec2 velocity, double omega);
+  BodyId add_moving(const BodyDesc& desc, std::string& error);
+  void go_round(std::uint32_t id, Vec2 velocity);
+  Vec2 centre_of(const Make& make, Vec2 place, double angle) const;
+  std::uint32_t enter(const Surface& surface, const LatticePoint& at, double angle, Vec2 velocity,
+                      double omega);
+  LatticePoint lattice_centre(const Make& make, Vec2 place, double angle) const;
   void count_in(const Surface& info, int sign);
   void remove(std::uint32_t id);
   void freeze(std::uint32_t id, const BodyState& last);
   Vec2 capped(Vec2 velocity) const;
   BodyState state_of(std::uint32_t id) const;
+
+  // world_joints.cpp
+  void count_joints();
+  void remove_joints_of(std::uint32_t body);
+
+  QuerySource query_source() const;  // world_queries.cpp
+  EventSource event_source();  // world_queries.cpp
 
   // strays.cpp
   static constexpr std::int32_t kFarSteps = 1
@@ -106,13 +134,17 @@ struct World::Impl {
   double impact_slack(double speed, double close, double dt) const;
   ListPlan plan_lists(double dt) const;
   void make_candidates(double dt, StepReport& report);
+  bool sorts_out() const;
+  void sort_out_pairs();
+  double next_stiff_substep(double h) const;
+  void refresh_manifolds(double dt);
   void solve(double dt, StepReport& report);
   void integrate(double dt, StepReport& report);
   void count_contacts(StepReport& report);
 };
 
 /// Names of the counters in Impl::skipped_frames.
-inline constexpr std::array<const char*, 11> kSkipNames = {"forces",
+inline constexpr std::array<const char*, 12> kSkipNames = {"forces",
                                                            "broad_phase",
                                                            "narrow_phase",
                                                            "colouring",
@@ -122,6 +154,7 @@ inline constexpr std::array<const char*, 11> kSkipNames = {"forces",
                                                            "solver.friction",
                                                            "rotation",
                                                            "publish",
-                                                           "solver.heavy_loads"};
+                                                           "solver.heavy_loads",
+                                                           "events"};
 
 }  // namespace psim

@@ -57,7 +57,10 @@ Diagnostics World::diagnostics() const {
     if (info.place != Place::moving) continue;
     const Surface& surface = b.surfaces[info.surface];
     if (surface.type != BodyType::dynamic_body) continue;
-    const BodyState s = w.state_of(id);
+    BodyState s = w.state_of(id);
+    const Vec2 centre = w.centre_of(b.makes[surface.make], {s.x, s.y}, s.angle);
+    s.x = centre.x;
+    s.y = centre.y;
     const double m = static_cast<double>(surface.mass);
     const double gain = static_cast<double>(surface.spin_gain);
     const double u = s.omega * s.radius;
@@ -79,7 +82,7 @@ Diagnostics World::diagnostics() const {
     for (std::size_t l = 0; l < std::size_t{w.contacts.single_blocks()} * kernels::kBlock; ++l) {
       deepest = std::fmax(deepest, -w.contacts.s_gap[l]);
     }
-    d.max_penetration = static_cast<double>(deepest);
+    d.max_penetration = static_cast<double>(std::fmax(deepest, w.manifolds.deepest()));
   }
   return d;
 }
@@ -113,7 +116,8 @@ PublishedState World::published() {
 
 std::size_t World::memory_bytes() const {
   const Impl& w = *impl_;
-  return w.memory.bytes + w.bodies.surfaces.bytes() + w.publisher.bytes() + w.fixed.capacity() * sizeof(FixedBody) +
+  return w.memory.bytes + w.bodies.surfaces.bytes() + w.bodies.hulls.bytes() + w.bodies.makes.bytes() +
+         w.manifolds.bytes() + w.columns.bytes() + w.publisher.bytes() + w.queries.bytes() + w.events.bytes() + w.fixed.capacity() * sizeof(FixedBody) +
          w.out_id.capacity() * (4 + 1 + 7 * 8) + sizeof(Impl);
 }
 

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "joint_views.h"
+#include "manifold_views.h"
 #include "views.h"
 
 namespace psim::kernels {
@@ -55,6 +57,22 @@ struct KernelTable {
                                 Range);
   bool (*sweep_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
                                 Range, double* virial);
+  // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax by restitution too.
+  void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Range, Range);
+  void (*solve_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range,
+                                Range);
+  void (*relax_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range,
+                                Range);
+  void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Range, Range);
+  void (*swing_bodies)(const BodyView&, const float* radius, float h, Range, Range);
+  // Joints (joint_kernel.h), by kind and whether A is fixed.
+  using JointPass = void (*)(const BodyView&, JointBlocks, const JointParams&, Range, Range);
+  JointPass warm_joints[kJointKinds][2];
+  JointPass solve_joints[kJointKinds][2];
+  JointPass relax_joints[kJointKinds][2];
+  JointPass push_joints[kJointKinds][2];
+  void (*part_joints)(const BodyView&, const JointShare&, Range, Range);
+  void (*hold_joints)(const BodyView&, const JointShare&, float sign, Range, Range);
 };
 
 extern const KernelTable kScalarKernels;

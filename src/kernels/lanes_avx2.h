@@ -124,6 +124,13 @@ struct AvxLanes {
 
   static Rec load_rec(const float* p) { return {_mm256_loadu_ps(p)}; }
   static void store_rec(float* p, Rec a) { _mm256_storeu_ps(p, a.v); }
+  /// x and y of a register's bodies as records, side by side.
+  static void store_records(float* p, F x, F y) {
+    const __m256 low = _mm256_unpacklo_ps(x.v, y.v);   // bodies 0 1 | 4 5
+    const __m256 high = _mm256_unpackhi_ps(x.v, y.v);  // bodies 2 3 | 6 7
+    _mm256_storeu_ps(p, _mm256_permute2f128_ps(low, high, 0x20));
+    _mm256_storeu_ps(p + 8, _mm256_permute2f128_ps(low, high, 0x31));
+  }
   static Rec set_rec(float x, float y) { return {_mm256_setr_ps(x, y, x, y, x, y, x, y)}; }
   static Rec add(Rec a, Rec b) { return {_mm256_add_ps(a.v, b.v)}; }
   static Rec sub(Rec a, Rec b) { return {_mm256_sub_ps(a.v, b.v)}; }

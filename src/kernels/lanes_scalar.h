@@ -95,6 +95,11 @@ struct ScalarLanes {
     _mm_store_ss(p, a.x);
     _mm_store_ss(p + 1, a.y);
   }
+  /// x and y of a register's bodies as records, side by side.
+  static void store_records(float* p, F x, F y) {
+    _mm_store_ss(p, x.v);
+    _mm_store_ss(p + 1, y.v);
+  }
   static Rec set_rec(float x, float y) { return {_mm_set_ss(x), _mm_set_ss(y)}; }
   static Rec add(Rec a, Rec b) { return {_mm_add_ss(a.x, b.x), _mm_add_ss(a.y, b.y)}; }
   static Rec sub(Rec a, Rec b) { return {_mm_sub_ss(a.x, b.x), _mm_sub_ss(a.y, b.y)}; }

@@ -107,6 +107,11 @@ struct SseLanes {
 
   static Rec load_rec(const float* p) { return {_mm_loadu_ps(p)}; }
   static void store_rec(float* p, Rec a) { _mm_storeu_ps(p, a.v); }
+  /// x and y of a register's bodies as records, side by side.
+  static void store_records(float* p, F x, F y) {
+    _mm_storeu_ps(p, _mm_unpacklo_ps(x.v, y.v));
+    _mm_storeu_ps(p + 4, _mm_unpackhi_ps(x.v, y.v));
+  }
   static Rec set_rec(float x, float y) { return {_mm_setr_ps(x, y, x, y)}; }
   static Rec add(Rec a, Rec b) { return {_mm_add_ps(a.v, b.v)}; }
   static Rec sub(Rec a, Rec b) { return {_mm_sub_ps(a.v, b.v)}; }

@@ -6,7 +6,9 @@
 #include "contact_kernel.h"
 #include "field_kernel.h"
 #include "impact_kernel.h"
+#include "joint_kernel.h"
 #include "kernel_table.h"
+#include "manifold_kernel.h"
 #include "pair_kernel.h"
 #include "single_kernel.h"
 #include "stream_kernel.h"
@@ -56,6 +58,39 @@ constexpr KernelTable table_of() {
                        spend_singles<L, rough>},
       .sweep_single = {sweep_singles<L, plain>, sweep_singles<L, massed>,
                        sweep_singles<L, rough>},
+      .warm_manifolds = {warm_manifolds<L, false>, warm_manifolds<L, true>},
+      .solve_manifolds = {{solve_manifolds<L, false, false>, solve_manifolds<L, false, true>},
+                          {solve_manifolds<L, true, false>, solve_manifolds<L, true, true>}},
+      .relax_manifolds = {{relax_manifolds<L, false, false>, relax_manifolds<L, false, true>},
+                          {relax_manifolds<L, true, false>, relax_manifolds<L, true, true>}},
+      .spend_manifolds = {spend_manifolds<L, false>, spend_manifolds<L, true>},
+      .swing_bodies = swing_bodies<L>,
+      .warm_joints = {{warm_lines<L, false>, warm_lines<L, true>},
+                      {warm_lines<L, false>, warm_lines<L, true>},
+                      {warm_pins<L, false, PinBlock>, warm_pins<L, true, PinBlock>},
+                      {warm_pins<L, false, DrivenBlock>, warm_pins<L, true, DrivenBlock>},
+                      {warm_slides<L, false>, warm_slides<L, true>},
+                      {warm_pins<L, false, WeldBlock>, warm_pins<L, true, WeldBlock>}},
+      .solve_joints = {{solve_lines<L, false, false>, solve_lines<L, true, false>},
+                       {solve_lines<L, false, true>, solve_lines<L, true, true>},
+                       {solve_pins<L, false, PinBlock>, solve_pins<L, true, PinBlock>},
+                       {solve_pins<L, false, DrivenBlock>, solve_pins<L, true, DrivenBlock>},
+                       {solve_slides<L, false>, solve_slides<L, true>},
+                       {solve_pins<L, false, WeldBlock>, solve_pins<L, true, WeldBlock>}},
+      .relax_joints = {{relax_lines<L, false, false>, relax_lines<L, true, false>},
+                       {relax_lines<L, false, true>, relax_lines<L, true, true>},
+                       {relax_pins<L, false, PinBlock>, relax_pins<L, true, PinBlock>},
+                       {relax_pins<L, false, DrivenBlock>, relax_pins<L, true, DrivenBlock>},
+                       {relax_slides<L, false>, relax_slides<L, true>},
+                       {relax_pins<L, false, WeldBlock>, relax_pins<L, true, WeldBlock>}},
+      .push_joints = {{push_lines<L, false>, push_lines<L, true>},
+                      {push_nothing<L>, push_nothing<L>},
+                      {push_pins<L, false, PinBlock>, push_pins<L, true, PinBlock>},
+                      {push_pins<L, false, DrivenBlock>, push_pins<L, true, DrivenBlock>},
+                      {push_slides<L, false>, push_slides<L, true>},
+                      {push_pins<L, false, WeldBlock>, push_pins<L, true, WeldBlock>}},
+      .part_joints = part_joints<L>,
+      .hold_joints = hold_joints<L>,
   };
 }
 

@@ -44,6 +44,8 @@ struct BodyView {
   const float* pull = nullptr;     ///< gravity scale, or null: all 1
   float* spin = nullptr;           ///< surface speed omega r, m/s, or null: no rotation
   float* spin0 = nullptr;
+  float* turn = nullptr;   ///< m records, R (cos d - 1, sin d), or null: nothing with corners or joints
+  float* swing = nullptr;  ///< rad: d, how far it turned since the frame's start
   float* event_time = nullptr;     ///< s into the substep of the last impact, or null: no impacts
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };

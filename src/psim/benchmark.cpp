@@ -8,7 +8,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -99,11 +98,10 @@ void table_by_particles(const Options& options) {
         per_body(timing.frame_ms * 1e6, bodies), timing.frame_ms > 0 ? 1000 / timing.frame_ms : 0,
         per_body(static_cast<double>(timing.memory_bytes), bodies), timing.frames));
   };
-  if (!is_builtin(options.scene)) {
+  if (!is_sized(options.scene)) {
     row(choose_scene(options));
     return;
   }
-  std::uint64_t last_bodies = std::numeric_limits<std::uint64_t>::max();
   for (const std::uint64_t count : particle_counts(options)) {
     if (interrupted()) return;
     Options sized = options;
@@ -116,9 +114,7 @@ void table_by_particles(const Options& options) {
       fmt::print(stderr, "psim: {} particles left out: {}\n", grouped(count), error.what());
       continue;
     }
-    // A scene of fixed size gives the same one again.
-    if (scene->body_count() != last_bodies) row(*scene);
-    last_bodies = scene->body_count();
+    row(*scene);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 namespace psim::cli {
 namespace {
@@ -67,31 +68,67 @@ void Canvas::fill_rect(float x0, float y0, float x1, float y1, Colour colour) {
   });
 }
 
-void Canvas::disc(float cx, float cy, float radius, Colour colour) {
-  constexpr float kSmallest = 0.75f;  // painted no smaller than this, but fainter
-  constexpr float kRimFrom = 3;       // pixels of radius from which on the rim shows
-  constexpr float kRimShare = 0.14f;  // of the radius
+template <class Distance>
+void Canvas::solid(float x0, float y0, float x1, float y1, float inner, float outer, Colour colour,
+                   const Distance& distance) {
+  constexpr float kSmallest = 0.75f;  // painted no thinner than twice this, but fainter
+  constexpr float kRimFrom = 3;       // pixels from which on the rim shows
+  constexpr float kRimShare = 0.14f;  // of the inner radius
   constexpr float kRimDarkening = 0.45f;
-  const float r = std::max(radius, kSmallest);
-  const float weight = (radius / r) * (radius / r);
-  const float rim = radius < kRimFrom ? 0 : kRimShare * radius;
-  const float inside = std::max(r - rim - 0.5f, 0.0f);
-  const float outside = r + 0.5f;
-  for_pixels(cx - outside, cy - outside, cx + outside, cy + outside,
-             [&](Colour& pixel, int x, int y) {
-               const float dx = static_cast<float>(x) + 0.5f - cx;
-               const float dy = static_cast<float>(y) + 0.5f - cy;
-               const float d2 = dx * dx + dy * dy;
-               if (d2 >= outside * outside) return;
-               if (d2 <= inside * inside) {
-                 pixel = mix(pixel, colour, weight);
-                 return;
-               }
-               const float d = std::sqrt(d2);
-               const float dark = rim > 0 ? kRimDarkening * clamp01(d - inside) : 0;
-               const float coverage = weight * clamp01(outside - d);
-               pixel = mix(pixel, mix(colour, Colour{}, dark), coverage);
-             });
+  const float grow = std::max(kSmallest - inner, 0.0f);
+  const float weight = (inner / (inner + grow)) * (outer / (outer + grow));
+  const float rim = inner < kRimFrom ? 0 : kRimShare * inner;
+  const float margin = grow + 0.5f;
+  for_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, [&](Colour& pixel, int x, int y) {
+    const float d = distance(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - grow;
+    if (d >= 0.5f) return;
+    const float dark = rim > 0 ? kRimDarkening * clamp01(d + rim + 0.5f) : 0;
+    pixel = mix(pixel, mix(colour, Colour{}, dark), weight * clamp01(0.5f - d));
+  });
+}
+
+void Canvas::disc(float cx, float cy, float radius, Colour colour) {
+  solid(cx - radius, cy - radius, cx + radius, cy + radius, radius, radius, colour,
+        [=](float x, float y) {
+          const float dx = x - cx, dy = y - cy;
+          return std::sqrt(dx * dx + dy * dy) - radius;
+        });
+}
+
+void Canvas::convex(std::span<const Point> points, float radius, Colour colour) {
+  if (points.empty()) return;
+  const std::size_t n = points.size();
+  Point low = points[0], high = points[0], middle;
+  float area = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Point p = points[k], next = points[(k + 1) % n];
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    middle = {middle.x + p.x / static_cast<float>(n), middle.y + p.y / static_cast<float>(n)};
+    area +=
+        (p.x - points[0].x) * (next.y - points[0].y) - (p.y - points[0].y) * (next.x - points[0].x);
+  }
+  const float side = area < 0 ? -1.0f : 1.0f;
+  // To the polygon itself: the farthest of the edges' lines inside, the nearest edge outside.
+  const auto to_polygon = [&](float x, float y) {
+    float beyond = n < 3 ? 1.0f : -1e30f, near2 = 1e30f;
+    for (std::size_t k = 0; k < n; ++k) {
+      const Point p = points[k], q = points[(k + 1) % n];
+      const float ux = q.x - p.x, uy = q.y - p.y, dx = x - p.x, dy = y - p.y;
+      const float length2 = ux * ux + uy * uy;
+      const float t = length2 > 0 ? clamp01((dx * ux + dy * uy) / length2) : 0;
+      const float ex = dx - t * ux, ey = dy - t * uy;
+      near2 = std::min(near2, ex * ex + ey * ey);
+      if (n < 3 || !(length2 > 0)) continue;
+      beyond = std::max(beyond, side * (dx * uy - dy * ux) / std::sqrt(length2));
+    }
+    return beyond <= 0 ? beyond : std::sqrt(near2);
+  };
+  const float inner = std::max(radius - to_polygon(middle.x, middle.y), 0.0f);
+  if (!(inner > 0)) return;
+  const float outer = std::max(std::hypot(high.x - low.x, high.y - low.y) / 2 + radius, inner);
+  solid(low.x - radius, low.y - radius, high.x + radius, high.y + radius, inner, outer, colour,
+        [&](float x, float y) { return to_polygon(x, y) - radius; });
 }
 
 void Canvas::ring(float cx, float cy, float radius, float thickness, Colour colour) {

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <variant>
 #include <vector>
 
 #include "canvas.h"
+#include "links.h"
 #include "png_write.h"
+#include "shape_size.h"
 
 namespace psim::cli {
 namespace {
@@ -20,7 +25,7 @@ constexpr float kLineWidth = 3;
 const Colour kOutside = from_srgb(0x0a0c10), kInside = from_srgb(0x12161d);
 const Colour kWall = from_srgb(0x56616f), kSeam = from_srgb(0x2b323c);
 const Colour kStatic = from_srgb(0x7d8794), kLine = from_srgb(0xb4bfcc),
-             kWell = from_srgb(0xf2f4f7);
+             kWell = from_srgb(0xf2f4f7), kJoint = from_srgb(0xd98e73);
 
 // Lightness rises evenly with speed, and hue turns from violet over green to yellow: the middle
 // and upper part of viridis (S. van der Walt, N. Smith, 2015), whose darkest end would drown in
@@ -36,53 +41,68 @@ Colour speed_colour(double share) {
              static_cast<float>(at - static_cast<double>(below)));
 }
 
-bool is_drawn(const PublishedState& state, std::size_t row) {
-  return state.radius[row] > 0 && std::isfinite(state.x[row]) && std::isfinite(state.y[row]);
-}
+// What the scene says of the rows of a state.
+class Shapes {
+ public:
+  explicit Shapes(const Scene& scene) : bodies_(scene), known_(scene.body_count()) {}
 
-// A body's own point in world coordinates.
-Vec2 placed(const BodyDesc& body, Vec2 p) {
-  const double c = std::cos(body.angle), s = std::sin(body.angle);
-  return {body.position.x + c * p.x - s * p.y, body.position.y + s * p.x + c * p.y};
-}
-
-// Segments and chains are static, so the scene knows where they are.
-std::vector<std::vector<Vec2>> polylines(const Scene& scene) {
-  std::vector<std::vector<Vec2>> lines;
-  for (const BodyDesc& body : scene.bodies) {
-    std::vector<Vec2> line;
-    if (const auto* segment = std::get_if<SegmentShape>(&body.shape)) {
-      line = {placed(body, segment->p1), placed(body, segment->p2)};
-    } else if (const auto* chain = std::get_if<ChainShape>(&body.shape)) {
-      for (const Vec2& vertex : chain->vertices) line.push_back(placed(body, vertex));
-      if (chain->loop && !line.empty()) line.push_back(line.front());
-    }
-    if (!line.empty()) lines.push_back(std::move(line));
+  bool is_drawn(const PublishedState& state, std::size_t row) const {
+    return state.id[row] < known_ && std::isfinite(state.x[row]) && std::isfinite(state.y[row]) &&
+           std::isfinite(state.angle[row]);
   }
-  return lines;
-}
+  const BodyDesc& of(std::uint32_t id) const { return bodies_.desc_of(id); }
+  /// The points that span a body as it stands, and the radius around them.
+  Outline placed(const PublishedState& state, std::size_t row) const {
+    const BodyDesc& body = of(state.id[row]);
+    if (is_disc(body.shape)) return {{{state.x[row], state.y[row]}}, state.radius[row]};
+    Outline line = outline(body.shape);
+    for (Vec2& p : line.points) p = to_world(p, {state.x[row], state.y[row]}, state.angle[row]);
+    return line;
+  }
+
+ private:
+  SceneBodies bodies_;
+  std::uint64_t known_;
+};
 
 void include(Bounds& box, double x, double y, double r) {
   box = {std::min(box.xmin, x - r), std::min(box.ymin, y - r), std::max(box.xmax, x + r),
          std::max(box.ymax, y + r)};
 }
 
+bool is_empty(const Bounds& box) { return !(box.xmin <= box.xmax); }
+
+// The rectangle around all bodies. In an open world, which has no walls to show, what stands still
+// counts only as far as it is near what moves: ground may reach far.
+Bounds used_part(const Scene& scene, const PublishedState& state, const Shapes& shapes) {
+  constexpr double kNear = 0.5;  // of the longer side of what moves
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Bounds moving{kFar, kFar, -kFar, -kFar}, standing = moving;
+  for (std::size_t row = 0; row < state.id.size(); ++row) {
+    if (!shapes.is_drawn(state, row)) continue;
+    const Outline line = shapes.placed(state, row);
+    Bounds& box = state.type[row] == BodyType::static_body ? standing : moving;
+    for (const Vec2& p : line.points) include(box, p.x, p.y, line.radius);
+  }
+  if (is_empty(moving) || is_empty(standing)) return is_empty(moving) ? standing : moving;
+  if (scene.world.boundary == Boundary::open) {
+    const double near = kNear * std::max(moving.xmax - moving.xmin, moving.ymax - moving.ymin);
+    standing = {
+        std::max(standing.xmin, moving.xmin - near), std::max(standing.ymin, moving.ymin - near),
+        std::min(standing.xmax, moving.xmax + near), std::min(standing.ymax, moving.ymax + near)};
+  }
+  return {std::min(moving.xmin, standing.xmin), std::min(moving.ymin, standing.ymin),
+          std::max(moving.xmax, standing.xmax), std::max(moving.ymax, standing.ymax)};
+}
+
 // The part of the world to show: axis by axis the whole, unless less than kMuchLess is in use.
-Bounds choose_view(const Scene& scene, const PublishedState& state,
-                   const std::vector<std::vector<Vec2>>& lines) {
+Bounds choose_view(const Scene& scene, const PublishedState& state, const Shapes& shapes) {
   constexpr double kMuchLess = 0.6;
   constexpr double kMargin = 0.03;  // of the longer side, around the view
   const Bounds& world = scene.world.bounds;
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  Bounds used{kFar, kFar, -kFar, -kFar};
-  for (std::size_t row = 0; row < state.id.size(); ++row) {
-    if (is_drawn(state, row)) include(used, state.x[row], state.y[row], state.radius[row]);
-  }
-  for (const auto& line : lines) {
-    for (const Vec2& p : line) include(used, p.x, p.y, 0);
-  }
+  const Bounds used = used_part(scene, state, shapes);
   Bounds view = world;
-  if (used.xmin <= used.xmax) {
+  if (!is_empty(used)) {
     const auto fit = [](double used_min, double used_max, double& min, double& max) {
       if (used_max - used_min >= kMuchLess * (max - min)) return;
       min = std::max(min, used_min);
@@ -106,12 +126,12 @@ struct Camera {
 // The speed that gets the brightest colour: nearly the fastest, so that one stray body does not
 // leave the rest in the dark; at least what a fall by a tenth of a radius gives, so that a pile at
 // rest looks at rest.
-double bright_speed(const Scene& scene, const PublishedState& state) {
+double bright_speed(const Scene& scene, const PublishedState& state, const Shapes& shapes) {
   constexpr double kPercentile = 0.995;
   std::vector<double> speeds;
   double radius_sum = 0;
   for (std::size_t row = 0; row < state.id.size(); ++row) {
-    if (!is_drawn(state, row) || state.type[row] == BodyType::static_body) continue;
+    if (!shapes.is_drawn(state, row) || state.type[row] == BodyType::static_body) continue;
     const double speed = std::hypot(state.vx[row], state.vy[row]);
     if (!std::isfinite(speed)) continue;
     speeds.push_back(speed);
@@ -140,23 +160,88 @@ void paint_world(Canvas& canvas, const Camera& camera, const WorldDesc& world) {
   canvas.fill_rect(x1, y0, x1 + width, y1, colour);
 }
 
-void paint_bodies(Canvas& canvas, const Camera& camera, const Scene& scene,
-                  const PublishedState& state) {
+void paint_lines(Canvas& canvas, const Camera& camera, const Outline& line, bool loop,
+                 Colour colour) {
+  const std::size_t n = line.points.size();
+  for (std::size_t k = loop ? 0 : 1; k < n; ++k) {
+    const Vec2 from = line.points[(k + n - 1) % n], to = line.points[k];
+    canvas.line(camera.x(from.x), camera.y(from.y), camera.x(to.x), camera.y(to.y), kLineWidth,
+                colour);
+  }
+}
+
+void paint_disc(Canvas& canvas, const Camera& camera, const PublishedState& state, std::size_t row,
+                Colour colour) {
   constexpr float kSpokeFrom = 7;  // pixels of radius from which on a disc shows how it is turned
-  const double bright = bright_speed(scene, state);
+  const float x = camera.x(state.x[row]), y = camera.y(state.y[row]);
+  const float r = camera.length(state.radius[row]);
+  canvas.disc(x, y, r, colour);
+  if (r < kSpokeFrom || state.type[row] == BodyType::static_body) return;
+  const auto c = static_cast<float>(std::cos(state.angle[row]));
+  const auto s = static_cast<float>(std::sin(state.angle[row]));
+  canvas.line(x + 0.35f * r * c, y - 0.35f * r * s, x + 0.78f * r * c, y - 0.78f * r * s,
+              std::max(1.2f, 0.09f * r), mix(colour, Colour{}, 0.55f));
+}
+
+void paint_bodies(Canvas& canvas, const Camera& camera, const Scene& scene,
+                  const PublishedState& state, const Shapes& shapes) {
+  const double bright = bright_speed(scene, state, shapes);
+  std::vector<Point> corners;
   for (std::size_t row = 0; row < state.id.size(); ++row) {
-    if (!is_drawn(state, row)) continue;
-    const bool fixed = state.type[row] == BodyType::static_body;
+    if (!shapes.is_drawn(state, row)) continue;
+    const BodyDesc& body = shapes.of(state.id[row]);
+    const auto* chain = std::get_if<ChainShape>(&body.shape);
+    const bool line = chain || std::holds_alternative<SegmentShape>(body.shape);
     const double share = std::hypot(state.vx[row], state.vy[row]) / bright;
-    const Colour colour = fixed ? kStatic : speed_colour(std::isfinite(share) ? share : 1);
-    const float x = camera.x(state.x[row]), y = camera.y(state.y[row]);
-    const float r = camera.length(state.radius[row]);
-    canvas.disc(x, y, r, colour);
-    if (r < kSpokeFrom || fixed || !std::isfinite(state.angle[row])) continue;
-    const auto c = static_cast<float>(std::cos(state.angle[row]));
-    const auto s = static_cast<float>(std::sin(state.angle[row]));
-    canvas.line(x + 0.35f * r * c, y - 0.35f * r * s, x + 0.78f * r * c, y - 0.78f * r * s,
-                std::max(1.2f, 0.09f * r), mix(colour, Colour{}, 0.55f));
+    Colour colour = speed_colour(std::isfinite(share) ? share : 1);
+    if (state.type[row] == BodyType::static_body) colour = line ? kLine : kStatic;
+    if (body.sensor) colour = mix(kInside, colour, 0.3f);
+    if (is_disc(body.shape)) {
+      paint_disc(canvas, camera, state, row, colour);
+      continue;
+    }
+    const Outline placed = shapes.placed(state, row);
+    if (line) {
+      paint_lines(canvas, camera, placed, chain && chain->loop, colour);
+      continue;
+    }
+    corners.clear();
+    for (const Vec2& p : placed.points) corners.push_back({camera.x(p.x), camera.y(p.y)});
+    canvas.convex(corners, camera.length(placed.radius), colour);
+  }
+}
+
+// From anchor to anchor; where the anchors coincide, from the places of the bodies that move.
+void paint_joints(Canvas& canvas, const Camera& camera, const Scene& scene,
+                  const PublishedState& state) {
+  constexpr float kWidth = 1.2f;
+  const auto row_of = [&](std::uint64_t id) {
+    const auto at = std::lower_bound(state.id.begin(), state.id.end(), id);
+    const bool found = at != state.id.end() && *at == id;
+    return static_cast<std::size_t>(found ? at - state.id.begin()
+                                          : state.id.end() - state.id.begin());
+  };
+  const Bounds& world = scene.world.bounds;
+  const auto draw = [&](Vec2 from, Vec2 to) {
+    // Not across the seam.
+    if (scene.world.boundary == Boundary::periodic &&
+        (std::fabs(to.x - from.x) > (world.xmax - world.xmin) / 2 ||
+         std::fabs(to.y - from.y) > (world.ymax - world.ymin) / 2)) {
+      return;
+    }
+    canvas.line(camera.x(from.x), camera.y(from.y), camera.x(to.x), camera.y(to.y), kWidth, kJoint);
+  };
+  for (const SceneJoint& joint : all_joints(scene)) {
+    const std::size_t a = row_of(joint.a), b = row_of(joint.b);
+    if (a == state.id.size() || b == state.id.size()) continue;
+    const Vec2 place_a{state.x[a], state.y[a]}, place_b{state.x[b], state.y[b]};
+    const Vec2 anchor_a = to_world(joint.joint.anchor_a, place_a, state.angle[a]);
+    const Vec2 anchor_b = to_world(joint.joint.anchor_b, place_b, state.angle[b]);
+    if (!std::isfinite(anchor_a.x + anchor_a.y + anchor_b.x + anchor_b.y)) continue;
+    draw(anchor_a, anchor_b);
+    if (joint.joint.type < JointType::revolute) continue;
+    if (state.type[a] != BodyType::static_body) draw(place_a, anchor_a);
+    if (state.type[b] != BodyType::static_body) draw(place_b, anchor_b);
   }
 }
 
@@ -173,8 +258,8 @@ void paint_wells(Canvas& canvas, const Camera& camera, const WorldDesc& world) {
 }  // namespace
 
 void write_image(AtomicFile& file, const Scene& scene, const PublishedState& state) {
-  const auto lines = polylines(scene);
-  const Bounds view = choose_view(scene, state, lines);
+  const Shapes shapes(scene);
+  const Bounds view = choose_view(scene, state, shapes);
   const double across = view.xmax - view.xmin, up = view.ymax - view.ymin;
   const double scale = kLongSide / std::max(across, up);
   const auto side = [scale](double metres) {
@@ -186,13 +271,8 @@ void write_image(AtomicFile& file, const Scene& scene, const PublishedState& sta
                       (view.ymin + view.ymax) / 2 + canvas.height() / scale / 2};
 
   paint_world(canvas, camera, scene.world);
-  paint_bodies(canvas, camera, scene, state);
-  for (const auto& line : lines) {
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      canvas.line(camera.x(line[i - 1].x), camera.y(line[i - 1].y), camera.x(line[i].x),
-                  camera.y(line[i].y), kLineWidth, kLine);
-    }
-  }
+  paint_bodies(canvas, camera, scene, state, shapes);
+  paint_joints(canvas, camera, scene, state);
   paint_wells(canvas, camera, scene.world);
   write_png(file, canvas.width(), canvas.height(), canvas.to_srgb());
 }

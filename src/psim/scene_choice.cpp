@@ -72,6 +72,9 @@ Scene file_scene(const Options& options) {
   std::string error;
   std::optional<Scene> scene = load_scene(options.scene, error);
   if (!scene) throw UserError(one_line(error));
+  for (const std::string& note : scene->notes) {
+    fmt::print(stderr, "psim: {}: {}\n", one_line(options.scene), one_line(note));
+  }
   if (scene->name.empty()) scene->name = std::filesystem::path(options.scene).stem().string();
   if (options.seed) scene->seed = *options.seed;
   return std::move(*scene);
@@ -82,6 +85,12 @@ Scene file_scene(const Options& options) {
 bool is_builtin(const std::string& name) {
   return std::ranges::any_of(builtin_scenes(),
                              [&](const BuiltinScene& scene) { return scene.name == name; });
+}
+
+bool is_sized(const std::string& name) {
+  return std::ranges::any_of(builtin_scenes(), [&](const BuiltinScene& scene) {
+    return scene.name == name && scene.sized;
+  });
 }
 
 Scene choose_scene(const Options& options) {

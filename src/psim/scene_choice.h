@@ -18,6 +18,9 @@ Scene choose_scene(const Options& options);
 /// True if `name` is a built-in scene (a file of that name is reached as ./name).
 bool is_builtin(const std::string& name);
 
+/// True if `name` is a built-in scene whose number of bodies can be chosen.
+bool is_sized(const std::string& name);
+
 /// Throws UserError with the bytes needed if the scene's bodies will not fit into memory.
 void check_memory(const Scene& scene);
 

@@ -6,13 +6,12 @@
 #include <cstddef>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "check_rules.h"
 #include "number_text.h"
-#include "overlaps.h"
-#include "placement.h"
 #include "psim/scene.h"
+#include "survey.h"
 
 namespace psim {
 namespace {
@@ -23,129 +22,14 @@ constexpr double kLongestDt = 1.0 / 30;
 constexpr double kLatticeStepsPerRadius = 100;
 constexpr double kBouncy = 0.9;
 constexpr int kSubstepsToBounce = 4;
-constexpr double kPi = 3.14159265358979323846;
-// Of the radius: what rounding and a lattice that just fits may overlap.
-constexpr double kOverlapTolerance = 1e-4;
 
-// What the rules need to know of a body or a group.
-struct Owner {
-  std::string name;
-  BodyType type = BodyType::dynamic_body;
-  bool has_discs = false;
-  double radius_min = std::numeric_limits<double>::infinity(), radius_max = 0;
-  double mass_min = std::numeric_limits<double>::infinity(), mass_max = 0;
-  double speed_over_radius = 0;  // of the body for which this is largest, 1/s
-  double fastest = 0, fastest_radius = 0;
-  double gravity_scale = 1;
-  double restitution = 0;
-  std::size_t outside = 0;  // bodies beyond the sides of the world
-};
-
-struct Survey {
-  std::vector<Owner> owners;  // bodies, then groups
-  std::vector<PlacedDisc> discs;
-  std::vector<PlacedSegment> segments;
-  std::vector<std::string> misplaced;
-};
-
-bool leaves(const WorldDesc& world, double x, double y, double radius) {
-  const double r = world.boundary == Boundary::walls ? radius * (1 - kOverlapTolerance) : 0;
-  const Bounds& b = world.bounds;
-  return !(x - r >= b.xmin && x + r <= b.xmax && y - r >= b.ymin && y + r <= b.ymax);
-}
-
-Owner owner_of(const BodyDesc& body, std::string name) {
-  Owner owner;
-  owner.name = std::move(name);
-  owner.type = body.type;
-  owner.gravity_scale = body.gravity_scale;
-  owner.restitution = body.material.restitution;
-  return owner;
-}
-
-void see_disc(Survey& survey, Owner& owner, const WorldDesc& world, const BodyDesc& body,
-              PlacedDisc disc, Vec2 velocity) {
-  const double r = disc.radius;
-  const double mass = body.mass > 0 ? body.mass : body.material.density * kPi * r * r;
-  const double speed = std::sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
-  owner.has_discs = true;
-  owner.radius_min = std::min(owner.radius_min, r);
-  owner.radius_max = std::max(owner.radius_max, r);
-  owner.mass_min = std::min(owner.mass_min, mass);
-  owner.mass_max = std::max(owner.mass_max, mass);
-  if (speed > owner.speed_over_radius * r) {
-    owner.speed_over_radius = speed / r;
-    owner.fastest = speed;
-    owner.fastest_radius = r;
-  }
-  disc.moves = body.type == BodyType::dynamic_body;
-  if (disc.moves && leaves(world, disc.x, disc.y, r)) ++owner.outside;
-  survey.discs.push_back(disc);
-}
-
-void see_segments(Survey& survey, const BodyDesc& body, std::uint32_t owner,
-                  const std::vector<Vec2>& vertices, bool loop) {
-  const double c = std::cos(body.angle), s = std::sin(body.angle);
-  const auto in_world = [&](Vec2 v) {
-    return Vec2{body.position.x + c * v.x - s * v.y, body.position.y + s * v.x + c * v.y};
-  };
-  for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
-    survey.segments.push_back({in_world(vertices[k]), in_world(vertices[k + 1]), owner});
-  }
-  if (loop && vertices.size() > 2) {
-    survey.segments.push_back({in_world(vertices.back()), in_world(vertices.front()), owner});
-  }
-}
-
-Survey look_at(const Scene& scene) {
-  Survey survey;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const BodyDesc& body = scene.bodies[k];
-    std::string name = "bodies[" + std::to_string(k) + "]";
-    if (k < scene.body_names.size() && !scene.body_names[k].empty()) {
-      name += " \"" + scene.body_names[k] + "\"";
-    }
-    Owner owner = owner_of(body, std::move(name));
-    const auto id = static_cast<std::uint32_t>(survey.owners.size());
-    if (const auto* disc = std::get_if<DiscShape>(&body.shape)) {
-      see_disc(survey, owner, scene.world, body,
-               {body.position.x, body.position.y, disc->radius, id, 0, false}, body.velocity);
-    } else if (const auto* segment = std::get_if<SegmentShape>(&body.shape)) {
-      see_segments(survey, body, id, {segment->p1, segment->p2}, false);
-    } else if (const auto* chain = std::get_if<ChainShape>(&body.shape)) {
-      see_segments(survey, body, id, chain->vertices, chain->loop);
-    }
-    survey.owners.push_back(std::move(owner));
-  }
-  for (std::size_t k = 0; k < scene.groups.size(); ++k) {
-    const GroupDesc group = seeded_group(scene, k);
-    Owner owner = owner_of(group.body, "groups[" + std::to_string(k) + "]");
-    const auto id = static_cast<std::uint32_t>(survey.owners.size());
-    std::string error;
-    if (const std::optional<PlacedGroup> placed = place_group(group, error)) {
-      for (std::size_t i = 0; i < placed->x.size(); ++i) {
-        see_disc(survey, owner, scene.world, group.body,
-                 {placed->x[i], placed->y[i], placed->radius[i], id, static_cast<std::uint32_t>(i),
-                  false},
-                 {placed->vx[i], placed->vy[i]});
-      }
-    } else {
-      survey.misplaced.push_back(owner.name + ": " + error);
-    }
-    survey.owners.push_back(std::move(owner));
-  }
-  return survey;
-}
-
-std::string disc_name(const Scene& scene, const Survey& survey, const PlacedDisc& disc) {
-  const std::string& owner = survey.owners[disc.owner].name;
-  if (disc.owner < scene.bodies.size()) return owner;
-  return owner + " disc " + std::to_string(disc.place);
+std::string placed_name(const Scene& scene, const Survey& survey, const PlacedBody& body) {
+  const Owner& owner = survey.owners[body.owner];
+  if (body.owner < scene.bodies.size()) return owner.name;
+  return owner.name + (owner.is_disc ? " disc " : " body ") + std::to_string(body.place);
 }
 
 // ---- rules --------------------------------------------------------------------------------------
-
-using Lines = std::vector<std::string>;
 
 void check_dt(const Scene& scene, Lines& lines) {
   if (scene.world.dt <= kLongestDt * (1 + 1e-9)) return;
@@ -154,42 +38,68 @@ void check_dt(const Scene& scene, Lines& lines) {
                   "make step.dt 1/60");
 }
 
+// The worst of those of which a line could be said, and how many there are.
+struct Worst {
+  const Owner* owner = nullptr;
+  double value = 0;
+  std::size_t count = 0;
+
+  void note(const Owner& other, double how_bad) {
+    ++count;
+    if (how_bad <= value) return;
+    owner = &other;
+    value = how_bad;
+  }
+  std::string name() const {
+    return owner->name + (count > 1 ? " (the worst of " + std::to_string(count) + ")" : "");
+  }
+};
+
 void check_speed(const Scene& scene, const Survey& survey, Lines& lines) {
+  Worst worst;
   for (const Owner& owner : survey.owners) {
     if (owner.type == BodyType::static_body) continue;
     const double frames = owner.speed_over_radius * scene.world.dt;
-    if (!(frames > 1)) continue;
-    std::string line = owner.name + ": at " + number_text(owner.fastest) +
-                       " m/s a disc of radius " + number_text(owner.fastest_radius) + " m moves " +
-                       number_text(frames) + " times its radius in a frame";
-    line += survey.segments.empty() ? ", and may pass others unseen"
-                                    : ", and segments have no thickness: it may pass through";
-    lines.push_back(line + "; make step.dt at most " + round_down_text(scene.world.dt / frames) +
-                    " s or its velocity smaller");
+    if (frames > 1) worst.note(owner, frames);
   }
+  if (worst.count == 0) return;
+  std::string line = worst.name() + ": at " + number_text(worst.owner->fastest) + " m/s a " +
+                     (worst.owner->is_disc ? "disc" : "body") + " of radius " +
+                     number_text(worst.owner->fastest_radius) + " m moves " +
+                     number_text(worst.value) + " times its radius in a frame";
+  line += survey.segments.empty() ? ", and may pass others unseen"
+                                  : ", and segments have no thickness: it may pass through";
+  lines.push_back(line + "; make step.dt at most " + round_down_text(scene.world.dt / worst.value) +
+                  " s or its velocity smaller");
 }
 
 void check_gravity(const Scene& scene, const Survey& survey, Lines& lines) {
   const Vec2 g = scene.world.gravity;
   const double dt = scene.world.dt;
+  const auto fall_of = [&](const Owner& owner) {
+    return std::sqrt(g.x * g.x + g.y * g.y) * std::fabs(owner.gravity_scale) * dt * dt;
+  };
+  Worst worst;
   for (const Owner& owner : survey.owners) {
-    if (owner.type != BodyType::dynamic_body || !owner.has_discs) continue;
-    const double fall = std::sqrt(g.x * g.x + g.y * g.y) * std::fabs(owner.gravity_scale) * dt * dt;
-    if (!(fall > 0.5 * owner.radius_min)) continue;
-    lines.push_back(owner.name + ": gravity moves a body " + number_text(fall) +
-                    " m in one frame from rest, more than half its radius of " +
-                    number_text(owner.radius_min) +
-                    " m: contacts will not hold it; make step.dt at most " +
-                    round_down_text(dt * std::sqrt(0.5 * owner.radius_min / fall)) +
-                    " s, or radius larger, or world.gravity smaller");
+    if (owner.type != BodyType::dynamic_body || !owner.has_bodies) continue;
+    const double share = fall_of(owner) / owner.radius_min;
+    if (share > 0.5) worst.note(owner, share);
   }
+  if (worst.count == 0) return;
+  const double fall = fall_of(*worst.owner);
+  lines.push_back(worst.name() + ": gravity moves a body " + number_text(fall) +
+                  " m in one frame from rest, more than half its radius of " +
+                  number_text(worst.owner->radius_min) +
+                  " m: contacts will not hold it; make step.dt at most " +
+                  round_down_text(dt * std::sqrt(0.5 * worst.owner->radius_min / fall)) +
+                  " s, or radius larger, or world.gravity smaller");
 }
 
 void check_masses(const Survey& survey, Lines& lines) {
   const Owner* light = nullptr;
   const Owner* heavy = nullptr;
   for (const Owner& owner : survey.owners) {
-    if (owner.type != BodyType::dynamic_body || !owner.has_discs) continue;
+    if (owner.type != BodyType::dynamic_body || !owner.has_bodies) continue;
     if (!light || owner.mass_min < light->mass_min) light = &owner;
     if (!heavy || owner.mass_max > heavy->mass_max) heavy = &owner;
   }
@@ -206,7 +116,8 @@ void check_sizes(const Scene& scene, const Survey& survey, Lines& lines) {
   const Owner* small = nullptr;
   const Owner* large = nullptr;
   for (const Owner& owner : survey.owners) {
-    if (!owner.has_discs) continue;
+    // Ground may be as large as it likes.
+    if (!owner.has_bodies || (owner.type == BodyType::static_body && !owner.is_disc)) continue;
     if (!small || owner.radius_min < small->radius_min) small = &owner;
     if (!large || owner.radius_max > large->radius_max) large = &owner;
   }
@@ -249,13 +160,14 @@ void check_bounds(const Scene& scene, const Survey& survey, Lines& lines) {
 void check_overlaps(const Scene& scene, const Survey& survey, Lines& lines) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Owner& owner : survey.owners) smallest = std::min(smallest, owner.radius_min);
-  if (survey.discs.empty()) return;
-  const Overlaps found = find_overlaps(survey.discs, survey.segments, kOverlapTolerance * smallest);
+  if (survey.bodies.empty()) return;
+  const Overlaps found = find_overlaps(survey.bodies, survey.segments, kOverlapTolerance * smallest,
+                                       jointed_pairs(scene));
   if (found.count == 0) return;
   const std::string other = found.other_is_segment
                                 ? survey.owners[survey.segments[found.other].owner].name
-                                : disc_name(scene, survey, survey.discs[found.other]);
-  lines.push_back(disc_name(scene, survey, survey.discs[found.disc]) + " and " + other +
+                                : placed_name(scene, survey, survey.bodies[found.other]);
+  lines.push_back(placed_name(scene, survey, survey.bodies[found.body]) + " and " + other +
                   " overlap by " + number_text(found.depth) + " m at the start" +
                   (found.count > 1 ? " (the deepest of " + std::to_string(found.count) + " pairs)"
                                    : std::string()) +
@@ -294,6 +206,8 @@ std::vector<std::string> check_scene(const Scene& scene) {
   check_bounds(scene, survey, lines);
   check_overlaps(scene, survey, lines);
   check_restitution(scene, survey, lines);
+  check_polygons(scene, lines);
+  check_joints(scene, survey, lines);
   return lines;
 }
 

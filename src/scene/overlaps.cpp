@@ -1,6 +1,6 @@
-// Discs lie in grids by size: level k holds radii in [2^k, 2^(k+1)) and has cells of 2^(k+2) m, so
-// that what overlaps is in the same cell or beside it. A disc looks through its own level and those
-// above, so that every pair is met from its smaller disc.
+// Bodies lie in grids by the size of the circle that holds them: level k holds radii in
+// [2^k, 2^(k+1)) and has cells of 2^(k+2) m, so that what overlaps is in the same cell or beside it.
+// A body looks through its own level and those above, so that every pair is met from its smaller one.
 #include "overlaps.h"
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace psim {
 namespace {
 
-// A scene with more disc x segment tests than this is not tested against its segments.
+// A scene with more body x segment tests than this is not tested against its segments.
 constexpr double kMostSegmentTests = 2e8;
 
 struct Entry {
   std::int64_t row, column;
-  std::size_t disc;
+  std::size_t body;
   bool operator<(const Entry& b) const {
-    return std::tie(row, column, disc) < std::tie(b.row, b.column, b.disc);
+    return std::tie(row, column, body) < std::tie(b.row, b.column, b.body);
   }
 };
 
@@ -32,11 +32,11 @@ std::int64_t cell_of(double x, double cell) {
   return static_cast<std::int64_t>(std::floor(std::clamp(x / cell, -1e15, 1e15)));
 }
 
-void note(Overlaps& found, double depth, std::size_t disc, std::size_t other, bool segment) {
+void note(Overlaps& found, double depth, std::size_t body, std::size_t other, bool segment) {
   ++found.count;
   if (depth <= found.depth) return;
   found.depth = depth;
-  found.disc = disc;
+  found.body = body;
   found.other = other;
   found.other_is_segment = segment;
 }
@@ -50,15 +50,61 @@ double distance_to(const PlacedSegment& s, double x, double y) {
   return std::sqrt(dx * dx + dy * dy);
 }
 
+bool meet(const Filter& a, const Filter& b) {
+  if (a.group != 0 && a.group == b.group) return a.group > 0;
+  return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
+
+HullSet disc_hulls(double radius) {
+  HullSet set;
+  set.parts.resize(1);
+  set.parts[0].count = 1;
+  set.parts[0].radius = static_cast<float>(radius);
+  finish_hull(set.parts[0]);
+  return set;
+}
+
+// How deep two bodies whose circles overlap are in each other; negative if they are apart.
+double depth_of(const PlacedBody& a, const PlacedBody& b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  if (!a.hulls && !b.hulls) return a.radius + b.radius - std::sqrt(dx * dx + dy * dy);
+  const HullSet of_a = a.hulls ? HullSet{} : disc_hulls(a.radius);
+  const HullSet of_b = b.hulls ? HullSet{} : disc_hulls(b.radius);
+  double depth = -1;
+  for (const Hull& p : (a.hulls ? *a.hulls : of_a).parts) {
+    for (const Hull& q : (b.hulls ? *b.hulls : of_b).parts) {
+      const Nearest gap =
+          nearest(p, a.turn, q, b.turn, static_cast<float>(dx), static_cast<float>(dy));
+      depth = std::max(depth, -static_cast<double>(gap.distance));
+    }
+  }
+  return depth;
+}
+
+double depth_of(const PlacedBody& a, const PlacedSegment& s) {
+  const double gap = distance_to(s, a.x, a.y);
+  if (!a.hulls || gap >= a.radius) return a.radius - gap;
+  const Vec2 middle{(s.p.x + s.q.x) / 2, (s.p.y + s.q.y) / 2};
+  PlacedBody line{middle.x, middle.y, 0, 0, 0, 0};
+  auto hulls = std::make_shared<HullSet>();
+  std::string error;
+  const SegmentShape shape{{s.p.x - middle.x, s.p.y - middle.y},
+                           {s.q.x - middle.x, s.q.y - middle.y}};
+  if (!make_hulls(shape, true, *hulls, error)) return -1;
+  line.hulls = std::move(hulls);
+  return depth_of(a, line);
+}
+
 }  // namespace
 
-Overlaps find_overlaps(const std::vector<PlacedDisc>& discs,
-                       const std::vector<PlacedSegment>& segments, double tolerance) {
+Overlaps find_overlaps(const std::vector<PlacedBody>& bodies,
+                       const std::vector<PlacedSegment>& segments, double tolerance,
+                       const MayOverlap& may_overlap) {
   Overlaps found;
   const auto level_of = [](double radius) { return std::ilogb(radius); };
   std::map<int, Level> levels;
-  for (std::size_t k = 0; k < discs.size(); ++k) {
-    const PlacedDisc& d = discs[k];
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const PlacedBody& d = bodies[k];
     if (!(d.radius > 0) || !std::isfinite(d.x + d.y + d.radius)) continue;
     Level& level = levels[level_of(d.radius)];
     level.cell = std::ldexp(1.0, level_of(d.radius) + 2);
@@ -68,7 +114,7 @@ Overlaps find_overlaps(const std::vector<PlacedDisc>& discs,
 
   for (auto own = levels.begin(); own != levels.end(); ++own) {
     for (const Entry& entry : own->second.entries) {
-      const PlacedDisc& a = discs[entry.disc];
+      const PlacedBody& a = bodies[entry.body];
       for (auto at = own; at != levels.end(); ++at) {
         const Level& level = at->second;
         const std::int64_t row = cell_of(a.y, level.cell), column = cell_of(a.x, level.cell);
@@ -76,26 +122,29 @@ Overlaps find_overlaps(const std::vector<PlacedDisc>& discs,
           auto e =
               std::lower_bound(level.entries.begin(), level.entries.end(), Entry{r, column - 1, 0});
           for (; e != level.entries.end() && e->row == r && e->column <= column + 1; ++e) {
-            const PlacedDisc& b = discs[e->disc];
-            if ((at == own && e->disc <= entry.disc) || !(a.moves || b.moves)) continue;
+            const PlacedBody& b = bodies[e->body];
+            if ((at == own && e->body <= entry.body) || !(a.moves || b.moves)) continue;
             const double dx = a.x - b.x, dy = a.y - b.y, reach = a.radius + b.radius;
             if (dx * dx + dy * dy >= reach * reach) continue;
-            const double depth = reach - std::sqrt(dx * dx + dy * dy);
-            if (depth > tolerance) note(found, depth, entry.disc, e->disc, false);
+            if (!meet(a.filter, b.filter) || may_overlap(a.id, b.id)) continue;
+            const double depth = depth_of(a, b);
+            if (depth > tolerance) note(found, depth, entry.body, e->body, false);
           }
         }
       }
     }
   }
-  if (static_cast<double>(discs.size()) * static_cast<double>(segments.size()) >
+  if (static_cast<double>(bodies.size()) * static_cast<double>(segments.size()) >
       kMostSegmentTests) {
     return found;
   }
-  for (std::size_t k = 0; k < discs.size(); ++k) {
-    if (!discs[k].moves) continue;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (!bodies[k].moves) continue;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      const double depth = discs[k].radius - distance_to(segments[s], discs[k].x, discs[k].y);
-      if (depth > tolerance) note(found, depth, k, s, true);
+      if (!meet(bodies[k].filter, segments[s].filter)) continue;
+      const double depth = depth_of(bodies[k], segments[s]);
+      if (depth <= tolerance || may_overlap(bodies[k].id, segments[s].owner)) continue;
+      note(found, depth, k, s, true);
     }
   }
   return found;

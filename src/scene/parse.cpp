@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "parse_parts.h"
+#include "rube.h"
 
 namespace psim {
 namespace {
@@ -25,6 +26,7 @@ constexpr std::uint64_t kFormat = 1;
 Scene read_scene(const scene::Json& document) {
   const scene::Node root(document);
   root.expect_object();
+  if (scene::is_rube(root)) return scene::read_rube(root);
   // First of all: a file of another format has other keys.
   const scene::Node format = root.require("psim");
   if (!(format.is_number() && format.json() == kFormat)) {
@@ -42,8 +44,7 @@ Scene read_scene(const scene::Json& document) {
   scene::read_fields(root, out.world);
   scene::read_bodies(root, context, out);
   scene::read_groups(root, context, out);
-  scene::read_joints(root, context);
-  context.availability.check();
+  scene::read_joints(root, context, out);
   return out;
 }
 

@@ -11,32 +11,32 @@
 
 #include "parse_limits.h"
 #include "parse_parts.h"
+#include "shape_size.h"
 
 namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLayouts = {"lattice", "hex", "random", "explicit"};
-constexpr std::array<std::string_view, 9> kPlacedKeys = {"layout",   "count",           "region",
-                                                         "shape",    "radius",          "jitter",
-                                                         "velocity", "velocity_spread", "seed"};
+constexpr std::array<std::string_view, 10> kPlacedKeys = {
+    "layout", "count",    "region",          "shape", "radius",
+    "jitter", "velocity", "velocity_spread", "seed",  "links"};
 constexpr std::array<std::string_view, 8> kListedKeys = {"layout", "x",  "y",  "shape",
                                                          "radius", "vx", "vy", "velocity"};
 
 // Of a group: `radius` or `shape`, one of the two. Gives the radius node, or nothing if the shape
 // said it all.
-std::optional<Node> radius_or_shape(const Node& node, Context& context, GroupDesc& group) {
+std::optional<Node> radius_or_shape(const Node& node, const Context& context, GroupDesc& group) {
   const std::optional<Node> radius = node.find("radius"), shape = node.find("shape");
   if (radius && shape) {
     node.fail_at_key("radius", "stands beside \"shape\": one of the two says how large a body is");
   }
   if (!shape) return node.require("radius");
-  const Shape read = read_shape(*shape, context);
-  check_shape_against_type(*shape, group.body.type, context);
-  if (const auto* disc = std::get_if<DiscShape>(&read)) {
-    group.radius_min = group.radius_max = disc->radius;
-  } else {
-    shape->fail("is no shape of a group: segments and chains stand in \"bodies\"");
+  group.body.shape = read_shape(*shape, context, group.body.type);
+  if (std::holds_alternative<ChainShape>(group.body.shape)) {
+    shape->fail("is no shape of a group: chains stand in \"bodies\"");
   }
+  group.radius_min = group.radius_max = bounding_radius(group.body.shape);
+  if (is_disc(group.body.shape)) group.body.shape = DiscShape{};
   return std::nullopt;
 }
 
@@ -51,7 +51,7 @@ std::vector<double> read_column(const Node& node, Range range, std::size_t wante
   return column;
 }
 
-void read_placed(const Node& node, Context& context, GroupDesc& group) {
+void read_placed(const Node& node, const Context& context, GroupDesc& group) {
   const Node count = node.require("count"), region = node.require("region");
   group.count = count.integer(0, kMostBodiesInGroup);
   group.region = read_bounds(region);
@@ -80,6 +80,7 @@ void read_placed(const Node& node, Context& context, GroupDesc& group) {
   if (const std::optional<Node> seed = node.find("seed")) {
     group.seed = seed->integer(0, std::numeric_limits<std::uint64_t>::max());
   }
+  group.links = read_links(node, group);
 }
 
 void expect_in_interval(const Node& column, const std::vector<double>& values, double min,
@@ -91,7 +92,7 @@ void expect_in_interval(const Node& column, const std::vector<double>& values, d
   }
 }
 
-void read_listed(const Node& node, Context& context, GroupDesc& group) {
+void read_listed(const Node& node, const Context& context, GroupDesc& group) {
   const Node x = node.require("x"), y = node.require("y");
   x.expect_array(0, kMostBodiesInGroup);
   group.count = x.size();
@@ -123,7 +124,7 @@ void read_listed(const Node& node, Context& context, GroupDesc& group) {
   group.velocity = node.vec2_or("velocity", group.velocity, kVelocity);
 }
 
-GroupDesc read_group(const Node& node, Context& context) {
+GroupDesc read_group(const Node& node, const Context& context) {
   static constexpr auto kPlaced = joined(kPlacedKeys, kSharedBodyKeys);
   static constexpr auto kListed = joined(kListedKeys, kSharedBodyKeys);
   constexpr std::array<Layout, 4> kOf = {Layout::lattice, Layout::hex, Layout::random,

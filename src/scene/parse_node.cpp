@@ -179,6 +179,18 @@ std::uint64_t Node::integer(std::uint64_t min, std::uint64_t max) const {
   return value;
 }
 
+std::int64_t Node::signed_integer(std::int64_t min, std::int64_t max) const {
+  const std::string allowed =
+      "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+  if (!is_number()) fail("must be " + allowed + ", not " + kind(*value_));
+  const double number = value_->get<double>();
+  if (number != std::floor(number)) fail(number_text(number) + " is not whole: " + allowed);
+  if (number < static_cast<double>(min) || number > static_cast<double>(max)) {
+    fail(number_text(number) + " is out of range: " + allowed);
+  }
+  return static_cast<std::int64_t>(number);
+}
+
 bool Node::boolean() const {
   if (!value_->is_boolean()) fail("must be true or false, not " + kind(*value_));
   return value_->get<bool>();

@@ -49,9 +49,11 @@ class Node {
   Node element(std::size_t index) const;
 
   bool is_number() const { return value_->is_number(); }
+  bool is_array() const { return value_->is_array(); }
   bool is_string() const { return value_->is_string(); }
   double number(Range range) const;
   std::uint64_t integer(std::uint64_t min, std::uint64_t max) const;
+  std::int64_t signed_integer(std::int64_t min, std::int64_t max) const;
   bool boolean() const;
   const std::string& string() const;
   /// A string without control characters.

@@ -7,11 +7,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <set>
+#include <optional>
 #include <string>
 #include <string_view>
 
-#include "parse_available.h"
 #include "parse_node.h"
 #include "psim/scene.h"
 
@@ -21,9 +20,8 @@ namespace psim::scene {
 struct Context {
   Bounds bounds;
   std::map<std::string, Material, std::less<>> materials;
-  std::set<std::string, std::less<>> body_names;
+  std::map<std::string, std::uint64_t, std::less<>> body_ids;  ///< by name
   std::uint64_t body_count = 0;
-  Availability availability;
 };
 
 void read_materials(const Node& scene, Context& context);
@@ -34,23 +32,23 @@ void read_fields(const Node& scene, WorldDesc& world);
 void read_bodies(const Node& scene, Context& context, Scene& out);
 void read_groups(const Node& scene, Context& context, Scene& out);
 /// After bodies and groups.
-void read_joints(const Node& scene, Context& context);
+void read_joints(const Node& scene, const Context& context, Scene& out);
 
 /// The material of this name.
 const Material& named_material(const Node& name, const Context& context);
 
-/// A shape of any kind. One that this version cannot simulate is noted, and gives a disc.
-Shape read_shape(const Node& shape, Context& context);
+/// A shape of any kind that a body of this type may have.
+Shape read_shape(const Node& shape, const Context& context, BodyType type);
 double read_radius(const Node& radius, const Context& context);
 
 /// The keys that bodies and groups share, without place, shape and velocity.
-inline constexpr std::array<std::string_view, 11> kSharedBodyKeys = {
-    "type",        "angle",    "angular_velocity", "material",       "density", "mass",
-    "restitution", "friction", "gravity_scale",    "fixed_rotation", "bullet"};
-void read_shared_body_keys(const Node& node, Context& context, BodyDesc& body);
-
-/// Segments and chains are static.
-void check_shape_against_type(const Node& shape, BodyType type, Context& context);
+inline constexpr std::array<std::string_view, 15> kSharedBodyKeys = {
+    "type",     "angle",         "angular_velocity", "material", "density",  "mass", "restitution",
+    "friction", "gravity_scale", "fixed_rotation",   "bullet",   "category", "mask", "group",
+    "sensor"};
+void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body);
+/// `links` of a lattice or hex group, whose keys before have been read.
+std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& group);
 
 /// A place that is not inside the bounds is an error.
 void expect_inside(const Node& node, Vec2 position, const Bounds& bounds);

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "hull.h"
 #include "parse_limits.h"
 #include "parse_parts.h"
 
@@ -16,32 +18,22 @@ namespace {
 constexpr std::array<std::string_view, 6> kShapes = {"disc",    "box",     "polygon",
                                                      "capsule", "segment", "chain"};
 constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
-constexpr std::array<std::string_view, 1> kBoxKeys = {"size"};
-constexpr std::array<std::string_view, 1> kPolygonKeys = {"vertices"};
+constexpr std::array<std::string_view, 2> kBoxKeys = {"size", "radius"};
+constexpr std::array<std::string_view, 2> kPolygonKeys = {"vertices", "radius"};
 constexpr std::array<std::string_view, 3> kCapsuleKeys = {"p1", "p2", "radius"};
 constexpr std::array<std::string_view, 2> kSegmentKeys = {"p1", "p2"};
 constexpr std::array<std::string_view, 2> kChainKeys = {"vertices", "loop"};
-constexpr std::size_t kMostChainVertices = 10'000'000;
 
 bool same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 
-std::vector<Vec2> read_vertices(const Node& node, std::size_t least, std::size_t most,
-                                bool closed) {
+std::vector<Vec2> read_points(const Node& node, std::size_t least, std::size_t most) {
   node.expect_array(least, most);
-  std::vector<Vec2> vertices;
-  vertices.reserve(node.size());
+  std::vector<Vec2> points;
+  points.reserve(node.size());
   for (std::size_t k = 0; k < node.size(); ++k) {
-    const Node vertex = node.element(k);
-    vertices.push_back(vertex.vec2(kCoordinate));
-    if (k > 0 && same(vertices[k], vertices[k - 1])) {
-      vertex.fail("is the vertex before it: two neighbours apart from each other");
-    }
+    points.push_back(node.element(k).vec2(kCoordinate));
   }
-  if (closed && same(vertices.front(), vertices.back())) {
-    node.element(node.size() - 1)
-        .fail("is the first vertex: a closed shape joins its last vertex to the first by itself");
-  }
-  return vertices;
+  return points;
 }
 
 SegmentShape read_segment(const Node& node) {
@@ -55,13 +47,44 @@ ChainShape read_chain(const Node& node) {
   ChainShape chain;
   chain.loop = node.boolean_or("loop", false);
   const Node vertices = node.require("vertices");
-  chain.vertices = read_vertices(vertices, chain.loop ? 3 : 2, kMostChainVertices, chain.loop);
+  chain.vertices = read_points(vertices, chain.loop ? 3 : 2, kMostChainVertices);
+  for (std::size_t k = 1; k < chain.vertices.size(); ++k) {
+    if (same(chain.vertices[k], chain.vertices[k - 1])) {
+      vertices.element(k).fail("is the vertex before it: two neighbours apart from each other");
+    }
+  }
+  if (chain.loop && same(chain.vertices.front(), chain.vertices.back())) {
+    vertices.element(vertices.size() - 1)
+        .fail("is the first vertex: a loop joins its last vertex to the first by itself");
+  }
   return chain;
 }
 
-void expect_box(const Node& node) {
+CapsuleShape read_capsule(const Node& node, const Context& context) {
+  const SegmentShape line = read_segment(node);
+  const Node radius = node.require("radius");
+  return {line.p1, line.p2, read_radius(radius, context)};
+}
+
+BoxShape read_box(const Node& node) {
   const Node size = node.require("size");
-  size.vec2(kRadius);
+  const Vec2 sides = size.vec2(kRadius);
+  return {sides.x, sides.y, node.number_or("radius", 0, kRounding)};
+}
+
+PolygonShape read_polygon(const Node& node) {
+  const Node vertices = node.require("vertices");
+  PolygonShape polygon{read_points(vertices, 3, kMostPolygonVertices), 0};
+  polygon.radius = node.number_or("radius", 0, kRounding);
+  return polygon;
+}
+
+// Concave, crossing itself, without area, too small: what the engine cannot simulate.
+Shape checked(const Node& node, Shape shape) {
+  HullSet unused;
+  std::string error;
+  if (!make_hulls(shape, true, unused, error)) node.fail(std::move(error));
+  return shape;
 }
 
 }  // namespace
@@ -77,7 +100,7 @@ double read_radius(const Node& radius, const Context& context) {
   return value;
 }
 
-Shape read_shape(const Node& shape, Context& context) {
+Shape read_shape(const Node& shape, const Context& context, BodyType type) {
   shape.expect_object(kShapes);
   if (shape.size() != 1) {
     shape.fail("has " + std::to_string(shape.size()) + " kinds of shape: exactly one of " +
@@ -90,40 +113,28 @@ Shape read_shape(const Node& shape, Context& context) {
     const Node radius = node.require("radius");
     return DiscShape{read_radius(radius, context)};
   }
-  if (kind == "segment") {
-    node.expect_object(kSegmentKeys);
-    return read_segment(node);
-  }
-  if (kind == "chain") {
-    node.expect_object(kChainKeys);
-    return read_chain(node);
-  }
   if (kind == "box") {
     node.expect_object(kBoxKeys);
-    expect_box(node);
-    context.availability.uses(Feature::boxes, node);
-  } else if (kind == "polygon") {
+    return checked(node, read_box(node));
+  }
+  if (kind == "polygon") {
     node.expect_object(kPolygonKeys);
-    const Node vertices = node.require("vertices");
-    read_vertices(vertices, 3, kMostPolygonVertices, true);
-    context.availability.uses(Feature::polygons, node);
-  } else {
+    return checked(node, read_polygon(node));
+  }
+  if (kind == "capsule") {
     node.expect_object(kCapsuleKeys);
-    read_segment(node);
-    const Node radius = node.require("radius");
-    read_radius(radius, context);
-    context.availability.uses(Feature::capsules, node);
+    return checked(node, read_capsule(node, context));
   }
-  return DiscShape{};
-}
-
-void check_shape_against_type(const Node& shape, BodyType type, Context& context) {
-  if (type == BodyType::static_body) return;
-  for (const std::string_view kind : {"segment", "chain"}) {
-    if (const std::optional<Node> node = shape.find(kind)) {
-      context.availability.uses(Feature::moving_segments, *node);
-    }
+  if (kind == "segment") {
+    node.expect_object(kSegmentKeys);
+    return checked(node, read_segment(node));
   }
+  node.expect_object(kChainKeys);
+  ChainShape chain = read_chain(node);
+  if (type == BodyType::dynamic_body) {
+    node.fail("is the shape of a dynamic body: a chain is \"static\" or \"kinematic\" only");
+  }
+  return chain;
 }
 
 }  // namespace psim::scene

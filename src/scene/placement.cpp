@@ -9,6 +9,7 @@
 
 #include "number_text.h"
 #include "random.h"
+#include "shape_size.h"
 
 namespace psim {
 namespace {
@@ -211,30 +212,7 @@ bool is_sound(const GroupDesc& g, std::string& error) {
   return false;
 }
 
-}  // namespace
-
-LatticePlan plan_lattice(std::uint64_t count, const Bounds& region, bool hex) {
-  const double width = region.xmax - region.xmin, height = region.ymax - region.ymin;
-  const double n = static_cast<double>(count);
-  // Without kRounding a square region whose width and height differ in the last bit would get a
-  // column too many.
-  const double columns = std::ceil(std::sqrt(n * (width / height)) * (1 - kRounding));
-  LatticePlan plan;
-  plan.columns = static_cast<std::uint64_t>(std::clamp(columns, 1.0, n));
-  plan.rows = (count + plan.columns - 1) / plan.columns;
-  const bool shifted = hex && plan.rows > 1;
-  plan.cell_x = width / (static_cast<double>(plan.columns) + (shifted ? 0.5 : 0.0));
-  plan.cell_y = height / static_cast<double>(plan.rows);
-  return plan;
-}
-
-GroupDesc seeded_group(const Scene& scene, std::size_t k) {
-  GroupDesc group = scene.groups[k];
-  group.seed = mix_seeds(group.seed, scene.seed);
-  return group;
-}
-
-std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& error) {
+std::optional<PlacedGroup> place_discs(const GroupDesc& group, std::string& error) {
   PlacedGroup out;
   if (group.layout == Layout::explicit_list) {
     if (!place_explicit(group, out, error)) return std::nullopt;
@@ -269,6 +247,38 @@ std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& erro
     }
   }
   return out;
+}
+
+}  // namespace
+
+LatticePlan plan_lattice(std::uint64_t count, const Bounds& region, bool hex) {
+  const double width = region.xmax - region.xmin, height = region.ymax - region.ymin;
+  const double n = static_cast<double>(count);
+  // Without kRounding a square region whose width and height differ in the last bit would get a
+  // column too many.
+  const double columns = std::ceil(std::sqrt(n * (width / height)) * (1 - kRounding));
+  LatticePlan plan;
+  plan.columns = static_cast<std::uint64_t>(std::clamp(columns, 1.0, n));
+  plan.rows = (count + plan.columns - 1) / plan.columns;
+  const bool shifted = hex && plan.rows > 1;
+  plan.cell_x = width / (static_cast<double>(plan.columns) + (shifted ? 0.5 : 0.0));
+  plan.cell_y = height / static_cast<double>(plan.rows);
+  return plan;
+}
+
+GroupDesc seeded_group(const Scene& scene, std::size_t k) {
+  GroupDesc group = scene.groups[k];
+  group.seed = mix_seeds(group.seed, scene.seed);
+  return group;
+}
+
+std::optional<PlacedGroup> place_group(const GroupDesc& given, std::string& error) {
+  if (is_disc(given.body.shape)) return place_discs(given, error);
+  GroupDesc circles = given;
+  circles.body.shape = DiscShape{};
+  circles.radius_min = circles.radius_max = bounding_radius(given.body.shape);
+  circles.radius = {circles.radius_max};
+  return place_discs(circles, error);
 }
 
 }  // namespace psim

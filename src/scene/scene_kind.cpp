@@ -6,8 +6,11 @@
 #include <numbers>
 #include <variant>
 
+#include "hull.h"
+#include "links.h"
 #include "number_text.h"
 #include "placement.h"
+#include "shape_size.h"
 
 namespace psim {
 namespace {
@@ -68,12 +71,20 @@ void see(const WorldDesc& world, const BodyDesc& body, Vec2 at, Vec2 velocity, d
                 std::max(survey.box.xmax, at.x + radius), std::max(survey.box.ymax, at.y + radius)};
 }
 
+// A shape that is no disc counts as the disc of its area.
+double radius_of(const Shape& shape) {
+  if (const auto* disc = std::get_if<DiscShape>(&shape)) return disc->radius;
+  HullSet hulls;
+  std::string error;
+  if (!make_hulls(shape, true, hulls, error)) return bounding_radius(shape);
+  return std::sqrt(hulls.mass.area / std::numbers::pi);
+}
+
 Survey look_at(const Scene& scene) {
   Survey survey;
   for (const BodyDesc& body : scene.bodies) {
-    const auto* disc = std::get_if<DiscShape>(&body.shape);
-    if (disc == nullptr || body.type != BodyType::dynamic_body) continue;
-    see(scene.world, body, body.position, body.velocity, disc->radius, survey);
+    if (body.type != BodyType::dynamic_body) continue;
+    see(scene.world, body, body.position, body.velocity, radius_of(body.shape), survey);
   }
   for (std::size_t k = 0; k < scene.groups.size(); ++k) {
     const GroupDesc group = seeded_group(scene, k);
@@ -81,9 +92,12 @@ Survey look_at(const Scene& scene) {
     std::string error;
     const std::optional<PlacedGroup> placed = place_group(group, error);
     if (!placed) continue;  // whoever builds the world says so
+    const bool discs = is_disc(group.body.shape);
+    const double radius = discs ? 0 : radius_of(group.body.shape);
     for (std::size_t i = 0; i < placed->x.size(); ++i) {
+      if (is_pinned(group, i)) continue;
       see(scene.world, group.body, {placed->x[i], placed->y[i]}, {placed->vx[i], placed->vy[i]},
-          placed->radius[i], survey);
+          discs ? placed->radius[i] : radius, survey);
     }
   }
   return survey;

@@ -13,12 +13,16 @@
 #include "parse_node.h"
 #include "placement.h"
 #include "psim/scene.h"
+#include "shape_size.h"
 
 namespace psim {
 namespace {
 
 constexpr std::string_view kTypeNames[] = {"dynamic", "static", "kinematic"};
 constexpr std::string_view kBoundaryNames[] = {"walls", "periodic", "open"};
+constexpr std::string_view kJointNames[] = {"distance", "spring",    "rope",
+                                            "revolute", "prismatic", "weld"};
+constexpr std::string_view kPinNames[] = {"none", "top", "corners", "left", "ends"};
 constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explicit"};
 
 template <class Enum>
@@ -123,6 +127,21 @@ struct ShapeText {
     keys.raw("vertices", list_of(chain.vertices)).add_if("loop", chain.loop);
     return Object().raw("chain", keys.one_line()).one_line();
   }
+  std::string operator()(const BoxShape& box) const {
+    Object keys;
+    keys.add("size", Vec2{box.width, box.height}).add_unless("radius", box.radius, 0);
+    return Object().raw("box", keys.one_line()).one_line();
+  }
+  std::string operator()(const PolygonShape& polygon) const {
+    Object keys;
+    keys.raw("vertices", list_of(polygon.vertices)).add_unless("radius", polygon.radius, 0);
+    return Object().raw("polygon", keys.one_line()).one_line();
+  }
+  std::string operator()(const CapsuleShape& capsule) const {
+    Object keys;
+    keys.add("p1", capsule.p1).add("p2", capsule.p2).add("radius", capsule.radius);
+    return Object().raw("capsule", keys.one_line()).one_line();
+  }
 };
 
 void add_shared_keys(Object& out, const BodyDesc& body) {
@@ -136,6 +155,12 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
       .add_unless("gravity_scale", body.gravity_scale, absent.gravity_scale)
       .add_if("fixed_rotation", body.fixed_rotation)
       .add_if("bullet", body.bullet);
+  if (body.filter.category != absent.filter.category) {
+    out.raw("category", std::to_string(body.filter.category));
+  }
+  if (body.filter.mask != absent.filter.mask) out.raw("mask", std::to_string(body.filter.mask));
+  if (body.filter.group != 0) out.raw("group", std::to_string(body.filter.group));
+  out.add_if("sensor", body.sensor);
 }
 
 std::string body_text(const BodyDesc& body, std::string_view name) {
@@ -155,7 +180,9 @@ std::vector<double> column_or(const std::vector<double>& column, double each, st
 
 void add_listed_keys(Object& out, const GroupDesc& group) {
   out.raw("x", list_of(group.x)).raw("y", list_of(group.y));
-  if (group.radius.size() == group.x.size() && group.radius.size() != 1) {
+  if (!is_disc(group.body.shape)) {
+    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+  } else if (group.radius.size() == group.x.size() && group.radius.size() != 1) {
     out.raw("radius", list_of(group.radius));
   } else {
     out.add("radius", group.radius.empty() ? group.radius_min : group.radius[0]);
@@ -173,9 +200,54 @@ void add_listed_keys(Object& out, const GroupDesc& group) {
   add_speeds("vy", group.vy, group.velocity.y);
 }
 
+std::string links_text(const LinkDesc& links) {
+  Object out;
+  out.add("type", name_of(links.type, kJointNames));
+  if (links.type == JointType::spring) {
+    out.add("stiffness", links.stiffness).add_unless("damping", links.damping, 0);
+  }
+  out.add_if("diagonals", links.diagonals);
+  if (links.pin != Pin::none) out.add("pin", name_of(links.pin, kPinNames));
+  return out.add_if("collide", links.collide).one_line();
+}
+
+std::string joint_text(const SceneJoint& scene_joint) {
+  const JointDesc& joint = scene_joint.joint;
+  const JointDesc absent;
+  const JointType type = joint.type;
+  const bool driven = type == JointType::revolute || type == JointType::prismatic;
+  Object out;
+  out.add("type", name_of(type, kJointNames))
+      .raw("a", std::to_string(scene_joint.a))
+      .raw("b", std::to_string(scene_joint.b))
+      .add_unless("anchor_a", joint.anchor_a, absent.anchor_a)
+      .add_unless("anchor_b", joint.anchor_b, absent.anchor_b);
+  if (type == JointType::distance || type == JointType::spring || type == JointType::rope) {
+    if (joint.length) out.add("length", *joint.length);
+  } else if (joint.reference) {
+    out.add("reference", *joint.reference);
+  }
+  if (type == JointType::spring) {
+    out.add("stiffness", joint.stiffness).add_unless("damping", joint.damping, 0);
+  }
+  if (type == JointType::weld) {
+    out.add_unless("stiffness", joint.stiffness, 0).add_unless("damping", joint.damping, 0);
+  }
+  if (type == JointType::prismatic) out.add_unless("axis", joint.axis, absent.axis);
+  if (driven) {
+    if (joint.lower) out.add("lower", *joint.lower);
+    if (joint.upper) out.add("upper", *joint.upper);
+    out.add_unless("motor_speed", joint.motor_speed, 0)
+        .add_unless("motor_limit", joint.motor_limit, 0);
+  }
+  return out.add_if("collide", joint.collide).one_line();
+}
+
 void add_placed_keys(Object& out, const GroupDesc& group) {
   out.raw("count", std::to_string(group.count)).add("region", group.region);
-  if (group.radius_min == group.radius_max) {
+  if (!is_disc(group.body.shape)) {
+    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+  } else if (group.radius_min == group.radius_max) {
     out.add("radius", group.radius_min);
   } else {
     out.add("radius", Vec2{group.radius_min, group.radius_max});
@@ -184,6 +256,7 @@ void add_placed_keys(Object& out, const GroupDesc& group) {
       .add_unless("velocity", group.velocity, {})
       .add_unless("velocity_spread", group.velocity_spread, 0);
   if (group.seed != 1) out.raw("seed", std::to_string(group.seed));
+  if (group.links) out.raw("links", links_text(*group.links));
 }
 
 std::string group_text(const GroupDesc& group) {
@@ -245,7 +318,7 @@ std::string step_text(const Scene& scene) {
 }  // namespace
 
 std::string scene_to_json(const Scene& scene) {
-  std::vector<std::string> fields, bodies, groups;
+  std::vector<std::string> fields, bodies, groups, joints;
   for (const Field& field : scene.world.fields) fields.push_back(std::visit(FieldText{}, field));
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const bool named = k < scene.body_names.size();
@@ -254,6 +327,8 @@ std::string scene_to_json(const Scene& scene) {
   for (std::size_t k = 0; k < scene.groups.size(); ++k) {
     groups.push_back(group_text(seeded_group(scene, k)));
   }
+
+  for (const SceneJoint& joint : scene.joints) joints.push_back(joint_text(joint));
 
   Object out;
   out.raw("psim", "1");
@@ -265,6 +340,7 @@ std::string scene_to_json(const Scene& scene) {
   if (!fields.empty()) out.raw("fields", array_lines(fields, 2));
   if (!bodies.empty()) out.raw("bodies", array_lines(bodies, 2));
   if (!groups.empty()) out.raw("groups", array_lines(groups, 2));
+  if (!joints.empty()) out.raw("joints", array_lines(joints, 2));
   return out.lines(0) + '\n';
 }
 

@@ -1,0 +1,374 @@
+#include "columns.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+using kernels::ManifoldBlock;
+
+constexpr std::uint32_t kLongColumn = 4;  // links
+constexpr float kMassRatio = 8;           // or one link with this ratio
+constexpr float kSideShare = 0.05f;       // of the support: what side contacts may carry
+constexpr double kSupport = 0.5;          // |cosine| between normal and up
+constexpr float kTouching = 0.002f;       // of the inner radius: gap that counts as touching
+constexpr float kClosed = 0.0002f;        // gap that a solve may close
+constexpr double kSticking = 0.999;       // of mu l, below which friction holds
+constexpr double kPivot = 1e-6;           // of the diagonal
+constexpr double kGoodStep = 0.9;         // of a full step; shorter ones tell of an impact
+constexpr std::uint8_t kRestFrames = 8;   // as an ordinary contact after a short step
+
+// Solves S x = b for a symmetric S scaled to a unit diagonal, in place; rows whose pivot vanishes give 0.
+struct Factor {
+  double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};
+
+  explicit Factor(const double s[3][3]) {
+    for (int k = 0; k < 3; ++k) scale[k] = s[k][k] > 0 ? 1 / std::sqrt(s[k][k]) : 0;
+    const auto at = [&](int i, int j) { return s[i][j] * scale[i] * scale[j]; };
+    const auto pivot = [](double value) { return value > kPivot ? 1 / value : 0; };
+    d[0] = pivot(at(0, 0));
+    l10 = at(1, 0) * d[0];
+    l20 = at(2, 0) * d[0];
+    d[1] = pivot(at(1, 1) - l10 * at(1, 0));
+    const double m21 = at(2, 1) - l20 * at(1, 0);
+    l21 = m21 * d[1];
+    d[2] = pivot(at(2, 2) - l20 * at(2, 0) - l21 * m21);
+  }
+  void solve(double x[3]) const {
+    for (int k = 0; k < 3; ++k) x[k] *= scale[k];
+    x[1] -= l10 * x[0];
+    x[2] -= l20 * x[0] + l21 * x[1];
+    for (int k = 0; k < 3; ++k) x[k] *= d[k];
+    x[1] -= l21 * x[2];
+    x[0] -= l10 * x[1] + l20 * x[2];
+    for (int k = 0; k < 3; ++k) x[k] *= scale[k];
+  }
+};
+
+double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParams& params,
+                   const PairTable& table, WorkerPool& pool) {
+  links_.clear();
+  columns_.clear();
+  const double g = std::sqrt(params.gravity.x * params.gravity.x + params.gravity.y * params.gravity.y);
+  const auto upright = [&](const ManifoldPair& pair) {
+    return -(params.gravity.x * static_cast<double>(pair.manifold.nx) +
+             params.gravity.y * static_cast<double>(pair.manifold.ny)) / g;
+  };
+  const auto inner = [&](std::uint32_t id) { return b.make(id).inner; };
+  const auto touches = [&](const ManifoldPair& pair) {
+    if (!pair.active || pair.manifold.count == 0) return false;
+    if (pair.impulse[0] > 0 || (pair.manifold.count == 2 && pair.impulse[1] > 0)) return true;
+    const float least = pair.manifold.count == 2 ? std::fmin(pair.gap[0], pair.gap[1]) : pair.gap[0];
+    return least <= kTouching * inner(pair.id_b);
+  };
+  standing_.resize(std::max<std::size_t>(standing_.size(), b.count));
+  pool.run((b.count + 4095) / 4096, [&](std::size_t t) {
+    const std::size_t end = std::min<std::size_t>(b.count, (t + 1) * 4096);
+    std::fill(standing_.begin() + static_cast<std::ptrdiff_t>(t * 4096),
+              standing_.begin() + static_cast<std::ptrdiff_t>(end), Standing{});
+  });
+  const auto each_strip = [&](const auto& visit) {  // no two jobs of a phase share a body
+    const std::size_t grid = table.strips.size() - 1;
+    for (std::size_t parity = 0; parity < 2; ++parity) {
+      pool.run((grid + 1 - parity) / 2, [&](std::size_t k) { visit(2 * k + parity); });
+    }
+    visit(grid);
+  };
+  each_strip([&](std::size_t strip) {
+    const auto [first, last] = manifolds.pairs_of(strip);
+    for (std::uint32_t k = first; k < last; ++k) {
+      ManifoldPair& pair = manifolds.pair(k);
+      pair.column = ManifoldPair::kLoose;
+      if (pair.rest_frames != 0) --pair.rest_frames;
+      if (!(g > 0) || !touches(pair)) continue;
+      const double up = upright(pair);
+      const float load = pair.impulse[0] + (pair.manifold.count == 2 ? pair.impulse[1] : 0);
+      const auto stand = [&](std::uint32_t upper, std::uint32_t lower) {
+        if (upper != kNone) {
+          ++standing_[upper].below;
+          standing_[upper].on = k;
+          standing_[upper].support = load;
+        }
+        if (lower != kNone) ++standing_[lower].above;
+      };
+      if (up >= kSupport) {
+        stand(pair.b, pair.a);
+      } else if (up <= -kSupport) {
+        stand(pair.a, pair.b);
+      } else {
+        standing_[pair.b].side += load;
+        if (pair.a != kNone) standing_[pair.a].side += load;
+      }
+    }
+  });
+  // Who is the upper body of a link, and who carries one.
+  const auto links_down = [&](std::uint32_t slot) {
+    const Standing& mine = standing_[slot];
+    if (mine.below != 1 || mine.above > 1 || mine.side > kSideShare * mine.support) return false;
+    const ManifoldPair& pair = manifolds.pairs()[mine.on];
+    const bool b_above = pair.b == slot;
+    if (pair.rest_frames != 0 || (!b_above && pair.fixed_a) || b.surface(b.id[slot]).inv_mass == 0) {
+      return false;
+    }
+    if (pair.fixed_a) return true;
+    const std::uint32_t lower = b_above ? pair.a : pair.b;
+    return manifolds.has_corners(lower) && standing_[lower].above == 1;
+  };
+  for (const std::uint32_t slot : manifolds.shaped()) {
+    if (!links_down(slot)) continue;
+    standing_[slot].link = true;
+    const ManifoldPair& pair = manifolds.pairs()[standing_[slot].on];
+    if (!pair.fixed_a) standing_[pair.b == slot ? pair.a : pair.b].carries = true;
+  }
+  for (const std::uint32_t top : manifolds.shaped()) {
+    if (!standing_[top].link || standing_[top].carries) continue;
+    const auto first = static_cast<std::uint32_t>(links_.size());
+    bool steep = false;
+    for (std::uint32_t slot = top; slot != kNone && standing_[slot].link;) {
+      Link link;
+      link.pair = standing_[slot].on;
+      const ManifoldPair& pair = manifolds.pairs()[link.pair];
+      link.b_above = pair.b == slot;
+      const std::uint32_t lower = pair.fixed_a ? kNone : (link.b_above ? pair.a : pair.b);
+      if (lower != kNone) {
+        const float here = b.surface(b.id[slot]).mass, there = b.surface(b.id[lower]).mass;
+        steep |= here > kMassRatio * there || there > kMassRatio * here;
+      }
+      links_.push_back(link);
+      slot = lower;
+    }
+    const auto count = static_cast<std::uint32_t>(links_.size()) - first;
+    if (count < kLongColumn && !steep) {
+      links_.resize(first);
+      continue;
+    }
+    std::reverse(links_.begin() + first, links_.end());
+    columns_.push_back({first, count});
+    const bool grounded = manifolds.pairs()[links_[first].pair].fixed_a;
+    for (std::uint32_t k = first; k < first + count; ++k) {
+      ManifoldPair& pair = manifolds.pair(links_[k].pair);
+      pair.column = grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving;
+      links_[k].closed = static_cast<double>(kClosed * inner(pair.id_b));
+    }
+  }
+}
+
+void Columns::place(const Manifolds& manifolds) {
+  for (Link& link : links_) {
+    link.lane = manifolds.pairs()[link.pair].lane;
+    link.strip = static_cast<std::uint32_t>(manifolds.strip_of(link.pair));
+  }
+}
+
+// Rows, blocks and residuals of one link as things are now.
+void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
+                   const kernels::ContactParams& p, double gravity, bool soft, Link& link) const {
+  const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+  const std::uint32_t l = link.lane % kernels::kBlock;
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const auto d = [](float value) { return static_cast<double>(value); };
+  const double nx = d(c.nx[l]), ny = d(c.ny[l]), sign = link.b_above ? 1 : -1;
+  const double vx = d(v.vel[2 * b]) - d(v.vel[2 * a]), vy = d(v.vel[2 * b + 1]) - d(v.vel[2 * a + 1]);
+  const double ua = d(v.spin[a]), ub = d(v.spin[b]);
+  const double wa = d(c.wa[l]), wb = d(c.wb[l]), ga = d(c.ga[l]), gb = d(c.gb[l]);
+  const double mx = d(v.disp[2 * b]) - d(v.disp[2 * a]), my = d(v.disp[2 * b + 1]) - d(v.disp[2 * a + 1]);
+  const double inv_h = d(p.inv_h);
+  double an = 0, bn = 0, points = 0, pressed = 0, rubbed = 0;
+  for (int k = 0; k < 2; ++k) {
+    const ManifoldBlock::Point& point = c.point[k];
+    const double at = d(point.at[l]), bt = d(point.bt[l]), lambda = std::fmax(d(point.impulse[l]), 0);
+    const double s = d(point.gap[l]) + nx * mx + ny * my +
+                     (d(v.turn[2 * b]) * (d(point.bn[l]) + d(c.round_b[l])) + d(v.turn[2 * b + 1]) * bt) -
+                     (d(v.turn[2 * a]) * (d(point.an[l]) - d(c.round_a[l])) + d(v.turn[2 * a + 1]) * at);
+    const double vn = nx * vx + ny * vy + ub * bt - ua * at;
+    const double own = wa + wb + ga * at * at + gb * bt * bt;
+    link.dx[k] = nx * sign;
+    link.dy[k] = ny * sign;
+    link.up[k] = link.b_above ? bt : -at;
+    link.low[k] = link.b_above ? -at : bt;
+    link.e[k] = 0;
+    link.r[k] = vn;
+    if (soft) {
+      if (s > 0) {
+        link.r[k] += s * inv_h;
+      } else {
+        link.e[k] = d(c.soft[l]) * own;
+        link.r[k] += std::fmax(s * d(c.rate[l]), -d(p.push)) + link.e[k] * lambda;
+      }
+    }
+    const bool there = s < 1e5;
+    link.active[k] = there && (lambda > 0 || (s <= link.closed && link.r[k] <= gravity / inv_h / 2));
+    if (!there) continue;
+    an += d(point.an[l]);
+    bn += d(point.bn[l]);
+    points += 1;
+    pressed += lambda;
+    rubbed += d(point.friction[l]);
+  }
+  an /= points;
+  bn /= points;
+  link.dx[2] = -ny * sign;
+  link.dy[2] = nx * sign;
+  link.up[2] = link.b_above ? bn : -an;
+  link.low[2] = link.b_above ? -an : bn;
+  link.r[2] = nx * vy - ny * vx + ub * bn - ua * an;
+  link.e[2] = 0;
+  link.active[2] = pressed > 0 && std::fabs(rubbed) <= kSticking * d(c.mu[l]) * pressed;
+  const double wu = link.b_above ? wb : wa, wl = link.b_above ? wa : wb;
+  const double gu = link.b_above ? gb : ga, gl = link.b_above ? ga : gb;
+  link.wu = wu, link.wl = wl, link.gu = gu, link.gl = gl;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double along = link.dx[i] * link.dx[j] + link.dy[i] * link.dy[j];
+      link.a[i][j] = (wu + wl) * along + gu * link.up[i] * link.up[j] + gl * link.low[i] * link.low[j];
+    }
+    link.a[i][i] += link.e[i];
+  }
+}
+
+void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
+                        const kernels::ContactParams& p, double gravity, bool soft,
+                        const Column& column) {
+  Link* const links = links_.data() + column.first;
+  const std::uint32_t n = column.count;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Link& link = links[k];
+    read(v, manifolds, p, gravity, soft, link);
+    // With the link below, through the body that is upper there and lower here.
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const Link* under = k > 0 ? &links[k - 1] : nullptr;
+        link.o[i][j] = under == nullptr
+                           ? 0
+                           : -link.wl * (link.dx[i] * under->dx[j] + link.dy[i] * under->dy[j]) +
+                                 link.gl * link.low[i] * under->up[j];
+        if (under != nullptr && !(link.active[i] && under->active[j])) link.o[i][j] = 0;
+      }
+    }
+  }
+  // Eliminate from the free top down; then put in from the bottom up.
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Link& link = links[k];
+    for (int i = 0; i < 3; ++i) {
+      link.d[i] = link.active[i] ? link.r[i] : 0;
+      for (int j = 0; j < 3; ++j) {
+        link.s[i][j] = link.active[i] && link.active[j] ? link.a[i][j] : 0;
+      }
+    }
+  }
+  for (std::uint32_t k = n; k-- > 1;) {
+    Link &link = links[k], &under = links[k - 1];
+    const Factor factor(link.s);
+    double reduced[3] = {link.d[0], link.d[1], link.d[2]};
+    factor.solve(reduced);
+    double column_of[3][3];
+    for (int j = 0; j < 3; ++j) {
+      double x[3] = {link.o[0][j], link.o[1][j], link.o[2][j]};
+      factor.solve(x);
+      for (int i = 0; i < 3; ++i) column_of[i][j] = x[i];
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int m = 0; m < 3; ++m) under.d[i] -= link.o[m][i] * reduced[m];
+      for (int j = 0; j < 3; ++j) {
+        for (int m = 0; m < 3; ++m) under.s[i][j] -= link.o[m][i] * column_of[m][j];
+      }
+    }
+  }
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Link& link = links[k];
+    double x[3] = {link.d[0], link.d[1], link.d[2]};
+    if (k > 0) {
+      for (int i = 0; i < 3; ++i) x[i] -= dot(link.o[i], links[k - 1].d);  // d below has its sign changed
+    }
+    Factor(link.s).solve(x);
+    for (int i = 0; i < 3; ++i) link.d[i] = x[i];
+  }
+  // d is minus the step. Within the bounds, and no further than the quadratic form falls along it.
+  double fall = 0, bend = 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Link& link = links[k];
+    const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+    const std::uint32_t l = link.lane % kernels::kBlock;
+    double pressed = 0, rubbed = 0;
+    for (int i = 0; i < 2; ++i) {
+      const double before = std::fmax(static_cast<double>(c.point[i].impulse[l]), 0);
+      const double after = std::fmax(before - link.d[i], 0);
+      link.d[i] = link.active[i] ? after - before : 0;
+      pressed += before + link.d[i];
+      rubbed += static_cast<double>(c.point[i].friction[l]);
+    }
+    const double cap = static_cast<double>(c.mu[l]) * pressed;
+    const double rub = std::fmin(std::fmax(rubbed - link.d[2], -cap), cap);
+    link.d[2] = link.active[2] ? rub - rubbed : 0;
+    fall -= dot(link.r, link.d);
+    for (int i = 0; i < 3; ++i) {
+      bend += link.d[i] * dot(link.a[i], link.d);
+      if (k > 0) bend += 2 * link.d[i] * full_coupling(link, links[k - 1], i);
+    }
+  }
+  const double step = bend > 0 ? std::fmin(std::fmax(fall / bend, 0), 1) : 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    Link& link = links[k];
+    if (step < kGoodStep && bend > 0) manifolds.pair(link.pair).rest_frames = kRestFrames;
+    apply(v, manifolds, link, step);
+  }
+}
+
+// Row i of the coupling with the link below, times that link's step; no row left out.
+double Columns::full_coupling(const Link& link, const Link& under, int i) {
+  double sum = 0;
+  for (int j = 0; j < 3; ++j) {
+    sum += under.d[j] * (-link.wl * (link.dx[i] * under.dx[j] + link.dy[i] * under.dy[j]) +
+                         link.gl * link.low[i] * under.up[j]);
+  }
+  return sum;
+}
+
+void Columns::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link& link, double step) {
+  ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+  const std::uint32_t l = link.lane % kernels::kBlock;
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const std::size_t upper = link.b_above ? b : a, lower = link.b_above ? a : b;
+  double px = 0, py = 0, up = 0, low = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double d = step * link.d[i];
+    px += d * link.dx[i];
+    py += d * link.dy[i];
+    up += d * link.up[i];
+    low += d * link.low[i];
+  }
+  const auto add = [](float& to, double what) { to = static_cast<float>(static_cast<double>(to) + what); };
+  add(v.vel[2 * upper], link.wu * px);
+  add(v.vel[2 * upper + 1], link.wu * py);
+  add(v.spin[upper], link.gu * up);
+  if (link.wl > 0 || link.gl > 0) {
+    add(v.vel[2 * lower], -link.wl * px);
+    add(v.vel[2 * lower + 1], -link.wl * py);
+    add(v.spin[lower], link.gl * low);
+  }
+  int points = 0;
+  for (int i = 0; i < 2; ++i) {
+    float& impulse = c.point[i].impulse[l];
+    const double after = std::fmax(static_cast<double>(impulse), 0) + step * link.d[i];
+    if (link.active[i] && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(std::fmax(after, 0));
+    points += impulse > 0 ? 1 : 0;
+  }
+  if (points == 0) return;
+  for (int i = 0; i < 2; ++i) {
+    if (c.point[i].impulse[l] > 0) add(c.point[i].friction[l], step * link.d[2] / points);
+  }
+}
+
+void Columns::solve(const kernels::BodyView& bodies, Manifolds& manifolds,
+                    const kernels::ContactParams& p, double gravity, bool soft, WorkerPool& pool) {
+  pool.run(columns_.size(), [&](std::size_t k) {
+    solve_one(bodies, manifolds, p, gravity, soft, columns_[k]);
+  });
+}
+
+}  // namespace psim

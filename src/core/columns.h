@@ -1,0 +1,88 @@
+// Columns: bodies that stand on each other one by one. A sweep brings a load down one contact at a
+// time, so a tall stack or a heavy body on light ones sags and drifts; a column's contacts can be
+// solved together, exactly, in a time proportional to their number.
+//
+// A link is a contact that carries: |n.up| >= 1/2, touching. Upper body: one support below, at most one
+// above, side contacts that carry next to nothing. Lower body: fixed, or this one support above. A
+// column is a run of links down to the first body that does not qualify; it counts if it is long or
+// has a large mass ratio (docs/decisions/007-manifolds.md has what was measured).
+//
+// In: manifolds of the step. In and out: velocities, spins and impulses of the column's lanes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "manifolds.h"
+#include "views.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+class Columns {
+ public:
+  /// Finds the columns among the pairs as they are now, and tells the pairs (ManifoldPair::column)
+  /// before they are laid out. O(pairs).
+  void find(const BodyStore& bodies, Manifolds& manifolds, const ManifoldParams& params,
+            const PairTable& table, WorkerPool& pool);
+  void forget() {
+    columns_.clear();
+    links_.clear();
+  }
+  bool any() const { return !columns_.empty(); }
+
+  /// Looks up where the pairs were laid out.
+  void place(const Manifolds& manifolds);
+
+  /// One direct solve of every column: softly with the overlaps pushed out (`soft`), or rigid.
+  void solve(const kernels::BodyView& bodies, Manifolds& manifolds, const kernels::ContactParams& p,
+             double gravity, bool soft, WorkerPool& pool);
+
+  std::size_t bytes() const {
+    return links_.capacity() * sizeof(Link) + columns_.capacity() * sizeof(Column) +
+           standing_.capacity() * sizeof(Standing);
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = ManifoldPair::kNone;
+
+  // What a body stands on and carries.
+  struct Standing {
+    std::uint32_t below = 0, above = 0;  // contacts
+    std::uint32_t on = kNone;            // the pair that is its support
+    float support = 0, side = 0;         // impulses
+    bool link = false;                   // it is the upper body of a link
+    bool carries = false;                // it is the lower one of another
+  };
+  // A 3 x 3 problem: two normals and one friction row.
+  struct Link {
+    std::uint32_t pair = 0, strip = 0, lane = 0;
+    bool b_above = false;  // B stands on A
+    double closed = 0;     // m: gap that a solve may close
+    double dx[3] = {}, dy[3] = {};     // direction of each row, of the upper body
+    double up[3] = {}, low[3] = {};    // turning of the upper and the lower body
+    double wu = 0, gu = 0, wl = 0, gl = 0;  // inverse mass and R^2 / I of the two
+    double a[3][3] = {}, o[3][3] = {};      // own block; coupling with the link below
+    double s[3][3] = {};                    // own block with those above eliminated
+    double r[3] = {}, d[3] = {}, e[3] = {};
+    bool active[3] = {};
+  };
+  struct Column {
+    std::uint32_t first = 0, count = 0;  // links, from the bottom
+  };
+
+  void solve_one(const kernels::BodyView& bodies, Manifolds& manifolds,
+                 const kernels::ContactParams& p, double gravity, bool soft, const Column& column);
+  static double full_coupling(const Link& link, const Link& under, int row);
+  static void apply(const kernels::BodyView& bodies, Manifolds& manifolds, const Link& link,
+                    double step);
+  void read(const kernels::BodyView& bodies, Manifolds& manifolds,
+            const kernels::ContactParams& p, double gravity, bool soft, Link& link) const;
+
+  std::vector<Standing> standing_;  // by slot
+  std::vector<Link> links_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace psim

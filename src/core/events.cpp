@@ -1,0 +1,317 @@
+#include "events.h"
+
+#include <emmintrin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "tasks.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+
+constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
+
+std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+}
+std::uint32_t first_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
+std::uint32_t second_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
+
+// A bit for each closed contact of a block: -0 marks an open one.
+unsigned closed_bits(const float* impulse) {
+  const int low = _mm_movemask_ps(_mm_loadu_ps(impulse));
+  const int high = _mm_movemask_ps(_mm_loadu_ps(impulse + 4));
+  return ~static_cast<unsigned>(low | high << 4) & 0xFFu;
+}
+
+// What is in one sorted list and not in the other.
+void differences(const std::vector<std::uint64_t>& before, const std::vector<std::uint64_t>& now,
+                 std::vector<std::uint64_t>& began, std::vector<std::uint64_t>& ended) {
+  std::size_t i = 0, j = 0;
+  while (i < before.size() && j < now.size()) {
+    if (before[i] == now[j]) {
+      ++i, ++j;
+    } else if (before[i] < now[j]) {
+      ended.push_back(before[i++]);
+    } else {
+      began.push_back(now[j++]);
+    }
+  }
+  ended.insert(ended.end(), before.begin() + static_cast<std::ptrdiff_t>(i), before.end());
+  began.insert(began.end(), now.begin() + static_cast<std::ptrdiff_t>(j), now.end());
+}
+
+bool dynamic(const BodyStore& b, std::uint32_t id) {
+  return b.surface(id).type == BodyType::dynamic_body;
+}
+
+}  // namespace
+
+void EventList::set_options(const EventOptions& options) {
+  options_ = options;
+  begin_.clear();
+  end_.clear();
+  hits_.clear();
+  sensor_begin_.clear();
+  sensor_end_.clear();
+  if (!options.contacts) {
+    build_ = 0;
+    for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &paired_, &toggled_}) *keys = {};
+    touching_ = {};
+  }
+  if (!options.sensors) sensed_ = {};
+  if (!options.hits) {
+    candidates_ = {};
+    found_ = {};
+  }
+  if (!on()) {
+    for (Keys* keys : {&before_, &now_, &began_, &ended_, &scratch_}) *keys = {};
+    count_ = {};
+    removed_ = {};
+  }
+}
+
+void EventList::body_left(BodyId id, bool same) {
+  left_ = true;
+  if (!same) removed_.push_back(id);
+}
+
+// By a, then b. Where there are many, by counting how many each a has.
+void EventList::sort(Keys& keys, std::uint32_t ids) {
+  if (keys.size() < 256 || keys.size() < ids / 8) {
+    std::sort(keys.begin(), keys.end());
+    return;
+  }
+  count_.assign(std::size_t{ids} + 1, 0);
+  for (const std::uint64_t key : keys) ++count_[first_of(key) + 1];
+  for (std::size_t k = 1; k < count_.size(); ++k) count_[k] += count_[k - 1];
+  scratch_.resize(keys.size());
+  for (const std::uint64_t key : keys) scratch_[count_[first_of(key)]++] = key;
+  keys.swap(scratch_);
+  for (std::size_t k = 1; k < keys.size(); ++k) {  // the few of each
+    const std::uint64_t key = keys[k];
+    std::size_t at = k;
+    for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
+    keys[at] = key;
+  }
+}
+
+// Pairs of bodies that were removed have ended, whoever has their ids now.
+void EventList::retire(Keys& before, Keys& ended) const {
+  if (removed_.empty()) return;
+  const auto gone = [&](std::uint64_t key) {
+    return std::any_of(removed_.begin(), removed_.end(), [&](BodyId id) {
+      return id.index == first_of(key) || id.index == second_of(key);
+    });
+  };
+  const auto at = std::stable_partition(before.begin(), before.end(),
+                                        [&](std::uint64_t key) { return !gone(key); });
+  ended.insert(ended.end(), at, before.end());
+  before.erase(at, before.end());
+}
+
+BodyId EventList::handle(const EventSource& source, std::uint32_t id, bool gone) const {
+  if (gone) {
+    for (const BodyId& removed : removed_) {
+      if (removed.index == id) return removed;
+    }
+  }
+  return {id, source.bodies.info[id].generation};
+}
+
+void EventList::tell(const EventSource& source, Keys& keys, bool gone,
+                     std::vector<TouchEvent>& out) const {
+  std::sort(keys.begin(), keys.end());
+  out.clear();
+  for (const std::uint64_t key : keys) {
+    out.push_back({handle(source, first_of(key), gone), handle(source, second_of(key), gone)});
+  }
+}
+
+// Ids of the lanes' bodies.
+void EventList::name_lanes(const EventSource& source) {
+  const BodyStore& b = source.bodies;
+  const ContactStore& c = source.contacts;
+  const std::uint32_t dummies = source.solved.dummies();
+  const auto blocks = static_cast<std::uint32_t>(touching_.size());
+  source.pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
+      lane_key_[l] = kNoKey;
+      if (c.body[2 * l] >= dummies) continue;
+      const std::uint32_t i = b.id[source.solved.slot(c.body[2 * l])];
+      const std::uint32_t j = b.id[source.solved.slot(c.body[2 * l + 1])];
+      if (i == kNoSlot || j == kNoSlot) continue;  // left in this step
+      if (source.kinematic && !dynamic(b, i) && !dynamic(b, j)) continue;
+      lane_key_[l] = key_of(i, j);
+    }
+    for (std::size_t k = r.begin; k < r.end; ++k) {
+      touching_[k] = static_cast<std::uint8_t>(closed_bits(c.impulse.data() + k * kBlock));
+    }
+  });
+}
+
+void EventList::compare_pairs(const EventSource& source) {
+  const ContactStore& c = source.contacts;
+  const std::uint32_t blocks = source.stepped ? c.pair_blocks() : 0;
+  if (source.stepped && build_ == c.builds() && !left_) {
+    for (std::size_t k = 0; k < blocks; ++k) {
+      const unsigned closed = closed_bits(c.impulse.data() + k * kBlock);
+      unsigned changed = closed ^ touching_[k];
+      if (changed == 0) continue;
+      touching_[k] = static_cast<std::uint8_t>(closed);
+      for (std::size_t l = k * kBlock; changed != 0; changed >>= 1, ++l) {
+        if ((changed & 1) == 0 || lane_key_[l] == kNoKey) continue;
+        (((closed >> (l % kBlock)) & 1) != 0 ? began_ : ended_).push_back(lane_key_[l]);
+        toggled_.push_back(lane_key_[l]);
+      }
+    }
+    return;
+  }
+  // Before: those of then, less or more those that changed an odd number of times.
+  std::sort(toggled_.begin(), toggled_.end());
+  scratch_.clear();
+  for (std::size_t k = 0; k < toggled_.size(); ++k) {
+    if (!scratch_.empty() && scratch_.back() == toggled_[k]) {
+      scratch_.pop_back();
+    } else {
+      scratch_.push_back(toggled_[k]);
+    }
+  }
+  toggled_.clear();
+  before_.clear();
+  if (scratch_.empty()) {
+    before_.swap(paired_);
+  } else {
+    std::set_symmetric_difference(paired_.begin(), paired_.end(), scratch_.begin(), scratch_.end(),
+                                  std::back_inserter(before_));
+  }
+  lane_key_.resize(std::size_t{blocks} * kBlock);
+  touching_.resize(blocks);
+  name_lanes(source);
+  paired_.clear();
+  for (std::size_t k = 0; k < blocks; ++k) {
+    unsigned closed = touching_[k];
+    for (std::size_t l = k * kBlock; closed != 0; closed >>= 1, ++l) {
+      if ((closed & 1) != 0 && lane_key_[l] != kNoKey) paired_.push_back(lane_key_[l]);
+    }
+  }
+  build_ = source.stepped ? c.builds() : 0;
+  retire(before_, ended_);
+  sort(paired_, source.bodies.id_count);
+  differences(before_, paired_, began_, ended_);
+}
+
+void EventList::compare_rest(const EventSource& source) {
+  const BodyStore& b = source.bodies;
+  const ContactStore& c = source.contacts;
+  const auto here = [&](std::uint32_t id) {
+    return b.info[id].place == Place::moving || b.info[id].place == Place::fixed;
+  };
+  now_.clear();
+  if (source.stepped) {
+    for (std::size_t k = 0; k < c.single_blocks(); ++k) {
+      unsigned closed = closed_bits(c.s_impulse.data() + k * kBlock);
+      for (std::size_t l = k * kBlock; closed != 0; closed >>= 1, ++l) {
+        if ((closed & 1) == 0 || c.s_body[l] >= source.solved.dummies()) continue;
+        if (c.s_shape[l] >= kWallLeft) continue;
+        const std::uint32_t id = b.id[source.solved.slot(c.s_body[l])];
+        if (id == kNoSlot || (source.kinematic && !dynamic(b, id))) continue;
+        now_.push_back(key_of(id, source.shapes[c.s_shape[l]].owner));
+      }
+    }
+    for (std::size_t s = 0; s < source.manifolds.strip_count(); ++s) {
+      const auto [begin, end] = source.manifolds.pairs_of(s);
+      for (std::uint32_t k = begin; k < end; ++k) {
+        const ManifoldPair& pair = source.manifolds.pairs()[k];
+        if (pair.id_a == ManifoldPair::kNone || !source.manifolds.closed(s, pair)) continue;
+        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(key_of(pair.id_a, pair.id_b));
+      }
+    }
+  }
+  if (!left_ && now_ == rest_found_) return;
+  rest_found_ = now_;
+  sort(now_, b.id_count);
+  now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
+  retire(rest_, ended_);
+  differences(rest_, now_, began_, ended_);
+  rest_ = now_;
+}
+
+void EventList::gather_sensed(const EventSource& source, const QueryIndex& index,
+                              const QuerySource& queries) {
+  const BodyStore& b = source.bodies;
+  now_.clear();
+  if (b.moving != 0) {
+    const QueryIndex::Part& moving = index.moving(queries);
+    // Bodies that overlap an item of `part` that is a sensor's.
+    const auto look = [&](const QueryIndex::Part& part, const QueryItem& item) {
+      const Make& make = b.make(item.body);
+      if (!make.sensor) return;
+      const Vec2 at{item.x, item.y};
+      const double reach = static_cast<double>(item.radius);
+      const Outline mine = QueryIndex::outline(queries, part, item, {});
+      moving.grid.in_box({at.x - reach, at.y - reach}, {at.x + reach, at.y + reach},
+                         [&](const QueryItem& other, Vec2 shift) {
+                           const Vec2 to{other.x + shift.x - at.x, other.y + shift.y - at.y};
+                           const double far = reach + static_cast<double>(other.radius);
+                           if (to.x * to.x + to.y * to.y > far * far) return;
+                           if (b.info[other.body].place != Place::moving) return;
+                           const Make& theirs = b.make(other.body);
+                           if (theirs.sensor || !meet(make.filter, theirs.filter)) return;
+                           if (!overlap(mine, QueryIndex::outline(queries, moving, other, to)))
+                             return;
+                           now_.push_back(std::uint64_t{item.body} << 32 | other.body);
+                         });
+    };
+    const QueryIndex::Part& fixed = index.fixed(queries);
+    for (const QueryItem& item : fixed.grid.items()) look(fixed, item);
+    if (source.kinematic) {
+      for (const QueryItem& item : moving.grid.items()) look(moving, item);
+    }
+  }
+  std::sort(now_.begin(), now_.end());
+  now_.erase(std::unique(now_.begin(), now_.end()), now_.end());
+  began_.clear();
+  ended_.clear();
+  retire(sensed_, ended_);
+  differences(sensed_, now_, began_, ended_);
+  sensed_ = now_;
+  tell(source, began_, false, sensor_begin_);
+  tell(source, ended_, true, sensor_end_);
+}
+
+void EventList::collect(const EventSource& source, const QueryIndex& index,
+                        const QuerySource& queries) {
+  if (options_.contacts) {
+    began_.clear();
+    ended_.clear();
+    compare_pairs(source);
+    compare_rest(source);
+    tell(source, began_, false, begin_);
+    tell(source, ended_, true, end_);
+  }
+  if (options_.hits) keep_hits(source);
+  if (options_.sensors) gather_sensed(source, index, queries);
+  candidates_.clear();
+  removed_.clear();
+  left_ = false;
+}
+
+std::size_t EventList::bytes() const {
+  std::size_t keys = 0;
+  for (const Keys* k : {&lane_key_, &rest_found_, &rest_, &sensed_, &before_, &now_, &began_,
+                        &ended_, &scratch_, &paired_, &toggled_}) {
+    keys += k->capacity();
+  }
+  return keys * sizeof(std::uint64_t) + count_.capacity() * sizeof(std::uint32_t) +
+         touching_.capacity() + candidates_.capacity() * sizeof(Candidate) +
+         (begin_.capacity() + end_.capacity()) * sizeof(TouchEvent) +
+         hits_.capacity() * sizeof(HitEvent);
+}
+
+}  // namespace psim

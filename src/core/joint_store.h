@@ -1,0 +1,164 @@
+// Joints: by id what the host asked for, and blocks of 8 lanes for the passes. docs/joints.md derives
+// what the passes do.
+//
+//   add, remove     only note that the blocks are stale
+//   prepare         once a frame: blocks anew if stale, then every lane at the bodies' present places
+//   warm            first substep of a frame, or every one in fields: stored impulses
+//   solve, relax    in every substep
+//   hold, release   around the drift, which goes with half of what joints did
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "body_store.h"
+#include "column.h"
+#include "joint_views.h"
+#include "kernel_table.h"
+#include "lattice.h"
+#include "psim/joint.h"
+#include "publish.h"
+#include "solver_bodies.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+class JointStore {
+ public:
+  explicit JointStore(MemoryMeter& meter)
+      : share_vel_(meter), share_spin_(meter), push_vel_(meter), push_spin_(meter) {}
+
+  /// A checked description with everything optional but limits given.
+  JointId add(const JointDesc& d, const BodyStore& bodies);
+  bool remove(JointId id);
+  void remove_of_body(std::uint32_t body);
+
+  bool is_valid(JointId id) const {
+    return id.index < joints_.size() && joints_[id.index].alive &&
+           joints_[id.index].generation == id.generation;
+  }
+  const JointDesc& desc(JointId id) const { return joints_[id.index].desc; }
+  bool set_motor(JointId id, double speed, double limit);
+  std::size_t count() const { return count_; }
+  bool empty() const { return count_ == 0; }
+
+  /// What it did to body b in the last substep, N and N m. O(1).
+  void load_of(JointId id, Vec2& force, double& torque) const;
+
+  /// Bodies (ids) with joints, ascending; the solver must number them.
+  const std::vector<std::uint32_t>& bodies();
+
+  /// Whether a joint keeps these two from colliding.
+  bool joined(std::uint32_t a, std::uint32_t b) const {
+    return a < exclusive_.size() && b < exclusive_.size() && exclusive_[a] != 0 &&
+           exclusive_[b] != 0 && exclusions_.count(pair_key(a, b)) != 0;
+  }
+  bool any_exclusions() const { return !exclusions_.empty(); }
+
+  /// Blocks for a frame of substeps of h seconds.
+  void prepare(const BodyStore& bodies, const std::vector<FixedBody>& fixed,
+               const SolverBodies& numbers, const Lattice& lattice, double h, WorkerPool& pool);
+
+  void warm(const kernels::BodyView& view, const kernels::KernelTable& k, float factor,
+            WorkerPool& pool);
+  void solve(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+  void hold(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+  void release(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+  void relax(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+
+ private:
+  static constexpr std::uint32_t kColours = 24;  // then blocks of one lane
+  static constexpr std::uint32_t kLists = 2 * kernels::kJointKinds;
+
+  struct Joint {
+    JointDesc desc;
+    std::uint32_t generation = 0;
+    bool alive = false;
+    bool swapped = false;  ///< side A is desc.b: it is not dynamic
+    kernels::JointKind kind = kernels::JointKind::rod;
+    std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< joints of the bodies a and b after this one
+    std::uint32_t list = 0, lane = 0;            ///< 8 block + lane
+    std::uint32_t body[2] = {0, 0};              ///< in members_: sides A and B
+    float impulse[5] = {};                       ///< while the blocks are made
+  };
+  // A body with joints, for this frame.
+  struct Member {
+    std::uint32_t number = 0;  ///< the solver's
+    std::int32_t x = 0, y = 0;
+    double rest_x = 0, rest_y = 0;  ///< m, of static bodies: beyond the lattice point
+    double c = 1, s = 0, angle = 0;
+    double centre_x = 0, centre_y = 0;  ///< m, in the body's frame
+    double inverse_radius = 1, spin_gain = 0;
+    bool fixed = false;
+  };
+  struct BlockRange {
+    std::uint32_t list = 0, begin = 0, end = 0;
+  };
+  struct Job {
+    std::uint32_t begin = 0, end = 0;  ///< in ranges_
+  };
+  struct Phase {
+    std::uint32_t begin = 0, end = 0;  ///< in jobs_
+  };
+
+  static std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
+    return a < b ? (std::uint64_t{a} << 32 | b) : (std::uint64_t{b} << 32 | a);
+  }
+  void tie(std::uint32_t index);
+  void untie(std::uint32_t index);
+  void exclude(const JointDesc& d, int sign);
+  void save_impulses();
+  void lay_out(const BodyStore& bodies);
+  void make_jobs(const std::vector<std::uint32_t>& begin_of_colour);
+  void find_members(const BodyStore& bodies, const std::vector<FixedBody>& fixed,
+                    const SolverBodies& numbers, const Lattice& lattice, WorkerPool& pool);
+  void find_shares(const SolverBodies& numbers);
+  void fill(std::uint32_t list, std::uint32_t block);
+  double pinned_inertia(const kernels::JointBodies& block, std::uint32_t lane, const Member& a,
+                        const Member& b, Vec2 arm_a, Vec2 arm_b) const;
+  void fill_lane(std::uint32_t list, kernels::JointBodies& block, std::uint32_t lane, Joint* joint);
+  kernels::JointBlocks blocks(std::uint32_t list);
+  kernels::JointBodies& block(std::uint32_t list, std::uint32_t index);
+  template <class Pass>
+  void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p,
+             bool backwards, WorkerPool& pool);
+  template <class Each>
+  void for_shares(const Each& each, WorkerPool& pool);
+  kernels::JointShare share() {
+    return {share_vel_.data(), share_spin_.data(), push_vel_.data(), push_spin_.data()};
+  }
+
+  std::vector<Joint> joints_;
+  std::vector<std::uint32_t> free_;
+  std::size_t count_ = 0;
+  std::unordered_map<std::uint64_t, std::uint32_t> exclusions_;
+  std::vector<std::uint32_t> first_;      // by body id: its joints
+  std::vector<std::uint32_t> exclusive_;  // by body id: its exclusions
+
+  bool stale_ = true, bodies_stale_ = true;
+  std::vector<std::uint32_t> bodies_;  // ids, ascending
+  std::vector<Member> members_;        // in the order of bodies_
+  std::vector<kernels::LineBlock> rods_[2], springs_[2];
+  std::vector<kernels::PinBlock> pins_[2];
+  std::vector<kernels::DrivenBlock> driven_[2];
+  std::vector<kernels::SlideBlock> slides_[2];
+  std::vector<kernels::WeldBlock> welds_[2];
+  std::vector<std::uint32_t> lanes_[kLists];  // by lane: the joint, kNoSlot: none
+  std::vector<BlockRange> ranges_, share_ranges_;
+  std::vector<Job> jobs_, share_jobs_;
+  std::vector<Phase> phases_;
+  std::vector<std::uint8_t> marks_;
+  std::uint32_t total_blocks_ = 0;
+
+  std::uint32_t static_record_ = 0, padding_ = 0;
+  double pitch_x_ = 1, pitch_y_ = 1;
+  double h_ = 0;
+  int sweeps_ = 1;
+  bool parted_ = false;  // between the two part_joints of a pass
+  kernels::JointParams params_;
+  Column<float> share_vel_, share_spin_, push_vel_, push_spin_;
+};
+
+}  // namespace psim

@@ -1,0 +1,255 @@
+// Colours and blocks of the touching pairs of a strip.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "manifolds.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+using kernels::ManifoldBlock;
+
+constexpr std::uint32_t kColours = 32;  // and one more, of blocks with a single lane
+constexpr float kFar = 1e6f;            // m: gap of a point that is not there
+constexpr float kOpen = -0.0f;
+
+// Of an impulse on a contact that carries weight, the body below takes this share in a sweep: loads go
+// down a pile no faster than they can be answered (docs/decisions/007-manifolds.md).
+constexpr float kReaction = 0.5f;
+constexpr double kSupport = 0.5;  // |cosine| between normal and gravity from which weight counts
+
+void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
+  p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
+  p.gap[l] = kFar;
+  p.impulse[l] = kOpen;
+  p.friction[l] = p.start[l] = 0;
+}
+
+// A lane that does nothing: resting dummies, far apart.
+void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
+  c.body[2 * l] = dummy;
+  c.body[2 * l + 1] = dummy + 1;
+  c.nx[l] = 0;
+  c.ny[l] = 1;
+  no_point(c.point[0], l);
+  no_point(c.point[1], l);
+  c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
+  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = 0;
+  c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = 0;
+}
+
+}  // namespace
+
+void Manifolds::keep_impulses(WorkerPool& pool) {
+  if (begin_.empty()) return;
+  pool.run(begin_.size() - 1, [&](std::size_t s) {
+    const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
+    for (std::uint32_t k = begin_[s]; k < begin_[s + 1]; ++k) {
+      ManifoldPair& pair = pairs_[k];
+      if (pair.lane == ManifoldPair::kNone) continue;
+      const ManifoldBlock& c = blocks[pair.lane / kBlock];
+      const std::uint32_t l = pair.lane % kBlock;
+      for (int p = 0; p < 2; ++p) {
+        const float impulse = c.point[p].impulse[l];
+        pair.impulse[p] = impulse > 0 ? impulse : 0.0f;
+        pair.friction[p] = c.point[p].friction[l];
+      }
+    }
+  });
+}
+
+void Manifolds::forget() {
+  for (ManifoldPair& pair : pairs_) {
+    std::fill_n(pair.impulse, 2, 0.0f);
+    std::fill_n(pair.friction, 2, 0.0f);
+    pair.lane = ManifoldPair::kNone;
+  }
+  std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
+}
+
+void Manifolds::clear() {
+  pairs_.clear();
+  old_pairs_.clear();
+  owner_.clear();
+  begin_.clear();
+  strips_.clear();
+  points_ = colours_ = blocks_ = 0;
+}
+
+// What a lane takes from a pair that was looked at.
+void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
+                     std::uint32_t dummy, std::size_t index, ManifoldPair& pair) {
+  ManifoldBlock& c = strips_[index].blocks[pair.lane / kBlock];
+  const std::uint32_t l = pair.lane % kBlock;
+  const bool fixed = pair.a == ManifoldPair::kNone;
+  const Manifold& m = pair.manifold;
+  c.body[2 * l] = fixed ? dummy : pair.a;
+  c.body[2 * l + 1] = pair.b;
+  c.nx[l] = m.nx;
+  c.ny[l] = m.ny;
+  const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
+  for (int k = 0; k < 2; ++k) {
+    ManifoldBlock::Point& p = c.point[k];
+    if (k >= m.count) {
+      no_point(p, l);
+      continue;
+    }
+    const ManifoldPoint& from = m.point[k];
+    const auto along = [&](float x, float y) { return m.nx * x + m.ny * y; };
+    const auto across = [&](float x, float y) { return x * m.ny - y * m.nx; };
+    p.an[l] = fixed ? 0.0f : along(from.ax, from.ay) / size_a;
+    p.at[l] = fixed ? 0.0f : across(from.ax, from.ay) / size_a;
+    p.bn[l] = along(from.bx, from.by) / size_b;
+    p.bt[l] = across(from.bx, from.by) / size_b;
+    p.gap[l] = pair.gap[k];
+    p.impulse[l] = pair.impulse[k];
+    p.friction[l] = pair.friction[k];
+    p.start[l] = 0;
+  }
+  const Surface& sb = b.surface(pair.id_b);
+  Surface none;
+  const bool wall = pair.shape >= kWallLeft && pair.shape != ManifoldPair::kNone;
+  if (wall) {
+    none.restitution = static_cast<float>(params.wall.restitution);
+    none.friction = static_cast<float>(params.wall.friction);
+  }
+  const Surface& sa = wall ? none : b.surface(pair.id_a);
+  c.wa[l] = fixed ? 0.0f : sa.inv_mass;
+  c.wb[l] = sb.inv_mass;
+  c.ga[l] = fixed ? 0.0f : sa.spin_gain;
+  c.gb[l] = sb.spin_gain;
+  c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
+  c.round_b[l] = pair.round_b / size_b;
+  c.mu[l] = std::sqrt(sa.friction * sb.friction);
+  c.e[l] = std::fmax(sa.restitution, sb.restitution);
+  const bool loaded = pair.column == ManifoldPair::kLoose && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+  const std::size_t kind = (pair.fixed_a ? 1u : 0u) + (loaded ? 2u : 0u);
+  c.soft[l] = params.soft[kind];
+  c.rate[l] = params.rate[kind];
+  c.share_a[l] = c.share_b[l] = 1;
+  const double g = std::sqrt(params.gravity.x * params.gravity.x + params.gravity.y * params.gravity.y);
+  if (pair.column != ManifoldPair::kLoose) {
+    c.soft[l] = params.column_soft[pair.column == ManifoldPair::kOnFixed];
+    c.rate[l] = params.column_rate[pair.column == ManifoldPair::kOnFixed];
+  } else if (c.e[l] > 0 && !loaded) {  // an impact's impulse is taken at once
+    c.soft[l] = params.bouncing_soft[pair.fixed_a ? 1 : 0];
+    c.rate[l] = params.bouncing_rate[pair.fixed_a ? 1 : 0];
+  } else if (!pair.fixed_a && !loaded && g > 0) {
+    const double down = (params.gravity.x * static_cast<double>(m.nx) +
+                         params.gravity.y * static_cast<double>(m.ny)) / g;
+    if (down <= -kSupport) c.share_a[l] = kReaction;
+    if (down >= kSupport) c.share_b[l] = kReaction;
+  }
+  pair.changed = false;
+  pair.was_column = pair.column;
+}
+
+void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
+                        std::uint32_t dummies, std::size_t index) {
+  StripBlocks& strip = strips_[index];
+  ManifoldPair* const begin = pairs_.data() + begin_[index];
+  ManifoldPair* const end = pairs_.data() + begin_[index + 1];
+  const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
+  if (loads.any() && stale_[index] == 0) {  // a column's contacts are no loads
+    stale_[index] = std::any_of(begin, end, [](const ManifoldPair& pair) {
+      return pair.lane != ManifoldPair::kNone && pair.column != pair.was_column;
+    });
+  }
+  if (stale_[index] == 0) {
+    for (ManifoldPair* pair = begin; pair != end; ++pair) {
+      if (pair->lane == ManifoldPair::kNone) continue;
+      if (pair->changed || pair->column != pair->was_column || params.changed) {
+        fill(b, loads, params, dummy, index, *pair);
+        continue;
+      }
+      ManifoldBlock& c = strip.blocks[pair->lane / kBlock];
+      const std::uint32_t l = pair->lane % kBlock;
+      for (int k = 0; k < pair->manifold.count; ++k) c.point[k].gap[l] = pair->gap[k];
+    }
+    return;
+  }
+  stale_[index] = 0;
+  const auto class_of = [&](const ManifoldPair& pair) {
+    const bool fixed = pair.a == ManifoldPair::kNone;
+    const bool loaded = pair.column == ManifoldPair::kLoose && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+    return (pair.fixed_a ? 2u : 0u) + (loaded ? 1u : 0u);
+  };
+  // Greedy first fit, class by class; where A is fixed it may be in many lanes of a block.
+  std::array<std::array<std::uint32_t, kColours + 1>, 4> next{};
+  std::array<bool, 4> any{};
+  for (ManifoldPair* pair = begin; pair != end; ++pair) {
+    pair->lane = ManifoldPair::kNone;
+    if (pair->active) any[class_of(*pair)] = true;
+  }
+  strip.points = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    if (!any[k]) continue;
+    const auto each = [&](const auto& visit) {
+      for (ManifoldPair* pair = begin; pair != end; ++pair) {
+        if (pair->active && class_of(*pair) == k) visit(*pair);
+      }
+    };
+    each([&](const ManifoldPair& pair) {
+      used_[pair.b] = 0;
+      if (!pair.fixed_a) used_[pair.a] = 0;
+    });
+    each([&](ManifoldPair& pair) {
+      const std::uint32_t taken = used_[pair.b] | (pair.fixed_a ? 0u : used_[pair.a]);
+      const auto colour = static_cast<std::uint32_t>(std::countr_one(taken));
+      if (colour < kColours) {
+        used_[pair.b] |= 1u << colour;
+        if (!pair.fixed_a) used_[pair.a] |= 1u << colour;
+      }
+      pair.lane = colour;  // for now
+      ++next[k][colour];
+      strip.points += static_cast<std::uint32_t>(pair.manifold.count);
+    });
+  }
+  std::uint32_t blocks = 0;
+  strip.colours = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+      const std::uint32_t n = next[k][colour];
+      next[k][colour] = blocks * kBlock;
+      blocks += colour < kColours ? (n + kBlock - 1) / kBlock : n;
+      if (n != 0) strip.colours = std::max(strip.colours, colour + 1);
+    }
+    strip.end[k] = blocks;
+  }
+  strip.blocks.resize(blocks);
+  for (ManifoldBlock& block : strip.blocks) {
+    for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
+  }
+  for (ManifoldPair* pair = begin; pair != end; ++pair) {
+    if (pair->lane == ManifoldPair::kNone) continue;
+    std::uint32_t& at = next[class_of(*pair)][pair->lane];
+    const bool alone = pair->lane == kColours;
+    pair->lane = at;
+    at += alone ? kBlock : 1;
+    fill(b, loads, params, dummy, index, *pair);
+  }
+}
+
+std::uint64_t Manifolds::closed(std::size_t index) const {
+  std::uint64_t sum = 0;
+  for (const ManifoldBlock& block : strips_[index].blocks) {
+    for (const ManifoldBlock::Point& p : block.point) {
+      for (const float impulse : p.impulse) sum += std::signbit(impulse) ? 0 : 1;
+    }
+  }
+  return sum;
+}
+
+std::size_t Manifolds::bytes() const {
+  std::size_t sum = (pairs_.capacity() + old_pairs_.capacity()) * sizeof(ManifoldPair) +
+                    (first_.capacity() + owner_.capacity() + shaped_.capacity()) * sizeof(std::uint32_t) +
+                    entries_.capacity() * sizeof(Entry);
+  for (const StripBlocks& s : strips_) sum += s.blocks.capacity() * sizeof(ManifoldBlock);
+  for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
+  return sum;
+}
+
+}  // namespace psim

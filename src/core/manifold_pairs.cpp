@@ -1,0 +1,194 @@
+// Which pairs are manifolds: sorts them out of the lists that the broad phase made for all.
+#include <algorithm>
+
+#include "manifolds.h"
+#include "tasks.h"
+
+namespace psim {
+
+bool Manifolds::collide_at_all(const BodyStore& b, const Joined* joined, std::uint32_t i,
+                               std::uint32_t j) const {
+  const std::uint32_t id = b.id[i], other = b.id[j];
+  if (((kind_[i] | kind_[j]) & (kFiltered | kSensor)) != 0) {
+    const Make &mine = b.make(id), &theirs = b.make(other);
+    if (mine.sensor || theirs.sensor || !meet(mine.filter, theirs.filter)) return false;
+  }
+  if ((kind_[i] & kHeld) != 0 && (kind_[j] & kHeld) != 0) return false;  // nobody yields
+  return joined == nullptr || !(*joined)(id, other);
+}
+
+// Sorts the pairs of the last lists by owner. O(pairs + ids).
+void Manifolds::index_old_pairs(std::uint32_t ids) {
+  const std::size_t all = std::max<std::size_t>(first_.size(), std::size_t{ids} + 2);
+  first_.assign(all, 0);
+  for (const std::uint32_t owner : owner_) ++first_[owner + 2];
+  for (std::size_t k = 2; k < all; ++k) first_[k] += first_[k - 1];
+  entries_.resize(owner_.size());
+  for (std::uint32_t k = 0; k < owner_.size(); ++k) {
+    entries_[first_[owner_[k] + 1]++] = {old_pairs_[k].mark(), k};
+  }
+}
+
+// Where a pair was in the last lists.
+std::uint32_t Manifolds::recall(const PairName& pair) const {
+  if (entries_.empty() || pair.owner + 1 >= first_.size()) return PairName::kNone;
+  const std::uint32_t mark = pair.mark();
+  for (std::uint32_t k = first_[pair.owner]; k < first_[pair.owner + 1]; ++k) {
+    if (entries_[k].mark == mark && old_pairs_[entries_[k].pair].same(pair)) return entries_[k].pair;
+  }
+  return PairName::kNone;
+}
+
+// Pairs of one strip: two discs stay in the list, closed up; the rest is found.
+void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
+                         PairTable& table, std::size_t index) {
+  Strip& s = table.strips[index];
+  Found& out = found_[index];
+  out.pairs.clear();
+  out.before.clear();
+  const auto parts = [&](std::uint32_t slot) {
+    return kind_[slot] & kShape ? std::max(1u, b.make(b.id[slot]).hull_count) : 1u;
+  };
+  const auto add = [&](PairName pair) {
+    const bool fixed = pair.a == PairName::kNone;
+    pair.owner = fixed || b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
+    const std::uint32_t parts_a = fixed ? 1 : parts(pair.a);
+    const std::uint32_t parts_b = parts(pair.b);
+    for (std::uint32_t pa = 0; pa < parts_a; ++pa) {
+      for (std::uint32_t pb = 0; pb < parts_b; ++pb) {
+        pair.part_a = static_cast<std::uint16_t>(pa);
+        pair.part_b = static_cast<std::uint16_t>(pb);
+        out.pairs.push_back(pair);
+        out.before.push_back(recall(pair));
+      }
+    }
+  };
+  std::uint32_t kept = s.pair_begin, p = s.pair_begin;
+  for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
+    const std::uint32_t mark = table.first[i] & PairTable::kStripStart;
+    table.first[i] = kept | mark;
+    for (; p < s.pair_end && table.owner[p] == i; ++p) {
+      const std::uint32_t j = table.other[p];
+      if ((kind_[i] | kind_[j]) == 0 && joined == nullptr) {
+        table.owner[kept] = i;
+        table.other[kept++] = j;
+        continue;
+      }
+      if (!collide_at_all(b, joined, i, j)) continue;
+      if (((kind_[i] | kind_[j]) & kShape) == 0) {
+        table.owner[kept] = i;
+        table.other[kept++] = j;
+        continue;
+      }
+      PairName pair;
+      const bool swap = (kind_[i] & kHeld) != (kind_[j] & kHeld) ? (kind_[j] & kHeld) != 0
+                                                                : b.id[j] < b.id[i];
+      pair.a = swap ? j : i;
+      pair.b = swap ? i : j;
+      pair.id_a = b.id[pair.a];
+      pair.id_b = b.id[pair.b];
+      pair.fixed_a = (kind_[pair.a] & kHeld) != 0;
+      add(pair);
+    }
+  }
+  s.pair_end = kept;
+
+  std::vector<SinglePair>& singles = table.singles[index];
+  std::size_t stay = 0;
+  for (const SinglePair& single : singles) {
+    const std::uint8_t kind = kind_[single.body];
+    const bool wall = single.shape >= kWallLeft;
+    if (wall ? kind == kDisc : kind == kDisc && !shapes[single.shape].whole) {
+      if (!wall && any_filter_) {
+        const Filter& theirs = b.make(shapes[single.shape].owner).filter;
+        if (!meet(Filter{}, theirs)) continue;
+      }
+      if (!wall && joined != nullptr && (*joined)(b.id[single.body], shapes[single.shape].owner)) {
+        continue;
+      }
+      singles[stay++] = single;
+      continue;
+    }
+    if ((kind & (kHeld | kSensor)) != 0 && (kind & kShape) != 0) continue;
+    if (!wall) {
+      const StaticShape& shape = shapes[single.shape];
+      if ((kind & kShape) != 0 ? shape.face : shape.whole) continue;
+      if (any_filter_ && !meet(b.make(b.id[single.body]).filter, b.make(shape.owner).filter)) {
+        continue;
+      }
+      if (joined != nullptr && (*joined)(b.id[single.body], shape.owner)) continue;
+    }
+    if ((kind & kSensor) != 0) continue;
+    if ((kind & kShape) == 0) {
+      singles[stay++] = single;
+      continue;
+    }
+    PairName pair;
+    pair.b = single.body;
+    pair.id_b = b.id[single.body];
+    pair.shape = single.shape;
+    pair.id_a = wall ? ManifoldPair::kNone : shapes[single.shape].owner;
+    pair.fixed_a = true;
+    add(pair);
+  }
+  singles.resize(stay);
+}
+
+void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
+                        bool any_filter, PairTable& table, bool sorted, WorkerPool& pool) {
+  keep_impulses(pool);
+  any_filter_ = any_filter;
+  const std::size_t strips = table.strips.size();
+  found_.resize(std::max(found_.size(), strips));
+  kind_.reserve(kernels::round_up_block(b.count));
+  rotor_.reserve(2 * kernels::round_up_block(b.count));
+  used_.reserve(kernels::round_up_block(b.count));
+  if (sorted) {
+    shaped_.clear();
+    for (std::uint32_t i = 0; i < b.count; ++i) {
+      kind_[i] = kDisc;
+      if (b.id[i] == kNoSlot) continue;
+      const Surface& surface = b.surface(b.id[i]);
+      const bool held = surface.type == BodyType::kinematic_body;
+      if (surface.make == 0) {
+        if (held) kind_[i] = kHeld;
+        continue;
+      }
+      const Make& make = b.makes[surface.make];
+      std::uint8_t kind = 0;
+      if (make.hull_count != 0) kind |= kShape;
+      if (make.filter != Filter{}) kind |= kFiltered;
+      if (make.sensor) kind |= kSensor;
+      if (held) kind |= kHeld;
+      kind_[i] = kind;
+      if (make.hull_count != 0) shaped_.push_back(i);
+    }
+  }
+  old_pairs_.swap(pairs_);
+  index_old_pairs(b.id_count);
+  pool.run(strips, [&](std::size_t s) { sort_out(b, shapes, joined, table, s); });
+  begin_.assign(strips + 1, 0);
+  for (std::size_t s = 0; s < strips; ++s) {
+    begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].pairs.size());
+  }
+  pairs_.resize(begin_[strips]);
+  owner_.resize(begin_[strips]);
+  pool.run(strips, [&](std::size_t s) {
+    const Found& found = found_[s];
+    for (std::size_t k = 0; k < found.pairs.size(); ++k) {
+      ManifoldPair& pair = pairs_[begin_[s] + k];
+      pair = found.before[k] == PairName::kNone ? ManifoldPair{} : old_pairs_[found.before[k]];
+      static_cast<PairName&>(pair) = found.pairs[k];
+      pair.lane = PairName::kNone;
+      owner_[begin_[s] + k] = pair.owner;
+    }
+  });
+  strips_.resize(std::max(strips_.size(), strips));
+  for (std::size_t s = strips; s < strips_.size(); ++s) {
+    strips_[s].blocks.clear();
+    std::fill(std::begin(strips_[s].end), std::end(strips_[s].end), 0u);
+  }
+  stale_.assign(strips_.size(), 1);
+}
+
+}  // namespace psim

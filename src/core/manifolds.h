@@ -1,0 +1,228 @@
+// Contacts of bodies that are not discs: which pairs there are, where they touch, and the blocks that
+// the solver sweeps over.
+//
+//   collect   when lists change: takes pairs with such a body out of the discs' lists, keeping what is
+//             known of pairs that were there before; drops pairs that a filter or a joint forbids
+//   refresh   every step: normals, arms and gaps; colours and blocks where the touching pairs changed
+//
+// A manifold is kept as it is, with its normal and arms frozen in world axes, until its bodies have
+// moved against each other by a share of their size or turned: only the gaps are taken anew. That is
+// what lets stacks stand (docs/decisions/007-manifolds.md).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "body_store.h"
+#include "collide.h"
+#include "column.h"
+#include "heavy_loads.h"
+#include "kernel_table.h"
+#include "narrow_phase.h"
+#include "pair_table.h"
+#include "psim/desc.h"
+#include "static_shapes.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// Two bodies, or a body and a piece of fixed geometry. A side that is static or kinematic is A; else
+/// A has the lower id.
+struct PairName {
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+  std::uint32_t a = kNone, b = kNone;  ///< slots; a is kNone for fixed geometry
+  std::uint32_t shape = kNone;         ///< of fixed geometry: its number, or a wall
+  std::uint32_t id_a = kNone, id_b = kNone;
+  std::uint32_t owner = kNone;         ///< id: the smaller body, that has few such pairs
+  std::uint16_t part_a = 0, part_b = 0;
+  bool fixed_a = false;                ///< A is static or kinematic
+
+  bool same(const PairName& o) const {
+    return id_a == o.id_a && id_b == o.id_b && shape == o.shape && part_a == o.part_a &&
+           part_b == o.part_b && fixed_a == o.fixed_a;
+  }
+  std::uint32_t mark() const {  ///< tells most pairs of an owner apart
+    return (id_a * 0x9E3779B1u) ^ (id_b * 0x85EBCA77u) ^ (shape * 0xC2B2AE3Du) ^
+           (std::uint32_t{part_a} << 16 | part_b);
+  }
+};
+
+/// And what is known of their contact.
+struct ManifoldPair : PairName {
+  std::uint32_t lane = kNone;          ///< 8 block + lane in the strip's blocks
+  // As of the last time that the hulls were looked at:
+  Manifold manifold;
+  std::int32_t base_x = 0, base_y = 0;   ///< lattice steps from A (or 0) to B
+  float base_dx = 0, base_dy = 0;        ///< m, offsets likewise
+  Rotor turn_a, turn_b;
+  float margin = -1;                     ///< m: gaps up to here were looked for; < 0: never looked
+  float gap[2] = {};                     ///< m, now
+  float impulse[2] = {}, friction[2] = {};
+  float round_a = 0, round_b = 0;        ///< m: rounding of the two hulls
+  bool active = false;                   ///< it has a lane
+  bool ahead = false;                    ///< apart, and may meet within the step
+  bool ghost = false;                    ///< below what the body rests on: no contact
+  bool lasting = false;                  ///< the manifold may be kept while bodies move little
+  bool changed = true;                   ///< since it was written into its lane
+  /// In a column that stands on a moving body, on fixed ground, or in none.
+  enum Column : std::uint8_t { kLoose, kOnMoving, kOnFixed };
+  Column column = kLoose;
+  Column was_column = kLoose;            ///< as it lies in its lane
+  std::uint8_t rest_frames = 0;          ///< in which it is not
+};
+
+/// Settings of a step.
+struct ManifoldParams {
+  double dt = 0;
+  Vec2 gravity;
+  const Lattice* lattice = nullptr;
+  const StaticShapes* shapes = nullptr;
+  Walls walls;
+  Material wall;
+  float warm = 1;
+  bool changed = false;  ///< of the settings below, since the last step
+  // Compliance and push-out rate of contacts: between moving bodies, with fixed ones, and the same
+  // under heavy loads.
+  float soft[4] = {}, rate[4] = {};
+  float bouncing_soft[2] = {}, bouncing_rate[2] = {};  // with restitution
+  float column_soft[2] = {}, column_rate[2] = {};  // in columns on a moving body, on fixed ground
+};
+
+/// Whether two bodies, by id, are joined and do not collide.
+using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
+
+class Manifolds {
+ public:
+  explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), used_(meter) {}
+
+  /// What a strip's blocks are.
+  struct StripBlocks {
+    std::vector<kernels::ManifoldBlock> blocks;
+    // Ends of: pairs, pairs under heavy loads, pairs with a fixed side, those under heavy loads.
+    std::uint32_t end[4] = {};
+    std::uint32_t colours = 0;
+    std::uint32_t points = 0;  // touching or near
+  };
+
+  /// Takes over the pairs of `table` that are not two discs and drops those that must not collide.
+  /// `sorted`: slots changed. O(pairs).
+  void collect(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
+               bool any_filter, PairTable& table, bool sorted, WorkerPool& pool);
+
+  /// Manifolds for this step. O(pairs).
+  void refresh(BodyStore& bodies, const ManifoldParams& params, const PairTable& table,
+               WorkerPool& pool);
+  /// Colours and blocks for this step. O(touching pairs).
+  void lay_out(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
+               std::uint32_t dummies, WorkerPool& pool);
+
+  /// Copies impulses from the blocks back to the pairs, before the blocks change.
+  void keep_impulses(WorkerPool& pool);
+  /// All impulses are 0.
+  void forget();
+  /// There are no such pairs.
+  void clear();
+
+  StripBlocks& strip(std::size_t index) { return strips_[index]; }
+  std::size_t strips() const { return strips_.size(); }
+  bool any() const { return points_ != 0; }
+  /// Whether contacts under heavy loads are among them.
+  bool loaded() const { return loaded_; }
+  std::uint64_t pair_count() const { return pairs_.size(); }
+  std::uint64_t points() const { return points_; }
+  std::uint32_t colours() const { return colours_; }
+  const std::vector<ManifoldPair>& pairs() const { return pairs_; }
+  ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
+  /// First and past-last pair of a strip.
+  std::pair<std::uint32_t, std::uint32_t> pairs_of(std::size_t strip) const {
+    return {begin_[strip], begin_[strip + 1]};
+  }
+  std::size_t strip_of(std::uint32_t pair) const {
+    return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), pair) -
+                                    begin_.begin()) - 1;
+  }
+  /// Whether a body rests on a plane that a fixed piece lies below.
+  bool is_ghost(std::uint32_t slot, std::uint32_t shape) const {
+    return std::binary_search(ghosts_.begin(), ghosts_.end(), std::uint64_t{slot} << 32 | shape);
+  }
+  bool has_corners(std::uint32_t slot) const { return (kind_[slot] & kShape) != 0; }
+  /// Slots of the bodies that are not discs.
+  const std::vector<std::uint32_t>& shaped() const { return shaped_; }
+  /// Blocks of all strips.
+  std::uint32_t blocks() const { return blocks_; }
+  /// Cosine and sine of a body that is not a disc, at the frame's start.
+  Rotor rotor(std::uint32_t slot) const {
+    return {rotor_[2 * std::size_t{slot}], rotor_[2 * std::size_t{slot} + 1]};
+  }
+  std::size_t strip_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+  /// Whether a pair carries an impulse or touches, as of the last step.
+  bool closed(std::size_t strip, const ManifoldPair& pair) const {
+    if (pair.lane == PairName::kNone) return false;
+    const kernels::ManifoldBlock& c = strips_[strip].blocks[pair.lane / kernels::kBlock];
+    const std::uint32_t l = pair.lane % kernels::kBlock;
+    return !std::signbit(c.point[0].impulse[l]) || !std::signbit(c.point[1].impulse[l]);
+  }
+  /// Points of a strip that carry an impulse.
+  std::uint64_t closed(std::size_t strip) const;
+  /// Deepest overlap at the frame's start, m.
+  float deepest() const;
+  std::size_t bytes() const;
+
+ private:
+  // What a slot holds, for fast looks: a plain disc, or something to look up.
+  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kHeld = 4, kSensor = 8;
+
+  struct Found {  // of one strip, by collect: and where each was in the lists before
+    std::vector<PairName> pairs;
+    std::vector<std::uint32_t> before;
+    std::vector<std::uint64_t> ghosts;
+  };
+
+  void sort_out(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
+                PairTable& table, std::size_t strip);
+  bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a,
+                      std::uint32_t b) const;
+  void index_old_pairs(std::uint32_t ids);
+  std::uint32_t recall(const PairName& pair) const;
+  void look(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair) const;
+  static bool end_on(const ManifoldParams& params, const ManifoldPair& pair, const Hull& piece,
+                     const Manifold& m, double& fx, double& fy);
+  static void smooth_joint(const ManifoldParams& params, ManifoldPair& pair, const Hull& hull, Rotor q,
+                           const Hull& piece, float margin);
+  void judge(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, float inner,
+             float vx, float vy) const;
+  void foresee(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Hull& a,
+               Rotor qa, const Hull& b, float dx, float dy, float mx, float my, float inner) const;
+  void see_fixed(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
+                 std::uint32_t end, std::vector<std::uint64_t>& ghosts);
+  void lay_out_strip(const BodyStore& bodies, const HeavyLoads& loads,
+                     const ManifoldParams& params, std::uint32_t dummies, std::size_t strip);
+  void fill(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
+            std::uint32_t dummies, std::size_t strip, ManifoldPair& pair);
+
+  std::vector<ManifoldPair> pairs_, old_pairs_;
+  std::vector<std::uint32_t> begin_;  // by strip: first of its pairs
+  // The pairs of the last lists by owner: entries of id k are [first_[k], first_[k + 1]).
+  struct Entry {
+    std::uint32_t mark = 0, pair = 0;
+  };
+  std::vector<std::uint32_t> first_, owner_;
+  std::vector<Entry> entries_;
+  std::vector<Found> found_;
+  std::vector<std::uint64_t> ghosts_;  // slot << 32 | fixed piece, ascending
+  std::vector<StripBlocks> strips_;
+  std::vector<std::uint8_t> stale_;   // by strip: its blocks are of other pairs
+  Column<std::uint8_t> kind_;         // by slot
+  Column<float> rotor_;               // by slot, records
+  Column<std::uint32_t> used_;        // by slot: colours taken
+  std::vector<std::uint32_t> shaped_; // slots of bodies that are not discs
+  std::uint64_t points_ = 0;
+  bool any_filter_ = false, loaded_ = false;
+  std::uint32_t colours_ = 0, blocks_ = 0;
+};
+
+}  // namespace psim

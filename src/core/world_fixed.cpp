@@ -1,0 +1,181 @@
+// Static bodies: what they are made of, as pieces in the grid of fixed shapes. Discs meet a solid
+// edge by edge, as they meet segments; shapes with corners meet it as a whole.
+#include <cmath>
+
+#include "rotor.h"
+#include "world_impl.h"
+
+namespace psim {
+namespace {
+
+struct Piece {
+  StaticShape shape;
+  Hull hull;  // of a whole one, in world axes about its place
+};
+
+// A static body's pieces.
+class Pieces {
+ public:
+  Pieces(const BodyDesc& d, const Lattice& lattice) : at_(d.position), lattice_(lattice) {
+    const SineCosine turn = sine_cosine(d.angle);
+    c_ = turn.cosine;
+    s_ = turn.sine;
+  }
+
+  void disc(double radius) {
+    Piece piece;
+    piece.shape.p = lattice_.to_lattice(at_);
+    piece.shape.radius = static_cast<float>(radius);
+    list.push_back(piece);
+  }
+
+  void segment(Vec2 p, Vec2 q, double radius, bool face) {
+    Piece piece;
+    piece.shape.segment = true;
+    piece.shape.face = face;
+    piece.shape.radius = static_cast<float>(radius);
+    const Vec2 whole[2] = {place(p), place(q)};
+    Vec2 from = whole[0], to = whole[1];
+    lattice_.clip(from, to);
+    const bool cut = from.x != whole[0].x || from.y != whole[0].y || to.x != whole[1].x ||
+                     to.y != whole[1].y;
+    piece.shape.p = cut ? lattice_.to_lattice(from) : lattice_.to_lattice(at_, turned(p));
+    piece.shape.q = cut ? lattice_.to_lattice(to) : lattice_.to_lattice(at_, turned(q));
+    list.push_back(piece);
+  }
+
+  void solid(const Hull& hull) {
+    const auto n = static_cast<std::size_t>(hull.count);
+    const auto vertex = [&](std::size_t k) {
+      return Vec2{static_cast<double>(hull.x[k % n]), static_cast<double>(hull.y[k % n])};
+    };
+    const auto radius = static_cast<double>(hull.radius);
+    if (n == 1) {
+      Piece piece;
+      piece.shape.p = lattice_.to_lattice(at_, turned(vertex(0)));
+      piece.shape.radius = hull.radius;
+      list.push_back(piece);
+      return;
+    }
+    if (n == 2) return segment(vertex(0), vertex(1), radius, false);
+    for (std::size_t k = 0; k < n; ++k) segment(vertex(k), vertex(k + 1), radius, true);
+    Piece piece;
+    piece.shape.p = lattice_.to_lattice(at_);
+    piece.shape.whole = true;
+    piece.hull = hull;
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec2 v = vertex(k);
+      piece.hull.x[k] = static_cast<float>(c_ * v.x - s_ * v.y);
+      piece.hull.y[k] = static_cast<float>(s_ * v.x + c_ * v.y);
+    }
+    finish_hull(piece.hull);
+    list.push_back(piece);
+  }
+
+  std::vector<Piece> list;
+
+ private:
+  Vec2 turned(Vec2 p) const { return {c_ * p.x - s_ * p.y, s_ * p.x + c_ * p.y}; }
+  Vec2 place(Vec2 p) const { return {at_.x + turned(p).x, at_.y + turned(p).y}; }
+
+  Vec2 at_;
+  double c_ = 1, s_ = 0;
+  const Lattice& lattice_;
+};
+
+// One line of what is wrong with the points of a line, or empty.
+std::string check_line(const std::vector<Vec2>& points, bool loop) {
+  const auto finite = [](Vec2 p) { return std::isfinite(p.x) && std::isfinite(p.y); };
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!finite(points[k])) return "segment points must be finite";
+    if (k + 1 == points.size() && !loop) break;
+    const Vec2 next = points[(k + 1) % points.size()];
+    if (points[k].x == next.x && points[k].y == next.y) return "segment points must differ";
+  }
+  return {};
+}
+
+}  // namespace
+
+BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
+  Pieces pieces(d, lattice);
+  float radius = 0;
+  Make make;
+  make.filter = d.filter;
+  make.sensor = d.sensor;
+  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
+    radius = static_cast<float>(disc->radius);
+    pieces.disc(disc->radius);
+  } else if (const auto* line = std::get_if<SegmentShape>(&d.shape)) {
+    error = check_line({line->p1, line->p2}, false);
+    pieces.segment(line->p1, line->p2, 0, false);
+  } else if (const auto* chain = std::get_if<ChainShape>(&d.shape)) {
+    const std::size_t n = chain->vertices.size();
+    if (n < (chain->loop ? 3u : 2u)) {
+      error = chain->loop ? "a chain loop needs at least 3 vertices"
+                          : "a chain needs at least 2 vertices";
+      return kNoBody;
+    }
+    error = check_line(chain->vertices, chain->loop);
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+      pieces.segment(chain->vertices[k], chain->vertices[k + 1], 0, false);
+    }
+    if (chain->loop) pieces.segment(chain->vertices[n - 1], chain->vertices[0], 0, false);
+  } else {
+    HullSet hulls;
+    if (make_hulls(d.shape, false, hulls, error)) {
+      for (const Hull& hull : hulls.parts) pieces.solid(hull);
+    }
+  }
+  if (!error.empty()) return kNoBody;
+  if (d.sensor) {  // it stops nothing: only questions and events know it
+    HullSet hulls;
+    if (!make_hulls(d.shape, false, hulls, error)) return kNoBody;
+    make.first_hull = bodies.hulls.acquire(hulls.parts);
+    make.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
+    pieces.list.clear();
+  }
+  const std::uint32_t made = bodies.makes.acquire(make);
+  if (made > MakeTable::kMost) {
+    error = "too many kinds of body: at most 16,777,215";
+    return kNoBody;
+  }
+
+  const std::uint32_t id = bodies.take_id();
+  Surface surface;
+  surface.type = BodyType::static_body;
+  surface.make = made & MakeTable::kMost;
+  surface.radius = radius;
+  surface.restitution = static_cast<float>(d.material.restitution);
+  surface.friction = static_cast<float>(d.material.friction);
+  BodyInfo& info = bodies.info[id];
+  const std::uint32_t generation = info.generation;
+  info.surface = bodies.surfaces.acquire(surface);
+  info.place = Place::fixed;
+  info.slot = static_cast<std::uint32_t>(fixed.size());
+  FixedBody f;
+  f.x = d.position.x;
+  f.y = d.position.y;
+  f.angle = d.angle;
+  f.radius = radius;
+  f.id = id;
+  f.first_shape = static_cast<std::uint32_t>(shapes.size());
+  for (Piece& piece : pieces.list) {
+    piece.shape.owner = id;
+    piece.shape.restitution = surface.restitution;
+    piece.shape.friction = surface.friction;
+    shapes.add(piece.shape, piece.shape.whole ? &piece.hull : nullptr);
+  }
+  fixed.push_back(f);
+  ++bodies.fixed;
+  ++traits.fixed;
+  if (d.sensor) ++traits.sensors;
+  if (surface.restitution > 0) ++traits.fixed_bounce;
+  if (surface.friction > 0) ++traits.fixed_rough;
+  if (d.filter != Filter{}) ++traits.filtered;
+  plan_stale = lists_stale = placed = true;
+  queries.forget_fixed();
+  return {id, generation};
+}
+
+}  // namespace psim

@@ -1,0 +1,307 @@
+// Questions to the world, and what it tells of a step (events.h): what a ray meets, what overlaps a shape or a rectangle, what is nearest.
+// Answers are in an order that follows from the bodies alone: neither slots nor threads show.
+//
+// Geometry is in doubles, seen from the question's own place. In a periodic world every image counts:
+// a ray is followed for at most one length of the world along each axis, and the nearest image is met
+// first.
+#include <algorithm>
+#include <cmath>
+
+#include "rotor.h"
+#include "world_impl.h"
+
+namespace psim {
+namespace {
+
+constexpr double kLargest = 1e100;  // m: numbers beyond are taken for infinite
+
+bool sane(double v) { return std::fabs(v) <= kLargest; }
+bool sane(Vec2 p) { return sane(p.x) && sane(p.y); }
+
+struct Question {
+  const QueryIndex& index;
+  const QuerySource source;
+  const QueryFilter& filter;
+  bool any_kinematic = false;
+
+  bool wants(std::uint32_t id) const {
+    const Surface& surface = source.bodies.surface(id);
+    const Make& make = source.bodies.makes[surface.make];
+    if (make.sensor && !filter.sensors) return false;
+    if ((make.filter.category & filter.mask) == 0) return false;
+    switch (surface.type) {
+      case BodyType::dynamic_body:
+        return filter.dynamic;
+      case BodyType::kinematic_body:
+        return filter.kinematic;
+      case BodyType::static_body:
+        break;
+    }
+    return filter.fixed;
+  }
+
+  // each(part): the grids that may hold wanted bodies.
+  template <class Each>
+  void parts(const Each& each) const {
+    if (filter.fixed && source.bodies.fixed != 0) each(index.fixed(source));
+    if ((filter.dynamic && source.bodies.living != source.bodies.fixed) ||
+        (filter.kinematic && any_kinematic)) {
+      each(index.moving(source));
+    }
+  }
+
+  BodyId id(std::uint32_t index) const { return {index, source.bodies.info[index].generation}; }
+
+  // A point in the grids' coordinates: in a periodic world the image nearest to the middle.
+  Vec2 place(Vec2 p) const {
+    const Vec2 centre = source.lattice.centre();
+    Vec2 at{p.x - centre.x, p.y - centre.y};
+    if (source.period.x > 0) at.x -= source.period.x * std::floor(at.x / source.period.x + 0.5);
+    if (source.period.y > 0) at.y -= source.period.y * std::floor(at.y / source.period.y + 0.5);
+    return at;
+  }
+};
+
+// One body's answer to a ray.
+struct Entered {
+  double at = 0;  // m
+  std::uint32_t body = 0;
+  Vec2 normal;
+};
+
+// Nearest first; what is left depends on neither slots nor grids.
+bool before(const Entered& a, const Entered& b) {
+  if (a.at != b.at) return a.at < b.at;
+  if (a.body != b.body) return a.body < b.body;
+  return a.normal.x != b.normal.x ? a.normal.x < b.normal.x : a.normal.y < b.normal.y;
+}
+
+// A ray of `length` metres along u from `from`, where questions lie in the grids.
+struct Ray {
+  Ray(const Question& q, Vec2 p, Vec2 to) : from(q.place(p)) {
+    const Vec2 way{to.x - p.x, to.y - p.y};
+    length = std::sqrt(way.x * way.x + way.y * way.y);
+    whole = length;
+    if (!(length > 0)) return;
+    u = {way.x / length, way.y / length};
+    const Vec2 period = q.source.period;
+    if (period.x > 0 && u.x != 0) length = std::fmin(length, period.x / std::fabs(u.x));
+    if (period.y > 0 && u.y != 0) length = std::fmin(length, period.y / std::fabs(u.y));
+  }
+
+  RayHit answer(const Question& q, Vec2 p, const Entered& e) const {
+    return {
+        q.id(e.body), {p.x + e.at * u.x, p.y + e.at * u.y}, e.normal, whole > 0 ? e.at / whole : 0};
+  }
+
+  Vec2 from, u;
+  double length = 0, whole = 0;  // m: that is followed, and as asked
+};
+
+// each(entered): the pieces that a ray enters within `limit`, which `each` may make less.
+template <class Each>
+void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
+  q.parts([&](const QueryIndex::Part& part) {
+    const auto meet = [&](const QueryItem& item, Vec2 shift) {
+      const Vec2 to{item.x + shift.x - ray.from.x, item.y + shift.y - ray.from.y};
+      const double miss = to.x * ray.u.y - to.y * ray.u.x, r = static_cast<double>(item.radius);
+      if (miss * miss > r * r) return;
+      const RayEntry e =
+          item.piece == QueryIndex::kDisc
+              ? enter(to, r, ray.u, limit)
+              : enter(QueryIndex::outline(q.source, part.pieces[item.piece], to), ray.u, limit);
+      if (e.at >= 0 && e.at <= limit && q.wants(item.body))
+        each(Entered{e.at, item.body, e.normal});
+    };
+    if (ray.length > 0) {
+      part.grid.along(ray.from, ray.u, limit, meet);
+    } else {
+      part.grid.in_box(ray.from, ray.from, meet);
+    }
+  });
+}
+
+// The bodies that have a point in common with an outline, or several.
+class Gatherer {
+ public:
+  explicit Gatherer(const Question& q) : q_(q) {}
+
+  /// An outline about `middle`, in a box of half width and height `half`.
+  void add(const Outline& shape, Vec2 middle, Vec2 half) {
+    const Vec2 at = q_.place(middle);
+    q_.parts([&](const QueryIndex::Part& part) {
+      const auto meet = [&](const QueryItem& item, Vec2 shift) {
+        const Vec2 to{item.x + shift.x - at.x, item.y + shift.y - at.y};
+        const double r = static_cast<double>(item.radius);
+        if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r) return;
+        if (q_.wants(item.body) && meets(shape, part, item, to)) ids_.push_back(item.body);
+      };
+      part.grid.in_box({at.x - half.x, at.y - half.y}, {at.x + half.x, at.y + half.y}, meet);
+    });
+  }
+
+  /// By id.
+  std::vector<BodyId> answer() {
+    std::sort(ids_.begin(), ids_.end());
+    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+    std::vector<BodyId> out;
+    out.reserve(ids_.size());
+    for (const std::uint32_t id : ids_) out.push_back(q_.id(id));
+    return out;
+  }
+
+ private:
+  bool meets(const Outline& shape, const QueryIndex::Part& part, const QueryItem& item,
+             Vec2 to) const {
+    return psim::overlap(shape, QueryIndex::outline(q_.source, part, item, to));
+  }
+
+  const Question& q_;
+  std::vector<std::uint32_t> ids_;
+};
+
+// A hull as a question sees it: about the middle of its box.
+struct Boxed {
+  Outline outline;
+  Vec2 middle, half;
+
+  Boxed(const Hull& hull, Vec2 turn) : outline(outline_of(hull, turn, {})) {
+    Vec2 low = outline.v[0], high = outline.v[0];
+    for (std::int32_t k = 1; k < outline.count; ++k) {
+      low = {std::fmin(low.x, outline.v[k].x), std::fmin(low.y, outline.v[k].y)};
+      high = {std::fmax(high.x, outline.v[k].x), std::fmax(high.y, outline.v[k].y)};
+    }
+    middle = {low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
+    half = {high.x - middle.x + outline.radius, high.y - middle.y + outline.radius};
+    for (std::int32_t k = 0; k < outline.count; ++k) {
+      outline.v[k] = {outline.v[k].x - middle.x, outline.v[k].y - middle.y};
+    }
+  }
+};
+
+}  // namespace
+
+QuerySource World::Impl::query_source() const {
+  Vec2 period;
+  if (desc.boundary == Boundary::periodic) {
+    period = {desc.bounds.xmax - desc.bounds.xmin, desc.bounds.ymax - desc.bounds.ymin};
+  }
+  return {bodies, shapes, fixed, frozen, lattice, period, traits.cornered == 0};
+}
+
+EventSource World::Impl::event_source() {
+  return {bodies,    solved,        contacts,
+          manifolds, shapes,        lattice,
+          pool,      !held.empty(), bodies.count != bodies.dead};
+}
+
+void World::set_event_options(const EventOptions& options) {
+  impl_->events.set_options(options);
+  impl_->traits.events = impl_->events.on();
+  impl_->plan_stale = true;
+}
+
+Events World::events() const { return impl_->events.view(); }
+
+std::optional<RayHit> World::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+  if (!sane(from) || !sane(to)) return {};
+  const Question q{impl_->queries, impl_->query_source(), filter, !impl_->held.empty()};
+  const Ray ray(q, from, to);
+  std::optional<Entered> best;
+  double limit = ray.length;
+  cast(q, ray, limit, [&](const Entered& e) {
+    if (best && !before(e, *best)) return;
+    best = e;
+    limit = e.at;
+  });
+  if (!best) return {};
+  return ray.answer(q, from, *best);
+}
+
+std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+  if (!sane(from) || !sane(to)) return {};
+  const Question q{impl_->queries, impl_->query_source(), filter, !impl_->held.empty()};
+  const Ray ray(q, from, to);
+  std::vector<Entered> all;
+  double limit = ray.length;
+  cast(q, ray, limit, [&](const Entered& e) { all.push_back(e); });
+  // Of a body's pieces and images the first.
+  std::sort(all.begin(), all.end(), [](const Entered& a, const Entered& b) {
+    return a.body != b.body ? a.body < b.body : before(a, b);
+  });
+  const auto same = [](const Entered& a, const Entered& b) { return a.body == b.body; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  std::sort(all.begin(), all.end(), before);
+  std::vector<RayHit> out;
+  out.reserve(all.size());
+  for (const Entered& e : all) out.push_back(ray.answer(q, from, e));
+  return out;
+}
+
+std::vector<BodyId> World::overlap(const Shape& shape, Vec2 position, double angle,
+                                   const QueryFilter& filter) const {
+  HullSet hulls;
+  std::string error;
+  if (!sane(position) || !std::isfinite(angle) || !make_hulls(shape, false, hulls, error))
+    return {};
+  const Question q{impl_->queries, impl_->query_source(), filter, !impl_->held.empty()};
+  Gatherer found(q);
+  const SineCosine turn = sine_cosine(angle);
+  for (const Hull& hull : hulls.parts) {
+    const Boxed part(hull, {turn.cosine, turn.sine});
+    found.add(part.outline, {position.x + part.middle.x, position.y + part.middle.y}, part.half);
+  }
+  return found.answer();
+}
+
+std::vector<BodyId> World::in_region(const Bounds& region, const QueryFilter& filter) const {
+  const Vec2 low{region.xmin, region.ymin}, high{region.xmax, region.ymax};
+  if (!sane(low) || !sane(high) || !(low.x <= high.x && low.y <= high.y)) return {};
+  const Question q{impl_->queries, impl_->query_source(), filter, !impl_->held.empty()};
+  const Vec2 middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
+  Vec2 half{high.x - middle.x, high.y - middle.y};
+  if (q.source.period.x > 0) half.x = std::fmin(half.x, q.source.period.x / 2);
+  if (q.source.period.y > 0) half.y = std::fmin(half.y, q.source.period.y / 2);
+  Outline box;
+  box.count = 4;
+  box.v[0] = {-half.x, -half.y};
+  box.v[1] = {half.x, -half.y};
+  box.v[2] = {half.x, half.y};
+  box.v[3] = {-half.x, half.y};
+  Gatherer found(q);
+  found.add(box, middle, half);
+  return found.answer();
+}
+
+std::optional<ClosestHit> World::closest(Vec2 point, double reach,
+                                         const QueryFilter& filter) const {
+  if (!sane(point) || !sane(reach) || !(reach >= 0)) return {};
+  const Question q{impl_->queries, impl_->query_source(), filter, !impl_->held.empty()};
+  const Vec2 at = q.place(point);
+  std::optional<NearPoint> best;
+  std::uint32_t body = 0;
+  q.parts([&](const QueryIndex::Part& part) {
+    part.grid.around(at, reach, [&](const QueryItem& item, Vec2 shift) {
+      const Vec2 to{item.x + shift.x - at.x, item.y + shift.y - at.y};
+      const double r = static_cast<double>(item.radius), far = reach + r;
+      if (to.x * to.x + to.y * to.y > far * far * (1 + 1e-12)) return;
+      const NearPoint n =
+          item.piece == QueryIndex::kDisc
+              ? near_point(to, r)
+              : near_point(QueryIndex::outline(q.source, part.pieces[item.piece], to));
+      if (n.distance > reach || !q.wants(item.body)) return;
+      if (best && n.distance == best->distance) {  // the least id, then the least point
+        if (item.body > body) return;
+        const Vec2 p = n.point, o = best->point;
+        if (item.body == body && (p.x != o.x ? p.x > o.x : p.y >= o.y)) return;
+      }
+      best = n;
+      body = item.body;
+      reach = n.distance;
+    });
+  });
+  if (!best) return {};
+  return ClosestHit{q.id(body), {point.x + best->point.x, point.y + best->point.y}, best->distance};
+}
+
+}  // namespace psim

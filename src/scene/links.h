@@ -1,0 +1,48 @@
+// What a scene's joints are made of: its bodies by id, and the joints that the links of groups stand
+// for. Ids run over `bodies`, then `groups`, as in the world that is made of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "psim/scene.h"
+
+namespace psim {
+
+/// Rods shorter than this have no direction, metres.
+inline constexpr double kShortestJoint = 1e-9;
+
+/// The bodies of a scene by id, without placing those of groups. Reads the scene as long as it lives.
+class SceneBodies {
+ public:
+  explicit SceneBodies(const Scene& scene);
+
+  BodyType type_of(std::uint64_t id) const;
+  /// Whose description the body has.
+  const BodyDesc& desc_of(std::uint64_t id) const;
+  /// How far the anchors of a joint are apart at the start; nothing if one is in a group.
+  std::optional<double> anchor_distance(const SceneJoint& joint) const;
+  /// The id of the first body of groups[k].
+  std::uint64_t first_of_group(std::size_t k) const { return first_[k]; }
+
+ private:
+  std::size_t group_of(std::uint64_t id) const;
+
+  const Scene& scene_;
+  std::vector<std::uint64_t> first_;  // id of each group's first body
+};
+
+/// Whether body k of a linked group stands still.
+bool is_pinned(const GroupDesc& group, std::uint64_t k);
+
+/// Appends a joint for every pair of neighbours of which at least one moves; `first` is the id of the
+/// group's first body.
+void append_links(const GroupDesc& group, std::uint64_t first, std::vector<SceneJoint>& joints);
+
+/// The scene's joints, then those of the groups' links.
+std::vector<SceneJoint> all_joints(const Scene& scene);
+
+}  // namespace psim

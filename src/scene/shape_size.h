@@ -1,0 +1,30 @@
+// How large a shape is.
+#pragma once
+
+#include <variant>
+#include <vector>
+
+#include "psim/desc.h"
+
+namespace psim {
+
+/// Radius of the circle about the body's origin that holds the shape, metres.
+double bounding_radius(const Shape& shape);
+
+/// The rectangle around the shape of a body, metres, world coordinates.
+Bounds extent(const Shape& shape, Vec2 position, double angle);
+
+/// A point of a body's frame in world coordinates.
+Vec2 to_world(Vec2 point, Vec2 position, double angle);
+
+/// The points that span the shape in the body's frame, and the radius around them: a disc has one, a
+/// capsule two, a box four.
+struct Outline {
+  std::vector<Vec2> points;
+  double radius = 0;
+};
+Outline outline(const Shape& shape);
+
+inline bool is_disc(const Shape& shape) { return std::holds_alternative<DiscShape>(shape); }
+
+}  // namespace psim

@@ -1,0 +1,277 @@
+// Scenes of the R.U.B.E. editor: what its bodies, fixtures and joints become, and what is said of bad
+// ones.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "psim/scene.h"
+#include "scene_text.h"
+
+namespace psim::test {
+namespace {
+
+// As the editor writes it: zero vectors are 0, keys at their default are left out, floats may be hex.
+constexpr std::string_view kCar = R"({
+  "allowSleep": true, "autoClearForces": true, "continuousPhysics": true, "subStepping": false,
+  "gravity": {"x": 0, "y": -9.5}, "stepsPerSecond": 50.0,
+  "positionIterations": 3, "velocityIterations": 8, "warmStarting": true,
+  "image": [], "collisionbitplanes": {"names": ["a"]},
+  "body": [
+    {"name": "ground", "type": 0, "position": 0, "angle": 0, "linearVelocity": 0,
+     "fixture": [
+       {"name": "f", "friction": 0.5, "chain": {"vertices": {"x": [-10, 0, 10], "y": [1, 0, 1]}}},
+       {"friction": 0.25, "filter-categoryBits": 4, "filter-maskBits": 3, "filter-groupIndex": -2,
+        "polygon": {"vertices": {"x": [20, 22, 21], "y": [0, 0, 2]}}}]},
+    {"name": "car", "type": 2, "position": {"x": 1, "y": 5}, "angle": 0.5, "bullet": true,
+     "linearVelocity": {"x": 3, "y": 4}, "angularVelocity": 2, "linearDamping": 0.5, "awake": true,
+     "massData-mass": 6, "massData-I": 7,
+     "fixture": [
+       {"density": 2, "restitution": 0.125,
+        "polygon": {"vertices": {"x": [-1, 1, 1, -1], "y": [-0.5, -0.5, 0.5, 0.5]}}},
+       {"density": 2, "polygon": {"vertices": {"x": [1, 3, 3, 1], "y": [-0.5, -0.5, 0.5, 0.5]}}}]},
+    {"name": "wheel", "type": 2, "position": {"x": "3F800000", "y": 4},
+     "fixture": [{"density": 1, "circle": {"center": 0, "radius": 0.5}}]},
+    {"name": "wheel", "type": 2, "position": {"x": 2, "y": 4}, "fixedRotation": true,
+     "fixture": [{"density": 1, "circle": {"center": {"x": 1, "y": 0}, "radius": 0.5}}]},
+    {"type": 1, "position": {"x": -5, "y": 9}, "angularVelocity": 1,
+     "fixture": [{"sensor": true, "circle": {"center": {"x": 1, "y": 0}, "radius": 0.5}}]}
+  ],
+  "joint": [
+    {"type": "revolute", "name": "axle", "bodyA": 1, "bodyB": 2, "anchorA": {"x": 0, "y": -1},
+     "anchorB": 0, "collideConnected": true, "enableLimit": true, "lowerLimit": -1, "upperLimit": 1,
+     "enableMotor": true, "motorSpeed": 3, "maxMotorTorque": 10, "refAngle": 0.5, "jointSpeed": 0},
+    {"type": "wheel", "bodyA": 1, "bodyB": 3, "anchorA": {"x": 2, "y": -1}, "anchorB": {"x": 1, "y": 0},
+     "localAxisA": {"x": 0, "y": 1}, "springFrequency": 4}
+  ]})";
+
+TEST(Rube, ReadsWorldAndBodies) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  EXPECT_EQ(scene.world.boundary, Boundary::open);
+  EXPECT_EQ(scene.world.gravity.y, -9.5);
+  EXPECT_EQ(scene.world.dt, 0.02);
+  ASSERT_EQ(scene.bodies.size(), 7u);
+
+  const BodyDesc& chain = scene.bodies[0];
+  EXPECT_EQ(chain.type, BodyType::static_body);
+  EXPECT_EQ(scene.body_names[0], "ground");
+  EXPECT_EQ(std::get<ChainShape>(chain.shape).vertices.size(), 3u);
+  EXPECT_FALSE(std::get<ChainShape>(chain.shape).loop);
+  EXPECT_EQ(chain.material.friction, 0.5);
+  EXPECT_EQ(chain.filter, Filter{});
+
+  const BodyDesc& stone = scene.bodies[1];
+  EXPECT_EQ(scene.body_names[1], "");
+  EXPECT_EQ(std::get<PolygonShape>(stone.shape).vertices[2].y, 2);
+  EXPECT_EQ(stone.filter, (Filter{4, 3, -2}));
+
+  EXPECT_EQ(scene.body_names[2], "car");
+  EXPECT_EQ(scene.body_names[4], "wheel");
+  EXPECT_EQ(scene.body_names[5], "") << "names are unique here";
+  EXPECT_EQ(scene.bodies[2].angle, 0.5);
+  EXPECT_TRUE(scene.bodies[2].bullet);
+  EXPECT_EQ(scene.bodies[2].material.restitution, 0.125);
+  EXPECT_EQ(scene.bodies[2].material.friction, 0);
+  EXPECT_EQ(scene.bodies[2].material.density, 2);
+  EXPECT_EQ(scene.bodies[4].position.x, 1) << "hex digits";
+  EXPECT_TRUE(scene.bodies[5].fixed_rotation);
+}
+
+TEST(Rube, PartsOfABodyMoveAsOneAndAreWelded) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  const BodyDesc &a = scene.bodies.at(2), &b = scene.bodies.at(3);
+  EXPECT_EQ(a.position.x, b.position.x);
+  EXPECT_EQ(a.filter.group, b.filter.group);
+  EXPECT_LT(a.filter.group, 0);
+  const SceneJoint& weld = scene.joints.at(0);
+  EXPECT_EQ(weld.joint.type, JointType::weld);
+  EXPECT_EQ(weld.a, 2u);
+  EXPECT_EQ(weld.b, 3u);
+  EXPECT_FALSE(weld.joint.reference);
+  // The whole's centre of mass is at (1, 0) in its frame and moves with (3, 4); the parts' at (0, 0)
+  // and (2, 0), a metre off on either side.
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  EXPECT_NEAR(a.velocity.x, 3 + 2 * s, 1e-12);
+  EXPECT_NEAR(a.velocity.y, 4 - 2 * c, 1e-12);
+  EXPECT_NEAR(b.velocity.x, 3 - 2 * s, 1e-12);
+  EXPECT_NEAR(b.velocity.y, 4 + 2 * c, 1e-12);
+  EXPECT_EQ(a.angular_velocity, 2);
+  EXPECT_EQ(b.angular_velocity, 2);
+}
+
+TEST(Rube, CirclesOffTheOriginKeepTheirPlace) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  const BodyDesc& wheel = scene.bodies.at(5);
+  EXPECT_EQ(std::get<DiscShape>(wheel.shape).radius, 0.5);
+  EXPECT_EQ(wheel.position.x, 3);
+  // A kinematic one turns about the body's origin, so it stays there.
+  const BodyDesc& led = scene.bodies.at(6);
+  EXPECT_EQ(led.position.x, -5);
+  EXPECT_EQ(std::get<CapsuleShape>(led.shape).p1.x, 1);
+  EXPECT_TRUE(led.sensor);
+}
+
+TEST(Rube, ReadsJoints) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  ASSERT_EQ(scene.joints.size(), 3u);
+  const SceneJoint& axle = scene.joints[1];
+  EXPECT_EQ(axle.a, 2u);
+  EXPECT_EQ(axle.b, 4u);
+  EXPECT_EQ(axle.joint.type, JointType::revolute);
+  EXPECT_EQ(axle.joint.anchor_a.y, -1);
+  EXPECT_TRUE(axle.joint.collide);
+  EXPECT_EQ(axle.joint.lower, -1);
+  EXPECT_EQ(axle.joint.upper, 1);
+  EXPECT_EQ(axle.joint.motor_speed, 3);
+  EXPECT_EQ(axle.joint.motor_limit, 10);
+  EXPECT_EQ(axle.joint.reference, 0.5);
+  const SceneJoint& wheel = scene.joints[2];
+  EXPECT_EQ(wheel.joint.type, JointType::revolute);
+  EXPECT_EQ(wheel.joint.anchor_b.x, 0) << "the disc's centre is the anchor";
+  EXPECT_EQ(wheel.joint.motor_limit, 0);
+}
+
+TEST(Rube, SaysWhatIsApproximated) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  ASSERT_EQ(scene.notes.size(), 3u);
+  EXPECT_EQ(scene.notes[0], "body[1]: several fixtures: each becomes a body, welded to the first");
+  EXPECT_EQ(scene.notes[1], "body[1]: linearDamping and angularDamping are left out");
+  EXPECT_EQ(scene.notes[2], "joint[1]: a wheel joint becomes a revolute one, without its spring");
+}
+
+TEST(Rube, BoundsLeaveRoomAroundEverything) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  const Bounds& b = scene.world.bounds;
+  EXPECT_LT(b.xmin, -10 - 32);
+  EXPECT_GT(b.xmax, 22 + 32);
+  EXPECT_LT(b.ymin, -100);
+  EXPECT_GT(b.ymax, 100);
+}
+
+TEST(Rube, ReadsBackAsAnOwnScene) {
+  const Scene scene = parsed_scene(std::string(kCar));
+  const std::string text = scene_to_json(scene);
+  EXPECT_EQ(scene_to_json(parsed_scene(text)), text);
+}
+
+// A scene of two dynamic discs of 1 kg and 4 kg and this joint.
+std::string jointed(std::string_view joint) {
+  const double area = std::numbers::pi * 0.25;
+  return R"({"gravity": 0, "body": [
+    {"type": 2, "position": 0, "fixture": [{"density": )" +
+         std::to_string(1 / area) +
+         R"(, "circle": {"radius": 0.5}}]},
+    {"type": 2, "position": {"x": 3, "y": 0}, "fixture": [{"density": )" +
+         std::to_string(4 / area) +
+         R"(, "circle": {"center": 0, "radius": 0.5}}]}],
+  "joint": [)" +
+         std::string(joint) + "]}";
+}
+
+TEST(Rube, JointsWithAFrequencyAreSprings) {
+  const double rate = 2 * std::numbers::pi * 3;
+  const auto only = [](const Scene& scene) {
+    return scene.joints.empty() ? JointDesc{} : scene.joints[0].joint;
+  };
+  const JointDesc spring = only(parsed_scene(jointed(
+      R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3, "frequency": 3, "dampingRatio": 0.5})")));
+  EXPECT_EQ(spring.type, JointType::spring);
+  EXPECT_EQ(spring.length, 3);
+  EXPECT_NEAR(spring.stiffness, 0.8 * rate * rate, 1e-3);
+  EXPECT_NEAR(spring.damping, 0.8 * rate, 1e-3);
+  EXPECT_EQ(
+      only(parsed_scene(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3})")))
+          .type,
+      JointType::distance);
+  // 1/8 and 1/2 kg m^2.
+  const JointDesc weld = only(parsed_scene(jointed(
+      R"({"type": "weld", "bodyA": 0, "bodyB": 1, "frequency": 3, "anchorA": {"x": 3, "y": 0}})")));
+  EXPECT_EQ(weld.type, JointType::weld);
+  EXPECT_NEAR(weld.stiffness, 0.1 * rate * rate, 1e-3);
+  EXPECT_EQ(
+      only(parsed_scene(jointed(R"({"type": "rope", "bodyA": 0, "bodyB": 1, "maxLength": 4})")))
+          .length,
+      4);
+  const JointDesc slide = only(parsed_scene(jointed(
+      R"({"type": "prismatic", "bodyA": 0, "bodyB": 1, "localAxisA": {"x": 0, "y": 1}, "enableLimit": true,
+          "lowerLimit": 0, "upperLimit": 2, "enableMotor": true, "maxMotorForce": 5})")));
+  EXPECT_EQ(slide.type, JointType::prismatic);
+  EXPECT_EQ(slide.axis.y, 1);
+  EXPECT_EQ(slide.upper, 2);
+  EXPECT_EQ(slide.motor_limit, 5);
+}
+
+TEST(Rube, WhatCannotBeMadeIsLeftOutAndSaid) {
+  for (const std::string_view type : {"motor", "friction", "gear"}) {
+    const Scene scene = parsed_scene(
+        jointed("{\"type\": \"" + std::string(type) + "\", \"bodyA\": 0, \"bodyB\": 1}"));
+    EXPECT_TRUE(scene.joints.empty());
+    ASSERT_EQ(scene.notes.size(), 1u);
+    EXPECT_EQ(scene.notes[0], "joint[0]: a " + std::string(type) + " joint is left out");
+  }
+  const Scene scene = parsed_scene(R"({"body": [{"type": 0}, {"type": 2}, {"type": 0}],
+    "joint": [{"type": "rope", "bodyA": 0, "bodyB": 1, "maxLength": 1}]})");
+  EXPECT_EQ(scene.bodies.size(), 2u) << "bodies without fixtures stay if a joint holds them";
+  EXPECT_TRUE(scene.bodies[0].sensor);
+  EXPECT_EQ(scene.bodies[1].filter.mask, 0u);
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_EQ(scene.notes[0], "body[2]: no fixture and no joint: left out");
+}
+
+TEST(Rube, ClosedChainsAreLoops) {
+  const Scene scene = parsed_scene(R"({"body": [{"fixture": [
+    {"chain": {"vertices": {"x": [0, 1, 1, 1, 0], "y": [0, 0, 1, 1, 0]}}},
+    {"edge": {"vertex1": 0, "vertex2": {"x": 1, "y": 0}}}]}]})");
+  const auto& chain = std::get<ChainShape>(scene.bodies.at(0).shape);
+  EXPECT_TRUE(chain.loop);
+  EXPECT_EQ(chain.vertices.size(), 3u);
+  EXPECT_TRUE(std::holds_alternative<SegmentShape>(scene.bodies.at(1).shape));
+}
+
+TEST(Rube, BadOnesAreRefusedAtTheirPlace) {
+  const auto body = [](std::string_view keys) {
+    return "{\"body\": [{" + std::string(keys) + "}]}";
+  };
+  const auto fixture = [&](std::string_view keys) {
+    return body("\"type\": 2, \"fixture\": [{" + std::string(keys) + "}]");
+  };
+  expect_refused(R"({"body": [3]})", "body[0]", "must be an object");
+  expect_refused(body(R"("type": 3)"), "body[0].type", "0 to 2");
+  expect_refused(body(R"("position": 1)"), "body[0].position", "must be 0 or");
+  expect_refused(body(R"("position": {"x": 1})"), "body[0].position", "\"y\" is missing");
+  expect_refused(body(R"("angle": "zz")"), "body[0].angle", "eight hex digits");
+  expect_refused(body(R"("angle": "7FC00000")"), "body[0].angle", "out of range");
+  expect_refused(fixture(""), "body[0].fixture[0]", "has no shape");
+  expect_refused(fixture(R"("circle": {"center": 0})"), "body[0].fixture[0].circle",
+                 "\"radius\" is missing");
+  expect_refused(fixture(R"("polygon": {"vertices": {"x": [0, 1], "y": [0, 1]}})"),
+                 "body[0].fixture[0].polygon.vertices.x", "has 2 elements");
+  expect_refused(fixture(R"("polygon": {"vertices": {"x": [0, 1, 2], "y": [0, 1]}})"),
+                 "body[0].fixture[0].polygon.vertices.y", "has 2 elements");
+  expect_refused(
+      fixture(R"("polygon": {"vertices": {"x": [0, 2, 2, 1, 0], "y": [0, 0, 2, 0.5, 2]}})"),
+      "body[0].fixture[0]", "convex");
+  expect_refused(fixture(R"("chain": {"vertices": {"x": [0, 1], "y": [0, 1]}})"),
+                 "body[0].fixture[0]", "types 0 and 1 only");
+  expect_refused(fixture(R"("circle": {"radius": 1}, "edge": {})"), "body[0].fixture[0]",
+                 "two shapes");
+  expect_refused(jointed(R"({"type": "hinge", "bodyA": 0, "bodyB": 1})"), "joint[0].type",
+                 "\"revolute\"");
+  expect_refused(jointed(R"({"type": "weld", "bodyA": 0})"), "joint[0]", "\"bodyB\" is missing");
+  expect_refused(jointed(R"({"type": "weld", "bodyA": 0, "bodyB": 2})"), "joint[0].bodyB",
+                 "no body 2");
+  expect_refused(jointed(R"({"type": "weld", "bodyA": 1, "bodyB": 1})"), "joint[0].bodyB",
+                 "two different");
+  expect_refused(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 0})"),
+                 "joint[0].length", "above 0");
+  expect_refused(jointed(R"({"type": "revolute", "bodyA": 0, "bodyB": 1, "enableLimit": true,
+                             "lowerLimit": 1, "upperLimit": 0})"),
+                 "joint[0]", "lowerLimit is above");
+  expect_refused(R"({"body": 3})", "scene", "\"psim\" is missing");
+}
+
+}  // namespace
+}  // namespace psim::test
