@@ -554,9 +554,12 @@ TEST(HullSweep, CloseFromTheStart) {
   EXPECT_EQ(from(0.0105f, 3, 0), 1);
   EXPECT_EQ(from(0.005f, 0, 1), 1);      // parts
   EXPECT_EQ(from(0.005f, 0, -0.1f), 1);  // presses
-  EXPECT_EQ(from(0.005f, 0, -3), 0);     // would pass on through
-  EXPECT_EQ(from(-0.005f, 1, -3), 0);
-  EXPECT_EQ(from(-0.7f, 0, -3), 1);  // inside already: contacts push it out
+  // What would pass on through is stopped half of its inner radius deep; sunk as deep from the start,
+  // before its centre goes through; inside already, not at all: contacts push it out.
+  EXPECT_NEAR(from(0.005f, 0, -3), 0.255 / 3, 1e-3);
+  EXPECT_NEAR(from(-0.005f, 0, -3), 0.245 / 3, 1e-3);
+  EXPECT_NEAR(from(-0.3f, 0, -3), 0.5 * 0.2 / 3, 1e-3);
+  EXPECT_EQ(from(-0.7f, 0, -3), 1);
 }
 
 // ---- rays ----------------------------------------------------------------------------------------

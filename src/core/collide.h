@@ -44,7 +44,8 @@ Nearest nearest(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, floa
 /// The share (0..1) of a motion after which two hulls come within `slack` of each other; 1: never.
 /// B starts at (dx, dy) from A and moves by (mx, my) while it turns by `turn` rad, A stands.
 /// Conservative advancement (Mirtich 1996): never late. If they are that close from the start, half
-/// of B's inner radius deep counts instead; deeper than that from the start: 1.
+/// of B's inner radius deep counts instead; deeper than that from the start: before B's centre
+/// passes into A.
 float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, double turn, float dx,
                      float dy, float mx, float my, float slack);
 

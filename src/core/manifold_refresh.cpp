@@ -14,11 +14,12 @@ namespace {
 // smaller one's inner radius, and neither has turned by more than 11 degrees.
 constexpr float kLasting = 0.02f;
 constexpr float kMostTurn = 0.19f;  // sine
+constexpr float kThin = 0.2f;       // of the reach: what counts as the inner radius at least
 constexpr float kNearby = 0.02f;    // of the inner radius: how far apart contacts are looked for
 constexpr float kMarginFrames = 1.25f;
 constexpr float kApart = 0.0005f;   // of the inner radius: gap above which bodies are apart
 constexpr float kStep = 0.02f;      // how far a piece may stand out of a plane and count as below it
-constexpr float kAlike = 0.99f;     // cosine between normals that say the same
+constexpr float kAlike = 0.9999f;    // cosine between normals that say the same
 
 // B against the plane through the point (0, 0) at distance `offset` along the inward normal.
 Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin) {
@@ -89,7 +90,8 @@ void Manifolds::look(const BodyStore& b, const ManifoldParams& params, ManifoldP
     spin += std::fabs(b.spin[i]);
   }
   const auto inner_of = [&](std::size_t slot) {
-    return (kind_[slot] & kShape) == 0 ? b.radius[slot] : b.make(b.id[slot]).inner;
+    const float reach = b.radius[slot];
+    return (kind_[slot] & kShape) == 0 ? reach : std::fmax(b.make(b.id[slot]).inner, kThin * reach);
   };
   const float inner = fixed ? inner_of(j) : std::fmin(inner_of(i), inner_of(j));
   const float closing = std::sqrt(vx * vx + vy * vy) + spin + g * dt;

@@ -101,14 +101,37 @@ class SingleGeometry {
       const double cy = -static_cast<double>(c_.s_base_y[at]);
       for (std::size_t o = begin; o < end; ++o) {
         if (o == k || list[o].shape >= kWallLeft || !shapes_[list[o].shape].segment) continue;
-        const bool other_corner = is_corner(list[o]);
-        if (other_corner && o > k) continue;
+        if (is_corner(list[o])) {  // the one whose end is nearer; of two at one point the first
+          const double near = squared(list[o]), mine = cx * cx + cy * cy;
+          const bool one_point = std::fabs(near - mine) <= 1e-5 * mine;
+          if (one_point ? o > k : near > mine) continue;
+          if (o > k && rises(list[k], list[o])) continue;
+        }
         if (distance_to(list[o], cx, cy) < 1e-5 * static_cast<double>(b_.radius[list[k].body]) + 4 * px_) {
           drop(at);
           break;
         }
       }
     }
+  }
+
+  // Whether a segment goes up from another one, seen from the body's side.
+  bool rises(const SinglePair& pair, const SinglePair& from) const {
+    const StaticShape &s = shapes_[pair.shape], &o = shapes_[from.shape];
+    const double ux = wrap_sub(o.q.x, o.p.x) * px_, uy = wrap_sub(o.q.y, o.p.y) * py_;
+    const double side = outside(from) > 0 ? 1 : -1;
+    const auto height = [&](const LatticePoint& p) {
+      return side * (uy * (wrap_sub(p.x, o.p.x) * px_) - ux * (wrap_sub(p.y, o.p.y) * py_));
+    };
+    const double least = 1e-3 * (ux * ux + uy * uy);
+    return height(s.p) > least || height(s.q) > least;
+  }
+
+  // Distance from a body's centre to the corner it meets, squared.
+  double squared(const SinglePair& pair) const {
+    const double x = static_cast<double>(c_.s_base_x[pair.contact]);
+    const double y = static_cast<double>(c_.s_base_y[pair.contact]);
+    return x * x + y * y;
   }
 
   // Edges of a polygon that have a disc's centre on their inner side: none of them counts if another

@@ -91,8 +91,12 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
       // In touch from the start, as what slides, rolls or falls over is: contacts see to that, and
       // only a body that would go on through is stopped, half way into itself.
       target = -0.5 * double{b.inner};
-      close_enough = 0.9 * target;
-      if (now.distance <= close_enough) return 1;
+      close_enough = target + fine;
+      if (now.distance <= close_enough) {  // or, sunk that deep, before its centre goes through
+        const RayCast path = cast_ray(a, qa, dx, dy, mx, my);
+        const bool outside = path.nx != 0 || path.ny != 0;
+        return path.fraction <= 1 && outside ? 0.5f * path.fraction : 1.0f;
+      }
     }
     if (now.distance <= close_enough) break;
     // Along the present normal they stay apart for as long as this.

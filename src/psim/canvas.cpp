@@ -74,10 +74,11 @@ void Canvas::solid(float x0, float y0, float x1, float y1, float inner, float ou
   constexpr float kSmallest = 0.75f;  // painted no thinner than twice this, but fainter
   constexpr float kRimFrom = 3;       // pixels from which on the rim shows
   constexpr float kRimShare = 0.14f;  // of the inner radius
+  constexpr float kWidestRim = 16;
   constexpr float kRimDarkening = 0.45f;
   const float grow = std::max(kSmallest - inner, 0.0f);
   const float weight = (inner / (inner + grow)) * (outer / (outer + grow));
-  const float rim = inner < kRimFrom ? 0 : kRimShare * inner;
+  const float rim = inner < kRimFrom ? 0 : std::min(kRimShare * inner, kWidestRim);
   const float margin = grow + 0.5f;
   for_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, [&](Colour& pixel, int x, int y) {
     const float d = distance(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - grow;
@@ -99,12 +100,13 @@ void Canvas::convex(std::span<const Point> points, float radius, Colour colour) 
   if (points.empty()) return;
   const std::size_t n = points.size();
   Point low = points[0], high = points[0], middle;
-  float area = 0;
+  float area = 0, perimeter = 0;  // twice the area
   for (std::size_t k = 0; k < n; ++k) {
     const Point p = points[k], next = points[(k + 1) % n];
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     middle = {middle.x + p.x / static_cast<float>(n), middle.y + p.y / static_cast<float>(n)};
+    perimeter += std::hypot(next.x - p.x, next.y - p.y);
     area +=
         (p.x - points[0].x) * (next.y - points[0].y) - (p.y - points[0].y) * (next.x - points[0].x);
   }
@@ -126,7 +128,9 @@ void Canvas::convex(std::span<const Point> points, float radius, Colour colour) 
   };
   const float inner = std::max(radius - to_polygon(middle.x, middle.y), 0.0f);
   if (!(inner > 0)) return;
-  const float outer = std::max(std::hypot(high.x - low.x, high.y - low.y) / 2 + radius, inner);
+  // That of a rectangle of the same area.
+  const float covered = std::abs(area) / 2 + (perimeter + 3.14f * radius) * radius;
+  const float outer = std::max(covered / (4 * inner), inner);
   solid(low.x - radius, low.y - radius, high.x + radius, high.y + radius, inner, outer, colour,
         [&](float x, float y) { return to_polygon(x, y) - radius; });
 }
