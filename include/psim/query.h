@@ -1,4 +1,5 @@
-// Questions about what is where. Answers are in a fixed order that depends on the bodies alone.
+// Questions about what is where. Answers are in a fixed order that depends on the bodies alone. Any number
+// of threads may ask at once while nobody changes the world.
 #pragma once
 
 #include <cstdint>

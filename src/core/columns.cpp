@@ -67,11 +67,6 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
     return least <= kTouching * inner(pair.id_b);
   };
   standing_.resize(std::max<std::size_t>(standing_.size(), b.count));
-  pool.run((b.count + 4095) / 4096, [&](std::size_t t) {
-    const std::size_t end = std::min<std::size_t>(b.count, (t + 1) * 4096);
-    std::fill(standing_.begin() + static_cast<std::ptrdiff_t>(t * 4096),
-              standing_.begin() + static_cast<std::ptrdiff_t>(end), Standing{});
-  });
   const auto each_strip = [&](const auto& visit) {  // no two jobs of a phase share a body
     const std::size_t grid = table.strips.size() - 1;
     for (std::size_t parity = 0; parity < 2; ++parity) {
@@ -79,6 +74,15 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
     }
     visit(grid);
   };
+  each_strip([&](std::size_t strip) {
+    const auto [first, last] = manifolds.pairs_of(strip);
+    for (std::uint32_t k = first; k < last; ++k) {
+      const ManifoldPair& pair = manifolds.pairs()[k];
+      standing_[pair.b] = {};
+      if (pair.a != kNone) standing_[pair.a] = {};
+    }
+  });
+  for (const std::uint32_t slot : manifolds.shaped()) standing_[slot] = {};
   each_strip([&](std::size_t strip) {
     const auto [first, last] = manifolds.pairs_of(strip);
     for (std::uint32_t k = first; k < last; ++k) {

@@ -63,8 +63,11 @@ void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const J
       }
     }
   };
-  std::uint32_t kept = s.pair_begin, p = s.pair_begin;
-  for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
+  // A strip's pairs reach into itself and the next one; those of the large bodies anywhere.
+  const std::size_t last = table.strips.size() - 1, next = index + 1 < last ? index + 1 : 0;
+  const bool plain = joined == nullptr && index != last && !special_[index] && !special_[next];
+  std::uint32_t kept = plain ? s.pair_end : s.pair_begin, p = s.pair_begin;
+  for (std::uint32_t i = s.body_begin; i < s.body_end && !plain; ++i) {
     const std::uint32_t mark = table.first[i] & PairTable::kStripStart;
     table.first[i] = kept | mark;
     for (; p < s.pair_end && table.owner[p] == i; ++p) {
@@ -166,6 +169,12 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
   }
   old_pairs_.swap(pairs_);
   index_old_pairs(b.id_count);
+  special_.resize(std::max(special_.size(), strips));
+  for (std::size_t s = 0; s < strips; ++s) {
+    const std::uint8_t* const begin = kind_.data() + table.strips[s].body_begin;
+    const std::uint8_t* const end = kind_.data() + table.strips[s].body_end;
+    special_[s] = std::any_of(begin, end, [](std::uint8_t kind) { return kind != kDisc; });
+  }
   pool.run(strips, [&](std::size_t s) { sort_out(b, shapes, joined, table, s); });
   begin_.assign(strips + 1, 0);
   for (std::size_t s = 0; s < strips; ++s) {

@@ -215,6 +215,7 @@ class Manifolds {
   std::vector<Found> found_;
   std::vector<std::uint64_t> ghosts_;  // slot << 32 | fixed piece, ascending
   std::vector<StripBlocks> strips_;
+  std::vector<std::uint8_t> special_; // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;   // by strip: its blocks are of other pairs
   Column<std::uint8_t> kind_;         // by slot
   Column<float> rotor_;               // by slot, records

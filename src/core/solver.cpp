@@ -453,6 +453,7 @@ void Solver::Run::drift() {
     if (bodies_.spin.empty()) return;
     for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved_.count()); ++n) {
       if (view_.linked[n] == 0) continue;
+      if (view_.spin[n] == 0) continue;
       const std::size_t i = solved_.slot(n);
       bodies_.angle[i] +=
           h_ * (static_cast<double>(view_.spin[n]) / static_cast<double>(bodies_.radius[i]));

@@ -452,8 +452,13 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.model = plan.model;
   p.turns = plan.turns;
   if (plan.turns) {
-    std::fill_n(bodies.turn.data(), bodies.turn.capacity(), 0.0f);
-    std::fill_n(bodies.swing.data(), bodies.swing.capacity(), 0.0f);
+    pool.run(stream_tasks(bodies.blocks()), [&](std::size_t t) {
+      const BlockRange r = stream_range(t, bodies.blocks());
+      std::fill(bodies.turn.data() + std::size_t{r.begin} * 2 * kBlock,
+                bodies.turn.data() + std::size_t{r.end} * 2 * kBlock, 0.0f);
+      std::fill(bodies.swing.data() + std::size_t{r.begin} * kBlock,
+                bodies.swing.data() + std::size_t{r.end} * kBlock, 0.0f);
+    });
   }
   joints.prepare(bodies, fixed, solved, lattice, h, pool);
   last_substep = h;

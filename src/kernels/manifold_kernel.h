@@ -395,9 +395,11 @@ void swing_bodies(const BodyView& b, const float* radius, float h, std::uint32_t
     if (!any_linked<L>(b.linked, block)) continue;
     for (std::uint32_t r = 0; r < kBlock; r += L::width) {
       const std::size_t i = static_cast<std::size_t>(block) * kBlock + r;
+      const auto spin = L::load(b.spin + i), before = L::load(b.swing + i), none = L::set1(0);
+      if (!L::bits(L::either(L::differ(spin, none), L::differ(before, none)))) continue;
       const auto size = L::load(radius + i);
       const auto safe = L::select(L::less(L::set1(0), size), size, one);
-      auto d = L::add(L::load(b.swing + i), L::mul(step, L::div(L::load(b.spin + i), safe)));
+      auto d = L::add(before, L::mul(step, L::div(spin, safe)));
       L::store(b.swing + i, d);
       // A turn of more than 2^20 in a frame has no direction left.
       d = L::max(L::min(d, L::set1(1e6f)), L::set1(-1e6f));
