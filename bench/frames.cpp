@@ -36,6 +36,11 @@ constexpr FrameScene kScenes[] = {
     {"rough-pile", "rough-pile", 100'000, 120, 60, true},
     {"million", "million", 1'000'000, 20, 20, false},
     {"pile-million", "pile", 1'000'000, 120, 10, false},
+    {"large_pyramid", "large_pyramid", 5'050, 60, 120, true},
+    {"many_pyramids", "many_pyramids", 22'000, 60, 60, true},
+    {"joint_grid", "joint_grid", 10'000, 20, 120, true},
+    {"tumbler", "tumbler", 2'025, 120, 120, false},
+    {"boxes_into_discs", "boxes_into_discs", 50'000, 120, 60, false},
 };
 
 std::unique_ptr<World> warm_world(const FrameScene& scene, Isa isa, int threads,

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   psim::bench::register_stream_kernels();
   psim::bench::register_pair_kernels();
   psim::bench::register_contact_kernels();
+  psim::bench::register_manifold_kernels();
   psim::bench::register_frames();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

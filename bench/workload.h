@@ -43,6 +43,7 @@ void register_kernel(const std::string& name, const MakeWorkload& make);
 void register_stream_kernels();
 void register_pair_kernels();
 void register_contact_kernels();
+void register_manifold_kernels();
 void register_frames();
 
 }  // namespace psim::bench

@@ -1,7 +1,9 @@
 // The accuracy program as a user meets it: its rows, its lists, its refusals.
 #include <psim/scene.h>
 
+#include <map>
 #include <set>
+#include <utility>
 
 #include "cli_runner.h"
 #include "support.h"
@@ -49,6 +51,65 @@ TEST(Accuracy, ListsEnginesAndCasesAndRunsNothing) {
   for (const char* word : {"psim", "box2d", "box2d3", "chipmunk", "kepler", "pile-penetration"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
+}
+
+TEST(Accuracy, ListsCasesOfBoxesAndJoints) {
+  const auto result = run_accuracy({"--list"});
+  EXPECT_EQ(result.status, 0);
+  for (const char* name :
+       {"stack-20-height", "stack-100-sideways", "staggered-20-height", "pyramid-20-way",
+        "loaded-10-height", "loaded-100-height", "loaded-1000-height", "two-legs-height",
+        "box-slide-distance", "box-hold-threshold", "box-hold-creep", "box-tip-threshold",
+        "pendulum-period", "double-pendulum", "double-rods", "oscillator-amplitude", "chain-sag"}) {
+    EXPECT_NE(result.out.find(name), std::string::npos) << name;
+  }
+}
+
+TEST(Accuracy, ABoxStackStandsWithinItsLimits) {
+  const auto result = run_accuracy({"--quick", "--case", "stack-20", "--engine", "psim"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  std::map<std::string, double> errors;
+  const auto lines = lines_of(result.out);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    if (!fields[2].ends_with(" default")) continue;
+    errors[fields[0]] = std::stod(fields[7]);
+    EXPECT_GT(std::stod(fields[6]), 0) << lines[k];
+  }
+  ASSERT_EQ(errors.size(), 3u);
+  EXPECT_LT(errors["stack-20-height"], 0.004);
+  EXPECT_LT(errors["stack-20-sideways"], 1e-4);
+  EXPECT_LT(errors["stack-20-speed"], 1e-3);
+}
+
+// Coarse: no engine is accurate here, but none may get another box or another joint.
+TEST(Accuracy, EveryEngineGetsTheSameBoxesAndJoints) {
+  const auto result =
+      run_accuracy({"--quick", "--case", "box-slide", "--case", "double-rods", "--case", "chain"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::map<std::string, double> limits = {
+      {"box-slide-distance", 0.05}, {"double-rods", 0.2}, {"chain-sag", 0.1}};
+  std::map<std::string, std::set<std::string>> engines;
+  const auto lines = lines_of(result.out);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    const auto limit = limits.find(fields[0]);
+    if (limit == limits.end() || !fields[2].ends_with(" default")) continue;
+    engines[fields[0]].insert(fields[1]);
+    EXPECT_LT(std::stod(fields[7]), limit->second) << lines[k];
+  }
+  ASSERT_EQ(engines.size(), limits.size());
+  for (const auto& [name, ran] : engines) EXPECT_EQ(ran, engines["chain-sag"]) << name;
+  EXPECT_TRUE(engines["chain-sag"].contains("psim"));
+}
+
+TEST(Accuracy, KindKeepsDiscsOrRigidBodies) {
+  for (const auto& [kind, other] : {std::pair{"discs", "stack-20"}, {"rigid", "column"}}) {
+    const auto result = run_accuracy({"--kind", kind, "--case", other});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_NE(result.err.find(other), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(run_accuracy({"--kind", "nonesuch"}).status, 2);
 }
 
 TEST(SlowAccuracy, StressGradesEveryStress) {

@@ -53,7 +53,7 @@ bool beyond_the_schema(std::string_view error) {
                                         "is less than the smallest",
                                         "stands beside \"vx\"",
                                         "is the body of",
-                                        "and so is \"a\"",
+                                        "nor is \"a\"",
                                         "is the shape of a dynamic body",
                                         "makes a sensor of a dynamic body",
                                         "must be convex",

@@ -46,6 +46,9 @@ std::vector<Case> gas_cases(Effort effort);
 std::vector<Case> fluid_cases(Effort effort);
 std::vector<Case> cloud_cases(Effort effort);
 std::vector<Case> rest_cases(Effort effort);
+std::vector<Case> stack_cases(Effort effort);
+std::vector<Case> box_cases(Effort effort);
+std::vector<Case> joint_cases(Effort effort);
 
 std::vector<Case> all_cases(Effort effort);
 

@@ -23,7 +23,8 @@ struct Setting {
   int substeps = 1;
   int iterations = 1;  ///< solver iterations a substep
   int position_iterations = 0;
-  double slop = 0;  ///< m, overlap that the engine leaves alone
+  double slop = 0;    ///< m, overlap that the engine leaves alone
+  bool bare = false;  ///< Box2D 2.4: corners without the skin that it gives them, for boxes only
   std::string integrator;
   Isa isa = best_isa();
   int threads = 1;

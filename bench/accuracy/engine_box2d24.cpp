@@ -22,6 +22,7 @@ class Box2dSimulation : public Simulation {
     world_.SetAllowSleeping(false);
     if (model.scene.world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) bodies_.push_back(add(body));
+    for (const SceneJoint& joint : model.scene.joints) add(joint);
   }
 
   void advance() override {
@@ -61,7 +62,7 @@ class Box2dSimulation : public Simulation {
     for (const b2Contact* c = world_.GetContactList(); c; c = c->GetNext()) {
       if (c->IsTouching()) points += c->GetManifold()->pointCount;
     }
-    return static_cast<double>(points) * setting_.steps *
+    return static_cast<double>(points + joint_rows(*model_)) * setting_.steps *
            (1 + setting_.iterations + setting_.position_iterations);
   }
 
@@ -110,6 +111,8 @@ class Box2dSimulation : public Simulation {
       edge.SetTwoSided(to_box2d(line->p1), to_box2d(line->p2));
       const b2FixtureDef f = fixture(edge, desc.material);
       body->CreateFixture(&f);
+    } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
+      add_box(*sides, desc, *body);
     } else {
       const double r = radius_of(desc);
       b2CircleShape circle;
@@ -119,6 +122,51 @@ class Box2dSimulation : public Simulation {
       body->CreateFixture(&f);
     }
     return body;
+  }
+
+  // A polygon has a skin of 1 cm around it: what is seen, skin included, is the scene's box.
+  void add_box(const BoxShape& sides, const BodyDesc& desc, b2Body& body) const {
+    const float skin = setting_.bare ? 0 : b2_polygonRadius;
+    b2PolygonShape polygon;
+    polygon.SetAsBox(0.5f * static_cast<float>(sides.width) - skin,
+                     0.5f * static_cast<float>(sides.height) - skin);
+    polygon.m_radius = skin;
+    const b2FixtureDef f = fixture(polygon, desc.material);
+    body.CreateFixture(&f);
+    b2MassData mass;
+    mass.mass = static_cast<float>(mass_of(desc));
+    mass.center = {0, 0};
+    mass.I = static_cast<float>(inertia_of(desc));
+    body.SetMassData(&mass);
+  }
+
+  void add(const SceneJoint& scene_joint) {
+    const JointDesc& joint = scene_joint.joint;
+    b2Body *a = bodies_[scene_joint.a], *b = bodies_[scene_joint.b];
+    if (joint.type == JointType::revolute) {
+      b2RevoluteJointDef pin;
+      pin.bodyA = a;
+      pin.bodyB = b;
+      pin.localAnchorA = to_box2d(joint.anchor_a);
+      pin.localAnchorB = to_box2d(joint.anchor_b);
+      pin.collideConnected = joint.collide;
+      world_.CreateJoint(&pin);
+      return;
+    }
+    b2DistanceJointDef rod;
+    rod.bodyA = a;
+    rod.bodyB = b;
+    rod.localAnchorA = to_box2d(joint.anchor_a);
+    rod.localAnchorB = to_box2d(joint.anchor_b);
+    rod.collideConnected = joint.collide;
+    rod.length = static_cast<float>(length_of(*model_, scene_joint));
+    if (joint.type == JointType::spring) {
+      rod.stiffness = static_cast<float>(joint.stiffness);
+      rod.damping = static_cast<float>(joint.damping);
+    } else {
+      rod.minLength = rod.maxLength = rod.length;
+    }
+    world_.CreateJoint(&rod);
   }
 
   void apply_fields() {
@@ -165,6 +213,13 @@ Setting setting_of(int velocity_iterations, int steps) {
 std::vector<Setting> box2d_settings(Effort effort, Scale scale) {
   std::vector<Setting> settings;
   if (effort == Effort::quick) return {setting_of(8, 1), setting_of(8, 4)};
+  for (const int steps : {1, 4, 16}) {
+    Setting s = setting_of(8, steps);
+    s.bare = true;
+    s.curve += " bare";
+    s.is_default = false;
+    settings.push_back(s);
+  }
   for (const int iterations : {1, 2, 4, 8, 16}) {
     for (const int steps : {1, 2, 4, 8, 16, 32, 64}) {
       const bool sparse = steps > 16 || (iterations != 8 && steps != 1 && steps != 4);

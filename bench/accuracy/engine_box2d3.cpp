@@ -27,6 +27,7 @@ class Box2d3Simulation : public Simulation {
     world_ = b2CreateWorld(&def);
     if (model.scene.world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) add(body);
+    for (const SceneJoint& joint : model.scene.joints) add(joint);
   }
   ~Box2d3Simulation() override { b2DestroyWorld(world_); }
   Box2d3Simulation(const Box2d3Simulation&) = delete;
@@ -64,7 +65,9 @@ class Box2d3Simulation : public Simulation {
 
   // Warm start, solve and relax every substep, restitution once a step.
   double row_visits() const override {
-    return contacts().points * setting_.steps * (3 * setting_.substeps + 1);
+    return (contacts().points * (3 * setting_.substeps + 1) +
+            joint_rows(*model_) * 3 * setting_.substeps) *
+           setting_.steps;
   }
 
   void watch_impulses() override { watched_ = true; }
@@ -138,17 +141,58 @@ class Box2d3Simulation : public Simulation {
     const b2BodyId body = b2CreateBody(world_, &def);
     bodies_.push_back(body);
     angles_.push_back(desc.angle);
-    turns_ = turns_ || desc.angular_velocity != 0;
+    turns_ = turns_ || desc.angular_velocity != 0 || !model_->scene.joints.empty();
     b2ShapeDef surface = shape(desc.material);
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       const b2Segment edge{to_box2d(line->p1), to_box2d(line->p2)};
       b2CreateSegmentShape(body, &surface, &edge);
+    } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
+      surface.density = static_cast<float>(mass_of(desc) / area_of(desc));
+      const b2Polygon polygon = b2MakeBox(0.5f * static_cast<float>(sides->width),
+                                          0.5f * static_cast<float>(sides->height));
+      b2CreatePolygonShape(body, &surface, &polygon);
     } else {
       const double r = radius_of(desc);
       surface.density = static_cast<float>(mass_of(desc) / (std::numbers::pi * r * r));
       const b2Circle circle{{0, 0}, static_cast<float>(r)};
       b2CreateCircleShape(body, &surface, &circle);
     }
+  }
+
+  void add(const SceneJoint& scene_joint) {
+    const JointDesc& joint = scene_joint.joint;
+    const b2BodyId a = bodies_[scene_joint.a], b = bodies_[scene_joint.b];
+    if (joint.type == JointType::revolute) {
+      b2RevoluteJointDef pin = b2DefaultRevoluteJointDef();
+      pin.bodyIdA = a;
+      pin.bodyIdB = b;
+      pin.localAnchorA = to_box2d(joint.anchor_a);
+      pin.localAnchorB = to_box2d(joint.anchor_b);
+      pin.collideConnected = joint.collide;
+      b2CreateRevoluteJoint(world_, &pin);
+      return;
+    }
+    b2DistanceJointDef rod = b2DefaultDistanceJointDef();
+    rod.bodyIdA = a;
+    rod.bodyIdB = b;
+    rod.localAnchorA = to_box2d(joint.anchor_a);
+    rod.localAnchorB = to_box2d(joint.anchor_b);
+    rod.collideConnected = joint.collide;
+    rod.length = static_cast<float>(length_of(*model_, scene_joint));
+    if (joint.type == JointType::spring) {
+      // It wants a frequency and a damping ratio; anchors are at the centres.
+      const double reduced = 1 / (inverse_mass(scene_joint.a) + inverse_mass(scene_joint.b));
+      const double omega = std::sqrt(joint.stiffness / reduced);
+      rod.enableSpring = true;
+      rod.hertz = static_cast<float>(omega / (2 * std::numbers::pi));
+      rod.dampingRatio = static_cast<float>(joint.damping / (2 * reduced * omega));
+    }
+    b2CreateDistanceJoint(world_, &rod);
+  }
+
+  double inverse_mass(std::size_t body) const {
+    const BodyDesc& desc = model_->bodies[body];
+    return desc.type == BodyType::dynamic_body ? 1 / mass_of(desc) : 0;
   }
 
   void apply_fields() {

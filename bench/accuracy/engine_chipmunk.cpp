@@ -65,6 +65,7 @@ class ChipmunkSimulation : public Simulation {
     cpSpaceSetDamping(space_.get(), std::exp(-linear_damping(world)));
     if (world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) add(body);
+    for (const SceneJoint& joint : model.scene.joints) add(joint);
     if (!alike_) {
       cpSpaceAddDefaultCollisionHandler(space_.get())->preSolveFunc = take_greater_restitution;
     }
@@ -101,7 +102,7 @@ class ChipmunkSimulation : public Simulation {
 
   // Warm start and iterations.
   double row_visits() const override {
-    return visits().points * setting_.steps * (1 + setting_.iterations);
+    return (visits().points + joint_rows(*model_)) * setting_.steps * (1 + setting_.iterations);
   }
 
   void watch_impulses() override { watched_ = true; }
@@ -161,15 +162,36 @@ class ChipmunkSimulation : public Simulation {
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       add_shape(cpSegmentShapeNew(body, to_chipmunk(line->p1), to_chipmunk(line->p2), 0),
                 desc.material);
+    } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
+      add_shape(cpBoxShapeNew(body, sides->width, sides->height, 0), desc.material);
     } else {
       add_shape(cpCircleShapeNew(body, radius_of(desc), cpvzero), desc.material);
     }
+  }
+
+  void add(const SceneJoint& scene_joint) {
+    const JointDesc& joint = scene_joint.joint;
+    cpBody *a = bodies_[scene_joint.a].get(), *b = bodies_[scene_joint.b].get();
+    const cpVect at_a = to_chipmunk(joint.anchor_a), at_b = to_chipmunk(joint.anchor_b);
+    cpConstraint* made = nullptr;
+    if (joint.type == JointType::revolute) {
+      made = cpPivotJointNew2(a, b, at_a, at_b);
+    } else if (joint.type == JointType::spring) {
+      made = cpDampedSpringNew(a, b, at_a, at_b, length_of(*model_, scene_joint), joint.stiffness,
+                               joint.damping);
+    } else {
+      made = cpPinJointNew(a, b, at_a, at_b);
+      cpPinJointSetDist(made, length_of(*model_, scene_joint));
+    }
+    cpConstraintSetCollideBodies(made, joint.collide ? cpTrue : cpFalse);
+    joints_.emplace_back(cpSpaceAddConstraint(space_.get(), made), &cpConstraintFree);
   }
 
   const Model* model_;
   Setting setting_;
   std::vector<Owned<cpBody>> bodies_;
   std::vector<Owned<cpShape>> shapes_;
+  std::vector<Owned<cpConstraint>> joints_;
   Owned<cpSpace> space_;  // freed first: it looks at its bodies once more
   bool alike_ = true;
   double restitution_ = 0;

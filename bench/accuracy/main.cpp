@@ -3,7 +3,8 @@
 //
 //   accuracy --quick                         the default settings and few others, 1 to 2 minutes
 //   accuracy --case kepler --case pile       two cases over all settings
-//   accuracy --output docs/data/accuracy.csv everything
+//   accuracy --kind discs --output docs/data/accuracy.csv        everything with discs
+//   accuracy --kind rigid --output docs/data/accuracy-rigid.csv  everything with boxes or joints
 //   accuracy --calibrate                     docs/data/calibration.csv, 4 minutes
 //   accuracy --stress --quick                how far the engines can be driven, 20 s
 // Rows go to stdout or the file, talk to stderr. Exit 1 if psim misses a limit, 2 if asked wrongly.
@@ -35,6 +36,7 @@ struct Options {
   bool calibrate = false;
   std::vector<std::string> cases;
   std::vector<std::string> engines;
+  std::string kind;
   std::string output;
   std::string scenes;
 
@@ -76,6 +78,16 @@ void keep(const std::vector<std::string>& wanted, const char* what, std::vector<
   if (wanted.empty()) return;
   std::erase_if(from,
                 [&](const T& t) { return std::ranges::find(wanted, t.name) == wanted.end(); });
+}
+
+bool is_rigid(const Case& of) {
+  const Model model = make_model(of.scene());
+  return has_boxes(model) || !model.scene.joints.empty();
+}
+
+void keep_kind(const std::string& kind, std::vector<Case>& cases) {
+  if (kind.empty()) return;
+  std::erase_if(cases, [rigid = kind == "rigid"](const Case& c) { return is_rigid(c) != rigid; });
 }
 
 void drop_absent(const std::vector<std::string>& wanted, std::vector<Engine>& engines) {
@@ -128,6 +140,7 @@ int run(const Options& options) {
     calibrate(options.output.empty() ? PSIM_CALIBRATION_FILE : options.output, options.effort());
     return 0;
   }
+  keep_kind(options.kind, cases);
   keep(options.cases, "case", cases);
   keep(options.engines, "engine", engines);
   drop_absent(options.engines, engines);
@@ -167,6 +180,9 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_option("--engine", options.engines, "only this engine; may be given again")
       ->allow_extra_args(false);
+  app.add_option("--kind", options.kind,
+                 "only cases of discs alone, or only those with boxes or joints")
+      ->check(CLI::IsMember({"discs", "rigid"}));
   app.add_flag("--quick", options.quick, "few settings, shorter cases: under three minutes");
   app.add_flag("--stress", options.stress, "table of how far the engines can be driven, no cases");
   app.add_flag("--calibrate", options.calibrate,

@@ -2,6 +2,7 @@
 // bodies one by one in the order of their ids, for engines that know nothing of groups.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,15 @@ struct Model {
 /// parser's line if the scene is refused.
 Model make_model(const Scene& scene);
 
-double radius_of(const BodyDesc& body);  ///< 0 for segments and chains
-double mass_of(const BodyDesc& body);    ///< kg, of a disc
+double radius_of(const BodyDesc& body);  ///< of a disc; 0 for all others
+double area_of(const BodyDesc& body);    ///< of a disc or a box
+double mass_of(const BodyDesc& body);    ///< kg, of a disc or a box
 double inertia_of(const BodyDesc& body);
+bool has_boxes(const Model& model);
+/// Distance of the anchors that a rod or a spring keeps.
+double length_of(const Model& model, const SceneJoint& joint);
+/// Scalar constraints that the joints are: two for a pin.
+int joint_rows(const Model& model);
 
 // ---- scenes in few words ----------------------------------------------------------------------
 
@@ -41,5 +48,14 @@ BodyDesc disc(Vec2 position, Vec2 velocity, Material surface, double radius = 0.
 BodyDesc segment(Vec2 p1, Vec2 p2, Material surface);
 /// Level ground through y = 0.
 BodyDesc ground(Material surface, double half_length = 100);
+
+BodyDesc box(Vec2 position, Vec2 size, Material surface, double mass = 0);
+/// A static box whose upper side is level ground through y = 0.
+BodyDesc floor_box(Material surface, double half_length = 50);
+/// A static disc of 1 cm to hang things on.
+BodyDesc peg(Vec2 position);
+/// Ties two bodies of the scene together, by their numbers in it.
+SceneJoint& join(Scene& scene, JointType type, std::size_t a, std::size_t b, Vec2 anchor_a = {},
+                 Vec2 anchor_b = {});
 
 }  // namespace psim::accuracy

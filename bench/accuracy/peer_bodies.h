@@ -40,11 +40,27 @@ inline double linear_damping(const WorldDesc& world) {
   return sum;
 }
 
-/// Why an engine of discs, segments and walls cannot take the scene; empty if it can.
+/// Discs, segments and boxes with sharp corners.
+inline bool is_translated(const Shape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->radius == 0;
+  return std::holds_alternative<DiscShape>(shape) || std::holds_alternative<SegmentShape>(shape);
+}
+
+/// Rods, springs and pins without limit and motor.
+inline bool is_translated(const JointDesc& joint) {
+  if (joint.type == JointType::distance || joint.type == JointType::spring) return true;
+  return joint.type == JointType::revolute && !joint.lower && !joint.upper &&
+         joint.motor_limit == 0;
+}
+
+/// Why the other engines' adapters cannot take the scene; empty if they can.
 inline std::string refusal(const Model& model) {
   if (model.scene.world.boundary == Boundary::periodic) return "it knows no periodic world";
   for (const BodyDesc& body : model.bodies) {
-    if (std::holds_alternative<ChainShape>(body.shape)) return "chains are not translated";
+    if (!is_translated(body.shape)) return "a shape in it is not translated";
+  }
+  for (const SceneJoint& joint : model.scene.joints) {
+    if (!is_translated(joint.joint)) return "a joint in it is not translated";
   }
   return {};
 }

@@ -58,6 +58,7 @@ std::string describe(const Row& row) {
 
 bool matters(const Setting& setting, const Case& of, const Model& model) {
   if (setting.is_machine_variant() && !of.machine_variants) return false;
+  if (setting.bare && !has_boxes(model)) return false;
   return setting.integrator.empty() || setting.integrator == "verlet" ||
          !model.scene.world.fields.empty();
 }

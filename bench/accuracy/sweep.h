@@ -23,8 +23,8 @@ struct Row {
   bool failed() const { return error == std::numeric_limits<double>::infinity(); }
 };
 
-/// False for psim's other integrators where the scene has no fields, the same bits as verlet, and
-/// for instruction sets and threads where the case does without them.
+/// False for psim's other integrators where the scene has no fields, the same bits as verlet, for
+/// instruction sets and threads where the case does without them, and for bare boxes without boxes.
 bool matters(const Setting& setting, const Case& of, const Model& model);
 
 /// All rows of one setting, one a quantity. A failed run gives rows, too.

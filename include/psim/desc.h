@@ -75,7 +75,7 @@ struct Filter {
 
 /// One body. `mass` wins over the material's density; inertia follows from shape and mass (a
 /// disc's is m r^2 / 2). Dynamic bodies turn about their centre of mass, kinematic ones about
-/// `position`; `velocity` is that of the centre of mass.
+/// `position`; `velocity` is that of the point that the body turns about.
 struct BodyDesc {
   BodyType type = BodyType::dynamic_body;
   Shape shape = DiscShape{};

@@ -26,8 +26,8 @@ enum class JointType : std::uint8_t {
   weld        ///< the anchors coincide and the angle is kept
 };
 
-/// One joint. Bodies may be of any kind, but not both of them static. Other than `spring`, joints are
-/// rigid; stiffness and damping of a weld soften its angle.
+/// One joint. At least one of the bodies must be dynamic. Other than `spring`, joints are rigid;
+/// stiffness and damping of a weld soften its angle.
 struct JointDesc {
   JointType type = JointType::distance;
   BodyId a, b;
@@ -49,7 +49,7 @@ struct JointState {
   BodyId a, b;
   JointType type = JointType::distance;
   Vec2 anchor_a, anchor_b;  ///< metres, world
-  double value = 0;         ///< distance, spring, rope: length, m; revolute: angle; prismatic: m
+  double value = 0;         ///< distance, spring, rope: length, m; revolute, weld: angle; prismatic: m
   Vec2 force;               ///< N on b, of the last substep
   double torque = 0;        ///< N m on b
 };

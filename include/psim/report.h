@@ -30,12 +30,12 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
 struct StepReport {
   std::array<double, kStageCount> stage_ms{};  ///< wall time a stage
   double total_ms = 0;
-  std::uint64_t pairs = 0;      ///< candidate pairs in the lists (discs and static shapes)
-  std::uint64_t contacts = 0;   ///< of those, touching: impulse > 0 or overlap
+  std::uint64_t pairs = 0;      ///< candidate pairs in the lists, static shapes among them
+  std::uint64_t contacts = 0;   ///< points that touch (impulse > 0 or overlap): at most two a pair
   std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
-  std::uint64_t awake = 0;      ///< dynamic bodies that were stepped
+  std::uint64_t awake = 0;      ///< dynamic and kinematic bodies that were stepped
   bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
-  std::uint32_t stopped = 0;    ///< fast bodies put back to where they first met something
+  std::uint32_t stopped = 0;    ///< fast shapes put back on their way, out of fixed geometry
   std::uint32_t escaped = 0;    ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)

@@ -22,11 +22,12 @@ namespace psim {
 /// A body as the outside sees it: doubles, by id.
 struct BodyState {
   BodyId id;
-  double x = 0, y = 0;   ///< metres
+  double x = 0, y = 0;   ///< metres: of its origin, BodyDesc::position
   double angle = 0;      ///< radians, not wrapped
-  double vx = 0, vy = 0; ///< m/s
+  double vx = 0, vy = 0; ///< m/s: of the centre of mass; kinematic: of (x, y)
   double omega = 0;      ///< rad/s
-  double radius = 0;     ///< metres: of the circle about (x, y) that holds it; static: 0 unless a disc
+  /// metres: of the circle about its centre of mass that holds it; static: 0 unless a disc
+  double radius = 0;
   BodyType type = BodyType::dynamic_body;
 };
 
@@ -89,8 +90,9 @@ class World {
   bool is_valid(BodyId id) const;
   BodyId id_of(std::uint32_t index) const;
   std::optional<BodyState> body(BodyId id) const;
-  /// Sets place or motion; false if the id is stale or the body static. A non-finite value is
-  /// accepted and quarantines the body in the next step.
+  /// Sets place or motion; false if the id is stale or the body static or frozen. A non-finite value
+  /// is accepted and quarantines the body in the next step. In a world with walls a place beyond them
+  /// becomes the nearest one within.
   bool set_transform(BodyId id, Vec2 position, double angle);
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   /// Adds impulse / mass to the velocity, N s.
@@ -107,7 +109,8 @@ class World {
   bool remove_joint(JointId id);
   bool is_valid_joint(JointId id) const;
   std::optional<JointState> joint(JointId id) const;
-  /// Revolute and prismatic: rad/s and N m, or m/s and N. False if the id is stale or has no motor.
+  /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor. False if the id
+  /// is stale, the joint of another type, or a number not finite or the limit negative.
   bool set_motor(JointId id, double speed, double limit);
   std::size_t joint_count() const;
 

@@ -5,6 +5,7 @@
 //   by slot: pos, vel, disp (records), id, radius, spin, angle   moved together by the sort
 //            vel_rest, disp_rest                                 moved after it (fields only)
 //            vel0, acc, bend, pull, event_time, linked           scratch of one build, not moved
+//            turn, swing                                         of one frame (shapes, joints only)
 #pragma once
 
 #include <cmath>

@@ -75,8 +75,7 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
     visit(grid);
   };
   each_strip([&](std::size_t strip) {
-    const auto [first, last] = manifolds.pairs_of(strip);
-    for (std::uint32_t k = first; k < last; ++k) {
+    for (const std::uint32_t k : manifolds.active_of(strip)) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       standing_[pair.b] = {};
       if (pair.a != kNone) standing_[pair.a] = {};
@@ -84,11 +83,8 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
   });
   for (const std::uint32_t slot : manifolds.shaped()) standing_[slot] = {};
   each_strip([&](std::size_t strip) {
-    const auto [first, last] = manifolds.pairs_of(strip);
-    for (std::uint32_t k = first; k < last; ++k) {
-      ManifoldPair& pair = manifolds.pair(k);
-      pair.column = ManifoldPair::kLoose;
-      if (pair.rest_frames != 0) --pair.rest_frames;
+    for (const std::uint32_t k : manifolds.active_of(strip)) {
+      const ManifoldPair& pair = manifolds.pairs()[k];
       if (!(g > 0) || !touches(pair)) continue;
       const double up = upright(pair);
       const float load = pair.impulse[0] + (pair.manifold.count == 2 ? pair.impulse[1] : 0);

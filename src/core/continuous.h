@@ -1,5 +1,5 @@
-// Continuous collision: bodies that went far for their size in a step are put back to where they first
-// met something. Contacts foresee what is near; this finds what a body would have jumped over. Discs
+// Continuous collision: bodies that went far for their size in a step are put back to where they were
+// half their inner radius deep in something. Contacts foresee what is near; this finds what a body would have jumped over. Discs
 // meet fixed geometry through their own contacts, at any speed (docs/solver.md).
 //
 // In: motion of the step (disp, swing). Out: the same, cut at the first impact. Velocities stay: the

@@ -225,8 +225,7 @@ void EventList::compare_rest(const EventSource& source) {
       }
     }
     for (std::size_t s = 0; s < source.manifolds.strip_count(); ++s) {
-      const auto [begin, end] = source.manifolds.pairs_of(s);
-      for (std::uint32_t k = begin; k < end; ++k) {
+      for (const std::uint32_t k : source.manifolds.active_of(s)) {
         const ManifoldPair& pair = source.manifolds.pairs()[k];
         if (pair.id_a == ManifoldPair::kNone || !source.manifolds.closed(s, pair)) continue;
         if (here(pair.id_a) && here(pair.id_b)) now_.push_back(key_of(pair.id_a, pair.id_b));

@@ -47,7 +47,7 @@ void Manifolds::keep_impulses(WorkerPool& pool) {
   if (begin_.empty()) return;
   pool.run(begin_.size() - 1, [&](std::size_t s) {
     const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
-    for (std::uint32_t k = begin_[s]; k < begin_[s + 1]; ++k) {
+    for (const std::uint32_t k : strips_[s].laid) {
       ManifoldPair& pair = pairs_[k];
       if (pair.lane == ManifoldPair::kNone) continue;
       const ManifoldBlock& c = blocks[pair.lane / kBlock];
@@ -67,6 +67,7 @@ void Manifolds::forget() {
     std::fill_n(pair.friction, 2, 0.0f);
     pair.lane = ManifoldPair::kNone;
   }
+  for (StripBlocks& s : strips_) s.laid.clear();
   std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
 
@@ -150,25 +151,25 @@ void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const Manifold
 void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
                         std::uint32_t dummies, std::size_t index) {
   StripBlocks& strip = strips_[index];
-  ManifoldPair* const begin = pairs_.data() + begin_[index];
-  ManifoldPair* const end = pairs_.data() + begin_[index + 1];
   const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
+  const auto each = [&](const auto& visit) {
+    for (const std::uint32_t k : strip.active) visit(pairs_[k]);
+  };
   if (loads.any() && stale_[index] == 0) {  // a column's contacts are no loads
-    stale_[index] = std::any_of(begin, end, [](const ManifoldPair& pair) {
-      return pair.lane != ManifoldPair::kNone && pair.column != pair.was_column;
+    each([&](const ManifoldPair& pair) {
+      if (pair.column != pair.was_column) stale_[index] = 1;
     });
   }
   if (stale_[index] == 0) {
-    for (ManifoldPair* pair = begin; pair != end; ++pair) {
-      if (pair->lane == ManifoldPair::kNone) continue;
-      if (pair->changed || pair->column != pair->was_column || params.changed) {
-        fill(b, loads, params, dummy, index, *pair);
-        continue;
+    each([&](ManifoldPair& pair) {
+      if (pair.changed || pair.column != pair.was_column || params.changed) {
+        fill(b, loads, params, dummy, index, pair);
+        return;
       }
-      ManifoldBlock& c = strip.blocks[pair->lane / kBlock];
-      const std::uint32_t l = pair->lane % kBlock;
-      for (int k = 0; k < pair->manifold.count; ++k) c.point[k].gap[l] = pair->gap[k];
-    }
+      ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+      const std::uint32_t l = pair.lane % kBlock;
+      for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] = pair.gap[k];
+    });
     return;
   }
   stale_[index] = 0;
@@ -180,23 +181,22 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   // Greedy first fit, class by class; where A is fixed it may be in many lanes of a block.
   std::array<std::array<std::uint32_t, kColours + 1>, 4> next{};
   std::array<bool, 4> any{};
-  for (ManifoldPair* pair = begin; pair != end; ++pair) {
-    pair->lane = ManifoldPair::kNone;
-    if (pair->active) any[class_of(*pair)] = true;
-  }
+  for (const std::uint32_t k : strip.laid) pairs_[k].lane = ManifoldPair::kNone;
+  strip.laid = strip.active;
+  each([&](const ManifoldPair& pair) { any[class_of(pair)] = true; });
   strip.points = 0;
   for (std::uint32_t k = 0; k < 4; ++k) {
     if (!any[k]) continue;
-    const auto each = [&](const auto& visit) {
-      for (ManifoldPair* pair = begin; pair != end; ++pair) {
-        if (pair->active && class_of(*pair) == k) visit(*pair);
-      }
+    const auto each_here = [&](const auto& visit) {
+      each([&](ManifoldPair& pair) {
+        if (class_of(pair) == k) visit(pair);
+      });
     };
-    each([&](const ManifoldPair& pair) {
+    each_here([&](const ManifoldPair& pair) {
       used_[pair.b] = 0;
       if (!pair.fixed_a) used_[pair.a] = 0;
     });
-    each([&](ManifoldPair& pair) {
+    each_here([&](ManifoldPair& pair) {
       const std::uint32_t taken = used_[pair.b] | (pair.fixed_a ? 0u : used_[pair.a]);
       const auto colour = static_cast<std::uint32_t>(std::countr_one(taken));
       if (colour < kColours) {
@@ -223,14 +223,13 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   for (ManifoldBlock& block : strip.blocks) {
     for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
   }
-  for (ManifoldPair* pair = begin; pair != end; ++pair) {
-    if (pair->lane == ManifoldPair::kNone) continue;
-    std::uint32_t& at = next[class_of(*pair)][pair->lane];
-    const bool alone = pair->lane == kColours;
-    pair->lane = at;
+  each([&](ManifoldPair& pair) {
+    std::uint32_t& at = next[class_of(pair)][pair.lane];
+    const bool alone = pair.lane == kColours;
+    pair.lane = at;
     at += alone ? kBlock : 1;
-    fill(b, loads, params, dummy, index, *pair);
-  }
+    fill(b, loads, params, dummy, index, pair);
+  });
 }
 
 std::uint64_t Manifolds::closed(std::size_t index) const {
@@ -247,7 +246,10 @@ std::size_t Manifolds::bytes() const {
   std::size_t sum = (pairs_.capacity() + old_pairs_.capacity()) * sizeof(ManifoldPair) +
                     (first_.capacity() + owner_.capacity() + shaped_.capacity()) * sizeof(std::uint32_t) +
                     entries_.capacity() * sizeof(Entry);
-  for (const StripBlocks& s : strips_) sum += s.blocks.capacity() * sizeof(ManifoldBlock);
+  for (const StripBlocks& s : strips_) {
+    sum += s.blocks.capacity() * sizeof(ManifoldBlock) +
+           (s.active.capacity() + s.laid.capacity()) * sizeof(std::uint32_t);
+  }
   for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
   return sum;
 }

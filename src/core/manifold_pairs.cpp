@@ -197,6 +197,7 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
     strips_[s].blocks.clear();
     std::fill(std::begin(strips_[s].end), std::end(strips_[s].end), 0u);
   }
+  for (StripBlocks& s : strips_) s.laid.clear();
   stale_.assign(strips_.size(), 1);
 }
 

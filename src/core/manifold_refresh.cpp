@@ -58,6 +58,8 @@ float turn_of(const BodyStore& b, std::size_t slot) { return b.spin[slot] / b.ra
 
 // Looks at one pair: keeps its manifold if it lasts, or finds it anew.
 void Manifolds::look(const BodyStore& b, const ManifoldParams& params, ManifoldPair& pair) const {
+  pair.column = ManifoldPair::kLoose;
+  if (pair.rest_frames != 0) --pair.rest_frames;
   const Lattice& lattice = *params.lattice;
   const bool fixed = pair.a == ManifoldPair::kNone;
   const std::size_t j = pair.b, i = fixed ? 0 : pair.a;
@@ -391,8 +393,12 @@ void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, const PairTa
       }
       k = end;
     }
-    for (std::uint32_t k = begin_[index]; k < begin_[index + 1] && !stale; ++k) {
-      stale = pairs_[k].active != (pairs_[k].lane != PairName::kNone);
+    std::vector<std::uint32_t>& active = strips_[index].active;
+    active.clear();
+    for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
+      ManifoldPair& pair = pairs_[k];
+      stale |= pair.active != (pair.lane != PairName::kNone);
+      if (pair.active) active.push_back(k);
     }
     stale_[index] = stale;
   });

@@ -3,7 +3,9 @@
 //
 //   collect   when lists change: takes pairs with such a body out of the discs' lists, keeping what is
 //             known of pairs that were there before; drops pairs that a filter or a joint forbids
-//   refresh   every step: normals, arms and gaps; colours and blocks where the touching pairs changed
+//   refresh   every step: normals, arms and gaps
+//   lay_out   every step, after the columns were found: colours and blocks where the touching pairs
+//             changed
 //
 // A manifold is kept as it is, with its normal and arms frozen in world axes, until its bodies have
 // moved against each other by a share of their size or turned: only the gaps are taken anew. That is
@@ -102,6 +104,8 @@ class Manifolds {
   /// What a strip's blocks are.
   struct StripBlocks {
     std::vector<kernels::ManifoldBlock> blocks;
+    std::vector<std::uint32_t> active;  // pairs that have a lane, in this step
+    std::vector<std::uint32_t> laid;    // pairs that have one in the blocks
     // Ends of: pairs, pairs under heavy loads, pairs with a fixed side, those under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
@@ -137,9 +141,9 @@ class Manifolds {
   std::uint32_t colours() const { return colours_; }
   const std::vector<ManifoldPair>& pairs() const { return pairs_; }
   ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
-  /// First and past-last pair of a strip.
-  std::pair<std::uint32_t, std::uint32_t> pairs_of(std::size_t strip) const {
-    return {begin_[strip], begin_[strip + 1]};
+  /// Pairs of a strip that are contacts in this step.
+  const std::vector<std::uint32_t>& active_of(std::size_t strip) const {
+    return strips_[strip].active;
   }
   std::size_t strip_of(std::uint32_t pair) const {
     return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), pair) -

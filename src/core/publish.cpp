@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rotor.h"
+
 namespace psim {
 namespace {
 
@@ -16,10 +18,17 @@ Row row_of(std::uint32_t id, const BodyStore& b, const std::vector<FixedBody>& f
   const BodyInfo& info = b.info[id];
   if (info.place == Place::moving) {
     const std::size_t i = info.slot;
+    const Make& make = b.make(id);
+    Vec2 arm;  // from its place to its centre
+    if (make.centre_x != 0 || make.centre_y != 0) {
+      const SineCosine q = sine_cosine(b.angle[i]);
+      const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
+      arm = {q.cosine * x - q.sine * y, q.sine * x + q.cosine * y};
+    }
     return {static_cast<float>(b.pos[2 * i] * lattice.pitch_x() +
-                               static_cast<double>(b.disp[2 * i])),
+                               static_cast<double>(b.disp[2 * i]) - arm.x),
             static_cast<float>(b.pos[2 * i + 1] * lattice.pitch_y() +
-                               static_cast<double>(b.disp[2 * i + 1])),
+                               static_cast<double>(b.disp[2 * i + 1]) - arm.y),
             b.angle.empty() ? 0.0f : static_cast<float>(b.angle[i]),
             std::sqrt(b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1])};
   }

@@ -84,6 +84,7 @@ StepReport World::Impl::step(double dt) {
     refresh_lists(dt, report);
     solve(dt, report);
     if (plan.continuous) {
+      const StageTimer timer(report, tracer, Stage::solver);
       bodies.find_slots();
       report.stopped = continuous.stop(bodies, manifolds, table, shapes, lattice, bullets,
                                        plan.filters, pool);
@@ -428,6 +429,10 @@ void World::Impl::solve(double dt, StepReport& report) {
   if (!plan.publish) ++skipped_frames[9];
   if (!loads.any()) ++skipped_frames[10];
   if (!plan.events) ++skipped_frames[11];
+  if (!plan.shapes) ++skipped_frames[12];
+  if (!plan.joints) ++skipped_frames[13];
+  if (!sorts_out()) ++skipped_frames[14];
+  if (!plan.continuous) ++skipped_frames[15];
   const StageTimer timer(report, tracer, Stage::solver);
   if (contacts.pair_blocks() + contacts.single_blocks() == 0 && !sorts_out() && !plan.fields &&
       held.empty() && joints.empty()) {

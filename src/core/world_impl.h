@@ -29,6 +29,9 @@
 
 namespace psim {
 
+/// Counters in Impl::skipped_frames, see kSkipNames.
+inline constexpr std::size_t kSkipCount = 16;
+
 struct World::Impl {
   Impl(const WorldDesc& d, const RunOptions& o);
 
@@ -86,7 +89,7 @@ struct World::Impl {
   std::uint64_t frame = 0;
   std::uint64_t escaped = 0;
   LaneCounts lanes;
-  std::array<std::uint64_t, 12> skipped_frames{};
+  std::array<std::uint64_t, kSkipCount> skipped_frames{};
 
   // Published columns (world_state.cpp).
   std::vector<std::uint32_t> out_id;
@@ -144,7 +147,7 @@ struct World::Impl {
 };
 
 /// Names of the counters in Impl::skipped_frames.
-inline constexpr std::array<const char*, 12> kSkipNames = {"forces",
+inline constexpr std::array<const char*, kSkipCount> kSkipNames = {"forces",
                                                            "broad_phase",
                                                            "narrow_phase",
                                                            "colouring",
@@ -155,6 +158,10 @@ inline constexpr std::array<const char*, 12> kSkipNames = {"forces",
                                                            "rotation",
                                                            "publish",
                                                            "solver.heavy_loads",
-                                                           "events"};
+                                                           "events",
+                                                           "manifolds",
+                                                           "joints",
+                                                           "filters",
+                                                           "continuous"};
 
 }  // namespace psim

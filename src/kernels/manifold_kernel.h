@@ -418,7 +418,9 @@ void swing_bodies(const BodyView& b, const float* radius, float h, std::uint32_t
         less_one = L::negate(L::mul(two, L::mul(sine, sine)));
         sine = L::mul(two, L::mul(sine, cosine));
       }
-      L::store_records(b.turn + 2 * i, L::mul(size, less_one), L::mul(size, sine));
+      // + 0: who did not turn has +0 here, whether or not its register was skipped above.
+      L::store_records(b.turn + 2 * i, L::add(L::mul(size, less_one), none),
+                       L::add(L::mul(size, sine), none));
     }
   }
 }

@@ -22,7 +22,8 @@ struct alignas(kAlign) ManifoldBlock {
     float gap[kBlock];             ///< m: separation at the frame's start
     float impulse[kBlock];         ///< N s; -0: open in this substep
     float friction[kBlock];        ///< N s along t
-    float start[kBlock];           ///< N s: of an impact, what is not to be repeated
+    float start[kBlock];           ///< N s: impulse at the substep's start; once relaxed, with
+                                   ///< restitution: of an impact, what is not to be repeated
   };
   std::uint32_t body[2 * kBlock];     ///< A and B of each lane
   float nx[kBlock], ny[kBlock];       ///< from A to B

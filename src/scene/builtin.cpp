@@ -52,7 +52,7 @@ constexpr std::array kScenes = {
     Entry{{"smash", 9600,
            "a heavy block hits a wall of boxes at 40 m/s, no gravity (Box2D's benchmark)"},
           smash},
-    Entry{{"spinner", 3038,
+    Entry{{"spinner", 6076,
            "a driven bar in a ring of capsules, discs and boxes (Box2D's benchmark)"},
           spinner},
     Entry{{"card_house", 40, "five storeys of thin cards held by friction (Box2D)", false},

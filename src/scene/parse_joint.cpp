@@ -136,9 +136,9 @@ SceneJoint read_joint(const Node& node, const Context& context, const SceneBodie
   out.a = read_body_id(a, context);
   out.b = read_body_id(b, context);
   if (out.a == out.b) b.fail("is the body of \"a\": two different bodies");
-  if (bodies.type_of(out.a) == BodyType::static_body &&
-      bodies.type_of(out.b) == BodyType::static_body) {
-    b.fail("is static, and so is \"a\": at least one that is not");
+  if (bodies.type_of(out.a) != BodyType::dynamic_body &&
+      bodies.type_of(out.b) != BodyType::dynamic_body) {
+    b.fail("is not dynamic, nor is \"a\": at least one that is");
   }
   joint.anchor_a = node.vec2_or("anchor_a", joint.anchor_a, kCoordinate);
   joint.anchor_b = node.vec2_or("anchor_b", joint.anchor_b, kCoordinate);
