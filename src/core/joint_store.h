@@ -43,6 +43,18 @@ class JointStore {
   bool set_motor(JointId id, double speed, double limit);
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
+  std::size_t bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    std::size_t sum = of(joints_) + of(free_) + of(first_) + of(exclusive_) + of(bodies_) +
+                      of(members_) + of(ranges_) + of(share_ranges_) + of(jobs_) + of(marks_) +
+                      exclusions_.size() * 32;
+    for (const auto& lanes : lanes_) sum += of(lanes);
+    for (int fixed = 0; fixed < 2; ++fixed) {
+      sum += of(rods_[fixed]) + of(springs_[fixed]) + of(pins_[fixed]) + of(driven_[fixed]) +
+             of(slides_[fixed]) + of(welds_[fixed]);
+    }
+    return sum;
+  }
 
   /// What it did to body b in the last substep, N and N m. O(1).
   void load_of(JointId id, Vec2& force, double& torque) const;

@@ -81,7 +81,7 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
   const double swing = std::fabs(turn) * (double{b.reach} - b.radius);
   const double fine = 1e-5 * std::min(double{a.reach}, double{b.reach});
   double target = slack, close_enough = slack + std::max(0.1 * slack, fine);
-  double share = 0;
+  double share = 0, most = 1;
   for (int k = 0; k < kMostAdvances; ++k) {
     const SineCosine turned = sine_cosine(angle_b + share * turn);
     const Rotor qb{static_cast<float>(turned.cosine), static_cast<float>(turned.sine)};
@@ -89,22 +89,22 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
                                 static_cast<float>(dy + share * my));
     if (k == 0 && now.distance <= close_enough) {
       // In touch from the start, as what slides, rolls or falls over is: contacts see to that, and
-      // only a body that would go on through is stopped, half way into itself.
+      // only a body that would go on through is stopped, half way into itself, and in any case
+      // before its centre goes through.
+      const RayCast path = cast_ray(a, qa, dx, dy, mx, my);
+      const bool outside = path.nx != 0 || path.ny != 0;
+      if (path.fraction <= 1 && outside) most = 0.5 * double{path.fraction};
       target = -0.5 * double{b.inner};
       close_enough = target + fine;
-      if (now.distance <= close_enough) {  // or, sunk that deep, before its centre goes through
-        const RayCast path = cast_ray(a, qa, dx, dy, mx, my);
-        const bool outside = path.nx != 0 || path.ny != 0;
-        return path.fraction <= 1 && outside ? 0.5f * path.fraction : 1.0f;
-      }
+      if (now.distance <= close_enough) return static_cast<float>(most);
     }
     if (now.distance <= close_enough) break;
     // Along the present normal they stay apart for as long as this.
     const double closing = swing - (double{mx} * now.nx + double{my} * now.ny);
-    if (!(closing > 0)) return 1;
+    if (!(closing > 0)) return static_cast<float>(most);
     const double advance = (now.distance - target) / closing;
     share += advance;
-    if (share >= 1) return 1;
+    if (share >= most) return static_cast<float>(most);
   }
   return static_cast<float>(share);
 }
