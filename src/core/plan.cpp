@@ -8,15 +8,18 @@ Plan make_plan(const Traits& t) {
   p.scales = t.kinematic != 0 || t.odd_gravity != 0;
   p.forces = t.fields || p.scales;
   if (t.fields) p.integrator = t.integrator;
-  p.friction = t.moving_rough >= 2 ||
-               (t.moving_rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
   p.restitution = t.moving_bounce != 0 ||
                   (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
-  p.masses = t.same_mass != t.moving || t.kinematic != 0;
-  p.loads = p.masses && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) &&
+  const auto rub = [&t](std::uint64_t rough) {
+    return rough >= 2 || (rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
+  };
+  p.friction = rub(t.moving_rough);
+  p.masses = t.same_mass != t.discs || t.held_discs != 0;
+  p.uneven = p.masses || t.cornered != 0;
+  p.loads = p.uneven && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) &&
             (t.gravity || t.fields);
   p.radii = t.same_radius != t.moving;
-  p.surfaces = t.same_surface != t.moving;
+  p.surfaces = t.same_surface != t.discs;
   p.shapes = t.cornered != 0;
   p.joints = t.joints != 0;
   p.turns = p.shapes || p.joints;
@@ -26,7 +29,7 @@ Plan make_plan(const Traits& t) {
   p.rotation = p.friction || t.turning || p.turns;
   p.events = t.events;
   p.publish = t.snapshots;
-  p.model.model = p.friction ? kernels::Model::rough
+  p.model.model = rub(t.rough_discs) ? kernels::Model::rough
                              : (p.masses ? kernels::Model::massed : kernels::Model::plain);
   p.model.bounce = p.restitution;
   return p;
@@ -69,7 +72,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("solver", moves, "bodies may touch", "no body moves");
   add("solver.restitution", p.restitution, "a material bounces: time-of-impact sweeps",
       "no body and no wall has restitution");
-  add("solver.masses", p.masses, "masses differ", "all moving bodies have one mass");
+  add("solver.masses", p.masses, "masses of discs differ", "all moving discs have one mass");
   add("solver.heavy_loads", p.loads, "some bodies may carry others eight times as heavy",
       "no body carries one eight times as heavy");
   add("solver.friction", p.friction, "two surfaces that can meet have friction",

@@ -14,9 +14,12 @@ namespace psim {
 /// Counted as bodies come and go.
 struct Traits {
   std::uint64_t moving = 0;           ///< dynamic and kinematic bodies
-  std::uint64_t same_mass = 0;        ///< of those, with the first one's mass
+  std::uint64_t discs = 0;            ///< of those, plain discs: contacts of their own kind
+  std::uint64_t held_discs = 0;       ///< kinematic ones
+  std::uint64_t rough_discs = 0;      ///< with friction
+  std::uint64_t same_mass = 0;        ///< discs with the first one's mass
   std::uint64_t same_radius = 0;
-  std::uint64_t same_surface = 0;     ///< with the first one's mass, friction and restitution
+  std::uint64_t same_surface = 0;     ///< discs with the first one's mass, friction and restitution
   std::uint64_t moving_bounce = 0;    ///< with restitution
   std::uint64_t moving_rough = 0;     ///< with friction
   std::uint64_t kinematic = 0;
@@ -48,10 +51,11 @@ struct Plan {
   Integrator integrator = Integrator::verlet;  ///< verlet where there are no fields
   bool friction = false;
   bool restitution = false;
-  bool masses = false;       ///< unequal
+  bool masses = false;       ///< of discs, unequal
+  bool uneven = false;       ///< of any two bodies that meet
   bool loads = false;        ///< so unequal that some may carry much heavier ones
   bool radii = false;        ///< unequal
-  bool surfaces = false;     ///< mass, friction or restitution unequal
+  bool surfaces = false;     ///< of discs: mass, friction or restitution unequal
   bool rotation = false;
   bool shapes = false;       ///< moving bodies other than discs: manifolds
   bool filters = false;      ///< not everybody collides with everybody

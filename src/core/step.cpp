@@ -214,7 +214,7 @@ Sample sample_bodies(const BodyStore& b) {
 double World::Impl::impact_slack(double speed, double close, double dt) const {
   const double g = std::sqrt(desc.gravity.x * desc.gravity.x + desc.gravity.y * desc.gravity.y);
   return 0.02 * static_cast<double>(least_radius) + g * dt * dt +
-         (plan.masses ? 1.0 : close) * speed * dt;
+         (plan.uneven ? 1.0 : close) * speed * dt;
 }
 
 // Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
@@ -471,7 +471,8 @@ void World::Impl::solve(double dt, StepReport& report) {
   const SolverReport done =
       solver.run(bodies, solved, table, contacts, manifolds, columns, joints, p, forces.get(), held, kernels, pool);
   report.virial =
-      done.virial * (plan.masses || plan.friction ? 1.0 : static_cast<double>(first_mass));
+      done.virial *
+      (plan.model.model == kernels::Model::plain ? static_cast<double>(first_mass) : 1.0);
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const std::uint64_t passes = 2u * static_cast<std::uint64_t>(desc.substeps) + 2;

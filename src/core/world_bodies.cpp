@@ -130,25 +130,29 @@ void World::Impl::count_in(const Surface& info, int sign) {
   const auto add = [sign](std::uint64_t& counter, bool yes) {
     if (yes) counter += static_cast<std::uint64_t>(static_cast<std::int64_t>(sign));
   };
-  if (sign > 0 && traits.moving == 0) {
+  const Make& make = bodies.makes[info.make];
+  const bool disc = make.hull_count == 0;
+  if (sign > 0 && disc && traits.discs == 0) {
     first_mass = info.mass;
-    first_radius = info.radius;
     first_surface = info;
-    least_radius = info.radius;
   }
+  if (sign > 0 && traits.moving == 0) first_radius = least_radius = info.radius;
   if (sign > 0) least_radius = std::fmin(least_radius, info.radius);
   add(traits.moving, true);
-  add(traits.same_mass, info.mass == first_mass);
+  add(traits.discs, disc);
+  add(traits.same_mass, disc && info.mass == first_mass);
   add(traits.same_radius, info.radius == first_radius);
-  add(traits.same_surface, info.mass == first_mass && info.restitution == first_surface.restitution &&
+  add(traits.same_surface, disc && info.mass == first_mass &&
+                               info.restitution == first_surface.restitution &&
                                info.friction == first_surface.friction &&
                                info.spin_gain == first_surface.spin_gain);
   add(traits.moving_bounce, info.restitution > 0);
   add(traits.moving_rough, info.friction > 0);
+  add(traits.rough_discs, disc && info.friction > 0);
+  add(traits.held_discs, disc && info.type == BodyType::kinematic_body);
   add(traits.kinematic, info.type == BodyType::kinematic_body);
   add(traits.odd_gravity, info.type == BodyType::dynamic_body && info.gravity_scale != 1);
-  const Make& make = bodies.makes[info.make];
-  add(traits.cornered, make.hull_count != 0);
+  add(traits.cornered, !disc);
   add(traits.filtered, make.filter != Filter{});
   add(traits.sensors, make.sensor);
   add(traits.bullets, make.bullet);
