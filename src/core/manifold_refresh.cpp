@@ -10,16 +10,15 @@
 namespace psim {
 namespace {
 
-// A manifold lasts while its bodies have moved against each other by less than this share of the
-// smaller one's inner radius, and neither has turned by more than 11 degrees.
+// A manifold lasts while its bodies have moved and turned by less than this share of the smaller one's
+// inner radius, at any of their points.
 constexpr float kLasting = 0.02f;
-constexpr float kMostTurn = 0.19f;  // sine
 constexpr float kThin = 0.2f;       // of the reach: what counts as the inner radius at least
 constexpr float kNearby = 0.02f;    // of the inner radius: how far apart contacts are looked for
 constexpr float kMarginFrames = 1.25f;
 constexpr float kApart = 0.0005f;   // of the inner radius: gap above which bodies are apart
 constexpr float kStep = 0.02f;      // how far a piece may stand out of a plane and count as below it
-constexpr float kAlike = 0.9999f;    // cosine between normals that say the same
+constexpr float kAlike = 0.9999f;   // cosine between normals that say the same
 
 // B against the plane through the point (0, 0) at distance `offset` along the inward normal.
 Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin) {
@@ -103,8 +102,7 @@ void Manifolds::look(const BodyStore& b, const ManifoldParams& params, ManifoldP
   const float moved = std::sqrt(move_x * move_x + move_y * move_y) + b.radius[j] * turned(qb, pair.turn_b) +
                       (fixed ? 0.0f : b.radius[i] * turned(qa, pair.turn_a));
   const bool serves = pair.margin >= 0 && wanted + moved <= pair.margin &&
-                      moved < kLasting * inner && turned(qb, pair.turn_b) < kMostTurn &&
-                      (fixed || turned(qa, pair.turn_a) < kMostTurn);
+                      moved < kLasting * inner;
   if (serves && (pair.lasting || pair.manifold.count == 0)) {
     const Manifold& m = pair.manifold;
     for (int k = 0; k < m.count; ++k) {

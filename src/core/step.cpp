@@ -395,6 +395,7 @@ void World::Impl::refresh_manifolds(double dt) {
   p.changed = !std::equal(p.soft, p.soft + 4, manifold_soft.begin());
   std::copy(p.soft, p.soft + 4, manifold_soft.begin());
   manifolds.refresh(bodies, p, table, pool);
+  lanes.scalar += manifolds.pair_count();  // hulls are looked at one pair at a time
   columns.find(bodies, manifolds, p, table, pool);
   manifolds.lay_out(bodies, loads, p, solved.dummies(), pool);
   columns.place(manifolds);
