@@ -1,8 +1,7 @@
 #include "events.h"
 
-#include <emmintrin.h>
-
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 
@@ -23,9 +22,11 @@ std::uint32_t second_of(std::uint64_t key) { return static_cast<std::uint32_t>(k
 
 // A bit for each closed contact of a block: -0 marks an open one.
 unsigned closed_bits(const float* impulse) {
-  const int low = _mm_movemask_ps(_mm_loadu_ps(impulse));
-  const int high = _mm_movemask_ps(_mm_loadu_ps(impulse + 4));
-  return ~static_cast<unsigned>(low | high << 4) & 0xFFu;
+  unsigned open = 0;
+  for (std::size_t l = 0; l < kBlock; ++l) {
+    open |= (std::bit_cast<std::uint32_t>(impulse[l]) >> 31) << l;
+  }
+  return ~open & 0xFFu;
 }
 
 // What is in one sorted list and not in the other.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "psim/desc.h"
+#include "rotor.h"
 
 namespace psim {
 
@@ -18,6 +19,14 @@ struct Make {
   bool sensor = false;
   friend bool operator==(const Make&, const Make&) = default;
 };
+
+/// From a body's place to its centre of mass when it is turned by `angle`, m.
+inline Vec2 arm_of(const Make& make, double angle) {
+  if (make.centre_x == 0 && make.centre_y == 0) return {};
+  const SineCosine q = sine_cosine(angle);
+  const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
+  return {q.cosine * x - q.sine * y, q.sine * x + q.cosine * y};
+}
 
 /// Whether two bodies collide, by their filters.
 inline bool meet(const Filter& a, const Filter& b) {

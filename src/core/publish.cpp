@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "rotor.h"
-
 namespace psim {
 namespace {
 
@@ -18,13 +16,7 @@ Row row_of(std::uint32_t id, const BodyStore& b, const std::vector<FixedBody>& f
   const BodyInfo& info = b.info[id];
   if (info.place == Place::moving) {
     const std::size_t i = info.slot;
-    const Make& make = b.make(id);
-    Vec2 arm;  // from its place to its centre
-    if (make.centre_x != 0 || make.centre_y != 0) {
-      const SineCosine q = sine_cosine(b.angle[i]);
-      const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
-      arm = {q.cosine * x - q.sine * y, q.sine * x + q.cosine * y};
-    }
+    const Vec2 arm = b.angle.empty() ? Vec2{} : arm_of(b.make(id), b.angle[i]);
     return {static_cast<float>(b.pos[2 * i] * lattice.pitch_x() +
                                static_cast<double>(b.disp[2 * i]) - arm.x),
             static_cast<float>(b.pos[2 * i + 1] * lattice.pitch_y() +

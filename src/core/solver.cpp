@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "rotor.h"
 #include "tasks.h"
 
 namespace psim {
@@ -101,7 +100,6 @@ class Solver::Run {
   void set_floors();
   void impacts();
   void kick(bool first);
-  Vec2 arm_of(std::uint32_t id, double angle) const;
   void hold();
   void warm(bool first_of_step);
   void solve();
@@ -365,15 +363,6 @@ void Solver::Run::kick(bool first) {
   });
 }
 
-// From a kinematic body's place, which it turns about, to its centre, m.
-Vec2 Solver::Run::arm_of(std::uint32_t id, double angle) const {
-  const Make& make = bodies_.make(id);
-  if (make.centre_x == 0 && make.centre_y == 0) return {};
-  const SineCosine q = sine_cosine(angle);
-  const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
-  return {q.cosine * x - q.sine * y, q.sine * x + q.cosine * y};
-}
-
 // Kinematic bodies keep their velocities; the centre of one that turns about another point goes round.
 void Solver::Run::hold() {
   for (std::size_t n = 0; n < held_.size(); ++n) {
@@ -382,7 +371,7 @@ void Solver::Run::hold() {
     Vec2 v = held_[n].second;
     if (!bodies_.spin.empty()) {
       const double omega = static_cast<double>(bodies_.spin[i]) / static_cast<double>(bodies_.radius[i]);
-      const Vec2 arm = arm_of(id, bodies_.angle[i] + omega * h_ / 2);
+      const Vec2 arm = arm_of(bodies_.make(id), bodies_.angle[i] + omega * h_ / 2);
       v = {v.x - omega * arm.y, v.y + omega * arm.x};
     }
     bodies_.vel[2 * i] = bodies_.vel0[2 * i] = static_cast<float>(v.x);
@@ -470,7 +459,9 @@ void Solver::Run::carry_held() {
     float way_x = stream_.h * bodies_.vel[2 * i], way_y = stream_.h * bodies_.vel[2 * i + 1];
     if (!bodies_.spin.empty()) {
       const double omega = static_cast<double>(bodies_.spin[i]) / static_cast<double>(bodies_.radius[i]);
-      const Vec2 now = arm_of(id, bodies_.angle[i]), before = arm_of(id, bodies_.angle[i] - omega * h_);
+      const Make& make = bodies_.make(id);
+      const Vec2 now = arm_of(make, bodies_.angle[i]);
+      const Vec2 before = arm_of(make, bodies_.angle[i] - omega * h_);
       if (now.x != before.x || now.y != before.y) {
         way_x = static_cast<float>(h_ * held_[n].second.x + (now.x - before.x));
         way_y = static_cast<float>(h_ * held_[n].second.y + (now.y - before.y));

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "rotor.h"
 #include "world_impl.h"
 
 namespace psim {
@@ -110,20 +109,13 @@ void World::Impl::go_round(std::uint32_t id, Vec2 velocity) {
   const Make& make = bodies.make(id);
   if (make.centre_x == 0 && make.centre_y == 0) return;
   const std::size_t i = bodies.info[id].slot;
-  const Vec2 arm = centre_of(make, {}, bodies.angle.empty() ? 0 : bodies.angle[i]);
+  const Vec2 arm = arm_of(make, bodies.angle.empty() ? 0 : bodies.angle[i]);
   const double omega = bodies.spin.empty() ? 0 : static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]);
   bodies.put_velocity(i, {velocity.x - omega * arm.y, velocity.y + omega * arm.x});
 }
 
-Vec2 World::Impl::centre_of(const Make& make, Vec2 place, double angle) const {
-  if (make.centre_x == 0 && make.centre_y == 0) return place;
-  const SineCosine q = sine_cosine(angle);
-  const double x = static_cast<double>(make.centre_x), y = static_cast<double>(make.centre_y);
-  return {place.x + (q.cosine * x - q.sine * y), place.y + (q.sine * x + q.cosine * y)};
-}
-
 LatticePoint World::Impl::lattice_centre(const Make& make, Vec2 place, double angle) const {
-  return lattice.to_lattice(place, centre_of(make, {}, angle));
+  return lattice.to_lattice(place, arm_of(make, angle));
 }
 
 void World::Impl::count_in(const Surface& info, int sign) {
@@ -549,7 +541,7 @@ BodyState World::Impl::state_of(std::uint32_t id) const {
   Vec2 p = lattice.to_world(bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.disp[2 * i],
                                   bodies.disp[2 * i + 1]);
   if (make.centre_x != 0 || make.centre_y != 0) {
-    arm = centre_of(make, {}, bodies.angle.empty() ? 0 : bodies.angle[i]);
+    arm = arm_of(make, bodies.angle.empty() ? 0 : bodies.angle[i]);
     p = {p.x - arm.x, p.y - arm.y};
   }
   s.x = p.x;

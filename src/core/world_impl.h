@@ -101,7 +101,6 @@ struct World::Impl {
   // world_bodies.cpp
   BodyId add_moving(const BodyDesc& desc, std::string& error);
   void go_round(std::uint32_t id, Vec2 velocity);
-  Vec2 centre_of(const Make& make, Vec2 place, double angle) const;
   std::uint32_t enter(const Surface& surface, const LatticePoint& at, double angle, Vec2 velocity,
                       double omega);
   LatticePoint lattice_centre(const Make& make, Vec2 place, double angle) const;

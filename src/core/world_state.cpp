@@ -58,9 +58,9 @@ Diagnostics World::diagnostics() const {
     const Surface& surface = b.surfaces[info.surface];
     if (surface.type != BodyType::dynamic_body) continue;
     BodyState s = w.state_of(id);
-    const Vec2 centre = w.centre_of(b.makes[surface.make], {s.x, s.y}, s.angle);
-    s.x = centre.x;
-    s.y = centre.y;
+    const Vec2 arm = arm_of(b.makes[surface.make], s.angle);
+    s.x += arm.x;
+    s.y += arm.y;
     const double m = static_cast<double>(surface.mass);
     const double gain = static_cast<double>(surface.spin_gain);
     const double u = s.omega * s.radius;
