@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   psim::bench::register_pair_kernels();
   psim::bench::register_contact_kernels();
   psim::bench::register_manifold_kernels();
+  psim::bench::register_collide_kernels();
   psim::bench::register_frames();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -44,6 +44,7 @@ void register_stream_kernels();
 void register_pair_kernels();
 void register_contact_kernels();
 void register_manifold_kernels();
+void register_collide_kernels();
 void register_frames();
 
 }  // namespace psim::bench

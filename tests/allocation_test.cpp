@@ -30,6 +30,7 @@ TEST(Allocation, NoneInAWarmGas) {
 TEST(Allocation, NoneInAPileAtRest) {
   for (const int threads : {1, 3}) {
     auto world = pile(1000, material(0.2, 0.5), best_isa(), threads);
+    world->set_sleeping(false);  // falling asleep: sleep_test.cpp
     expect_no_allocation(*world, 300, 120);
   }
 }

@@ -107,6 +107,7 @@ TEST(Events, TellLandingAndLeaving) {
 TEST(Events, AreThePairsThatTheReportCounts) {
   for (const Material m : {material(0), material(0, 0.5), material(0.5, 0.3)}) {
     auto world = bin(300, m);
+    world->set_sleeping(false);  // who sleeps touches, but has no contacts
     world->set_event_options({true, false, 1, false});
     Touching touching;
     std::size_t most = 0;

@@ -64,6 +64,7 @@ TEST(Pile, ContactsCarryExactlyTheWeightAboveThem) {
   const int n = 10;
   auto world = make(unbounded());
   add(*world, static_disc({0, 0}, 0.5));
+  world->set_sleeping(false);
   for (int k = 1; k <= n; ++k) add(*world, disc({0, 1.0 * k}));
   run_seconds(*world, 10);
   double virial = 0;

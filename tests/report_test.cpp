@@ -66,6 +66,7 @@ TEST(StepReports, CountContactsAndPairs) {
   EXPECT_EQ(apart->step().contacts, 0u);
 
   auto column = make(unbounded());
+  column->set_sleeping(false);
   add(*column, ground());
   for (int k = 0; k < 3; ++k) add(*column, disc({0, 0.5 + k}));
   run(*column, 120);

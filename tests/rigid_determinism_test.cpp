@@ -177,6 +177,7 @@ TEST_P(RigidDeterminism, WarmStepsAllocateNothing) {
   if (std::string_view(GetParam().name) == "Open") GTEST_SKIP() << "its bodies leave";
   for (const int threads : {1, 3}) {
     auto world = GetParam().build(best_isa(), threads);
+    world->set_sleeping(false);
     run(*world, 900);
     std::uint64_t growths = 0;
     const std::uint64_t before = allocations();

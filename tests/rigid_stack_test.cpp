@@ -112,8 +112,20 @@ TEST(RigidStack, OfFiveCarriesTenToAThousandTimesItsBoxes) {
   }
 }
 
+// What sleeps is not compressed by what is put on it: two millimetres in thirty metres.
+TEST(RigidStack, GrowsBoxByBoxOnWhatSleeps) {
+  Placed p = stack(1);
+  for (int k = 1; k < 30; ++k) {
+    p.put(box({0, k + 0.5}, 1, 1, kGrip, 1));
+    run(*p.world, 60);
+  }
+  EXPECT_LT(std::abs(p.top().y - 29.5), 0.008);
+  EXPECT_LT(p.sideways(), 1e-5);
+}
+
 TEST(RigidStack, GrowsBoxByBox) {
   Placed p = stack(1);
+  p.world->set_sleeping(false);
   double shaken = 0;
   for (int k = 1; k < 30; ++k) {
     p.put(box({0, k + 0.5}, 1, 1, kGrip, 1));

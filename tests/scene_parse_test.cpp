@@ -86,7 +86,7 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
   EXPECT_EQ(scene.world.dt, 0.01);
   EXPECT_EQ(scene.world.substeps, 8);
   EXPECT_EQ(scene.world.integrator, Integrator::rk4);
-  EXPECT_FALSE(scene.sleeping);
+  EXPECT_FALSE(scene.world.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0.125);
   ASSERT_EQ(scene.bodies.size(), 3u);
   const BodyDesc& a = scene.bodies[0];
@@ -131,7 +131,7 @@ TEST(SceneParse, FillsInDefaults) {
   EXPECT_EQ(scene.world.dt, 1.0 / 60);
   EXPECT_EQ(scene.world.substeps, 4);
   EXPECT_EQ(scene.world.integrator, Integrator::verlet);
-  EXPECT_TRUE(scene.sleeping);
+  EXPECT_TRUE(scene.world.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0);
   EXPECT_EQ(scene.bodies[0].type, BodyType::dynamic_body);
   EXPECT_EQ(scene.bodies[0].material.density, 1);
@@ -384,7 +384,7 @@ TEST(SceneToJson, EveryFieldChangesTheText) {
   EXPECT_TRUE(differs([](Scene& s) { s.world.substeps = 5; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.integrator = Integrator::euler; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.restitution_threshold = 1; }));
-  EXPECT_TRUE(differs([](Scene& s) { s.sleeping = false; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.world.sleeping = false; }));
   EXPECT_TRUE(differs([](Scene& s) { s.seed = 2; }));
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].angle = 1; }));
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].angular_velocity = 1; }));

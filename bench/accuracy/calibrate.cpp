@@ -195,6 +195,7 @@ Cost cost_of(const Scene& original, Integrator integrator, int substeps) {
   std::string error;
   const auto world = build_world(scene, {best_isa(), 1}, error);
   if (!world) throw std::runtime_error(error);
+  world->set_sleeping(false);
   Cost cost;
   std::vector<double> ns;
   for (int k = 0; k < 2 * kFrameRate; ++k) {

@@ -15,6 +15,7 @@ std::unique_ptr<World> world_of(const Scene& scene, const RunOptions& options) {
   std::string error;
   auto world = build_world(scene, options, error);
   if (!world) throw std::runtime_error(error);
+  world->set_sleeping(false);
   return world;
 }
 

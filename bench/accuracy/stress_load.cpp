@@ -71,6 +71,7 @@ class UnevenFrames : public Simulation {
     std::string error;
     world_ = build_world(model.scene, {best_isa(), 1}, error);
     if (!world_) throw std::runtime_error(error);
+    world_->set_sleeping(false);
   }
   void advance() override { world_->step(length_of_(frame_++)); }
   void read(std::vector<BodyState>& bodies) override {

@@ -139,6 +139,7 @@ struct WorldDesc {
   int substeps = 4;               ///< 1..64
   Integrator integrator = Integrator::verlet;  ///< of wells and drag
   double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
+  bool sleeping = true;              ///< bodies at rest are left out of the steps
 };
 
 /// How the host wants the world run. None of it changes a bit of the result.

@@ -19,11 +19,12 @@ enum class Stage : std::uint8_t {
   colouring,
   solver,
   integrate,
+  sleep,
   publish,
 };
-inline constexpr std::size_t kStageCount = 7;
+inline constexpr std::size_t kStageCount = 8;
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "publish"};
+    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "sleep", "publish"};
 
 /// What one step did. Values, never exceptions: bad data in a running world is quarantined and
 /// counted here.
@@ -34,6 +35,7 @@ struct StepReport {
   std::uint64_t contacts = 0;   ///< points that touch (impulse > 0 or overlap): at most two a pair
   std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
   std::uint64_t awake = 0;      ///< dynamic and kinematic bodies that were stepped
+  std::uint64_t asleep = 0;     ///< dynamic bodies that were not
   bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
   std::uint32_t stopped = 0;    ///< fast shapes put back on their way, out of fixed geometry
   std::uint32_t escaped = 0;    ///< bodies that left an open world in this step

@@ -58,7 +58,6 @@ struct Scene {
   std::string name;
   std::string description;
   WorldDesc world;
-  bool sleeping = true;
   std::vector<BodyDesc> bodies;
   std::vector<std::string> body_names;  ///< parallel to bodies; empty = unnamed
   std::vector<GroupDesc> groups;

@@ -46,6 +46,7 @@ struct Snapshot {
   std::vector<std::uint32_t> id;
   std::vector<float> x, y, x_prev, y_prev;  ///< metres from `origin`
   std::vector<float> angle, angle_prev, radius, speed;
+  std::vector<std::uint8_t> asleep;  ///< 1: it sleeps
   Vec2 origin;
 };
 
@@ -102,6 +103,17 @@ class World {
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   /// N m s.
   bool apply_angular_impulse(BodyId id, double impulse);
+
+  /// Changes the world's gravity, m/s^2; everybody wakes. False if it is not finite.
+  bool set_gravity(Vec2 gravity);
+  /// Lets bodies sleep from now on, or wakes all and keeps them awake.
+  void set_sleeping(bool on);
+  /// Whether a body takes part in the steps; false for static, sleeping and frozen ones.
+  bool is_awake(BodyId id) const;
+  /// Wakes a body that sleeps, and what is joined to it; false if the id is stale.
+  bool wake(BodyId id);
+  /// Why a body is awake, in one line, or that it is not.
+  std::string why_awake(BodyId id) const;
 
   /// Ties two bodies; kNoJoint and one line in `error` if the description is refused.
   JointId add_joint(const JointDesc& desc, std::string& error);

@@ -24,7 +24,7 @@ namespace psim {
 
 inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
 
-enum class Place : std::uint8_t { none, moving, fixed, frozen };
+enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep };
 
 /// What bodies of one make share: a million equal discs have one Surface.
 struct Surface {
@@ -43,7 +43,7 @@ static_assert(sizeof(Surface) == 32);
 
 /// One body, by id.
 struct BodyInfo {
-  std::uint32_t slot = kNoSlot;  ///< moving: column slot; fixed, frozen: place in its list
+  std::uint32_t slot = kNoSlot;  ///< moving: column slot; fixed, frozen, asleep: place in its list
   std::uint32_t generation = 0;
   std::uint32_t surface = 0;
   Place place = Place::none;
@@ -135,6 +135,7 @@ class BodyStore {
   std::uint32_t count = 0;  ///< slots in use, dead ones (id == kNoSlot) included until a rebuild
   std::uint32_t dead = 0;
   std::size_t living = 0, moving = 0, fixed = 0, kinematic = 0;
+  std::size_t asleep = 0;  ///< of the moving ones: not in the columns
 
   /// Sorting moves slots without telling the ids: whoever asks for info[id].slot of moving bodies
   /// calls this first. O(bodies) after a sort, else nothing.

@@ -395,10 +395,10 @@ inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, fl
   if (b.count == 1) return collide_vertex(a, qa, b, qb, {dx, dy}, margin);
   if (a.count == 1) {
     Manifold m = collide_vertex(b, qb, a, qa, {-dx, -dy}, margin);
-    m.nx = -m.nx;
-    m.ny = -m.ny;
     ManifoldPoint& p = m.point[0];
     if (m.count > 0) {
+      m.nx = -m.nx;
+      m.ny = -m.ny;
       p = {p.bx, p.by,  p.ax,
            p.ay, p.gap, static_cast<std::uint16_t>(p.feature | feature_of(1, 0, 0))};
     }

@@ -32,6 +32,16 @@ class Columns {
   }
   bool any() const { return !columns_.empty(); }
 
+  /// each(walk): for every column; walk(visit) calls visit(pair) for its contacts, from the bottom.
+  template <class Each>
+  void each_column(const Each& each) const {
+    for (const Column& c : columns_) {
+      each([&](const auto& visit) {
+        for (std::uint32_t k = c.first; k < c.first + c.count; ++k) visit(links_[k].pair);
+      });
+    }
+  }
+
   /// Looks up where the pairs were laid out.
   void place(const Manifolds& manifolds);
 

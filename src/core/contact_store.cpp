@@ -215,7 +215,8 @@ void ContactStore::pad_pair(std::size_t lane, std::uint32_t dummy) {
 }
 
 void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const PairTable& old,
-                                 const std::uint32_t* from, std::size_t index) {
+                                 const std::uint32_t* from, const TouchMemory& recent,
+                                 std::size_t index) {
   const Strip& s = table.strips[index];
   if (s.pair_begin == s.pair_end) return;
   const Counts& counts = counts_[index];
@@ -238,12 +239,18 @@ void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const Pai
     const float l = before == kNoLane ? 0.0f : old_impulse_[before];
     impulse[at] = l > 0 ? l : 0.0f;
     if (rough) friction[at] = before == kNoLane ? 0.0f : old_friction_[before];
+    if (before != kNoLane || recent.empty()) continue;
+    if (const Touch* touch = recent.find(TouchKey::bodies(b.id[i], b.id[j]))) {
+      impulse[at] = touch->impulse[0];
+      if (rough) friction[at] = touch->friction[0];
+    }
   }
 }
 
 void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shapes,
                                    const Material& wall, PairTable& table, const PairTable& old,
-                                   const std::uint32_t* from, std::size_t index) {
+                                   const std::uint32_t* from, const TouchMemory& recent,
+                                   std::size_t index) {
   std::vector<SinglePair>& list = table.singles[index];
   if (list.empty()) return;
   const Strip& s = table.strips[index];
@@ -302,6 +309,15 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
     s_nx[at] = before == kNoLane ? 0.0f : old_s_nx_[before];
     s_ny[at] = before == kNoLane ? 0.0f : old_s_ny_[before];
     if (rough) s_friction[at] = before == kNoLane ? 0.0f : old_s_friction_[before];
+    if (before != kNoLane || recent.empty()) continue;
+    const bool asleep = !is_wall && shapes[pair.shape].asleep;
+    const std::uint32_t id = b.id[pair.body];
+    const Touch* touch = recent.find(asleep ? TouchKey::bodies(id, shapes[pair.shape].owner)
+                                            : TouchKey::fixed(id, pair.shape));
+    if (touch != nullptr) {
+      s_impulse[at] = touch->impulse[0];
+      if (rough) s_friction[at] = touch->friction[0];
+    }
   }
 }
 
@@ -333,7 +349,7 @@ void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
 void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes,
                          const Material& wall, ContactModel model, const Surface* alike,
                          const HeavyLoads& loads, PairTable& table, const PairTable& old,
-                         const std::uint32_t* from, WorkerPool& pool) {
+                         const std::uint32_t* from, const TouchMemory& recent, WorkerPool& pool) {
   if (model != model_) {  // what the new model does not read gives its memory back
     if (model.model != Model::rough) {
       for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu, &s_friction,
@@ -406,8 +422,8 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   old_s_friction_.swap(s_friction);
   make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{single_blocks_} * kBlock);
   pool.run(strips, [&](std::size_t k) {
-    lay_out_strip(b, table, old, from, k);
-    lay_out_singles(b, shapes, wall, table, old, from, k);
+    lay_out_strip(b, table, old, from, recent, k);
+    lay_out_singles(b, shapes, wall, table, old, from, recent, k);
   });
 }
 

@@ -14,6 +14,7 @@
 #include "heavy_loads.h"
 #include "pair_table.h"
 #include "psim/desc.h"
+#include "sleepers.h"
 #include "solver_bodies.h"
 #include "static_shapes.h"
 #include "views.h"
@@ -34,11 +35,12 @@ class ContactStore {
 
   /// Colours the pairs of `table`, lays the blocks out and carries impulses over from the old
   /// table (`from` maps new slots to old ones; null: the same). `alike`: the cold data of all moving bodies, if
-  /// they agree. Contacts of bodies in `loads` come last in their strip. O(pairs).
+  /// they agree. Contacts of bodies in `loads` come last in their strip. `recent`: impulses of those
+  /// whose sides fell asleep or woke. O(pairs).
   void build(BodyStore& bodies, const SolverBodies& numbers, const StaticShapes& shapes,
              const Material& wall, ContactModel model, const Surface* alike,
              const HeavyLoads& loads, PairTable& table, const PairTable& old,
-             const std::uint32_t* from, WorkerPool& pool);
+             const std::uint32_t* from, const TouchMemory& recent, WorkerPool& pool);
 
   /// Forgets all impulses (the model changed, or the lists are of another world state).
   void forget();
@@ -74,10 +76,10 @@ class ContactStore {
 
   void colour_strip(const PairTable& table, std::size_t strip);
   void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old,
-                     const std::uint32_t* from, std::size_t strip);
+                     const std::uint32_t* from, const TouchMemory& recent, std::size_t strip);
   void lay_out_singles(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall,
                        PairTable& table, const PairTable& old, const std::uint32_t* from,
-                       std::size_t strip);
+                       const TouchMemory& recent, std::size_t strip);
   void fill_pair(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, std::size_t lane);
   void pad_pair(std::size_t lane, std::uint32_t dummy);
   template <class Each>

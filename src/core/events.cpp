@@ -61,7 +61,7 @@ void EventList::set_options(const EventOptions& options) {
   sensor_end_.clear();
   if (!options.contacts) {
     build_ = 0;
-    for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &paired_, &toggled_}) *keys = {};
+    for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &slept_, &paired_, &toggled_}) *keys = {};
     touching_ = {};
   }
   if (!options.sensors) sensed_ = {};
@@ -211,7 +211,8 @@ void EventList::compare_rest(const EventSource& source) {
   const BodyStore& b = source.bodies;
   const ContactStore& c = source.contacts;
   const auto here = [&](std::uint32_t id) {
-    return b.info[id].place == Place::moving || b.info[id].place == Place::fixed;
+    return b.info[id].place == Place::moving || b.info[id].place == Place::fixed ||
+           b.info[id].place == Place::asleep;
   };
   now_.clear();
   if (source.stepped) {
@@ -242,12 +243,63 @@ void EventList::compare_rest(const EventSource& source) {
   rest_ = now_;
 }
 
+// Who sleeps still touches what it touched, though no contact says so; and a pair of discs is another kind
+// of contact once one of them sleeps.
+void EventList::settle_sleepers(const EventSource& source) {
+  const BodyStore& b = source.bodies;
+  const auto place = [&](std::uint32_t id) { return b.info[id].place; };
+  const auto asleep = [&](std::uint64_t key) {
+    const Place p = place(first_of(key)), q = place(second_of(key));
+    return p != Place::moving && q != Place::moving && (p == Place::asleep || q == Place::asleep);
+  };
+  retire(slept_, ended_);
+  if (!source.slept) return;
+  std::sort(began_.begin(), began_.end());
+  std::sort(ended_.begin(), ended_.end());
+  // Both ended and began: only its kind changed. Whose id is another's now is told.
+  before_.clear();
+  if (removed_.empty()) {
+    std::set_intersection(began_.begin(), began_.end(), ended_.begin(), ended_.end(),
+                          std::back_inserter(before_));
+  }
+  const auto drop = [](Keys& from, const Keys& what) {
+    std::erase_if(from, [&](std::uint64_t key) {
+      return std::binary_search(what.begin(), what.end(), key);
+    });
+  };
+  drop(began_, before_);
+  drop(ended_, before_);
+  // What woke: it touches still, or no more.
+  now_.clear();
+  std::erase_if(slept_, [&](std::uint64_t key) {
+    if (asleep(key)) return false;
+    now_.push_back(key);
+    return true;
+  });
+  for (const std::uint64_t key : now_) {
+    if (!std::binary_search(began_.begin(), began_.end(), key)) ended_.push_back(key);
+  }
+  drop(began_, now_);
+  // What fell asleep.
+  const std::size_t before = slept_.size();
+  if (removed_.empty()) {
+    std::erase_if(ended_, [&](std::uint64_t key) {
+      if (!asleep(key)) return false;
+      slept_.push_back(key);
+      return true;
+    });
+  }
+  std::sort(slept_.begin() + static_cast<std::ptrdiff_t>(before), slept_.end());
+  std::inplace_merge(slept_.begin(), slept_.begin() + static_cast<std::ptrdiff_t>(before), slept_.end());
+}
+
 void EventList::gather_sensed(const EventSource& source, const QueryIndex& index,
                               const QuerySource& queries) {
   const BodyStore& b = source.bodies;
   now_.clear();
   if (b.moving != 0) {
     const QueryIndex::Part& moving = index.moving(queries);
+    const QueryIndex::Part& sleeping = index.sleeping(queries);
     // Bodies that overlap an item of `part` that is a sensor's.
     const auto look = [&](const QueryIndex::Part& part, const QueryItem& item) {
       const Make& make = b.make(item.body);
@@ -255,18 +307,19 @@ void EventList::gather_sensed(const EventSource& source, const QueryIndex& index
       const Vec2 at{item.x, item.y};
       const double reach = static_cast<double>(item.radius);
       const Outline mine = QueryIndex::outline(queries, part, item, {});
-      moving.grid.in_box({at.x - reach, at.y - reach}, {at.x + reach, at.y + reach},
-                         [&](const QueryItem& other, Vec2 shift) {
-                           const Vec2 to{other.x + shift.x - at.x, other.y + shift.y - at.y};
-                           const double far = reach + static_cast<double>(other.radius);
-                           if (to.x * to.x + to.y * to.y > far * far) return;
-                           if (b.info[other.body].place != Place::moving) return;
-                           const Make& theirs = b.make(other.body);
-                           if (theirs.sensor || !meet(make.filter, theirs.filter)) return;
-                           if (!overlap(mine, QueryIndex::outline(queries, moving, other, to)))
-                             return;
-                           now_.push_back(std::uint64_t{item.body} << 32 | other.body);
-                         });
+      for (const QueryIndex::Part* in : {&moving, &sleeping}) {
+        in->grid.in_box({at.x - reach, at.y - reach}, {at.x + reach, at.y + reach},
+                        [&](const QueryItem& other, Vec2 shift) {
+                          const Vec2 to{other.x + shift.x - at.x, other.y + shift.y - at.y};
+                          const double far = reach + static_cast<double>(other.radius);
+                          if (to.x * to.x + to.y * to.y > far * far) return;
+                          if (b.info[other.body].place == Place::frozen) return;
+                          const Make& theirs = b.make(other.body);
+                          if (theirs.sensor || !meet(make.filter, theirs.filter)) return;
+                          if (!overlap(mine, QueryIndex::outline(queries, *in, other, to))) return;
+                          now_.push_back(std::uint64_t{item.body} << 32 | other.body);
+                        });
+      }
     };
     const QueryIndex::Part& fixed = index.fixed(queries);
     for (const QueryItem& item : fixed.grid.items()) look(fixed, item);
@@ -292,6 +345,7 @@ void EventList::collect(const EventSource& source, const QueryIndex& index,
     ended_.clear();
     compare_pairs(source);
     compare_rest(source);
+    settle_sleepers(source);
     tell(source, began_, false, begin_);
     tell(source, ended_, true, end_);
   }
@@ -304,7 +358,7 @@ void EventList::collect(const EventSource& source, const QueryIndex& index,
 
 std::size_t EventList::bytes() const {
   std::size_t keys = 0;
-  for (const Keys* k : {&lane_key_, &rest_found_, &rest_, &sensed_, &before_, &now_, &began_,
+  for (const Keys* k : {&lane_key_, &rest_found_, &rest_, &slept_, &sensed_, &before_, &now_, &began_,
                         &ended_, &scratch_, &paired_, &toggled_}) {
     keys += k->capacity();
   }

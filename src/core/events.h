@@ -34,6 +34,7 @@ struct EventSource {
   WorkerPool& pool;
   bool kinematic = false;  ///< some bodies are
   bool stepped = true;     ///< the contacts are those of this step: there was one
+  bool slept = false;      ///< some bodies fell asleep or woke since the last step
 };
 
 class EventList {
@@ -72,6 +73,7 @@ class EventList {
   void name_lanes(const EventSource& source);
   void compare_pairs(const EventSource& source);
   void compare_rest(const EventSource& source);
+  void settle_sleepers(const EventSource& source);
   void gather_sensed(const EventSource& source, const QueryIndex& index,
                      const QuerySource& queries);
   // event_hits.cpp
@@ -97,6 +99,7 @@ class EventList {
   Keys toggled_;                        // and every change since
   // The others: keys of the touching ones as they were found, and sorted.
   Keys rest_found_, rest_;
+  Keys slept_;  ///< touching pairs of which neither side moves, one or both asleep; sorted
   Keys sensed_;
 
   Keys before_, now_, began_, ended_, scratch_;

@@ -6,6 +6,9 @@
 //   warm            first substep of a frame, or every one in fields: stored impulses
 //   solve, relax    in every substep
 //   hold, release   around the drift, which goes with half of what joints did
+//
+// joint_store.cpp does what the host asks for, joint_layout.cpp makes the blocks, joint_prepare.cpp fills
+// them, joint_passes.cpp runs the passes.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +18,7 @@
 
 #include "body_store.h"
 #include "column.h"
+#include "joint_lists.h"
 #include "joint_views.h"
 #include "kernel_table.h"
 #include "lattice.h"
@@ -24,6 +28,17 @@
 #include "worker_pool.h"
 
 namespace psim {
+
+/// A body with joints, for this frame.
+struct JointMember {
+  std::uint32_t number = 0;  ///< the solver's
+  std::int32_t x = 0, y = 0;
+  double rest_x = 0, rest_y = 0;  ///< m, of static bodies: beyond the lattice point
+  double c = 1, s = 0, angle = 0;
+  double centre_x = 0, centre_y = 0;  ///< m, in the body's frame
+  double inverse_radius = 1, spin_gain = 0;
+  bool fixed = false;
+};
 
 class JointStore {
  public:
@@ -47,19 +62,36 @@ class JointStore {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     std::size_t sum = of(joints_) + of(free_) + of(first_) + of(exclusive_) + of(bodies_) +
                       of(members_) + of(ranges_) + of(share_ranges_) + of(jobs_) + of(marks_) +
-                      exclusions_.size() * 32;
+                      exclusions_.size() * 32 + lists_.bytes();
     for (const auto& lanes : lanes_) sum += of(lanes);
-    for (int fixed = 0; fixed < 2; ++fixed) {
-      sum += of(rods_[fixed]) + of(springs_[fixed]) + of(pins_[fixed]) + of(driven_[fixed]) +
-             of(slides_[fixed]) + of(welds_[fixed]);
-    }
     return sum;
   }
 
   /// What it did to body b in the last substep, N and N m. O(1).
   void load_of(JointId id, Vec2& force, double& torque) const;
 
-  /// Bodies (ids) with joints, ascending; the solver must number them.
+  /// each(a, b): ids of the two bodies of every joint.
+  template <class Each>
+  void each_pair(const Each& each) const {
+    for (const Joint& j : joints_) {
+      if (j.alive) each(j.desc.a.index, j.desc.b.index);
+    }
+  }
+  /// each(other): ids of the bodies that a body is joined to.
+  template <class Each>
+  void each_joined(std::uint32_t body, const Each& each) const {
+    if (body >= first_.size()) return;
+    for (std::uint32_t i = first_[body]; i != kNoSlot;) {
+      const Joint& j = joints_[i];
+      const bool is_a = j.desc.a.index == body;
+      each(is_a ? j.desc.b.index : j.desc.a.index);
+      i = j.next[is_a ? 0 : 1];
+    }
+  }
+  /// Some bodies fell asleep or woke: joints of those that sleep are left out.
+  void follow_sleep(const BodyStore& bodies);
+
+  /// Bodies (ids) with joints that are not left out, ascending; the solver must number them.
   const std::vector<std::uint32_t>& bodies();
 
   /// Whether a joint keeps these two from colliding.
@@ -82,28 +114,19 @@ class JointStore {
 
  private:
   static constexpr std::uint32_t kColours = 24;  // then blocks of one lane
-  static constexpr std::uint32_t kLists = 2 * kernels::kJointKinds;
+  static constexpr std::uint32_t kLists = JointLists::kCount;
 
   struct Joint {
     JointDesc desc;
     std::uint32_t generation = 0;
     bool alive = false;
     bool swapped = false;  ///< side A is desc.b: it is not dynamic
+    bool dormant = false;  ///< one of its bodies sleeps, the other too or is not dynamic
     kernels::JointKind kind = kernels::JointKind::rod;
     std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< joints of the bodies a and b after this one
     std::uint32_t list = 0, lane = 0;            ///< 8 block + lane
     std::uint32_t body[2] = {0, 0};              ///< in members_: sides A and B
     float impulse[5] = {};                       ///< while the blocks are made
-  };
-  // A body with joints, for this frame.
-  struct Member {
-    std::uint32_t number = 0;  ///< the solver's
-    std::int32_t x = 0, y = 0;
-    double rest_x = 0, rest_y = 0;  ///< m, of static bodies: beyond the lattice point
-    double c = 1, s = 0, angle = 0;
-    double centre_x = 0, centre_y = 0;  ///< m, in the body's frame
-    double inverse_radius = 1, spin_gain = 0;
-    bool fixed = false;
   };
   struct BlockRange {
     std::uint32_t list = 0, begin = 0, end = 0;
@@ -128,16 +151,17 @@ class JointStore {
                     const SolverBodies& numbers, const Lattice& lattice, WorkerPool& pool);
   void find_shares(const SolverBodies& numbers);
   void fill(std::uint32_t list, std::uint32_t block);
-  double pinned_inertia(const kernels::JointBodies& block, std::uint32_t lane, const Member& a,
-                        const Member& b, Vec2 arm_a, Vec2 arm_b) const;
   void fill_lane(std::uint32_t list, kernels::JointBodies& block, std::uint32_t lane, Joint* joint);
-  kernels::JointBlocks blocks(std::uint32_t list);
-  kernels::JointBodies& block(std::uint32_t list, std::uint32_t index);
   template <class Pass>
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p,
              bool backwards, WorkerPool& pool);
+  template <class Pass>
+  void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards, WorkerPool& pool);
   template <class Each>
   void for_shares(const Each& each, WorkerPool& pool);
+  void part(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+  void shift(const kernels::BodyView& view, const kernels::KernelTable& k, float sign,
+             WorkerPool& pool);
   kernels::JointShare share() {
     return {share_vel_.data(), share_spin_.data(), push_vel_.data(), push_spin_.data()};
   }
@@ -151,12 +175,8 @@ class JointStore {
 
   bool stale_ = true, bodies_stale_ = true;
   std::vector<std::uint32_t> bodies_;  // ids, ascending
-  std::vector<Member> members_;        // in the order of bodies_
-  std::vector<kernels::LineBlock> rods_[2], springs_[2];
-  std::vector<kernels::PinBlock> pins_[2];
-  std::vector<kernels::DrivenBlock> driven_[2];
-  std::vector<kernels::SlideBlock> slides_[2];
-  std::vector<kernels::WeldBlock> welds_[2];
+  std::vector<JointMember> members_;   // in the order of bodies_
+  JointLists lists_;
   std::vector<std::uint32_t> lanes_[kLists];  // by lane: the joint, kNoSlot: none
   std::vector<BlockRange> ranges_, share_ranges_;
   std::vector<Job> jobs_, share_jobs_;

@@ -21,6 +21,8 @@ constexpr float kOpen = -0.0f;
 constexpr float kReaction = 0.5f;
 constexpr double kSupport = 0.5;  // |cosine| between normal and gravity from which weight counts
 
+constexpr float kMostOffset = 0.05f;  // of the inner radius, see ManifoldPair::offset
+
 void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
   p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
   p.gap[l] = kFar;
@@ -144,8 +146,24 @@ void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const Manifold
     if (down <= -kSupport) c.share_a[l] = kReaction;
     if (down >= kSupport) c.share_b[l] = kReaction;
   }
+  const bool asleep = fixed && !wall && (*params.shapes)[pair.shape].asleep;
+  if (asleep ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced) balance(b, pair, c, l);
+  for (int k = 0; k < m.count; ++k) c.point[k].gap[l] += pair.offset[k];
   pair.changed = false;
   pair.was_column = pair.column;
+}
+
+// Offsets with which a pair's impulses are in balance with its gaps: rate s = -soft K l, K the inverse
+// mass at the point.
+void Manifolds::balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
+  const float most = kMostOffset * b.make(pair.id_b).inner;
+  for (int k = 0; k < pair.manifold.count; ++k) {
+    const ManifoldBlock::Point& p = c.point[k];
+    const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
+    const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
+    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -most, most) : 0.0f;
+  }
+  pair.balanced = c.soft[l];
 }
 
 void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
@@ -168,7 +186,7 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
       }
       ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
       const std::uint32_t l = pair.lane % kBlock;
-      for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] = pair.gap[k];
+      for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] = pair.gap[k] + pair.offset[k];
     });
     return;
   }

@@ -39,6 +39,39 @@ std::uint32_t Manifolds::recall(const PairName& pair) const {
   return PairName::kNone;
 }
 
+// A pair that is new to the lists because a side of it fell asleep or woke.
+void Manifolds::recall_touch(const StaticShapes& shapes, const TouchMemory& recent, ManifoldPair& pair) {
+  const bool ground = pair.a == PairName::kNone &&
+                      (pair.shape >= kWallLeft || !shapes[pair.shape].asleep);
+  const Touch* touch = recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape)
+                                          : TouchKey::bodies(pair.id_a, pair.id_b));
+  if (touch == nullptr) return;
+  pair.recalled = static_cast<std::uint8_t>(touch->points);
+  std::copy(touch->impulse, touch->impulse + 2, pair.impulse);
+  std::copy(touch->friction, touch->friction + 2, pair.friction);
+}
+
+// Gives recalled impulses to the points of the manifold that was found.
+void Manifolds::take_recalled(ManifoldPair& pair) {
+  const Manifold& m = pair.manifold;
+  if (m.count == 2 && pair.recalled == 2) {
+    if (runs_backwards(m)) {
+      std::swap(pair.impulse[0], pair.impulse[1]);
+      std::swap(pair.friction[0], pair.friction[1]);
+    }
+  } else {  // another number of points shares the sum
+    const auto share = [&](float (&of)[2]) {
+      const float each = (of[0] + of[1]) / static_cast<float>(std::max(m.count, 1));
+      of[0] = each;
+      of[1] = m.count == 2 ? each : 0.0f;
+    };
+    share(pair.impulse);
+    share(pair.friction);
+  }
+  pair.recalled = 0;
+  pair.balanced = ManifoldPair::kUnbalanced;
+}
+
 // Pairs of one strip: two discs stay in the list, closed up; the rest is found.
 void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
                          PairTable& table, std::size_t index) {
@@ -138,13 +171,15 @@ void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const J
 }
 
 void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
-                        bool any_filter, PairTable& table, bool sorted, WorkerPool& pool) {
+                        bool any_filter, PairTable& table, bool sorted, const TouchMemory& recent,
+                        WorkerPool& pool) {
   keep_impulses(pool);
   any_filter_ = any_filter;
   const std::size_t strips = table.strips.size();
   found_.resize(std::max(found_.size(), strips));
   kind_.reserve(kernels::round_up_block(b.count));
   rotor_.reserve(2 * kernels::round_up_block(b.count));
+  inner_.reserve(kernels::round_up_block(b.count));
   used_.reserve(kernels::round_up_block(b.count));
   if (sorted) {
     shaped_.clear();
@@ -189,6 +224,7 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
       pair = found.before[k] == PairName::kNone ? ManifoldPair{} : old_pairs_[found.before[k]];
       static_cast<PairName&>(pair) = found.pairs[k];
       pair.lane = PairName::kNone;
+      if (found.before[k] == PairName::kNone && !recent.empty()) recall_touch(shapes, recent, pair);
       owner_[begin_[s] + k] = pair.owner;
     }
   });

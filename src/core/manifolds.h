@@ -16,6 +16,8 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <optional>
 #include <vector>
 
 #include "body_store.h"
@@ -26,6 +28,7 @@
 #include "narrow_phase.h"
 #include "pair_table.h"
 #include "psim/desc.h"
+#include "sleepers.h"
 #include "static_shapes.h"
 #include "worker_pool.h"
 
@@ -75,7 +78,22 @@ struct ManifoldPair : PairName {
   Column column = kLoose;
   Column was_column = kLoose;            ///< as it lies in its lane
   std::uint8_t rest_frames = 0;          ///< in which it is not
+  std::uint8_t recalled = 0;             ///< points whose impulses come from before a body slept or woke
+  // Where a side fell asleep or woke, contacts have another stiffness, and the same load would want another
+  // overlap: that difference, m, added to the gaps. It lasts where A sleeps, else it fades.
+  float offset[2] = {};
+  static constexpr float kUnbalanced = -1, kBalanced = 0;
+  float balanced = kBalanced;            ///< compliance that the offsets are for, or to be found
 };
+
+/// Whether the points of a manifold lie against the direction that its edge is read in, which is the same
+/// seen from either body.
+inline bool runs_backwards(const Manifold& m) {
+  const bool steep = std::fabs(m.nx) > std::fabs(m.ny);
+  const float sign = (steep ? m.nx : -m.ny) < 0 ? -1.0f : 1.0f;  // of the tangent (-ny, nx)
+  const float x = m.point[1].bx - m.point[0].bx, y = m.point[1].by - m.point[0].by;
+  return sign * (m.nx * y - m.ny * x) < 0;
+}
 
 /// Settings of a step.
 struct ManifoldParams {
@@ -83,6 +101,7 @@ struct ManifoldParams {
   Vec2 gravity;
   const Lattice* lattice = nullptr;
   const StaticShapes* shapes = nullptr;
+  const kernels::KernelTable* kernels = nullptr;
   Walls walls;
   Material wall;
   float warm = 1;
@@ -99,7 +118,7 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 class Manifolds {
  public:
-  explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), used_(meter) {}
+  explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), inner_(meter), used_(meter) {}
 
   /// What a strip's blocks are.
   struct StripBlocks {
@@ -113,9 +132,10 @@ class Manifolds {
   };
 
   /// Takes over the pairs of `table` that are not two discs and drops those that must not collide.
-  /// `sorted`: slots changed. O(pairs).
+  /// `sorted`: slots changed. `recent`: impulses of those whose sides fell asleep or woke. O(pairs).
   void collect(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
-               bool any_filter, PairTable& table, bool sorted, WorkerPool& pool);
+               bool any_filter, PairTable& table, bool sorted, const TouchMemory& recent,
+               WorkerPool& pool);
 
   /// Manifolds for this step. O(pairs).
   void refresh(BodyStore& bodies, const ManifoldParams& params, const PairTable& table,
@@ -140,6 +160,9 @@ class Manifolds {
   std::uint64_t points() const { return points_; }
   std::uint32_t colours() const { return colours_; }
   const std::vector<ManifoldPair>& pairs() const { return pairs_; }
+  std::span<const ManifoldPair> pairs_of(std::size_t strip) const {
+    return {pairs_.data() + begin_[strip], pairs_.data() + begin_[strip + 1]};
+  }
   ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
   /// Pairs of a strip that are contacts in this step.
   const std::vector<std::uint32_t>& active_of(std::size_t strip) const {
@@ -191,8 +214,26 @@ class Manifolds {
   bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a,
                       std::uint32_t b) const;
   void index_old_pairs(std::uint32_t ids);
+  static void recall_touch(const StaticShapes& shapes, const TouchMemory& recent, ManifoldPair& pair);
+  static void take_recalled(ManifoldPair& pair);
+  static void fade(const StaticShapes& shapes, ManifoldPair& pair);
+  static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,
+                      std::uint32_t lane);
   std::uint32_t recall(const PairName& pair) const;
-  void look(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair) const;
+  struct Stand;    // manifold_look.h
+  struct Waiting;
+  void look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
+            std::uint32_t end);
+  bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
+             Stand& now) const;
+  void find(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
+            const Stand& now, Waiting* waiting) const;
+  void settle(const BodyStore& bodies, const ManifoldParams& params, Waiting& waiting,
+              std::uint32_t kind) const;
+  void take(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
+            const Stand& now, const Manifold& found, const Hull* a, const Hull& b) const;
+  const Hull& hull_of(const BodyStore& bodies, std::size_t slot, std::uint16_t part,
+                      std::optional<Hull>& disc) const;
   static bool end_on(const ManifoldParams& params, const ManifoldPair& pair, const Hull& piece,
                      const Manifold& m, double& fx, double& fy);
   static void smooth_joint(const ManifoldParams& params, ManifoldPair& pair, const Hull& hull, Rotor q,
@@ -223,9 +264,11 @@ class Manifolds {
   std::vector<std::uint8_t> stale_;   // by strip: its blocks are of other pairs
   Column<std::uint8_t> kind_;         // by slot
   Column<float> rotor_;               // by slot, records
+  Column<float> inner_;               // by slot: m, what counts as its inner radius in this step
   Column<std::uint32_t> used_;        // by slot: colours taken
   std::vector<std::uint32_t> shaped_; // slots of bodies that are not discs
   std::uint64_t points_ = 0;
+  float g_ = 0;                       // m/s^2, in this step
   bool any_filter_ = false, loaded_ = false;
   std::uint32_t colours_ = 0, blocks_ = 0;
 };

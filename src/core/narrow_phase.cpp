@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "softness.h"
+
 namespace psim {
 namespace {
 
@@ -41,6 +43,20 @@ class SingleGeometry {
       }
     }
     const StaticShape& s = shapes_[pair.shape];
+    standing(pair, s, x, y, r);
+    if (s.asleep) yield(pair, s);
+  }
+
+  // As soft as the contact was when both sides moved; it is of bodies at rest, whose normal lasts.
+  void yield(const SinglePair& pair, const StaticShape& s) {
+    const std::uint32_t at = pair.contact;
+    if (c_.s_gap[at] < 0) {
+      c_.s_gap[at] *= yield_of_sleeper(b_.surface(s.owner).inv_mass, b_.surface(b_.id[pair.body]).inv_mass);
+    }
+    c_.s_refresh[at] = std::numeric_limits<float>::infinity();
+  }
+
+  void standing(const SinglePair& pair, const StaticShape& s, std::int32_t x, std::int32_t y, float r) {
     const double ax = wrap_sub(x, s.p.x) * px_ - static_cast<double>(s.p.dx);
     const double ay = wrap_sub(y, s.p.y) * py_ - static_cast<double>(s.p.dy);
     if (!s.segment) return round(pair, ax, ay, s.radius, r);

@@ -27,6 +27,7 @@ Plan make_plan(const Traits& t) {
   p.bullets = t.bullets != 0 && t.moving > 1;
   p.continuous = p.shapes || p.bullets;
   p.rotation = p.friction || t.turning || p.turns;
+  p.sleep = t.sleeping && t.moving != 0;
   p.events = t.events;
   p.publish = t.snapshots;
   p.model.model = rub(t.rough_discs) ? kernels::Model::rough
@@ -86,7 +87,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("rotation", p.rotation, "friction, a shape, a joint or a given spin turns bodies",
       "nothing turns a body");
   add("integrate", moves, "bodies move", "no body moves");
-  add("sleep", false, "", "sleeping does not exist in this version");
+  add("sleep", p.sleep, "bodies that come to rest are left out", t.sleeping ? "no body moves" : "the world's bodies never sleep");
   add("events", p.events, "the host asks for contacts, hits or sensors", "nobody asks for events");
   add("publish", p.publish, "a renderer reads snapshots", "no renderer is attached");
   return out;

@@ -42,6 +42,7 @@ struct Traits {
   bool damping = false;
   bool snapshots = false;
   bool events = false;                ///< the host asked for some
+  bool sleeping = true;               ///< bodies may
 };
 
 struct Plan {
@@ -63,6 +64,7 @@ struct Plan {
   bool turns = false;        ///< what points of a body do within a frame: shapes or joints
   bool continuous = false;   ///< fast bodies are looked after
   bool bullets = false;      ///< also against other moving bodies
+  bool sleep = false;
   bool events = false;
   bool publish = false;
   ContactModel model;

@@ -12,8 +12,16 @@ struct Row {
 };
 
 Row row_of(std::uint32_t id, const BodyStore& b, const std::vector<FixedBody>& fixed,
-           const std::vector<BodyState>& frozen, const Lattice& lattice) {
+           const std::vector<BodyState>& frozen, const std::vector<Sleeper>& sleepers,
+           const Lattice& lattice) {
   const BodyInfo& info = b.info[id];
+  if (info.place == Place::asleep) {
+    const Sleeper& s = sleepers[info.slot];
+    const Vec2 arm = arm_of(b.make(id), s.angle);
+    return {static_cast<float>(s.at.x * lattice.pitch_x() + static_cast<double>(s.at.dx) - arm.x),
+            static_cast<float>(s.at.y * lattice.pitch_y() + static_cast<double>(s.at.dy) - arm.y),
+            static_cast<float>(s.angle), 0};
+  }
   if (info.place == Place::moving) {
     const std::size_t i = info.slot;
     const Vec2 arm = b.angle.empty() ? Vec2{} : arm_of(b.make(id), b.angle[i]);
@@ -43,12 +51,13 @@ float near_to(float now, float before, float period) {
 }  // namespace
 
 void Publisher::look(const BodyStore& b, const std::vector<FixedBody>& fixed,
-                     const std::vector<BodyState>& frozen, const Lattice& lattice) {
+                     const std::vector<BodyState>& frozen,
+                     const std::vector<Sleeper>& sleepers, const Lattice& lattice) {
   b.find_slots();
   for (std::vector<float>* c : {&last_x_, &last_y_, &last_angle_}) c->resize(b.id_count);
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     if (b.info[id].place == Place::none) continue;
-    const Row row = row_of(id, b, fixed, frozen, lattice);
+    const Row row = row_of(id, b, fixed, frozen, sleepers, lattice);
     last_x_[id] = row.x;
     last_y_[id] = row.y;
     last_angle_[id] = row.angle;
@@ -56,7 +65,8 @@ void Publisher::look(const BodyStore& b, const std::vector<FixedBody>& fixed,
 }
 
 void Publisher::publish(const BodyStore& b, const std::vector<FixedBody>& fixed,
-                        const std::vector<BodyState>& frozen, const Lattice& lattice,
+                        const std::vector<BodyState>& frozen,
+                        const std::vector<Sleeper>& sleepers, const Lattice& lattice,
                         std::uint64_t frame, WorkerPool& pool) {
   b.find_slots();
   Snapshot& s = frames_[back_];
@@ -68,6 +78,7 @@ void Publisher::publish(const BodyStore& b, const std::vector<FixedBody>& fixed,
                                 &s.radius, &s.speed}) {
     c->resize(n);
   }
+  s.asleep.resize(n);
   std::uint32_t row = 0;
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     if (b.info[id].place != Place::none) s.id[row++] = id;
@@ -79,7 +90,7 @@ void Publisher::publish(const BodyStore& b, const std::vector<FixedBody>& fixed,
   pool.run((n + kRows - 1) / kRows, [&](std::size_t task) {
     for (std::size_t r = task * kRows; r < std::min(n, (task + 1) * kRows); ++r) {
       const std::uint32_t id = s.id[r];
-      const Row now = row_of(id, b, fixed, frozen, lattice);
+      const Row now = row_of(id, b, fixed, frozen, sleepers, lattice);
       s.x[r] = now.x;
       s.y[r] = now.y;
       s.x_prev[r] = near_to(now.x, last_x_[id], period_x);
@@ -88,6 +99,7 @@ void Publisher::publish(const BodyStore& b, const std::vector<FixedBody>& fixed,
       s.angle_prev[r] = last_angle_[id];
       s.radius[r] = b.surfaces[b.info[id].surface].radius;
       s.speed[r] = now.speed;
+      s.asleep[r] = b.info[id].place == Place::asleep;
       last_x_[id] = now.x;
       last_y_[id] = now.y;
       last_angle_[id] = now.angle;
@@ -106,7 +118,7 @@ const Snapshot* Publisher::latest() {
 
 std::size_t Publisher::bytes() const {
   std::size_t sum = (last_x_.capacity() * 4) * 3;
-  for (const Snapshot& s : frames_) sum += s.id.capacity() * 4 + s.x.capacity() * 4 * 8;
+  for (const Snapshot& s : frames_) sum += s.id.capacity() * 4 + s.x.capacity() * (4 * 8 + 1);
   return sum;
 }
 

@@ -9,6 +9,7 @@
 #include "body_store.h"
 #include "lattice.h"
 #include "psim/world.h"
+#include "sleepers.h"
 #include "worker_pool.h"
 
 namespace psim {
@@ -25,10 +26,12 @@ class Publisher {
   /// Notes where every body stands before a step: needed when the host added or moved some since
   /// the last one, so that x_prev is where the step found them.
   void look(const BodyStore& bodies, const std::vector<FixedBody>& fixed,
-            const std::vector<BodyState>& frozen, const Lattice& lattice);
+            const std::vector<BodyState>& frozen, const std::vector<Sleeper>& sleepers,
+            const Lattice& lattice);
   /// Writes the next frame. `frozen` bodies keep their last row.
   void publish(const BodyStore& bodies, const std::vector<FixedBody>& fixed,
-               const std::vector<BodyState>& frozen, const Lattice& lattice, std::uint64_t frame,
+               const std::vector<BodyState>& frozen, const std::vector<Sleeper>& sleepers,
+               const Lattice& lattice, std::uint64_t frame,
                WorkerPool& pool);
   /// The newest complete frame, or nullptr. One reader.
   const Snapshot* latest();

@@ -115,11 +115,27 @@ void fill_moving(const QuerySource& source, QueryIndex::Part& part) {
   part.grid.build();
 }
 
+void fill_sleeping(const QuerySource& source, QueryIndex::Part& part) {
+  const BodyStore& b = source.bodies;
+  Filler filler(source, part, source.sleepers.size());
+  for (const Sleeper& s : source.sleepers) {
+    const Vec2 at = Filler::place(source.lattice, s.at.x, s.at.y, s.at.dx, s.at.dy);
+    const Surface& surface = b.surface(s.id);
+    const Make& make = b.makes[surface.make];
+    if (make.hull_count == 0) {
+      filler.disc(s.id, at, surface.radius);
+    } else {
+      filler.hulls(s.id, make, at, s.angle);
+    }
+  }
+  part.grid.build();
+}
+
 void fill_fixed(const QuerySource& source, QueryIndex::Part& part) {
   const StaticShapes& shapes = source.shapes;
   Filler filler(source, part, shapes.size());
   for (std::uint32_t k = 0; k < shapes.size(); ++k) {
-    if (shapes[k].alive && !shapes[k].face) filler.fixed(shapes[k], k);
+    if (shapes[k].alive && !shapes[k].face && !shapes[k].asleep) filler.fixed(shapes[k], k);
   }
   const Vec2 centre = source.lattice.centre();
   for (const FixedBody& body : source.fixed) {
@@ -160,29 +176,33 @@ Outline QueryIndex::outline(const QuerySource& source, const Part& part, const Q
   return disc;
 }
 
-const QueryIndex::Part& QueryIndex::moving(const QuerySource& source) const {
-  if (moving_ready_.load(std::memory_order_acquire)) return moving_;
+const QueryIndex::Part& QueryIndex::made(const QuerySource& source, std::atomic<bool>& ready, Part& part,
+                                         Fill fill) const {
+  if (ready.load(std::memory_order_acquire)) return part;
   const std::lock_guard<std::mutex> lock(making_);
-  if (!moving_ready_.load(std::memory_order_relaxed)) {
-    fill_moving(source, moving_);
-    moving_ready_.store(true, std::memory_order_release);
+  if (!ready.load(std::memory_order_relaxed)) {
+    fill(source, part);
+    ready.store(true, std::memory_order_release);
   }
-  return moving_;
+  return part;
+}
+
+const QueryIndex::Part& QueryIndex::moving(const QuerySource& source) const {
+  return made(source, moving_ready_, moving_, fill_moving);
+}
+
+const QueryIndex::Part& QueryIndex::sleeping(const QuerySource& source) const {
+  return made(source, sleeping_ready_, sleeping_, fill_sleeping);
 }
 
 const QueryIndex::Part& QueryIndex::fixed(const QuerySource& source) const {
-  if (fixed_ready_.load(std::memory_order_acquire)) return fixed_;
-  const std::lock_guard<std::mutex> lock(making_);
-  if (!fixed_ready_.load(std::memory_order_relaxed)) {
-    fill_fixed(source, fixed_);
-    fixed_ready_.store(true, std::memory_order_release);
-  }
-  return fixed_;
+  return made(source, fixed_ready_, fixed_, fill_fixed);
 }
 
 std::size_t QueryIndex::bytes() const {
-  return moving_.grid.bytes() + fixed_.grid.bytes() +
-         (moving_.pieces.capacity() + fixed_.pieces.capacity()) * sizeof(QueryPiece);
+  return moving_.grid.bytes() + sleeping_.grid.bytes() + fixed_.grid.bytes() +
+         (moving_.pieces.capacity() + sleeping_.pieces.capacity() + fixed_.pieces.capacity()) *
+             sizeof(QueryPiece);
 }
 
 }  // namespace psim

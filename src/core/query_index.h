@@ -1,5 +1,5 @@
-// What questions are answered from: two grids, of the moving bodies (and frozen ones), and of the
-// static ones. Each is made by the first question after a change and kept until the next change.
+// What questions are answered from: grids of the moving bodies (and frozen ones), of those that sleep, and
+// of the static ones. Each is made by the first question after a change and kept until the next change.
 //
 // In: bodies, static shapes. Owner: the world. O(bodies) a grid; questions about static bodies alone do
 // not make that of the moving ones. Many threads may ask at once: the first makes the grid, the others
@@ -15,6 +15,7 @@
 #include "psim/world.h"
 #include "query_grid.h"
 #include "query_shapes.h"
+#include "sleepers.h"
 #include "static_shapes.h"
 
 namespace psim {
@@ -37,6 +38,7 @@ struct QuerySource {
   const StaticShapes& shapes;
   const std::vector<FixedBody>& fixed;
   const std::vector<BodyState>& frozen;
+  const std::vector<Sleeper>& sleepers;
   const Lattice& lattice;
   Vec2 period;             ///< m; 0: not periodic
   bool all_discs = false;  ///< that move
@@ -54,9 +56,12 @@ class QueryIndex {
 
   /// Bodies moved, came or went.
   void forget_moving() { moving_ready_.store(false, std::memory_order_relaxed); }
+  /// Some fell asleep or woke.
+  void forget_sleeping() { sleeping_ready_.store(false, std::memory_order_relaxed); }
   void forget_fixed() { fixed_ready_.store(false, std::memory_order_relaxed); }
 
   const Part& moving(const QuerySource& source) const;
+  const Part& sleeping(const QuerySource& source) const;
   const Part& fixed(const QuerySource& source) const;
 
   /// The outline of a piece whose item's centre lies at `at`.
@@ -68,9 +73,13 @@ class QueryIndex {
   std::size_t bytes() const;
 
  private:
+  using Fill = void (*)(const QuerySource&, Part&);
+  const Part& made(const QuerySource& source, std::atomic<bool>& ready, Part& part, Fill fill) const;
+
   mutable std::mutex making_;
-  mutable std::atomic<bool> moving_ready_{false}, fixed_ready_{false};
-  mutable Part moving_, fixed_;
+  mutable std::atomic<bool> moving_ready_{false}, sleeping_ready_{false},
+      fixed_ready_{false};
+  mutable Part moving_, sleeping_, fixed_;
 };
 
 }  // namespace psim

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "softness.h"
 #include "tasks.h"
 
 namespace psim {
@@ -18,7 +19,6 @@ using Clock = std::chrono::steady_clock;
 // solve pass a substep stays quiet in deep piles (docs/decisions/003-contact-scheme.md).
 constexpr double kStiffness = 0.2;
 constexpr double kDamping = 10;
-constexpr double kFixedStiffness = 2;  // contacts with fixed shapes, times stiffer
 // Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge.
 constexpr double kLoadedStiffness = 0.9;
 constexpr int kLoadedSweeps = 16;

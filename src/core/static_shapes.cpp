@@ -5,22 +5,63 @@
 
 namespace psim {
 
-std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
-  shapes_.reserve(std::size_t{count_} + 1);
-  shapes_[count_] = shape;
+void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
+  shapes_[number] = shape;
   if (hull != nullptr) {
     if (free_hulls_.empty()) {
-      shapes_[count_].hull = static_cast<std::uint32_t>(hulls_.size());
+      shapes_[number].hull = static_cast<std::uint32_t>(hulls_.size());
       hulls_.push_back(*hull);
     } else {
-      shapes_[count_].hull = free_hulls_.back();
+      shapes_[number].hull = free_hulls_.back();
       free_hulls_.pop_back();
-      hulls_[shapes_[count_].hull] = *hull;
+      hulls_[shapes_[number].hull] = *hull;
     }
   }
   ++alive_;
+}
+
+std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
+  shapes_.reserve(std::size_t{count_} + 1);
+  put(count_, shape, hull);
   dirty_ = true;
   return count_++;
+}
+
+std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
+  std::uint32_t first = count_;
+  const bool again = count <= kLongestRun && !runs_[count].empty();
+  if (again) {
+    first = runs_[count].back();
+    runs_[count].pop_back();
+  } else {
+    shapes_.reserve(std::size_t{count_} + count);
+    count_ += count;
+  }
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const StaticShape& piece = pieces[k].shape;
+    put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
+    shapes_[first + k].asleep = true;
+    double box[4];
+    box_of(shapes_[first + k], box);
+    const std::int32_t x = piece.p.x, y = piece.p.y;
+    const std::int32_t way_x = piece.segment ? wrap_sub(piece.q.x, x) / 2 : 0;
+    const std::int32_t way_y = piece.segment ? wrap_sub(piece.q.y, y) / 2 : 0;
+    sleepers_.insert(first + k, wrap_add(x, way_x), wrap_add(y, way_y),
+                     static_cast<std::uint32_t>((box[1] - box[0]) / 2 / px) + 1,
+                     static_cast<std::uint32_t>((box[3] - box[2]) / 2 / py) + 1);
+  }
+  return first;
+}
+
+void StaticShapes::take_up(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = first; k < first + count; ++k) {
+    shapes_[k].alive = false;
+    if (shapes_[k].whole) free_hulls_.push_back(shapes_[k].hull);
+    sleepers_.remove(k);
+    --alive_;
+  }
+  left_.emplace_back(first, count);
 }
 
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
@@ -131,22 +172,29 @@ void StaticShapes::cells_of(double xmin, double xmax, double ymin, double ymax,
 }
 
 void StaticShapes::build_grid() {
+  for (const auto& [first, count] : left_) {
+    if (count <= kLongestRun) runs_[count].push_back(first);
+  }
+  left_.clear();
   if (!dirty_) return;
   dirty_ = false;
   cols_ = rows_ = 0;
-  if (alive_ == 0) return;
+  const auto stands = [&](std::uint32_t i) { return shapes_[i].alive && !shapes_[i].asleep; };
+  std::size_t standing = 0;
   double all[4] = {1e300, -1e300, 1e300, -1e300};
   double extent_sum = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
-    if (!shapes_[i].alive) continue;
+    if (!stands(i)) continue;
+    ++standing;
     double b[4];
     box_of(shapes_[i], b);
     all[0] = std::fmin(all[0], b[0]), all[1] = std::fmax(all[1], b[1]);
     all[2] = std::fmin(all[2], b[2]), all[3] = std::fmax(all[3], b[3]);
     extent_sum += std::fmax(b[1] - b[0], b[3] - b[2]);
   }
+  if (standing == 0) return;
   const double width = std::fmax(all[1] - all[0], 1e-9), height = std::fmax(all[3] - all[2], 1e-9);
-  const double n = static_cast<double>(alive_);
+  const double n = static_cast<double>(standing);
   // About four cells a shape, none smaller than a quarter of the mean shape.
   cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
   cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
@@ -159,7 +207,7 @@ void StaticShapes::build_grid() {
   std::fill(cell_start_.data(), cell_start_.data() + cells + 1, 0u);
   const auto visit = [&](auto&& each) {
     for (std::uint32_t i = 0; i < count_; ++i) {
-      if (!shapes_[i].alive) continue;
+      if (!stands(i)) continue;
       double b[4];
       std::int64_t r[4];
       box_of(shapes_[i], b);
@@ -197,35 +245,56 @@ void StaticShapes::build_grid() {
 
 void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
                         std::vector<std::uint32_t>& out) const {
-  if (cols_ == 0) return;
-  const double mx = x * lattice_->pitch_x(), my = y * lattice_->pitch_y();
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const double mx = x * px, my = y * py;
   const double r = static_cast<double>(reach);
-  if (mx + r < origin_x_ || my + r < origin_y_ ||
-      mx - r > origin_x_ + static_cast<double>(cols_) * cell_ ||
-      my - r > origin_y_ + static_cast<double>(rows_) * cell_) {
-    return;
-  }
-  std::int64_t range[4];
-  cells_of(mx - r, mx + r, my - r, my + r, range);
   const std::size_t from = out.size();
-  for (std::int64_t row = range[2]; row <= range[3]; ++row) {
-    for (std::int64_t c = range[0]; c <= range[1]; ++c) {
-      const auto cell = static_cast<std::size_t>(row * cols_ + c);
-      for (std::uint32_t k = cell_start_[cell]; k < cell_start_[cell + 1]; ++k) {
-        if (!whole_wanted_ && shapes_[cell_shape_[k]].whole) continue;
-        out.push_back(cell_shape_[k]);
+  const auto in_grid = [&] {
+    return cols_ != 0 && mx + r >= origin_x_ && my + r >= origin_y_ &&
+           mx - r <= origin_x_ + static_cast<double>(cols_) * cell_ &&
+           my - r <= origin_y_ + static_cast<double>(rows_) * cell_;
+  };
+  if (in_grid()) {
+    std::int64_t range[4];
+    cells_of(mx - r, mx + r, my - r, my + r, range);
+    for (std::int64_t row = range[2]; row <= range[3]; ++row) {
+      for (std::int64_t c = range[0]; c <= range[1]; ++c) {
+        const auto cell = static_cast<std::size_t>(row * cols_ + c);
+        out.insert(out.end(), cell_shape_.data() + cell_start_[cell],
+                   cell_shape_.data() + cell_start_[cell + 1]);
       }
     }
+    const auto apart = [&](std::uint32_t i) {
+      if (!whole_wanted_ && shapes_[i].whole) return true;
+      double box[4];
+      box_of(shapes_[i], box);
+      return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
+    };
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), apart),
+              out.end());
+  }
+  if (!sleepers_.empty()) {
+    const std::size_t resting = out.size();
+    const auto steps = [&](double pitch) {
+      return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31));
+    };
+    sleepers_.near(x, y, steps(px), steps(py), out);
+    // Seen from the body: where the world is periodic they may lie beyond the seam.
+    const auto apart = [&](std::uint32_t i) {
+      const StaticShape& s = shapes_[i];
+      if (!whole_wanted_ && s.whole) return true;
+      const double ax = wrap_sub(s.p.x, x) * px, ay = wrap_sub(s.p.y, y) * py;
+      const double bx = s.segment ? ax + wrap_sub(s.q.x, s.p.x) * px : ax;
+      const double by = s.segment ? ay + wrap_sub(s.q.y, s.p.y) * py : ay;
+      const double far = r + 2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+      return std::fmin(ax, bx) > far || std::fmax(ax, bx) < -far || std::fmin(ay, by) > far ||
+             std::fmax(ay, by) < -far;
+    };
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(resting), out.end(), apart),
+              out.end());
   }
   const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
-  out.erase(std::remove_if(first, out.end(),
-                           [&](std::uint32_t i) {
-                             double box[4];
-                             box_of(shapes_[i], box);
-                             return box[0] > mx + r || box[1] < mx - r || box[2] > my + r ||
-                                    box[3] < my - r;
-                           }),
-            out.end());
+  if (out.end() - first < 2) return;
   std::sort(first, out.end());
   out.erase(std::unique(first, out.end()), out.end());
 }

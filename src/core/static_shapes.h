@@ -1,11 +1,14 @@
-// Geometry that never moves: discs, segments (also those of chains), and the four walls. Found
-// through a grid of its own, made once per change; a body looks at the cells that its reach covers.
+// Geometry that does not move: discs, segments (also those of chains), polygons, the four walls, and the
+// pieces of bodies that are asleep. What stands for good is found through a grid made once per change, what
+// sleeps through a hashed one that it enters and leaves; a body looks at the cells that its reach covers.
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "column.h"
+#include "hash_grid.h"
 #include "hull.h"
 #include "lattice.h"
 #include "psim/desc.h"
@@ -25,6 +28,13 @@ struct StaticShape {
   bool face = false;         ///< a polygon's edge: its inside is left of p->q; discs only
   bool whole = false;        ///< a polygon about p: shapes with corners only
   bool alive = true;
+  bool asleep = false;       ///< of a body that sleeps: it may leave at any time
+};
+
+/// A shape on its way into the grids.
+struct Piece {
+  StaticShape shape;
+  Hull hull;  ///< of a whole one, in world axes about its place
 };
 
 /// Shape numbers of the walls in contact lists.
@@ -36,11 +46,21 @@ inline constexpr std::uint32_t kWallTop = 0xFFFFFFF3u;
 class StaticShapes {
  public:
   StaticShapes(MemoryMeter& meter, const Lattice& lattice)
-      : cell_start_(meter), cell_shape_(meter), shapes_(meter), lattice_(&lattice) {}
+      : cell_start_(meter), cell_shape_(meter), shapes_(meter), sleepers_(meter), lattice_(&lattice) {
+    int shift = 0;
+    for (double r = lattice.pitch_x() / lattice.pitch_y(); r >= 1.5; r /= 2) ++shift;
+    for (double r = lattice.pitch_x() / lattice.pitch_y(); r <= 0.75; r *= 2) --shift;
+    sleepers_.set_shape(shift);
+  }
 
   /// `hull`, of a whole polygon, is in world axes about p.
   std::uint32_t add(const StaticShape& shape, const Hull* hull = nullptr);
   void remove(std::uint32_t first, std::uint32_t owner);
+
+  /// Pieces of a body that falls asleep: `count` of them, numbered from the result on. O(count).
+  std::uint32_t lay_down(const Piece* pieces, std::uint32_t count);
+  /// Takes them out again. Their numbers are not given to others before the next build_grid().
+  void take_up(std::uint32_t first, std::uint32_t count);
 
   std::size_t size() const { return count_; }
   const StaticShape& operator[](std::uint32_t i) const { return shapes_[i]; }
@@ -52,11 +72,11 @@ class StaticShapes {
   /// Of a chain's segment, the one that goes on from its end q (`forward`) or ends in its p; or null.
   const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
   bool any() const { return alive_ != 0; }
+  bool any_asleep() const { return !sleepers_.empty(); }
   /// Whether questions find whole polygons: where no moving body has corners they are in the way.
   void find_whole(bool wanted) { whole_wanted_ = wanted; }
-  bool changed() const { return dirty_; }
 
-  /// Makes the grid if shapes changed. O(shapes + cells).
+  /// Makes the grid if shapes that stand for good changed. O(shapes + cells).
   void build_grid();
 
   /// Appends the numbers of shapes whose box a square of half width `reach` (m) at (x, y) meets,
@@ -66,9 +86,15 @@ class StaticShapes {
  private:
   void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
   void box_of(const StaticShape& s, double box[4]) const;
+  void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
 
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> shapes_;
+  HashGrid sleepers_;
+  // Runs of numbers by length that nobody has: to be had, and from the next build_grid() on.
+  static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;
+  std::vector<std::uint32_t> runs_[kLongestRun + 1];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;
   std::vector<Hull> hulls_;
   std::vector<std::uint32_t> free_hulls_;
   bool whole_wanted_ = false;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "stage_timer.h"
 #include "tasks.h"
 #include "world_impl.h"
 
@@ -19,31 +20,6 @@ using kernels::kBlock;
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
-
-// Times one stage, and tells the tracer.
-class StageTimer {
- public:
-  StageTimer(StepReport& report, Tracer& tracer, Stage stage)
-      : report_(report),
-        tracer_(tracer),
-        stage_(static_cast<std::size_t>(stage)),
-        begin_(Clock::now()) {
-    tracer_.set_stage(kStageNames[stage_].data());
-  }
-  ~StageTimer() {
-    const Clock::time_point end = Clock::now();
-    report_.stage_ms[stage_] += std::chrono::duration<double, std::milli>(end - begin_).count();
-    if (tracer_.on()) tracer_.add(0, kStageNames[stage_].data(), begin_, end);
-  }
-  StageTimer(const StageTimer&) = delete;
-  StageTimer& operator=(const StageTimer&) = delete;
-
- private:
-  StepReport& report_;
-  Tracer& tracer_;
-  std::size_t stage_;
-  Clock::time_point begin_;
-};
 
 // Round to nearest, denormals are zero (they cost twenty times as much and mean nothing here), no
 // traps; whatever the host had comes back at the end.
@@ -78,10 +54,14 @@ StepReport World::Impl::step(double dt) {
   pool.begin_step();
   freeze_doubtful(report);
   replan();
-  if (plan.publish && placed) publisher.look(bodies, fixed, frozen, lattice);
+  if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
   placed = false;
   if (bodies.count != bodies.dead) {
     refresh_lists(dt, report);
+    if (sleepers.stirred) {
+      sleepers.stirred = false;
+      if (!sleepers.empty() && wake_reached(dt)) refresh_lists(dt, report);
+    }
     solve(dt, report);
     if (plan.continuous) {
       const StageTimer timer(report, tracer, Stage::solver);
@@ -90,21 +70,24 @@ StepReport World::Impl::step(double dt) {
                                        plan.filters, pool);
     }
     integrate(dt, report);
+    report.awake = bodies.count - bodies.dead;
   }
   ++frame;
   queries.forget_moving();
   if (plan.events) {
     const StageTimer timer(report, tracer, Stage::publish);
     events.collect(event_source(), queries, query_source());
+    sleepers.changed = false;
   }
   if (plan.publish) {
     const StageTimer timer(report, tracer, Stage::publish);
-    publisher.publish(bodies, fixed, frozen, lattice, frame, pool);
+    publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
   }
+  if (report.awake != 0) count_contacts(report);
+  rest(dt, report);
   pool.end_step();
-  count_contacts(report);
   report.arena_growths = memory.growths - growths;
-  report.awake = bodies.moving;
+  report.asleep = bodies.asleep;
   report.total_ms = ms_since(begin);
   return report;
 }
@@ -319,6 +302,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
 
 // Broad phase, narrow phase and colouring: contacts with normals and gaps for this step.
 void World::Impl::refresh_lists(double dt, StepReport& report) {
+  carry_woken();
   bodies.pad_tail();
   make_candidates(dt, report);
   if (loose) {
@@ -354,7 +338,8 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     if (sorts_out()) sort_out_pairs();
     contacts.build(bodies, solved, shapes, desc.wall, plan.model,
                    plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
-                   lists_stale ? broad.from() : nullptr, pool);
+                   lists_stale ? broad.from() : nullptr, sleepers.recent, pool);
+    sleepers.recent.clear();
     impulses_valid = true;
     if (lists_stale) forces_stale = true;
     lists_stale = false;
@@ -378,7 +363,8 @@ bool World::Impl::sorts_out() const {
 // Takes manifolds, and pairs that must not collide, out of the lists for discs.
 void World::Impl::sort_out_pairs() {
   const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
-  manifolds.collect(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, plan.filters, table, lists_stale, pool);
+  manifolds.collect(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, plan.filters, table,
+                    lists_stale, sleepers.recent, pool);
 }
 
 // Hulls against hulls, at the frame's start.
@@ -389,6 +375,7 @@ void World::Impl::refresh_manifolds(double dt) {
   p.gravity = desc.gravity;
   p.lattice = &lattice;
   p.shapes = &shapes;
+  p.kernels = &kernels;
   p.walls = walls;
   p.wall = desc.wall;
   Solver::manifold_softness(h, next_stiff_substep(h), p);

@@ -60,7 +60,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
     : desc(d), options(o), kernels(kernels_of(o.isa)),
       lattice(d.bounds, d.boundary == Boundary::periodic), bodies(memory), shapes(memory, lattice),
       broad(memory, lattice), table(memory), old_table(memory), candidates(memory),
-      solved(memory), loads(memory), contacts(memory), manifolds(memory), joints(memory), pool(o.threads) {
+      solved(memory), loads(memory), contacts(memory), manifolds(memory), joints(memory), sleepers(memory), pool(o.threads) {
   pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls.low = edges.to_lattice({d.bounds.xmin, d.bounds.ymin});
@@ -71,6 +71,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
   traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
   traits.integrator = d.integrator;
+  traits.sleeping = d.sleeping;
   traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
 }
 

@@ -190,7 +190,8 @@ std::uint32_t World::Impl::enter(const Surface& surface, const LatticePoint& p, 
   }
   ++bodies.count;
   ++bodies.moving;
-  placed = true;
+  sleepers.mark_moving(id);
+  placed = sleepers.stirred = true;
   queries.forget_moving();
   if (surface.type == BodyType::kinematic_body) held.emplace_back(id, velocity);
   if (bodies.makes[surface.make].bullet) bullets.push_back(id);
@@ -317,6 +318,7 @@ void World::Impl::remove(std::uint32_t id) {
   remove_joints_of(id);
   bodies.find_slots();
   BodyInfo& info = bodies.info[id];
+  rouse_around(info, id);  // a sleeping body itself wakes, too
   if (info.place == Place::fixed) {
     queries.forget_fixed();
   } else {
@@ -369,6 +371,7 @@ void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
   remove_joints_of(id);
   bodies.find_slots();
   BodyInfo& info = bodies.info[id];
+  rouse_around(info, id);
   const Surface& surface = bodies.surface(id);
   bodies.id[info.slot] = kNoSlot;
   ++bodies.dead;
@@ -404,14 +407,24 @@ BodyId World::id_of(std::uint32_t index) const {
   return {index, b.info[index].generation};
 }
 
+// Whether the host may move or push a body: awake from now on, its slot known.
+bool World::Impl::can_move(const World& world, BodyId id) {
+  bodies.find_slots();
+  if (!world.is_valid(id)) return false;
+  const Place place = bodies.info[id.index].place;
+  if (place != Place::moving && place != Place::asleep) return false;
+  rouse(id.index);
+  return true;
+}
+
 bool World::set_transform(BodyId id, Vec2 position, double angle) {
   Impl& w = *impl_;
-  w.bodies.find_slots();
-  if (!is_valid(id) || w.bodies.info[id.index].place != Place::moving) return false;
+  if (!w.can_move(*this, id)) return false;
   if (!finite(position.x) || !finite(position.y) || !finite(angle)) {
     w.doubtful.push_back(id.index);
     return true;
   }
+  w.rouse_around(w.bodies.info[id.index], id.index);  // what leaned on it there
   const std::size_t i = w.bodies.info[id.index].slot;
   if (w.desc.boundary == Boundary::walls) {
     const Bounds& b = w.desc.bounds;
@@ -436,8 +449,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
 
 bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
   Impl& w = *impl_;
-  w.bodies.find_slots();
-  if (!is_valid(id) || w.bodies.info[id.index].place != Place::moving) return false;
+  if (!w.can_move(*this, id)) return false;
   if (!check_motion(velocity, angular_velocity).empty()) {
     w.doubtful.push_back(id.index);
     return true;
@@ -464,8 +476,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
 
 bool World::apply_impulse(BodyId id, Vec2 impulse) {
   Impl& w = *impl_;
-  w.bodies.find_slots();
-  if (!is_valid(id) || w.bodies.info[id.index].place != Place::moving) return false;
+  if (!w.can_move(*this, id)) return false;
   const BodyInfo& info = w.bodies.info[id.index];
   const std::size_t i = info.slot;
   const double wm = static_cast<double>(w.bodies.surface(id.index).inv_mass);
@@ -500,8 +511,7 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
 // d omega = impulse / I, and with u = omega R and the gain R^2 / I: du = gain impulse / R.
 bool World::apply_angular_impulse(BodyId id, double impulse) {
   Impl& w = *impl_;
-  w.bodies.find_slots();
-  if (!is_valid(id) || w.bodies.info[id.index].place != Place::moving) return false;
+  if (!w.can_move(*this, id)) return false;
   const Surface& surface = w.bodies.surface(id.index);
   if (surface.spin_gain == 0 || impulse == 0) return true;
   const std::size_t i = w.bodies.info[id.index].slot;
@@ -535,8 +545,17 @@ BodyState World::Impl::state_of(std::uint32_t id) const {
     s.angle = fixed[info.slot].angle;
     return s;
   }
-  const std::size_t i = info.slot;
   const Make& make = bodies.make(id);
+  if (info.place == Place::asleep) {
+    const Sleeper& bed = sleepers.list[info.slot];
+    const Vec2 centre = lattice.to_world(bed.at.x, bed.at.y, bed.at.dx, bed.at.dy);
+    const Vec2 to_centre = arm_of(make, bed.angle);
+    s.x = centre.x - to_centre.x;
+    s.y = centre.y - to_centre.y;
+    s.angle = bed.angle;
+    return s;
+  }
+  const std::size_t i = info.slot;
   Vec2 arm;
   Vec2 p = lattice.to_world(bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.disp[2 * i],
                                   bodies.disp[2 * i + 1]);

@@ -1,87 +1,11 @@
-// Static bodies: what they are made of, as pieces in the grid of fixed shapes. Discs meet a solid
-// edge by edge, as they meet segments; shapes with corners meet it as a whole.
+// Static bodies: what is refused, and how they enter the grid of fixed shapes.
 #include <cmath>
 
-#include "rotor.h"
+#include "static_pieces.h"
 #include "world_impl.h"
 
 namespace psim {
 namespace {
-
-struct Piece {
-  StaticShape shape;
-  Hull hull;  // of a whole one, in world axes about its place
-};
-
-// A static body's pieces.
-class Pieces {
- public:
-  Pieces(const BodyDesc& d, const Lattice& lattice) : at_(d.position), lattice_(lattice) {
-    const SineCosine turn = sine_cosine(d.angle);
-    c_ = turn.cosine;
-    s_ = turn.sine;
-  }
-
-  void disc(double radius) {
-    Piece piece;
-    piece.shape.p = lattice_.to_lattice(at_);
-    piece.shape.radius = static_cast<float>(radius);
-    list.push_back(piece);
-  }
-
-  void segment(Vec2 p, Vec2 q, double radius, bool face) {
-    Piece piece;
-    piece.shape.segment = true;
-    piece.shape.face = face;
-    piece.shape.radius = static_cast<float>(radius);
-    const Vec2 whole[2] = {place(p), place(q)};
-    Vec2 from = whole[0], to = whole[1];
-    lattice_.clip(from, to);
-    const bool cut = from.x != whole[0].x || from.y != whole[0].y || to.x != whole[1].x ||
-                     to.y != whole[1].y;
-    piece.shape.p = cut ? lattice_.to_lattice(from) : lattice_.to_lattice(at_, turned(p));
-    piece.shape.q = cut ? lattice_.to_lattice(to) : lattice_.to_lattice(at_, turned(q));
-    list.push_back(piece);
-  }
-
-  void solid(const Hull& hull) {
-    const auto n = static_cast<std::size_t>(hull.count);
-    const auto vertex = [&](std::size_t k) {
-      return Vec2{static_cast<double>(hull.x[k % n]), static_cast<double>(hull.y[k % n])};
-    };
-    const auto radius = static_cast<double>(hull.radius);
-    if (n == 1) {
-      Piece piece;
-      piece.shape.p = lattice_.to_lattice(at_, turned(vertex(0)));
-      piece.shape.radius = hull.radius;
-      list.push_back(piece);
-      return;
-    }
-    if (n == 2) return segment(vertex(0), vertex(1), radius, false);
-    for (std::size_t k = 0; k < n; ++k) segment(vertex(k), vertex(k + 1), radius, true);
-    Piece piece;
-    piece.shape.p = lattice_.to_lattice(at_);
-    piece.shape.whole = true;
-    piece.hull = hull;
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 v = vertex(k);
-      piece.hull.x[k] = static_cast<float>(c_ * v.x - s_ * v.y);
-      piece.hull.y[k] = static_cast<float>(s_ * v.x + c_ * v.y);
-    }
-    finish_hull(piece.hull);
-    list.push_back(piece);
-  }
-
-  std::vector<Piece> list;
-
- private:
-  Vec2 turned(Vec2 p) const { return {c_ * p.x - s_ * p.y, s_ * p.x + c_ * p.y}; }
-  Vec2 place(Vec2 p) const { return {at_.x + turned(p).x, at_.y + turned(p).y}; }
-
-  Vec2 at_;
-  double c_ = 1, s_ = 0;
-  const Lattice& lattice_;
-};
 
 // One line of what is wrong with the points of a line, or empty.
 std::string check_line(const std::vector<Vec2>& points, bool loop) {
@@ -98,7 +22,8 @@ std::string check_line(const std::vector<Vec2>& points, bool loop) {
 }  // namespace
 
 BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
-  Pieces pieces(d, lattice);
+  std::vector<Piece> list;
+  Pieces pieces(d.position, d.angle, lattice, list);
   float radius = 0;
   Make make;
   make.filter = d.filter;
@@ -175,6 +100,10 @@ BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
   if (d.filter != Filter{}) ++traits.filtered;
   plan_stale = lists_stale = placed = true;
   queries.forget_fixed();
+  if (!sleepers.empty()) {
+    wake_touching_pieces(f.first_shape, id);
+    wake(sleepers.queue);
+  }
   return {id, generation};
 }
 

@@ -20,6 +20,7 @@
 #include "psim/world.h"
 #include "publish.h"
 #include "query_index.h"
+#include "sleepers.h"
 #include "solver.h"
 #include "solver_bodies.h"
 #include "static_shapes.h"
@@ -60,6 +61,7 @@ struct World::Impl {
   Columns columns;
   JointStore joints;
   Continuous continuous;
+  Sleepers sleepers;
   Solver solver;
   std::unique_ptr<Forces> forces;
   Publisher publisher;
@@ -105,10 +107,32 @@ struct World::Impl {
                       double omega);
   LatticePoint lattice_centre(const Make& make, Vec2 place, double angle) const;
   void count_in(const Surface& info, int sign);
+  bool can_move(const World& world, BodyId id);
   void remove(std::uint32_t id);
   void freeze(std::uint32_t id, const BodyState& last);
   Vec2 capped(Vec2 velocity) const;
   BodyState state_of(std::uint32_t id) const;
+
+  // world_sleep.cpp
+  template <class Each>
+  void each_contact(const Each& each) const;
+  void rest(double dt, StepReport& report);
+  float speed_of(std::size_t slot) const;
+  void choose_sleepers(double dt);
+  template <class May>
+  void keep_joined_awake(Column<std::uint8_t>& state, const May& may);
+  void fall_asleep();
+  void lie_down(std::uint32_t k);
+  void wake_one(std::uint32_t id);
+  bool wake(std::vector<Waking>& queue);
+  bool wake_reached(double dt);
+  void wake_around(std::int32_t x, std::int32_t y, float reach, std::uint32_t rings);
+  void wake_touching_pieces(std::uint32_t first, std::uint32_t owner);
+  void wake_all();
+  std::string why_awake(std::uint32_t id) const;
+  void carry_woken();
+  void rouse(std::uint32_t id);
+  void rouse_around(const BodyInfo& info, std::uint32_t id);
 
   // world_joints.cpp
   void count_joints();

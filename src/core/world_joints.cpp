@@ -72,6 +72,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
     if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
   }
   if (!d.reference) d.reference = b.angle - a.angle;
+  for (const BodyId body : {d.a, d.b}) w.rouse(body.index);
   const JointId id = w.joints.add(d, w.bodies);
   w.count_joints();
   return id;
@@ -85,12 +86,16 @@ void World::Impl::count_joints() {
 
 void World::Impl::remove_joints_of(std::uint32_t body) {
   if (joints.empty()) return;
+  joints.each_joined(body, [&](std::uint32_t other) { rouse(other); });
   joints.remove_of_body(body);
   count_joints();
 }
 
 bool World::remove_joint(JointId id) {
-  if (!impl_->joints.remove(id)) return false;
+  if (!is_valid_joint(id)) return false;
+  const JointDesc d = impl_->joints.desc(id);
+  for (const BodyId body : {d.a, d.b}) impl_->rouse(body.index);
+  impl_->joints.remove(id);
   impl_->count_joints();
   return true;
 }
@@ -100,7 +105,9 @@ bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id)
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
-  if (!finite(speed) || !finite(limit) || limit < 0) return false;
+  if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
+  const JointDesc d = impl_->joints.desc(id);
+  for (const BodyId body : {d.a, d.b}) impl_->rouse(body.index);
   return impl_->joints.set_motor(id, speed, limit);
 }
 

@@ -48,6 +48,7 @@ struct Question {
         (filter.kinematic && any_kinematic)) {
       each(index.moving(source));
     }
+    if (filter.dynamic && !source.sleepers.empty()) each(index.sleeping(source));
   }
 
   BodyId id(std::uint32_t index) const { return {index, source.bodies.info[index].generation}; }
@@ -186,13 +187,13 @@ QuerySource World::Impl::query_source() const {
   if (desc.boundary == Boundary::periodic) {
     period = {desc.bounds.xmax - desc.bounds.xmin, desc.bounds.ymax - desc.bounds.ymin};
   }
-  return {bodies, shapes, fixed, frozen, lattice, period, traits.cornered == 0};
+  return {bodies, shapes, fixed, frozen, sleepers.list, lattice, period, traits.cornered == 0};
 }
 
 EventSource World::Impl::event_source() {
   return {bodies,    solved,        contacts,
           manifolds, shapes,        lattice,
-          pool,      !held.empty(), bodies.count != bodies.dead};
+          pool,      !held.empty(), bodies.count != bodies.dead, sleepers.changed};
 }
 
 void World::set_event_options(const EventOptions& options) {

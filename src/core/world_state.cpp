@@ -54,7 +54,7 @@ Diagnostics World::diagnostics() const {
   const Forces wells(w.desc, w.lattice);
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
-    if (info.place != Place::moving) continue;
+    if (info.place != Place::moving && info.place != Place::asleep) continue;
     const Surface& surface = b.surfaces[info.surface];
     if (surface.type != BodyType::dynamic_body) continue;
     BodyState s = w.state_of(id);
@@ -72,6 +72,9 @@ Diagnostics World::diagnostics() const {
     d.momentum_y += m * s.vy;
     d.angular_momentum += m * (s.x * s.vy - s.y * s.vx) + (gain > 0 ? s.omega * s.radius * s.radius / gain : 0);
   }
+  for (const Sleeper& s : w.sleepers.list) {
+    d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(s.depth));
+  }
   // Present separations: the narrow phase over the present lists.
   if (!w.lists_stale && w.frame != 0) {
     narrow_phase(w.bodies, w.solved, w.shapes, w.walls, w.lattice, 0, w.table, w.contacts, w.kernels, w.pool);
@@ -82,7 +85,8 @@ Diagnostics World::diagnostics() const {
     for (std::size_t l = 0; l < std::size_t{w.contacts.single_blocks()} * kernels::kBlock; ++l) {
       deepest = std::fmax(deepest, -w.contacts.s_gap[l]);
     }
-    d.max_penetration = static_cast<double>(std::fmax(deepest, w.manifolds.deepest()));
+    d.max_penetration = std::fmax(d.max_penetration,
+                                  static_cast<double>(std::fmax(deepest, w.manifolds.deepest())));
   }
   return d;
 }
@@ -117,7 +121,7 @@ PublishedState World::published() {
 std::size_t World::memory_bytes() const {
   const Impl& w = *impl_;
   return w.memory.bytes + w.bodies.surfaces.bytes() + w.bodies.hulls.bytes() + w.bodies.makes.bytes() +
-         w.manifolds.bytes() + w.columns.bytes() + w.joints.bytes() + w.publisher.bytes() + w.queries.bytes() + w.events.bytes() + w.fixed.capacity() * sizeof(FixedBody) +
+         w.manifolds.bytes() + w.columns.bytes() + w.joints.bytes() + w.publisher.bytes() + w.queries.bytes() + w.events.bytes() + w.sleepers.bytes() + w.fixed.capacity() * sizeof(FixedBody) +
          w.out_id.capacity() * (4 + 1 + 7 * 8) + sizeof(Impl);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "collide_views.h"
 #include "joint_views.h"
 #include "manifold_views.h"
 #include "views.h"
@@ -14,6 +15,7 @@ namespace psim::kernels {
 using Range = std::uint32_t;  // first or past-last block
 
 struct KernelTable {
+  std::uint32_t width;  // lanes of a register
   // Streams over bodies (stream_kernel.h).
   void (*kick_first)(const BodyView&, const StreamParams&, Range, Range);
   void (*kick_again)(const BodyView&, const StreamParams&, Range, Range);
@@ -65,7 +67,10 @@ struct KernelTable {
                                 Range);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Range, Range);
   void (*swing_bodies)(const BodyView&, const float* radius, float h, Range, Range);
-  // Joints (joint_kernel.h), by kind and whether A is fixed.
+  // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.
+  using Collide = void (*)(HullPairs*, Range, Range);
+  Collide collide[2][3];
+  // Joints (joint_*_kernel.h), by kind and whether A is fixed.
   using JointPass = void (*)(const BodyView&, JointBlocks, const JointParams&, Range, Range);
   JointPass warm_joints[kJointKinds][2];
   JointPass solve_joints[kJointKinds][2];

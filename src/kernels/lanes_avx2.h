@@ -77,6 +77,17 @@ struct AvxLanes {
   [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     gather_raw<Step>(rec, slots, x.v, y.v);
   }
+  /// Four floats in a row of every lane, from at[lane] + offset.
+  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+    const __m256 p = two_halves(at[0] + offset, at[4] + offset), q = two_halves(at[1] + offset, at[5] + offset);
+    const __m256 r = two_halves(at[2] + offset, at[6] + offset), s = two_halves(at[3] + offset, at[7] + offset);
+    const __m256 pq_low = _mm256_unpacklo_ps(p, q), pq_high = _mm256_unpackhi_ps(p, q);
+    const __m256 rs_low = _mm256_unpacklo_ps(r, s), rs_high = _mm256_unpackhi_ps(r, s);
+    a = {_mm256_shuffle_ps(pq_low, rs_low, 0x44)};
+    b = {_mm256_shuffle_ps(pq_low, rs_low, 0xEE)};
+    c = {_mm256_shuffle_ps(pq_high, rs_high, 0x44)};
+    d = {_mm256_shuffle_ps(pq_high, rs_high, 0xEE)};
+  }
   template <int Step>
   [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     __m256 fx, fy;

@@ -68,6 +68,11 @@ struct ScalarLanes {
     x = {_mm_load_ss(p)};
     y = {_mm_load_ss(p + 1)};
   }
+  /// Four floats in a row of every lane, from at[lane] + offset.
+  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+    const float* p = at[0] + offset;
+    a = load(p), b = load(p + 1), c = load(p + 2), d = load(p + 3);
+  }
   template <int Step>
   [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const std::int32_t* p = rec + 2 * static_cast<std::size_t>(slots[0]);

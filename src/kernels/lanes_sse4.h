@@ -70,6 +70,11 @@ struct SseLanes {
     x = {_mm_shuffle_ps(a, b, 0x88)};
     y = {_mm_shuffle_ps(a, b, 0xDD)};
   }
+  /// Four floats in a row of every lane, from at[lane] + offset.
+  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+    a = load(at[0] + offset), b = load(at[1] + offset), c = load(at[2] + offset), d = load(at[3] + offset);
+    _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v);
+  }
   template <int Step>
   [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const __m128 a = join(rec + 2 * static_cast<std::size_t>(slots[0]),

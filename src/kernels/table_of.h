@@ -3,10 +3,14 @@
 
 #include <cstring>
 
+#include "collide_kernel.h"
 #include "contact_kernel.h"
 #include "field_kernel.h"
 #include "impact_kernel.h"
-#include "joint_kernel.h"
+#include "joint_line_kernel.h"
+#include "joint_pin_kernel.h"
+#include "joint_share_kernel.h"
+#include "joint_slide_kernel.h"
 #include "kernel_table.h"
 #include "manifold_kernel.h"
 #include "pair_kernel.h"
@@ -20,6 +24,7 @@ template <class L>
 constexpr KernelTable table_of() {
   constexpr auto plain = Model::plain, massed = Model::massed, rough = Model::rough;
   return {
+      .width = L::width,
       .kick_first = kick_first<L>,
       .kick_again = kick_again<L>,
       .drift = drift<L>,
@@ -65,6 +70,8 @@ constexpr KernelTable table_of() {
                           {relax_manifolds<L, true, false>, relax_manifolds<L, true, true>}},
       .spend_manifolds = {spend_manifolds<L, false>, spend_manifolds<L, true>},
       .swing_bodies = swing_bodies<L>,
+      .collide = {{collide_discs<L, 2>, collide_hulls<L, 2, 2>, collide_hulls<L, 2, 4>},
+                  {collide_discs<L, 4>, collide_hulls<L, 4, 2>, collide_hulls<L, 4, 4>}},
       .warm_joints = {{warm_lines<L, false>, warm_lines<L, true>},
                       {warm_lines<L, false>, warm_lines<L, true>},
                       {warm_pins<L, false, PinBlock>, warm_pins<L, true, PinBlock>},

@@ -105,7 +105,7 @@ void write_files(OutputFiles& files, const Scene& scene, World& world) {
   }
 }
 
-void say_what_was_odd(const Options& options, const RunReport& report) {
+void say_what_was_odd(const RunReport& report) {
   if (report.frame_ms.count() < report.frames_wanted) {
     fmt::print(stderr, "psim: interrupted after frame {} of {}\n", report.frame_ms.count(),
                report.frames_wanted);
@@ -115,9 +115,6 @@ void say_what_was_odd(const Options& options, const RunReport& report) {
                "psim: {} bodies had numbers that are not finite or out of range and were frozen, "
                "the first in frame {}\n",
                report.quarantined, report.first_quarantine_frame);
-  }
-  if (options.sleep.value_or(false)) {
-    fmt::print(stderr, "psim: --sleep on has no effect yet: every body stays awake\n");
   }
 }
 
@@ -137,7 +134,7 @@ int run_scene(const Options& options) {
   run_frames(report, *world, files, options.every);
   end_report(report, *world);
 
-  say_what_was_odd(options, report);
+  say_what_was_odd(report);
   print_out(options.report == ReportFormat::json ? report_json(report) : report_text(report));
   write_files(files, scene, *world);
   return 0;

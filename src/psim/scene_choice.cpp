@@ -98,7 +98,7 @@ Scene choose_scene(const Options& options) {
   if (options.dt_s) scene.world.dt = *options.dt_s;
   if (options.substeps) scene.world.substeps = *options.substeps;
   if (options.integrator) scene.world.integrator = *options.integrator;
-  if (options.sleep) scene.sleeping = *options.sleep;
+  if (options.sleep) scene.world.sleeping = *options.sleep;
   return scene;
 }
 

@@ -128,7 +128,7 @@ void read_step(const Node& scene, Scene& out) {
   if (const std::optional<Node> substeps = step->find("substeps")) {
     out.world.substeps = static_cast<int>(substeps->integer(1, kMostSubsteps));
   }
-  out.sleeping = step->boolean_or("sleeping", out.sleeping);
+  out.world.sleeping = step->boolean_or("sleeping", out.world.sleeping);
   out.world.restitution_threshold =
       step->number_or("restitution_threshold", out.world.restitution_threshold, kSpeed);
   if (const std::optional<Node> integrator = step->find("integrator")) {

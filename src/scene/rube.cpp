@@ -371,7 +371,7 @@ Scene read_rube(const Node& root) {
   if (const auto rate = root.find("stepsPerSecond")) {
     scene.world.dt = 1 / rube_number(*rate, {1, 1e6});
   }
-  scene.sleeping = root.boolean_or("allowSleep", true);
+  scene.world.sleeping = root.boolean_or("allowSleep", true);
 
   const Node nodes = root.require("body");
   nodes.expect_array(0, kMostBodiesInGroup);

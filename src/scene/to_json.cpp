@@ -309,7 +309,7 @@ std::string step_text(const Scene& scene) {
   return Object()
       .add("dt", scene.world.dt)
       .raw("substeps", std::to_string(scene.world.substeps))
-      .add("sleeping", scene.sleeping)
+      .add("sleeping", scene.world.sleeping)
       .add("integrator", integrator_name(scene.world.integrator))
       .add_unless("restitution_threshold", scene.world.restitution_threshold, 0)
       .one_line();

@@ -1,0 +1,127 @@
+// Narrow phase of boxes: `size` pairs of unit boxes as they lie in a pile, each half a box beside the one
+// below it, tilted by a hundredth of a radian and up to 1 % of a box apart or sunk. Elements are pairs.
+//   CollideHulls       the kernel alone, over blocks that stand ready
+//   NarrowPhaseBoxes   from hulls and places to manifolds, through batches as the engine does it
+//   NarrowPhaseBoxes/one-by-one   the same by collide(), a pair at a time
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collide.h"
+#include "collide_batch.h"
+#include "fixtures.h"
+#include "workload.h"
+
+namespace psim::bench {
+namespace {
+
+using kernels::HullPairs;
+using kernels::kBlock;
+
+struct Place {
+  Rotor qa, qb;
+  float dx, dy;
+};
+constexpr float kMargin = 0.05f;  // m
+
+Hull unit_box() {
+  Hull box;
+  box.count = 4;
+  for (int k = 0; k < 4; ++k) {
+    box.x[k] = k == 1 || k == 2 ? 0.5f : -0.5f;
+    box.y[k] = k < 2 ? -0.5f : 0.5f;
+  }
+  finish_hull(box);
+  return box;
+}
+
+std::vector<Place> places(std::uint32_t n) {
+  Random random(1);
+  const auto rotor = [&] {
+    const double angle = random.uniform(-0.01, 0.01);
+    return Rotor{static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+  };
+  std::vector<Place> out(n);
+  for (Place& p : out) {
+    p = {rotor(), rotor(), random.uniform(0, 1) < 0.5 ? -0.5f : 0.5f,
+         static_cast<float>(1 + random.uniform(-0.01, 0.01))};
+  }
+  return out;
+}
+
+class Boxes : public Workload {
+ public:
+  explicit Boxes(std::uint32_t n) : places_(places(n)), manifolds_(n) {
+    elements = n;
+    bytes = sizeof(Place) + sizeof(Manifold);
+  }
+  void pass(const kernels::KernelTable& k) override {
+    const std::uint32_t kind = CollideBatch::kind_of(box_, box_);
+    for (std::size_t first = 0; first < places_.size(); first += kBlock) {
+      CollideBatch batch;
+      for (std::size_t p = first; p < places_.size() && !batch.full(); ++p) {
+        batch.add(box_, places_[p].qa, box_, places_[p].qb, places_[p].dx, places_[p].dy, kMargin);
+      }
+      batch.solve(k, kind);
+      for (std::uint32_t l = 0; l < batch.count(); ++l) manifolds_[first + l] = batch.manifold(l);
+    }
+  }
+  void one_by_one() {
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      manifolds_[p] = collide(box_, places_[p].qa, box_, places_[p].qb, places_[p].dx, places_[p].dy, kMargin);
+    }
+  }
+
+ private:
+  Hull box_ = unit_box();
+  std::vector<Place> places_;
+  std::vector<Manifold> manifolds_;
+};
+
+class Hulls : public Workload {
+ public:
+  explicit Hulls(std::uint32_t n) : blocks_((n + kBlock - 1) / kBlock) {
+    const std::vector<Place> all = places(n);
+    for (std::size_t p = 0; p < blocks_.size() * kBlock; ++p) {
+      HullPairs& c = blocks_[p / kBlock];
+      const Place& place = all[p % n];
+      const std::size_t l = p % kBlock;
+      c.a[l] = c.b[l] = box_.x;
+      c.ac[l] = place.qa.c, c.as[l] = place.qa.s, c.bc[l] = place.qb.c, c.bs[l] = place.qb.s;
+      c.dx[l] = place.dx, c.dy[l] = place.dy, c.margin[l] = kMargin;
+    }
+    elements = n;
+    bytes = static_cast<double>(sizeof(HullPairs)) / kBlock;
+  }
+  void pass(const kernels::KernelTable& k) override {
+    k.collide[1][2](blocks_.data(), 0, static_cast<std::uint32_t>(blocks_.size()));
+  }
+
+ private:
+  Hull box_ = unit_box();
+  std::vector<HullPairs> blocks_;
+};
+
+}  // namespace
+
+void register_collide_kernels() {
+  register_kernel("CollideHulls", [](std::uint32_t n) { return std::make_unique<Hulls>(n); });
+  register_kernel("NarrowPhaseBoxes", [](std::uint32_t n) { return std::make_unique<Boxes>(n); });
+  for (const std::uint32_t n : kSizes) {
+    const std::string name = "NarrowPhaseBoxes/one-by-one/" + std::to_string(n);
+    benchmark::RegisterBenchmark(name.c_str(), [n](benchmark::State& state) {
+      Boxes boxes(n);
+      boxes.one_by_one();
+      const std::clock_t begin = std::clock();
+      for (auto _ : state) boxes.one_by_one();
+      const double spent = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+      state.counters["ns_per_element"] = 1e9 * spent / (static_cast<double>(state.iterations()) * n);
+    })->Unit(benchmark::kMicrosecond);
+  }
+}
+
+}  // namespace psim::bench

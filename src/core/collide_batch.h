@@ -1,0 +1,39 @@
+// Pairs of hulls that wait for each other, so that a kernel finds the manifolds of eight at once: what
+// collide() finds of each, bit for bit. One batch holds pairs of one kind, by numbers of vertices.
+#pragma once
+
+#include <cstdint>
+
+#include "collide.h"
+#include "collide_views.h"
+#include "kernel_table.h"
+
+namespace psim {
+
+class CollideBatch {
+ public:
+  static constexpr std::uint32_t kKinds = 6;
+
+  /// The kind of a pair: of segments, capsules, boxes and other quadrilaterals with each other, or of
+  /// one with a disc. kKinds: no kernel has it.
+  static std::uint32_t kind_of(const Hull& a, const Hull& b);
+
+  std::uint32_t count() const { return count_; }
+  bool full() const { return count_ == kernels::kBlock; }
+  /// Appends a pair of the batch's kind. The hulls stay where they are until its manifold was taken.
+  void add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin);
+  /// Finds the manifolds. `kind`: of its pairs.
+  void solve(const kernels::KernelTable& kernels, std::uint32_t kind);
+  /// The manifold of the pair that was added as number `k`.
+  Manifold manifold(std::uint32_t k) const;
+  void clear() { count_ = swapped_ = 0; }
+
+ private:
+  kernels::HullPairs block_;
+  const Hull* a_[kernels::kBlock];
+  const Hull* b_[kernels::kBlock];
+  std::uint32_t count_ = 0;
+  std::uint32_t swapped_ = 0;  // lanes whose A is the kernel's B
+};
+
+}  // namespace psim

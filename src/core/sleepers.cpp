@@ -1,0 +1,131 @@
+#include "sleepers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+std::size_t mixed(std::uint64_t key) {
+  key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
+  key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<std::size_t>(key ^ (key >> 31));
+}
+
+}  // namespace
+
+void TouchMemory::add(const Touch& touch) {
+  if (2 * (list_.size() + 1) > slot_.size()) {
+    slot_.assign(std::max<std::size_t>(64, 4 * (list_.size() + 1)), kNoSlot);
+    std::size_t size = 64;
+    while (size < slot_.size()) size *= 2;
+    slot_.assign(size, kNoSlot);
+    for (std::size_t k = 0; k < list_.size(); ++k) {
+      std::size_t at = mixed(list_[k].key) & (size - 1);
+      while (slot_[at] != kNoSlot) at = (at + 1) & (size - 1);
+      slot_[at] = static_cast<std::uint32_t>(k);
+    }
+  }
+  std::size_t at = mixed(touch.key) & (slot_.size() - 1);
+  for (; slot_[at] != kNoSlot; at = (at + 1) & (slot_.size() - 1)) {
+    if (list_[slot_[at]].key != touch.key) continue;
+    list_[slot_[at]] = touch;
+    return;
+  }
+  slot_[at] = static_cast<std::uint32_t>(list_.size());
+  list_.push_back(touch);
+}
+
+const Touch* TouchMemory::find(std::uint64_t key) const {
+  if (list_.empty()) return nullptr;
+  for (std::size_t at = mixed(key) & (slot_.size() - 1); slot_[at] != kNoSlot;
+       at = (at + 1) & (slot_.size() - 1)) {
+    if (list_[slot_[at]].key == key) return &list_[slot_[at]];
+  }
+  return nullptr;
+}
+
+void TouchMemory::clear() {
+  if (list_.empty()) return;
+  list_.clear();
+  std::fill(slot_.begin(), slot_.end(), kNoSlot);
+}
+
+// Whether enough of some 2,000 bodies are slow for a watch to be worth its while.
+bool Sleepers::anyone_slow(const BodyStore& b) const {
+  const std::uint32_t stride = std::max(1u, b.count / 2048);
+  std::uint32_t slow = 0, seen = 0;
+  for (std::size_t i = 0; i < b.count; i += stride) {
+    if (b.id[i] == kNoSlot) continue;
+    ++seen;
+    slow += b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1] < kSlow * kSlow;
+  }
+  return slow > 0 && slow * kFewSlow >= seen;
+}
+
+bool Sleepers::left_ball(const BodyStore& b, const Lattice& lattice, std::size_t i, bool wide) const {
+  const Rest& rest = rest_[b.id[i]];
+  const auto x = static_cast<float>(wrap_sub(b.pos[2 * i], rest.x[wide]) * lattice.pitch_x());
+  const auto y = static_cast<float>(wrap_sub(b.pos[2 * i + 1], rest.y[wide]) * lattice.pitch_y());
+  const bool smooth = wide && b.surface(b.id[i]).friction == 0;
+  const float far = wide ? wide_ball(b.radius[i], smooth) : ball(b.radius[i]);
+  if (x * x + y * y > far * far) return true;
+  return !b.spin.empty() && std::fabs(b.spin[i]) > far * static_cast<float>(1 / (smooth ? kLooseTime : kRestTime));
+}
+
+bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& pool) {
+  const bool before = watching_;
+  watching_ = !list.empty() || anyone_slow(b);
+  if (!watching_) return false;
+  rest_.reserve(b.id_count);
+  const std::uint32_t blocks = b.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count);
+    for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < end; ++i) {
+      if (b.id[i] == kNoSlot) continue;
+      Rest& rest = rest_[b.id[i]];
+      for (const bool wide : {false, true}) {
+        if (!before || left_ball(b, lattice, i, wide)) {
+          rest.x[wide] = b.pos[2 * i];
+          rest.y[wide] = b.pos[2 * i + 1];
+          rest.calm[wide] = 0;
+        } else if (rest.calm[wide] != 255) {
+          ++rest.calm[wide];
+        }
+      }
+    }
+  });
+  return true;
+}
+
+std::uint32_t Sleepers::needed(double dt, bool loose) {
+  const double watches = std::ceil((loose ? kLooseTime : kRestTime) / (static_cast<double>(kWatchFrames) * dt));
+  return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
+}
+
+void Sleepers::mark_woken(std::uint32_t id, std::int32_t x, std::int32_t y) {
+  rest_.reserve(std::size_t{id} + 1);
+  rest_[id] = {{x, x}, {y, y}, {1, 1}};
+}
+
+bool Sleepers::moves(const BodyStore& b, const Lattice& lattice, std::size_t slot, bool loose) const {
+  const bool wide = loose || b.surface(b.id[slot]).friction > 0;
+  return calm(b.id[slot], wide) == 0 || left_ball(b, lattice, slot, wide);
+}
+
+void Sleepers::tidy() {
+  std::size_t used = 0;
+  for (const Sleeper& s : list) used += s.touches;
+  if (touches.size() < 2 * used + 4096) return;
+  std::vector<Touch> kept;
+  kept.reserve(used);
+  for (Sleeper& s : list) {
+    const auto first = touches.begin() + s.first_touch;
+    s.first_touch = static_cast<std::uint32_t>(kept.size());
+    kept.insert(kept.end(), first, first + s.touches);
+  }
+  touches.swap(kept);
+}
+
+}  // namespace psim

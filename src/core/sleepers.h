@@ -1,0 +1,148 @@
+// Bodies that are asleep: they leave the columns of those that move, and stand among the fixed shapes
+// until they are woken. What they weigh, bear and touch is kept.
+//
+//   watch     every kWatchFrames: who has stayed within its rest ball for how long
+//   choose    every second time: who may sleep, at most kMostAtOnce
+//   recent    impulses of contacts whose sides fell asleep or woke, for the next build of the lists
+//
+// A body rests that has not left a ball of 2e-4 of its radius, at most 0.1 mm, for half a second; it wakes
+// what sleeps beside it once it leaves one five times as large. A body without friction that lies between
+// others also rests, loosely, if it has kept to a tenth of its radius for four seconds: piles without
+// friction creep for minutes. A body sleeps once all that it touches rests too, and something bears it. docs/sleeping.md has the rules and what they were measured against.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "body_store.h"
+#include "column.h"
+#include "lattice.h"
+#include "static_shapes.h"
+#include "tasks.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+/// What a contact carried, by who touched whom.
+struct TouchKey {
+  static std::uint64_t bodies(std::uint32_t a, std::uint32_t b) {
+    return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+  }
+  static std::uint64_t fixed(std::uint32_t body, std::uint32_t shape) {
+    return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
+  }
+};
+
+/// Of one contact: two points where shapes touch along an edge, in order along the edge.
+struct Touch {
+  std::uint64_t key = 0;
+  float impulse[2] = {}, friction[2] = {};  ///< N s
+  std::uint32_t points = 1;
+};
+
+/// Touches by key. Filled, read until the lists are made, forgotten.
+class TouchMemory {
+ public:
+  void add(const Touch& touch);
+  const Touch* find(std::uint64_t key) const;
+  bool empty() const { return list_.empty(); }
+  void clear();
+  std::size_t bytes() const { return list_.capacity() * sizeof(Touch) + slot_.capacity() * 4; }
+
+ private:
+  std::vector<Touch> list_;
+  std::vector<std::uint32_t> slot_;  // open addressing into list_; kNoSlot: free
+};
+
+struct Sleeper {
+  LatticePoint at;            ///< of its centre
+  double angle = 0;           ///< rad
+  std::uint32_t id = 0;
+  std::uint32_t first_shape = 0, shapes = 0;   ///< its pieces
+  std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
+  float depth = 0;            ///< m: of its deepest contact when it fell asleep
+  std::uint32_t group = kNoSlot;  ///< of a column: they wake together
+  bool loose = false;         ///< it crept: what creeps beside it does not wake it
+};
+
+/// Someone to wake, with `rings` rings of neighbours, or with all that may rest on it.
+struct Waking {
+  static constexpr std::uint32_t kAbove = 0xFFFFFFFFu;
+  std::uint32_t id = 0, rings = 0;
+};
+
+class Sleepers {
+ public:
+  explicit Sleepers(MemoryMeter& meter) : rest_(meter), state_(meter) {}
+
+  static constexpr std::uint64_t kWatchFrames = 8;
+  static constexpr std::uint32_t kMostAtOnce = 8192;  ///< that fall asleep in one step
+  static constexpr std::size_t kMostAbove = 4096;     ///< that wake at once because something was taken away
+  static constexpr double kRestTime = 0.5, kLooseTime = 4;             ///< s in the rest ball
+  static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< m
+  static constexpr float kWaking = 5;                                  ///< balls
+  static constexpr float kLooseOfRadius = 0.1f, kLargestLoose = 0.05f;
+  static constexpr float kSlow = 0.05f;  ///< m/s: while all but one in kFewSlow are faster, nobody is watched
+  static constexpr std::uint32_t kFewSlow = 64;
+
+  /// m: how far a body may stray and rest.
+  static float ball(float radius) { return std::fmin(kBallOfRadius * radius, kLargestBall); }
+  /// The second ball: to rest loosely, without friction; else to wake others.
+  static float wide_ball(float radius, bool smooth) {
+    return smooth ? std::fmin(kLooseOfRadius * radius, kLargestLoose) : kWaking * ball(radius);
+  }
+
+  std::vector<Sleeper> list;     ///< by BodyInfo::slot of sleeping bodies
+  std::vector<Touch> touches;    ///< runs of the list's bodies
+  TouchMemory recent;
+  bool stirred = false;          ///< the host moved, pushed or added bodies
+  bool woke = false;             ///< someone did, since the lists were made
+  bool changed = false;          ///< someone fell asleep or woke, since events were told
+  // Scratch.
+  std::vector<Waking> queue;
+  std::vector<std::uint32_t> found, number, roots;
+  std::vector<std::uint8_t> wakeful;
+  std::vector<Piece> pieces;
+  bool empty() const { return list.empty(); }
+
+  /// Looks at every body: O(bodies). False if nobody is slow.
+  bool watch(const BodyStore& bodies, const Lattice& lattice, WorkerPool& pool);
+  bool watching() const { return watching_; }
+
+  /// How many watches a body must have stayed in its ball to rest.
+  static std::uint32_t needed(double dt, bool loose = false);
+  /// For how many it has, by ball.
+  std::uint32_t calm(std::uint32_t id, bool wide = false) const {
+    return id < rest_.capacity() ? rest_[id].calm[wide] : 0;
+  }
+  /// It counts as moving: what sleeps and touches it wakes.
+  void mark_moving(std::uint32_t id) {
+    if (id < rest_.capacity()) rest_[id].calm[0] = rest_[id].calm[1] = 0;
+  }
+  /// It woke where it slept: it wakes others only once it leaves its ball.
+  void mark_woken(std::uint32_t id, std::int32_t x, std::int32_t y);
+  /// Whether a body moves so that it wakes one that sleeps (`loose`ly): it left a ball, or did so of late.
+  bool moves(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool loose) const;
+
+  Column<std::uint8_t>& state() { return state_; }
+  /// Drops runs of touches that nobody has any more.
+  void tidy();
+  std::size_t bytes() const {
+    return list.capacity() * sizeof(Sleeper) + touches.capacity() * sizeof(Touch) + recent.bytes();
+  }
+
+ private:
+  bool anyone_slow(const BodyStore& bodies) const;
+  bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
+
+  struct Rest {  // for both balls
+    std::int32_t x[2] = {}, y[2] = {};  // lattice: the middle
+    std::uint8_t calm[2] = {};          // watches in it
+  };
+  Column<Rest> rest_;            // by id
+  Column<std::uint8_t> state_;   // by slot: scratch of choosing
+  bool watching_ = false;
+};
+
+}  // namespace psim

@@ -1,0 +1,45 @@
+// What joints did in a substep, summed by body: streams over bodies. The drift must know which part of
+// v - v0 it was (docs/joints.md).
+#pragma once
+
+#include "joint_views.h"
+#include "views.h"
+
+namespace psim::kernels {
+namespace {
+
+/// Before and after a pass over joints: share = v - share. Twice, with joints alone in between, that
+/// adds what they did.
+template <class L>
+void part_joints(const BodyView& b, const JointShare& s, std::uint32_t begin, std::uint32_t end) {
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock;
+       i += L::records) {
+    L::store_rec(s.vel + 2 * i, L::sub(L::load_rec(b.vel + 2 * i), L::load_rec(s.vel + 2 * i)));
+  }
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
+    L::store(s.spin + i, L::sub(L::load(b.spin + i), L::load(s.spin + i)));
+  }
+}
+
+/// Around the drift (sign 1, then -1): half of the share out of the velocities, and the push in. v - v0
+/// is then what gravity and contacts did.
+template <class L>
+void hold_joints(const BodyView& b, const JointShare& s, float sign, std::uint32_t begin,
+                 std::uint32_t end) {
+  const auto half = L::set_rec(0.5f * sign, 0.5f * sign), whole = L::set_rec(sign, sign);
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock;
+       i += L::records) {
+    const auto d = L::mul(half, L::load_rec(s.vel + 2 * i));
+    const auto e = L::mul(whole, L::load_rec(s.push + 2 * i));
+    L::store_rec(b.vel + 2 * i, L::add(L::load_rec(b.vel + 2 * i), L::sub(e, d)));
+    L::store_rec(b.vel0 + 2 * i, L::add(L::load_rec(b.vel0 + 2 * i), L::add(e, d)));
+  }
+  const auto part = L::set1(0.5f * sign), one = L::set1(sign);
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
+    const auto d = L::sub(L::mul(one, L::load(s.push_spin + i)), L::mul(part, L::load(s.spin + i)));
+    L::store(b.spin + i, L::add(L::load(b.spin + i), d));
+  }
+}
+
+}  // namespace
+}  // namespace psim::kernels
