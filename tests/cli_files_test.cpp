@@ -58,10 +58,11 @@ TEST_F(CliFiles, MetricsHaveARowPerFrame) {
   ASSERT_EQ(lines.size(), 8u);
   EXPECT_EQ(lines[0],
             "frame,total_ms,broad_phase_ms,narrow_phase_ms,constraints_ms,integration_ms,"
-            "publish_ms,pairs,contacts,awake,kinetic,potential,max_penetration");
+            "publish_ms,pairs,contacts,awake,kinetic,potential,max_penetration,"
+            "asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms");
   for (std::size_t frame = 1; frame <= 7; ++frame) {
     const std::vector<double> row = numbers_of(lines[frame]);
-    ASSERT_EQ(row.size(), 13u);
+    ASSERT_EQ(row.size(), 19u);
     EXPECT_EQ(row[0], static_cast<double>(frame));
     EXPECT_GT(row[1], 0);
   }

@@ -44,6 +44,7 @@ TEST(CliReport, TextHasItsLines) {
       "SIMD: [\\d,]+ lane operations, [\\d,]+ scalar fallbacks \\(\\S+ %\\)",
       "Energy \\S+ -> \\S+ J  momentum \\(\\S+, \\S+\\)  max penetration \\S+ m",
       "Skipped: .+",
+      "Ledger: asleep 0 of 1,200 bodies \\(mean\\), lists kept in \\d of 3 frames, pairs reused \\S+ %",
       "State 0x[0-9a-f]{16}",
   };
   const std::vector<std::string> lines = lines_of(outcome.out);
@@ -67,6 +68,7 @@ TEST(CliReport, JsonHasItsKeys) {
                                                     "frames_over_budget",
                                                     "isa",
                                                     "lanes",
+                                                    "ledger",
                                                     "max_penetration",
                                                     "memory_bytes",
                                                     "momentum",
@@ -81,7 +83,9 @@ TEST(CliReport, JsonHasItsKeys) {
                                                     "version",
                                                     "virial"}));
   EXPECT_EQ(keys(report["bodies"]),
-            (std::vector<std::string>{"awake", "dynamic", "static", "total"}));
+            (std::vector<std::string>{"asleep", "awake", "dynamic", "static", "total"}));
+  EXPECT_EQ(keys(report["ledger"]),
+            (std::vector<std::string>{"asleep_mean", "lists_kept_frames", "pairs_reused_mean"}));
   EXPECT_EQ(keys(report["frame_ms"]),
             (std::vector<std::string>{"max", "mean", "p50", "p95", "p99"}));
   EXPECT_EQ(keys(report["phase_ms"]),

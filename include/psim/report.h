@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "psim/governor.h"
+
 namespace psim {
 
 /// The stages of a step, in order. The same word names a stage in its file, timer, trace, bench
@@ -36,11 +38,14 @@ struct StepReport {
   std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
   std::uint64_t awake = 0;      ///< dynamic and kinematic bodies that were stepped
   std::uint64_t asleep = 0;     ///< dynamic bodies that were not
+  std::uint64_t pairs_reused = 0;  ///< of the pairs, those whose contacts lay as they were
   bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
   std::uint32_t stopped = 0;    ///< fast shapes put back on their way, out of fixed geometry
   std::uint32_t escaped = 0;    ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
+  StepDetail detail;            ///< how much of it was done
+  double predicted_ms = 0;      ///< by the governor's cost model; 0 without a governor
   double virial = 0;  ///< sum over contacts of normal impulse x centre distance, N s m
 };
 

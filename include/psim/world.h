@@ -152,6 +152,14 @@ class World {
   /// Advances by another dt (seconds, > 0, finite) with the same number of substeps.
   StepReport step(double dt);
 
+  /// Lets a governor keep the frame's budget from now on, or no more.
+  void set_governor(const GovernorDesc& desc);
+  /// Measures what work costs with these options, for worlds of about so many bodies. Takes about a tenth of
+  /// a second for 10,000 bodies.
+  static CostModel measure_costs(const RunOptions& options, std::size_t bodies);
+  /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits.
+  StepReport replay(const StepDetail& detail);
+
   std::size_t body_count() const;     ///< all living bodies
   std::size_t dynamic_count() const;  ///< of those, dynamic or kinematic
   std::size_t static_count() const;

@@ -54,11 +54,7 @@ bool dynamic(const BodyStore& b, std::uint32_t id) {
 
 void EventList::set_options(const EventOptions& options) {
   options_ = options;
-  begin_.clear();
-  end_.clear();
-  hits_.clear();
-  sensor_begin_.clear();
-  sensor_end_.clear();
+  clear();
   if (!options.contacts) {
     build_ = 0;
     for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &slept_, &paired_, &toggled_}) *keys = {};
@@ -74,6 +70,14 @@ void EventList::set_options(const EventOptions& options) {
     count_ = {};
     removed_ = {};
   }
+}
+
+void EventList::clear() {
+  begin_.clear();
+  end_.clear();
+  hits_.clear();
+  sensor_begin_.clear();
+  sensor_end_.clear();
 }
 
 void EventList::body_left(BodyId id, bool same) {

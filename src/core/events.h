@@ -50,6 +50,9 @@ class EventList {
   /// After the step. O(contacts) for touching, a ray's worth a sensor.
   void collect(const EventSource& source, const QueryIndex& index, const QuerySource& queries);
 
+  /// Nothing happened in a step that waited.
+  void clear();
+
   Events view() const { return {begin_, end_, hits_, sensor_begin_, sensor_end_}; }
   std::size_t bytes() const;
 

@@ -45,7 +45,10 @@ constexpr double kMostWarm = 4;  // on stored impulses where a step is longer th
 
 }  // namespace
 
-StepReport World::Impl::step(double dt) {
+StepReport World::Impl::step(double dt) { return step(dt, {}, true); }
+
+// With the detail given, or one that the governor chooses.
+StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   const FloatSettings settings;
   const Clock::time_point begin = Clock::now();
   StepReport report;
@@ -54,10 +57,36 @@ StepReport World::Impl::step(double dt) {
   pool.begin_step();
   freeze_doubtful(report);
   replan();
+  report.detail = choose ? choose_detail(dt) : given;
+  dt *= report.detail.frames;
+  if (report.detail.waits()) {
+    make_ahead(dt, report);
+  } else {
+    advance(dt, report, choose && governor.on());
+  }
+  ++frame;
+  if (plan.publish) {
+    const StageTimer timer(report, tracer, Stage::publish);
+    publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
+  }
+  if (!report.detail.waits()) rest(dt, report);
+  pool.end_step();
+  report.arena_growths = memory.growths - growths;
+  report.asleep = bodies.asleep;
+  report.total_ms = ms_since(begin);
+  return report;
+}
+
+// Everything moves on by dt seconds.
+void World::Impl::advance(double dt, StepReport& report, bool choose) {
+  substeps = report.detail.substeps != 0 ? report.detail.substeps : desc.substeps;
+  choosing = choose;
+  ++steps;
   if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
   placed = false;
   if (bodies.count != bodies.dead) {
     refresh_lists(dt, report);
+    report.detail.substeps = static_cast<std::uint8_t>(substeps);
     if (sleepers.stirred) {
       sleepers.stirred = false;
       if (!sleepers.empty() && wake_reached(dt)) refresh_lists(dt, report);
@@ -72,24 +101,55 @@ StepReport World::Impl::step(double dt) {
     integrate(dt, report);
     report.awake = bodies.count - bodies.dead;
   }
-  ++frame;
   queries.forget_moving();
   if (plan.events) {
     const StageTimer timer(report, tracer, Stage::publish);
     events.collect(event_source(), queries, query_source());
     sleepers.changed = false;
   }
-  if (plan.publish) {
-    const StageTimer timer(report, tracer, Stage::publish);
-    publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
-  }
   if (report.awake != 0) count_contacts(report);
-  rest(dt, report);
-  pool.end_step();
-  report.arena_growths = memory.growths - growths;
-  report.asleep = bodies.asleep;
-  report.total_ms = ms_since(begin);
-  return report;
+}
+
+// Parts of a step of dt seconds that ends in a later frame; time stands still.
+void World::Impl::make_ahead(double dt, StepReport& report) {
+  events.clear();
+  if (bodies.count == bodies.dead) return;
+  prepare_lists(dt, report);
+  if ((report.detail.parts & StepDetail::kContacts) != 0) make_contacts(dt, report);
+  report.awake = bodies.count - bodies.dead;
+}
+
+// How the next step is spread over frames, from the counts of the last one; how many substeps there are is
+// known only once the contacts are (refresh_lists).
+StepDetail World::Impl::choose_detail(double dt) {
+  if (spread_at < spread.frames) return {0, spread.parts[spread_at++], spread.frames};
+  if (!governor.on() || bodies.count == bodies.dead) return {};
+  WorkCounts work = count_work();
+  work.builds = work.lays_out = true;
+  if (governor.spread(work).frames == 1) return {};
+  work.builds = lists_stale || once || !broad.lists_serve(bodies, reach_time(dt), kernels, pool);
+  work.lays_out = work.builds || loose;
+  spread = governor.spread(work);
+  spread_at = 1;
+  return {0, spread.parts[0], spread.frames};
+}
+
+WorkCounts World::Impl::count_work() const {
+  WorkCounts work;
+  work.bodies = bodies.count - bodies.dead;
+  work.solved = solved.count();
+  if (loose) {
+    for (const Strip& s : candidates.strips) work.candidates += s.pair_end - s.pair_begin;
+  }
+  work.contacts = contacts.pair_count() + contacts.single_count();
+  work.manifolds = manifolds.pair_count();
+  work.joints = joints.count();
+  work.bounces = plan.restitution;
+  return work;
+}
+
+float World::Impl::reach_time(double dt) const {
+  return static_cast<float>((loose ? 1.0 : kMarginFrames) * dt);
 }
 
 void World::Impl::prepare() {
@@ -113,7 +173,7 @@ void World::Impl::replan() {
   if (next.model != plan.model) impulses_valid = false;
   Plan same = next;
   same.events = plan.events;  // who listens changes no result
-  if (same != plan) lists_stale = true;
+  if (same != plan) spoil_lists();
   plan = next;
   if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
   if (plan.forces) {
@@ -268,8 +328,7 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
 // Broad phase: bodies in cell order and candidates, made anew if the old ones no longer serve.
 void World::Impl::make_candidates(double dt, StepReport& report) {
   const StageTimer timer(report, tracer, Stage::broad_phase);
-  const auto reach_time = static_cast<float>((loose ? 1.0 : kMarginFrames) * dt);
-  if (!lists_stale) lists_stale = once || !broad.lists_serve(bodies, reach_time, kernels, pool);
+  if (!lists_stale) lists_stale = once || !broad.lists_serve(bodies, reach_time(dt), kernels, pool);
   if (!lists_stale) {
     ++skipped_frames[1];
     return;
@@ -300,11 +359,20 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   report.rebuilt = true;
 }
 
-// Broad phase, narrow phase and colouring: contacts with normals and gaps for this step.
-void World::Impl::refresh_lists(double dt, StepReport& report) {
+// Broad phase: who may meet. Sets lists_stale to whether there are new lists.
+void World::Impl::prepare_lists(double dt, StepReport& report) {
+  if (laid_ahead || lists_ahead) return;
   carry_woken();
   bodies.pad_tail();
   make_candidates(dt, report);
+  lists_ahead = true;
+}
+
+// Colouring: which contacts there are, in blocks.
+void World::Impl::make_contacts(double dt, StepReport& report) {
+  if (laid_ahead) return;
+  laid_ahead = true;
+  lists_ahead = false;
   if (loose) {
     const StageTimer timer(report, tracer, Stage::narrow_phase);
     table.swap(old_table);
@@ -312,39 +380,62 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
     broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack, plan.fields, candidates,
                  table, kernels, pool);
   }
-  if ((lists_stale || loose) && !held.empty()) {  // kinematic bodies are the solver's
+  if (!lists_stale && !loose) {
+    ++skipped_frames[3];
+    return;
+  }
+  if (!held.empty()) {  // kinematic bodies are the solver's
     bodies.find_slots();
     for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
   }
-  if ((lists_stale || loose) && !joints.empty()) {  // so are joined ones
+  if (!joints.empty()) {  // so are joined ones
     bodies.find_slots();
     for (const std::uint32_t id : joints.bodies()) {
       if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
     }
   }
-  if (lists_stale || loose) {
-    const StageTimer timer(report, tracer, Stage::colouring);
-    if (!impulses_valid) {
-      old_table.body_count = 0;
-      manifolds.forget();
-    }
-    if (plan.turns) bodies.keep_turns(true);
-    solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
-    if (plan.loads) {
-      loads.find(bodies, table, pool);
-    } else {
-      loads.forget();
-    }
-    if (sorts_out()) sort_out_pairs();
-    contacts.build(bodies, solved, shapes, desc.wall, plan.model,
-                   plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
-                   lists_stale ? broad.from() : nullptr, sleepers.recent, pool);
-    sleepers.recent.clear();
-    impulses_valid = true;
-    if (lists_stale) forces_stale = true;
-    lists_stale = false;
+  const StageTimer timer(report, tracer, Stage::colouring);
+  if (!impulses_valid) {
+    old_table.body_count = 0;
+    manifolds.forget();
+  }
+  if (plan.turns) bodies.keep_turns(true);
+  solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
+  if (plan.loads) {
+    loads.find(bodies, table, pool);
   } else {
-    ++skipped_frames[3];
+    loads.forget();
+  }
+  if (sorts_out()) sort_out_pairs();
+  contacts.build(bodies, solved, shapes, desc.wall, plan.model,
+                 plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
+                 lists_stale ? broad.from() : nullptr, sleepers.recent, pool);
+  sleepers.recent.clear();
+  impulses_valid = true;
+  if (lists_stale) forces_stale = true;
+  lists_stale = false;
+}
+
+// Broad phase, narrow phase and colouring, as far as they were not done ahead: contacts with normals and
+// gaps for this step.
+void World::Impl::refresh_lists(double dt, StepReport& report) {
+  WorkCounts work;
+  work.lays_out = !laid_ahead;
+  prepare_lists(dt, report);
+  work.lays_out = work.lays_out && (lists_stale || loose);
+  make_contacts(dt, report);
+  laid_ahead = false;
+  kept_contacts = !work.lays_out && !report.detail.waits() && report.detail.frames == 1;
+  if (choosing) {
+    choosing = false;
+    const WorkCounts counts = count_work();
+    const bool builds = report.rebuilt, lays_out = work.lays_out;
+    work = counts;
+    work.builds = builds;
+    work.lays_out = lays_out;
+    // No substep is longer than a frame: contacts would come too late.
+    substeps = governor.substeps(work, std::min<int>(report.detail.frames, desc.substeps), desc.substeps);
+    report.predicted_ms = (governor.fixed_ns(work) + substeps * governor.substep_ns(work)) * 1e-6;
   }
   const StageTimer timer(report, tracer, Stage::narrow_phase);
   if (plan.shapes) refresh_manifolds(dt);
@@ -369,7 +460,7 @@ void World::Impl::sort_out_pairs() {
 
 // Hulls against hulls, at the frame's start.
 void World::Impl::refresh_manifolds(double dt) {
-  const double h = dt / desc.substeps;
+  const double h = dt / substeps;
   ManifoldParams p;
   p.dt = dt;
   p.gravity = desc.gravity;
@@ -429,14 +520,14 @@ void World::Impl::solve(double dt, StepReport& report) {
   }
   SolverParams p;
   p.dt = dt;
-  p.substeps = desc.substeps;
+  p.substeps = substeps;
   p.gravity = desc.gravity;
   p.damping = desc.linear_damping + linear_drag(desc.fields);
   p.pitch_x = lattice.pitch_x();
   p.pitch_y = lattice.pitch_y();
   p.restitution_threshold = desc.restitution_threshold;
   p.refresh = kRefreshOfRadius * least_radius;
-  const double h = dt / desc.substeps;
+  const double h = dt / substeps;
   p.impacts = impact_rate * h;
   stiff_substep = next_stiff_substep(h);
   p.stiff_substep = stiff_substep;
@@ -463,7 +554,7 @@ void World::Impl::solve(double dt, StepReport& report) {
       (plan.model.model == kernels::Model::plain ? static_cast<double>(first_mass) : 1.0);
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
-  const std::uint64_t passes = 2u * static_cast<std::uint64_t>(desc.substeps) + 2;
+  const std::uint64_t passes = 2u * static_cast<std::uint64_t>(substeps) + 2;
   const std::uint64_t work =
       passes * kBlock *
       (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks() + manifolds.blocks());
@@ -529,6 +620,7 @@ void World::Impl::integrate(double dt, StepReport& report) {
 
 void World::Impl::count_contacts(StepReport& report) {
   report.pairs = contacts.pair_count() + contacts.single_count() + manifolds.pair_count();
+  report.pairs_reused = kept_contacts ? report.pairs : 0;
   report.contacts = solver.closed();
   report.colours = std::max(contacts.colours(), manifolds.colours());
 }

@@ -243,7 +243,7 @@ BodyId World::Impl::add_moving(const BodyDesc& d, std::string& error) {
                                  d.velocity, d.angular_velocity);
   if (d.type == BodyType::kinematic_body) go_round(id, d.velocity);
   count_in(surface, +1);
-  lists_stale = true;
+  spoil_lists();
   return {id, bodies.info[id].generation};
 }
 
@@ -309,7 +309,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
             {value(batch.vx, i), value(batch.vy, i)}, value(batch.angular_velocity, i));
     w.count_in(info, +1);
   }
-  w.lists_stale = true;
+  w.spoil_lists();
   return n;
 }
 
@@ -363,7 +363,7 @@ void World::Impl::remove(std::uint32_t id) {
   ++info.generation;
   --bodies.living;
   bodies.free_ids.push_back(id);
-  lists_stale = true;
+  spoil_lists();
 }
 
 // Out of the simulation, but still there: a body whose numbers are broken.
@@ -386,7 +386,7 @@ void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
   frozen.push_back(last);
   queries.forget_moving();
   if (events.on()) events.body_left({id, info.generation}, true);
-  lists_stale = true;
+  spoil_lists();
 }
 
 bool World::remove_body(BodyId id) {
@@ -442,7 +442,8 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   }
   if (!w.bodies.angle.empty()) w.bodies.angle[i] = angle;
   w.bodies.clear_rests(i);
-  w.lists_stale = w.forces_stale = w.placed = true;
+  w.spoil_lists();
+  w.forces_stale = w.placed = true;
   w.queries.forget_moving();
   return true;
 }

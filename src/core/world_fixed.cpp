@@ -98,7 +98,8 @@ BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
   if (surface.restitution > 0) ++traits.fixed_bounce;
   if (surface.friction > 0) ++traits.fixed_rough;
   if (d.filter != Filter{}) ++traits.filtered;
-  plan_stale = lists_stale = placed = true;
+  spoil_lists();
+  plan_stale = placed = true;
   queries.forget_fixed();
   if (!sleepers.empty()) {
     wake_touching_pieces(f.first_shape, id);

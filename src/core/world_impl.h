@@ -12,6 +12,7 @@
 #include "contact_store.h"
 #include "events.h"
 #include "forces.h"
+#include "governor.h"
 #include "joint_store.h"
 #include "kernel_select.h"
 #include "manifolds.h"
@@ -78,6 +79,19 @@ struct World::Impl {
   float least_radius = 0;  // of all moving bodies so far, m
   bool plan_stale = true;
   bool lists_stale = true;
+  bool lists_ahead = false;     // candidates are made already, lists_stale tells whether anew
+  bool laid_ahead = false;      // and contacts
+  void spoil_lists() {
+    lists_stale = true;
+    lists_ahead = laid_ahead = false;
+  }
+  Governor governor;
+  int substeps = 4;             // of this step
+  bool choosing = false;        // the governor says how many
+  bool kept_contacts = false;   // no list was made in this step
+  Governor::Spread spread;      // of the step under way over frames
+  std::uint8_t spread_at = 1;   // its next frame
+  std::uint64_t steps = 0;      // that did not wait
   bool forces_stale = true;
   bool placed = true;           // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
@@ -155,6 +169,14 @@ struct World::Impl {
   void replan();
   void prepare();
   StepReport step(double dt);
+  StepReport step(double dt, const StepDetail& detail, bool choose);
+  void advance(double dt, StepReport& report, bool choose);
+  void make_ahead(double dt, StepReport& report);
+  float reach_time(double dt) const;
+  StepDetail choose_detail(double dt);
+  WorkCounts count_work() const;
+  void prepare_lists(double dt, StepReport& report);
+  void make_contacts(double dt, StepReport& report);
   void refresh_lists(double dt, StepReport& report);
   struct ListPlan;
   double impact_slack(double speed, double close, double dt) const;

@@ -81,7 +81,8 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
 void World::Impl::count_joints() {
   traits.joints = joints.count();
   traits.exclusions = joints.any_exclusions();
-  plan_stale = lists_stale = true;
+  spoil_lists();
+  plan_stale = true;
 }
 
 void World::Impl::remove_joints_of(std::uint32_t body) {

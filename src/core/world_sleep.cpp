@@ -122,9 +122,9 @@ void World::Impl::rest(double dt, StepReport& report) {
   if (!plan.sleep || bodies.count == bodies.dead) return;
   const StageTimer timer(report, tracer, Stage::sleep);
   if (!sleepers.empty()) wake_reached(dt);
-  if (frame % Sleepers::kWatchFrames != 0) return;
+  if (steps % Sleepers::kWatchFrames != 0) return;
   if (!sleepers.watch(bodies, lattice, pool)) return;
-  if (frame % (2 * Sleepers::kWatchFrames) == 0) choose_sleepers(dt);
+  if (steps % (2 * Sleepers::kWatchFrames) == 0) choose_sleepers(dt);
 }
 
 // m/s: of the fastest point of a body.
@@ -189,7 +189,7 @@ void World::Impl::choose_sleepers(double dt) {
   std::uint32_t chosen = 0;
   for (std::uint32_t i = 0; i < bodies.count; ++i) chosen += may(i);
   // New lists for a few are not worth it, unless nobody else comes along.
-  const bool patient = frame % (16 * Sleepers::kWatchFrames) != 0;
+  const bool patient = steps % (16 * Sleepers::kWatchFrames) != 0;
   if (chosen == 0 || (awake > 256 && chosen < awake / 32 && patient)) return;
   std::uint32_t pieces = 0;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
@@ -320,7 +320,8 @@ void World::Impl::fall_asleep() {
     bodies.count = bodies.dead = 0;
     impulses_valid = false;
   }
-  lists_stale = sleepers.changed = true;
+  spoil_lists();
+  sleepers.changed = true;
   if (!joints.empty()) joints.follow_sleep(bodies);
   queries.forget_sleeping();
   queries.forget_moving();
@@ -386,7 +387,7 @@ void World::Impl::wake_one(std::uint32_t id) {
   }
   sleepers.mark_woken(id, s.at.x, s.at.y);
   sleepers.woke = sleepers.changed = true;
-  lists_stale = true;
+  spoil_lists();
   queries.forget_sleeping();
   queries.forget_moving();
 }

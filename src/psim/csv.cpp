@@ -36,7 +36,8 @@ void write_metrics_header(AtomicFile& file) {
     file.write(phase.key);
     file.write("_ms");
   }
-  file.write(",pairs,contacts,awake,kinetic,potential,max_penetration\n");
+  file.write(",pairs,contacts,awake,kinetic,potential,max_penetration,");
+  file.write("asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms\n");
 }
 
 void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
@@ -50,6 +51,12 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
   write_field(file, diagnostics.kinetic);
   write_field(file, diagnostics.potential);
   write_field(file, diagnostics.max_penetration);
+  write_field(file, report.asleep);
+  write_field(file, report.pairs_reused);
+  write_field(file, static_cast<std::uint64_t>(report.rebuilt));
+  write_field(file, static_cast<std::uint64_t>(report.detail.substeps));
+  write_field(file, static_cast<std::uint64_t>(report.detail.waits()));
+  write_field(file, report.predicted_ms);
   file.write("\n");
 }
 

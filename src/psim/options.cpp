@@ -19,7 +19,7 @@ namespace {
 struct Typed {
   TypedSettings settings;
   TypedDiff diff;
-  std::string report, state, metrics, trajectory, every, image, trace, budget, governor;
+  std::string report, state, metrics, trajectory, every, image, trace, budget, governor, governor_log, governor_replay;
   std::string target_error, target_ms;
   bool list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
        version = false;
@@ -36,6 +36,9 @@ void declare(CLI::App& app, Typed& typed) {
   declare_settings(app, typed.settings);
   value("--budget", typed.budget, "MS", "Run", "frame budget in ms (16.67)");
   value("--governor", typed.governor, "on|off", "Run", "keep the budget by doing less (off)");
+  value("--governor-log", typed.governor_log, "FILE.csv", "Output", "what was done of every frame");
+  value("--governor-replay", typed.governor_replay, "FILE.csv", "Run",
+        "do what a governor's log says: the same bits");
 
   value("--target-error", typed.target_error, "E", "Run",
         "the cheapest integrator and substeps that were measured to err no more");
@@ -82,7 +85,8 @@ Mode choose_mode(const Typed& typed) {
 
 // File names, and the options that have no meaning without a run.
 void check_outputs(const CLI::App& app, Mode mode) {
-  for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace"}) {
+  for (const char* name :
+       {"--state", "--metrics", "--trajectory", "--image", "--trace", "--governor-log"}) {
     const CLI::Option* option = app.get_option(name);
     if (option->count() == 0) continue;
     if (option->as<std::string>().empty()) refuse(name, "", "needs a file name");
@@ -92,7 +96,7 @@ void check_outputs(const CLI::App& app, Mode mode) {
   }
   if (mode == Mode::run) return;
   for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report",
-                           "--target-error", "--target-ms"}) {
+                           "--governor-log", "--governor-replay", "--target-error", "--target-ms"}) {
     if (app.count(name) > 0) {
       throw UserError(
           fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
@@ -151,8 +155,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   check_outputs(app, options.mode);
   check_target(app);
   read_settings(app, typed.settings, options);
-  if (on_off("--governor", typed.governor, given("--governor")).value_or(false)) {
-    refuse("--governor", "on", "there is no governor yet; only off works");
+  options.governor = on_off("--governor", typed.governor, given("--governor")).value_or(false);
+  options.governor_log = typed.governor_log;
+  options.governor_replay = typed.governor_replay;
+  if (options.governor && given("--governor-replay")) {
+    throw UserError("--governor-replay: does what the log says; --governor on would choose anew");
+  }
+  if (given("--governor-replay") && typed.governor_replay.empty()) {
+    refuse("--governor-replay", "", "needs a file name");
   }
   options.budget_ms = number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9,
                                      "must be a number of milliseconds above 0")

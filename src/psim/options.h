@@ -43,7 +43,9 @@ struct Options {
 
   ReportFormat report = ReportFormat::text;
   double budget_ms = 16.67;
-  std::string state, metrics, trajectory, image, trace;  ///< file names; empty = not wanted
+  bool governor = false;
+  std::string governor_replay;  ///< the log of a governed run, to run again; empty: none
+  std::string state, metrics, trajectory, image, trace, governor_log;  ///< files; empty = not wanted
   std::uint64_t every = 1;                               ///< frames between trajectory rows
 
   std::vector<std::string> files;  ///< Mode::diff: the two to compare, or none

@@ -37,6 +37,7 @@ OutputFiles::OutputFiles(const Options& options) {
   open(trajectory, "--trajectory", options.trajectory);
   open(image, "--image", options.image);
   open(trace, "--trace", options.trace);
+  open(governor_log, "--governor-log", options.governor_log);
 }
 
 }  // namespace psim::cli

@@ -50,7 +50,8 @@ std::string report_json(const RunReport& report) {
   json["bodies"] = {{"total", report.bodies_total},
                     {"dynamic", report.bodies_dynamic},
                     {"static", report.bodies_static},
-                    {"awake", report.bodies_awake}};
+                    {"awake", report.bodies_awake},
+                    {"asleep", report.bodies_asleep}};
   if (report.target) json["target"] = target_json(*report.target);
   json["budget_ms"] = report.budget_ms;
   json["frames_over_budget"] = report.frames_over_budget;
@@ -81,6 +82,14 @@ std::string report_json(const RunReport& report) {
   Json& skipped = json["skipped"] = Json::object();
   for (const auto& [stage, frames] : report.skipped) {
     if (frames > 0) skipped[stage] = frames;
+  }
+  json["ledger"] = {{"asleep_mean", report.per_frame(report.asleep_sum)},
+                    {"lists_kept_frames", report.lists_kept},
+                    {"pairs_reused_mean", report.per_frame(report.reused_sum)}};
+  if (report.governed) {
+    json["governor"] = {{"frames_cut", report.frames_cut},
+                        {"frames_waited", report.frames_waited},
+                        {"substeps_saved", report.substeps_saved}};
   }
   json["memory_bytes"] = report.memory_bytes;
   json["state_hash"] = hash_text(report.state_hash);

@@ -70,6 +70,13 @@ std::string report_text(const RunReport& report) {
       report.end.momentum_x, report.end.momentum_y, report.end.max_penetration);
   if (report.target) text += target_text(*report.target);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
+  fmt::format_to(out, "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames, pairs reused {:.1f} %\n",
+                 grouped_mean(report.per_frame(report.asleep_sum)), grouped(report.bodies_dynamic),
+                 report.lists_kept, frame.count(), percent(report.reused_sum, report.pairs_sum));
+  if (report.governed) {
+    fmt::format_to(out, "Governor: {} frames with fewer substeps, {} in which time stood still, {} substeps saved\n",
+                   report.frames_cut, report.frames_waited, grouped(report.substeps_saved));
+  }
   fmt::format_to(out, "State {}\n", hash_text(report.state_hash));
   return text;
 }

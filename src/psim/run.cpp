@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <optional>
 
 #include "csv.h"
+#include "details.h"
 #include "image.h"
 #include "interrupt.h"
 #include "outputs.h"
@@ -52,6 +54,15 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   report.neighbour_rebuilds += step.rebuilt ? 1 : 0;
   report.virial += step.virial;
   report.bodies_awake = step.awake;
+  report.bodies_asleep = step.asleep;
+  report.asleep_sum += static_cast<double>(step.asleep);
+  report.reused_sum += static_cast<double>(step.pairs_reused);
+  report.lists_kept += step.rebuilt ? 0 : 1;
+  const int done = step.detail.waits() ? 0 : step.detail.substeps;
+  if (step.awake == 0) return;
+  report.frames_waited += step.detail.waits();
+  report.frames_cut += done < report.substeps && !step.detail.waits();
+  report.substeps_saved += static_cast<std::uint64_t>(std::max(report.substeps - done, 0));
   if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;
   report.quarantined += step.quarantined;
 }
@@ -68,10 +79,12 @@ void end_report(RunReport& report, const World& world) {
   report.state_hash = world.state_hash();
 }
 
-void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every) {
+void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every,
+                const std::vector<StepDetail>& replayed) {
   std::optional<TraceWriter> trace;
   if (files.trace) trace.emplace(*files.trace, world);
   if (files.metrics) write_metrics_header(*files.metrics);
+  if (files.governor_log) write_details_header(*files.governor_log);
   if (files.trajectory) {
     write_trajectory_header(*files.trajectory);
     write_trajectory_rows(*files.trajectory, 0, world.published());
@@ -79,11 +92,12 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   Progress progress(one_line(report.scene), report.frames_wanted);
   for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
     const Clock::time_point begin = Clock::now();
-    const StepReport step = world.step();
+    const StepReport step = frame <= replayed.size() ? world.replay(replayed[frame - 1]) : world.step();
     const Clock::time_point end = Clock::now();
     const double total_ms = std::chrono::duration<double, std::milli>(end - begin).count();
 
     add_frame(report, total_ms, step, frame);
+    if (files.governor_log) write_details_row(*files.governor_log, frame, step.detail);
     if (files.metrics) {
       write_metrics_row(*files.metrics, frame, total_ms, step, world.diagnostics());
     }
@@ -100,7 +114,8 @@ void write_files(OutputFiles& files, const Scene& scene, World& world) {
   if (files.state) write_state(*files.state, world.published());
   if (files.image) write_image(*files.image, scene, world.published());
   for (std::optional<AtomicFile>* file :
-       {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace}) {
+       {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace,
+        &files.governor_log}) {
     if (*file) (*file)->commit();
   }
 }
@@ -125,13 +140,20 @@ int run_scene(const Options& options) {
   Scene scene = choose_scene(options);
   check_memory(scene);
   const std::optional<Target> target = apply_target(options, scene);
+  std::vector<StepDetail> replayed;
+  if (!options.governor_replay.empty()) replayed = read_details(options.governor_replay);
   OutputFiles files(options);
   const auto world = make_world(scene, options.isa, options.threads);
+  if (options.governor) {
+    const CostModel costs = World::measure_costs({options.isa, options.threads}, world->dynamic_count());
+    world->set_governor({true, options.budget_ms, costs});
+  }
   world->prepare();
 
   RunReport report = begin_report(options, scene, *world);
+  report.governed = options.governor || !replayed.empty();
   report.target = target;
-  run_frames(report, *world, files, options.every);
+  run_frames(report, *world, files, options.every, replayed);
   end_report(report, *world);
 
   say_what_was_odd(report);

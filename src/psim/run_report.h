@@ -27,7 +27,7 @@ struct RunReport {
   std::uint64_t seed = 0;
 
   std::size_t bodies_total = 0, bodies_dynamic = 0, bodies_static = 0;
-  std::uint64_t bodies_awake = 0;
+  std::uint64_t bodies_awake = 0, bodies_asleep = 0;
 
   std::optional<Target> target;
 
@@ -38,6 +38,12 @@ struct RunReport {
 
   double pairs_sum = 0, contacts_sum = 0, colours_sum = 0;  ///< over all frames
   std::uint64_t neighbour_rebuilds = 0;
+  // The ledger of what was left out.
+  double asleep_sum = 0, reused_sum = 0;           ///< bodies, pairs; over all frames
+  std::uint64_t lists_kept = 0;                    ///< frames
+  bool governed = false;
+  std::uint64_t frames_cut = 0, frames_waited = 0; ///< with fewer substeps; in which time stood still
+  std::uint64_t substeps_saved = 0;                ///< against all frames done in full
   LaneCounts lanes;
 
   Diagnostics start, end;
