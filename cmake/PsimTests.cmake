@@ -1,6 +1,6 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
 # Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
-# SlowStress), `install`, `asm`, `accuracy`.
+# SlowStress), `install`, `asm`, `accuracy`, `view`.
 include(GoogleTest)
 
 # The oracles stand alone: they must not see the code that they judge.
@@ -93,4 +93,22 @@ if(TARGET psim_kernels AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANI
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/asm/check_faults.py"
             "${CMAKE_CXX_COMPILER}")
   set_tests_properties(AsmInspect AsmInspectFindsFaults PROPERTIES LABELS asm TIMEOUT 300)
+endif()
+
+# The viewer, on a screen of its own. Label `view`.
+if(TARGET psim-view)
+  file(GLOB _view_tests CONFIGURE_DEPENDS tests/view/*_test.cpp)
+  add_executable(psim_view_tests ${_view_tests})
+  psim_target_defaults(psim_view_tests)
+  target_include_directories(psim_view_tests PRIVATE tests)
+  target_link_libraries(psim_view_tests PRIVATE psim_view_model GTest::gtest GTest::gtest_main)
+  target_compile_definitions(psim_view_tests PRIVATE
+    "PSIM_PROGRAM=\"$<TARGET_FILE:psim-view>\"")
+  add_dependencies(psim_view_tests psim-view)
+  gtest_discover_tests(psim_view_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS view TIMEOUT 300)
+elseif(NOT PSIM_SANITIZE)
+  set(_message "psim-view is not built (PSIM_VIEW), so it is not tested")
+  add_test(NAME View COMMAND ${CMAKE_COMMAND} -E echo "${_message}")
+  set_tests_properties(View PROPERTIES LABELS view SKIP_REGULAR_EXPRESSION "is not tested")
 endif()

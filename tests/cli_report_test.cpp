@@ -54,6 +54,30 @@ TEST(CliReport, TextHasItsLines) {
   }
 }
 
+TEST(CliReport, ProfileNamesTheBottleneckAndTheThreads) {
+  const Outcome outcome = run_psim({"--particles", "3000", "--frames", "20", "--threads", "2", "--profile"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(std::regex_search(
+      outcome.out, std::regex("Bottleneck: \\w+, \\S+ % of the time; threads busy \\S+ %, the busiest \\S+ x")))
+      << outcome.out;
+  const Json profile =
+      json_report({"--particles", "3000", "--frames", "20", "--threads", "2", "--profile"})["profile"];
+  double shares = 0, longest = 0;
+  std::string bottleneck;
+  for (const auto& [stage, row] : profile["stages"].items()) {
+    shares += row["share"].get<double>();
+    EXPECT_GT(row["threads_busy"], 0) << stage;
+    EXPECT_LE(row["threads_busy"], 1) << stage;
+    if (row["mean"].get<double>() > longest) {
+      longest = row["mean"];
+      bottleneck = stage;
+    }
+  }
+  EXPECT_NEAR(shares, 1, 1e-9);
+  EXPECT_EQ(profile["bottleneck"], bottleneck);
+  EXPECT_GE(profile["imbalance"], 1);
+}
+
 TEST(CliReport, JsonHasItsKeys) {
   const Json report = json_report({"--particles", "500", "--frames", "4", "--seed", "7"});
   EXPECT_EQ(keys(report), (std::vector<std::string>{"bodies",

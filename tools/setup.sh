@@ -1,12 +1,15 @@
 # shellcheck shell=bash disable=SC2034
-# Shared by tools/run, tools/test and .ci/run; to be sourced. Brings a bare Debian or Ubuntu to a
-# configured and built psim. Talks to stderr only, and shows a log only when something failed.
+# Shared by tools/run, tools/view, tools/test and .ci/run; to be sourced. Brings a bare Debian or
+# Ubuntu to a configured and built psim. Talks to stderr only, and shows a log only when something
+# failed.
 # A second call finds everything in place and takes a fraction of a second.
 
 psim_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 
 psim_packages=(g++ cmake ninja-build libcpu-features-dev libgtest-dev libbenchmark-dev libcli11-dev
                nlohmann-json3-dev libfmt-dev libpng-dev binutils python3)
+# What psim-view needs on top; libgl1-mesa-dri draws where there is no graphics card.
+psim_view_packages=(libsdl2-dev libimgui-dev libgl1-mesa-dri)
 
 psim_say() { printf 'psim: %s\n' "$*" >&2; }
 

@@ -18,7 +18,10 @@ std::uint64_t key_of(int level, std::uint32_t x, std::uint32_t y) {
   return 1ull << 63 | static_cast<std::uint64_t>(level) << 58 | static_cast<std::uint64_t>(x) << 29 | y;
 }
 
+constexpr int kTop = 31;  // one cell, for what is larger than the cells of any other level
+
 std::uint64_t key_at(int level, int shift, std::int32_t x, std::int32_t y) {
+  if (level == kTop) return key_of(kTop, 0, 0);
   const int ly = std::max(along_y(level, shift), 3);
   return key_of(level, static_cast<std::uint32_t>(x) >> level, static_cast<std::uint32_t>(y) >> ly);
 }
@@ -61,7 +64,7 @@ void HashGrid::insert(std::uint32_t number, std::int32_t x, std::int32_t y, std:
   next_.reserve(std::size_t{number} + 1);
   cell_.reserve(std::size_t{number} + 1);
   int level = kLeast;
-  while (level < 31 && ((1ull << level) < 2ull * half_x ||
+  while (level < kTop && ((1ull << level) < 2ull * half_x ||
                         (1ull << along_y(level, shift_)) < 2ull * half_y)) {
     ++level;
   }
@@ -90,7 +93,11 @@ void HashGrid::remove(std::uint32_t number) {
 
 void HashGrid::near(std::int32_t x, std::int32_t y, std::uint32_t half_x, std::uint32_t half_y,
                     std::vector<std::uint32_t>& out) const {
-  for (int level = kLeast; level < 32; ++level) {
+  const auto take = [&](std::size_t at) {
+    for (std::uint32_t k = head_[at]; k != kNone; k = next_[k]) out.push_back(k);
+  };
+  if (of_level_[kTop] != 0) take(find(key_of(kTop, 0, 0)));
+  for (int level = kLeast; level < kTop; ++level) {
     if (of_level_[level] == 0) continue;
     const int ly = std::max(along_y(level, shift_), kLeast);
     // First cell and number of cells along an axis; cells wrap with the lattice.
@@ -104,9 +111,6 @@ void HashGrid::near(std::int32_t x, std::int32_t y, std::uint32_t half_x, std::u
     };
     std::uint32_t cx = 0, cy = 0;
     const std::uint64_t nx = span(x, half_x, level, cx), ny = span(y, half_y, ly, cy);
-    const auto take = [&](std::size_t at) {
-      for (std::uint32_t k = head_[at]; k != kNone; k = next_[k]) out.push_back(k);
-    };
     const std::uint32_t mask_x = static_cast<std::uint32_t>((1ull << (32 - level)) - 1);
     const std::uint32_t mask_y = static_cast<std::uint32_t>((1ull << (32 - ly)) - 1);
     if (nx * ny <= used_) {

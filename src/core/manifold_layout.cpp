@@ -64,11 +64,9 @@ void Manifolds::keep_impulses(WorkerPool& pool) {
 }
 
 void Manifolds::forget() {
-  for (ManifoldPair& pair : pairs_) {
-    std::fill_n(pair.impulse, 2, 0.0f);
-    std::fill_n(pair.friction, 2, 0.0f);
-    pair.lane = ManifoldPair::kNone;
-  }
+  pairs_.clear();
+  owner_.clear();
+  begin_.clear();
   for (StripBlocks& s : strips_) s.laid.clear();
   std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }

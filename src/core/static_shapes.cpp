@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace psim {
 
@@ -42,14 +43,14 @@ std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
     const StaticShape& piece = pieces[k].shape;
     put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
     shapes_[first + k].asleep = true;
-    double box[4];
-    box_of(shapes_[first + k], box);
     const std::int32_t x = piece.p.x, y = piece.p.y;
     const std::int32_t way_x = piece.segment ? wrap_sub(piece.q.x, x) / 2 : 0;
     const std::int32_t way_y = piece.segment ? wrap_sub(piece.q.y, y) / 2 : 0;
-    sleepers_.insert(first + k, wrap_add(x, way_x), wrap_add(y, way_y),
-                     static_cast<std::uint32_t>((box[1] - box[0]) / 2 / px) + 1,
-                     static_cast<std::uint32_t>((box[3] - box[2]) / 2 / py) + 1);
+    const double round = 2 * px + 2 * py + static_cast<double>(piece.whole ? pieces[k].hull.reach : piece.radius);
+    const auto half = [&](std::int32_t way, double pitch) {
+      return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
+    };
+    sleepers_.insert(first + k, wrap_add(x, way_x), wrap_add(y, way_y), half(way_x, px), half(way_y, py));
   }
   return first;
 }

@@ -21,7 +21,7 @@ struct Typed {
   TypedDiff diff;
   std::string report, state, metrics, trajectory, every, image, trace, budget, governor, governor_log, governor_replay;
   std::string target_error, target_ms;
-  bool list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
+  bool profile = false, list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
        version = false;
 };
 
@@ -52,6 +52,9 @@ void declare(CLI::App& app, Typed& typed) {
   value("--every", typed.every, "K", "Output", "frames between trajectory rows (1)");
   value("--image", typed.image, "FILE.png", "Output", "picture of the final state");
   value("--trace", typed.trace, "FILE.json", "Output", "Chrome/Perfetto trace of all stages");
+  app.add_flag("--profile", typed.profile, "stages, threads and the bottleneck in the report")
+      ->group("Output")
+      ->disable_flag_override();
 
   flag("--list-scenes", typed.list_scenes, "the built-in scenes");
   flag("--explain", typed.explain, "the stages that the scene needs, and why");
@@ -96,7 +99,7 @@ void check_outputs(const CLI::App& app, Mode mode) {
   }
   if (mode == Mode::run) return;
   for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report",
-                           "--governor-log", "--governor-replay", "--target-error", "--target-ms"}) {
+                           "--profile", "--governor-log", "--governor-replay", "--target-error", "--target-ms"}) {
     if (app.count(name) > 0) {
       throw UserError(
           fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
@@ -157,6 +160,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   read_settings(app, typed.settings, options);
   options.governor = on_off("--governor", typed.governor, given("--governor")).value_or(false);
   options.governor_log = typed.governor_log;
+  options.profile = typed.profile;
   options.governor_replay = typed.governor_replay;
   if (options.governor && given("--governor-replay")) {
     throw UserError("--governor-replay: does what the log says; --governor on would choose anew");

@@ -44,6 +44,7 @@ struct Options {
   ReportFormat report = ReportFormat::text;
   double budget_ms = 16.67;
   bool governor = false;
+  bool profile = false;  ///< stages and threads in the report
   std::string governor_replay;  ///< the log of a governed run, to run again; empty: none
   std::string state, metrics, trajectory, image, trace, governor_log;  ///< files; empty = not wanted
   std::uint64_t every = 1;                               ///< frames between trajectory rows

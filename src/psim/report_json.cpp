@@ -86,6 +86,16 @@ std::string report_json(const RunReport& report) {
   json["ledger"] = {{"asleep_mean", report.per_frame(report.asleep_sum)},
                     {"lists_kept_frames", report.lists_kept},
                     {"pairs_reused_mean", report.per_frame(report.reused_sum)}};
+  if (report.profile) {
+    Json& profile = json["profile"] = {{"threads_busy", report.profile->busy()},
+                                       {"imbalance", report.profile->imbalance()}};
+    const std::vector<Profile::Row> rows = report.profile->rows();
+    if (!rows.empty()) profile["bottleneck"] = rows[0].stage;
+    for (const Profile::Row& row : rows) {
+      profile["stages"][std::string(row.stage)] = {
+          {"mean", row.mean_ms}, {"p99", row.p99_ms}, {"share", row.share}, {"threads_busy", row.busy}};
+    }
+  }
   if (report.governed) {
     json["governor"] = {{"frames_cut", report.frames_cut},
                         {"frames_waited", report.frames_waited},

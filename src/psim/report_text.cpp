@@ -69,6 +69,7 @@ std::string report_text(const RunReport& report) {
       report.start.kinetic + report.start.potential, report.end.kinetic + report.end.potential,
       report.end.momentum_x, report.end.momentum_y, report.end.max_penetration);
   if (report.target) text += target_text(*report.target);
+  if (report.profile) text += profile_text(*report.profile);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
   fmt::format_to(out, "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames, pairs reused {:.1f} %\n",
                  grouped_mean(report.per_frame(report.asleep_sum)), grouped(report.bodies_dynamic),

@@ -104,7 +104,11 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     if (files.trajectory && frame % every == 0) {
       write_trajectory_rows(*files.trajectory, frame, world.published());
     }
-    if (trace) trace->frame(frame, begin, end, step);
+    if (trace || report.profile) {
+      const std::vector<TraceEvent> spans = world.take_trace();
+      if (trace) trace->frame(frame, begin, end, step, spans);
+      if (report.profile) report.profile->add(step, spans);
+    }
     progress.update(frame, end);
   }
   if (trace) trace->finish();
@@ -151,6 +155,10 @@ int run_scene(const Options& options) {
   world->prepare();
 
   RunReport report = begin_report(options, scene, *world);
+  if (options.profile) {
+    report.profile.emplace(world->threads());
+    world->start_trace();
+  }
   report.governed = options.governor || !replayed.empty();
   report.target = target;
   run_frames(report, *world, files, options.every, replayed);

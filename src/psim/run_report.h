@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "phases.h"
+#include "profile.h"
 #include "psim/isa.h"
 #include "psim/report.h"
 #include "samples.h"
@@ -30,6 +31,7 @@ struct RunReport {
   std::uint64_t bodies_awake = 0, bodies_asleep = 0;
 
   std::optional<Target> target;
+  std::optional<Profile> profile;
 
   double budget_ms = 0;
   std::uint64_t frames_over_budget = 0;

@@ -13,7 +13,7 @@ double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1000; }
 }  // namespace
 
 TraceWriter::TraceWriter(AtomicFile& file, World& world)
-    : file_(file), world_(world), frame_track_(world.threads()) {
+    : file_(file), frame_track_(world.threads()) {
   file_.write("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[");
   const auto name_track = [this](int track, std::string_view name) {
     event(fmt::format(R"({{"name":"thread_name","ph":"M","pid":{},"tid":{},)"
@@ -31,7 +31,7 @@ TraceWriter::TraceWriter(AtomicFile& file, World& world)
     name_track(worker, fmt::format("worker {}", worker));
   }
   start_ = Clock::now();
-  world_.start_trace();
+  world.start_trace();
 }
 
 void TraceWriter::event(std::string_view json) {
@@ -47,12 +47,12 @@ void TraceWriter::span(std::string_view name, int track, std::int64_t begin_ns,
 }
 
 void TraceWriter::frame(std::uint64_t frame, Clock::time_point begin, Clock::time_point end,
-                        const StepReport& report) {
+                        const StepReport& report, const std::vector<TraceEvent>& spans) {
   const auto since_start = [this](Clock::time_point t) {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(t - start_).count();
   };
   span(fmt::format("frame {}", frame), frame_track_, since_start(begin), since_start(end));
-  for (const TraceEvent& e : world_.take_trace()) span(e.name, e.thread, e.begin_ns, e.end_ns);
+  for (const TraceEvent& e : spans) span(e.name, e.thread, e.begin_ns, e.end_ns);
   const auto curve = [&](std::string_view name, std::uint64_t value) {
     event(fmt::format(R"({{"name":"{0}","ph":"C","pid":{1},"ts":{2:.3f},"args":{{"{0}":{3}}}}})",
                       name, kProcess, microseconds(since_start(begin)), value));

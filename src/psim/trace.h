@@ -20,7 +20,7 @@ class TraceWriter {
 
   /// After every step, outside of the timed span: takes the frame's events and writes them.
   void frame(std::uint64_t frame, Clock::time_point begin, Clock::time_point end,
-             const StepReport& report);
+             const StepReport& report, const std::vector<TraceEvent>& spans);
 
   /// Closes the JSON. The file still has to be committed.
   void finish();
@@ -30,7 +30,6 @@ class TraceWriter {
   void span(std::string_view name, int track, std::int64_t begin_ns, std::int64_t end_ns);
 
   AtomicFile& file_;
-  World& world_;
   int frame_track_;
   bool first_ = true;
   Clock::time_point start_;

@@ -1,0 +1,55 @@
+// What every body looks like and weighs, by id: what a snapshot does not tell.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "psim/scene.h"
+
+namespace psim::view {
+
+/// One shape that bodies share. Kind 0 is the disc, whose radius is the snapshot's.
+struct Kind {
+  std::vector<Vec2> points;  ///< metres, body frame
+  double radius = 0;         ///< around the points
+  double reach = 0;          ///< of the circle about the origin that holds it
+  bool line = false;         ///< segments from point to point instead of an area
+  bool loop = false;
+};
+
+inline constexpr std::uint32_t kDiscKind = 0;
+inline constexpr std::uint32_t kKindMask = 0x00FFFFFFu;
+inline constexpr std::uint32_t kStaticBit = 1u << 24;
+inline constexpr std::uint32_t kKinematicBit = 1u << 25;
+inline constexpr std::uint32_t kSensorBit = 1u << 26;
+
+class Catalogue {
+ public:
+  explicit Catalogue(const Scene& scene);
+
+  /// Notes a body that was added later; an id that was in use before is taken over.
+  void set(std::uint32_t id, const BodyDesc& body, BodyType type);
+
+  /// Kind and bits of a body.
+  std::uint32_t look(std::uint32_t id) const { return id < looks_.size() ? looks_[id] : 0; }
+  const std::vector<std::uint32_t>& looks() const { return looks_; }
+  const std::vector<Kind>& kinds() const { return kinds_; }
+  const Kind& kind(std::uint32_t id) const { return kinds_[look(id) & kKindMask]; }
+  /// kg; `disc_radius` is used for discs only.
+  double mass(std::uint32_t id, double disc_radius) const;
+  bool has_areas() const { return has_areas_; }  ///< any kind but discs and lines
+  bool has_lines() const { return has_lines_; }
+
+ private:
+  std::uint32_t look_of(const BodyDesc& body, BodyType type);
+
+  std::vector<Kind> kinds_{Kind{}};
+  std::unordered_map<std::string, std::uint32_t> known_;  // bytes of a shape -> kind
+  std::vector<std::uint32_t> looks_;                      // by id
+  std::vector<float> density_, mass_;  // by id: kg/m^2, kg where the description says so, else 0
+  bool has_areas_ = false, has_lines_ = false;
+};
+
+}  // namespace psim::view

@@ -1,0 +1,51 @@
+// Lines over and under the bodies: the world's sides, grid, segments and chains, joints, contacts,
+// hits, trails. Reads what the view holds, writes two batches of lines.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "body_columns.h"
+#include "camera.h"
+#include "history.h"
+#include "line_batch.h"
+#include "simulation.h"
+
+namespace psim::view {
+
+struct OverlayChoice {
+  bool grid = false, joints = true, contacts = false, hits = false, trails = false;
+};
+
+class Overlays {
+ public:
+  /// Called once for a new frame of the simulation: hits stay for a moment.
+  void note(const Status& status);
+  void clear() { recent_.clear(); }
+
+  void build(const Status& status, const BodyColumns& bodies, const Camera& camera, float alpha,
+             const History& history, std::size_t back, const OverlayChoice& choice);
+
+  LineBatch below, above;
+
+ private:
+  struct Hit {
+    HitEvent event;
+    std::uint64_t frame = 0;
+  };
+
+  void add_world(const WorldDesc& world, const Camera& camera, bool grid);
+  void add_line_bodies(const BodyColumns& bodies, float alpha);
+  void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world,
+                  const BodyColumns& bodies, float alpha);
+  void add_contacts(const TouchLists& touches, const BodyColumns& bodies, const Camera& camera,
+                    float alpha);
+  void add_hits(const Camera& camera, std::uint64_t frame);
+  void add_trails(const History& history, std::size_t back, const WorldDesc& world,
+                  const BodyColumns& bodies);
+
+  std::deque<Hit> recent_;
+};
+
+}  // namespace psim::view

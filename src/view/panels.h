@@ -1,0 +1,42 @@
+// Dear ImGui's windows: what there is to see and to set. Reads the status, writes the view's state,
+// posts commands.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+
+#include "frame_times.h"
+#include "sim_thread.h"
+#include "tools.h"
+#include "view_state.h"
+
+namespace psim::view {
+
+class Panels {
+ public:
+  Panels(SimThread& sim, ViewState& state, Tools& tools)
+      : sim_(sim), state_(state), tools_(tools) {}
+
+  /// Called every frame between begin_panels and draw_panels of the window.
+  void show(const Status& status, const FrameTimes& times, std::size_t frames_kept);
+
+ private:
+  void note_steps(const Status& status);
+  void show_run(const Status& status, const FrameTimes& times, std::size_t frames_kept);
+  void show_frame_graph(double budget_ms);
+  void show_look(const Status& status);
+  void show_settings(const Status& status);
+  void show_tools();
+  void show_help();
+  void choose_collected();
+
+  SimThread& sim_;
+  ViewState& state_;
+  Tools& tools_;
+  std::deque<StepReport> steps_;  // the newest last
+  Settings draft_;                // of the sliders while one is held
+  bool editing_ = false;
+  Collect collected_;
+};
+
+}  // namespace psim::view

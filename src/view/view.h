@@ -1,0 +1,67 @@
+// One picture after the other: input -> commands -> simulation -> snapshot -> columns and lines ->
+// OpenGL.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "body_columns.h"
+#include "frame_times.h"
+#include "history.h"
+#include "input_script.h"
+#include "overlays.h"
+#include "panels.h"
+#include "renderer.h"
+#include "sim_thread.h"
+#include "tools.h"
+#include "view_options.h"
+#include "window.h"
+
+namespace psim::view {
+
+class View {
+ public:
+  /// Opens the window. Throws UserError.
+  View(const ViewOptions& options, std::unique_ptr<Simulation> simulation);
+
+  /// Until the window is closed, or as long as the options say.
+  void run();
+  const FrameTimes& times() const { return times_; }
+
+ private:
+  bool read_input(std::uint64_t frame);
+  void play(std::uint64_t frame);
+  void look_at_simulation();
+  float alpha() const;
+  void draw();
+  void write_picture(const std::string& path);
+  Bounds home() const;
+
+  const ViewOptions options_;
+  std::vector<ScriptLine> script_;
+  std::size_t script_at_ = 0;
+  Window window_;
+  Renderer renderer_;
+  SimThread sim_;
+  ViewState state_;
+  Tools tools_;
+  Panels panels_;
+
+  Pointer pointer_;
+  std::vector<std::string> keys_, shots_;
+  Status status_;
+  const Snapshot* live_ = nullptr;  // of status_
+  std::uint64_t seen_frame_ = ~std::uint64_t{0}, seen_world_ = 0, seen_scene_ = 0;
+  const Snapshot* shown_ = nullptr;
+  double seen_at_s_ = 0;  // when the newest frame came
+  BodyColumns bodies_;
+  History history_;
+  Overlays overlays_;
+  FrameTimes times_;
+  Stopwatch between_;
+  int pictures_ = 0;
+};
+
+}  // namespace psim::view

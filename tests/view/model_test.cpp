@@ -1,0 +1,263 @@
+// The viewer without its window: camera, input scripts, and what hands do to a world.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "body_columns.h"
+#include "camera.h"
+#include "catalogue.h"
+#include "history.h"
+#include "input_script.h"
+#include "sim_thread.h"
+#include "user_error.h"
+
+namespace psim::view {
+namespace {
+
+// Three discs at rest on a floor, far apart, and a box.
+Scene small_scene() {
+  Scene scene;
+  scene.name = "small";
+  scene.world.bounds = {-20, -10, 20, 30};
+  for (const double x : {-6.0, 0.0, 6.0}) {
+    BodyDesc body;
+    body.shape = DiscShape{1};
+    body.position = {x, -9};
+    scene.bodies.push_back(body);
+  }
+  BodyDesc box;
+  box.shape = BoxShape{2, 1};
+  box.position = {12, -9.5};
+  box.material.density = 3;
+  scene.bodies.push_back(box);
+  return scene;
+}
+
+Simulation make_simulation() { return {small_scene(), best_isa(), 1}; }
+
+Status told(Simulation& simulation) {
+  Status status;
+  simulation.tell(status);
+  return status;
+}
+
+std::optional<BodyState> body(Simulation& simulation, std::uint32_t index) {
+  const Status status = told(simulation);
+  return status.world->body(status.world->id_of(index));
+}
+
+TEST(ViewCamera, FitShowsAllAndZoomKeepsThePointUnderTheCursor) {
+  Camera camera;
+  camera.fit({-10, 0, 30, 20}, 800, 600);
+  const Bounds shown = camera.shown();
+  EXPECT_LE(shown.xmin, -10);
+  EXPECT_GE(shown.xmax, 30);
+  EXPECT_LE(shown.ymin, 0);
+  EXPECT_GE(shown.ymax, 20);
+  const Vec2 before = camera.to_world(123, 456);
+  camera.zoom_at(123, 456, 3);
+  const Vec2 after = camera.to_world(123, 456);
+  EXPECT_NEAR(after.x, before.x, 1e-9);
+  EXPECT_NEAR(after.y, before.y, 1e-9);
+  const Vec2 back = camera.to_screen(before);
+  EXPECT_NEAR(back.x, 123, 1e-9);
+  EXPECT_NEAR(back.y, 456, 1e-9);
+  camera.fit({-10, 0, 30, 20}, 800, 600, 300);
+  EXPECT_GE(camera.to_screen({-10, 0}).x, 300);
+  EXPECT_LE(camera.to_screen({30, 0}).x, 800);
+}
+
+TEST(ViewScript, LinesAreReadInOrder) {
+  const auto lines = parse_script(
+      "# what follows is a click\n3 move 10 20.5\n\n3 down left\n"
+      "9 up right # let go\n9 wheel -2\n10 key Space\n11 shot a.png\n"
+      "12 quit\n",
+      "s");
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_EQ(lines[0].action, ScriptAction::move);
+  EXPECT_EQ(lines[0].y, 20.5);
+  EXPECT_EQ(lines[2].button, 1);
+  EXPECT_EQ(lines[3].x, -2);
+  EXPECT_EQ(lines[4].word, "Space");
+  EXPECT_EQ(lines[6].frame, 12u);
+}
+
+TEST(ViewScript, MistakesAreNamedWithTheirLine) {
+  for (const char* text :
+       {"1 key A\nx key A", "1 key A\n2 jump", "1 key A\n2 down up", "1 key A\n2 move 3",
+        "1 key A\n2 wheel a", "1 key A\n2 quit now", "5 key A\n4 key B", "1 key A\n2 key"}) {
+    try {
+      parse_script(text, "file");
+      ADD_FAILURE() << text;
+    } catch (const cli::UserError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("file:2: ")) << error.what();
+    }
+  }
+}
+
+TEST(ViewCatalogue, KnowsKindsAndMasses) {
+  Scene scene = small_scene();
+  scene.bodies.push_back(scene.bodies.back());  // the same box once more
+  BodyDesc capsule;
+  capsule.shape = CapsuleShape{{-1, 0}, {1, 0}, 0.5};
+  scene.bodies.push_back(capsule);
+  BodyDesc wall;
+  wall.type = BodyType::static_body;
+  wall.shape = SegmentShape{{0, 0}, {1, 0}};
+  scene.bodies.push_back(wall);
+  const Catalogue catalogue(scene);
+  EXPECT_EQ(catalogue.kinds().size(), 4u);  // disc, box, capsule, segment
+  EXPECT_NEAR(catalogue.mass(0, 1), std::numbers::pi, 1e-9);
+  EXPECT_NEAR(catalogue.mass(3, 0), 6, 1e-9);
+  EXPECT_EQ(catalogue.look(3), catalogue.look(4));
+  EXPECT_NEAR(catalogue.mass(5, 0), 2 + std::numbers::pi / 4, 1e-6);
+  EXPECT_NE(catalogue.look(6) & kStaticBit, 0u);
+  EXPECT_TRUE(catalogue.kind(6).line);
+}
+
+TEST(ViewSimulation, GrabbedBodyFollowsThePointer) {
+  for (const std::uint32_t index : {1u, 3u}) {
+    Simulation simulation = make_simulation();
+    const Vec2 start = index == 1 ? Vec2{0, -9} : Vec2{12, -9.5};
+    simulation.grab(start, 0.1);
+    simulation.drag({start.x + 2, start.y + 8});
+    for (int frame = 0; frame < 120; ++frame) simulation.step();
+    const auto now = body(simulation, index);
+    ASSERT_TRUE(now);
+    EXPECT_NEAR(now->x, start.x + 2, 0.1);
+    EXPECT_NEAR(now->y, start.y + 8, 0.1);
+    simulation.let_go();
+    for (int frame = 0; frame < 120; ++frame) simulation.step();
+    EXPECT_LT(body(simulation, index)->y, -8);
+  }
+}
+
+TEST(ViewSimulation, ExplosionPushesAway) {
+  Simulation simulation = make_simulation();
+  simulation.explode({-3, -9.5}, 5, 10);
+  simulation.step();
+  EXPECT_LT(body(simulation, 0)->vx, -1);
+  EXPECT_GT(body(simulation, 1)->vx, 1);
+  EXPECT_EQ(body(simulation, 2)->vx, 0);  // out of reach
+}
+
+TEST(ViewSimulation, SpawnedBodiesWallsAndErasedOnesCount) {
+  Simulation simulation = make_simulation();
+  for (const SpawnShape shape :
+       {SpawnShape::disc, SpawnShape::box, SpawnShape::polygon, SpawnShape::capsule}) {
+    simulation.spawn({-15 + 5.0 * static_cast<int>(shape), 10}, shape, 0.5);
+  }
+  EXPECT_EQ(told(simulation).bodies, 8u);
+  simulation.spawn({-6, -9}, SpawnShape::disc, 0.5);  // no room
+  EXPECT_EQ(told(simulation).bodies, 8u);
+  simulation.add_wall({-5, 3}, {5, 3});
+  EXPECT_EQ(told(simulation).bodies, 9u);
+  simulation.erase({-6, -9}, 0.1);
+  EXPECT_EQ(told(simulation).bodies, 8u);
+  simulation.step();
+  simulation.restart();
+  EXPECT_EQ(told(simulation).bodies, 4u);
+}
+
+TEST(ViewSimulation, NewWorldGoesOnFromThePresentState) {
+  Simulation simulation = make_simulation();
+  simulation.spawn({3, 20}, SpawnShape::disc, 0.5);
+  simulation.explode({-3, -9.5}, 5, 10);
+  for (int frame = 0; frame < 20; ++frame) simulation.step();
+  simulation.erase({told(simulation).world->body({2, 0})->x, -9}, 0.1);
+  const auto before = told(simulation).world->published();
+  const std::vector<double> x(before.x.begin(), before.x.end());
+  const std::vector<double> vy(before.vy.begin(), before.vy.end());
+  Settings settings = told(simulation).settings;
+  settings.isa = Isa::scalar;
+  settings.threads = 2;
+  settings.substeps = 8;
+  settings.restitution = 0.5;
+  simulation.set_settings(settings);
+  const Status status = told(simulation);
+  EXPECT_EQ(status.world->isa(), Isa::scalar);
+  EXPECT_EQ(status.world->desc().substeps, 8);
+  EXPECT_EQ(status.frame, 20u);
+  const auto after = status.world->published();
+  ASSERT_EQ(after.x.size(), x.size());
+  for (std::size_t row = 0; row < x.size(); ++row) {
+    EXPECT_NEAR(after.x[row], x[row], 1e-6);
+    EXPECT_NEAR(after.vy[row], vy[row], 1e-6);
+  }
+  EXPECT_NE(status.message.find("new world"), std::string::npos);
+}
+
+TEST(ViewSimulation, SceneThatIsNotThereChangesNothing) {
+  Simulation simulation = make_simulation();
+  const std::uint64_t serial = told(simulation).world_serial;
+  simulation.load("no-such-scene");
+  EXPECT_EQ(told(simulation).world_serial, serial);
+  EXPECT_NE(told(simulation).message.find("no-such-scene"), std::string::npos);
+  simulation.load("galton");
+  EXPECT_GT(told(simulation).world_serial, serial);
+}
+
+TEST(ViewThread, LockstepTakesOneStepACallAndNoneInAPause) {
+  SimThread thread(std::make_unique<Simulation>(small_scene(), best_isa(), 1), true);
+  Status status = thread.status();
+  EXPECT_EQ(status.frame, 0u);
+  ASSERT_TRUE(status.still);
+  EXPECT_EQ(status.still->id.size(), 4u);
+  for (int k = 0; k < 3; ++k) thread.advance();
+  status = thread.status();
+  EXPECT_EQ(status.frame, 3u);
+  EXPECT_EQ(status.steps.size(), 3u);
+  EXPECT_FALSE(status.still);
+  ASSERT_NE(status.world->latest_snapshot(), nullptr);
+  EXPECT_EQ(status.world->latest_snapshot()->frame, 3u);
+  thread.post([](Simulation& s) { s.paused = true; });
+  thread.advance();
+  EXPECT_EQ(thread.status().frame, 3u);
+  thread.post([](Simulation& s) { s.single_step(); });
+  thread.advance();
+  thread.advance();
+  EXPECT_EQ(thread.status().frame, 4u);
+}
+
+TEST(ViewThread, KeepsToTheClock) {
+  SimThread thread(std::make_unique<Simulation>(small_scene(), best_isa(), 1), false);
+  const auto begin = std::chrono::steady_clock::now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const std::uint64_t frame = thread.status().frame;
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_GT(frame, 0u);
+  EXPECT_LE(static_cast<double>(frame), 60 * seconds + 4);
+}
+
+TEST(ViewColumns, LookUpsFollowTheSnapshotAfterRemovals) {
+  Simulation simulation = make_simulation();
+  simulation.erase({0, -9}, 0.1);
+  simulation.step();
+  const Status status = told(simulation);
+  BodyColumns columns;
+  columns.set(*status.world->latest_snapshot(), status.catalogue);
+  ASSERT_EQ(columns.size(), 3u);
+  EXPECT_EQ(columns.row_of(0), 0u);
+  EXPECT_EQ(columns.row_of(1), 3u);  // it has none
+  EXPECT_EQ(columns.row_of(3), 2u);
+  EXPECT_EQ(columns.looks()[2], status.catalogue->look(3));
+  EXPECT_NEAR(columns.place(2, 1).x, 12, 1e-3);
+}
+
+TEST(ViewHistory, KeepsTheNewestFrames) {
+  History history;
+  Snapshot snapshot;
+  for (std::uint64_t frame = 0; frame < 700; ++frame) {
+    snapshot.frame = frame;
+    history.record(snapshot);
+  }
+  EXPECT_EQ(history.size(), 600u);
+  EXPECT_EQ(history.at(0).frame, 699u);
+  EXPECT_EQ(history.at(599).frame, 100u);
+}
+
+}  // namespace
+}  // namespace psim::view
