@@ -4,14 +4,18 @@
 //   ns_per_element     wall time a frame / bodies
 //   speedup_vs_scalar  against the scalar variant with as many threads (not for a million bodies)
 //   contacts           touching pairs, mean of the frames
+// near_clusters and far_clusters are two clouds of 5,000 discs 150 m and 100 km apart, far_diagonal such
+// on a diagonal: what lies between bodies should cost nothing.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "psim/scene.h"
 #include "workload.h"
@@ -28,6 +32,7 @@ struct FrameScene {
   int warm_frames;
   int frames;
   bool all_isas;
+  Vec2 apart = {};  ///< m: two clouds instead of a built-in scene
 };
 
 constexpr FrameScene kScenes[] = {
@@ -41,12 +46,53 @@ constexpr FrameScene kScenes[] = {
     {"joint_grid", "joint_grid", 10'000, 20, 120, true},
     {"tumbler", "tumbler", 2'025, 120, 120, false},
     {"boxes_into_discs", "boxes_into_discs", 50'000, 120, 60, false},
+    {"near_clusters", nullptr, 10'000, 20, 180, false, {150, 0}},
+    {"far_clusters", nullptr, 10'000, 20, 180, false, {1e5, 0}},
+    {"far_diagonal", nullptr, 10'000, 20, 180, false, {1e5, 1e5}},
 };
+
+// Two squares of discs in an open world, half of the area of each free, up to 3 m/s an axis.
+std::unique_ptr<World> two_clouds(std::uint64_t bodies, Vec2 apart, RunOptions options,
+                                  std::string& error) {
+  WorldDesc desc;
+  desc.bounds = {-2e5, -2e5, 2e5, 2e5};
+  desc.boundary = Boundary::open;
+  desc.gravity = {0, 0};
+  auto world = World::create(desc, options, error);
+  const auto columns = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(bodies / 2)));
+  std::vector<double> x, y, vx, vy, radius(bodies, 0.5);
+  std::uint64_t random = 1;
+  const auto uniform = [&](double size) {  // a linear congruential generator (Knuth)
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    return size * (static_cast<double>(random >> 11) * 0x1p-52 - 1);
+  };
+  for (std::uint64_t k = 0; k < bodies; ++k) {
+    const std::uint64_t i = k / 2 % columns, j = k / 2 / columns;
+    const double side = k % 2 == 0 ? -0.5 : 0.5;
+    x.push_back(side * apart.x + 1.414 * static_cast<double>(i) + uniform(0.1));
+    y.push_back(side * apart.y + 1.414 * static_cast<double>(j) + uniform(0.1));
+    vx.push_back(uniform(3));
+    vy.push_back(uniform(3));
+  }
+  DiscBatch batch;
+  batch.x = x;
+  batch.y = y;
+  batch.vx = vx;
+  batch.vy = vy;
+  batch.radius = radius;
+  std::uint32_t first = 0;
+  if (!world || world->add_discs(batch, first, error) != bodies) return nullptr;
+  return world;
+}
 
 std::unique_ptr<World> warm_world(const FrameScene& scene, Isa isa, int threads,
                                   std::string& error) {
-  const auto made = make_builtin(scene.builtin, scene.bodies, 1, error);
-  auto world = made ? build_world(*made, {isa, threads}, error) : nullptr;
+  std::unique_ptr<World> world;
+  if (scene.builtin == nullptr) {
+    world = two_clouds(scene.bodies, scene.apart, {isa, threads}, error);
+  } else if (const auto made = make_builtin(scene.builtin, scene.bodies, 1, error)) {
+    world = build_world(*made, {isa, threads}, error);
+  }
   if (world) {
     for (int i = 0; i < scene.warm_frames; ++i) world->step();
   }

@@ -19,6 +19,11 @@ using kernels::kBlock;
 constexpr double kCellsABody = 1.5;
 // A grid that leaves more candidates than this a body looks for a better split by size.
 constexpr double kFewCandidates = 14;
+// ns: to look at a candidate, and what a list of cells costs a body more than a grid (measured,
+// docs/decisions/008-sparse-worlds.md).
+constexpr double kTest = 0.25, kListing = 5;
+constexpr double kThin = 1000;  // squares of a radius, of a disc, that make a world a large one
+constexpr std::uint32_t kFew = 256;  // bodies that cost little however they are looked for
 
 // Bodies a strip: small enough for many strips a thread, large enough for full blocks.
 std::uint32_t strip_bodies(std::uint32_t n) {
@@ -55,9 +60,53 @@ bool BroadPhase::lists_serve(BodyStore& b, float time, const kernels::KernelTabl
   return serve.load();
 }
 
-// Picks the grid: cells as wide as two reaches of all but the large bodies, or wider where the
-// world is sparse. `large_` splits by estimated candidates: within the grid, and of each large body
-// against the bodies under its box and the other large ones.
+// The largest reach that cells are made for: that of all but large bodies. It splits by estimated
+// candidates: within the cells, and of each large body against the bodies under its box and the
+// other large ones. `area` is what the bodies are spread over.
+double BroadPhase::choose_reach(const BodyStore& b, double most, double area) const {
+  const double n = b.count;
+  if (!(18 * most * most * n / area > kFewCandidates && n > 64)) return most;
+  constexpr int kBins = 96;  // a quarter of an octave each, from the largest down
+  std::array<double, kBins> count{};
+  for (std::uint32_t i = 0; i < b.count; ++i) {
+    if (b.id[i] == kNoSlot) continue;
+    const double ratio = most / static_cast<double>(b.reach[i]);
+    int bin = 0;
+    for (double step = 1.189207115002721; bin < kBins - 1 && ratio >= step;
+         step *= 1.189207115002721) {
+      ++bin;
+    }
+    count[static_cast<std::size_t>(bin)] += 1;
+  }
+  double best = 1e300, above = 0, large_area = 0, limit = most;
+  double chosen = limit;
+  for (const double here : count) {
+    const double small = n - above;
+    const double cost = small * 18 * limit * limit * small / area +
+                        (large_area + above * 4 * limit * limit) * small / area * 1.5 +
+                        above * above / 16 + above * 8;
+    if (cost < best) {
+      best = cost;
+      chosen = limit;
+    }
+    above += here;
+    large_area += here * 8 * limit * limit;
+    limit /= 1.189207115002721;
+  }
+  return chosen < most ? chosen * 1.0001 : most;
+}
+
+void BroadPhase::set_reach(double reach, float most) {
+  most_ = static_cast<float>(reach);
+  large_ = reach < static_cast<double>(most) ? most_ : 1e30f;
+}
+
+// Least width of cells, m.
+double BroadPhase::least_edge(double reach) const {
+  return 2 * reach * 1.00001 + 4 * std::max(lattice_->pitch_x(), lattice_->pitch_y());
+}
+
+// The grid over the bodies' box: cells as wide as two reaches, or wider where it is sparse.
 void BroadPhase::choose_grid(const BodyStore& b, const BroadPhaseParams& p,
                              const std::int32_t extent[4], float most) {
   const double n = b.count;
@@ -66,45 +115,10 @@ void BroadPhase::choose_grid(const BodyStore& b, const BroadPhaseParams& p,
   const double steps_y = p.periodic ? 0x1p32 : static_cast<double>(extent[3]) - extent[1] + 1;
   const double width = steps_x * px, height = steps_y * py;
   const double sum = 2 * static_cast<double>(most);
-  const double area = std::max(width, sum) * std::max(height, sum);
-  area_ = area;
-  double reach = static_cast<double>(most);
-  large_ = 1e30f;
-  if (18 * reach * reach * n / area > kFewCandidates && n > 64) {
-    constexpr int kBins = 96;  // a quarter of an octave each, from the largest down
-    std::array<double, kBins> count{};
-    for (std::uint32_t i = 0; i < b.count; ++i) {
-      if (b.id[i] == kNoSlot) continue;
-      const double ratio = static_cast<double>(most) / static_cast<double>(b.reach[i]);
-      int bin = 0;
-      for (double step = 1.189207115002721; bin < kBins - 1 && ratio >= step;
-           step *= 1.189207115002721) {
-        ++bin;
-      }
-      count[static_cast<std::size_t>(bin)] += 1;
-    }
-    double best = 1e300, above = 0, large_area = 0, limit = static_cast<double>(most);
-    double chosen = limit;
-    for (const double here : count) {
-      const double small = n - above;
-      const double cost = small * 18 * limit * limit * small / area +
-                          (large_area + above * 4 * limit * limit) * small / area * 1.5 +
-                          above * above / 16 + above * 8;
-      if (cost < best) {
-        best = cost;
-        chosen = limit;
-      }
-      above += here;
-      large_area += here * 8 * limit * limit;
-      limit /= 1.189207115002721;
-    }
-    if (chosen < static_cast<double>(most)) {
-      reach = chosen * 1.0001;
-      large_ = static_cast<float>(reach);
-    }
-  }
-  most_ = static_cast<float>(reach);
-  const double edge = std::max(2 * reach * 1.00001 + 4 * std::max(px, py),
+  area_ = box_ = std::max(width, sum) * std::max(height, sum);
+  const double reach = choose_reach(b, static_cast<double>(most), box_);
+  set_reach(reach, most);
+  const double edge = std::max(least_edge(reach),
                                std::sqrt(width * height / (kCellsABody * n + 64)));
   const auto cells = [&](double length) {
     const double c = p.periodic ? std::floor(length / edge) : std::floor(length / edge) + 1;
@@ -140,24 +154,70 @@ void BroadPhase::choose_grid(const BodyStore& b, const BroadPhaseParams& p,
   grid_.keys = (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3;
 }
 
-// Cuts the rows into strips of about equal numbers of bodies. O(rows).
-void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) {
+// ns a body that the grid's cells cost beyond those of a list, if `density` is that around the bodies.
+double BroadPhase::waste(const BodyStore& b, float most, double density) const {
+  const double filled = b.count / density;  // inf: nothing is known
+  if (large_ < 0 || !(box_ > 2 * filled)) return 0;
+  const double tests = 4.5 * density * grid_.cell_x * grid_.cell_y;
+  if (kTest * tests < kListing / 2) return 0;
+  const double edge = least_edge(choose_reach(b, static_cast<double>(most), filled));
+  return kTest * (tests - 4.5 * density * edge * edge);
+}
+
+// Lays the list's cells. False if the world is too small for them.
+bool BroadPhase::choose_cells(const BodyStore& b, const BroadPhaseParams& p,
+                              const std::int32_t extent[4], float most, double density) {
+  const double reach = choose_reach(b, static_cast<double>(most), b.count / density);
+  const double edge = least_edge(reach);
+  const double steps[2] = {edge / lattice_->pitch_x(), edge / lattice_->pitch_y()};
+  if (!sort_.listed().lay(extent, steps, p.periodic, b.count)) return false;
+  set_reach(reach, most);
+  return true;
+}
+
+// Chooses cells and sorts the bodies into them. A grid is tried first: the density of the last build
+// tells if it would do, and where that may have changed a look at how full its cells are.
+void BroadPhase::sort(BodyStore& b, const BroadPhaseParams& p, const std::int32_t extent[4],
+                      float most, const kernels::KernelTable& k, WorkerPool& pool,
+                      PairTable& table) {
+  const double last_box = box_;
+  const bool more = b.count > table.body_count + table.body_count / 8;
+  choose_grid(b, p, extent, most);
+  double density = density_;
+  bool list = waste(b, most, density) > (listed_ ? kListing / 2 : kListing);
+  if (!list) {
+    sort_.count(b, grid_, large_, k, pool);
+    if (!(density_ > 0) || box_ > 1.5 * last_box || more) {
+      density = sort_.neighbours(b, grid_) / (9 * grid_.cell_x * grid_.cell_y);
+      list = waste(b, most, density) > kListing;
+    }
+  }
+  listed_ = list && choose_cells(b, p, extent, most, density);
+  if (!listed_) {
+    if (list) {  // a world of few cells
+      sort_.count(b, grid_, large_, k, pool);
+    }
+    table.large_begin = sort_.move(b, p.mixed_radii, pool);
+    density_ = sample_density(table.large_begin);
+    return;
+  }
+  table.large_begin = sort_.sort(b, large_, p.mixed_radii, pool);
+  const CellList& cells = sort_.listed();
+  const double cell = cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) *
+                      lattice_->pitch_y();
+  density_ = std::max((cells.neighbours(sort_.keys(), table.large_begin) - 1) / (9 * cell),
+                      b.count / box_);
+  area_ = b.count / density_;
+}
+
+// Cuts the rows into strips of about equal numbers of bodies. O(rows), of a list O(strips log cells).
+void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) const {
   table.strips.clear();
-  const std::uint32_t* start = sort_.start();
-  const std::uint32_t stride = grid_.view.stride;
-  const auto rows = static_cast<std::uint32_t>(grid_.view.rows);
   const std::uint32_t target = strip_bodies(b.count);
-  std::uint32_t row = 0;
-  while (row < rows && large_ > 0) {
-    Strip s;
-    s.row_begin = row;
-    s.body_begin = start[row * stride];
-    do {
-      ++row;
-    } while (row < rows && start[row * stride] - s.body_begin < target);
-    s.row_end = row;
-    s.body_end = start[row * stride];
-    table.strips.push_back(s);
+  if (listed_) {
+    cut_listed_rows(target, table);
+  } else {
+    cut_rows(target, table);
   }
   // Across a periodic seam the last strip meets the first: their phases must differ.
   if (grid_.periodic && table.strips.size() % 2 == 1 && table.strips.size() > 1) {
@@ -172,238 +232,33 @@ void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) {
   table.strips.push_back(large);
 }
 
-kernels::PairRow BroadPhase::row_view(const BodyStore& b, std::uint32_t row) const {
-  kernels::PairRow v;
-  v.pos = b.built.data();
-  v.reach = b.reach.data();
-  v.key = sort_.keys();
-  v.start = sort_.start();
-  v.pitch_x = static_cast<float>(lattice_->pitch_x());
-  v.pitch_y = static_cast<float>(lattice_->pitch_y());
-  const auto stride = static_cast<std::int32_t>(grid_.view.stride);
-  v.next_row = stride;
-  if (grid_.periodic) {
-    if (row + 1 == static_cast<std::uint32_t>(grid_.view.rows)) {
-      v.next_row = -stride * (grid_.view.rows - 1);
-    }
-    v.seam_first = row * grid_.view.stride;
-    v.seam_last = v.seam_first + static_cast<std::uint32_t>(grid_.view.cols) - 1;
-  }
-  return v;
-}
-
-bool BroadPhase::search_strip(const BodyStore& b, const kernels::KernelTable& k, std::size_t index,
-                              PairTable& table) const {
-  Strip& s = table.strips[index];
-  kernels::PairList list;
-  list.owner = table.owner.data();
-  list.other = table.other.data();
-  list.first = table.first.data();
-  list.count = s.pair_begin;
-  list.capacity = s.pair_end;
+void BroadPhase::cut_rows(std::uint32_t target, PairTable& table) const {
   const std::uint32_t* start = sort_.start();
-  for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
-    const std::uint32_t begin = start[row * grid_.view.stride];
-    const std::uint32_t end = start[(row + 1) * grid_.view.stride];
-    if (begin == end) continue;
-    if (!k.find_pairs(row_view(b, row), begin, end, list)) return false;
-  }
-  s.pair_end = list.count;
-  return true;
-}
-
-// Large bodies against the grid's bodies under their box, and against each other.
-bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
-                              PairTable& table) const {
-  Strip& s = table.strips.back();
-  kernels::PairList list;
-  list.owner = table.owner.data();
-  list.other = table.other.data();
-  list.first = table.first.data();
-  list.count = s.pair_begin;
-  list.capacity = s.pair_end;
-  const kernels::PairRow view = row_view(b, 0);
-  const std::uint32_t* start = sort_.start();
-  const kernels::GridView& g = grid_.view;
-  for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
-    table.first[i] = list.count;
-    if (list.count + kBlock > list.capacity) return false;
-    if (table.large_begin != 0) {
-      const double reach = static_cast<double>(b.reach[i]) + static_cast<double>(most_);
-      const auto span = [](std::int32_t at, std::int32_t mid, float scale, float offset,
-                           double cells, std::int32_t n, bool periodic, std::int64_t out[2]) {
-        const double c = static_cast<double>(wrap_sub(at, mid)) * static_cast<double>(scale) +
-                         static_cast<double>(offset);
-        out[0] = static_cast<std::int64_t>(std::floor(c - cells - 0.01));
-        out[1] = static_cast<std::int64_t>(std::floor(c + cells + 0.01));
-        if (!periodic) {
-          out[0] = std::clamp<std::int64_t>(out[0], 0, n - 1);
-          out[1] = std::clamp<std::int64_t>(out[1], 0, n - 1);
-        } else if (out[1] - out[0] >= n) {
-          out[0] = 0;
-          out[1] = n - 1;
-        }
-      };
-      std::int64_t cols[2], rows[2];
-      span(b.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols,
-           grid_.periodic, cols);
-      span(b.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows,
-           grid_.periodic, rows);
-      for (std::int64_t r = rows[0]; r <= rows[1]; ++r) {
-        const auto row = static_cast<std::uint32_t>((r % g.rows + g.rows) % g.rows);
-        const std::uint32_t base = row * g.stride;
-        const auto run = [&](std::int64_t c0, std::int64_t c1) {
-          return k.find_near(view, i, start[base + static_cast<std::uint32_t>(c0)],
-                             start[base + static_cast<std::uint32_t>(c1) + 1], list);
-        };
-        bool ok = true;
-        if (cols[0] < 0) {
-          ok = run(cols[0] + g.cols, g.cols - 1) && run(0, cols[1]);
-        } else if (cols[1] >= g.cols) {
-          ok = run(0, cols[1] - g.cols) && run(cols[0], g.cols - 1);
-        } else {
-          ok = run(cols[0], cols[1]);
-        }
-        if (!ok) return false;
-      }
-    }
-    if (!k.find_near(view, i, i + 1, b.count, list)) return false;
-  }
-  s.pair_end = list.count;
-  return true;
-}
-
-// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
-double BroadPhase::expected_pairs(std::size_t strip) const {
-  double most = 0;
-  for (std::size_t s = strip == 0 ? 0 : strip - 1; s <= strip + 1; ++s) {
-    most = std::max(most, s < pairs_a_body_.size() ? pairs_a_body_[s] : 1.0);
-  }
-  return 1.15 * most;
-}
-
-// Every strip writes its pairs into room of its own; those whose room was too small get more at the
-// end of the list. Where the guess was wrong for many, all begin again.
-void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
-                        PairTable& table) {
-  const std::size_t strips = table.strips.size();
-  std::vector<std::uint32_t>& pending = pending_;
-  pending.resize(strips);
-  full_.assign(strips, 0);
-  std::uint32_t room = 0;
-  double large_room = pairs_a_large_;
-  for (double more = 1; !pending.empty(); more *= 1.5) {
-    if (pending.size() > strips / 8) {
-      pending.resize(strips);
-      std::iota(pending.begin(), pending.end(), 0u);
-      room = 0;
-    }
-    for (const std::uint32_t s : pending) {
-      Strip& strip = table.strips[s];
-      const double each = s + 1 == strips ? large_room : expected_pairs(s);
-      const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
-      strip.pair_begin = room;
-      room += static_cast<std::uint32_t>(own);
-      strip.pair_end = room;
-    }
-    table.owner.reserve_loosely(room + kBlock);
-    table.other.reserve_loosely(room + kBlock);
-    pool.run(pending.size(), [&](std::size_t n) {
-      const std::uint32_t s = pending[n];
-      full_[s] = s + 1 == strips ? !search_large(b, k, table) : !search_strip(b, k, s, table);
-    });
-    std::erase_if(pending, [&](std::uint32_t s) { return full_[s] == 0; });
-  }
-  table.pair_room = room;
-  pairs_a_body_.resize(strips - 1);
-  for (std::size_t s = 0; s < strips; ++s) {
-    const Strip& strip = table.strips[s];
-    const double each = static_cast<double>(strip.pair_end - strip.pair_begin) /
-                        std::max(strip.body_end - strip.body_begin, 1u);
-    if (s + 1 < strips) {
-      pairs_a_body_[s] = each;
-    } else {
-      pairs_a_large_ = std::max(16.0, 1.25 * each);
-    }
+  const std::uint32_t stride = grid_.view.stride;
+  const auto rows = static_cast<std::uint32_t>(grid_.view.rows);
+  std::uint32_t row = 0;
+  while (row < rows && large_ > 0) {
+    Strip s;
+    s.row_begin = row;
+    s.body_begin = start[row * stride];
+    do {
+      ++row;
+    } while (row < rows && start[row * stride] - s.body_begin < target);
+    s.row_end = row;
+    s.body_end = start[row * stride];
+    table.strips.push_back(s);
   }
 }
 
-void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) const {
-  const Strip& s = table.strips[index];
-  const auto mark = [&](std::uint32_t slot) {
-    std::atomic_ref<std::uint8_t>(b.linked[slot]).store(0xFF, std::memory_order_relaxed);
-  };
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    mark(table.owner[p]);
-    mark(table.other[p]);
-  }
-  for (const SinglePair& pair : table.singles[index]) mark(pair.body);
-}
-
-// Walls: only bodies in rows and columns that a wall can reach are looked at. Fixed shapes: every
-// body asks their grid.
-void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const BroadPhaseParams& p,
-                              std::size_t index, PairTable& table) const {
-  std::vector<SinglePair>& out = table.singles[index];
-  out.clear();
-  const Strip& s = table.strips[index];
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
-  // What stands still moves against the common velocity too.
-  const double common_x = static_cast<double>(p.margin.common_x),
-               common_y = static_cast<double>(p.margin.common_y);
-  const double extra = std::sqrt(common_x * common_x + common_y * common_y) *
-                       static_cast<double>(p.margin.time);
-  std::vector<std::uint32_t>& found = table.found[index];
-  const auto look = [&](std::uint32_t i) {
-    const double reach = static_cast<double>(b.reach[i]) + extra;
-    const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
-    if (p.walls) {
-      const double x = at[0] * px, y = at[1] * py;
-      if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
-      if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
-      if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
-      if (y + reach > p.bounds.ymax) out.push_back({i, kWallTop, 0});
-    }
-    if (shapes.any()) {
-      found.clear();
-      shapes.near(at[0], at[1], static_cast<float>(reach), found);
-      for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
-    }
-  };
-  const bool large_group = index + 1 == table.strips.size();
-  if (large_group || shapes.any()) {
-    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) look(i);
-    return;
-  }
-  if (!p.walls) return;
-  const kernels::GridView& g = grid_.view;
-  const auto cell = [](double at, double pitch, std::int32_t mid, double edge, float offset) {
-    return (at - mid * pitch) / edge + static_cast<double>(offset);
-  };
-  const double reach = static_cast<double>(most_) + extra;
-  const double low_row = cell(p.bounds.ymin + reach, py, g.mid_y, grid_.cell_y, g.offset_y) + 0.01;
-  const double high_row = cell(p.bounds.ymax - reach, py, g.mid_y, grid_.cell_y, g.offset_y) - 0.01;
-  const double low_col = cell(p.bounds.xmin + reach, px, g.mid_x, grid_.cell_x, g.offset_x) + 0.01;
-  const double high_col = cell(p.bounds.xmax - reach, px, g.mid_x, grid_.cell_x, g.offset_x) - 0.01;
-  const std::uint32_t* start = sort_.start();
-  for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
-    const std::uint32_t base = row * g.stride;
-    const std::uint32_t begin = start[base], end = start[base + g.stride];
-    if (row <= low_row || row + 1 > high_row) {
-      for (std::uint32_t i = begin; i < end; ++i) look(i);
-      continue;
-    }
-    std::uint32_t left = begin, right = end;
-    if (low_col >= 0) {
-      const double c = std::fmin(std::floor(low_col) + 1, g.cols);
-      left = start[base + static_cast<std::uint32_t>(c)];
-    }
-    if (high_col < g.cols) {
-      const double c = std::fmax(std::floor(high_col), 0);
-      right = std::max(left, start[base + static_cast<std::uint32_t>(c)]);
-    }
-    for (std::uint32_t i = begin; i < left; ++i) look(i);
-    for (std::uint32_t i = right; i < end; ++i) look(i);
+void BroadPhase::cut_listed_rows(std::uint32_t target, PairTable& table) const {
+  const CellList& cells = sort_.listed();
+  for (std::uint32_t begin = 0; begin < table.large_begin;) {
+    const std::uint32_t last = std::min(begin + target, table.large_begin) - 1;
+    Strip s;
+    s.body_begin = begin;
+    s.body_end = cells.first(cells.find(cells.row(sort_.keys()[last] / 4) + 1, 0));
+    table.strips.push_back(s);
+    begin = s.body_end;
   }
 }
 
@@ -419,6 +274,25 @@ void BroadPhase::place(BodyStore& b, float ahead, const kernels::KernelTable& k,
   p.inv_pitch_x = static_cast<float>(1 / lattice_->pitch_x());
   p.inv_pitch_y = static_cast<float>(1 / lattice_->pitch_y());
   k.look_ahead(b.view(), p, ahead, b.built.data(), r.begin, r.end);
+}
+
+// Some 64 bodies count others in a square of 8 radii, among 60,000 at most.
+double BroadPhase::area_about(const BodyStore& b, double radius, double bounds) const {
+  if (area_ > 0) return area_;
+  if (b.count < kFew || b.count * radius * radius * kThin > bounds) return bounds;
+  const std::uint32_t stride = std::max(1u, b.count / 64), skip = b.count / 60'000 + 1;
+  const double half = 8 * radius;
+  const double far_x = half / lattice_->pitch_x(), far_y = half / lattice_->pitch_y();
+  double found = 0, samples = 0;
+  for (std::size_t i = stride / 2; i < b.count; i += stride, samples += 1) {
+    for (std::size_t j = 0; j < b.count; j += skip) {
+      const double dx = wrap_sub(b.pos[2 * j], b.pos[2 * i]);
+      const double dy = wrap_sub(b.pos[2 * j + 1], b.pos[2 * i + 1]);
+      found += i != j && std::fabs(dx) < far_x && std::fabs(dy) < far_y ? skip : 0;
+    }
+  }
+  const double density = found / (samples * 4 * half * half);
+  return std::min(bounds, b.count / density);
 }
 
 // From the cell of every n-th body and its neighbours.
@@ -467,9 +341,7 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
     all.extent[2] = std::max(all.extent[2], m.extent[2]);
     all.extent[3] = std::max(all.extent[3], m.extent[3]);
   }
-  choose_grid(b, p, all.extent, all.most);
-  table.large_begin = sort_.sort(b, grid_, large_, p.mixed_radii, k, pool);
-  density_ = sample_density(table.large_begin);
+  sort(b, p, all.extent, all.most, k, pool, table);
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);
   cut_strips(b, table);

@@ -3,6 +3,8 @@
 // Lists are made with a margin of skin + |v| time around every body and serve until some body has
 // used its margin up. Lists for a single step look at the bodies where they will be in its middle,
 // with v against the mean velocity: bodies that fly side by side need little margin.
+// Cells are a grid over the bodies' box, or, where so many of those would be empty that they would have
+// to be far too wide, a list of those that bodies lie in (cell_list.h).
 // In: positions, velocities, radii. Out: bodies in cell order, a PairTable of candidate pairs (each
 // once) and of bodies near fixed shapes. O(bodies + candidates).
 #pragma once
@@ -45,8 +47,17 @@ class BroadPhase {
              const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
 
   const std::uint32_t* from() const { return sort_.from(); }
-  /// Area of the bodies' box at the last build, m^2; 0 before the first.
+  /// Area that the bodies lie in at the last build, m^2: their box, or, where cells are listed, as much
+  /// as they would fill at the density around them; 0 before the first.
   double area() const { return area_; }
+  /// The same before the first build too: then `bounds`, m^2, or in far larger worlds what some bodies
+  /// of mean radius `radius` see around them.
+  double area_about(const BodyStore& bodies, double radius, double bounds) const;
+  /// Cells of the last build.
+  std::size_t cells() const {
+    return listed_ ? sort_.listed().size() : std::size_t{grid_.keys};
+  }
+  bool listed() const { return listed_; }
 
   /// Bodies a square metre around a body, on average over bodies, at the last build; 0 before the
   /// first.
@@ -59,12 +70,32 @@ class BroadPhase {
               WorkerPool& pool);
 
  private:
+  double choose_reach(const BodyStore& bodies, double most, double area) const;
+  void set_reach(double reach, float most);
+  double least_edge(double reach) const;
   void choose_grid(const BodyStore& bodies, const BroadPhaseParams& p, const std::int32_t extent[4],
                    float most);
-  void cut_strips(const BodyStore& bodies, PairTable& table);
+  bool choose_cells(const BodyStore& bodies, const BroadPhaseParams& p,
+                    const std::int32_t extent[4], float most, double density);
+  double waste(const BodyStore& bodies, float most, double density) const;
+  void sort(BodyStore& bodies, const BroadPhaseParams& p, const std::int32_t extent[4], float most,
+            const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
+  void cut_strips(const BodyStore& bodies, PairTable& table) const;
+  void cut_rows(std::uint32_t target, PairTable& table) const;
+  void cut_listed_rows(std::uint32_t target, PairTable& table) const;
   bool search_strip(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t strip,
                     PairTable& table) const;
+  bool search_rows(const BodyStore& bodies, const kernels::KernelTable& k, const Strip& s,
+                   kernels::PairList& list) const;
+  bool search_listed(const BodyStore& bodies, const kernels::KernelTable& k, const Strip& s,
+                     kernels::PairList& list) const;
+  bool search_seam(const BodyStore& bodies, const kernels::KernelTable& k, std::uint32_t cell,
+                   kernels::PairList& list) const;
   bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
+  bool search_box(const BodyStore& bodies, const kernels::KernelTable& k, std::uint32_t body,
+                  kernels::PairList& list) const;
+  bool search_listed_box(const BodyStore& bodies, const kernels::KernelTable& k,
+                         std::uint32_t body, kernels::PairList& list) const;
   void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k,
              BlockRange blocks) const;
   double sample_density(std::uint32_t bodies) const;
@@ -74,6 +105,7 @@ class BroadPhase {
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
   void find_singles(BodyStore& bodies, const StaticShapes& shapes, const BroadPhaseParams& p,
                     std::size_t strip, PairTable& table) const;
+  kernels::PairRow view(const BodyStore& bodies) const;
   kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;
 
   struct alignas(64) Measure {  // of one task's bodies
@@ -86,8 +118,10 @@ class BroadPhase {
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
   const Lattice* lattice_;
   Grid grid_;
+  bool listed_ = false;  // cells are those of sort_.listed(), not of grid_
   float large_ = 1e30f;  // m: reach above which a body is not in the grid
   float most_ = 0;       // m: largest reach in the grid
+  double box_ = 0;       // m^2, of all bodies
   double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;

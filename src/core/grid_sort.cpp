@@ -53,15 +53,29 @@ void GridSort::count_chunk(const Chunk& chunk) {
   }
 }
 
-void GridSort::scatter_chunk(BodyStore& b, const Chunk& chunk, std::uint32_t large_at,
+// One body's columns to another slot.
+inline void GridSort::move_one(const BodyStore& b, std::size_t to, std::size_t i,
+                               bool mixed_radii) {
+  const auto copy2 = [&](auto* target, const auto* source) {
+    target[2 * to] = source[2 * i];
+    target[2 * to + 1] = source[2 * i + 1];
+  };
+  copy2(pos_.data(), b.pos.data());
+  copy2(vel_.data(), b.vel.data());
+  copy2(disp_.data(), b.disp.data());
+  id_[to] = b.id[i];
+  reach_[to] = b.reach[i];
+  if (mixed_radii) radius_[to] = b.radius[i];
+  if (!b.spin.empty()) {
+    spin_[to] = b.spin[i];
+    angle_[to] = b.angle[i];
+  }
+}
+
+void GridSort::scatter_chunk(const BodyStore& b, const Chunk& chunk, std::uint32_t large_at,
                              std::uint32_t dead_at, bool mixed_radii) {
   std::uint32_t* counts = counts_.data() + chunk.counts;
   const std::uint32_t* cell_start = start();
-  const bool turning = !b.spin.empty();
-  const auto copy2 = [](auto* to, const auto* source, std::size_t a, std::size_t c) {
-    to[2 * a] = source[2 * c];
-    to[2 * a + 1] = source[2 * c + 1];
-  };
   for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
     const std::uint32_t key = key_[i];
     std::uint32_t to;
@@ -72,25 +86,14 @@ void GridSort::scatter_chunk(BodyStore& b, const Chunk& chunk, std::uint32_t lar
     } else {
       to = dead_at++;
     }
-    copy2(pos_.data(), b.pos.data(), to, i);
-    copy2(vel_.data(), b.vel.data(), to, i);
-    copy2(disp_.data(), b.disp.data(), to, i);
-    id_[to] = b.id[i];
-    reach_[to] = b.reach[i];
     key_sorted_[to] = key;
     from_[to] = i;
-    if (mixed_radii) radius_[to] = b.radius[i];
-    if (turning) {
-      spin_[to] = b.spin[i];
-      angle_[to] = b.angle[i];
-    }
+    move_one(b, to, i, mixed_radii);
   }
 }
 
-std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool mixed_radii,
-                             const kernels::KernelTable& k, WorkerPool& pool) {
-  const std::uint32_t n = b.count;
-  const std::size_t padded = kernels::round_up_block(n);
+void GridSort::reserve(const BodyStore& b, bool mixed_radii) {
+  const std::size_t padded = kernels::round_up_block(b.count);
   key_.reserve(padded);
   key_sorted_.reserve(padded);
   from_.reserve(padded);
@@ -104,6 +107,12 @@ std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool m
     spin_.reserve(padded);
     angle_.reserve(padded);
   }
+}
+
+void GridSort::count(const BodyStore& b, const Grid& grid, float large,
+                     const kernels::KernelTable& k, WorkerPool& pool) {
+  const std::uint32_t n = b.count;
+  key_.reserve(kernels::round_up_block(n));
   start_.reserve_loosely(std::size_t{grid.keys} + 2);
 
   std::size_t chunk_count = (n + kChunkBodies - 1) / kChunkBodies;
@@ -184,8 +193,34 @@ std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool m
   });
   start_[0] = 0;
   cells[grid.keys] = small;
-  std::uint32_t larges = 0;
-  for (const Chunk& c : chunks_) larges += c.large;
+}
+
+// Self and others, and what lies beyond the first and the last row is nothing.
+double GridSort::neighbours(const BodyStore& b, const Grid& grid) const {
+  const std::uint32_t stride = std::max(1u, b.count / 128), row = grid.view.stride;
+  double sum = 0, samples = 0;
+  for (std::uint32_t i = stride / 2; i < b.count; i += stride) {
+    const std::uint32_t key = key_[i];
+    if (key >= kLargeKey) continue;
+    const std::uint32_t* const here = start() + key;
+    sum += here[2] - here[-1];
+    if (key >= row) sum += (here - row)[2] - (here - row)[-1];
+    if (key + row + 2 < grid.keys) sum += here[row + 2] - here[row - 1];
+    samples += 1;
+  }
+  return samples > 0 ? sum / samples : 0;
+}
+
+std::uint32_t GridSort::move(BodyStore& b, bool mixed_radii, WorkerPool& pool) {
+  reserve(b, mixed_radii);
+  listed_.forget();
+  const std::size_t chunk_count = chunks_.size();
+  std::uint32_t larges = 0, dead = 0;
+  for (const Chunk& c : chunks_) {
+    larges += c.large;
+    dead += c.dead;
+  }
+  const std::uint32_t small = b.count - larges - dead;
 
   // The places of large and dead bodies are few: chunk by chunk.
   std::vector<std::uint32_t>& large_at = range_sum_;
@@ -197,10 +232,30 @@ std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool m
     next_large += chunks_[c].large;
     next_dead += chunks_[c].dead;
   }
-  PSIM_ASSERT(next_dead == n);
+  PSIM_ASSERT(next_dead == b.count);
   pool.run(chunk_count, [&](std::size_t c) {
     scatter_chunk(b, chunks_[c], large_at[2 * c], large_at[2 * c + 1], mixed_radii);
   });
+  finish(b, small + larges, mixed_radii);
+  return small;
+}
+
+std::uint32_t GridSort::sort(BodyStore& b, float large, bool mixed_radii, WorkerPool& pool) {
+  reserve(b, mixed_radii);
+  const SortCount sorted = listed_.sort(b, large, from_.data(), key_sorted_.data(), pool);
+  const std::uint32_t n = b.count;
+  pool.run((n + kChunkBodies - 1) / kChunkBodies, [&](std::size_t c) {
+    const std::size_t end = std::min<std::size_t>(n, (c + 1) * std::size_t{kChunkBodies});
+    for (std::size_t to = c * kChunkBodies; to < end; ++to) {
+      move_one(b, to, from_[to], mixed_radii);
+    }
+  });
+  finish(b, sorted.small + sorted.large, mixed_radii);
+  return sorted.small;
+}
+
+// The moved columns become the store's.
+void GridSort::finish(BodyStore& b, std::uint32_t count, bool mixed_radii) {
   b.pos.swap(pos_);
   b.vel.swap(vel_);
   b.disp.swap(disp_);
@@ -211,13 +266,12 @@ std::uint32_t GridSort::sort(BodyStore& b, const Grid& grid, float large, bool m
     b.spin.swap(spin_);
     b.angle.swap(angle_);
   }
-  b.count = small + larges;
+  b.count = count;
   b.dead = 0;
   b.slots_stale = true;
   // Both halves of every swapped pair must have room for what comes next.
   b.reserve_slots(0);
   if (b.count != 0) b.pad_tail();
-  return small;
 }
 
 }  // namespace psim

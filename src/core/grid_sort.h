@@ -7,12 +7,15 @@
 //   scatter   each chunk moves its bodies' columns to their new slots
 // Bodies come nearly sorted from the last time, so the windows are small; if they are not (a first
 // sort of shuffled bodies), one chunk does it alone. Measured in docs/performance.md.
+// Where most of the box is empty there are no cells but those that bodies lie in: CellList finds their
+// order, and they are moved here.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "body_store.h"
+#include "cell_list.h"
 #include "kernel_table.h"
 #include "worker_pool.h"
 
@@ -31,12 +34,22 @@ class GridSort {
   explicit GridSort(MemoryMeter& meter)
       : key_(meter), start_(meter), counts_(meter), from_(meter), pos_(meter), vel_(meter),
         disp_(meter), id_(meter), radius_(meter), reach_(meter), spin_(meter), angle_(meter),
-        key_sorted_(meter) {}
+        key_sorted_(meter), listed_(meter) {}
 
-  /// Sorts; drops dead bodies; bodies whose reach exceeds `large` go last. Afterwards from()[slot]
-  /// is the slot before. Returns the first large slot.
-  std::uint32_t sort(BodyStore& bodies, const Grid& grid, float large, bool mixed_radii,
-                     const kernels::KernelTable& k, WorkerPool& pool);
+  /// Finds the cell of every body, and where each cell's bodies will lie.
+  void count(const BodyStore& bodies, const Grid& grid, float large,
+             const kernels::KernelTable& k, WorkerPool& pool);
+  /// How many bodies lie in a body's cell and the eight around it, now that they are counted: mean of
+  /// some 100 of them.
+  double neighbours(const BodyStore& bodies, const Grid& grid) const;
+  /// Moves the bodies to their cells; drops dead ones; those whose reach exceeds `large` go last.
+  /// Afterwards from()[slot] is the slot before. Returns the first large slot.
+  std::uint32_t move(BodyStore& bodies, bool mixed_radii, WorkerPool& pool);
+
+  /// Both, into the cells of a list, which is laid.
+  std::uint32_t sort(BodyStore& bodies, float large, bool mixed_radii, WorkerPool& pool);
+  CellList& listed() { return listed_; }
+  const CellList& listed() const { return listed_; }
 
   const std::uint32_t* from() const { return from_.data(); }
   const std::uint32_t* keys() const { return key_sorted_.data(); }
@@ -54,8 +67,11 @@ class GridSort {
   void find_keys(const BodyStore& bodies, const Grid& grid, float large, bool special,
                  const kernels::KernelTable& k, Chunk& chunk);
   void count_chunk(const Chunk& chunk);
-  void scatter_chunk(BodyStore& bodies, const Chunk& chunk, std::uint32_t large_at,
+  void reserve(const BodyStore& bodies, bool mixed_radii);
+  void move_one(const BodyStore& bodies, std::size_t to, std::size_t from, bool mixed_radii);
+  void scatter_chunk(const BodyStore& bodies, const Chunk& chunk, std::uint32_t large_at,
                      std::uint32_t dead_at, bool mixed_radii);
+  void finish(BodyStore& bodies, std::uint32_t count, bool mixed_radii);
 
   Column<std::uint32_t> key_, start_, counts_, from_;
   Column<std::int32_t> pos_;
@@ -66,6 +82,7 @@ class GridSort {
   Column<std::uint32_t> key_sorted_;
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> range_sum_;
+  CellList listed_;
 };
 
 }  // namespace psim

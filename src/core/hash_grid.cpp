@@ -1,6 +1,7 @@
 #include "hash_grid.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace psim {
 namespace {
@@ -89,6 +90,13 @@ void HashGrid::remove(std::uint32_t number) {
   std::uint32_t* link = &head_[at];
   while (*link != number) link = &next_[*link];
   *link = next_[number];
+}
+
+void HashGrid::clear() {
+  std::fill_n(key_.data(), size_, 0u);
+  std::fill_n(head_.data(), size_, kNone);
+  std::fill(std::begin(of_level_), std::end(of_level_), 0u);
+  used_ = count_ = 0;
 }
 
 void HashGrid::near(std::int32_t x, std::int32_t y, std::uint32_t half_x, std::uint32_t half_y,

@@ -23,6 +23,7 @@ class HashGrid {
   void insert(std::uint32_t number, std::int32_t x, std::int32_t y, std::uint32_t half_x,
               std::uint32_t half_y);
   void remove(std::uint32_t number);
+  void clear();
   bool empty() const { return count_ == 0; }
 
   /// Appends the numbers in the cells that a box may meet, each once, in no order.

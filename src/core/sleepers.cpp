@@ -118,14 +118,13 @@ void Sleepers::tidy() {
   std::size_t used = 0;
   for (const Sleeper& s : list) used += s.touches;
   if (touches.size() < 2 * used + 4096) return;
-  std::vector<Touch> kept;
-  kept.reserve(used);
+  kept_.clear();
   for (Sleeper& s : list) {
     const auto first = touches.begin() + s.first_touch;
-    s.first_touch = static_cast<std::uint32_t>(kept.size());
-    kept.insert(kept.end(), first, first + s.touches);
+    s.first_touch = static_cast<std::uint32_t>(kept_.size());
+    kept_.insert(kept_.end(), first, first + s.touches);
   }
-  touches.swap(kept);
+  touches.swap(kept_);
 }
 
 }  // namespace psim

@@ -96,7 +96,6 @@ class Sleepers {
   std::vector<Sleeper> list;     ///< by BodyInfo::slot of sleeping bodies
   std::vector<Touch> touches;    ///< runs of the list's bodies
   TouchMemory recent;
-  bool stirred = false;          ///< the host moved, pushed or added bodies
   bool woke = false;             ///< someone did, since the lists were made
   bool changed = false;          ///< someone fell asleep or woke, since events were told
   // Scratch.
@@ -129,7 +128,7 @@ class Sleepers {
   /// Drops runs of touches that nobody has any more.
   void tidy();
   std::size_t bytes() const {
-    return list.capacity() * sizeof(Sleeper) + touches.capacity() * sizeof(Touch) + recent.bytes();
+    return list.capacity() * sizeof(Sleeper) + (touches.capacity() + kept_.capacity()) * sizeof(Touch) + recent.bytes();
   }
 
  private:
@@ -142,6 +141,7 @@ class Sleepers {
   };
   Column<Rest> rest_;            // by id
   Column<std::uint8_t> state_;   // by slot: scratch of choosing
+  std::vector<Touch> kept_;      // scratch of tidy
   bool watching_ = false;
 };
 

@@ -5,6 +5,12 @@
 #include <cstdlib>
 
 namespace psim {
+namespace {
+
+// Shapes in a cell, on average over shapes, beyond which a hashed grid is faster (measured).
+constexpr double kCrowded = 128;
+
+}  // namespace
 
 void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
   shapes_[number] = shape;
@@ -38,21 +44,27 @@ std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
     shapes_.reserve(std::size_t{count_} + count);
     count_ += count;
   }
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   for (std::uint32_t k = 0; k < count; ++k) {
     const StaticShape& piece = pieces[k].shape;
     put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
     shapes_[first + k].asleep = true;
-    const std::int32_t x = piece.p.x, y = piece.p.y;
-    const std::int32_t way_x = piece.segment ? wrap_sub(piece.q.x, x) / 2 : 0;
-    const std::int32_t way_y = piece.segment ? wrap_sub(piece.q.y, y) / 2 : 0;
-    const double round = 2 * px + 2 * py + static_cast<double>(piece.whole ? pieces[k].hull.reach : piece.radius);
-    const auto half = [&](std::int32_t way, double pitch) {
-      return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
-    };
-    sleepers_.insert(first + k, wrap_add(x, way_x), wrap_add(y, way_y), half(way_x, px), half(way_y, py));
+    enter(sleepers_, first + k);
   }
   return first;
+}
+
+void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
+  const StaticShape& s = shapes_[number];
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
+  const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
+  const double round =
+      2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+  const auto half = [&](std::int32_t way, double pitch) {
+    return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
+  };
+  grid.insert(number, wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px),
+              half(way_y, py));
 }
 
 void StaticShapes::take_up(std::uint32_t first, std::uint32_t count) {
@@ -180,6 +192,7 @@ void StaticShapes::build_grid() {
   if (!dirty_) return;
   dirty_ = false;
   cols_ = rows_ = 0;
+  standing_.clear();
   const auto stands = [&](std::uint32_t i) { return shapes_[i].alive && !shapes_[i].asleep; };
   std::size_t standing = 0;
   double all[4] = {1e300, -1e300, 1e300, -1e300};
@@ -237,11 +250,34 @@ void StaticShapes::build_grid() {
     }
   };
   visit([&](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
+  double sum = 0, squares = 0;
+  for (std::size_t c = 1; c <= cells; ++c) {
+    const double here = cell_start_[c];
+    sum += here;
+    squares += here * here;
+  }
+  if (squares > kCrowded * sum) {
+    cols_ = rows_ = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (stands(i)) enter(standing_, i);
+    }
+    return;
+  }
   for (std::size_t c = 0; c < cells; ++c) cell_start_[c + 1] += cell_start_[c];
   cell_shape_.reserve(cell_start_[cells]);
   visit([&](std::size_t cell, std::uint32_t i) { cell_shape_[cell_start_[cell]++] = i; });
   for (std::size_t c = cells; c > 0; --c) cell_start_[c] = cell_start_[c - 1];
   cell_start_[0] = 0;
+}
+
+// Whether a square of half width `reach` at (x, y) lies beside the line that a segment is a part of.
+bool StaticShapes::beside(const StaticShape& s, double x, double y, double reach) const {
+  if (!s.segment) return false;
+  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+  const double ux = s.q.x * lattice_->pitch_x() - px, uy = s.q.y * lattice_->pitch_y() - py;
+  const double far = reach + static_cast<double>(s.radius) + 2 * lattice_->pitch_x() +
+                     2 * lattice_->pitch_y();
+  return std::fabs(ux * (y - py) - uy * (x - px)) > far * (std::fabs(ux) + std::fabs(uy));
 }
 
 void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
@@ -255,7 +291,21 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
            mx - r <= origin_x_ + static_cast<double>(cols_) * cell_ &&
            my - r <= origin_y_ + static_cast<double>(rows_) * cell_;
   };
-  if (in_grid()) {
+  const auto steps = [&](double pitch) {
+    return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31));
+  };
+  const auto apart = [&](std::uint32_t i) {
+    if (!whole_wanted_ && shapes_[i].whole) return true;
+    double box[4];
+    box_of(shapes_[i], box);
+    return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
+  };
+  if (!standing_.empty()) {
+    standing_.near(x, y, steps(px), steps(py), out);
+    const auto far = [&](std::uint32_t i) { return apart(i) || beside(shapes_[i], mx, my, r); };
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), far),
+              out.end());
+  } else if (in_grid()) {
     std::int64_t range[4];
     cells_of(mx - r, mx + r, my - r, my + r, range);
     for (std::int64_t row = range[2]; row <= range[3]; ++row) {
@@ -265,23 +315,14 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
                    cell_shape_.data() + cell_start_[cell + 1]);
       }
     }
-    const auto apart = [&](std::uint32_t i) {
-      if (!whole_wanted_ && shapes_[i].whole) return true;
-      double box[4];
-      box_of(shapes_[i], box);
-      return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
-    };
     out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), apart),
               out.end());
   }
   if (!sleepers_.empty()) {
     const std::size_t resting = out.size();
-    const auto steps = [&](double pitch) {
-      return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31));
-    };
     sleepers_.near(x, y, steps(px), steps(py), out);
     // Seen from the body: where the world is periodic they may lie beyond the seam.
-    const auto apart = [&](std::uint32_t i) {
+    const auto away = [&](std::uint32_t i) {
       const StaticShape& s = shapes_[i];
       if (!whole_wanted_ && s.whole) return true;
       const double ax = wrap_sub(s.p.x, x) * px, ay = wrap_sub(s.p.y, y) * py;
@@ -291,7 +332,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
       return std::fmin(ax, bx) > far || std::fmax(ax, bx) < -far || std::fmin(ay, by) > far ||
              std::fmax(ay, by) < -far;
     };
-    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(resting), out.end(), apart),
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(resting), out.end(), away),
               out.end());
   }
   const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);

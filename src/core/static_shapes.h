@@ -1,6 +1,7 @@
 // Geometry that does not move: discs, segments (also those of chains), polygons, the four walls, and the
 // pieces of bodies that are asleep. What stands for good is found through a grid made once per change, what
 // sleeps through a hashed one that it enters and leaves; a body looks at the cells that its reach covers.
+// Where a grid's cells would be crowded, since most of its box is empty, what stands is hashed, too.
 #pragma once
 
 #include <cstdint>
@@ -46,11 +47,12 @@ inline constexpr std::uint32_t kWallTop = 0xFFFFFFF3u;
 class StaticShapes {
  public:
   StaticShapes(MemoryMeter& meter, const Lattice& lattice)
-      : cell_start_(meter), cell_shape_(meter), shapes_(meter), sleepers_(meter), lattice_(&lattice) {
+      : cell_start_(meter), cell_shape_(meter), shapes_(meter), sleepers_(meter), standing_(meter), lattice_(&lattice) {
     int shift = 0;
     for (double r = lattice.pitch_x() / lattice.pitch_y(); r >= 1.5; r /= 2) ++shift;
     for (double r = lattice.pitch_x() / lattice.pitch_y(); r <= 0.75; r *= 2) --shift;
     sleepers_.set_shape(shift);
+    standing_.set_shape(shift);
   }
 
   /// `hull`, of a whole polygon, is in world axes about p.
@@ -87,10 +89,12 @@ class StaticShapes {
   void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
   void box_of(const StaticShape& s, double box[4]) const;
   void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
+  void enter(HashGrid& grid, std::uint32_t number) const;
+  bool beside(const StaticShape& s, double x, double y, double reach) const;
 
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> shapes_;
-  HashGrid sleepers_;
+  HashGrid sleepers_, standing_;
   // Runs of numbers by length that nobody has: to be had, and from the next build_grid() on.
   static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;
   std::vector<std::uint32_t> runs_[kLongestRun + 1];

@@ -87,10 +87,8 @@ void World::Impl::advance(double dt, StepReport& report, bool choose) {
   if (bodies.count != bodies.dead) {
     refresh_lists(dt, report);
     report.detail.substeps = static_cast<std::uint8_t>(substeps);
-    if (sleepers.stirred) {
-      sleepers.stirred = false;
-      if (!sleepers.empty() && wake_reached(dt)) refresh_lists(dt, report);
-    }
+    // The lists name who may be met in this step, those of the last one did not.
+    if (!sleepers.empty() && wake_reached(dt)) refresh_lists(dt, report);
     solve(dt, report);
     if (plan.continuous) {
       const StageTimer timer(report, tracer, Stage::solver);
@@ -174,6 +172,8 @@ void World::Impl::replan() {
   Plan same = next;
   same.events = plan.events;  // who listens changes no result
   if (same != plan) spoil_lists();
+  // While all radii are alike the column stays as it is when bodies move to other slots.
+  if (plan.radii && !next.radii) std::fill_n(bodies.radius.data(), bodies.count, first_radius);
   plan = next;
   if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
   if (plan.forces) {
@@ -281,9 +281,9 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const double speed = std::sqrt(s.square);
   const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
   if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return out;
-  const double area = broad.area() > 0 ? broad.area()
-                                       : (desc.bounds.xmax - desc.bounds.xmin) *
-                                             (desc.bounds.ymax - desc.bounds.ymin);
+  const double area =
+      broad.area_about(bodies, r, (desc.bounds.xmax - desc.bounds.xmin) *
+                                      (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number a box says little: the last grid says more.
   const double density = std::fmax(bodies.count / area, broad.density());
   // Without restitution impacts only slow bodies down.

@@ -191,7 +191,7 @@ std::uint32_t World::Impl::enter(const Surface& surface, const LatticePoint& p, 
   ++bodies.count;
   ++bodies.moving;
   sleepers.mark_moving(id);
-  placed = sleepers.stirred = true;
+  placed = true;
   queries.forget_moving();
   if (surface.type == BodyType::kinematic_body) held.emplace_back(id, velocity);
   if (bodies.makes[surface.make].bullet) bullets.push_back(id);

@@ -511,7 +511,6 @@ void World::Impl::rouse(std::uint32_t id) {
     wake(sleepers.queue);
   }
   sleepers.mark_moving(id);
-  sleepers.stirred = true;
 }
 
 // Something that stood at a place is gone, or goes: what leaned on it falls.
