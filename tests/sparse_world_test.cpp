@@ -10,7 +10,7 @@
 namespace psim::test {
 namespace {
 
-constexpr double kHalf = 60e3; // m: of most worlds here
+constexpr double kHalf = 60e3;  // m: of most worlds here
 
 struct Place {
   double x, y, radius;
@@ -22,9 +22,9 @@ struct Broad {
   Broad(Bounds b, bool is_periodic, int threads = 1)
       : bounds(b), wraps(is_periodic), lattice(b, is_periodic), pool(threads) {}
 
-  void add(const Places &places) {
+  void add(const Places& places) {
     bodies.reserve_slots(places.size());
-    for (const Place &p : places) {
+    for (const Place& p : places) {
       const LatticePoint at = lattice.to_lattice({p.x, p.y});
       const std::size_t slot = bodies.count++;
       bodies.pos[2 * slot] = at.x;
@@ -41,18 +41,15 @@ struct Broad {
     p.periodic = wraps;
     p.mixed_radii = true;
     p.walls = walls;
-    p.bounds = {
-        bounds.xmin - lattice.centre().x, bounds.ymin - lattice.centre().y,
-        bounds.xmax - lattice.centre().x, bounds.ymax - lattice.centre().y};
+    p.bounds = {bounds.xmin - lattice.centre().x, bounds.ymin - lattice.centre().y,
+                bounds.xmax - lattice.centre().x, bounds.ymax - lattice.centre().y};
     bodies.pad_tail();
     broad.build(bodies, shapes, p, kernels_of(isa), pool, table);
   }
 
   double distance(std::uint32_t i, std::uint32_t j) const {
-    const double dx =
-        wrap_sub(bodies.pos[2 * j], bodies.pos[2 * i]) * lattice.pitch_x();
-    const double dy = wrap_sub(bodies.pos[2 * j + 1], bodies.pos[2 * i + 1]) *
-                      lattice.pitch_y();
+    const double dx = wrap_sub(bodies.pos[2 * j], bodies.pos[2 * i]) * lattice.pitch_x();
+    const double dy = wrap_sub(bodies.pos[2 * j + 1], bodies.pos[2 * i + 1]) * lattice.pitch_y();
     return std::hypot(dx, dy);
   }
 
@@ -63,19 +60,16 @@ struct Broad {
     const std::size_t strips = table.strips.size();
     std::uint32_t next = 0;
     for (std::size_t s = 0; s < strips; ++s) {
-      const Strip &strip = table.strips[s];
+      const Strip& strip = table.strips[s];
       ASSERT_EQ(strip.body_begin, next);
       next = strip.body_end;
       for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
         const std::uint32_t i = table.owner[p], j = table.other[p];
         ASSERT_EQ(table.strip_of(i), s);
-        ASSERT_TRUE(found.insert({std::min(i, j), std::max(i, j)}).second)
-            << i << " " << j;
-        if (s + 1 == strips)
-          continue; // large ones go alone
+        ASSERT_TRUE(found.insert({std::min(i, j), std::max(i, j)}).second) << i << " " << j;
+        if (s + 1 == strips) continue;  // large ones go alone
         const std::size_t other = table.strip_of(j), last = strips - 2;
-        ASSERT_TRUE(other == s || other == s + 1 ||
-                    (wraps && s == last && other == 0))
+        ASSERT_TRUE(other == s || other == s + 1 || (wraps && s == last && other == 0))
             << s << " " << other << " of " << strips;
         ASSERT_TRUE(other == s || (other + s) % 2 == 1 || last == 0);
         ASSERT_LT(j, table.large_begin);
@@ -86,10 +80,8 @@ struct Broad {
       for (std::uint32_t j = i + 1; j < bodies.count; ++j) {
         const double sum = double{bodies.reach[i]} + double{bodies.reach[j]};
         const double d = distance(i, j);
-        if (std::fabs(d - sum) < 1e-5 * sum)
-          continue;
-        ASSERT_EQ(found.contains({i, j}), d < sum)
-            << i << " " << j << " " << d << " of " << sum;
+        if (std::fabs(d - sum) < 1e-5 * sum) continue;
+        ASSERT_EQ(found.contains({i, j}), d < sum) << i << " " << j << " " << d << " of " << sum;
       }
     }
   }
@@ -111,7 +103,7 @@ struct Broad {
 Bounds square(double half) { return {-half, -half, half, half}; }
 
 /// n discs in a square about a place, overlapping as they may.
-void cluster(Places &out, Random &random, Vec2 at, std::size_t n, double side,
+void cluster(Places& out, Random& random, Vec2 at, std::size_t n, double side,
              double radius = 0.5) {
   for (std::size_t k = 0; k < n; ++k) {
     out.push_back({at.x + random.uniform(-side / 2, side / 2),
@@ -120,42 +112,42 @@ void cluster(Places &out, Random &random, Vec2 at, std::size_t n, double side,
 }
 
 struct Arrangement {
-  const char *name;
+  const char* name;
   bool periodic;
-  bool listed; // the box is mostly empty
-  Places (*make)(Random &random);
+  bool listed;  // the box is mostly empty
+  Places (*make)(Random& random);
 };
 
 const Arrangement kArrangements[] = {
     {"one cluster", false, false,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {3e4, -2e4}, 900, 30);
        return p;
      }},
     {"side by side", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {-5e4, 0}, 450, 22);
        cluster(p, r, {5e4, 0}, 450, 22);
        return p;
      }},
     {"one above the other", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {10, -5e4}, 450, 22);
        cluster(p, r, {0, 5e4}, 450, 22);
        return p;
      }},
     {"diagonal", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {-5e4, -5e4}, 450, 22);
        cluster(p, r, {5e4, 5e4}, 450, 22);
        return p;
      }},
     {"seventeen clusters", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        for (int k = 0; k < 17; ++k) {
          cluster(p, r, {r.uniform(-5e4, 5e4), r.uniform(-5e4, 5e4)}, 120, 11);
@@ -163,14 +155,14 @@ const Arrangement kArrangements[] = {
        return p;
      }},
     {"a stray", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {0, 0}, 900, 30);
        p.push_back({4e4, 3e4, 0.5});
        return p;
      }},
     {"pairs on a line", false, false,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        for (int k = 0; k < 400; ++k) {
          const double x = -5e4 + 250 * k;
@@ -180,7 +172,7 @@ const Arrangement kArrangements[] = {
        return p;
      }},
     {"three lines", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        for (int k = 0; k < 300; ++k) {
          p.push_back({-5e4 + 0.8 * k, 0.1 * r.normal(), 0.5});
@@ -190,19 +182,17 @@ const Arrangement kArrangements[] = {
        return p;
      }},
     {"radii from 0.05 to 5", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        for (const double x : {-5e4, 0.0, 5e4}) {
          cluster(p, r, {x, x / 3}, 300, 12, 0.1);
-         for (int k = 0; k < 12; ++k)
-           cluster(p, r, {x, x / 3}, 1, 40, r.uniform(0.5, 5));
-         for (int k = 0; k < 60; ++k)
-           cluster(p, r, {x, x / 3}, 1, 20, r.uniform(0.05, 0.5));
+         for (int k = 0; k < 12; ++k) cluster(p, r, {x, x / 3}, 1, 40, r.uniform(0.5, 5));
+         for (int k = 0; k < 60; ++k) cluster(p, r, {x, x / 3}, 1, 20, r.uniform(0.05, 0.5));
        }
        return p;
      }},
     {"a giant far away", false, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {0, 0}, 600, 30, 0.3);
        cluster(p, r, {30, 0}, 1, 1, 40);
@@ -210,7 +200,7 @@ const Arrangement kArrangements[] = {
        return p;
      }},
     {"periodic, on both seams", true, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        cluster(p, r, {-kHalf, -kHalf}, 350, 20);
        cluster(p, r, {kHalf, 2e4}, 250, 16);
@@ -219,18 +209,16 @@ const Arrangement kArrangements[] = {
        return p;
      }},
     {"periodic, radii from 0.1 to 8", true, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
-       for (const Vec2 at :
-            {Vec2{-kHalf, -kHalf}, Vec2{kHalf, 2e4}, Vec2{-2e4, kHalf}}) {
+       for (const Vec2 at : {Vec2{-kHalf, -kHalf}, Vec2{kHalf, 2e4}, Vec2{-2e4, kHalf}}) {
          cluster(p, r, at, 250, 14, 0.2);
-         for (int k = 0; k < 8; ++k)
-           cluster(p, r, at, 1, 50, r.uniform(1, 8));
+         for (int k = 0; k < 8; ++k) cluster(p, r, at, 1, 50, r.uniform(1, 8));
        }
        return p;
      }},
     {"periodic, a line across", true, true,
-     [](Random &r) {
+     [](Random& r) {
        Places p;
        for (int k = 0; k < 500; ++k)
          p.push_back({-kHalf + 0.8 * (k - 250), 10 + 0.2 * r.normal(), 0.5});
@@ -240,7 +228,7 @@ const Arrangement kArrangements[] = {
 };
 
 TEST(SparseWorld, NoPairIsLostWhateverLiesBetween) {
-  for (const Arrangement &a : kArrangements) {
+  for (const Arrangement& a : kArrangements) {
     SCOPED_TRACE(a.name);
     Random random(11);
     Broad one(square(kHalf), a.periodic);
@@ -248,15 +236,14 @@ TEST(SparseWorld, NoPairIsLostWhateverLiesBetween) {
     one.build();
     EXPECT_EQ(one.broad.listed(), a.listed);
     one.expect_right();
-    if (testing::Test::HasFatalFailure())
-      return;
+    if (testing::Test::HasFatalFailure()) return;
   }
 }
 
 TEST(SparseWorld, BodiesThatMoveComeAndGoAreFoundEveryTime) {
   // Small steps, of which the cells stay where they are; a jump of everything;
   // some that leave; some that come.
-  for (const Arrangement &a : kArrangements) {
+  for (const Arrangement& a : kArrangements) {
     SCOPED_TRACE(a.name);
     Random random(5);
     Broad one(square(kHalf), a.periodic);
@@ -265,15 +252,13 @@ TEST(SparseWorld, BodiesThatMoveComeAndGoAreFoundEveryTime) {
       SCOPED_TRACE(build);
       one.build();
       one.expect_right();
-      if (testing::Test::HasFatalFailure())
-        return;
+      if (testing::Test::HasFatalFailure()) return;
       const double step = build == 6 ? 300 : (build % 3) * 0.1;
       for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
         for (const std::size_t axis : {0u, 1u}) {
-          const double way =
-              random.uniform(-step, step) / one.lattice.pitch_x();
-          one.bodies.pos[2 * i + axis] = wrap_add(
-              one.bodies.pos[2 * i + axis], static_cast<std::int32_t>(way));
+          const double way = random.uniform(-step, step) / one.lattice.pitch_x();
+          one.bodies.pos[2 * i + axis] =
+              wrap_add(one.bodies.pos[2 * i + axis], static_cast<std::int32_t>(way));
         }
       }
       if (build == 3) {
@@ -292,28 +277,25 @@ TEST(SparseWorld, BodiesThatMoveComeAndGoAreFoundEveryTime) {
 }
 
 TEST(SparseWorld, TheListsAreTheSameForEveryIsaAndNumberOfThreads) {
-  for (const Arrangement &a : kArrangements) {
+  for (const Arrangement& a : kArrangements) {
     std::vector<std::uint32_t> first;
     for (const Isa isa : available_isas()) {
       for (const int threads : {1, 2, 3}) {
         Random random(23);
         Broad one(square(kHalf), a.periodic, threads);
         one.add(a.make(random));
-        for (int build = 0; build < 3; ++build)
-          one.build(isa);
+        for (int build = 0; build < 3; ++build) one.build(isa);
         std::vector<std::uint32_t> all(one.bodies.id.data(),
                                        one.bodies.id.data() + one.bodies.count);
-        for (const Strip &s : one.table.strips) {
+        for (const Strip& s : one.table.strips) {
           all.push_back(s.body_begin);
           for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
             all.push_back(one.table.owner[p]);
             all.push_back(one.table.other[p]);
           }
         }
-        if (first.empty())
-          first = all;
-        EXPECT_EQ(all, first)
-            << a.name << " " << isa_name(isa) << " " << threads;
+        if (first.empty()) first = all;
+        EXPECT_EQ(all, first) << a.name << " " << isa_name(isa) << " " << threads;
       }
     }
   }
@@ -328,34 +310,28 @@ TEST(SparseWorld, ManyChunksOfBodiesAreSortedAsOne) {
     Broad one(square(kHalf), false, threads);
     Places p;
     for (int k = 0; k < 40; ++k) {
-      cluster(p, random, {random.uniform(-5e4, 5e4), random.uniform(-5e4, 5e4)},
-              1000, 50);
+      cluster(p, random, {random.uniform(-5e4, 5e4), random.uniform(-5e4, 5e4)}, 1000, 50);
     }
     one.add(p);
     for (int build = 0; build < 4; ++build) {
       one.build();
       EXPECT_TRUE(one.broad.listed());
       for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
-        one.bodies.pos[2 * i] +=
-            static_cast<std::int32_t>(random.bits() % 401) - 200;
+        one.bodies.pos[2 * i] += static_cast<std::int32_t>(random.bits() % 401) - 200;
       }
     }
     // Order of slots: rows, columns and slots ascend, so the order alone tells
     // of a mistake.
-    std::vector<std::uint32_t> all(one.bodies.id.data(),
-                                   one.bodies.id.data() + one.bodies.count);
+    std::vector<std::uint32_t> all(one.bodies.id.data(), one.bodies.id.data() + one.bodies.count);
     std::vector<std::uint32_t> sorted = all;
     std::sort(sorted.begin(), sorted.end());
-    for (std::uint32_t k = 0; k < sorted.size(); ++k)
-      ASSERT_EQ(sorted[k], k);
+    for (std::uint32_t k = 0; k < sorted.size(); ++k) ASSERT_EQ(sorted[k], k);
     std::size_t pairs = 0;
-    for (const Strip &s : one.table.strips)
-      pairs += s.pair_end - s.pair_begin;
+    for (const Strip& s : one.table.strips) pairs += s.pair_end - s.pair_begin;
     all.push_back(static_cast<std::uint32_t>(pairs));
-    if (first.empty())
-      first = all;
+    if (first.empty()) first = all;
     EXPECT_EQ(all, first);
-    Broad fresh(square(kHalf), false); // sorted anew
+    Broad fresh(square(kHalf), false);  // sorted anew
     fresh.bodies.reserve_slots(one.bodies.count);
     fresh.bodies.count = one.bodies.count;
     for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
@@ -366,8 +342,7 @@ TEST(SparseWorld, ManyChunksOfBodiesAreSortedAsOne) {
     }
     fresh.build();
     std::size_t again = 0;
-    for (const Strip &s : fresh.table.strips)
-      again += s.pair_end - s.pair_begin;
+    for (const Strip& s : fresh.table.strips) again += s.pair_end - s.pair_begin;
     EXPECT_EQ(again, pairs);
     EXPECT_GT(pairs, 10000u);
   }
@@ -381,14 +356,10 @@ TEST(SparseWorld, CellsAndMemoryFollowTheBodiesNotTheSpace) {
     cluster(p, random, {apart / 2, apart / 2}, 5000, 100);
     Broad one(square(apart), false);
     one.add(p);
-    for (int build = 0; build < 4; ++build)
-      one.build();
+    for (int build = 0; build < 4; ++build) one.build();
     EXPECT_TRUE(one.broad.listed()) << apart;
     EXPECT_LE(one.broad.cells(), p.size()) << apart;
-    EXPECT_LT(static_cast<double>(one.memory.bytes) /
-                  static_cast<double>(p.size()),
-              300)
-        << apart;
+    EXPECT_LT(static_cast<double>(one.memory.bytes) / static_cast<double>(p.size()), 300) << apart;
     // Half a disc a square metre, seen through cells of a metre or so.
     EXPECT_NEAR(one.broad.density(), 0.5, 0.1) << apart;
     EXPECT_NEAR(one.broad.area(), 2e4, 4e3) << apart;
@@ -421,13 +392,12 @@ TEST(SparseWorld, ACloudThatThinsOutGoesBackToAGrid) {
   one.build();
   EXPECT_TRUE(one.broad.listed());
   for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
-    const LatticePoint at = one.lattice.to_lattice(
-        {random.uniform(-4e4, 4e4), random.uniform(-4e4, 4e4)});
+    const LatticePoint at =
+        one.lattice.to_lattice({random.uniform(-4e4, 4e4), random.uniform(-4e4, 4e4)});
     one.bodies.pos[2 * i] = at.x;
     one.bodies.pos[2 * i + 1] = at.y;
   }
-  for (int build = 0; build < 3; ++build)
-    one.build();
+  for (int build = 0; build < 3; ++build) one.build();
   EXPECT_FALSE(one.broad.listed());
   one.expect_right();
 }
@@ -445,28 +415,22 @@ TEST(SparseWorld, WallsAreFoundFromListedCells) {
   ASSERT_TRUE(one.broad.listed());
   std::set<std::pair<std::uint32_t, std::uint32_t>> found, want;
   for (std::size_t s = 0; s < one.table.strips.size(); ++s) {
-    for (const SinglePair &pair : one.table.singles[s])
-      found.insert({pair.body, pair.shape});
+    for (const SinglePair& pair : one.table.singles[s]) found.insert({pair.body, pair.shape});
   }
   for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
     const double x = one.bodies.pos[2 * i] * one.lattice.pitch_x();
     const double y = one.bodies.pos[2 * i + 1] * one.lattice.pitch_y();
     const double reach = double{one.bodies.reach[i]};
-    if (x - reach < -kHalf)
-      want.insert({i, kWallLeft});
-    if (x + reach > kHalf)
-      want.insert({i, kWallRight});
-    if (y - reach < -kHalf)
-      want.insert({i, kWallBottom});
-    if (y + reach > kHalf)
-      want.insert({i, kWallTop});
+    if (x - reach < -kHalf) want.insert({i, kWallLeft});
+    if (x + reach > kHalf) want.insert({i, kWallRight});
+    if (y - reach < -kHalf) want.insert({i, kWallBottom});
+    if (y + reach > kHalf) want.insert({i, kWallTop});
   }
   EXPECT_EQ(found, want);
   EXPECT_GT(want.size(), 50u);
 }
 
-double distance_to(const Lattice &lattice, const StaticShape &s, std::int32_t x,
-                   std::int32_t y) {
+double distance_to(const Lattice& lattice, const StaticShape& s, std::int32_t x, std::int32_t y) {
   const double px = lattice.pitch_x(), py = lattice.pitch_y();
   const double ax = (s.p.x - x) * px, ay = (s.p.y - y) * py;
   double t = 0, ux = 0, uy = 0;
@@ -498,8 +462,7 @@ TEST(SparseWorld, FixedShapesFarApartAreFoundAndFewOthers) {
     const Vec2 at = places[k % 4];
     const Vec2 p{at.x + random.uniform(0, 100), at.y + random.uniform(0, 100)};
     const bool edge = random.chance(0.5);
-    put(p, edge ? Vec2{p.x + random.normal(), p.y + random.normal()} : p,
-        edge ? 0 : 0.4);
+    put(p, edge ? Vec2{p.x + random.normal(), p.y + random.normal()} : p, edge ? 0 : 0.4);
   }
   put(places[0], places[2], 0.1);
   put(places[1], {places[1].x, 5e4}, 0);
@@ -509,36 +472,33 @@ TEST(SparseWorld, FixedShapesFarApartAreFoundAndFewOthers) {
     std::size_t all = 0;
     for (int k = 0; k < 800; ++k) {
       const Vec2 at = places[k % 4];
-      const LatticePoint p = lattice.to_lattice(
-          {at.x + random.uniform(-5, 105), at.y + random.uniform(-5, 105)});
+      const LatticePoint p =
+          lattice.to_lattice({at.x + random.uniform(-5, 105), at.y + random.uniform(-5, 105)});
       near.clear();
       shapes.near(p.x, p.y, 2, near);
       all += near.size();
       for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-        if (!shapes[i].alive || distance_to(lattice, shapes[i], p.x, p.y) > 2)
-          continue;
+        if (!shapes[i].alive || distance_to(lattice, shapes[i], p.x, p.y) > 2) continue;
         ASSERT_TRUE(std::binary_search(near.begin(), near.end(), i)) << i;
       }
     }
     EXPECT_LT(all, 800u * 8);
     EXPECT_GT(all, 100u);
-    for (std::uint32_t i = 0; i < shapes.size() && round == 0; i += 3)
-      shapes.remove(i, i);
+    for (std::uint32_t i = 0; i < shapes.size() && round == 0; i += 3) shapes.remove(i, i);
   }
 }
 
 // ---- worlds
 // ---------------------------------------------------------------------------------------
 
-Discs two_clouds(std::size_t n, Vec2 apart, double speed, Material m,
-                 Vec2 drift = {}) {
+Discs two_clouds(std::size_t n, Vec2 apart, double speed, Material m, Vec2 drift = {}) {
   const double side = std::sqrt(2.5 * static_cast<double>(n));
   Discs all;
   all.m = m;
   for (const double side_of : {-1.0, 1.0}) {
     const Vec2 at{side_of * apart.x / 2, side_of * apart.y / 2};
-    const Discs one = lattice(n, {at.x, at.y, at.x + side, at.y + side}, 0.5,
-                              speed, m, 0.5, side_of < 0 ? 1 : 2);
+    const Discs one =
+        lattice(n, {at.x, at.y, at.x + side, at.y + side}, 0.5, speed, m, 0.5, side_of < 0 ? 1 : 2);
     for (std::size_t k = 0; k < n; ++k) {
       all.push(one.x[k], one.y[k], 0.5, one.vx[k] - side_of * drift.x,
                one.vy[k] - side_of * drift.y);
@@ -553,15 +513,12 @@ TEST(SparseWorld, TheSameBitsFromEveryIsaAndNumberOfThreads) {
     for (const Isa isa : available_isas()) {
       for (const int threads : {1, 2, 3}) {
         WorldDesc desc = unbounded(kHalf, {0, 0});
-        if (wraps)
-          desc.boundary = Boundary::periodic;
+        if (wraps) desc.boundary = Boundary::periodic;
         auto world = make(desc, isa, threads);
         add(*world, two_clouds(700, {1e5, 7e4}, 4, material(0.5, 0.2)));
         const auto all = hashes(*world, 40);
-        if (first.empty())
-          first = all;
-        EXPECT_EQ(all, first)
-            << isa_name(isa) << " " << threads << (wraps ? " periodic" : "");
+        if (first.empty()) first = all;
+        EXPECT_EQ(all, first) << isa_name(isa) << " " << threads << (wraps ? " periodic" : "");
       }
     }
   }
@@ -575,8 +532,7 @@ TEST(SparseWorld, CloudsThatComeFromFarMeet) {
   add(*world, discs);
   const double before = world->diagnostics().kinetic;
   std::uint64_t contacts = 0;
-  for (int k = 0; k < 180; ++k)
-    contacts += world->step().contacts;
+  for (int k = 0; k < 180; ++k) contacts += world->step().contacts;
   EXPECT_GT(contacts, 100u);
   EXPECT_NEAR(world->diagnostics().kinetic / before, 1, 0.02);
   EXPECT_LT(relative_momentum(*world), 1e-4);
@@ -593,18 +549,15 @@ TEST(SparseWorld, AClusterDoesTheSameAloneAndWithOthersFarAway) {
     auto world = make(desc);
     const auto pan = [&](double x) {
       add(*world, chain({{x, 12}, {x, 0}, {x + 21, 0}, {x + 21, 12}}));
-      add(*world, lattice(200, {x + 0.2, 0.2, x + 20.8, 12}, 0.5, 0,
-                          material(0, 0.4), 0.3));
+      add(*world, lattice(200, {x + 0.2, 0.2, x + 20.8, 12}, 0.5, 0, material(0, 0.4), 0.3));
     };
     pan(-5e4);
-    if (with_other)
-      pan(5e4);
+    if (with_other) pan(5e4);
     run(*world, 600);
     double height = 0, fastest = 0;
     const PublishedState s = world->published();
     for (std::size_t k = 0; k < s.id.size(); ++k) {
-      if (s.type[k] != BodyType::dynamic_body || s.x[k] > 0)
-        continue;
+      if (s.type[k] != BodyType::dynamic_body || s.x[k] > 0) continue;
       height += s.y[k] / 200;
       fastest = std::max(fastest, std::hypot(s.vx[k], s.vy[k]));
     }
@@ -621,17 +574,13 @@ TEST(SparseWorld, TwoBodiesThatHitGoTheSameWayWhateverElseThereIs) {
   // One pair far from a cloud: bit by bit what it does alone.
   const auto after = [](bool with_cloud) {
     auto world = make(unbounded(kHalf, {0, 0}));
-    const BodyId a =
-        add(*world, disc({-4e4, 2e4}, {3, 0.25}, 0.5, material(0.5)));
-    const BodyId b =
-        add(*world, disc({-4e4 + 2, 2e4 + 0.5}, {-1, 0}, 0.5, material(0.5)));
-    if (with_cloud)
-      add(*world, lattice(500, {3e4, 0, 3e4 + 40, 40}, 0.5, 3, material(0.5)));
+    const BodyId a = add(*world, disc({-4e4, 2e4}, {3, 0.25}, 0.5, material(0.5)));
+    const BodyId b = add(*world, disc({-4e4 + 2, 2e4 + 0.5}, {-1, 0}, 0.5, material(0.5)));
+    if (with_cloud) add(*world, lattice(500, {3e4, 0, 3e4 + 40, 40}, 0.5, 3, material(0.5)));
     run(*world, 90);
     const BodyState one = state(*world, a), two = state(*world, b);
     EXPECT_NE(one.vx, 3);
-    return std::vector<double>{one.x, one.y, one.vx, one.vy,
-                               two.x, two.y, two.vx, two.vy};
+    return std::vector<double>{one.x, one.y, one.vx, one.vy, two.x, two.y, two.vx, two.vy};
   };
   EXPECT_EQ(after(false), after(true));
 }
@@ -642,8 +591,7 @@ TEST(SparseWorld, AWarmStepAllocatesNothing) {
     add(*world, two_clouds(1500, {1e5, 8e4}, 1, material(1)));
     run(*world, 200);
     std::uint64_t growths = 0;
-    for (int k = 0; k < 120; ++k)
-      growths += world->step().arena_growths;
+    for (int k = 0; k < 120; ++k) growths += world->step().arena_growths;
     EXPECT_EQ(growths, 0u);
   }
 }
@@ -658,5 +606,5 @@ TEST(SparseWorld, MemoryIsThatOfTheSameBodiesSideBySide) {
   EXPECT_LT(bytes({1e5, 9e4}), 1.25 * bytes({100, 0}));
 }
 
-} // namespace
-} // namespace psim::test
+}  // namespace
+}  // namespace psim::test

@@ -11,7 +11,7 @@ namespace psim {
 
 using kernels::kBlock;
 
-kernels::PairRow BroadPhase::view(const BodyStore &b) const {
+kernels::PairRow BroadPhase::view(const BodyStore& b) const {
   kernels::PairRow v;
   v.pos = b.built.data();
   v.reach = b.reach.data();
@@ -24,8 +24,7 @@ kernels::PairRow BroadPhase::view(const BodyStore &b) const {
 }
 
 // A row of the grid.
-kernels::PairRow BroadPhase::row_view(const BodyStore &b,
-                                      std::uint32_t row) const {
+kernels::PairRow BroadPhase::row_view(const BodyStore& b, std::uint32_t row) const {
   kernels::PairRow v = view(b);
   const auto stride = static_cast<std::int32_t>(grid_.view.stride);
   v.next_row = stride;
@@ -34,84 +33,71 @@ kernels::PairRow BroadPhase::row_view(const BodyStore &b,
       v.next_row = -stride * (grid_.view.rows - 1);
     }
     v.seam_first = row * grid_.view.stride;
-    v.seam_last =
-        v.seam_first + static_cast<std::uint32_t>(grid_.view.cols) - 1;
+    v.seam_last = v.seam_first + static_cast<std::uint32_t>(grid_.view.cols) - 1;
   }
   return v;
 }
 
-bool BroadPhase::search_strip(const BodyStore &b, const kernels::KernelTable &k,
-                              std::size_t index, PairTable &table) const {
-  Strip &s = table.strips[index];
+bool BroadPhase::search_strip(const BodyStore& b, const kernels::KernelTable& k, std::size_t index,
+                              PairTable& table) const {
+  Strip& s = table.strips[index];
   kernels::PairList list;
   list.owner = table.owner.data();
   list.other = table.other.data();
   list.first = table.first.data();
   list.count = s.pair_begin;
   list.capacity = s.pair_end;
-  if (!(listed_ ? search_listed(b, k, s, list) : search_rows(b, k, s, list)))
-    return false;
+  if (!(listed_ ? search_listed(b, k, s, list) : search_rows(b, k, s, list))) return false;
   s.pair_end = list.count;
   return true;
 }
 
-bool BroadPhase::search_rows(const BodyStore &b, const kernels::KernelTable &k,
-                             const Strip &s, kernels::PairList &list) const {
-  const std::uint32_t *start = sort_.start();
+bool BroadPhase::search_rows(const BodyStore& b, const kernels::KernelTable& k, const Strip& s,
+                             kernels::PairList& list) const {
+  const std::uint32_t* start = sort_.start();
   for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
     const std::uint32_t begin = start[row * grid_.view.stride];
     const std::uint32_t end = start[(row + 1) * grid_.view.stride];
-    if (begin == end)
-      continue;
-    if (!k.find_pairs(row_view(b, row), begin, end, list))
-      return false;
+    if (begin == end) continue;
+    if (!k.find_pairs(row_view(b, row), begin, end, list)) return false;
   }
   return true;
 }
 
 // Listed cells know what lies above them: a strip is one run. In a periodic
 // world the first and the last cell of a row are looked at one by one.
-bool BroadPhase::search_listed(const BodyStore &b,
-                               const kernels::KernelTable &k, const Strip &s,
-                               kernels::PairList &list) const {
+bool BroadPhase::search_listed(const BodyStore& b, const kernels::KernelTable& k, const Strip& s,
+                               kernels::PairList& list) const {
   const kernels::PairRow v = view(b);
-  const CellList &cells = sort_.listed();
-  if (!cells.periodic())
-    return k.find_pairs(v, s.body_begin, s.body_end, list);
+  const CellList& cells = sort_.listed();
+  if (!cells.periodic()) return k.find_pairs(v, s.body_begin, s.body_end, list);
   const auto run = [&](std::uint32_t from, std::uint32_t to) {
-    return from == to ||
-           k.find_pairs(v, cells.first(from), cells.first(to), list);
+    return from == to || k.find_pairs(v, cells.first(from), cells.first(to), list);
   };
-  if (s.body_begin == s.body_end)
-    return true;
+  if (s.body_begin == s.body_end) return true;
   std::uint32_t from = sort_.keys()[s.body_begin] / 4;
   const std::uint32_t end = sort_.keys()[s.body_end - 1] / 4 + 1;
   while (from < end) {
     const std::uint32_t next_row = cells.find(cells.row(from) + 1, 0);
     std::uint32_t to = next_row;
     const bool last = cells.column(to - 1) == cells.last_column();
-    if (last)
-      --to;
+    if (last) --to;
     if (from < to && cells.column(from) == 0) {
-      if (!search_seam(b, k, from++, list))
-        return false;
+      if (!search_seam(b, k, from++, list)) return false;
     }
-    if (!run(from, to))
-      return false;
-    if (last && !search_seam(b, k, to, list))
-      return false;
+    if (!run(from, to)) return false;
+    if (last && !search_seam(b, k, to, list)) return false;
     from = next_row;
   }
   return true;
 }
 
 // A cell at the west or the east end of a row: those across the seam, too.
-bool BroadPhase::search_seam(const BodyStore &b, const kernels::KernelTable &k,
-                             std::uint32_t cell,
-                             kernels::PairList &list) const {
+bool BroadPhase::search_seam(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t cell,
+                             kernels::PairList& list) const {
   const kernels::PairRow v = view(b);
-  const CellList &cells = sort_.listed();
-  const std::uint32_t *const s = cells.start() + 4 * std::size_t{cell};
+  const CellList& cells = sort_.listed();
+  const std::uint32_t* const s = cells.start() + 4 * std::size_t{cell};
   const std::uint64_t row = cells.row(cell), above = cells.row_above(row);
   const bool west = cells.column(cell) == 0;
   const std::uint64_t far = west ? cells.last_column() : 0;
@@ -124,10 +110,8 @@ bool BroadPhase::search_seam(const BodyStore &b, const kernels::KernelTable &k,
   only(above, across_above);
   for (std::uint32_t i = cells.first(cell); i < cells.first(cell + 1); ++i) {
     list.first[i] = list.count;
-    if (list.count + kBlock > list.capacity)
-      return false;
-    if (!k.find_near(v, i, i + 1, s[2], list) ||
-        !k.find_near(v, i, s[0], s[3], list) ||
+    if (list.count + kBlock > list.capacity) return false;
+    if (!k.find_near(v, i, i + 1, s[2], list) || !k.find_near(v, i, s[0], s[3], list) ||
         (!west && !k.find_near(v, i, across[0], across[1], list)) ||
         !k.find_near(v, i, across_above[0], across_above[1], list)) {
       return false;
@@ -138,9 +122,9 @@ bool BroadPhase::search_seam(const BodyStore &b, const kernels::KernelTable &k,
 
 // Large bodies against the others' bodies under their box, and against each
 // other.
-bool BroadPhase::search_large(const BodyStore &b, const kernels::KernelTable &k,
-                              PairTable &table) const {
-  Strip &s = table.strips.back();
+bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
+                              PairTable& table) const {
+  Strip& s = table.strips.back();
   kernels::PairList list;
   list.owner = table.owner.data();
   list.other = table.other.data();
@@ -150,33 +134,28 @@ bool BroadPhase::search_large(const BodyStore &b, const kernels::KernelTable &k,
   const kernels::PairRow v = view(b);
   for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
     table.first[i] = list.count;
-    if (list.count + kBlock > list.capacity)
-      return false;
-    if (table.large_begin != 0 && !(listed_ ? search_listed_box(b, k, i, list)
-                                            : search_box(b, k, i, list))) {
+    if (list.count + kBlock > list.capacity) return false;
+    if (table.large_begin != 0 &&
+        !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) {
       return false;
     }
-    if (!k.find_near(v, i, i + 1, b.count, list))
-      return false;
+    if (!k.find_near(v, i, i + 1, b.count, list)) return false;
   }
   s.pair_end = list.count;
   return true;
 }
 
 // A large body against those in the grid.
-bool BroadPhase::search_box(const BodyStore &b, const kernels::KernelTable &k,
-                            std::uint32_t i, kernels::PairList &list) const {
+bool BroadPhase::search_box(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t i,
+                            kernels::PairList& list) const {
   const kernels::PairRow v = view(b);
-  const std::uint32_t *start = sort_.start();
-  const kernels::GridView &g = grid_.view;
-  const double reach =
-      static_cast<double>(b.reach[i]) + static_cast<double>(most_);
-  const auto span = [](std::int32_t at, std::int32_t mid, float scale,
-                       float offset, double cells, std::int32_t n,
-                       bool periodic, std::int64_t out[2]) {
-    const double c =
-        static_cast<double>(wrap_sub(at, mid)) * static_cast<double>(scale) +
-        static_cast<double>(offset);
+  const std::uint32_t* start = sort_.start();
+  const kernels::GridView& g = grid_.view;
+  const double reach = static_cast<double>(b.reach[i]) + static_cast<double>(most_);
+  const auto span = [](std::int32_t at, std::int32_t mid, float scale, float offset, double cells,
+                       std::int32_t n, bool periodic, std::int64_t out[2]) {
+    const double c = static_cast<double>(wrap_sub(at, mid)) * static_cast<double>(scale) +
+                     static_cast<double>(offset);
     out[0] = static_cast<std::int64_t>(std::floor(c - cells - 0.01));
     out[1] = static_cast<std::int64_t>(std::floor(c + cells + 0.01));
     if (!periodic) {
@@ -188,17 +167,16 @@ bool BroadPhase::search_box(const BodyStore &b, const kernels::KernelTable &k,
     }
   };
   std::int64_t cols[2], rows[2];
-  span(b.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x,
-       g.cols, grid_.periodic, cols);
-  span(b.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y,
-       g.rows, grid_.periodic, rows);
+  span(b.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols, grid_.periodic,
+       cols);
+  span(b.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows,
+       grid_.periodic, rows);
   for (std::int64_t r = rows[0]; r <= rows[1]; ++r) {
     const auto row = static_cast<std::uint32_t>((r % g.rows + g.rows) % g.rows);
     const std::uint32_t base = row * g.stride;
     const auto run = [&](std::int64_t c0, std::int64_t c1) {
       return k.find_near(v, i, start[base + static_cast<std::uint32_t>(c0)],
-                         start[base + static_cast<std::uint32_t>(c1) + 1],
-                         list);
+                         start[base + static_cast<std::uint32_t>(c1) + 1], list);
     };
     bool ok = true;
     if (cols[0] < 0) {
@@ -208,25 +186,19 @@ bool BroadPhase::search_box(const BodyStore &b, const kernels::KernelTable &k,
     } else {
       ok = run(cols[0], cols[1]);
     }
-    if (!ok)
-      return false;
+    if (!ok) return false;
   }
   return true;
 }
 
-bool BroadPhase::search_listed_box(const BodyStore &b,
-                                   const kernels::KernelTable &k,
-                                   std::uint32_t i,
-                                   kernels::PairList &list) const {
+bool BroadPhase::search_listed_box(const BodyStore& b, const kernels::KernelTable& k,
+                                   std::uint32_t i, kernels::PairList& list) const {
   const kernels::PairRow v = view(b);
-  const double reach =
-      static_cast<double>(b.reach[i]) + static_cast<double>(most_);
-  const double half[2] = {reach / lattice_->pitch_x(),
-                          reach / lattice_->pitch_y()};
-  return sort_.listed().in_box(b.built.data() + 2 * std::size_t{i}, half,
-                               [&](std::uint32_t from, std::uint32_t to) {
-                                 return k.find_near(v, i, from, to, list);
-                               });
+  const double reach = static_cast<double>(b.reach[i]) + static_cast<double>(most_);
+  const double half[2] = {reach / lattice_->pitch_x(), reach / lattice_->pitch_y()};
+  return sort_.listed().in_box(
+      b.built.data() + 2 * std::size_t{i}, half,
+      [&](std::uint32_t from, std::uint32_t to) { return k.find_near(v, i, from, to, list); });
 }
 
 // Pairs that a strip will have a body, by what it and its neighbours had at the
@@ -242,10 +214,10 @@ double BroadPhase::expected_pairs(std::size_t strip) const {
 // Every strip writes its pairs into room of its own; those whose room was too
 // small get more at the end of the list. Where the guess was wrong for many,
 // all begin again.
-void BroadPhase::search(const BodyStore &b, const kernels::KernelTable &k,
-                        WorkerPool &pool, PairTable &table) {
+void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
+                        PairTable& table) {
   const std::size_t strips = table.strips.size();
-  std::vector<std::uint32_t> &pending = pending_;
+  std::vector<std::uint32_t>& pending = pending_;
   pending.resize(strips);
   full_.assign(strips, 0);
   std::uint32_t room = 0;
@@ -257,10 +229,9 @@ void BroadPhase::search(const BodyStore &b, const kernels::KernelTable &k,
       room = 0;
     }
     for (const std::uint32_t s : pending) {
-      Strip &strip = table.strips[s];
+      Strip& strip = table.strips[s];
       const double each = s + 1 == strips ? large_room : expected_pairs(s);
-      const double own =
-          more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
+      const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
       strip.pair_begin = room;
       room += static_cast<std::uint32_t>(own);
       strip.pair_end = room;
@@ -269,15 +240,14 @@ void BroadPhase::search(const BodyStore &b, const kernels::KernelTable &k,
     table.other.reserve_loosely(room + kBlock);
     pool.run(pending.size(), [&](std::size_t n) {
       const std::uint32_t s = pending[n];
-      full_[s] = s + 1 == strips ? !search_large(b, k, table)
-                                 : !search_strip(b, k, s, table);
+      full_[s] = s + 1 == strips ? !search_large(b, k, table) : !search_strip(b, k, s, table);
     });
     std::erase_if(pending, [&](std::uint32_t s) { return full_[s] == 0; });
   }
   table.pair_room = room;
   pairs_a_body_.resize(strips - 1);
   for (std::size_t s = 0; s < strips; ++s) {
-    const Strip &strip = table.strips[s];
+    const Strip& strip = table.strips[s];
     const double each = static_cast<double>(strip.pair_end - strip.pair_begin) /
                         std::max(strip.body_end - strip.body_begin, 1u);
     if (s + 1 < strips) {
@@ -288,100 +258,80 @@ void BroadPhase::search(const BodyStore &b, const kernels::KernelTable &k,
   }
 }
 
-void BroadPhase::link(BodyStore &b, const PairTable &table,
-                      std::size_t index) const {
-  const Strip &s = table.strips[index];
+void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) const {
+  const Strip& s = table.strips[index];
   const auto mark = [&](std::uint32_t slot) {
-    std::atomic_ref<std::uint8_t>(b.linked[slot])
-        .store(0xFF, std::memory_order_relaxed);
+    std::atomic_ref<std::uint8_t>(b.linked[slot]).store(0xFF, std::memory_order_relaxed);
   };
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     mark(table.owner[p]);
     mark(table.other[p]);
   }
-  for (const SinglePair &pair : table.singles[index])
-    mark(pair.body);
+  for (const SinglePair& pair : table.singles[index]) mark(pair.body);
 }
 
 // Walls: only bodies in rows and columns that a wall can reach are looked at,
 // of listed cells those that the longest reach would let touch one. Fixed
 // shapes: every body asks their grid.
-void BroadPhase::find_singles(BodyStore &b, const StaticShapes &shapes,
-                              const BroadPhaseParams &p, std::size_t index,
-                              PairTable &table) const {
-  std::vector<SinglePair> &out = table.singles[index];
+void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const BroadPhaseParams& p,
+                              std::size_t index, PairTable& table) const {
+  std::vector<SinglePair>& out = table.singles[index];
   out.clear();
-  const Strip &s = table.strips[index];
+  const Strip& s = table.strips[index];
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   // What stands still moves against the common velocity too.
   const double common_x = static_cast<double>(p.margin.common_x),
                common_y = static_cast<double>(p.margin.common_y);
-  const double extra = std::sqrt(common_x * common_x + common_y * common_y) *
-                       static_cast<double>(p.margin.time);
-  std::vector<std::uint32_t> &found = table.found[index];
+  const double extra =
+      std::sqrt(common_x * common_x + common_y * common_y) * static_cast<double>(p.margin.time);
+  std::vector<std::uint32_t>& found = table.found[index];
   const auto look = [&](std::uint32_t i) {
     const double reach = static_cast<double>(b.reach[i]) + extra;
-    const std::int32_t *at = b.built.data() + 2 * std::size_t{i};
+    const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
     if (p.walls) {
       const double x = at[0] * px, y = at[1] * py;
-      if (x - reach < p.bounds.xmin)
-        out.push_back({i, kWallLeft, 0});
-      if (x + reach > p.bounds.xmax)
-        out.push_back({i, kWallRight, 0});
-      if (y - reach < p.bounds.ymin)
-        out.push_back({i, kWallBottom, 0});
-      if (y + reach > p.bounds.ymax)
-        out.push_back({i, kWallTop, 0});
+      if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
+      if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
+      if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
+      if (y + reach > p.bounds.ymax) out.push_back({i, kWallTop, 0});
     }
     if (shapes.any()) {
       found.clear();
       shapes.near(at[0], at[1], static_cast<float>(reach), found);
-      for (const std::uint32_t shape : found)
-        out.push_back({i, shape, 0});
+      for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
     }
   };
   const bool large_group = index + 1 == table.strips.size();
   if (large_group || shapes.any()) {
-    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i)
-      look(i);
+    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) look(i);
     return;
   }
-  if (!p.walls)
-    return;
+  if (!p.walls) return;
   if (listed_) {
     const double reach = static_cast<double>(most_) + extra;
-    const double low_x = (p.bounds.xmin + reach) / px,
-                 high_x = (p.bounds.xmax - reach) / px;
-    const double low_y = (p.bounds.ymin + reach) / py,
-                 high_y = (p.bounds.ymax - reach) / py;
+    const double low_x = (p.bounds.xmin + reach) / px, high_x = (p.bounds.xmax - reach) / px;
+    const double low_y = (p.bounds.ymin + reach) / py, high_y = (p.bounds.ymax - reach) / py;
     for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
-      const std::int32_t *at = b.built.data() + 2 * std::size_t{i};
-      if (at[0] < low_x || at[0] > high_x || at[1] < low_y || at[1] > high_y)
-        look(i);
+      const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
+      if (at[0] < low_x || at[0] > high_x || at[1] < low_y || at[1] > high_y) look(i);
     }
     return;
   }
-  const kernels::GridView &g = grid_.view;
-  const auto cell = [](double at, double pitch, std::int32_t mid, double edge,
-                       float offset) {
+  const kernels::GridView& g = grid_.view;
+  const auto cell = [](double at, double pitch, std::int32_t mid, double edge, float offset) {
     return (at - mid * pitch) / edge + static_cast<double>(offset);
   };
   const double reach = static_cast<double>(most_) + extra;
-  const double low_row =
-      cell(p.bounds.ymin + reach, py, g.mid_y, grid_.cell_y, g.offset_y) + 0.01;
-  const double high_row =
-      cell(p.bounds.ymax - reach, py, g.mid_y, grid_.cell_y, g.offset_y) - 0.01;
-  const double low_col =
-      cell(p.bounds.xmin + reach, px, g.mid_x, grid_.cell_x, g.offset_x) + 0.01;
-  const double high_col =
-      cell(p.bounds.xmax - reach, px, g.mid_x, grid_.cell_x, g.offset_x) - 0.01;
-  const std::uint32_t *start = sort_.start();
+  const double low_row = cell(p.bounds.ymin + reach, py, g.mid_y, grid_.cell_y, g.offset_y) + 0.01;
+  const double high_row = cell(p.bounds.ymax - reach, py, g.mid_y, grid_.cell_y, g.offset_y) - 0.01;
+  const double low_col = cell(p.bounds.xmin + reach, px, g.mid_x, grid_.cell_x, g.offset_x) + 0.01;
+  const double high_col = cell(p.bounds.xmax - reach, px, g.mid_x, grid_.cell_x, g.offset_x) - 0.01;
+  const std::uint32_t* start = sort_.start();
   for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
     const std::uint32_t base = row * g.stride;
     const std::uint32_t begin = start[base], end = start[base + g.stride];
     if (row <= low_row || row + 1 > high_row) {
-      for (std::uint32_t i = begin; i < end; ++i)
-        look(i);
+      for (std::uint32_t i = begin; i < end; ++i) look(i);
       continue;
     }
     std::uint32_t left = begin, right = end;
@@ -393,11 +343,9 @@ void BroadPhase::find_singles(BodyStore &b, const StaticShapes &shapes,
       const double c = std::fmax(std::floor(high_col), 0);
       right = std::max(left, start[base + static_cast<std::uint32_t>(c)]);
     }
-    for (std::uint32_t i = begin; i < left; ++i)
-      look(i);
-    for (std::uint32_t i = right; i < end; ++i)
-      look(i);
+    for (std::uint32_t i = begin; i < left; ++i) look(i);
+    for (std::uint32_t i = right; i < end; ++i) look(i);
   }
 }
 
-} // namespace psim
+}  // namespace psim

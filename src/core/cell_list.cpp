@@ -11,47 +11,40 @@
 namespace psim {
 namespace {
 
-constexpr std::uint32_t kChunkBodies = 16384; // of a task
-constexpr std::uint32_t kMostChunks = 32;     // counts are by chunk and digit
+constexpr std::uint32_t kChunkBodies = 16384;  // of a task
+constexpr std::uint32_t kMostChunks = 32;      // counts are by chunk and digit
 constexpr std::uint32_t kTaskCells = 4096;
 constexpr int kDigitBits = 12;
-constexpr double kOtherAxis =
-    1.5; // how much longer it must be for rows to run across it instead
+constexpr double kOtherAxis = 1.5;  // how much longer it must be for rows to run across it instead
 // Cells may stay where they are while they are not much too wide, and the box
 // has some room to grow.
 constexpr double kFirstEdge = 1.04, kLeastEdge = 0.8, kRoom = 0.03;
-constexpr std::uint32_t kMoved =
-    8; // one in so many bodies may have moved, or all are sorted
+constexpr std::uint32_t kMoved = 8;  // one in so many bodies may have moved, or all are sorted
 constexpr int kPatience = 7;
 constexpr std::uint64_t kNoName = 0xFFFFFFFFFFFFFFFFu;
-constexpr std::uint32_t kSentinels = 4; // names of no cell behind the last one
+constexpr std::uint32_t kSentinels = 4;  // names of no cell behind the last one
 
-} // namespace
+}  // namespace
 
 // Whether the cells of an axis can stay where they are.
-bool CellList::serves(const Axis &a, const std::int32_t box[4], int axis,
-                      double edge, bool periodic) const {
-  if (sorted_ == 0 || !(edge <= a.width && edge >= kLeastEdge * a.width))
-    return false;
-  return periodic ||
-         (box[axis] >= a.low && cell_at(a, box[2 + axis]) < a.cells &&
-          4 * (cell_at(a, box[2 + axis]) - cell_at(a, box[axis])) + 64 >=
-              a.cells);
+bool CellList::serves(const Axis& a, const std::int32_t box[4], int axis, double edge,
+                      bool periodic) const {
+  if (sorted_ == 0 || !(edge <= a.width && edge >= kLeastEdge * a.width)) return false;
+  return periodic || (box[axis] >= a.low && cell_at(a, box[2 + axis]) < a.cells &&
+                      4 * (cell_at(a, box[2 + axis]) - cell_at(a, box[axis])) + 64 >= a.cells);
 }
 
-bool CellList::lay(const std::int32_t box[4], const double edge[2],
-                   bool periodic, std::uint32_t bodies) {
+bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodic,
+                   std::uint32_t bodies) {
   const int slot_bits = 32 - std::countl_zero(bodies);
   // A name and a slot share 64 bits: in a box of more cells than that they are
   // wider.
   double cells = 1;
   for (int k = 0; k < 2; ++k) {
-    const double steps =
-        periodic ? 0x1p32 : static_cast<double>(box[2 + k]) - box[k];
+    const double steps = periodic ? 0x1p32 : static_cast<double>(box[2 + k]) - box[k];
     cells *= steps / edge[k] + 64;
   }
-  const double wider =
-      std::sqrt(std::fmax(cells / std::ldexp(0.5, 64 - slot_bits), 1.0));
+  const double wider = std::sqrt(std::fmax(cells / std::ldexp(0.5, 64 - slot_bits), 1.0));
   const double least[2] = {wider * edge[0], wider * edge[1]};
   if (periodic == periodic_ && slot_bits == slot_bits_ &&
       serves(axis_[0], box, 0, least[0], periodic) &&
@@ -62,14 +55,13 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2],
   periodic_ = periodic;
   slot_bits_ = slot_bits;
   for (int k = 0; k < 2; ++k) {
-    Axis &a = axis_[k];
+    Axis& a = axis_[k];
     const double width = kFirstEdge * least[k];
     if (periodic) {
       a.low = std::numeric_limits<std::int32_t>::min();
       a.per = a.cells = static_cast<std::uint64_t>(0x1p32 / width);
     } else {
-      const double room =
-          kRoom * (static_cast<double>(box[2 + k]) - box[k]) + 8 * width;
+      const double room = kRoom * (static_cast<double>(box[2 + k]) - box[k]) + 8 * width;
       const auto steps = [](double at) {
         return static_cast<std::int32_t>(std::clamp(at, -0x1p31, 0x1p31 - 1));
       };
@@ -77,24 +69,21 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2],
       a.per = static_cast<std::uint64_t>(0x1p32 / std::ceil(width));
       a.cells = cell_at(a, steps(box[2 + k] + room)) + 1;
     }
-    if (a.per == 0)
-      return false;
+    if (a.per == 0) return false;
     a.width = 0x1p32 / static_cast<double>(a.per);
   }
   const auto longer = [&](int k) {
     return static_cast<double>(axis_[k].cells) >
            kOtherAxis * static_cast<double>(axis_[1 - k].cells);
   };
-  if (longer(1 - row_axis_))
-    row_axis_ = 1 - row_axis_;
+  if (longer(1 - row_axis_)) row_axis_ = 1 - row_axis_;
   rows_ = axis_[row_axis_].cells;
   stride_ = axis_[1 - row_axis_].cells + 1;
   return !periodic || (axis_[0].cells >= 3 && axis_[1].cells >= 3);
 }
 
 void CellList::cut_chunks(std::uint32_t n) {
-  const std::uint32_t each =
-      std::max(kChunkBodies, (n + kMostChunks - 1) / kMostChunks);
+  const std::uint32_t each = std::max(kChunkBodies, (n + kMostChunks - 1) / kMostChunks);
   chunks_.resize((n + each - 1) / each);
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     chunks_[c].begin = static_cast<std::uint32_t>(c) * each;
@@ -102,19 +91,17 @@ void CellList::cut_chunks(std::uint32_t n) {
   }
 }
 
-void CellList::name_bodies(const BodyStore &b, float large, Chunk &chunk) {
+void CellList::name_bodies(const BodyStore& b, float large, Chunk& chunk) {
   const Axis ra = axis_[row_axis_], ca = axis_[1 - row_axis_];
-  const std::int32_t *const row_at = b.built.data() + row_axis_;
-  const std::int32_t *const column_at = b.built.data() + (1 - row_axis_);
-  std::uint64_t *const out = spare_name_.data();
+  const std::int32_t* const row_at = b.built.data() + row_axis_;
+  const std::int32_t* const column_at = b.built.data() + (1 - row_axis_);
+  std::uint64_t* const out = spare_name_.data();
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-    const std::uint64_t name =
-        cell_at(ra, row_at[2 * i]) * stride_ + cell_at(ca, column_at[2 * i]);
+    const std::uint64_t name = cell_at(ra, row_at[2 * i]) * stride_ + cell_at(ca, column_at[2 * i]);
     out[i] = name << slot_bits_ | i;
   }
   chunk.large = chunk.dead = 0;
-  if (b.dead == 0 && !(large < 1e30f))
-    return;
+  if (b.dead == 0 && !(large < 1e30f)) return;
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
     if (b.id[i] == kNoSlot) {
       out[i] = (rows_ * stride_ + 1) << slot_bits_ | i;
@@ -128,36 +115,34 @@ void CellList::name_bodies(const BodyStore &b, float large, Chunk &chunk) {
 
 // A stable counting sort of names by some of their bits: each chunk counts,
 // counts become places (by digit, then by chunk), each chunk moves its own.
-void CellList::sort_by_digit(int shift, int bits, WorkerPool &pool) {
+void CellList::sort_by_digit(int shift, int bits, WorkerPool& pool) {
   const std::size_t digits = std::size_t{1} << bits;
-  const std::uint64_t *const from = spare_name_.data();
-  std::uint64_t *const to = name_.data();
+  const std::uint64_t* const from = spare_name_.data();
+  std::uint64_t* const to = name_.data();
   pool.run(chunks_.size(), [&](std::size_t c) {
-    std::uint32_t *const count = counts_.data() + c * digits;
+    std::uint32_t* const count = counts_.data() + c * digits;
     const std::uint64_t mask = digits - 1;
     const int low = shift;
     std::fill(count, count + digits, 0u);
-    for (const std::uint64_t *p = from + chunks_[c].begin;
-         p != from + chunks_[c].end; ++p) {
+    for (const std::uint64_t* p = from + chunks_[c].begin; p != from + chunks_[c].end; ++p) {
       ++count[(*p >> low) & mask];
     }
   });
   std::uint32_t place = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
-      std::uint32_t &count = counts_[c * digits + d];
+      std::uint32_t& count = counts_[c * digits + d];
       const std::uint32_t here = count;
       count = place;
       place += here;
     }
   }
   pool.run(chunks_.size(), [&](std::size_t c) {
-    std::uint32_t *const next = counts_.data() + c * digits;
-    std::uint64_t *const out = to;
+    std::uint32_t* const next = counts_.data() + c * digits;
+    std::uint64_t* const out = to;
     const std::uint64_t mask = digits - 1;
     const int low = shift;
-    for (const std::uint64_t *p = from + chunks_[c].begin;
-         p != from + chunks_[c].end; ++p) {
+    for (const std::uint64_t* p = from + chunks_[c].begin; p != from + chunks_[c].end; ++p) {
       out[next[(*p >> low) & mask]++] = *p;
     }
   });
@@ -166,12 +151,11 @@ void CellList::sort_by_digit(int shift, int bits, WorkerPool &pool) {
 
 // Of a chunk's names, those of bodies that are in the same cell as the last
 // time come first, in order; the others go to moved_, as far as there is room.
-void CellList::find_moved(const std::uint32_t *keys, std::uint32_t room,
-                          std::size_t index) {
-  Chunk &chunk = chunks_[index];
-  const std::uint64_t *const cell = name_.data();
-  std::uint64_t *const name = spare_name_.data();
-  std::uint64_t *const moved = moved_.data() + index * room;
+void CellList::find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t index) {
+  Chunk& chunk = chunks_[index];
+  const std::uint64_t* const cell = name_.data();
+  std::uint64_t* const name = spare_name_.data();
+  std::uint64_t* const moved = moved_.data() + index * room;
   const int shift = slot_bits_;
   std::size_t stay = chunk.begin;
   std::uint32_t go = 0;
@@ -189,52 +173,48 @@ void CellList::find_moved(const std::uint32_t *keys, std::uint32_t room,
 
 // Puts the names in order if most bodies are in the same cell as the last time:
 // these are in order.
-bool CellList::merge_moved(const BodyStore &b, float large,
-                           const std::uint32_t *keys, WorkerPool &pool) {
-  const std::uint32_t room =
-      std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved);
+bool CellList::merge_moved(const BodyStore& b, float large, const std::uint32_t* keys,
+                           WorkerPool& pool) {
+  const std::uint32_t room = std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved);
   moved_.reserve(chunks_.size() * room);
   pool.run(chunks_.size(), [&](std::size_t c) {
     name_bodies(b, large, chunks_[c]);
     find_moved(keys, room, c);
   });
-  std::uint64_t *const moved = moved_.data();
+  std::uint64_t* const moved = moved_.data();
   std::size_t all = 0;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    if (chunks_[c].moved >= room)
-      return false;
+    if (chunks_[c].moved >= room) return false;
     std::copy_n(moved + c * room, chunks_[c].moved, moved + all);
     all += chunks_[c].moved;
   }
   std::sort(moved, moved + all);
   // The moved ones of a chunk are those before the next chunk's first.
-  const std::uint64_t *const stay = spare_name_.data();
+  const std::uint64_t* const stay = spare_name_.data();
   std::size_t end = all;
   for (std::size_t c = chunks_.size(); c-- > 0;) {
-    Chunk &chunk = chunks_[c];
+    Chunk& chunk = chunks_[c];
     std::size_t begin = end;
     if (c == 0) {
       begin = 0;
     } else if (chunk.stayed != 0) {
-      begin = static_cast<std::size_t>(
-          std::lower_bound(moved, moved + end, stay[chunk.begin]) - moved);
+      begin =
+          static_cast<std::size_t>(std::lower_bound(moved, moved + end, stay[chunk.begin]) - moved);
     }
     chunk.moved = static_cast<std::uint32_t>(end - begin);
     end = begin;
   }
   pool.run(chunks_.size(), [&](std::size_t c) {
-    const std::uint64_t *m = moved;
-    std::uint64_t *out = name_.data();
+    const std::uint64_t* m = moved;
+    std::uint64_t* out = name_.data();
     for (std::size_t k = 0; k < c; ++k) {
       m += chunks_[k].moved;
       out += chunks_[k].moved + chunks_[k].stayed;
     }
-    const std::uint64_t *s = stay + chunks_[c].begin;
-    const std::uint64_t *const s_end = s + chunks_[c].stayed;
-    for (const std::uint64_t *const m_end = m + chunks_[c].moved; m != m_end;
-         ++m) {
-      while (s != s_end && *s < *m)
-        *out++ = *s++;
+    const std::uint64_t* s = stay + chunks_[c].begin;
+    const std::uint64_t* const s_end = s + chunks_[c].stayed;
+    for (const std::uint64_t* const m_end = m + chunks_[c].moved; m != m_end; ++m) {
+      while (s != s_end && *s < *m) *out++ = *s++;
       *out++ = *m;
     }
     std::copy(s, s_end, out);
@@ -242,8 +222,8 @@ bool CellList::merge_moved(const BodyStore &b, float large,
   return true;
 }
 
-SortCount CellList::sort(const BodyStore &b, float large, std::uint32_t *order,
-                         std::uint32_t *keys, WorkerPool &pool) {
+SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, std::uint32_t* keys,
+                         WorkerPool& pool) {
   const std::uint32_t n = b.count;
   const std::size_t padded = kernels::round_up_block(n) + kernels::kBlock;
   name_.reserve(padded);
@@ -253,8 +233,7 @@ SortCount CellList::sort(const BodyStore &b, float large, std::uint32_t *order,
   bool merged = false;
   if (sorted_ != 0 && patience_ == 0) {
     merged = merge_moved(b, large, keys, pool);
-    if (!merged)
-      patience_ = kPatience;
+    if (!merged) patience_ = kPatience;
   } else if (patience_ > 0) {
     --patience_;
   }
@@ -263,21 +242,18 @@ SortCount CellList::sort(const BodyStore &b, float large, std::uint32_t *order,
     const int passes = (wanted + kDigitBits - 1) / kDigitBits;
     const int bits = (wanted + passes - 1) / passes;
     counts_.reserve(chunks_.size() << kDigitBits);
-    pool.run(chunks_.size(),
-             [&](std::size_t c) { name_bodies(b, large, chunks_[c]); });
-    for (int k = 0; k < passes; ++k)
-      sort_by_digit(slot_bits_ + k * bits, bits, pool);
+    pool.run(chunks_.size(), [&](std::size_t c) { name_bodies(b, large, chunks_[c]); });
+    for (int k = 0; k < passes; ++k) sort_by_digit(slot_bits_ + k * bits, bits, pool);
     name_.swap(spare_name_);
   }
   SortCount out;
-  for (const Chunk &c : chunks_) {
+  for (const Chunk& c : chunks_) {
     out.large += c.large;
     out.dead += c.dead;
   }
   out.small = n - out.large - out.dead;
   for (std::size_t i = out.small; i < n; ++i) {
-    order[i] = static_cast<std::uint32_t>(
-        name_[i] & ((std::uint64_t{1} << slot_bits_) - 1));
+    order[i] = static_cast<std::uint32_t>(name_[i] & ((std::uint64_t{1} << slot_bits_) - 1));
   }
   list_cells(out.small, order, keys, pool);
   sorted_ = out.small;
@@ -289,43 +265,38 @@ SortCount CellList::sort(const BodyStore &b, float large, std::uint32_t *order,
 }
 
 // Numbers the cells of the sorted bodies.
-void CellList::list_cells(std::uint32_t bodies, std::uint32_t *order,
-                          std::uint32_t *keys, WorkerPool &pool) {
-  const std::uint64_t *const from = name_.data();
+void CellList::list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys,
+                          WorkerPool& pool) {
+  const std::uint64_t* const from = name_.data();
   const std::uint64_t slots = (std::uint64_t{1} << slot_bits_) - 1;
-  const auto begins = [=](std::uint32_t i) {
-    return (from[i] ^ from[i - 1]) > slots;
-  };
+  const auto begins = [=](std::uint32_t i) { return (from[i] ^ from[i - 1]) > slots; };
   // Chunks that begin where a cell does.
   std::uint32_t end = bodies;
   for (std::size_t c = chunks_.size(); c-- > 0;) {
-    Chunk &chunk = chunks_[c];
+    Chunk& chunk = chunks_[c];
     chunk.end = end;
     chunk.begin = std::min(chunk.begin, end);
-    while (chunk.begin > 0 && chunk.begin < end && !begins(chunk.begin))
-      ++chunk.begin;
+    while (chunk.begin > 0 && chunk.begin < end && !begins(chunk.begin)) ++chunk.begin;
     end = chunk.begin;
   }
-  const auto count = [&](const Chunk &chunk) {
+  const auto count = [&](const Chunk& chunk) {
     std::uint32_t cells = chunk.begin < chunk.end ? 1 : 0;
-    for (std::uint32_t i = chunk.begin + 1; i < chunk.end; ++i)
-      cells += begins(i) ? 1u : 0u;
+    for (std::uint32_t i = chunk.begin + 1; i < chunk.end; ++i) cells += begins(i) ? 1u : 0u;
     return cells;
   };
   if (chunks_.size() > 1) {
-    pool.run(chunks_.size(),
-             [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
+    pool.run(chunks_.size(), [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
   }
   cells_ = 0;
-  for (Chunk &c : chunks_) {
+  for (Chunk& c : chunks_) {
     const std::uint32_t here = c.cells;
     c.cells = cells_;
     cells_ += here;
   }
   pool.run(chunks_.size(), [&](std::size_t c) {
-    Chunk &chunk = chunks_[c];
-    std::uint64_t *const name = spare_name_.data();
-    std::uint32_t *const first = start_.data() + 1;
+    Chunk& chunk = chunks_[c];
+    std::uint64_t* const name = spare_name_.data();
+    std::uint32_t* const first = start_.data() + 1;
     std::size_t cell = chunk.cells;
     const std::uint64_t slot = slots;
     const int shift = slot_bits_;
@@ -338,14 +309,11 @@ void CellList::list_cells(std::uint32_t bodies, std::uint32_t *order,
       order[i] = static_cast<std::uint32_t>(from[i] & slot);
       keys[i] = static_cast<std::uint32_t>(4 * cell);
     }
-    if (chunk.begin < chunk.end)
-      chunk.cells = static_cast<std::uint32_t>(cell + 1);
+    if (chunk.begin < chunk.end) chunk.cells = static_cast<std::uint32_t>(cell + 1);
   });
-  if (chunks_.size() == 1)
-    cells_ = chunks_[0].cells;
+  if (chunks_.size() == 1) cells_ = chunks_[0].cells;
   name_.swap(spare_name_);
-  for (std::uint32_t k = 0; k < kSentinels; ++k)
-    name_[cells_ + k] = kNoName;
+  for (std::uint32_t k = 0; k < kSentinels; ++k) name_[cells_ + k] = kNoName;
   start_[1] = 0;
   start_[4 * std::size_t{cells_} + 1] = bodies;
 }
@@ -355,8 +323,8 @@ void CellList::list_cells(std::uint32_t bodies, std::uint32_t *order,
 // counted, not branched on, and two halves go side by side, since each step
 // waits for the one before.
 void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
-  const std::uint64_t *const name = name_.data();
-  std::uint32_t *const start = start_.data();
+  const std::uint64_t* const name = name_.data();
+  std::uint32_t* const start = start_.data();
   const std::uint64_t stride = stride_;
   const std::uint64_t last_row = periodic_ ? (rows_ - 1) * stride : kNoName;
   const auto below = [=](std::size_t c, std::uint64_t bound) {
@@ -366,11 +334,10 @@ void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
   const auto middle_above = [=](std::size_t c) {
     return name[c] >= last_row ? name[c] - last_row : name[c] + stride;
   };
-  const auto look = [=](std::size_t c, std::size_t &above) {
+  const auto look = [=](std::size_t c, std::size_t& above) {
     const std::uint64_t middle = middle_above(c);
     const std::uint64_t first = middle == 0 ? 0 : middle - 1;
-    for (std::size_t step = 3; step == 3;)
-      above += step = below(above, first);
+    for (std::size_t step = 3; step == 3;) above += step = below(above, first);
     const std::size_t past = above + below(above, middle + 2);
     const std::size_t east = c + 1 + std::size_t{name[c + 1] == name[c] + 1};
     start[4 * c] = start[4 * above + 1];
@@ -379,47 +346,39 @@ void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
   };
   // The last row of a periodic world has the first one above it: it begins
   // again from there.
-  const auto seam = static_cast<std::uint32_t>(
-      std::lower_bound(name + begin, name + end, last_row) - name);
-  for (const auto &[from, to] :
-       {std::pair{begin, seam}, std::pair{seam, end}}) {
-    if (from == to)
-      continue;
+  const auto seam =
+      static_cast<std::uint32_t>(std::lower_bound(name + begin, name + end, last_row) - name);
+  for (const auto& [from, to] : {std::pair{begin, seam}, std::pair{seam, end}}) {
+    if (from == to) continue;
     const std::size_t half = (to - from) / 2, second = from + half;
     const auto seek = [&](std::size_t c) {
       const std::uint64_t middle = middle_above(c);
       return static_cast<std::size_t>(
-          std::lower_bound(name, name + cells_, middle == 0 ? 0 : middle - 1) -
-          name);
+          std::lower_bound(name, name + cells_, middle == 0 ? 0 : middle - 1) - name);
     };
     std::size_t above[2] = {seek(from), seek(second)};
     for (std::size_t k = 0; k < half; ++k) {
       look(from + k, above[0]);
       look(second + k, above[1]);
     }
-    if (second + half < to)
-      look(second + half, above[1]);
+    if (second + half < to) look(second + half, above[1]);
   }
 }
 
 std::uint32_t CellList::find(std::uint64_t row, std::uint64_t column) const {
-  const std::uint64_t *const end = name_.data() + cells_;
-  return static_cast<std::uint32_t>(
-      std::lower_bound(name_.data(), end, row * stride_ + column) -
-      name_.data());
+  const std::uint64_t* const end = name_.data() + cells_;
+  return static_cast<std::uint32_t>(std::lower_bound(name_.data(), end, row * stride_ + column) -
+                                    name_.data());
 }
 
 // The cells of an axis within `half` steps of a place: up to two runs in a
 // periodic world.
-void CellList::span(int axis, std::int32_t at, double half,
-                    Range out[2]) const {
-  const Axis &a = axis_[axis];
+void CellList::span(int axis, std::int32_t at, double half, Range out[2]) const {
+  const Axis& a = axis_[axis];
   const double here = static_cast<std::uint32_t>(wrap_sub(at, a.low));
-  const double low = std::floor(here - half) - 1,
-               high = std::ceil(here + half) + 1;
+  const double low = std::floor(here - half) - 1, high = std::ceil(here + half) + 1;
   const auto cell = [&](double steps) {
-    const auto k =
-        static_cast<std::uint64_t>(std::clamp(steps, 0.0, 0x1p32 - 1));
+    const auto k = static_cast<std::uint64_t>(std::clamp(steps, 0.0, 0x1p32 - 1));
     return std::min((k * a.per) >> 32, a.cells - 1);
   };
   out[1] = {};
@@ -440,15 +399,14 @@ void CellList::span(int axis, std::int32_t at, double half,
 
 // By symmetry the cells to the west and below hold as many as those to the east
 // and above.
-double CellList::neighbours(const std::uint32_t *keys,
-                            std::uint32_t bodies) const {
+double CellList::neighbours(const std::uint32_t* keys, std::uint32_t bodies) const {
   const std::uint32_t stride = std::max(1u, bodies / 2048);
   double sum = 0, samples = 0;
   for (std::uint32_t i = 0; i < bodies; i += stride, samples += 1) {
-    const std::uint32_t *const s = start_.data() + keys[i];
+    const std::uint32_t* const s = start_.data() + keys[i];
     sum += (s[5] - s[1]) + 2.0 * ((s[2] - s[5]) + (s[3] - s[0]));
   }
   return samples > 0 ? sum / samples : 0;
 }
 
-} // namespace psim
+}  // namespace psim

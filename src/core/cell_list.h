@@ -32,44 +32,36 @@ struct SortCount {
 };
 
 class CellList {
-public:
-  explicit CellList(MemoryMeter &meter)
-      : name_(meter), spare_name_(meter), moved_(meter), counts_(meter),
-        start_(meter) {}
+ public:
+  explicit CellList(MemoryMeter& meter)
+      : name_(meter), spare_name_(meter), moved_(meter), counts_(meter), start_(meter) {}
 
   /// Cells at least `edge` lattice steps wide in the box {x low, y low, x high,
   /// y high} of so many bodies, or in the whole of a periodic world. False if
   /// that has not three by three of them.
-  bool lay(const std::int32_t box[4], const double edge[2], bool periodic,
-           std::uint32_t bodies);
+  bool lay(const std::int32_t box[4], const double edge[2], bool periodic, std::uint32_t bodies);
 
   /// Puts slots in order of their cells, within a cell in order of slots;
   /// bodies whose reach exceeds `large` come last but for dead ones. order[k]
   /// is the slot that comes k-th, keys[k] four times its cell: `keys` and the
   /// cells of the last time tell who is still where it was.
-  SortCount sort(const BodyStore &bodies, float large, std::uint32_t *order,
-                 std::uint32_t *keys, WorkerPool &pool);
+  SortCount sort(const BodyStore& bodies, float large, std::uint32_t* order, std::uint32_t* keys,
+                 WorkerPool& pool);
 
   /// The keys of the last time are gone.
   void forget() { sorted_ = 0; }
 
-  const std::uint32_t *start() const { return start_.data(); }
+  const std::uint32_t* start() const { return start_.data(); }
   std::uint32_t size() const { return cells_; }
   bool periodic() const { return periodic_; }
   double cell_steps(int axis) const { return axis_[axis].width; }
 
   /// First body of a cell; of cell size(): past the last body.
-  std::uint32_t first(std::uint32_t cell) const {
-    return start_[4 * std::size_t{cell} + 1];
-  }
+  std::uint32_t first(std::uint32_t cell) const { return start_[4 * std::size_t{cell} + 1]; }
   std::uint64_t row(std::uint32_t cell) const { return name_[cell] / stride_; }
-  std::uint64_t column(std::uint32_t cell) const {
-    return name_[cell] % stride_;
-  }
+  std::uint64_t column(std::uint32_t cell) const { return name_[cell] % stride_; }
   std::uint64_t last_column() const { return stride_ - 2; }
-  std::uint64_t row_above(std::uint64_t row) const {
-    return row + 1 == rows_ ? 0 : row + 1;
-  }
+  std::uint64_t row_above(std::uint64_t row) const { return row + 1 == rows_ ? 0 : row + 1; }
   /// The first cell of those in a row, from a column on; if there is none, the
   /// first beyond. O(log cells).
   std::uint32_t find(std::uint64_t row, std::uint64_t column) const;
@@ -78,19 +70,16 @@ public:
   /// lattice steps wide each way about a place. Ends when one returns false,
   /// and returns that.
   template <class Each>
-  bool in_box(const std::int32_t place[2], const double half[2],
-              const Each &each) const {
+  bool in_box(const std::int32_t place[2], const double half[2], const Each& each) const {
     Range rows[2], columns[2];
     span(row_axis_, place[row_axis_], half[row_axis_], rows);
     span(1 - row_axis_, place[1 - row_axis_], half[1 - row_axis_], columns);
-    for (const Range &r : rows) {
+    for (const Range& r : rows) {
       for (std::uint32_t c = find(r.first, 0); c < cells_ && row(c) < r.end;
            c = find(row(c) + 1, 0)) {
-        for (const Range &k : columns) {
-          const std::uint32_t from = first(find(row(c), k.first)),
-                              to = first(find(row(c), k.end));
-          if (from < to && !each(from, to))
-            return false;
+        for (const Range& k : columns) {
+          const std::uint32_t from = first(find(row(c), k.first)), to = first(find(row(c), k.end));
+          if (from < to && !each(from, to)) return false;
         }
       }
     }
@@ -99,51 +88,46 @@ public:
 
   /// How many bodies lie in a body's cell and the eight around it: mean of some
   /// 2,000 of them.
-  double neighbours(const std::uint32_t *keys, std::uint32_t bodies) const;
+  double neighbours(const std::uint32_t* keys, std::uint32_t bodies) const;
 
-private:
+ private:
   struct Axis {
-    std::int32_t low = 0;  // lattice coordinate where cell 0 begins
-    std::uint64_t per = 0; // cells in 2^32 lattice steps
+    std::int32_t low = 0;   // lattice coordinate where cell 0 begins
+    std::uint64_t per = 0;  // cells in 2^32 lattice steps
     std::uint64_t cells = 0;
-    double width = 1; // of a cell, lattice steps
+    double width = 1;  // of a cell, lattice steps
   };
   struct Range {
     std::uint64_t first = 0, end = 0;
   };
   struct Chunk {
-    std::uint32_t begin = 0, end = 0; // bodies
+    std::uint32_t begin = 0, end = 0;  // bodies
     std::uint32_t large = 0, dead = 0, cells = 0;
     std::uint32_t stayed = 0, moved = 0;
   };
 
-  static std::uint64_t cell_at(const Axis &a, std::int32_t at) {
-    return (std::uint64_t{static_cast<std::uint32_t>(wrap_sub(at, a.low))} *
-            a.per) >>
-           32;
+  static std::uint64_t cell_at(const Axis& a, std::int32_t at) {
+    return (std::uint64_t{static_cast<std::uint32_t>(wrap_sub(at, a.low))} * a.per) >> 32;
   }
-  bool serves(const Axis &a, const std::int32_t box[4], int axis, double edge,
-              bool periodic) const;
+  bool serves(const Axis& a, const std::int32_t box[4], int axis, double edge, bool periodic) const;
   void span(int axis, std::int32_t at, double half, Range out[2]) const;
   void cut_chunks(std::uint32_t bodies);
-  void name_bodies(const BodyStore &bodies, float large, Chunk &chunk);
-  bool merge_moved(const BodyStore &bodies, float large,
-                   const std::uint32_t *keys, WorkerPool &pool);
-  void find_moved(const std::uint32_t *keys, std::uint32_t room,
-                  std::size_t chunk);
-  void sort_by_digit(int shift, int bits, WorkerPool &pool);
-  void list_cells(std::uint32_t bodies, std::uint32_t *order,
-                  std::uint32_t *keys, WorkerPool &pool);
+  void name_bodies(const BodyStore& bodies, float large, Chunk& chunk);
+  bool merge_moved(const BodyStore& bodies, float large, const std::uint32_t* keys,
+                   WorkerPool& pool);
+  void find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t chunk);
+  void sort_by_digit(int shift, int bits, WorkerPool& pool);
+  void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys,
+                  WorkerPool& pool);
   void find_neighbours(std::uint32_t begin, std::uint32_t end);
 
   // Of bodies while they are sorted, the slot in the low bits; then of cells.
   Column<std::uint64_t> name_, spare_name_;
   int slot_bits_ = 0;
-  Column<std::uint64_t> moved_; // names of those that went to another cell
-  std::uint32_t sorted_ =
-      0; // bodies in the cells of the last time; 0: it serves for nothing
-  int patience_ = 0; // sorts to go before moved ones are looked for again
-  Column<std::uint32_t> counts_; // by chunk and digit
+  Column<std::uint64_t> moved_;   // names of those that went to another cell
+  std::uint32_t sorted_ = 0;      // bodies in the cells of the last time; 0: it serves for nothing
+  int patience_ = 0;              // sorts to go before moved ones are looked for again
+  Column<std::uint32_t> counts_;  // by chunk and digit
   Column<std::uint32_t> start_;
   std::vector<Chunk> chunks_;
   Axis axis_[2];
@@ -153,4 +137,4 @@ private:
   bool periodic_ = false;
 };
 
-} // namespace psim
+}  // namespace psim

@@ -42,6 +42,7 @@ struct Met {
 // The points of a manifold along its edge, in an order that depends on neither side.
 void order_points(const ManifoldPair& pair, Touch& touch) {
   const Manifold& m = pair.manifold;
+  touch = Touch{};
   touch.points = static_cast<std::uint32_t>(std::max(m.count, 1));
   const bool flip = m.count == 2 && runs_backwards(m);
   for (int k = 0; k < m.count; ++k) {
