@@ -1,0 +1,415 @@
+// What wakes bodies, at once and no more than it must; and that all of it is the same everywhere.
+#include "rigid_support.h"
+
+namespace psim::test {
+namespace {
+
+std::uint64_t awake(const World& world) {
+  std::uint64_t n = 0;
+  for (std::uint32_t id = 0; id < world.body_count() + 64; ++id)
+    n += world.is_awake(world.id_of(id));
+  return n;
+}
+
+/// Until nobody moves but kinematic bodies.
+void settle(World& world, std::uint64_t kinematic = 0, int most = 3600) {
+  while (most-- > 0 && world.step().awake > kinematic) {
+  }
+  ASSERT_GT(most, 0) << "it does not come to rest";
+}
+
+Placed sleeping_stack(int n) {
+  Placed p = stack(n);
+  settle(*p.world);
+  EXPECT_EQ(awake(*p.world), 0u);
+  return p;
+}
+
+/// Discs that lie in a hexagonal lattice in a bin, asleep.
+std::unique_ptr<World> sleeping_heap(int columns, int rows) {
+  auto world = make(walled({0, 0, columns + 0.5, 3.0 * rows}, {0, -kG}, kGrip));
+  Discs discs;
+  discs.m = kGrip;
+  for (int row = 0; row < rows; ++row) {
+    for (int k = 0; k < columns; ++k)
+      discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
+  }
+  add(*world, discs);
+  settle(*world);
+  return world;
+}
+
+// ---- the host -----------------------------------------------------------------------------------
+
+struct Touch {
+  const char* name;
+  void (*apply)(World&, BodyId box);
+};
+
+const Touch kTouches[] = {
+    {"Wake", [](World& w, BodyId id) { EXPECT_TRUE(w.wake(id)); }},
+    {"Impulse",
+     [](World& w, BodyId id) {
+       EXPECT_TRUE(w.apply_impulse(id, {0.1, 0}));
+     }},
+    {"ImpulseAt",
+     [](World& w, BodyId id) {
+       EXPECT_TRUE(w.apply_impulse_at(id, {0.1, 0}, {0, 0.7}));
+     }},
+    {"AngularImpulse", [](World& w, BodyId id) { EXPECT_TRUE(w.apply_angular_impulse(id, 0.1)); }},
+    {"SetVelocity",
+     [](World& w, BodyId id) {
+       EXPECT_TRUE(w.set_velocity(id, {0, 0.2}, 0));
+     }},
+    {"SetTransform",
+     [](World& w, BodyId id) {
+       EXPECT_TRUE(w.set_transform(id, {3, 0.6}, 0.1));
+     }},
+    {"SetGravity",
+     [](World& w, BodyId) {
+       EXPECT_TRUE(w.set_gravity({0.1, -9}));
+     }},
+    {"SetSleeping", [](World& w, BodyId) { w.set_sleeping(false); }},
+    {"StaticBodyInIt",
+     [](World& w, BodyId id) {
+       const BodyState s = state(w, id);
+       add(w, static_disc({s.x + 0.6, s.y}, 0.2));
+     }},
+    {"JointAdded",
+     [](World& w, BodyId id) {
+       JointDesc rope;
+       rope.a = w.id_of(0);
+       rope.b = id;
+       std::string error;
+       EXPECT_NE(w.add_joint(rope, error), kNoJoint) << error;
+     }},
+};
+
+TEST(SleepWake, WhateverTheHostDoesToABodyWakesIt) {
+  for (const Touch& touch : kTouches) {
+    Placed p = sleeping_stack(1);
+    touch.apply(*p.world, p.ids[0]);
+    EXPECT_TRUE(p.world->is_awake(p.ids[0])) << touch.name;
+    const StepReport report = p.world->step();
+    EXPECT_EQ(report.awake, 1u) << touch.name;
+  }
+}
+
+TEST(SleepWake, AnImpulseMovesAsMuchAsWithoutSleep) {
+  Placed p = stack(1), q = stack(1);
+  q.world->set_sleeping(false);
+  run(*p.world, 120);
+  run(*q.world, 120);
+  EXPECT_EQ(awake(*p.world), 0u);
+  for (Placed* s : {&p, &q}) s->world->apply_impulse(s->ids[0], {3, 0});
+  run(*p.world, 120);
+  run(*q.world, 120);
+  EXPECT_GT(p.sideways(), 0.7);
+  EXPECT_NEAR(p.sideways(), q.sideways(), 1e-3);
+}
+
+TEST(SleepWake, StaleIdsWakeNobody) {
+  Placed p = sleeping_stack(3);
+  const BodyId gone = p.ids[2];
+  p.world->remove_body(gone);
+  settle(*p.world);
+  EXPECT_FALSE(p.world->wake(gone));
+  EXPECT_FALSE(p.world->apply_impulse(gone, {1, 0}));
+  EXPECT_FALSE(p.world->is_awake(gone));
+  const BodyId next = add(*p.world, box({20, 0.5}, 1, 1, kGrip, 1));
+  EXPECT_EQ(next.index, gone.index);
+  EXPECT_NE(next.generation, gone.generation);
+  settle(*p.world);
+  EXPECT_FALSE(p.world->wake(gone));
+  EXPECT_EQ(awake(*p.world), 0u);
+  EXPECT_NEAR(state(*p.world, next).y, 0.5, 1e-3);
+}
+
+// ---- supports -----------------------------------------------------------------------------------
+
+TEST(SleepWake, AllOfAStackFallsInTheFrameInWhichItsSupportGoes) {
+  for (const int kind : {0, 1, 2}) {  // static, dynamic, kinematic
+    auto world = make(unbounded());
+    add(*world, segment({-50, -20}, {50, -20}, kGrip));
+    BodyDesc table = box({0, -0.5}, 6, 1, kGrip);
+    if (kind == 0) table.type = BodyType::static_body;
+    if (kind == 2) table.type = BodyType::kinematic_body;
+    const BodyId legs = kind == 1 ? add(*world, fixed(box({0, -1.5}, 6, 1, kGrip))) : kNoBody;
+    const BodyId support = add(*world, table);
+    std::vector<BodyId> ids;
+    for (int k = 0; k < 6; ++k) ids.push_back(add(*world, box({0, k + 0.5}, 1, 1, kGrip, 1)));
+    settle(*world, kind == 2 ? 1 : 0);
+    if (kind == 1) world->remove_body(legs);
+    world->remove_body(support);
+    world->step();
+    for (const BodyId id : ids) {
+      EXPECT_TRUE(world->is_awake(id)) << kind;
+      EXPECT_NEAR(state(*world, id).vy, -kG / 60, 0.01) << kind;
+    }
+    settle(*world);
+    EXPECT_NEAR(state(*world, ids[0]).y, -19.5, 0.01);
+  }
+}
+
+TEST(SleepWake, AKinematicFloorThatStartsToMoveTakesAlongWhatLiesOnIt) {
+  auto world = make(unbounded());
+  const BodyId lift = add(*world, kinematic(box({0, -0.5}, 10, 1, kGrip)));
+  std::vector<BodyId> ids;
+  for (int k = 0; k < 4; ++k) ids.push_back(add(*world, box({-3.0 + 2 * k, 0.5}, 1, 1, kGrip, 1)));
+  settle(*world, 1);
+  EXPECT_EQ(awake(*world), 1u);
+  world->set_velocity(lift, {0.5, 0.2}, 0);
+  run(*world, 120);
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const BodyState s = state(*world, ids[k]);
+    EXPECT_NEAR(s.y, 0.5 + 0.4, 0.01);
+    EXPECT_NEAR(s.x, -3.0 + 2 * static_cast<double>(k) + 1, 0.05);
+  }
+}
+
+TEST(SleepWake, JointsSleepAndWakeTogether) {
+  for (const bool cut : {false, true}) {
+    auto world = make(unbounded());
+    const BodyId peg = add(*world, static_disc({0, 0}, 0.1));
+    std::vector<BodyId> ids{peg};
+    std::vector<JointId> joints;
+    std::string error;
+    for (int k = 0; k < 6; ++k) {
+      const BodyId next = add(*world, disc({0, -0.5 * (k + 1)}, {}, 0.1));
+      JointDesc rod;
+      rod.a = ids.back();
+      rod.b = next;
+      joints.push_back(world->add_joint(rod, error));
+      ids.push_back(next);
+    }
+    settle(*world);
+    EXPECT_EQ(awake(*world), 0u);
+    if (cut) {
+      EXPECT_TRUE(world->remove_joint(joints[2]));
+      run(*world, 30);
+      EXPECT_LT(state(*world, ids[4]).y, -3);
+      EXPECT_NEAR(state(*world, ids[2]).y, -1, 1e-3);
+    } else {
+      EXPECT_TRUE(world->wake(ids[3]));
+      EXPECT_EQ(awake(*world), 6u);
+      EXPECT_TRUE(world->remove_body(ids[6]));
+      settle(*world);
+      EXPECT_EQ(world->joint_count(), 5u);
+    }
+  }
+}
+
+TEST(SleepWake, AMotorStartsWhatItTurns) {
+  auto world = make(unbounded());
+  const BodyId frame = add(*world, static_disc({0, 0}, 0.1));
+  const BodyId wheel = add(*world, box({0, 0}, 2, 0.2, kGrip, 1));
+  JointDesc pin;
+  pin.type = JointType::revolute;
+  pin.a = frame;
+  pin.b = wheel;
+  pin.motor_limit = 10;
+  std::string error;
+  const JointId motor = world->add_joint(pin, error);
+  settle(*world);
+  EXPECT_TRUE(world->set_motor(motor, 1, 10));
+  run(*world, 60);
+  EXPECT_NEAR(state(*world, wheel).angle, 1, 0.1);
+}
+
+// ---- bodies that meet sleepers ------------------------------------------------------------------
+
+TEST(SleepWake, ABulletKnocksASleeperOver) {
+  for (const bool bullet : {false, true}) {
+    Placed p = sleeping_stack(3);
+    BodyDesc ball = disc({-20.3, 2.5}, {bullet ? 240.0 : 60.0, 0}, 0.2, kGrip);
+    ball.bullet = bullet;
+    ball.mass = 1;
+    add(*p.world, ball);
+    run(*p.world, 30);
+    const double momentum = p.now(0).vx + p.now(1).vx + p.now(2).vx;  // of boxes of 1 kg
+    EXPECT_GT(momentum, bullet ? 60 : 15);
+    EXPECT_GT(p.sideways(), 1) << bullet;
+  }
+}
+
+TEST(SleepWake, DominoesFallAsFastWhenTheySleep) {
+  const auto last_falls = [](bool sleeping) {
+    Placed p{make(unbounded(200)), {}, {}};
+    add(*p.world, ground(kGrip));
+    for (int k = 0; k < 40; ++k) p.put(box({0.4 * k, 0.5}, 0.1, 1, kGrip));
+    p.world->set_sleeping(sleeping);
+    run(*p.world, 120);
+    EXPECT_EQ(awake(*p.world), sleeping ? 0u : 40u);
+    p.world->apply_impulse_at(p.ids[0], {0.15, 0}, {0, 1});
+    for (int frame = 0; frame < 1200; ++frame) {
+      p.world->step();
+      if (std::abs(p.top().angle) > 0.5) return frame;
+    }
+    return 0;
+  };
+  const int with = last_falls(true), without = last_falls(false);
+  EXPECT_GT(without, 60);
+  EXPECT_NEAR(with, without, 0.03 * without);
+}
+
+TEST(SleepWake, ADiscThatFallsOnAPileWakesFewAndThePileSleepsAgain) {
+  auto world = sleeping_heap(40, 25);
+  const Diagnostics before = world->diagnostics();
+  const BodyId ball = add(*world, disc({20, 25}, {}, 0.4999, kGrip));
+  std::uint64_t most = 0;
+  int frames = 0;
+  while (world->step().awake != 0 && frames < 3600) {
+    most = std::max(most, awake(*world));
+    ++frames;
+  }
+  EXPECT_LT(frames, 1200);
+  EXPECT_GT(most, 1u);
+  EXPECT_LT(most, 300u);
+  EXPECT_GT(state(*world, ball).y, 20);
+  EXPECT_LT(deepest(*world), 0.02);
+  EXPECT_NEAR(world->diagnostics().potential, before.potential, 0.01 * before.potential);
+}
+
+TEST(SleepWake, TheCoreOfAPileSleepsWhileItsSurfaceIsStirred) {
+  auto world = sleeping_heap(30, 20);
+  const BodyId paddle = add(*world, kinematic(box({15, 17.5}, 4, 0.5, kGrip)));
+  std::uint64_t asleep = 0;
+  for (int frame = 0; frame < 900; ++frame) {
+    world->set_velocity(paddle, {3 * std::cos(0.05 * frame), frame < 30 ? -1.0 : 0.0}, 0);
+    asleep = world->step().asleep;
+  }
+  EXPECT_GT(asleep, 150u);
+  EXPECT_LT(asleep, 600u);
+  EXPECT_FALSE(world->is_awake(world->id_of(15)));  // in the middle of the lowest row
+  EXPECT_LT(rms_speed(*world), 2);
+  world->remove_body(paddle);
+  settle(*world);
+  EXPECT_EQ(awake(*world), 0u);
+}
+
+TEST(SleepWake, NobodySleepsInTheAir) {
+  Random random(11);
+  Placed p{make(walled({0, 0, 12, 60}, {0, -kG}, kGrip)), {}, {}};
+  for (int k = 0; k < 150; ++k) {
+    const Vec2 at{1.0 + 1.1 * (k % 10) + random.uniform(-0.1, 0.1), 1.0 + 1.1 * (k / 10)};
+    const double angle = random.uniform(0, 3);
+    p.put(k % 3 == 0 ? turned(box(at, 0.7, 0.5, kGrip), angle)
+                     : turned(capsule(at, 0.3, 0.2, kGrip), angle));
+  }
+  settle(*p.world, 0, 7200);
+  for (int k = 0; k < 60; k += 7) {  // holes
+    p.world->remove_body(p.ids[static_cast<std::size_t>(k)]);
+    settle(*p.world, 0, 7200);
+  }
+  for (std::size_t k = 0; k < p.ids.size(); ++k) {
+    if (p.world->is_valid(p.ids[k])) p.at[k] = {p.now(k).x, p.now(k).y};
+  }
+  p.world->set_sleeping(false);
+  double fastest = 0;
+  for (int frame = 0; frame < 90; ++frame) {
+    p.world->step();
+    fastest = std::max(fastest, p.fastest());
+  }
+  EXPECT_LT(p.moved(), 2e-3);
+  EXPECT_LT(fastest, 0.1);
+}
+
+// A heap that falls asleep part by part comes to rest as fast as one that does not: contacts of those that
+// stay awake keep their impulses when the other side becomes fixed. They took those of other contacts.
+TEST(SleepWake, HeapsOfShapesComeToRestWhileTheyFallAsleepPartByPart) {
+  for (const bool boxes : {true, false}) {
+    Random random(11);
+    Placed p{make(walled({0, 0, 12, 60}, {0, -kG}, kGrip)), {}, {}};
+    for (int k = 0; k < 150; ++k) {
+      const Vec2 at{1.0 + 1.1 * (k % 10) + random.uniform(-0.1, 0.1), 1.0 + 1.1 * (k / 10)};
+      const double angle = random.uniform(0, 3);
+      p.put(turned(boxes ? box(at, 0.7, 0.5, kGrip) : capsule(at, 0.3, 0.2, kGrip), angle));
+    }
+    run_seconds(*p.world, 20);
+    EXPECT_EQ(p.world->step().awake, 0u) << boxes;
+  }
+}
+
+// The column of radii stays behind when bodies move to other slots, as long as all are alike. A slot of one
+// of another size that was gone kept its radius for the next body in it: the pile never rested again.
+TEST(SleepWake, APileRestsAfterTheOnlyLargeBodyIsRemoved) {
+  for (const bool sleeping : {false, true}) {
+    auto world = sleeping_heap(20, 10);
+    world->set_sleeping(sleeping);
+    const BodyId large = add(*world, disc({10, 9.4}, {0, -2}, 0.6, kGrip));
+    run(*world, 30);
+    world->remove_body(large);
+    run_seconds(*world, 3);
+    EXPECT_LT(rms_speed(*world), 1e-4) << sleeping;
+    EXPECT_LT(deepest(*world), 0.005) << sleeping;
+  }
+}
+
+// ---- the same everywhere ------------------------------------------------------------------------
+
+/// Bodies that fall asleep and are woken all the time.
+std::vector<std::uint64_t> restless(Isa isa, int threads, bool seam, bool shapes, bool mixed) {
+  WorldDesc desc = walled({0, 0, 16, 40}, {0, -kG}, kGrip);
+  if (seam) {
+    desc = periodic(16, 40);
+    desc.gravity = {0, -kG};
+  }
+  auto world = make(desc, isa, threads);
+  add(*world, segment({0, 0.5}, {8, 0.5}, kGrip));
+  add(*world, segment({8, 0.5}, {16, 0.5}, kGrip));
+  Random random(5);
+  std::vector<BodyId> ids;
+  const auto put = [&](double y) {
+    const Vec2 at{random.uniform(1, 15), y};
+    const double r = mixed && random.chance(0.7) ? random.uniform(0.02, 0.1)
+                                                 : random.uniform(0.2, mixed ? 1 : 0.4);
+    BodyDesc body = disc(at, {}, r, kGrip);
+    body.fixed_rotation = true;  // nothing rolls for long
+    if (shapes && random.chance(0.5))
+      body = turned(box(at, 2 * r, 1.4 * r, kGrip), random.uniform(0, 3));
+    ids.push_back(add(*world, body));
+  };
+  for (int k = 0; k < 120; ++k) put(1.5 + 0.2 * k);
+  world->set_event_options({true, false, 1, false});
+  std::vector<std::uint64_t> all;
+  std::uint64_t slept = 0;
+  for (int frame = 0; frame < 900; ++frame) {
+    if (frame > 300 && frame % 40 == 0) {
+      put(12);
+      const std::size_t k = random.below(ids.size());
+      if (frame % 120 == 0) {
+        world->remove_body(ids[k]);
+        ids[k] = ids.back();
+        ids.pop_back();
+      } else {
+        world->apply_impulse(ids[k], {random.uniform(-1, 1), 1});
+      }
+    }
+    const StepReport report = world->step();
+    slept += report.asleep;
+    all.push_back(world->state_hash() * 31 + report.asleep + 7 * world->events().begin.size() +
+                  13 * world->events().end.size());
+  }
+  EXPECT_GT(slept, 30u);
+  return all;
+}
+
+TEST(SleepDeterminism, TheSameBitsForEveryIsaAndThreadCount) {
+  struct Kind {
+    bool seam, shapes, mixed;
+  };
+  for (const Kind k :
+       {Kind{false, true, false}, {false, false, true}, {true, false, false}, {true, true, true}}) {
+    const auto first = restless(Isa::scalar, 1, k.seam, k.shapes, k.mixed);
+    for (const Isa isa : available_isas()) {
+      for (const int threads : {1, 2, 3}) {
+        if (isa == Isa::scalar && threads == 1) continue;
+        EXPECT_EQ(restless(isa, threads, k.seam, k.shapes, k.mixed), first)
+            << k.seam << k.shapes << k.mixed << ' ' << static_cast<int>(isa) << ' ' << threads;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace psim::test
