@@ -8,6 +8,7 @@
 #include "psim/joint.h"
 #include "psim/query.h"
 #include "psim/report.h"
+#include "psim/saved_state.h"
 #include "psim/types.h"
 #include "psim/version.h"
 #include "psim/world.h"

@@ -152,6 +152,19 @@ class World {
   /// Advances by another dt (seconds, > 0, finite) with the same number of substeps.
   StepReport step(double dt);
 
+  /// Writes all that the world must remember to go on with the same bits, into `out`, whose memory is used
+  /// again: for going back some frames, or to send a world. 50 bytes for a disc of a pile
+  /// (docs/saved-states.md). Changes no result.
+  void save(std::vector<std::byte>& out);
+  /// Goes back to a saved state; its world had the same bounds and boundary. False and one line in `error` if
+  /// it had not, or the bytes are none of a state: then nothing changed. Settings of the host stay: governor,
+  /// job system, snapshots, trace. Bytes must be as `save` wrote them; those that were in a file or on a wire
+  /// come through `unpack_state` (psim/saved_state.h).
+  bool restore(std::span<const std::byte> state, std::string& error);
+  /// A world in a saved state.
+  static std::unique_ptr<World> from_state(std::span<const std::byte> state, const RunOptions& options,
+                                           std::string& error);
+
   /// Lets a governor keep the frame's budget from now on, or no more.
   void set_governor(const GovernorDesc& desc);
   /// Measures what work costs with these options, for worlds of about so many bodies. Takes about a tenth of

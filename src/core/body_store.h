@@ -51,6 +51,8 @@ struct BodyInfo {
 
 /// Surfaces in use, each once for a run of equal bodies.
 class SurfaceTable {
+  friend struct Image;
+
  public:
   const Surface& operator[](std::uint32_t i) const { return list_[i].surface; }
   std::size_t bytes() const { return list_.capacity() * sizeof(Entry); }
@@ -204,6 +206,16 @@ class BodyStore {
     if (vel_rest.empty()) return;
     vel_rest[2 * slot] = static_cast<float>(v.x - static_cast<double>(vel[2 * slot]));
     vel_rest[2 * slot + 1] = static_cast<float>(v.y - static_cast<double>(vel[2 * slot + 1]));
+  }
+
+  /// Radii by slot, of bodies' surfaces; all alike unless `mixed`.
+  void fill_radii(float alike, bool mixed) {
+    radius.reserve(kernels::round_up_block(count));
+    std::fill_n(radius.data(), count, alike);
+    if (!mixed) return;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (id[i] != kNoSlot) radius[i] = surface(id[i]).radius;
+    }
   }
 
   /// Neutral padding up to a whole block: at the last body's place, at rest, unlinked.

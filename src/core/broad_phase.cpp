@@ -315,6 +315,7 @@ double BroadPhase::sample_density(std::uint32_t bodies) const {
 
 void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
                        const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
+  params_ = p;
   shapes.build_grid();
   b.reach.reserve(kernels::round_up_block(b.count));
   b.built.reserve(2 * kernels::round_up_block(b.count));
@@ -342,6 +343,38 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
     all.extent[3] = std::max(all.extent[3], m.extent[3]);
   }
   sort(b, p, all.extent, all.most, k, pool, table);
+  const std::uint32_t stream_blocks = b.blocks();
+  pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
+    place(b, p.ahead, k, stream_range(t, stream_blocks));
+  });
+  find_lists(b, shapes, p, k, pool, table);
+  if (p.ahead != 0) {
+    pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
+      place(b, 0, k, stream_range(t, stream_blocks));
+    });
+  }
+}
+
+void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::KernelTable& k,
+                             WorkerPool& pool, PairTable& table) {
+  if (listed_) {
+    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
+  } else {
+    sort_.count(b, grid_, large_, k, pool);
+    table.large_begin = sort_.move(b, params_.mixed_radii, pool);
+  }
+  find_lists(b, shapes, params_, k, pool, table);
+}
+
+// Bodies lie in cell order: strips, their pairs, and bodies near fixed shapes.
+void BroadPhase::find_lists(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
+                            const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
+  // Padding lies where the last body does: its lists serve as long.
+  for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
+    b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
+    b.built[2 * i + 1] = b.built[2 * std::size_t{b.count - 1} + 1];
+    b.reach[i] = b.reach[b.count - 1];
+  }
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);
   cut_strips(b, table);
@@ -354,7 +387,6 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
     std::fill(b.linked.data() + std::size_t{r.begin} * kBlock,
               b.linked.data() + std::size_t{r.end} * kBlock,
               p.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
-    place(b, p.ahead, k, r);
   });
   if (p.outer > 0) pairs_a_body_.assign(strips - 1, 2 * p.outer * p.outer * density_);
   search(b, k, pool, table);
@@ -362,11 +394,6 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
     find_singles(b, shapes, p, s, table);
     link(b, table, s);
   });
-  if (p.ahead != 0) {
-    pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
-      place(b, 0, k, stream_range(t, stream_blocks));
-    });
-  }
   table.first[b.count] = PairTable::kStripStart;
   for (const Strip& s : table.strips) {
     if (s.body_begin < s.body_end) table.first[s.body_begin] |= PairTable::kStripStart;

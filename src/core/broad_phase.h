@@ -35,6 +35,8 @@ struct BroadPhaseParams {
 };
 
 class BroadPhase {
+  friend struct Image;
+
  public:
   BroadPhase(MemoryMeter& meter, const Lattice& lattice)
       : sort_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
@@ -45,6 +47,11 @@ class BroadPhase {
   /// Sorts the bodies and fills `table`. `from()` then maps slots to the slots before.
   void build(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
              const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
+
+  /// The lists of the last build once more, from `built` and `reach` as they were then and bodies in the
+  /// order that it left: after a saved state came back.
+  void build_again(BodyStore& bodies, StaticShapes& shapes, const kernels::KernelTable& k,
+                   WorkerPool& pool, PairTable& table);
 
   const std::uint32_t* from() const { return sort_.from(); }
   /// Area that the bodies lie in at the last build, m^2: their box, or, where cells are listed, as much
@@ -100,6 +107,8 @@ class BroadPhase {
              BlockRange blocks) const;
   double sample_density(std::uint32_t bodies) const;
   double expected_pairs(std::size_t strip) const;
+  void find_lists(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
+                  const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
   void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
               PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
@@ -114,6 +123,7 @@ class BroadPhase {
   };
 
   GridSort sort_;
+  BroadPhaseParams params_;  // of the last build
   std::vector<Measure> measures_;
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
   const Lattice* lattice_;

@@ -29,7 +29,7 @@ constexpr std::uint32_t kSentinels = 4;  // names of no cell behind the last one
 // Whether the cells of an axis can stay where they are.
 bool CellList::serves(const Axis& a, const std::int32_t box[4], int axis, double edge,
                       bool periodic) const {
-  if (sorted_ == 0 || !(edge <= a.width && edge >= kLeastEdge * a.width)) return false;
+  if (!stays_ || !(edge <= a.width && edge >= kLeastEdge * a.width)) return false;
   return periodic || (box[axis] >= a.low && cell_at(a, box[2 + axis]) < a.cells &&
                       4 * (cell_at(a, box[2 + axis]) - cell_at(a, box[axis])) + 64 >= a.cells);
 }
@@ -51,7 +51,7 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodi
       serves(axis_[1], box, 1, least[1], periodic)) {
     return true;
   }
-  sorted_ = 0;
+  forget();
   periodic_ = periodic;
   slot_bits_ = slot_bits;
   for (int k = 0; k < 2; ++k) {
@@ -257,6 +257,7 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
   }
   list_cells(out.small, order, keys, pool);
   sorted_ = out.small;
+  stays_ = sorted_ != 0;
   pool.run((cells_ + kTaskCells - 1) / kTaskCells, [&](std::size_t t) {
     const auto begin = static_cast<std::uint32_t>(t) * kTaskCells;
     find_neighbours(begin, std::min(cells_, begin + kTaskCells));

@@ -32,6 +32,8 @@ struct SortCount {
 };
 
 class CellList {
+  friend struct Image;
+
  public:
   explicit CellList(MemoryMeter& meter)
       : name_(meter), spare_name_(meter), moved_(meter), counts_(meter), start_(meter) {}
@@ -48,8 +50,11 @@ class CellList {
   SortCount sort(const BodyStore& bodies, float large, std::uint32_t* order, std::uint32_t* keys,
                  WorkerPool& pool);
 
-  /// The keys of the last time are gone.
-  void forget() { sorted_ = 0; }
+  /// The cells and keys of the last time are gone.
+  void forget() {
+    sorted_ = 0;
+    stays_ = false;
+  }
 
   const std::uint32_t* start() const { return start_.data(); }
   std::uint32_t size() const { return cells_; }
@@ -125,7 +130,8 @@ class CellList {
   Column<std::uint64_t> name_, spare_name_;
   int slot_bits_ = 0;
   Column<std::uint64_t> moved_;   // names of those that went to another cell
-  std::uint32_t sorted_ = 0;      // bodies in the cells of the last time; 0: it serves for nothing
+  std::uint32_t sorted_ = 0;      // bodies in the cells of the last time; 0: its keys are gone
+  bool stays_ = false;            // cells may stay where they are
   int patience_ = 0;              // sorts to go before moved ones are looked for again
   Column<std::uint32_t> counts_;  // by chunk and digit
   Column<std::uint32_t> start_;

@@ -30,6 +30,8 @@ struct ContactModel {
 };
 
 class ContactStore {
+  friend struct Image;
+
  public:
   explicit ContactStore(MemoryMeter& meter);
 
@@ -55,6 +57,7 @@ class ContactStore {
   std::uint64_t single_count() const { return single_count_; }
   /// How often the lanes were laid out: while it stays, so do they.
   std::uint64_t builds() const { return builds_; }
+  void set_builds(std::uint64_t builds) { builds_ = builds; }
 
   // Pair contacts, by lane.
   Column<std::uint32_t> body;  ///< two a lane, as SolverBodies numbers them

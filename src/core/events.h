@@ -38,6 +38,8 @@ struct EventSource {
 };
 
 class EventList {
+  friend struct Image;
+
  public:
   void set_options(const EventOptions& options);
   bool on() const { return options_.contacts || options_.hits || options_.sensors; }

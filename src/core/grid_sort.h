@@ -30,6 +30,8 @@ struct Grid {
 };
 
 class GridSort {
+  friend struct Image;
+
  public:
   explicit GridSort(MemoryMeter& meter)
       : key_(meter), start_(meter), counts_(meter), from_(meter), pos_(meter), vel_(meter),

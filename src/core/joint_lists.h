@@ -10,6 +10,8 @@
 namespace psim {
 
 class JointLists {
+  friend struct Image;
+
   std::vector<kernels::LineBlock> rods_[2], springs_[2];
   std::vector<kernels::PinBlock> pins_[2];
   std::vector<kernels::DrivenBlock> driven_[2];

@@ -41,6 +41,8 @@ struct JointMember {
 };
 
 class JointStore {
+  friend struct Image;
+
  public:
   explicit JointStore(MemoryMeter& meter)
       : share_vel_(meter), share_spin_(meter), push_vel_(meter), push_spin_(meter) {}

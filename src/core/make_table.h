@@ -35,6 +35,8 @@ inline bool meet(const Filter& a, const Filter& b) {
 }
 
 class MakeTable {
+  friend struct Image;
+
  public:
   /// Entries fit into the 24 bits that Surface has for them.
   static constexpr std::uint32_t kMost = (1u << 24) - 1;

@@ -117,6 +117,8 @@ struct ManifoldParams {
 using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 class Manifolds {
+  friend struct Image;
+
  public:
   explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), inner_(meter), used_(meter) {}
 

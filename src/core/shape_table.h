@@ -11,6 +11,8 @@
 namespace psim {
 
 class ShapeTable {
+  friend struct Image;
+
  public:
   const Hull& operator[](std::uint32_t i) const { return hulls_[i]; }
 

@@ -43,6 +43,8 @@ struct Touch {
 
 /// Touches by key. Filled, read until the lists are made, forgotten.
 class TouchMemory {
+  friend struct Image;
+
  public:
   void add(const Touch& touch);
   const Touch* find(std::uint64_t key) const;
@@ -73,6 +75,8 @@ struct Waking {
 };
 
 class Sleepers {
+  friend struct Image;
+
  public:
   explicit Sleepers(MemoryMeter& meter) : rest_(meter), state_(meter) {}
 

@@ -15,6 +15,8 @@
 namespace psim {
 
 class SolverBodies {
+  friend struct Image;
+
  public:
   explicit SolverBodies(MemoryMeter& meter)
       : number_(meter), slot_(meter), pos_(meter), vel_(meter), disp_(meter), vel0_(meter),

@@ -191,6 +191,10 @@ void StaticShapes::build_grid() {
   left_.clear();
   if (!dirty_) return;
   dirty_ = false;
+  make_grid();
+}
+
+void StaticShapes::make_grid() {
   cols_ = rows_ = 0;
   standing_.clear();
   const auto stands = [&](std::uint32_t i) { return shapes_[i].alive && !shapes_[i].asleep; };

@@ -45,6 +45,8 @@ inline constexpr std::uint32_t kWallBottom = 0xFFFFFFF2u;
 inline constexpr std::uint32_t kWallTop = 0xFFFFFFF3u;
 
 class StaticShapes {
+  friend struct Image;
+
  public:
   StaticShapes(MemoryMeter& meter, const Lattice& lattice)
       : cell_start_(meter), cell_shape_(meter), shapes_(meter), sleepers_(meter), standing_(meter), lattice_(&lattice) {
@@ -86,6 +88,7 @@ class StaticShapes {
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
 
  private:
+  void make_grid();
   void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
   void box_of(const StaticShape& s, double box[4]) const;
   void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);

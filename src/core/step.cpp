@@ -1,12 +1,11 @@
 // One step, in order. Read World::Impl::step from top to bottom: each call is a stage, or a group
 // of stages, in a file of its own name. docs/step.md is the same list with what each reads and
 // writes.
-#include <xmmintrin.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "float_settings.h"
 #include "stage_timer.h"
 #include "tasks.h"
 #include "world_impl.h"
@@ -20,19 +19,6 @@ using kernels::kBlock;
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
-
-// Round to nearest, denormals are zero (they cost twenty times as much and mean nothing here), no
-// traps; whatever the host had comes back at the end.
-class FloatSettings {
- public:
-  FloatSettings() : before_(_mm_getcsr()) { _mm_setcsr(kMxcsr); }
-  ~FloatSettings() { _mm_setcsr(before_); }
-  FloatSettings(const FloatSettings&) = delete;
-  FloatSettings& operator=(const FloatSettings&) = delete;
-
- private:
-  unsigned before_;
-};
 
 // Margin around bodies in the lists: a tenth of the radius suits piles (docs/performance.md).
 constexpr double kSkinOfRadius = 0.1;
@@ -170,11 +156,16 @@ void World::Impl::replan() {
   const Plan next = make_plan(traits);
   if (next.model != plan.model) impulses_valid = false;
   Plan same = next;
-  same.events = plan.events;  // who listens changes no result
+  same.events = plan.events;  // who listens or looks changes no result
+  same.publish = plan.publish;
   if (same != plan) spoil_lists();
   // While all radii are alike the column stays as it is when bodies move to other slots.
   if (plan.radii && !next.radii) std::fill_n(bodies.radius.data(), bodies.count, first_radius);
   plan = next;
+  apply_plan();
+}
+
+void World::Impl::apply_plan() {
   if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
   if (plan.forces) {
     if (!forces) forces = std::make_unique<Forces>(desc, lattice);
@@ -361,6 +352,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
 
 // Broad phase: who may meet. Sets lists_stale to whether there are new lists.
 void World::Impl::prepare_lists(double dt, StepReport& report) {
+  settle_lists();
   if (laid_ahead || lists_ahead) return;
   carry_woken();
   bodies.pad_tail();
@@ -373,6 +365,7 @@ void World::Impl::make_contacts(double dt, StepReport& report) {
   if (laid_ahead) return;
   laid_ahead = true;
   lists_ahead = false;
+  saved.bare = false;
   if (loose) {
     const StageTimer timer(report, tracer, Stage::narrow_phase);
     table.swap(old_table);

@@ -27,6 +27,7 @@
 #include "static_shapes.h"
 #include "tasks.h"
 #include "trace.h"
+#include "saved.h"
 #include "worker_pool.h"
 
 namespace psim {
@@ -82,9 +83,11 @@ struct World::Impl {
   bool lists_ahead = false;     // candidates are made already, lists_stale tells whether anew
   bool laid_ahead = false;      // and contacts
   void spoil_lists() {
+    settle_lists();
     lists_stale = true;
     lists_ahead = laid_ahead = false;
   }
+  Saved saved;
   Governor governor;
   int substeps = 4;             // of this step
   bool choosing = false;        // the governor says how many
@@ -148,6 +151,20 @@ struct World::Impl {
   void rouse(std::uint32_t id);
   void rouse_around(const BodyInfo& info, std::uint32_t id);
 
+  // world_saved.cpp
+  template <class A>
+  void image(A& archive, bool& lists);
+  void keep_contacts(bool lasting);
+  template <class Each>
+  void each_lane(const Each& each);
+  void take_pairs();
+  bool restore(std::span<const std::byte> state, std::string& error);
+  /// After a state came back: the lists that it had, if they are still missing.
+  void settle_lists() {
+    if (saved.missing) make_lists_again();
+  }
+  void make_lists_again();
+
   // world_joints.cpp
   void count_joints();
   void remove_joints_of(std::uint32_t body);
@@ -167,6 +184,7 @@ struct World::Impl {
 
   // step.cpp
   void replan();
+  void apply_plan();
   void prepare();
   StepReport step(double dt);
   StepReport step(double dt, const StepDetail& detail, bool choose);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "invariant.h"
 #include "stage_timer.h"
 #include "static_pieces.h"
 #include "world_impl.h"
@@ -57,6 +58,7 @@ void order_points(const ManifoldPair& pair, Touch& touch) {
 // each(met): every contact of the present lists that has a body on it.
 template <class Each>
 void World::Impl::each_contact(const Each& each) const {
+  PSIM_ASSERT(!saved.missing);
   const bool rough = !contacts.friction.empty();
   Met met;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {

@@ -1,0 +1,270 @@
+// Bytes that hold a world's state: numbers one after the other, in the order that both sides visit them, then
+// the long columns. Little-endian, no struct is written whole unless it is made of 4-byte numbers alone.
+//
+//   header    magic, format, length, length of the first part, hash of the first part
+//   first     single numbers and short lists
+//   columns   each begins on a cache line, in the order that the first part names them
+//
+// The same visitor writes and reads: Saver and Loader have the same calls. Columns are copied at the end, in
+// parallel, once the first part proved sound.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "column.h"
+#include "worker_pool.h"
+
+namespace psim {
+
+static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
+
+template <class T>
+concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// 64-bit hash of bytes: finds damage, no defence against forgery.
+std::uint64_t hash_of(const std::byte* data, std::size_t size);
+
+struct ArchiveHeader {
+  static constexpr std::uint64_t kMagic = 0x31305653'6D697370u;  // "psimSV01"
+  static constexpr std::uint32_t kFormat = 1;
+  std::uint64_t magic = kMagic;
+  std::uint32_t format = kFormat;
+  std::uint32_t spare = 0;
+  std::uint64_t size = 0;   ///< of all, bytes
+  std::uint64_t first = 0;  ///< bytes of the first part
+  std::uint64_t hash = 0;   ///< of the first part
+};
+
+class ArchiveCopies {
+ public:
+  void add(void* to, const void* from, std::size_t bytes) {
+    constexpr std::size_t kPiece = 1 << 17;
+    for (std::size_t at = 0; at < bytes; at += kPiece) {
+      list_.push_back({static_cast<std::byte*>(to) + at, static_cast<const std::byte*>(from) + at,
+                       std::min(kPiece, bytes - at)});
+    }
+  }
+  void run(WorkerPool& pool) {
+    pool.run(list_.size(), [&](std::size_t k) { std::memcpy(list_[k].to, list_[k].from, list_[k].bytes); });
+    list_.clear();
+  }
+
+ private:
+  struct Copy {
+    std::byte* to = nullptr;
+    const std::byte* from = nullptr;
+    std::size_t bytes = 0;
+  };
+  std::vector<Copy> list_;
+};
+
+inline constexpr std::size_t kArchiveAlign = 64;
+
+class Saver {
+ public:
+  static constexpr bool kLoading = false;
+
+  template <Number T>
+  void value(T& v) {
+    if constexpr (std::is_same_v<T, bool>) {
+      put(static_cast<std::uint8_t>(v));
+    } else {
+      put(v);
+    }
+  }
+  /// n values of something made of numbers of one size, without gaps.
+  template <class T>
+  void column(Column<T>& c, std::size_t n) {
+    if (c.empty()) n = 0;
+    long_run(c.data(), n);
+  }
+  template <class T>
+  void vector(std::vector<T>& v) {
+    long_run(v.data(), v.size());
+  }
+  std::size_t count(std::size_t n) {
+    put(static_cast<std::uint64_t>(n));
+    return n;
+  }
+  bool ok() const { return true; }
+
+  void finish(std::vector<std::byte>& out, WorkerPool& pool) {
+    ArchiveHeader header;
+    header.first = first_.size();
+    header.hash = hash_of(first_.data(), first_.size());
+    std::size_t at = round_up(sizeof header + first_.size());
+    for (const Run& run : runs_) at = round_up(at + run.bytes);
+    header.size = at;
+    out.resize(at);
+    std::memcpy(out.data(), &header, sizeof header);
+    std::memcpy(out.data() + sizeof header, first_.data(), first_.size());
+    at = sizeof header + first_.size();
+    const auto pad = [&] {
+      std::fill(out.begin() + static_cast<std::ptrdiff_t>(at), out.begin() + static_cast<std::ptrdiff_t>(round_up(at)), std::byte{0});
+      at = round_up(at);
+    };
+    pad();
+    for (const Run& run : runs_) {
+      copies_.add(out.data() + at, run.from, run.bytes);
+      at += run.bytes;
+      pad();
+    }
+    copies_.run(pool);
+  }
+  void clear() {
+    first_.clear();
+    runs_.clear();
+  }
+
+  static std::size_t round_up(std::size_t n) { return (n + kArchiveAlign - 1) / kArchiveAlign * kArchiveAlign; }
+
+ private:
+  struct Run {
+    const void* from = nullptr;
+    std::size_t bytes = 0;
+  };
+  template <class T>
+  void put(T v) {
+    const std::size_t at = first_.size();
+    first_.resize(at + sizeof v);
+    std::memcpy(first_.data() + at, &v, sizeof v);
+  }
+  template <class T>
+  void long_run(const T* from, std::size_t n) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put(static_cast<std::uint64_t>(n));
+    if (n != 0) runs_.push_back({from, n * sizeof(T)});
+  }
+
+  std::vector<std::byte> first_;
+  std::vector<Run> runs_;
+  ArchiveCopies copies_;
+};
+
+class Loader {
+ public:
+  static constexpr bool kLoading = true;
+
+  /// Looks at the header; what is wrong comes back as a line.
+  explicit Loader(std::span<const std::byte> bytes) : bytes_(bytes) {
+    if (bytes.size() < sizeof header_) {
+      fail("it is cut short");
+      return;
+    }
+    std::memcpy(&header_, bytes.data(), sizeof header_);
+    if (header_.magic != ArchiveHeader::kMagic) {
+      fail("it is no saved state of psim");
+    } else if (header_.format != ArchiveHeader::kFormat) {
+      fail("its format is " + std::to_string(header_.format) + ", this psim reads " +
+           std::to_string(ArchiveHeader::kFormat));
+    } else if (header_.size != bytes.size() || header_.first > bytes.size() - sizeof header_) {
+      fail("it has " + std::to_string(bytes.size()) + " bytes of " + std::to_string(header_.size));
+    } else if (hash_of(bytes.data() + sizeof header_, header_.first) != header_.hash) {
+      fail("it is damaged");
+    }
+    at_ = sizeof header_;
+    end_ = at_ + (error_.empty() ? header_.first : 0);
+    run_ = Saver::round_up(end_);
+  }
+
+  template <Number T>
+  void value(T& v) {
+    if constexpr (std::is_same_v<T, bool>) {
+      v = get<std::uint8_t>() != 0;
+    } else {
+      v = get<T>();
+    }
+  }
+  template <class T>
+  void column(Column<T>& c, std::size_t) {
+    const std::size_t n = length(sizeof(T));
+    if (n == 0) return;
+    c.reserve(n);
+    take(c.data(), n * sizeof(T));
+  }
+  template <class T>
+  void vector(std::vector<T>& v) {
+    const std::size_t n = length(sizeof(T));
+    v.resize(n);
+    if (n != 0) take(v.data(), n * sizeof(T));
+  }
+  /// Of a list whose elements take at least a byte each.
+  std::size_t count(std::size_t) {
+    const auto n = get<std::uint64_t>();
+    if (n <= end_ - at_) return static_cast<std::size_t>(n);
+    fail("it is damaged");
+    return 0;
+  }
+  bool ok() const { return error_.empty(); }
+  const std::string& error() const { return error_; }
+  void fail(const std::string& error) {
+    if (error_.empty()) error_ = error;
+  }
+  void finish(WorkerPool& pool) { copies_.run(pool); }
+
+ private:
+  template <class T>
+  T get() {
+    T v{};
+    if (end_ - at_ < sizeof v) {
+      fail("it is damaged");
+      return v;
+    }
+    std::memcpy(&v, bytes_.data() + at_, sizeof v);
+    at_ += sizeof v;
+    return v;
+  }
+  std::size_t length(std::size_t each) {
+    const auto n = get<std::uint64_t>();
+    if (run_ <= bytes_.size() && n <= (bytes_.size() - run_) / each) return static_cast<std::size_t>(n);
+    fail("it is damaged");
+    return 0;
+  }
+  void take(void* to, std::size_t bytes) {
+    copies_.add(to, bytes_.data() + run_, bytes);
+    run_ = Saver::round_up(run_ + bytes);
+  }
+
+  std::span<const std::byte> bytes_;
+  ArchiveHeader header_;
+  std::size_t at_ = 0, end_ = 0, run_ = 0;
+  std::string error_;
+  ArchiveCopies copies_;
+};
+
+/// Every number in turn.
+template <class A, class... T>
+void numbers(A& a, T&... v) {
+  (a.value(v), ...);
+}
+
+/// A list of things: each(element).
+template <class A, class T, class Each>
+void list(A& a, std::vector<T>& v, const Each& each) {
+  const std::size_t n = a.count(v.size());
+  if constexpr (A::kLoading) {
+    v.clear();
+    v.resize(n);
+  }
+  for (T& element : v) each(element);
+}
+
+template <class A, class T>
+void maybe(A& a, std::optional<T>& v) {
+  bool any = v.has_value();
+  a.value(any);
+  if constexpr (A::kLoading) v = any ? std::optional<T>(T{}) : std::nullopt;
+  if (any) a.value(*v);
+}
+
+}  // namespace psim

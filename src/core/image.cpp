@@ -1,0 +1,416 @@
+#include "image.h"
+
+namespace psim {
+
+namespace {
+
+// A variant by the number of its alternative.
+template <class A, class V, std::size_t... I>
+void alternative(A& a, V& v, std::index_sequence<I...>) {
+  auto which = static_cast<std::uint32_t>(v.index());
+  a.value(which);
+  if constexpr (A::kLoading) {
+    ((which == I ? static_cast<void>(v.template emplace<I>()) : void()), ...);
+  }
+}
+
+template <class A>
+void visit_vec(A& a, Vec2& v) {
+  numbers(a, v.x, v.y);
+}
+
+template <class A, class T>
+void short_list(A& a, std::vector<T>& v) {
+  list(a, v, [&](T& t) { a.value(t); });
+}
+
+}  // namespace
+
+template <class A>
+void Image::visit(A& a, WorldDesc& d) {
+  numbers(a, d.bounds.xmin, d.bounds.ymin, d.bounds.xmax, d.bounds.ymax, d.boundary, d.gravity.x, d.gravity.y,
+          d.linear_damping, d.wall.density, d.wall.restitution, d.wall.friction, d.dt, d.substeps, d.integrator,
+          d.restitution_threshold, d.sleeping);
+  list(a, d.fields, [&](Field& f) {
+    alternative(a, f, std::make_index_sequence<2>());
+    if (auto* w = std::get_if<WellField>(&f)) {
+      numbers(a, w->position.x, w->position.y, w->strength, w->softening, w->exponent, w->range);
+    } else {
+      auto& drag = std::get<DragField>(f);
+      numbers(a, drag.linear, drag.quadratic);
+    }
+  });
+}
+
+template <class A>
+void Image::visit(A& a, Traits& t) {
+  numbers(a, t.moving, t.discs, t.held_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_surface,
+          t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
+          t.cornered, t.filtered, t.sensors, t.bullets, t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce,
+          t.wall_rough, t.mass_ratio, t.gravity, t.fields, t.integrator, t.damping, t.events, t.sleeping);
+}
+
+template <class A>
+void Image::visit(A& a, Plan& p) {
+  numbers(a, p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,
+          p.radii, p.surfaces, p.rotation, p.shapes, p.filters, p.joints, p.turns, p.continuous, p.bullets, p.sleep,
+          p.events, p.model.model, p.model.bounce);
+}
+
+template <class A>
+void Image::visit(A& a, Surface& s) {
+  numbers(a, s.inv_mass, s.mass, s.spin_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
+  std::uint32_t make = s.make;
+  BodyType type = s.type;
+  numbers(a, make, type);
+  s.make = make & MakeTable::kMost;
+  s.type = type;
+}
+
+template <class A>
+void Image::visit(A& a, Hull& h) {
+  for (int k = 0; k < Hull::kMost; ++k) numbers(a, h.x[k], h.y[k], h.nx[k], h.ny[k]);
+  numbers(a, h.radius, h.reach, h.inner, h.count);
+}
+
+template <class A>
+void Image::visit(A& a, Make& m) {
+  numbers(a, m.first_hull, m.hull_count, m.centre_x, m.centre_y, m.inner, m.filter.category, m.filter.mask,
+          m.filter.group, m.bullet, m.sensor);
+}
+
+template <class A>
+void Image::visit(A& a, JointDesc& d) {
+  a.value(d.type);
+  visit(a, d.a);
+  visit(a, d.b);
+  visit_vec(a, d.anchor_a);
+  visit_vec(a, d.anchor_b);
+  maybe(a, d.length);
+  numbers(a, d.stiffness, d.damping);
+  visit_vec(a, d.axis);
+  maybe(a, d.reference);
+  maybe(a, d.lower);
+  maybe(a, d.upper);
+  numbers(a, d.motor_speed, d.motor_limit, d.collide);
+}
+
+template <class A>
+void Image::visit(A& a, ManifoldPair& p) {
+  numbers(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
+  Manifold& m = p.manifold;
+  numbers(a, m.nx, m.ny, m.count);
+  for (ManifoldPoint& q : m.point) numbers(a, q.ax, q.ay, q.bx, q.by, q.gap, q.feature);
+  numbers(a, p.base_x, p.base_y, p.base_dx, p.base_dy, p.turn_a.c, p.turn_a.s, p.turn_b.c, p.turn_b.s, p.margin);
+  for (int k = 0; k < 2; ++k) numbers(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
+  numbers(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.lasting, p.changed, p.column, p.was_column,
+          p.rest_frames, p.recalled, p.balanced);
+}
+
+template <class A>
+void Image::visit(A& a, Touch& t) {
+  numbers(a, t.key, t.impulse[0], t.impulse[1], t.friction[0], t.friction[1], t.points);
+}
+
+template <class A>
+void Image::visit(A& a, StaticShape& s) {
+  visit(a, s.p);
+  visit(a, s.q);
+  numbers(a, s.radius, s.restitution, s.friction, s.owner, s.hull, s.segment, s.face, s.whole, s.alive, s.asleep);
+}
+
+// ---- bodies ------------------------------------------------------------------------------------
+
+namespace {
+
+// Bodies whose ids follow each other and that differ in nothing but where they are.
+struct Alike {
+  std::uint32_t count = 0, generation = 0, surface = 0, slot = kNoSlot;
+  Place place = Place::none;
+};
+
+void find_alike(const BodyStore& b, std::vector<Alike>& out) {
+  out.clear();
+  for (std::uint32_t id = 0; id < b.id_count; ++id) {
+    const BodyInfo& info = b.info[id];
+    const bool listed = info.place != Place::moving && info.place != Place::none;
+    if (!out.empty()) {
+      Alike& last = out.back();
+      if (last.generation == info.generation && last.surface == info.surface && last.place == info.place &&
+          (!listed || info.slot == last.slot + last.count)) {
+        ++last.count;
+        continue;
+      }
+    }
+    out.push_back({1, info.generation, info.surface, listed ? info.slot : kNoSlot, info.place});
+  }
+}
+
+void spread_alike(const std::vector<Alike>& alike, BodyStore& b) {
+  std::uint32_t id = 0;
+  for (const Alike& run : alike) {
+    for (std::uint32_t k = 0; k < run.count && id < b.id_count; ++k, ++id) {
+      b.info[id] = {run.slot == kNoSlot ? kNoSlot : run.slot + k, run.generation, run.surface, run.place};
+    }
+  }
+  b.slots_stale = true;
+}
+
+}  // namespace
+
+template <class A>
+void Image::bodies(A& a, BodyStore& b, bool lists) {
+  numbers(a, b.id_count, b.count, b.dead, b.living, b.moving, b.fixed, b.kinematic, b.asleep);
+  std::vector<Alike> alike;
+  if constexpr (!A::kLoading) find_alike(b, alike);
+  list(a, alike, [&](Alike& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
+  if constexpr (A::kLoading) {
+    b.info.reserve(b.id_count);
+    spread_alike(alike, b);
+    b.reserve_slots(1);  // even of none: columns that the plan wants are there
+  }
+  a.vector(b.free_ids);
+  const std::size_t n = b.count;
+  a.column(b.pos, 2 * n);
+  a.column(b.vel, 2 * n);
+  a.column(b.disp, 2 * n);
+  a.column(b.id, n);
+  // What only some worlds have.
+  bool turns = !b.spin.empty(), rests = !b.vel_rest.empty(), offsets = !b.disp_rest.empty();
+  numbers(a, turns, rests, offsets);
+  if constexpr (A::kLoading) {
+    if (turns) b.add_rotation();
+    if (rests) b.add_rests(offsets);
+    if (!rests) b.vel_rest.release();
+    if (!offsets) b.disp_rest.release();
+    if (!turns) {
+      b.spin.release();
+      b.angle.release();
+      b.spin0.release();
+    }
+  }
+  if (turns) {
+    a.column(b.spin, n);
+    a.column(b.angle, n);
+  }
+  if (rests) a.column(b.vel_rest, 2 * n);
+  if (offsets) a.column(b.disp_rest, 2 * n);
+  if (lists) {
+    a.column(b.built, 2 * n);
+    a.column(b.reach, n);
+  }
+  list(a, b.surfaces.list_, [&](SurfaceTable::Entry& e) {
+    visit(a, e.surface);
+    a.value(e.users);
+  });
+  short_list(a, b.surfaces.free_);
+  a.value(b.surfaces.last_);
+  list(a, b.makes.list_, [&](MakeTable::Entry& e) {
+    visit(a, e.make);
+    a.value(e.users);
+  });
+  short_list(a, b.makes.free_);
+  a.value(b.makes.last_);
+  ShapeTable& h = b.hulls;
+  list(a, h.hulls_, [&](Hull& hull) { visit(a, hull); });
+  list(a, h.sets_, [&](ShapeTable::Set& s) { numbers(a, s.first, s.count, s.users); });
+  short_list(a, h.free_);
+  if constexpr (A::kLoading) {
+    h.by_hash_.clear();
+    h.by_first_.clear();
+    for (std::uint32_t k = 0; k < h.sets_.size(); ++k) {
+      const ShapeTable::Set& s = h.sets_[k];
+      if (s.users == 0) continue;
+      const auto first = h.hulls_.begin() + s.first;
+      h.by_hash_.emplace(ShapeTable::hash({first, first + s.count}), k);
+      h.by_first_[s.first] = k;
+    }
+  }
+}
+
+template <class A>
+void Image::shapes(A& a, StaticShapes& s) {
+  if constexpr (A::kLoading) {
+    for (std::uint32_t k = 0; k < s.count_; ++k) {
+      if (s.shapes_[k].alive && s.shapes_[k].asleep) s.sleepers_.remove(k);
+    }
+  }
+  numbers(a, s.count_, s.alive_, s.whole_wanted_);
+  if constexpr (A::kLoading) s.shapes_.reserve(s.count_);
+  for (std::uint32_t k = 0; k < s.count_ && a.ok(); ++k) visit(a, s.shapes_[k]);
+  for (auto& runs : s.runs_) short_list(a, runs);
+  list(a, s.left_, [&](auto& run) { numbers(a, run.first, run.second); });
+  list(a, s.hulls_, [&](Hull& hull) { visit(a, hull); });
+  short_list(a, s.free_hulls_);
+  if constexpr (A::kLoading) {
+    for (std::uint32_t k = 0; k < s.count_ && a.ok(); ++k) {
+      if (s.shapes_[k].alive && s.shapes_[k].asleep) s.enter(s.sleepers_, k);
+    }
+  }
+  // When its grid was made decides whose numbers may be had again.
+  a.value(s.dirty_);
+  if constexpr (A::kLoading) {
+    if (!s.dirty_ && a.ok()) s.make_grid();
+  }
+}
+
+// ---- lists -------------------------------------------------------------------------------------
+
+template <class A>
+void Image::broad(A& a, BroadPhase& b) {
+  BroadPhaseParams& p = b.params_;
+  numbers(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.walls,
+          p.periodic, p.mixed_radii, p.link_all, p.bounds.xmin, p.bounds.ymin, p.bounds.xmax, p.bounds.ymax);
+  kernels::GridView& g = b.grid_.view;
+  numbers(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
+  numbers(a, b.grid_.cell_x, b.grid_.cell_y, b.grid_.periodic, b.grid_.keys, b.listed_, b.large_, b.most_, b.box_,
+          b.area_, b.density_);
+  CellList& c = b.sort_.listed_;
+  for (CellList::Axis& axis : c.axis_) numbers(a, axis.low, axis.per, axis.cells, axis.width);
+  numbers(a, c.row_axis_, c.stride_, c.rows_, c.periodic_, c.slot_bits_, c.stays_);
+  if constexpr (A::kLoading) c.sorted_ = 0;
+}
+
+template <class A>
+void Image::contacts(A& a, ContactStore& c) {
+  numbers(a, c.model_.model, c.model_.bounce, c.pair_blocks_, c.single_blocks_, c.colours_, c.pair_count_,
+          c.single_count_, c.builds_);
+}
+
+template <class A>
+void Image::solved(A& a, SolverBodies& s) {
+  numbers(a, s.count_, s.compact_);
+}
+
+template <class A>
+void Image::table(A& a, PairTable& t) {
+  numbers(a, t.body_count, t.large_begin);
+  list(a, t.strips, [&](Strip& s) {
+    numbers(a, s.body_begin, s.body_end, s.row_begin, s.row_end);
+  });
+}
+
+template <class A>
+void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
+  static_assert(sizeof(kernels::ManifoldBlock) % (4 * kernels::kBlock) == 0, "a block is made of 4-byte numbers alone");
+  list(a, m.pairs_, [&](ManifoldPair& p) { visit(a, p); });
+  short_list(a, m.begin_);
+  list(a, m.strips_, [&](Manifolds::StripBlocks& s) {
+    a.vector(s.blocks);
+    short_list(a, s.active);
+    short_list(a, s.laid);
+    for (std::uint32_t& end : s.end) a.value(end);
+    numbers(a, s.colours, s.points);
+  });
+  a.vector(m.ghosts_);
+  a.vector(m.special_);
+  a.vector(m.stale_);
+  short_list(a, m.shaped_);
+  bool kinds = slots != 0 && m.kind_.capacity() >= slots;
+  a.value(kinds);
+  if (kinds) a.column(m.kind_, slots);
+  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_);
+  if constexpr (A::kLoading) {
+    m.old_pairs_.clear();
+    m.owner_.resize(m.pairs_.size());
+    for (std::size_t k = 0; k < m.pairs_.size(); ++k) m.owner_[k] = m.pairs_[k].owner;
+    m.rotor_.reserve(2 * slots);
+    m.inner_.reserve(slots);
+    m.used_.reserve(slots);
+  }
+}
+
+// ---- joints, sleep, events -----------------------------------------------------------------------
+
+template <class A>
+void Image::joints(A& a, JointStore& j) {
+  if constexpr (!A::kLoading) j.save_impulses();
+  list(a, j.joints_, [&](JointStore::Joint& joint) {
+    visit(a, joint.desc);
+    numbers(a, joint.generation, joint.alive, joint.swapped, joint.dormant, joint.kind, joint.next[0], joint.next[1],
+            joint.list, joint.lane, joint.body[0], joint.body[1]);
+    for (float& l : joint.impulse) a.value(l);
+  });
+  short_list(a, j.free_);
+  short_list(a, j.first_);
+  numbers(a, j.count_, j.stale_, j.bodies_stale_, j.h_);
+  short_list(a, j.bodies_);
+  for (std::uint32_t k = 0; k < JointStore::kLists; ++k) {
+    short_list(a, j.lanes_[k]);
+    JointLists::visit(j.lists_, k, [&](auto& blocks) { a.vector(blocks); });
+  }
+  list(a, j.ranges_, [&](auto& r) { numbers(a, r.list, r.begin, r.end); });
+  list(a, j.jobs_, [&](auto& r) { numbers(a, r.begin, r.end); });
+  list(a, j.phases_, [&](auto& r) { numbers(a, r.begin, r.end); });
+  a.value(j.total_blocks_);
+  if constexpr (A::kLoading) {
+    j.exclusions_.clear();
+    j.exclusive_.clear();
+    for (const JointStore::Joint& joint : j.joints_) {
+      if (joint.alive) j.exclude(joint.desc, +1);
+    }
+  }
+}
+
+template <class A>
+void Image::sleepers(A& a, Sleepers& s, std::size_t ids) {
+  list(a, s.list, [&](Sleeper& x) {
+    visit(a, x.at);
+    numbers(a, x.angle, x.id, x.first_shape, x.shapes, x.first_touch, x.touches, x.depth, x.group, x.loose);
+  });
+  list(a, s.touches, [&](Touch& t) { visit(a, t); });
+  list(a, s.recent.list_, [&](Touch& t) { visit(a, t); });
+  if constexpr (A::kLoading) {
+    std::vector<Touch> touches;
+    touches.swap(s.recent.list_);
+    std::fill(s.recent.slot_.begin(), s.recent.slot_.end(), kNoSlot);
+    for (const Touch& t : touches) s.recent.add(t);
+  }
+  numbers(a, s.woke, s.changed, s.watching_);
+  // Nobody is watched: what was known does not count.
+  const std::size_t known = s.watching_ || !s.list.empty() ? ids : 0;
+  if constexpr (!A::kLoading) s.rest_.reserve(known);
+  static_assert(sizeof(Sleepers::Rest) == 20);
+  if constexpr (A::kLoading) {
+    if (!s.rest_.empty()) std::fill_n(s.rest_.data(), s.rest_.capacity(), Sleepers::Rest{});
+  }
+  a.column(s.rest_, known);
+}
+
+template <class A>
+void Image::events(A& a, EventList& e) {
+  numbers(a, e.options_.contacts, e.options_.hits, e.options_.hit_speed, e.options_.sensors, e.left_, e.build_);
+  list(a, e.removed_, [&](BodyId& id) { visit(a, id); });
+  a.vector(e.touching_);
+  for (EventList::Keys* keys : {&e.lane_key_, &e.paired_, &e.toggled_, &e.rest_found_, &e.rest_, &e.slept_, &e.sensed_}) {
+    a.vector(*keys);
+  }
+  if constexpr (A::kLoading) {
+    e.begin_.clear();
+    e.end_.clear();
+    e.hits_.clear();
+    e.sensor_begin_.clear();
+    e.sensor_end_.clear();
+  }
+}
+
+#define PSIM_IMAGE_OF(A)                                              \
+  template void Image::visit(A&, WorldDesc&);                         \
+  template void Image::visit(A&, Traits&);                            \
+  template void Image::visit(A&, Plan&);                              \
+  template void Image::visit(A&, Surface&);                           \
+  template void Image::bodies(A&, BodyStore&, bool);                  \
+  template void Image::shapes(A&, StaticShapes&);                     \
+  template void Image::broad(A&, BroadPhase&);                        \
+  template void Image::contacts(A&, ContactStore&);                   \
+  template void Image::manifolds(A&, Manifolds&, std::size_t);        \
+  template void Image::joints(A&, JointStore&);                       \
+  template void Image::sleepers(A&, Sleepers&, std::size_t);          \
+  template void Image::events(A&, EventList&);                        \
+  template void Image::table(A&, PairTable&);                         \
+  template void Image::solved(A&, SolverBodies&);
+PSIM_IMAGE_OF(Saver)
+PSIM_IMAGE_OF(Loader)
+#undef PSIM_IMAGE_OF
+
+}  // namespace psim

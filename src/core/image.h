@@ -1,0 +1,64 @@
+// What each part of a world must remember so that it goes on with the same bits: one visitor a part, for
+// writing and reading alike (archive.h). A part lets Image see its members; nothing else reaches in.
+#pragma once
+
+#include "archive.h"
+#include "world_impl.h"
+
+namespace psim {
+
+struct Image {
+  // Descriptions and short things.
+  template <class A>
+  static void visit(A& a, WorldDesc& d);
+  template <class A>
+  static void visit(A& a, Traits& t);
+  template <class A>
+  static void visit(A& a, Plan& p);
+  template <class A>
+  static void visit(A& a, Surface& s);
+  template <class A>
+  static void visit(A& a, Hull& h);
+  template <class A>
+  static void visit(A& a, Make& m);
+  template <class A>
+  static void visit(A& a, LatticePoint& p) {
+    numbers(a, p.x, p.y, p.dx, p.dy);
+  }
+  template <class A>
+  static void visit(A& a, BodyId& id) {
+    numbers(a, id.index, id.generation);
+  }
+  template <class A>
+  static void visit(A& a, JointDesc& d);
+  template <class A>
+  static void visit(A& a, ManifoldPair& p);
+  template <class A>
+  static void visit(A& a, Touch& t);
+  template <class A>
+  static void visit(A& a, StaticShape& s);
+
+  // Parts of a world.
+  template <class A>
+  static void bodies(A& a, BodyStore& b, bool lists);
+  template <class A>
+  static void shapes(A& a, StaticShapes& s);
+  template <class A>
+  static void broad(A& a, BroadPhase& b);
+  template <class A>
+  static void contacts(A& a, ContactStore& c);
+  template <class A>
+  static void manifolds(A& a, Manifolds& m, std::size_t slots);
+  template <class A>
+  static void joints(A& a, JointStore& j);
+  template <class A>
+  static void sleepers(A& a, Sleepers& s, std::size_t ids);
+  template <class A>
+  static void events(A& a, EventList& e);
+  template <class A>
+  static void table(A& a, PairTable& t);
+  template <class A>
+  static void solved(A& a, SolverBodies& s);
+};
+
+}  // namespace psim

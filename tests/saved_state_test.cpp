@@ -1,0 +1,304 @@
+// A saved state goes on with the same bits: in the world that it came from, in a new one, on every ISA and
+// number of threads, whatever is in the world.
+#include "psim/saved_state.h"
+
+#include "psim/scene.h"
+#include "rigid_support.h"
+
+namespace psim::test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+struct Told {
+  std::uint64_t hash = 0, contacts = 0, pairs = 0, asleep = 0, events = 0;
+  friend bool operator==(const Told&, const Told&) = default;
+};
+
+void PrintTo(const Told& t, std::ostream* out) {
+  *out << std::hex << t.hash << std::dec << ", contacts " << t.contacts << ", pairs " << t.pairs << ", asleep "
+       << t.asleep << ", events " << t.events;
+}
+
+Told step(World& world) {
+  const StepReport r = world.step();
+  const Events e = world.events();
+  std::uint64_t events = 0;
+  const auto count = [&](std::uint64_t n) { events = events * 1000003 + n; };
+  for (const auto& touches : {e.begin, e.end, e.sensor_begin, e.sensor_end}) {
+    count(touches.size());
+    for (const TouchEvent& t : touches) count(t.a.index * 31 + t.b.index);
+  }
+  count(e.hits.size());
+  return {world.state_hash(), r.contacts, r.pairs, r.asleep, events};
+}
+
+std::unique_ptr<World> resumed(const Bytes& state, Isa isa, int threads) {
+  std::string error;
+  RunOptions options;
+  options.isa = isa;
+  options.threads = threads;
+  auto world = World::from_state(state, options, error);
+  EXPECT_NE(world, nullptr) << error;
+  return world;
+}
+
+/// `world` and what comes of its state do the same for some frames. The world itself goes on.
+void expect_resumes(World& world, int frames, const char* what) {
+  Bytes state, again;
+  const std::uint64_t hash = world.state_hash();
+  world.save(state);
+  ASSERT_EQ(world.state_hash(), hash) << what;
+  world.save(again);
+  ASSERT_TRUE(again == state) << what << ": saved twice";
+  auto a = resumed(state, Isa::scalar, 2);
+  auto b = resumed(state, best_isa(), 1);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->state_hash(), hash) << what;
+  EXPECT_EQ(a->frame(), world.frame());
+  a->save(again);
+  EXPECT_TRUE(again == state) << what << ": saved again, " << again.size() << " and " << state.size() << " bytes";
+  for (int k = 1; k <= frames; ++k) {
+    const Told told = step(world);
+    ASSERT_EQ(step(*a), told) << what << ", " << k << " frames on, another ISA";
+    ASSERT_EQ(step(*b), told) << what << ", " << k << " frames on";
+  }
+  std::string error;
+  ASSERT_TRUE(a->restore(state, error)) << error;
+  EXPECT_EQ(a->state_hash(), hash);
+  b->save(again);
+  ASSERT_TRUE(world.restore(state, error)) << error;
+  for (int k = 1; k <= 3; ++k) EXPECT_EQ(step(*a), step(world)) << what << ", once more, " << k;
+  ASSERT_TRUE(world.restore(again, error)) << error;
+}
+
+struct SceneCase {
+  const char* name;
+  std::uint64_t bodies;
+  int frames, each;
+};
+
+class SavedScene : public testing::TestWithParam<SceneCase> {};
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, SavedScene,
+    testing::Values(SceneCase{"discs", 2000, 60, 13}, SceneCase{"pile", 2000, 200, 31},
+                    SceneCase{"rough-pile", 1000, 200, 31}, SceneCase{"hourglass", 600, 100, 17},
+                    SceneCase{"galton", 200, 200, 37}, SceneCase{"mixed-sizes", 1000, 100, 17},
+                    SceneCase{"billiard", 0, 200, 23}, SceneCase{"orbits", 300, 40, 13},
+                    SceneCase{"gas-periodic", 1000, 60, 19}, SceneCase{"joint_grid", 100, 40, 13},
+                    SceneCase{"tumbler", 0, 24, 11}, SceneCase{"card_house", 0, 200, 41},
+                    SceneCase{"arch", 0, 200, 47}, SceneCase{"pyramid", 0, 200, 47},
+                    SceneCase{"high_mass_ratio_2", 0, 200, 29}, SceneCase{"overlap_recovery", 0, 200, 29},
+                    SceneCase{"far_pyramid", 0, 100, 29}, SceneCase{"ball_and_chain", 0, 60, 19},
+                    SceneCase{"bridge", 0, 100, 29}, SceneCase{"newtons_cradle", 0, 100, 29},
+                    SceneCase{"domino_run", 0, 200, 41}, SceneCase{"cloth", 0, 20, 9},
+                    SceneCase{"spinner", 0, 12, 5}),
+    [](const auto& info) {
+      std::string name = info.param.name;
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
+
+TEST_P(SavedScene, GoesOnWithTheSameBits) {
+  std::string error;
+  const auto scene = make_builtin(GetParam().name, GetParam().bodies, 1, error);
+  ASSERT_TRUE(scene) << error;
+  auto world = build_world(*scene, {}, error);
+  ASSERT_TRUE(world) << error;
+  world->set_event_options({true, true, 0.5, true});
+  for (int k = 0; k <= GetParam().frames; ++k) {
+    if (k % GetParam().each == 0) {
+      expect_resumes(*world, 4, ("frame " + std::to_string(k)).c_str());
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    world->step();
+  }
+}
+
+// ---- what the host did since the last step ------------------------------------------------------------
+
+TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
+  auto world = make(walled({0, 0, 30, 60}, {0, -kG}, kGrip));
+  Random random(3);
+  std::vector<BodyId> ids;
+  std::vector<JointId> joints;
+  const auto put = [&] {
+    const Vec2 at{random.uniform(2, 28), random.uniform(5, 55)};
+    const double r = random.uniform(0.2, 0.5);
+    BodyDesc body = random.chance(0.5) ? disc(at, {}, r, kGrip) : turned(box(at, 2 * r, r, kGrip), random.uniform(0, 3));
+    if (random.chance(0.1)) body.type = BodyType::static_body;
+    if (random.chance(0.1)) body.filter.group = -1;
+    ids.push_back(add(*world, body));
+  };
+  for (int k = 0; k < 150; ++k) put();
+  world->set_event_options({true, true, 0.5, false});
+  std::string error;
+  for (int frame = 0; frame < 240; ++frame) {
+    const std::size_t k = random.below(ids.size()), j = random.below(ids.size());
+    switch (frame % 12) {
+      case 1: put(); break;
+      case 3:
+        world->remove_body(ids[k]);
+        ids[k] = ids.back();
+        ids.pop_back();
+        break;
+      case 5: world->apply_impulse_at(ids[k], {random.uniform(-1, 1), 2}, {10, 10}); break;
+      case 7: {
+        JointDesc d;
+        d.type = random.chance(0.5) ? JointType::rope : JointType::revolute;
+        d.a = ids[k];
+        d.b = ids[j];
+        const JointId id = world->add_joint(d, error);
+        if (id != kNoJoint) joints.push_back(id);
+        break;
+      }
+      case 9:
+        if (!joints.empty()) {
+          world->remove_joint(joints.back());
+          joints.pop_back();
+        }
+        break;
+      case 11: world->set_transform(ids[k], {random.uniform(2, 28), 40}, 1); break;
+      default: break;
+    }
+    if (frame % 5 == 0 || frame % 12 == 1 || frame % 12 == 3) {
+      expect_resumes(*world, 3, ("frame " + std::to_string(frame)).c_str());
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    world->step();
+  }
+}
+
+TEST(SavedState, BringsSleepersBackAndWakesThem) {
+  auto world = make(walled({0, 0, 20, 20}, {0, -kG}, kGrip));
+  std::vector<BodyId> ids;
+  for (int k = 0; k < 60; ++k) {
+    BodyDesc body = disc({1 + 0.3 * k, 0.5 + 0.02 * (k % 7)}, {}, 0.14, kGrip);
+    if (k % 3 == 0) body = box({1 + 0.3 * k, 0.3}, 0.28, 0.28, kGrip);
+    body.fixed_rotation = k % 2 == 0;
+    ids.push_back(add(*world, body));
+  }
+  for (int frame = 0; frame < 400 && world->step().asleep < 40; ++frame) {
+    if (frame % 37 == 0) expect_resumes(*world, 5, ("frame " + std::to_string(frame)).c_str());
+  }
+  ASSERT_GE(world->step().asleep, 40u);
+  expect_resumes(*world, 5, "asleep");
+  Bytes state;
+  world->save(state);
+  auto other = resumed(state, Isa::scalar, 1);
+  for (World* w : {world.get(), other.get()}) {
+    w->remove_body(ids[7]);
+    add(*w, disc({10, 6}, {0, -5}, 0.5, kGrip));
+  }
+  for (int frame = 0; frame < 200; ++frame) {
+    ASSERT_EQ(step(*other), step(*world)) << frame;
+    if (frame % 31 == 3) expect_resumes(*world, 3, "woken");
+    if (frame % 31 == 3) world->save(state), other = resumed(state, best_isa(), 2);
+  }
+}
+
+// Back and forth in one world, as a game does that hears of its players' inputs late.
+TEST(SavedState, RollsBackAndForth) {
+  auto build = [] {
+    auto world = make(walled({0, 0, 40, 40}, {0, -kG}, kGrip));
+    Random random(9);
+    for (int k = 0; k < 500; ++k) add(*world, disc({random.uniform(1, 39), random.uniform(1, 39)}, {}, 0.4, kGrip));
+    return world;
+  };
+  auto world = build(), straight = build();
+  const BodyId pushed = straight->id_of(17);
+  std::array<Bytes, 8> ring;
+  std::string error;
+  for (int frame = 0; frame < 120; ++frame) {
+    // The push of frame 20k + 3 is heard of five frames late.
+    if (frame % 20 == 3) straight->apply_impulse(pushed, {1, 2});
+    const Told told = step(*straight);
+    world->save(ring[static_cast<std::size_t>(frame % 8)]);
+    Told mine = step(*world);
+    if (frame % 20 == 8) {
+      ASSERT_TRUE(world->restore(ring[static_cast<std::size_t>((frame - 5) % 8)], error)) << error;
+      world->apply_impulse(pushed, {1, 2});
+      for (int k = 0; k <= 5; ++k) mine = step(*world);
+    }
+    if (frame % 20 < 3 || frame % 20 >= 8) {
+      ASSERT_EQ(mine, told) << frame;
+    }
+  }
+}
+
+TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
+  std::string error;
+  const auto scene = make_builtin("pile", 20000, 1, error);
+  auto world = build_world(*scene, {}, error);
+  world->set_sleeping(false);
+  Bytes state;
+  for (int k = 0; k < 5; ++k) {  // falling, landing, at rest
+    for (int frame = 0; frame < 80; ++frame) world->step();
+    world->save(state);
+    EXPECT_LE(state.size(), 64u * 20000);
+  }
+}
+
+// ---- what is refused ------------------------------------------------------------------------------------
+
+TEST(SavedState, RefusesWhatIsNone) {
+  auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
+  add(*world, disc({5, 5}));
+  world->step();
+  Bytes state;
+  world->save(state);
+  std::string error;
+  const std::uint64_t hash = world->state_hash();
+  EXPECT_FALSE(world->restore({}, error));
+  EXPECT_EQ(error, "it is cut short");
+  Bytes bad(state.begin(), state.end() - 64);
+  EXPECT_FALSE(world->restore(bad, error));
+  EXPECT_NE(error.find("bytes of"), std::string::npos) << error;
+  bad = state;
+  bad[0] = std::byte{0};
+  EXPECT_FALSE(world->restore(bad, error));
+  EXPECT_EQ(error, "it is no saved state of psim");
+  bad = state;
+  bad[8] = std::byte{99};
+  EXPECT_FALSE(world->restore(bad, error));
+  EXPECT_EQ(error, "its format is 99, this psim reads 1");
+  bad = state;
+  bad[200] ^= std::byte{1};
+  EXPECT_FALSE(world->restore(bad, error));
+  EXPECT_EQ(error, "it is damaged");
+  auto wide = make(walled({0, 0, 11, 10}, {0, -kG}));
+  EXPECT_FALSE(wide->restore(state, error));
+  EXPECT_EQ(error, "the saved world has other bounds or another boundary");
+  EXPECT_EQ(world->state_hash(), hash);
+  EXPECT_TRUE(world->restore(state, error)) << error;
+}
+
+TEST(SavedState, FilesThatWereCutOrDamagedAreRefused) {
+  auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
+  for (int k = 0; k < 50; ++k) add(*world, disc({1 + 0.15 * k, 5}, {}, 0.07));
+  for (int k = 0; k < 20; ++k) world->step();
+  Bytes state, read;
+  world->save(state);
+  const std::string path = testing::TempDir() + "saved_state_test.state";
+  std::string error;
+  ASSERT_TRUE(write_state(path, state, error)) << error;
+  ASSERT_TRUE(read_state(path, read, error)) << error;
+  EXPECT_EQ(read, state);
+  const Bytes packed = pack_state(state);
+  for (std::size_t cut = 0; cut < packed.size(); cut += 61) {
+    EXPECT_FALSE(unpack_state({packed.data(), cut}, read, error)) << cut;
+  }
+  for (std::size_t at = 0; at < packed.size(); at += 7) {
+    Bytes bad = packed;
+    bad[at] ^= std::byte{0x10};
+    EXPECT_FALSE(unpack_state(bad, read, error)) << at;
+  }
+  EXPECT_FALSE(read_state(path + ".none", read, error));
+  EXPECT_EQ(error, path + ".none: No such file or directory");
+  EXPECT_FALSE(write_state("/nowhere/at/all", state, error));
+  EXPECT_EQ(error, "/nowhere/at/all: No such file or directory");
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace psim::test
