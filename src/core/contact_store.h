@@ -55,6 +55,8 @@ class ContactStore {
   std::uint32_t colours() const { return colours_; }
   std::uint64_t pair_count() const { return pair_count_; }
   std::uint64_t single_count() const { return single_count_; }
+  /// Whether contacts have friction.
+  bool rough() const { return model_.model == kernels::Model::rough; }
   /// How often the lanes were laid out: while it stays, so do they.
   std::uint64_t builds() const { return builds_; }
   void set_builds(std::uint64_t builds) { builds_ = builds; }

@@ -113,7 +113,7 @@ void World::Impl::each_lane(const Each& each) {
 // Copies what contacts carry. `lasting`: the lists will be made again, in the same order.
 void World::Impl::keep_contacts(bool lasting) {
   Saved& s = saved;
-  const bool rough = !contacts.friction.empty(), gaps = !sleepers.empty();
+  const bool rough = contacts.rough(), gaps = !sleepers.empty();
   for (std::vector<float>* c : {&s.impulse, &s.friction, &s.gap, &s.s_impulse, &s.s_friction, &s.s_nx, &s.s_ny, &s.s_gap}) {
     c->clear();
   }
@@ -182,7 +182,7 @@ void World::Impl::take_pairs() {
   put(contacts.s_nx, s.s_nx);
   put(contacts.s_ny, s.s_ny);
   put(contacts.s_gap, s.s_gap.empty() ? s.s_impulse : s.s_gap);
-  if (!s.friction.empty() || !s.s_friction.empty()) {
+  if (contacts.rough()) {
     put(contacts.friction, s.friction);
     put(contacts.s_friction, s.s_friction);
   }

@@ -59,7 +59,7 @@ void order_points(const ManifoldPair& pair, Touch& touch) {
 template <class Each>
 void World::Impl::each_contact(const Each& each) const {
   PSIM_ASSERT(!saved.missing);
-  const bool rough = !contacts.friction.empty();
+  const bool rough = contacts.rough();
   Met met;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
     const Strip& s = table.strips[k];
