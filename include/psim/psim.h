@@ -7,6 +7,7 @@
 #include "psim/isa.h"
 #include "psim/joint.h"
 #include "psim/query.h"
+#include "psim/recording.h"
 #include "psim/report.h"
 #include "psim/saved_state.h"
 #include "psim/types.h"

@@ -172,6 +172,7 @@ class World {
   static CostModel measure_costs(const RunOptions& options, std::size_t bodies);
   /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits.
   StepReport replay(const StepDetail& detail);
+  StepReport replay(const StepDetail& detail, double dt);
 
   std::size_t body_count() const;     ///< all living bodies
   std::size_t dynamic_count() const;  ///< of those, dynamic or kinematic

@@ -121,6 +121,8 @@ class Saver {
     }
     copies_.run(pool);
   }
+  /// What was written but for columns.
+  std::span<const std::byte> first() const { return first_; }
   void clear() {
     first_.clear();
     runs_.clear();
@@ -177,6 +179,9 @@ class Loader {
     run_ = Saver::round_up(end_);
   }
 
+  /// Of numbers alone, without a header: Saver::first.
+  static Loader of_numbers(std::span<const std::byte> bytes) { return Loader(bytes, bytes.size()); }
+
   template <Number T>
   void value(T& v) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -205,6 +210,8 @@ class Loader {
     fail("it is damaged");
     return 0;
   }
+  bool at_end() const { return at_ == end_; }
+  std::byte peek() const { return bytes_[at_]; }
   bool ok() const { return error_.empty(); }
   const std::string& error() const { return error_; }
   void fail(const std::string& error) {
@@ -213,6 +220,8 @@ class Loader {
   void finish(WorkerPool& pool) { copies_.run(pool); }
 
  private:
+  Loader(std::span<const std::byte> bytes, std::size_t end) : bytes_(bytes), end_(end), run_(end) {}
+
   template <class T>
   T get() {
     T v{};

@@ -398,6 +398,7 @@ void Image::events(A& a, EventList& e) {
   template void Image::visit(A&, WorldDesc&);                         \
   template void Image::visit(A&, Traits&);                            \
   template void Image::visit(A&, Plan&);                              \
+  template void Image::visit(A&, JointDesc&);                         \
   template void Image::visit(A&, Surface&);                           \
   template void Image::bodies(A&, BodyStore&, bool);                  \
   template void Image::shapes(A&, StaticShapes&);                     \

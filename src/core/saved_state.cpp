@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "archive.h"
+#include "psim/recording.h"
 
 namespace psim {
 namespace {
@@ -61,9 +62,8 @@ bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& sta
   return true;
 }
 
-bool write_state(const std::string& path, std::span<const std::byte> state, std::string& error) {
+bool write_bytes(const std::string& path, std::span<const std::byte> bytes, std::string& error) {
   error.clear();
-  const std::vector<std::byte> packed = pack_state(state);
   const std::string beside = path + ".part";
   {
     File file(std::fopen(beside.c_str(), "wb"));
@@ -71,7 +71,7 @@ bool write_state(const std::string& path, std::span<const std::byte> state, std:
       error = path + ": " + because();
       return false;
     }
-    if (std::fwrite(packed.data(), 1, packed.size(), file.get()) != packed.size() ||
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() ||
         std::fflush(file.get()) != 0 || std::fclose(file.release()) != 0) {
       error = path + ": " + because();
     }
@@ -81,21 +81,29 @@ bool write_state(const std::string& path, std::span<const std::byte> state, std:
   return error.empty();
 }
 
-bool read_state(const std::string& path, std::vector<std::byte>& state, std::string& error) {
+bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::string& error) {
   error.clear();
+  bytes.clear();
   File file(std::fopen(path.c_str(), "rb"));
   if (!file) {
     error = path + ": " + because();
     return false;
   }
-  std::vector<std::byte> packed, piece(1 << 20);
+  std::vector<std::byte> piece(1 << 20);
   for (std::size_t n; (n = std::fread(piece.data(), 1, piece.size(), file.get())) != 0;) {
-    packed.insert(packed.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(n));
+    bytes.insert(bytes.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(n));
   }
-  if (std::ferror(file.get()) != 0) {
-    error = path + ": " + because();
-    return false;
-  }
+  if (std::ferror(file.get()) != 0) error = path + ": " + because();
+  return error.empty();
+}
+
+bool write_state(const std::string& path, std::span<const std::byte> state, std::string& error) {
+  return write_bytes(path, pack_state(state), error);
+}
+
+bool read_state(const std::string& path, std::vector<std::byte>& state, std::string& error) {
+  std::vector<std::byte> packed;
+  if (!read_bytes(path, packed, error)) return false;
   if (unpack_state(packed, state, error)) return true;
   error = path + ": " + error;
   return false;

@@ -47,7 +47,8 @@ double quiet(std::vector<double> of) {
 
 void World::set_governor(const GovernorDesc& desc) { impl_->governor.set(desc); }
 
-StepReport World::replay(const StepDetail& detail) { return impl_->step(impl_->desc.dt, detail, false); }
+StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_->desc.dt); }
+StepReport World::replay(const StepDetail& detail, double dt) { return impl_->step(dt, detail, false); }
 
 // The default model has the proportions of one machine; what a heap costs here scales them, apart for lists
 // and for passes.

@@ -1,0 +1,83 @@
+// A run written down: the state that it began with, what the host did in between, and hashes now and then. Replayed it
+// gives the same bits on every ISA and number of threads, and says where it does not.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "psim/world.h"
+
+namespace psim {
+
+/// Writes down what is done to a world through it. Each call does what the call of World by that name does. What
+/// changes the world past the recorder is missing from the recording, and a replay will say so.
+class Recorder {
+ public:
+  /// From the world's present state on, with a hash of the state after every `every` steps (at least 1) and at
+  /// the end. The world must outlive it.
+  explicit Recorder(World& world, std::uint64_t every = 60);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  StepReport step();
+  StepReport step(double dt);
+  BodyId add_body(const BodyDesc& desc, std::string& error);
+  std::size_t add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error);
+  bool remove_body(BodyId id);
+  bool set_transform(BodyId id, Vec2 position, double angle);
+  bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
+  bool apply_impulse(BodyId id, Vec2 impulse);
+  bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
+  bool apply_angular_impulse(BodyId id, double impulse);
+  bool set_gravity(Vec2 gravity);
+  void set_sleeping(bool on);
+  bool wake(BodyId id);
+  JointId add_joint(const JointDesc& desc, std::string& error);
+  bool remove_joint(JointId id);
+  bool set_motor(JointId id, double speed, double limit);
+  /// A detail that a governor chose in another run.
+  StepReport replay(const StepDetail& detail);
+
+  /// The recording up to now, with a checksum over every byte: 24 bytes a step and what the host did.
+  std::vector<std::byte> recording() const;
+
+ private:
+  struct Log;
+  World& world_;
+  std::unique_ptr<Log> log_;
+};
+
+/// Runs a recording in a world of its own.
+class Replay {
+ public:
+  /// Nothing and one line in `error` if the bytes are no recording, of another format, cut or damaged.
+  static std::unique_ptr<Replay> open(std::span<const std::byte> recording, const RunOptions& options,
+                                      std::string& error);
+  ~Replay();
+
+  /// Does what the host did and one step; false at the end.
+  bool next();
+  World& world();
+  std::uint64_t steps() const;         ///< done
+  std::uint64_t steps_in_all() const;  ///< in the recording
+  std::uint64_t hashes() const;        ///< that were compared
+  /// The first step after which the state was another than recorded; 0: none yet.
+  std::uint64_t differs_at() const;
+
+ private:
+  struct State;
+  explicit Replay(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Files of recordings and packed states, written beside first and then put in place. False and one line in `error`
+/// that names the file.
+bool write_bytes(const std::string& path, std::span<const std::byte> bytes, std::string& error);
+bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::string& error);
+
+}  // namespace psim
