@@ -10,6 +10,7 @@
 #include "benchmark.h"
 #include "diff.h"
 #include "options.h"
+#include "replay.h"
 #include "run.h"
 #include "user_error.h"
 #include "verify.h"
@@ -31,6 +32,8 @@ int run_mode(const Options& options) {
       return verify_scene(options);
     case Mode::benchmark:
       return benchmark_scene(options);
+    case Mode::replay:
+      return replay_recording(options);
     case Mode::diff:
       return diff(options);
     case Mode::run:

@@ -20,6 +20,7 @@ struct Typed {
   TypedSettings settings;
   TypedDiff diff;
   std::string report, state, metrics, trajectory, every, image, trace, budget, governor, governor_log, governor_replay;
+  std::string save, restore, record, replay;
   std::string target_error, target_ms;
   bool profile = false, list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
        version = false;
@@ -39,6 +40,11 @@ void declare(CLI::App& app, Typed& typed) {
   value("--governor-log", typed.governor_log, "FILE.csv", "Output", "what was done of every frame");
   value("--governor-replay", typed.governor_replay, "FILE.csv", "Run",
         "do what a governor's log says: the same bits");
+
+  value("--restore", typed.restore, "FILE", "Run", "start in a state of the scene that --save wrote");
+  value("--save", typed.save, "FILE", "Output", "the final state, to go on from with the same bits");
+  value("--record", typed.record, "FILE", "Output", "the run, to --replay it elsewhere");
+  value("--replay", typed.replay, "FILE", "Instead of a run", "runs a recording: the same bits here?");
 
   value("--target-error", typed.target_error, "E", "Run",
         "the cheapest integrator and substeps that were measured to err no more");
@@ -73,6 +79,7 @@ Mode choose_mode(const Typed& typed) {
       {typed.check, {Mode::check, "--check"}},
       {typed.verify, {Mode::verify, "--verify"}},
       {typed.benchmark, {Mode::benchmark, "--benchmark"}},
+      {!typed.replay.empty(), {Mode::replay, "--replay"}},
   };
   Mode mode = Mode::run;
   std::string_view first;
@@ -89,7 +96,8 @@ Mode choose_mode(const Typed& typed) {
 // File names, and the options that have no meaning without a run.
 void check_outputs(const CLI::App& app, Mode mode) {
   for (const char* name :
-       {"--state", "--metrics", "--trajectory", "--image", "--trace", "--governor-log"}) {
+       {"--state", "--metrics", "--trajectory", "--image", "--trace", "--governor-log", "--save", "--record",
+        "--restore", "--replay"}) {
     const CLI::Option* option = app.get_option(name);
     if (option->count() == 0) continue;
     if (option->as<std::string>().empty()) refuse(name, "", "needs a file name");
@@ -99,7 +107,7 @@ void check_outputs(const CLI::App& app, Mode mode) {
   }
   if (mode == Mode::run) return;
   for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report",
-                           "--profile", "--governor-log", "--governor-replay", "--target-error", "--target-ms"}) {
+                           "--profile", "--governor-log", "--governor-replay", "--save", "--restore", "--record", "--target-error", "--target-ms"}) {
     if (app.count(name) > 0) {
       throw UserError(
           fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
@@ -167,6 +175,16 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   }
   if (given("--governor-replay") && typed.governor_replay.empty()) {
     refuse("--governor-replay", "", "needs a file name");
+  }
+  options.save = typed.save;
+  options.restore = typed.restore;
+  options.record = typed.record;
+  options.replay = typed.replay;
+  for (const char* name : {"--dt", "--substeps", "--integrator", "--sleep", "--target-error", "--target-ms"}) {
+    if (given("--restore") && given(name)) throw UserError(fmt::format("{}: the state of --restore says it", name));
+  }
+  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator", "--sleep"}) {
+    if (given("--replay") && given(name)) throw UserError(fmt::format("{}: the recording of --replay says it", name));
   }
   options.budget_ms = number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9,
                                      "must be a number of milliseconds above 0")

@@ -19,6 +19,7 @@ enum class Mode : std::uint8_t {
   check,
   verify,
   benchmark,
+  replay,
   diff,
   version
 };
@@ -47,6 +48,8 @@ struct Options {
   bool profile = false;  ///< stages and threads in the report
   std::string governor_replay;  ///< the log of a governed run, to run again; empty: none
   std::string state, metrics, trajectory, image, trace, governor_log;  ///< files; empty = not wanted
+  std::string save, record;     ///< files: the final state to go on from; the run to replay
+  std::string restore, replay;  ///< the state to start in; Mode::replay: the recording
   std::uint64_t every = 1;                               ///< frames between trajectory rows
 
   std::vector<std::string> files;  ///< Mode::diff: the two to compare, or none

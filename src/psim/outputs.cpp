@@ -21,6 +21,8 @@ OutputFiles::OutputFiles(const Options& options) {
   };
   if (!is_builtin(options.scene)) taken[key(options.scene)] = "--scene";
 
+  if (!options.restore.empty()) taken[key(options.restore)] = "--restore";
+
   const auto open = [&](std::optional<AtomicFile>& file, const char* option,
                         const std::string& path) {
     if (path.empty()) return;
@@ -38,6 +40,8 @@ OutputFiles::OutputFiles(const Options& options) {
   open(image, "--image", options.image);
   open(trace, "--trace", options.trace);
   open(governor_log, "--governor-log", options.governor_log);
+  open(save, "--save", options.save);
+  open(record, "--record", options.record);
 }
 
 }  // namespace psim::cli

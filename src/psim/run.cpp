@@ -15,7 +15,10 @@
 #include "image.h"
 #include "interrupt.h"
 #include "outputs.h"
+#include "psim/recording.h"
+#include "psim/saved_state.h"
 #include "progress.h"
+#include "replay.h"
 #include "run_report.h"
 #include "scene_choice.h"
 #include "text.h"
@@ -80,7 +83,13 @@ void end_report(RunReport& report, const World& world) {
 }
 
 void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every,
-                const std::vector<StepDetail>& replayed) {
+                const std::vector<StepDetail>& replayed, Recorder* recorder) {
+  const auto one_step = [&](std::uint64_t frame) {
+    if (frame <= replayed.size()) {
+      return recorder ? recorder->replay(replayed[frame - 1]) : world.replay(replayed[frame - 1]);
+    }
+    return recorder ? recorder->step() : world.step();
+  };
   std::optional<TraceWriter> trace;
   if (files.trace) trace.emplace(*files.trace, world);
   if (files.metrics) write_metrics_header(*files.metrics);
@@ -92,7 +101,7 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   Progress progress(one_line(report.scene), report.frames_wanted);
   for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
     const Clock::time_point begin = Clock::now();
-    const StepReport step = frame <= replayed.size() ? world.replay(replayed[frame - 1]) : world.step();
+    const StepReport step = one_step(frame);
     const Clock::time_point end = Clock::now();
     const double total_ms = std::chrono::duration<double, std::milli>(end - begin).count();
 
@@ -114,12 +123,22 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   if (trace) trace->finish();
 }
 
-void write_files(OutputFiles& files, const Scene& scene, World& world) {
+std::string_view text_of(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void write_files(OutputFiles& files, const Scene& scene, World& world, const Recorder* recorder) {
+  if (files.save) {
+    std::vector<std::byte> state;
+    world.save(state);
+    files.save->write(text_of(pack_state(state)));
+  }
+  if (files.record) files.record->write(text_of(recorder->recording()));
   if (files.state) write_state(*files.state, world.published());
   if (files.image) write_image(*files.image, scene, world.published());
   for (std::optional<AtomicFile>* file :
        {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace,
-        &files.governor_log}) {
+        &files.governor_log, &files.save, &files.record}) {
     if (*file) (*file)->commit();
   }
 }
@@ -147,12 +166,15 @@ int run_scene(const Options& options) {
   std::vector<StepDetail> replayed;
   if (!options.governor_replay.empty()) replayed = read_details(options.governor_replay);
   OutputFiles files(options);
-  const auto world = make_world(scene, options.isa, options.threads);
+  const auto world = options.restore.empty() ? make_world(scene, options.isa, options.threads)
+                                             : restored_world(options);
   if (options.governor) {
     const CostModel costs = World::measure_costs({options.isa, options.threads}, world->dynamic_count());
     world->set_governor({true, options.budget_ms, costs});
   }
   world->prepare();
+  std::optional<Recorder> recorder;
+  if (files.record) recorder.emplace(*world);
 
   RunReport report = begin_report(options, scene, *world);
   if (options.profile) {
@@ -161,12 +183,13 @@ int run_scene(const Options& options) {
   }
   report.governed = options.governor || !replayed.empty();
   report.target = target;
-  run_frames(report, *world, files, options.every, replayed);
+  Recorder* const recording = recorder ? &*recorder : nullptr;
+  run_frames(report, *world, files, options.every, replayed, recording);
   end_report(report, *world);
 
   say_what_was_odd(report);
   print_out(options.report == ReportFormat::json ? report_json(report) : report_text(report));
-  write_files(files, scene, *world);
+  write_files(files, scene, *world, recording);
   return 0;
 }
 

@@ -1,0 +1,71 @@
+// --save and --restore, --record and --replay, the way a user types them.
+#include "cli_runner.h"
+
+namespace psim::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::string state_line(const Outcome& run) {
+  for (const std::string& line : lines_of(run.out)) {
+    if (line.starts_with("State 0x")) return line;
+  }
+  return "no state:\n" + run.out + run.err;
+}
+
+class CliReplay : public ::testing::Test {
+ protected:
+  static Outcome pile(Words more) {
+    Words words = {"--scene", "rough-pile", "--particles", "400"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_psim(words);
+  }
+  void expect_refused(const Words& words, const std::string& line) {
+    const Outcome run = run_psim(words);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(run.err, "psim: " + line + "\n");
+  }
+  ScratchFolder folder_;
+  std::string state_ = folder_.file("a.state"), recording_ = folder_.file("a.record");
+};
+
+TEST_F(CliReplay, ARestoredRunEndsWhereTheWholeOneDoes) {
+  const std::string whole = state_line(pile({"--frames", "90"}));
+  const Outcome first = pile({"--frames", "50", "--save", state_});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_NE(state_line(first), whole);
+  EXPECT_EQ(state_line(pile({"--frames", "40", "--restore", state_, "--isa", "scalar", "--threads", "3"})), whole);
+}
+
+TEST_F(CliReplay, ARecordingReplaysElsewhere) {
+  const Outcome run = pile({"--frames", "70", "--record", recording_});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Outcome replay = run_psim({"--replay", recording_, "--isa", "scalar", "--threads", "2"});
+  EXPECT_EQ(replay.status, 0) << replay.err;
+  EXPECT_EQ(replay.out, recording_ + ": 70 steps on scalar x 2 threads, 2 hashes, all as recorded\n" +
+                            state_line(run) + "\n");
+}
+
+TEST_F(CliReplay, OneLineSaysWhatIsWrong) {
+  ASSERT_EQ(pile({"--frames", "5", "--save", state_, "--record", recording_}).status, 0);
+  expect_refused({"--replay", state_}, "--replay " + state_ + ": it is no recording of psim");
+  expect_refused({"--scene", "rough-pile", "--restore", recording_},
+                 "--restore " + recording_ + ": it is no saved state of psim");
+  expect_refused({"--restore", state_}, "--restore " + state_ + ": is no state of --scene discs: its bounds are others");
+  expect_refused({"--replay", state_ + ".none"}, "--replay " + state_ + ".none: No such file or directory");
+  expect_refused({"--scene", "rough-pile", "--restore", state_, "--dt", "0.1"},
+                 "--dt: the state of --restore says it");
+  expect_refused({"--replay", recording_, "--frames", "3"}, "--frames: the recording of --replay says it");
+  expect_refused({"--replay", recording_, "--state", "x.csv"},
+                 "--state: belongs to a run, and nothing is run for a report here");
+  expect_refused({"--scene", "rough-pile", "--restore", state_, "--save", state_},
+                 "--save " + state_ + ": is the file of --restore too");
+  std::string cut = read_file(recording_);
+  cut.resize(cut.size() / 2);
+  const std::string half = folder_.write("half.record", cut);
+  expect_refused({"--replay", half}, "--replay " + half + ": it is cut short");
+}
+
+}  // namespace
+}  // namespace psim::test
