@@ -14,10 +14,8 @@ function(psim_target_defaults target)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden
-    VISIBILITY_INLINES_HIDDEN ON)
-  if(BUILD_SHARED_LIBS)
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  endif()
+    VISIBILITY_INLINES_HIDDEN ON
+    POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wconversion -ffp-contract=off -fno-math-errno)
   if(PSIM_WERROR)
@@ -52,22 +50,29 @@ function(psim_library_interface target)
   endif()
 endfunction()
 
-function(psim_library_properties target)
+# While the major version is 0 a new minor version may change the ABI.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(PSIM_SOVERSION 0.${PROJECT_VERSION_MINOR})
+  set(PSIM_COMPATIBILITY SameMinorVersion)
+else()
+  set(PSIM_SOVERSION ${PROJECT_VERSION_MAJOR})
+  set(PSIM_COMPATIBILITY SameMajorVersion)
+endif()
+
+function(psim_library_properties target name)
   psim_library_interface(${target})
   set_target_properties(${target} PROPERTIES
     OUTPUT_NAME psim
-    EXPORT_NAME psim
+    EXPORT_NAME ${name}
     VERSION ${PROJECT_VERSION}
-    SOVERSION ${PROJECT_VERSION_MAJOR})
+    SOVERSION ${PSIM_SOVERSION})
 endfunction()
 
-# A shared library exports the names of the public headers and nothing else. The headers carry no
-# export marks; the list is cmake/psim.map.
-function(psim_hide_internals target)
-  set_target_properties(psim_core_objects PROPERTIES
-    CXX_VISIBILITY_PRESET default VISIBILITY_INLINES_HIDDEN ON)
+# A shared library exports what the public headers mark with PSIM_API. The version script takes out
+# what the compiler marks by itself: the standard library's templates, made for our types.
+function(psim_export_public_names target)
   target_link_options(${target} PRIVATE
-    "LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/psim.map")
+    "LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/psim.map" "LINKER:--no-undefined")
   set_property(TARGET ${target} APPEND PROPERTY
     LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/psim.map")
 endfunction()

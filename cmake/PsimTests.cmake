@@ -1,6 +1,6 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
 # Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
-# SlowStress), `install`, `asm`, `accuracy`, `view`.
+# SlowStress), `install`, `docs`, `asm`, `accuracy`, `view`.
 include(GoogleTest)
 
 # The oracles stand alone: they must not see the code that they judge.
@@ -71,21 +71,51 @@ if(TARGET accuracy AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE
   set_tests_properties(AccuracyQuick PROPERTIES LABELS accuracy TIMEOUT 600)
 endif()
 
+# The C API, from strict C99, and its layout.
+add_executable(psim_c99 tests/capi/c99.c tests/capi/abi_v1.c)
+set_target_properties(psim_c99 PROPERTIES C_STANDARD 99 C_EXTENSIONS OFF LINKER_LANGUAGE CXX)
+target_compile_options(psim_c99 PRIVATE -pedantic -Wall -Wextra -Wpadded -Werror)
+target_link_libraries(psim_c99 PRIVATE psim::psim m)
+if(PSIM_SANITIZE)
+  target_link_options(psim_c99 PRIVATE -fsanitize=${PSIM_SANITIZE})
+endif()
+add_test(NAME CApiInC99 COMMAND psim_c99)
+set_tests_properties(CApiInC99 PROPERTIES TIMEOUT 60)
+
 # What the compiler made of the kernels, and what an installation is good for. Neither means
 # anything in a sanitizer build.
-if(TARGET psim_core AND NOT PSIM_SANITIZE)
+find_package(Python3 COMPONENTS Interpreter REQUIRED)
+if(TARGET psim_shared)
+  set(_install_arguments
+    -D "BUILD_DIR=${PROJECT_BINARY_DIR}" -D "CXX=${CMAKE_CXX_COMPILER}" -D "CC=${CMAKE_C_COMPILER}"
+    -D "GENERATOR=${CMAKE_GENERATOR}" -D "PYTHON=${Python3_EXECUTABLE}")
   add_test(NAME InstalledLibraryServesAConsumer
-    COMMAND ${CMAKE_COMMAND}
-      -D "BUILD_DIR=${PROJECT_BINARY_DIR}"
+    COMMAND ${CMAKE_COMMAND} ${_install_arguments} -D "NM=${CMAKE_NM}"
       -D "CONSUMER_DIR=${PROJECT_SOURCE_DIR}/tests/install"
-      -D "CXX=${CMAKE_CXX_COMPILER}"
-      -D "GENERATOR=${CMAKE_GENERATOR}"
-      -D "SHARED=${BUILD_SHARED_LIBS}"
+      -D "C_SOURCE=${PROJECT_SOURCE_DIR}/tests/capi/c99.c"
       -P "${PROJECT_SOURCE_DIR}/tests/install/check_install.cmake")
-  set_tests_properties(InstalledLibraryServesAConsumer PROPERTIES LABELS install TIMEOUT 300)
+  add_test(NAME ExamplesRunOnAnInstalledLibrary
+    COMMAND ${CMAKE_COMMAND} ${_install_arguments}
+      -D "EXAMPLES_DIR=${PROJECT_SOURCE_DIR}/examples"
+      -P "${PROJECT_SOURCE_DIR}/tests/install/check_examples.cmake")
+  set_tests_properties(InstalledLibraryServesAConsumer ExamplesRunOnAnInstalledLibrary PROPERTIES
+    LABELS install TIMEOUT 300)
 endif()
+
+# Every public name has its words.
+find_program(PSIM_DOXYGEN doxygen)
+if(PSIM_DOXYGEN)
+  add_test(NAME PublicApiIsDocumented
+    COMMAND ${CMAKE_COMMAND} -E env "PSIM_DOCS_DIR=${PROJECT_BINARY_DIR}/docs"
+            "${PROJECT_SOURCE_DIR}/tools/docs" --no-install)
+else()
+  add_test(NAME PublicApiIsDocumented
+    COMMAND ${CMAKE_COMMAND} -E echo "doxygen is not installed: the API docs are not tested")
+endif()
+set_tests_properties(PublicApiIsDocumented PROPERTIES
+  LABELS docs TIMEOUT 120 SKIP_REGULAR_EXPRESSION "docs are not tested")
+
 if(TARGET psim_kernels AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
-  find_package(Python3 COMPONENTS Interpreter REQUIRED)
   add_test(NAME AsmInspect
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/asm-inspect"
             --build "${PROJECT_BINARY_DIR}" --check)

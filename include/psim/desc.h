@@ -22,6 +22,7 @@ struct Material {
   double friction = 0;     ///< Coulomb coefficient, 0..100
 };
 
+/// A disc about the body's place.
 struct DiscShape {
   double radius = 0.5;  ///< metres, > 0
 };
@@ -29,15 +30,15 @@ struct DiscShape {
 /// A line from p1 to p2 in the body's frame; no thickness; solid from both sides. A dynamic one is a
 /// thin rod: its density is kg/m.
 struct SegmentShape {
-  Vec2 p1;
-  Vec2 p2;
+  Vec2 p1;  ///< metres
+  Vec2 p2;  ///< metres; differs from p1
 };
 
 /// Segments joined end to end (and last to first if `loop`), in the body's frame; static or
 /// kinematic. Nothing feels a bump at the joints of a straight or convex run.
 struct ChainShape {
-  std::vector<Vec2> vertices;  ///< at least 2 (3 if loop)
-  bool loop = false;
+  std::vector<Vec2> vertices;  ///< metres; at least 2 (3 if loop), no two in a row alike
+  bool loop = false;           ///< the last joined to the first
 };
 
 /// A rectangle about the body's place.
@@ -47,29 +48,33 @@ struct BoxShape {
   double radius = 0;  ///< metres, >= 0: rounds it, outside of width and height
 };
 
+/// Of a polygon.
 inline constexpr int kMostPolygonVertices = 8;
 
 /// A convex polygon in the body's frame, counter-clockwise; need not be centred.
 struct PolygonShape {
-  std::vector<Vec2> vertices;  ///< 3 to kMostPolygonVertices
+  std::vector<Vec2> vertices;  ///< metres; 3 to kMostPolygonVertices
   double radius = 0;           ///< metres, >= 0: rounds it, outside of the vertices
 };
 
 /// All points within `radius` of the line from p1 to p2, in the body's frame.
 struct CapsuleShape {
-  Vec2 p1;
-  Vec2 p2;
+  Vec2 p1;              ///< metres
+  Vec2 p2;              ///< metres
   double radius = 0.5;  ///< metres, > 0
 };
 
-using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+/// What a body is.
+using Shape =
+    std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
 
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
 /// (group < 0); else if each one's category is in the other's mask.
 struct Filter {
-  std::uint32_t category = 1;
-  std::uint32_t mask = 0xFFFFFFFFu;
-  std::int32_t group = 0;
+  std::uint32_t category = 1;        ///< bits: what the body is
+  std::uint32_t mask = 0xFFFFFFFFu;  ///< bits: the categories that it collides with
+  std::int32_t group = 0;            ///< 0: none
+  /// All three alike.
   friend bool operator==(const Filter&, const Filter&) = default;
 };
 
@@ -77,46 +82,48 @@ struct Filter {
 /// disc's is m r^2 / 2). Dynamic bodies turn about their centre of mass, kinematic ones about
 /// `position`; `velocity` is that of the point that the body turns about.
 struct BodyDesc {
-  BodyType type = BodyType::dynamic_body;
-  Shape shape = DiscShape{};
-  Vec2 position;                ///< metres, inside the world's bounds
-  double angle = 0;             ///< radians
-  Vec2 velocity;                ///< m/s
-  double angular_velocity = 0;  ///< rad/s
-  Material material;
-  double mass = 0;           ///< kg; 0 = from the density
-  double gravity_scale = 1;  ///< factor on the world's gravity and wells
-  bool fixed_rotation = false;
+  BodyType type = BodyType::dynamic_body;  ///< what moves it
+  Shape shape = DiscShape{};               ///< a chain is static or kinematic
+  Vec2 position;                           ///< metres, inside the world's bounds
+  double angle = 0;                        ///< radians
+  Vec2 velocity;                           ///< m/s
+  double angular_velocity = 0;             ///< rad/s
+  Material material;                       ///< what it is made of
+  double mass = 0;                         ///< kg; 0 = from the density
+  double gravity_scale = 1;                ///< factor on the world's gravity and wells
+  bool fixed_rotation = false;             ///< contacts do not turn it
   bool bullet = false;  ///< does not pass through other moving bodies either, however fast
   bool sensor = false;  ///< static or kinematic: touches nothing, tells who overlaps it
-  Filter filter;
+  Filter filter;        ///< who it collides with
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for
 /// "all zero"; `radius` has length n or 1.
 struct DiscBatch {
-  std::span<const double> x, y;
-  std::span<const double> radius;
-  std::span<const double> angle;
-  std::span<const double> vx, vy;
-  std::span<const double> angular_velocity;
-  BodyType type = BodyType::dynamic_body;
-  Material material;
-  double mass = 0;  ///< kg each; 0 = from the density
-  double gravity_scale = 1;
-  bool fixed_rotation = false;
-  bool bullet = false;
-  Filter filter;
+  std::span<const double> x;                 ///< metres, inside the world's bounds
+  std::span<const double> y;                 ///< metres
+  std::span<const double> radius;            ///< metres, > 0
+  std::span<const double> angle;             ///< radians
+  std::span<const double> vx;                ///< m/s
+  std::span<const double> vy;                ///< m/s
+  std::span<const double> angular_velocity;  ///< rad/s
+  BodyType type = BodyType::dynamic_body;    ///< what moves them
+  Material material;                         ///< what they are made of
+  double mass = 0;                           ///< kg each; 0 = from the density
+  double gravity_scale = 1;                  ///< factor on the world's gravity and wells
+  bool fixed_rotation = false;               ///< contacts do not turn them
+  bool bullet = false;                       ///< as in BodyDesc
+  Filter filter;                             ///< who they collide with
 };
 
 /// Acceleration `strength * d / (|d|^2 + softening^2)^((exponent+1)/2)` towards `position`, zero
 /// beyond `range` (0 = no limit).
 struct WellField {
-  Vec2 position;
-  double strength = 0;   ///< GM for exponent 2
+  Vec2 position;         ///< metres
+  double strength = 0;   ///< GM for exponent 2: m^3/s^2
   double softening = 0;  ///< metres
-  double exponent = 2;
-  double range = 0;  ///< metres
+  double exponent = 2;   ///< 0 to 16
+  double range = 0;      ///< metres
 };
 
 /// dv/dt = -linear v - quadratic |v| v.
@@ -125,21 +132,22 @@ struct DragField {
   double quadratic = 0;  ///< 1/m
 };
 
+/// What acts on every body.
 using Field = std::variant<WellField, DragField>;
 
 /// The world and how it is stepped. Checked by World::create.
 struct WorldDesc {
-  Bounds bounds{-500, -500, 500, 500};
-  Boundary boundary = Boundary::walls;
-  Vec2 gravity{0, -9.81};         ///< m/s^2
-  double linear_damping = 0;      ///< 1/s: dv/dt = -c v, integrated exactly
-  Material wall;                  ///< of the four sides, when boundary is `walls`
-  std::vector<Field> fields;
-  double dt = 1.0 / 60;           ///< seconds a frame
-  int substeps = 4;               ///< 1..64
+  Bounds bounds{-500, -500, 500, 500};         ///< metres; 1e-9 to 1e12 m wide
+  Boundary boundary = Boundary::walls;         ///< what its sides do
+  Vec2 gravity{0, -9.81};                      ///< m/s^2
+  double linear_damping = 0;                   ///< 1/s: dv/dt = -c v, integrated exactly
+  Material wall;                               ///< of the four sides, when boundary is `walls`
+  std::vector<Field> fields;                   ///< wells and drag
+  double dt = 1.0 / 60;                        ///< seconds a frame, above 0, at most 10
+  int substeps = 4;                            ///< 1..64
   Integrator integrator = Integrator::verlet;  ///< of wells and drag
-  double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
-  bool sleeping = true;              ///< bodies at rest are left out of the steps
+  double restitution_threshold = 0;            ///< m/s: slower impacts do not bounce
+  bool sleeping = true;                        ///< bodies at rest are left out of the steps
 };
 
 /// How the host wants the world run. None of it changes a bit of the result.

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "psim/api.h"
+
 namespace psim {
 
 /// One step of a method is one substep. Under uniform gravity and linear damping alone all of them
@@ -16,13 +18,14 @@ enum class Integrator : std::uint8_t {
   symplectic4  ///< optimised Forest-Ruth (Omelyan, Mryglod, Folk 2002): order 4, symplectic, four
 };
 
+/// All of them.
 inline constexpr Integrator kAllIntegrators[] = {Integrator::verlet, Integrator::euler,
                                                  Integrator::rk4, Integrator::symplectic4};
 
 /// "verlet", "euler", "rk4" or "symplectic4": the words of scene files.
-std::string_view integrator_name(Integrator integrator);
+PSIM_API std::string_view integrator_name(Integrator integrator);
 
 /// The reverse of integrator_name; nothing for any other text.
-std::optional<Integrator> parse_integrator(std::string_view name);
+PSIM_API std::optional<Integrator> parse_integrator(std::string_view name);
 
 }  // namespace psim

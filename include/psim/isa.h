@@ -5,25 +5,33 @@
 #include <optional>
 #include <string_view>
 
+#include "psim/api.h"
+
 namespace psim {
 
-enum class Isa : std::uint8_t { scalar, sse, avx2 };
+/// An instruction set that kernels are compiled for.
+enum class Isa : std::uint8_t {
+  scalar,  ///< one lane; SSE2, which every x86-64 CPU has
+  sse,     ///< SSE4.1
+  avx2     ///< AVX2
+};
 
+/// All of them, the best last.
 inline constexpr Isa kAllIsas[] = {Isa::scalar, Isa::sse, Isa::avx2};
 
 /// "scalar", "sse" or "avx2".
-std::string_view isa_name(Isa isa);
+PSIM_API std::string_view isa_name(Isa isa);
 
 /// The reverse of isa_name; nothing for any other text.
-std::optional<Isa> parse_isa(std::string_view name);
+PSIM_API std::optional<Isa> parse_isa(std::string_view name);
 
 /// Register lanes of 32-bit floats: 1, 4, 8.
-int isa_lanes(Isa isa);
+PSIM_API int isa_lanes(Isa isa);
 
 /// True if this CPU (asked by CPUID through cpu_features) can run the variant.
-bool isa_available(Isa isa);
+PSIM_API bool isa_available(Isa isa);
 
 /// The best variant that this CPU has.
-Isa best_isa();
+PSIM_API Isa best_isa();
 
 }  // namespace psim

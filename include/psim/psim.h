@@ -1,6 +1,8 @@
-// psim: a 2D real-time physics engine for very many bodies. Include this one header.
+// psim: a 2D real-time physics engine for very many bodies. Include this one header. From C it is
+// the C API, <psim.h>.
 #pragma once
 
+#ifdef __cplusplus
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/integrator.h"
@@ -13,3 +15,6 @@
 #include "psim/types.h"
 #include "psim/version.h"
 #include "psim/world.h"
+#else
+#include <psim.h>
+#endif

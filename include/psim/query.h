@@ -11,12 +11,15 @@ namespace psim {
 /// Which bodies a question is about.
 struct QueryFilter {
   std::uint32_t mask = 0xFFFFFFFFu;  ///< bodies whose category is in it
-  bool dynamic = true, kinematic = true, fixed = true, sensors = false;
+  bool dynamic = true;               ///< dynamic ones
+  bool kinematic = true;             ///< kinematic ones
+  bool fixed = true;                 ///< static ones
+  bool sensors = false;              ///< sensors, of the kinds above
 };
 
 /// Where a ray enters a body.
 struct RayHit {
-  BodyId body;
+  BodyId body;          ///< that it enters
   Vec2 point;           ///< metres
   Vec2 normal;          ///< of the body's surface there; zero where the ray starts inside
   double fraction = 0;  ///< 0..1 of the way
@@ -24,7 +27,7 @@ struct RayHit {
 
 /// The nearest point of a body.
 struct ClosestHit {
-  BodyId body;
+  BodyId body;          ///< the nearest
   Vec2 point;           ///< metres, on the surface; the question's own point where it is inside
   double distance = 0;  ///< metres, 0 inside
 };

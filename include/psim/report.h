@@ -15,47 +15,50 @@ namespace psim {
 /// The stages of a step, in order. The same word names a stage in its file, timer, trace, bench
 /// and test.
 enum class Stage : std::uint8_t {
-  forces,
-  broad_phase,
-  narrow_phase,
-  colouring,
-  solver,
-  integrate,
-  sleep,
-  publish,
+  forces,        ///< wells and drag
+  broad_phase,   ///< neighbour lists
+  narrow_phase,  ///< normals and gaps
+  colouring,     ///< contacts in groups that share no body
+  solver,        ///< contacts and joints
+  integrate,     ///< bodies move
+  sleep,         ///< who falls asleep
+  publish,       ///< snapshots and events
 };
+/// How many stages there are.
 inline constexpr std::size_t kStageCount = 8;
+/// The words for Stage, by its number.
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "sleep", "publish"};
+    "forces", "broad_phase", "narrow_phase", "colouring",
+    "solver", "integrate",   "sleep",        "publish"};
 
 /// What one step did. Values, never exceptions: bad data in a running world is quarantined and
 /// counted here.
 struct StepReport {
   std::array<double, kStageCount> stage_ms{};  ///< wall time a stage
-  double total_ms = 0;
-  std::uint64_t pairs = 0;      ///< candidate pairs in the lists, static shapes among them
-  std::uint64_t contacts = 0;   ///< points that touch (impulse > 0 or overlap): at most two a pair
-  std::uint32_t colours = 0;    ///< most colours that any group of contacts needed
-  std::uint64_t awake = 0;      ///< dynamic and kinematic bodies that were stepped
-  std::uint64_t asleep = 0;     ///< dynamic bodies that were not
+  double total_ms = 0;                         ///< wall time of the step
+  std::uint64_t pairs = 0;     ///< candidate pairs in the lists, static shapes among them
+  std::uint64_t contacts = 0;  ///< points that touch (impulse > 0 or overlap): at most two a pair
+  std::uint32_t colours = 0;   ///< most colours that any group of contacts needed
+  std::uint64_t awake = 0;     ///< dynamic and kinematic bodies that were stepped
+  std::uint64_t asleep = 0;    ///< dynamic bodies that were not
   std::uint64_t pairs_reused = 0;  ///< of the pairs, those whose contacts lay as they were
-  bool rebuilt = false;         ///< neighbour lists were rebuilt in this step
-  std::uint32_t stopped = 0;    ///< fast shapes put back on their way, out of fixed geometry
-  std::uint32_t escaped = 0;    ///< bodies that left an open world in this step
+  bool rebuilt = false;            ///< neighbour lists were rebuilt in this step
+  std::uint32_t stopped = 0;       ///< fast shapes put back on their way, out of fixed geometry
+  std::uint32_t escaped = 0;       ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
-  StepDetail detail;            ///< how much of it was done
-  double predicted_ms = 0;      ///< by the governor's cost model; 0 without a governor
+  StepDetail detail;                ///< how much of it was done
+  double predicted_ms = 0;          ///< by the governor's cost model; 0 without a governor
   double virial = 0;  ///< sum over contacts of normal impulse x centre distance, N s m
 };
 
 /// Sums over every body, computed when asked for (not part of a step), in double precision and in
 /// id order.
 struct Diagnostics {
-  double kinetic = 0;    ///< J, rotation included
-  double potential = 0;  ///< J: uniform gravity from y = 0 (x = 0), and wells
-  double momentum_x = 0;  ///< kg m/s
-  double momentum_y = 0;
+  double kinetic = 0;           ///< J, rotation included
+  double potential = 0;         ///< J: uniform gravity from y = 0 (x = 0), and wells
+  double momentum_x = 0;        ///< kg m/s
+  double momentum_y = 0;        ///< kg m/s
   double angular_momentum = 0;  ///< kg m^2/s about the origin
   double max_penetration = 0;   ///< metres, over current contacts
 };
@@ -63,15 +66,15 @@ struct Diagnostics {
 /// One stage of the plan: whether this scene needs it and why.
 struct PlanEntry {
   std::string stage;    ///< e.g. "narrow_phase", "solver.friction"
-  bool needed = false;
+  bool needed = false;  ///< whether steps run it
   std::string reason;   ///< e.g. "no body and no wall has friction"
 };
 
 /// Work done by vector lanes since the world was made: real lanes and padding or one-at-a-time
 /// fallbacks.
 struct LaneCounts {
-  std::uint64_t vector = 0;
-  std::uint64_t scalar = 0;
+  std::uint64_t vector = 0;  ///< elements done in lanes
+  std::uint64_t scalar = 0;  ///< elements done one at a time
 };
 
 }  // namespace psim

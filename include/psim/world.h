@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "psim/api.h"
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/joint.h"
@@ -21,38 +22,53 @@ namespace psim {
 
 /// A body as the outside sees it: doubles, by id.
 struct BodyState {
-  BodyId id;
-  double x = 0, y = 0;   ///< metres: of its origin, BodyDesc::position
-  double angle = 0;      ///< radians, not wrapped
-  double vx = 0, vy = 0; ///< m/s: of the centre of mass; kinematic: of (x, y)
-  double omega = 0;      ///< rad/s
+  BodyId id;         ///< its handle
+  double x = 0;      ///< metres: of its origin, BodyDesc::position
+  double y = 0;      ///< metres
+  double angle = 0;  ///< radians, not wrapped
+  double vx = 0;     ///< m/s: of the centre of mass; kinematic: of (x, y)
+  double vy = 0;     ///< m/s
+  double omega = 0;  ///< rad/s
   /// metres: of the circle about its centre of mass that holds it; static: 0 unless a disc
   double radius = 0;
-  BodyType type = BodyType::dynamic_body;
+  BodyType type = BodyType::dynamic_body;  ///< what moves it
 };
 
 /// Published columns in id order, valid until the next call that changes the world. Removed bodies
 /// have no row; `id[k]` names the body of row k. All spans have the same length.
 struct PublishedState {
-  std::span<const std::uint32_t> id;
-  std::span<const double> x, y, angle, vx, vy, omega, radius;
-  std::span<const BodyType> type;
+  std::span<const std::uint32_t> id;  ///< BodyId::index
+  std::span<const double> x;          ///< metres, as in BodyState
+  std::span<const double> y;          ///< metres
+  std::span<const double> angle;      ///< radians
+  std::span<const double> vx;         ///< m/s
+  std::span<const double> vy;         ///< m/s
+  std::span<const double> omega;      ///< rad/s
+  std::span<const double> radius;     ///< metres
+  std::span<const BodyType> type;     ///< what moves it
 };
 
 /// What a renderer reads, from any thread, while the next step runs: the newest complete frame.
 /// `x_prev` and `x` are one step apart: draw x_prev + alpha (x - x_prev). Order is by id.
 struct Snapshot {
-  std::uint64_t frame = 0;
-  std::vector<std::uint32_t> id;
-  std::vector<float> x, y, x_prev, y_prev;  ///< metres from `origin`
-  std::vector<float> angle, angle_prev, radius, speed;
+  std::uint64_t frame = 0;           ///< World::frame
+  std::vector<std::uint32_t> id;     ///< BodyId::index
+  std::vector<float> x;              ///< metres from `origin`
+  std::vector<float> y;              ///< metres from `origin`
+  std::vector<float> x_prev;         ///< metres: a step before
+  std::vector<float> y_prev;         ///< metres
+  std::vector<float> angle;          ///< radians
+  std::vector<float> angle_prev;     ///< radians: a step before
+  std::vector<float> radius;         ///< metres, as in BodyState
+  std::vector<float> speed;          ///< m/s
   std::vector<std::uint8_t> asleep;  ///< 1: it sleeps
-  Vec2 origin;
+  Vec2 origin;                       ///< metres: the middle of the bounds
 };
 
 /// A host's own job system: psim calls `parallel_for(count, job)`; the host runs job(0..count-1) on
 /// any of its threads in any order and returns when all are done.
 struct JobSystem {
+  /// Called from the thread that steps, several times a step. Empty: the world's own workers.
   std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)> parallel_for;
   int workers = 1;  ///< how many of the host's threads may run jobs at once
 };
@@ -60,18 +76,21 @@ struct JobSystem {
 /// One span of a stage on one thread, for traces. Times are nanoseconds from the first call of
 /// World::start_trace.
 struct TraceEvent {
-  const char* name = "";
-  int thread = 0;
-  std::int64_t begin_ns = 0;
-  std::int64_t end_ns = 0;
+  const char* name = "";      ///< of the stage
+  int thread = 0;             ///< 0: the one that steps
+  std::int64_t begin_ns = 0;  ///< nanoseconds
+  std::int64_t end_ns = 0;    ///< nanoseconds
 };
 
-class World {
+/// Bodies, joints and fields, and the step that moves them. One thread at a time uses a world; only
+/// ray_cast to closest may be called by several meanwhile nobody changes it, and latest_snapshot.
+class PSIM_API World {
  public:
   /// Checks the description and makes an empty world. On failure returns nothing and puts one
   /// line into `error`.
   static std::unique_ptr<World> create(const WorldDesc& desc, const RunOptions& options,
                                        std::string& error);
+  /// Ends its workers. What it published is gone.
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -88,20 +107,25 @@ class World {
   /// Removes a body; false if the id is stale. What leaned on it falls.
   bool remove_body(BodyId id);
 
+  /// Whether the body is there.
   bool is_valid(BodyId id) const;
+  /// The handle of the body of this index; kNoBody if there is none.
   BodyId id_of(std::uint32_t index) const;
+  /// Place and motion; nothing if the id is stale. O(1).
   std::optional<BodyState> body(BodyId id) const;
-  /// Sets place or motion; false if the id is stale or the body static or frozen. A non-finite value
+  /// Sets the place, metres and radians; false if the id is stale or the body static or frozen. A non-finite value
   /// is accepted and quarantines the body in the next step. In a world with walls a place beyond them
   /// becomes the nearest one within.
   bool set_transform(BodyId id, Vec2 position, double angle);
+  /// Sets the motion, m/s and rad/s, as set_transform; beyond the fastest that the lattice can carry it is
+  /// cut to that.
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
-  /// Adds impulse / mass to the velocity, N s.
+  /// Adds impulse / mass to the velocity, N s. False as set_transform.
   bool apply_impulse(BodyId id, Vec2 impulse);
 
-  /// N s at a world point: turns the body too.
+  /// N s at a world point, metres: turns the body too. False as set_transform.
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
-  /// N m s.
+  /// N m s: adds impulse / inertia to the angular velocity. False as set_transform.
   bool apply_angular_impulse(BodyId id, double impulse);
 
   /// Changes the world's gravity, m/s^2; everybody wakes. False if it is not finite.
@@ -119,11 +143,14 @@ class World {
   JointId add_joint(const JointDesc& desc, std::string& error);
   /// False if the id is stale. Removing a body removes its joints.
   bool remove_joint(JointId id);
+  /// Whether the joint is there.
   bool is_valid_joint(JointId id) const;
+  /// What it does, by the state after the last step; nothing if the id is stale.
   std::optional<JointState> joint(JointId id) const;
   /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor. False if the id
   /// is stale, the joint of another type, or a number not finite or the limit negative.
   bool set_motor(JointId id, double speed, double limit);
+  /// All joints.
   std::size_t joint_count() const;
 
   /// The first body that the way from `from` to `to` enters.
@@ -140,6 +167,7 @@ class World {
 
   /// Chooses what steps tell; nothing at first.
   void set_event_options(const EventOptions& options);
+  /// What the last step told.
   Events events() const;
 
   /// Sorts the bodies and makes the lists and arrays of a step without taking one, so that the first
@@ -174,21 +202,25 @@ class World {
   StepReport replay(const StepDetail& detail);
   StepReport replay(const StepDetail& detail, double dt);
 
-  std::size_t body_count() const;     ///< all living bodies
-  std::size_t dynamic_count() const;  ///< of those, dynamic or kinematic
-  std::size_t static_count() const;
-  std::uint64_t frame() const;
-  std::uint64_t escaped_total() const;
-  const WorldDesc& desc() const;
-  Isa isa() const;
-  int threads() const;
+  std::size_t body_count() const;       ///< all living bodies
+  std::size_t dynamic_count() const;    ///< of those, dynamic or kinematic
+  std::size_t static_count() const;     ///< of those, static
+  std::uint64_t frame() const;          ///< steps taken
+  std::uint64_t escaped_total() const;  ///< bodies that left an open world
+  const WorldDesc& desc() const;        ///< as created, with the present gravity and sleeping
+  Isa isa() const;                      ///< that its kernels use
+  int threads() const;                  ///< as created
 
   /// 64-bit hash over every living body's position, angle and velocities in id order; signed
   /// zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.
   std::uint64_t state_hash() const;
+  /// Energies, momenta and the deepest overlap. O(bodies + contacts).
   Diagnostics diagnostics() const;
+  /// Work done since the world was made.
   LaneCounts lane_counts() const;
+  /// Bytes that the world holds.
   std::size_t memory_bytes() const;
+  /// The stages and whether this world needs them.
   std::vector<PlanEntry> plan() const;
   /// How many frames each stage had nothing to do or was not in the plan: name and frames.
   std::vector<std::pair<std::string, std::uint64_t>> skipped() const;
@@ -197,26 +229,28 @@ class World {
   PublishedState published();
 
   /// Turns the publish stage on (it is off until someone asks): after every step a snapshot is
-  /// put into a lock-free buffer. `latest_snapshot` may be called from one other thread at any
-  /// time; it returns nullptr before the first frame.
+  /// put into a lock-free buffer.
   void enable_snapshots(bool on);
+  /// The newest snapshot, nullptr before the first. One other thread may call it at any time; what it got
+  /// stays as it is until it calls again.
   const Snapshot* latest_snapshot();
 
   /// Replaces the world's own workers by the host's; an empty parallel_for goes back.
   void set_job_system(JobSystem jobs);
 
-  /// Starts recording stage spans; take_trace returns and clears what was recorded.
+  /// Starts recording stage spans.
   void start_trace();
+  /// Returns and clears what was recorded.
   std::vector<TraceEvent> take_trace();
 
  private:
-  struct Impl;
-  explicit World(std::unique_ptr<Impl> impl);
+  struct PSIM_LOCAL Impl;
+  PSIM_LOCAL explicit World(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
 /// Bytes that `discs` dynamic discs need before the first step, an upper estimate for checks
 /// before a run.
-std::size_t estimate_memory_bytes(std::size_t discs);
+PSIM_API std::size_t estimate_memory_bytes(std::size_t discs);
 
 }  // namespace psim

@@ -1,0 +1,101 @@
+/// @file
+/// C API: bodies come, go, and are pushed.
+#pragma once
+
+#include "psim/c/desc.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// One body: place and motion.
+typedef struct psim_body_state {
+  psim_body_id id;   ///< its handle
+  double x;          ///< metres: of its origin, psim_body_desc::position
+  double y;          ///< metres
+  double angle;      ///< radians, not wrapped
+  double vx;         ///< m/s: of the centre of mass; kinematic: of (x, y)
+  double vy;         ///< m/s
+  double omega;      ///< rad/s
+  double radius;     ///< metres: of the circle that holds it; static: 0 unless a disc
+  int32_t type;      ///< psim_body_type
+  int32_t reserved;  ///< 0
+} psim_body_state;
+
+/// Adds a body and puts its handle into `id` (may be NULL). Ids count from 0 in the order of the
+/// calls. O(1) amortised.
+PSIM_API psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc,
+                                         psim_body_id* id);
+
+/// Adds bodies whose descriptions lie `stride` bytes apart (sizeof(psim_body_desc) for an array). The
+/// first that is refused ends the call: `added` (may be NULL) says how many there are before it, and
+/// psim_last_error names it. `ids` (may be NULL) has room for `count` handles.
+PSIM_API psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs,
+                                           size_t count, size_t stride, psim_body_id* ids,
+                                           size_t* added);
+
+/// Adds discs in bulk, all or none; `first` (may be NULL) is the index of the first. The indices are
+/// consecutive if no body was removed before. A million in well under a second.
+PSIM_API psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch,
+                                          uint32_t* first);
+
+/// Removes a body and its joints. What leaned on it falls. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_remove_body(psim_world* world, psim_body_id id);
+
+/// 1 if the body is there, else 0.
+PSIM_API int32_t psim_world_is_valid(const psim_world* world, psim_body_id id);
+
+/// The handle of the body of this index. PSIM_NOTHING, and the handle of no body, if there is none.
+PSIM_API psim_result psim_world_id_of(const psim_world* world, uint32_t index, psim_body_id* id);
+
+/// Place and motion of a body. O(1). PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_body(const psim_world* world, psim_body_id id,
+                                     psim_body_state* state);
+
+/// Sets the place, metres and radians. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE. A number that is
+/// not finite is taken and quarantines the body in the next step. With walls a place beyond them
+/// becomes the nearest one within.
+PSIM_API psim_result psim_world_set_transform(psim_world* world, psim_body_id id,
+                                              psim_vec2 position, double angle);
+
+/// Sets the motion, m/s and rad/s. Errors as psim_world_set_transform.
+PSIM_API psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity,
+                                             double angular_velocity);
+
+/// Adds impulse / mass to the velocity, N s. Errors as psim_world_set_transform.
+PSIM_API psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id,
+                                              psim_vec2 impulse);
+
+/// N s at a world point, metres: turns the body too. Errors as psim_world_set_transform.
+PSIM_API psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id,
+                                                 psim_vec2 impulse, psim_vec2 point);
+
+/// N m s: turns the body. Errors as psim_world_set_transform.
+PSIM_API psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id,
+                                                      double impulse);
+
+/// 1 if the body takes part in the steps; 0 for static, sleeping, frozen and unknown ones.
+PSIM_API int32_t psim_world_is_awake(const psim_world* world, psim_body_id id);
+
+/// Wakes a body that sleeps, and what is joined to it. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_wake(psim_world* world, psim_body_id id);
+
+/// Why a body is awake, in one line, or that it is not. Returns the length of the whole line.
+PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer,
+                                     size_t capacity);
+
+/// All living bodies; 0 for NULL.
+PSIM_API size_t psim_world_body_count(const psim_world* world);
+
+/// Of those, dynamic or kinematic.
+PSIM_API size_t psim_world_dynamic_count(const psim_world* world);
+
+/// Of those, static.
+PSIM_API size_t psim_world_static_count(const psim_world* world);
+
+/// Bodies that left an open world so far; 0 for NULL.
+PSIM_API uint64_t psim_world_escaped_total(const psim_world* world);
+
+#ifdef __cplusplus
+}
+#endif

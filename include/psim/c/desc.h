@@ -1,0 +1,331 @@
+/// @file
+/// C API: descriptions that the caller fills in. Each begins with struct_size; psim_NAME_init sets it
+/// and the defaults. New fields come at the end.
+#pragma once
+
+#include <string.h>
+
+#include "psim/c/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// The world and how it is stepped.
+typedef struct psim_world_desc {
+  uint32_t struct_size;          ///< set by psim_world_desc_init
+  int32_t boundary;              ///< psim_boundary; default walls
+  psim_bounds bounds;            ///< metres; default -500 to 500 on both axes; 1e-9 to 1e12 m wide
+  psim_vec2 gravity;             ///< m/s^2; default (0, -9.81)
+  double linear_damping;         ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; default 0
+  psim_material wall;            ///< of the four sides, when boundary is walls
+  const psim_field* fields;      ///< wells and drag; NULL if there are none
+  size_t field_count;            ///< how many there are; default 0
+  double dt;                     ///< seconds a frame, above 0, at most 10; default 1/60
+  int32_t substeps;              ///< 1 to 64; default 4
+  int32_t integrator;            ///< psim_integrator, of wells and drag; default verlet
+  double restitution_threshold;  ///< m/s, >= 0: slower impacts do not bounce; default 0
+  int32_t sleeping;              ///< flag: bodies at rest are left out of the steps; default 1
+  int32_t reserved;              ///< 0
+} psim_world_desc;
+
+/// How the caller wants the world run. None of it changes a bit of the result.
+typedef struct psim_run_options {
+  uint32_t struct_size;  ///< set by psim_run_options_init
+  int32_t isa;           ///< psim_isa; default the best
+  int32_t threads;       ///< 1 to 256; 1, the default, runs without workers
+  int32_t reserved;      ///< 0
+} psim_run_options;
+
+/// One body. Dynamic bodies turn about their centre of mass, kinematic ones about `position`;
+/// `velocity` is that of the point that the body turns about.
+typedef struct psim_body_desc {
+  uint32_t struct_size;     ///< set by psim_body_desc_init
+  int32_t type;             ///< psim_body_type; default dynamic
+  psim_shape shape;         ///< default a disc of radius 0.5 m
+  psim_vec2 position;       ///< metres, inside the world's bounds; default (0, 0)
+  double angle;             ///< radians; default 0
+  psim_vec2 velocity;       ///< m/s; default (0, 0)
+  double angular_velocity;  ///< rad/s; default 0
+  psim_material material;   ///< what it is made of
+  double mass;              ///< kg, wins over the density; 0, the default: from the density
+  double gravity_scale;     ///< factor on the world's gravity and wells; default 1
+  int32_t fixed_rotation;   ///< flag: contacts do not turn it
+  int32_t bullet;      ///< flag: does not pass through other moving bodies either, however fast
+  int32_t sensor;      ///< flag, static or kinematic: touches nothing, tells who overlaps it
+  psim_filter filter;  ///< who it collides with
+} psim_body_desc;
+
+/// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
+/// data is NULL stands for zeros.
+typedef struct psim_disc_batch {
+  uint32_t struct_size;          ///< set by psim_disc_batch_init
+  int32_t type;                  ///< psim_body_type; default dynamic
+  size_t count;                  ///< how many discs; at most 4294967294
+  psim_column x;                 ///< metres, inside the world's bounds; not NULL
+  psim_column y;                 ///< metres; not NULL
+  psim_column radius;            ///< metres, > 0; NULL: all have common_radius
+  psim_column angle;             ///< radians
+  psim_column vx;                ///< m/s
+  psim_column vy;                ///< m/s
+  psim_column angular_velocity;  ///< rad/s
+  double common_radius;          ///< metres, > 0; default 0.5
+  psim_material material;        ///< what they are made of
+  double mass;                   ///< kg each; 0, the default: from the density
+  double gravity_scale;          ///< default 1
+  int32_t fixed_rotation;        ///< flag
+  int32_t bullet;                ///< flag
+  psim_filter filter;            ///< who they collide with
+  int32_t reserved;              ///< 0
+} psim_disc_batch;
+
+/// One joint. At least one of the bodies must be dynamic.
+typedef struct psim_joint_desc {
+  uint32_t struct_size;  ///< set by psim_joint_desc_init
+  int32_t type;          ///< psim_joint_type; default distance
+  psim_body_id a;        ///< a body
+  psim_body_id b;        ///< another
+  psim_vec2 anchor_a;    ///< metres, in the frame of a
+  psim_vec2 anchor_b;    ///< metres, in the frame of b
+  double length;         ///< metres; without has_length as far apart as the anchors are now
+  double stiffness;      ///< spring: N/m; weld: N m/rad, 0 = rigid
+  double damping;        ///< spring: N s/m; weld: N m s/rad
+  psim_vec2 axis;        ///< prismatic: direction in the frame of a; default (1, 0)
+  double reference;    ///< radians: angle b - a that counts as 0; without has_reference the present
+  double lower;        ///< revolute: radians; prismatic: metres; without has_lower no limit
+  double upper;        ///< as lower, and not below it
+  double motor_speed;  ///< rad/s or m/s
+  double motor_limit;  ///< most torque, N m, or force, N, >= 0; 0: no motor
+  int32_t has_length;  ///< flag: length is set
+  int32_t has_reference;  ///< flag: reference is set
+  int32_t has_lower;      ///< flag: lower is set
+  int32_t has_upper;      ///< flag: upper is set
+  int32_t collide;        ///< flag: the two bodies still collide
+  int32_t reserved;       ///< 0
+} psim_joint_desc;
+
+/// Which bodies a question is about. Default: all but sensors.
+typedef struct psim_query_filter {
+  uint32_t struct_size;  ///< set by psim_query_filter_init
+  uint32_t mask;         ///< bodies whose category is in it
+  int32_t dynamic;       ///< flag: dynamic ones
+  int32_t kinematic;     ///< flag: kinematic ones
+  int32_t fixed;         ///< flag: static ones
+  int32_t sensors;       ///< flag: sensors, of the kinds above
+} psim_query_filter;
+
+/// What steps tell. Default: nothing.
+typedef struct psim_event_options {
+  uint32_t struct_size;  ///< set by psim_event_options_init
+  int32_t contacts;      ///< flag: who begins and ceases to touch
+  int32_t hits;          ///< flag: impacts
+  int32_t sensors;       ///< flag: who enters and leaves them
+  double hit_speed;      ///< m/s: slower impacts are not told; default 1
+} psim_event_options;
+
+/// What a unit of work costs, ns, on one machine with one number of threads.
+typedef struct psim_cost_model {
+  uint32_t struct_size;  ///< set by psim_cost_model_init
+  int32_t reserved;      ///< 0
+  double step;           ///< a step, whatever is in it
+  double check;          ///< a body: do its lists serve, integrate, sleep
+  double build;          ///< a body, when lists are made
+  double select;         ///< a candidate pair, when a step selects from them
+  double colour;         ///< a contact of discs, when contacts are laid out
+  double narrow;         ///< a contact of discs: its normal
+  double look;           ///< a manifold: its normal, gaps, columns, lane
+  double body_pass;      ///< a body that the solver has, a substep
+  double pass;           ///< a contact of discs, a substep
+  double bounce_pass;    ///< the same with restitution
+  double shape_pass;     ///< a manifold, a substep
+  double joint_pass;     ///< a joint, a substep
+} psim_cost_model;
+
+/// How a frame's budget is kept by doing less (docs/governor.md).
+typedef struct psim_governor_desc {
+  uint32_t struct_size;          ///< set by psim_governor_desc_init
+  int32_t on;                    ///< flag; default 0: every step is done in full
+  double budget_ms;              ///< of a frame; default 1000/60
+  const psim_cost_model* costs;  ///< by which work becomes time; NULL: the defaults
+} psim_governor_desc;
+
+/// A job: run(job, index) for each index once.
+typedef void (*psim_job_function)(void* job, size_t index);
+
+/// The caller's job system. `parallel_for` calls function(job, i) for every i from 0 to count - 1
+/// once, on any of its threads in any order, and returns when all are done. It is called from the
+/// thread that steps, several times a step, and must not call psim on the same world.
+typedef struct psim_job_system {
+  uint32_t struct_size;  ///< set by psim_job_system_init
+  int32_t workers;       ///< how many threads may run jobs at once, 1 or more; default 1
+  void* user;            ///< handed to parallel_for
+  /// NULL: the world's own workers
+  void (*parallel_for)(void* user, size_t count, psim_job_function function, void* job);
+} psim_job_system;
+
+/// Which struct psim_init is given.
+enum psim_struct {
+  PSIM_STRUCT_WORLD_DESC = 1,     ///< psim_world_desc
+  PSIM_STRUCT_RUN_OPTIONS = 2,    ///< psim_run_options
+  PSIM_STRUCT_BODY_DESC = 3,      ///< psim_body_desc
+  PSIM_STRUCT_DISC_BATCH = 4,     ///< psim_disc_batch
+  PSIM_STRUCT_JOINT_DESC = 5,     ///< psim_joint_desc
+  PSIM_STRUCT_QUERY_FILTER = 6,   ///< psim_query_filter
+  PSIM_STRUCT_EVENT_OPTIONS = 7,  ///< psim_event_options
+  PSIM_STRUCT_COST_MODEL = 8,     ///< psim_cost_model
+  PSIM_STRUCT_GOVERNOR_DESC = 9,  ///< psim_governor_desc
+  PSIM_STRUCT_JOB_SYSTEM = 10,    ///< psim_job_system
+  PSIM_STRUCT_STEP_REPORT = 11,   ///< psim_step_report
+  PSIM_STRUCT_STATE = 12,         ///< psim_state
+  PSIM_STRUCT_SNAPSHOT = 13,      ///< psim_snapshot
+  PSIM_STRUCT_EVENTS = 14,        ///< psim_events
+  PSIM_STRUCT_DIAGNOSTICS = 15    ///< psim_diagnostics
+};
+
+/// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the
+/// functions below call, and bindings of other languages with the size of their own struct. Does
+/// nothing if the struct is NULL, the kind unknown or the size below 8.
+PSIM_API void psim_init(void* object, int32_t kind, uint32_t size);
+
+/// Sets the defaults.
+static inline void psim_world_desc_init(psim_world_desc* desc) {
+  psim_init(desc, PSIM_STRUCT_WORLD_DESC, (uint32_t)sizeof *desc);
+}
+
+/// Sets the defaults.
+static inline void psim_run_options_init(psim_run_options* options) {
+  psim_init(options, PSIM_STRUCT_RUN_OPTIONS, (uint32_t)sizeof *options);
+}
+
+/// Sets the defaults.
+static inline void psim_body_desc_init(psim_body_desc* desc) {
+  psim_init(desc, PSIM_STRUCT_BODY_DESC, (uint32_t)sizeof *desc);
+}
+
+/// Sets the defaults.
+static inline void psim_disc_batch_init(psim_disc_batch* batch) {
+  psim_init(batch, PSIM_STRUCT_DISC_BATCH, (uint32_t)sizeof *batch);
+}
+
+/// Sets the defaults.
+static inline void psim_joint_desc_init(psim_joint_desc* desc) {
+  psim_init(desc, PSIM_STRUCT_JOINT_DESC, (uint32_t)sizeof *desc);
+}
+
+/// Sets the defaults.
+static inline void psim_query_filter_init(psim_query_filter* filter) {
+  psim_init(filter, PSIM_STRUCT_QUERY_FILTER, (uint32_t)sizeof *filter);
+}
+
+/// Sets the defaults.
+static inline void psim_event_options_init(psim_event_options* options) {
+  psim_init(options, PSIM_STRUCT_EVENT_OPTIONS, (uint32_t)sizeof *options);
+}
+
+/// Sets the defaults.
+static inline void psim_cost_model_init(psim_cost_model* model) {
+  psim_init(model, PSIM_STRUCT_COST_MODEL, (uint32_t)sizeof *model);
+}
+
+/// Sets the defaults.
+static inline void psim_governor_desc_init(psim_governor_desc* desc) {
+  psim_init(desc, PSIM_STRUCT_GOVERNOR_DESC, (uint32_t)sizeof *desc);
+}
+
+/// Sets the defaults.
+static inline void psim_job_system_init(psim_job_system* jobs) {
+  psim_init(jobs, PSIM_STRUCT_JOB_SYSTEM, (uint32_t)sizeof *jobs);
+}
+
+/// (x, y).
+static inline psim_vec2 psim_xy(double x, double y) {
+  psim_vec2 v;
+  v.x = x;
+  v.y = y;
+  return v;
+}
+
+/// A shape of this type, all else 0.
+static inline psim_shape psim_shape_of_type(int32_t type) {
+  psim_shape shape;
+  memset(&shape, 0, sizeof shape);
+  shape.type = type;
+  return shape;
+}
+
+/// A disc; metres, > 0.
+static inline psim_shape psim_disc(double radius) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_DISC);
+  shape.radius = radius;
+  return shape;
+}
+
+/// A rectangle about the body's place; metres, > 0.
+static inline psim_shape psim_box(double width, double height) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_BOX);
+  shape.width = width;
+  shape.height = height;
+  return shape;
+}
+
+/// All points within `radius` of the line from p1 to p2; metres.
+static inline psim_shape psim_capsule(psim_vec2 p1, psim_vec2 p2, double radius) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_CAPSULE);
+  shape.p1 = p1;
+  shape.p2 = p2;
+  shape.radius = radius;
+  return shape;
+}
+
+/// A line from p1 to p2; metres.
+static inline psim_shape psim_segment(psim_vec2 p1, psim_vec2 p2) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_SEGMENT);
+  shape.p1 = p1;
+  shape.p2 = p2;
+  return shape;
+}
+
+/// A convex polygon of 3 to 8 vertices, counter-clockwise, metres. The vertices are not copied: they
+/// must stay until the body is added.
+static inline psim_shape psim_polygon(const psim_vec2* vertices, size_t count) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_POLYGON);
+  shape.vertices = vertices;
+  shape.vertex_count = count;
+  return shape;
+}
+
+/// Segments joined end to end, metres; static or kinematic. The vertices are not copied: they must
+/// stay until the body is added.
+static inline psim_shape psim_chain(const psim_vec2* vertices, size_t count, int32_t loop) {
+  psim_shape shape = psim_shape_of_type(PSIM_SHAPE_CHAIN);
+  shape.vertices = vertices;
+  shape.vertex_count = count;
+  shape.loop = loop;
+  return shape;
+}
+
+/// Attraction to a point: GM, m^3/s^2, by Newton's law, softened within `softening` metres.
+static inline psim_field psim_well(psim_vec2 position, double strength, double softening) {
+  psim_field field;
+  memset(&field, 0, sizeof field);
+  field.type = PSIM_FIELD_WELL;
+  field.position = position;
+  field.strength = strength;
+  field.softening = softening;
+  field.exponent = 2;
+  return field;
+}
+
+/// Drag: dv/dt = -linear v - quadratic |v| v; 1/s and 1/m.
+static inline psim_field psim_drag(double linear, double quadratic) {
+  psim_field field;
+  memset(&field, 0, sizeof field);
+  field.type = PSIM_FIELD_DRAG;
+  field.linear = linear;
+  field.quadratic = quadratic;
+  return field;
+}
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,101 @@
+/// @file
+/// C API: what is where, and what happened in a step (docs/queries-events.md).
+///
+/// A filter of NULL asks all bodies but sensors. Where a question has several answers they go into an
+/// array of the caller: as many as fit its capacity; `*count` is how many there are. Numbers that are
+/// not finite and impossible shapes find nothing. Any number of threads may ask at once meanwhile
+/// nobody changes the world.
+#pragma once
+
+#include "psim/c/desc.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Where a ray enters a body.
+typedef struct psim_ray_hit {
+  psim_body_id body;  ///< that it enters
+  psim_vec2 point;    ///< metres
+  psim_vec2 normal;   ///< of the body's surface there; zero where the ray starts inside
+  double fraction;    ///< 0 to 1 of the way
+} psim_ray_hit;
+
+/// The nearest point of a body.
+typedef struct psim_closest_hit {
+  psim_body_id body;  ///< the nearest
+  psim_vec2 point;    ///< metres, on the surface; the question's own point where it is inside
+  double distance;    ///< metres, 0 inside
+} psim_closest_hit;
+
+/// Two bodies began or ceased to touch.
+typedef struct psim_touch_event {
+  psim_body_id a;  ///< a.index < b.index; of a sensor's events the sensor
+  psim_body_id b;  ///< the other
+} psim_touch_event;
+
+/// Two bodies hit each other.
+typedef struct psim_hit_event {
+  psim_body_id a;    ///< a.index < b.index
+  psim_body_id b;    ///< no body for a wall of the world
+  psim_vec2 point;   ///< metres
+  psim_vec2 normal;  ///< from a to b
+  double speed;      ///< m/s, of approach along the normal
+} psim_hit_event;
+
+/// Of the last step, each list ordered by a, then b.
+typedef struct psim_events {
+  uint32_t struct_size;                  ///< set by psim_events_init
+  uint32_t reserved;                     ///< 0
+  const psim_touch_event* begin;         ///< touch now and did not before
+  size_t begin_count;                    ///< how many
+  const psim_touch_event* end;           ///< touched and do no more
+  size_t end_count;                      ///< how many
+  const psim_hit_event* hits;            ///< faster than hit_speed
+  size_t hit_count;                      ///< how many
+  const psim_touch_event* sensor_begin;  ///< a is the sensor, b entered it
+  size_t sensor_begin_count;             ///< how many
+  const psim_touch_event* sensor_end;    ///< a is the sensor, b left it
+  size_t sensor_end_count;               ///< how many
+} psim_events;
+
+/// Sets the defaults.
+static inline void psim_events_init(psim_events* events) {
+  psim_init(events, PSIM_STRUCT_EVENTS, (uint32_t)sizeof *events);
+}
+
+/// The first body that the way from `from` to `to`, metres, enters. PSIM_NOTHING.
+PSIM_API psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                         const psim_query_filter* filter, psim_ray_hit* hit);
+
+/// All of them, nearest first, then by id.
+PSIM_API psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                             const psim_query_filter* filter, psim_ray_hit* hits,
+                                             size_t capacity, size_t* count);
+
+/// Bodies that overlap a shape placed at (position, angle), by id.
+PSIM_API psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape,
+                                        psim_vec2 position, double angle,
+                                        const psim_query_filter* filter, psim_body_id* ids,
+                                        size_t capacity, size_t* count);
+
+/// Bodies of which some part lies in the rectangle, by id.
+PSIM_API psim_result psim_world_in_region(const psim_world* world, psim_bounds region,
+                                          const psim_query_filter* filter, psim_body_id* ids,
+                                          size_t capacity, size_t* count);
+
+/// The body nearest to a point, within `reach` metres; of several the least id. PSIM_NOTHING.
+PSIM_API psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach,
+                                        const psim_query_filter* filter, psim_closest_hit* hit);
+
+/// Chooses what steps tell; nothing at first.
+PSIM_API psim_result psim_world_set_event_options(psim_world* world,
+                                                  const psim_event_options* options);
+
+/// What the last step told. The lists are copied: they stay until the next call of this function.
+/// Not beside another call.
+PSIM_API psim_result psim_world_events(psim_world* world, psim_events* events);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,174 @@
+/// @file
+/// C API: result codes, enumerations, and the small structs, which never change.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "psim/api.h"
+#include "psim/version.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// A world. Made by psim_world_create, freed by psim_world_destroy.
+typedef struct psim_world psim_world;
+
+/// What a call came to: one of psim_result_code.
+typedef int32_t psim_result;
+
+/// Below 0: errors. psim_result_string has the words.
+enum psim_result_code {
+  PSIM_NOTHING = 1,               ///< no error: there is no such thing
+  PSIM_OK = 0,                    ///< done
+  PSIM_ERROR_ARGUMENT = -1,       ///< NULL, or a value out of its range
+  PSIM_ERROR_STRUCT_SIZE = -2,    ///< struct_size was not set, or is of a newer version
+  PSIM_ERROR_STALE_ID = -3,       ///< no such body or joint, or no more
+  PSIM_ERROR_NOT_MOVABLE = -4,    ///< the body is static, or frozen for its broken numbers
+  PSIM_ERROR_UNSUPPORTED = -5,    ///< the CPU lacks the instruction set
+  PSIM_ERROR_OUT_OF_MEMORY = -6,  ///< the world can only be destroyed
+  PSIM_ERROR_INTERNAL = -7,       ///< something threw; the world can only be destroyed
+  PSIM_ERROR_BROKEN_WORLD = -8    ///< one of the two above happened before
+};
+
+/// What moves a body.
+enum psim_body_type {
+  PSIM_BODY_DYNAMIC = 0,   ///< forces and contacts
+  PSIM_BODY_STATIC = 1,    ///< nothing
+  PSIM_BODY_KINEMATIC = 2  ///< its velocity, which only the caller changes
+};
+
+/// What the sides of the world do.
+enum psim_boundary {
+  PSIM_BOUNDARY_WALLS = 0,     ///< four planes
+  PSIM_BOUNDARY_PERIODIC = 1,  ///< positions wrap and pairs see across the seam
+  PSIM_BOUNDARY_OPEN = 2       ///< a body that leaves the bounds is removed and counted
+};
+
+/// How bodies move under wells and drag; each step of a method is a substep.
+enum psim_integrator {
+  PSIM_INTEGRATOR_VERLET = 0,      ///< leapfrog: order 2, symplectic
+  PSIM_INTEGRATOR_EULER = 1,       ///< semi-implicit Euler: order 1, symplectic
+  PSIM_INTEGRATOR_RK4 = 2,         ///< classical Runge-Kutta: order 4, four evaluations
+  PSIM_INTEGRATOR_SYMPLECTIC4 = 3  ///< optimised Forest-Ruth: order 4, four evaluations
+};
+
+/// Instruction sets. All give the same bits.
+enum psim_isa {
+  PSIM_ISA_BEST = -1,   ///< the best that this CPU has
+  PSIM_ISA_SCALAR = 0,  ///< one lane
+  PSIM_ISA_SSE = 1,     ///< SSE4.1
+  PSIM_ISA_AVX2 = 2     ///< AVX2
+};
+
+/// Kinds of psim_shape.
+enum psim_shape_type {
+  PSIM_SHAPE_DISC = 0,     ///< radius
+  PSIM_SHAPE_SEGMENT = 1,  ///< p1, p2; no thickness, solid from both sides
+  PSIM_SHAPE_CHAIN = 2,    ///< vertices, loop; static or kinematic
+  PSIM_SHAPE_BOX = 3,      ///< width, height; radius rounds it
+  PSIM_SHAPE_POLYGON = 4,  ///< vertices; radius rounds it
+  PSIM_SHAPE_CAPSULE = 5   ///< p1, p2, radius
+};
+
+/// Kinds of joint.
+enum psim_joint_type {
+  PSIM_JOINT_DISTANCE = 0,   ///< a rod: the anchors stay `length` apart
+  PSIM_JOINT_SPRING = 1,     ///< stiffness x stretch + damping x its rate
+  PSIM_JOINT_ROPE = 2,       ///< the anchors come no further apart than `length`
+  PSIM_JOINT_REVOLUTE = 3,   ///< a pin; limits and motor on the angle
+  PSIM_JOINT_PRISMATIC = 4,  ///< a slide along `axis` of a; limits and motor along it
+  PSIM_JOINT_WELD = 5        ///< the anchors coincide and the angle is kept
+};
+
+/// Kinds of psim_field.
+enum psim_field_type {
+  PSIM_FIELD_WELL = 0,  ///< attraction to a point
+  PSIM_FIELD_DRAG = 1   ///< dv/dt = -linear v - quadratic |v| v
+};
+
+/// A point or a vector.
+typedef struct psim_vec2 {
+  double x;  ///< to the right
+  double y;  ///< up
+} psim_vec2;
+
+/// A rectangle, metres; xmin < xmax and ymin < ymax.
+typedef struct psim_bounds {
+  double xmin;  ///< left
+  double ymin;  ///< bottom
+  double xmax;  ///< right
+  double ymax;  ///< top
+} psim_bounds;
+
+/// The handle of a body. An index is used again after its body was removed, with another generation.
+typedef struct psim_body_id {
+  uint32_t index;       ///< the body's id in published state and files; 0xFFFFFFFF: no body
+  uint32_t generation;  ///< how many bodies had the index before
+} psim_body_id;
+
+/// The handle of a joint.
+typedef struct psim_joint_id {
+  uint32_t index;       ///< 0xFFFFFFFF: no joint
+  uint32_t generation;  ///< how many joints had the index before
+} psim_joint_id;
+
+/// Surface and bulk. Two in contact mix: restitution by max, friction by geometric mean.
+typedef struct psim_material {
+  double density;      ///< kg/m^2, > 0; default 1
+  double restitution;  ///< 0 to 1; default 0
+  double friction;     ///< Coulomb coefficient, 0 to 1000; default 0
+} psim_material;
+
+/// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
+/// (group < 0); else if each one's category is in the other's mask.
+typedef struct psim_filter {
+  uint32_t category;  ///< bits: what the body is; default 1
+  uint32_t mask;      ///< bits: the categories that it collides with; default all
+  int32_t group;      ///< default 0: none
+} psim_filter;
+
+/// What a body is, in its own frame. Made by the functions below; unused fields are 0.
+typedef struct psim_shape {
+  int32_t type;               ///< psim_shape_type
+  int32_t loop;               ///< chain: the last vertex is joined to the first
+  double radius;              ///< metres: > 0 for discs and capsules, >= 0 for boxes and polygons
+  double width;               ///< metres, > 0: box
+  double height;              ///< metres, > 0: box
+  psim_vec2 p1;               ///< metres: segment, capsule
+  psim_vec2 p2;               ///< metres: segment, capsule
+  const psim_vec2* vertices;  ///< metres: polygon 3 to 8, counter-clockwise; chain 2 or more
+  size_t vertex_count;        ///< how many there are
+} psim_shape;
+
+/// A field that acts on all bodies. Fields of the other kind are not read.
+typedef struct psim_field {
+  int32_t type;        ///< psim_field_type
+  int32_t reserved;    ///< 0
+  psim_vec2 position;  ///< metres: of a well
+  double strength;     ///< well: a = strength d / (|d|^2 + softening^2)^((exponent+1)/2)
+  double softening;    ///< metres, >= 0
+  double exponent;     ///< 0 to 16; 2: Newton's law
+  double range;        ///< metres: zero beyond; 0: no limit
+  double linear;       ///< 1/s, >= 0: drag
+  double quadratic;    ///< 1/m, >= 0: drag
+} psim_field;
+
+/// Numbers that lie `stride` bytes apart.
+typedef struct psim_column {
+  const double* data;  ///< the first; NULL: no column
+  size_t stride;       ///< bytes from one to the next; 0: one after the other
+} psim_column;
+
+/// How much of a step was or is to be done (docs/governor.md).
+typedef struct psim_step_detail {
+  uint8_t substeps;  ///< 0: as the world's description has it; at most 64
+  uint8_t parts;     ///< 1 lists, 2 contacts, 4 the rest; without 4 time stands still
+  uint8_t frames;    ///< that the step makes up for, 1 or more
+  uint8_t reserved;  ///< 0
+} psim_step_detail;
+
+#ifdef __cplusplus
+}
+#endif

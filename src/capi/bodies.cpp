@@ -1,0 +1,236 @@
+// Bodies come, go, and are pushed.
+#include <cstring>
+
+#include "convert.h"
+#include "structs.h"
+
+using namespace psim::capi;
+
+namespace {
+
+psim_result stale(const Call& call, std::uint32_t index) {
+  return call.fail(PSIM_ERROR_STALE_ID,
+                   "there is no body " + std::to_string(index) + " of this generation");
+}
+
+psim_result add(psim::World& w, const Call& call, const psim_body_desc* desc,
+                const std::string& who, psim_body_id* id) {
+  psim_body_desc given;
+  if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+  psim::BodyDesc body;
+  std::string wrong = convert(given, body);
+  psim::BodyId made = psim::kNoBody;
+  if (wrong.empty()) made = w.add_body(body, wrong);
+  if (made == psim::kNoBody) return call.fail(PSIM_ERROR_ARGUMENT, who + wrong);
+  if (id != nullptr) *id = to_c(made);
+  return PSIM_OK;
+}
+
+// A column as the engine takes it: in place where its numbers lie side by side, else a copy.
+class Column {
+ public:
+  Column(const psim_column& from, std::size_t count) {
+    if (from.data == nullptr) return;
+    if (from.stride == 0 || from.stride == sizeof(double)) {
+      values_ = {from.data, count};
+      return;
+    }
+    copy_.resize(count);
+    const auto* at = reinterpret_cast<const unsigned char*>(from.data);
+    for (std::size_t k = 0; k < count; ++k) {
+      std::memcpy(&copy_[k], at + k * from.stride, sizeof(double));
+    }
+    values_ = copy_;
+  }
+  std::span<const double> values() const { return values_; }
+
+ private:
+  std::vector<double> copy_;
+  std::span<const double> values_;
+};
+
+// Pushes a body by push(world); says why where it does not move.
+template <class Push>
+psim_result push(psim_world* world, const char* name, psim_body_id id, const Push& apply) {
+  return guarded(world, name, [&](psim::World& w, const Call& call) -> psim_result {
+    if (!w.is_valid(to_cpp(id))) return stale(call, id.index);
+    if (apply(w)) return PSIM_OK;
+    return call.fail(PSIM_ERROR_NOT_MOVABLE,
+                     "body " + std::to_string(id.index) + " is static or frozen");
+  });
+}
+
+}  // namespace
+
+psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc, psim_body_id* id) {
+  return guarded(world, __func__,
+                 [&](psim::World& w, const Call& call) { return add(w, call, desc, "", id); });
+}
+
+psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs, size_t count,
+                                  size_t stride, psim_body_id* ids, size_t* added) {
+  if (added != nullptr) *added = 0;
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (count != 0 && descs == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "descs must not be NULL");
+    }
+    if (count > 1 && (stride < 8 || stride % alignof(psim_body_desc) != 0)) {
+      return call.fail(PSIM_ERROR_ARGUMENT,
+                       "stride must be the size of a description, a multiple of 8");
+    }
+    const auto* at = reinterpret_cast<const unsigned char*>(descs);
+    for (std::size_t k = 0; k < count; ++k) {
+      const psim_result result =
+          add(w, call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
+              "body " + std::to_string(k) + ": ", ids != nullptr ? ids + k : nullptr);
+      if (result != PSIM_OK) return result;
+      if (added != nullptr) *added = k + 1;
+    }
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch, uint32_t* first) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_disc_batch given;
+    if (const psim_result r = read(call, "batch", batch, given); r != PSIM_OK) return r;
+    const auto refuse = [&](std::string_view what) { return call.fail(PSIM_ERROR_ARGUMENT, what); };
+    const auto type = to_enum(given.type, psim::BodyType::kinematic_body);
+    if (!type) return refuse("type is none of psim_body_type, 0 to 2");
+    if (given.reserved != 0) return refuse("reserved must be 0");
+    if (given.count > 0xFFFFFFFEu) return refuse("count must be at most 4294967294");
+    if (given.count != 0 && (given.x.data == nullptr || given.y.data == nullptr)) {
+      return refuse("x and y must not be NULL");
+    }
+    const std::size_t n = given.count;
+    const Column x(given.x, n), y(given.y, n), radius(given.radius, n), angle(given.angle, n);
+    const Column vx(given.vx, n), vy(given.vy, n), omega(given.angular_velocity, n);
+    psim::DiscBatch discs;
+    discs.x = x.values();
+    discs.y = y.values();
+    discs.radius = given.radius.data != nullptr ? radius.values()
+                                                : std::span<const double>(&given.common_radius, 1);
+    discs.angle = angle.values();
+    discs.vx = vx.values();
+    discs.vy = vy.values();
+    discs.angular_velocity = omega.values();
+    discs.type = *type;
+    discs.material = to_cpp(given.material);
+    discs.mass = given.mass;
+    discs.gravity_scale = given.gravity_scale;
+    discs.fixed_rotation = given.fixed_rotation != 0;
+    discs.bullet = given.bullet != 0;
+    discs.filter = to_cpp(given.filter);
+    std::string error;
+    std::uint32_t begin = 0;
+    w.add_discs(discs, begin, error);
+    if (!error.empty()) return refuse(error);
+    if (first != nullptr) *first = begin;
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_remove_body(psim_world* world, psim_body_id id) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    return w.remove_body(to_cpp(id)) ? PSIM_OK : stale(call, id.index);
+  });
+}
+
+int32_t psim_world_is_valid(const psim_world* world, psim_body_id id) {
+  return asked(world, __func__, int32_t{0},
+               [id](const psim::World& w) -> int32_t { return w.is_valid(to_cpp(id)); });
+}
+
+psim_result psim_world_id_of(const psim_world* world, uint32_t index, psim_body_id* id) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (id == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "id must not be NULL");
+    const psim::BodyId found = w.id_of(index);
+    *id = to_c(found);
+    return found == psim::kNoBody ? PSIM_NOTHING : PSIM_OK;
+  });
+}
+
+psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_state* state) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
+    const auto s = w.body(to_cpp(id));
+    if (!s) return stale(call, id.index);
+    *state = {to_c(s->id),
+              s->x,
+              s->y,
+              s->angle,
+              s->vx,
+              s->vy,
+              s->omega,
+              s->radius,
+              static_cast<int32_t>(s->type),
+              0};
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position,
+                                     double angle) {
+  return push(world, __func__, id,
+              [&](psim::World& w) { return w.set_transform(to_cpp(id), to_cpp(position), angle); });
+}
+
+psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity,
+                                    double angular_velocity) {
+  return push(world, __func__, id, [&](psim::World& w) {
+    return w.set_velocity(to_cpp(id), to_cpp(velocity), angular_velocity);
+  });
+}
+
+psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id, psim_vec2 impulse) {
+  return push(world, __func__, id,
+              [&](psim::World& w) { return w.apply_impulse(to_cpp(id), to_cpp(impulse)); });
+}
+
+psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim_vec2 impulse,
+                                        psim_vec2 point) {
+  return push(world, __func__, id, [&](psim::World& w) {
+    return w.apply_impulse_at(to_cpp(id), to_cpp(impulse), to_cpp(point));
+  });
+}
+
+psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
+  return push(world, __func__, id,
+              [&](psim::World& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+}
+
+int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
+  return asked(world, __func__, int32_t{0},
+               [id](const psim::World& w) -> int32_t { return w.is_awake(to_cpp(id)); });
+}
+
+psim_result psim_world_wake(psim_world* world, psim_body_id id) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    return w.wake(to_cpp(id)) ? PSIM_OK : stale(call, id.index);
+  });
+}
+
+size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer,
+                            size_t capacity) {
+  copy_text({}, buffer, capacity);
+  return asked(world, __func__, size_t{0}, [&](const psim::World& w) {
+    return copy_text(w.why_awake(to_cpp(id)), buffer, capacity);
+  });
+}
+
+size_t psim_world_body_count(const psim_world* world) {
+  return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.body_count(); });
+}
+
+size_t psim_world_dynamic_count(const psim_world* world) {
+  return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.dynamic_count(); });
+}
+
+size_t psim_world_static_count(const psim_world* world) {
+  return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.static_count(); });
+}
+
+uint64_t psim_world_escaped_total(const psim_world* world) {
+  return asked(world, __func__, uint64_t{0},
+               [](const psim::World& w) { return w.escaped_total(); });
+}

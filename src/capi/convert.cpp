@@ -1,0 +1,186 @@
+#include "convert.h"
+
+namespace psim::capi {
+namespace {
+
+std::string copy_vertices(const psim_shape& shape, std::size_t most, std::vector<Vec2>& out) {
+  if (shape.vertices == nullptr && shape.vertex_count != 0) return "vertices must not be NULL";
+  if (shape.vertex_count > most) {
+    return "a polygon has 3 to " + std::to_string(most) + " vertices";
+  }
+  out.reserve(shape.vertex_count);
+  for (std::size_t k = 0; k < shape.vertex_count; ++k) out.push_back(to_cpp(shape.vertices[k]));
+  return {};
+}
+
+std::string number(std::int32_t value) { return std::to_string(value); }
+
+constexpr const char* kNotZero = "reserved must be 0";
+
+}  // namespace
+
+psim_cost_model to_c(const CostModel& m) {
+  return {sizeof(psim_cost_model),
+          0,
+          m.step,
+          m.check,
+          m.build,
+          m.select,
+          m.colour,
+          m.narrow,
+          m.look,
+          m.body_pass,
+          m.pass,
+          m.bounce_pass,
+          m.shape_pass,
+          m.joint_pass};
+}
+
+CostModel to_cpp(const psim_cost_model& m) {
+  return {m.step, m.check,     m.build, m.select,      m.colour,     m.narrow,
+          m.look, m.body_pass, m.pass,  m.bounce_pass, m.shape_pass, m.joint_pass};
+}
+
+psim_field to_c(const Field& field) {
+  if (const auto* drag = std::get_if<DragField>(&field)) {
+    return psim_drag(drag->linear, drag->quadratic);
+  }
+  const auto& well = std::get<WellField>(field);
+  psim_field out = psim_well(to_c(well.position), well.strength, well.softening);
+  out.exponent = well.exponent;
+  out.range = well.range;
+  return out;
+}
+
+std::string convert(const psim_shape& shape, Shape& out) {
+  switch (shape.type) {
+    case PSIM_SHAPE_DISC:
+      out = DiscShape{shape.radius};
+      return {};
+    case PSIM_SHAPE_SEGMENT:
+      out = SegmentShape{to_cpp(shape.p1), to_cpp(shape.p2)};
+      return {};
+    case PSIM_SHAPE_CHAIN: {
+      ChainShape chain;
+      chain.loop = shape.loop != 0;
+      std::string wrong = copy_vertices(shape, SIZE_MAX, chain.vertices);
+      out = std::move(chain);
+      return wrong;
+    }
+    case PSIM_SHAPE_BOX:
+      out = BoxShape{shape.width, shape.height, shape.radius};
+      return {};
+    case PSIM_SHAPE_POLYGON: {
+      PolygonShape polygon;
+      polygon.radius = shape.radius;
+      std::string wrong = copy_vertices(shape, kMostPolygonVertices, polygon.vertices);
+      out = std::move(polygon);
+      return wrong;
+    }
+    case PSIM_SHAPE_CAPSULE:
+      out = CapsuleShape{to_cpp(shape.p1), to_cpp(shape.p2), shape.radius};
+      return {};
+    default:
+      return "shape type " + number(shape.type) + " is none of psim_shape_type, 0 to 5";
+  }
+}
+
+std::string convert(const psim_field& field, Field& out) {
+  if (field.reserved != 0) return kNotZero;
+  switch (field.type) {
+    case PSIM_FIELD_WELL:
+      out = WellField{to_cpp(field.position), field.strength, field.softening, field.exponent,
+                      field.range};
+      return {};
+    case PSIM_FIELD_DRAG:
+      out = DragField{field.linear, field.quadratic};
+      return {};
+    default:
+      return "field type " + number(field.type) + " is none of psim_field_type, 0 or 1";
+  }
+}
+
+std::string convert(const psim_world_desc& desc, WorldDesc& out) {
+  const auto boundary = to_enum(desc.boundary, Boundary::open);
+  if (!boundary) return "boundary " + number(desc.boundary) + " is none of psim_boundary, 0 to 2";
+  const auto integrator = to_enum(desc.integrator, Integrator::symplectic4);
+  if (!integrator) {
+    return "integrator " + number(desc.integrator) + " is none of psim_integrator, 0 to 3";
+  }
+  if (desc.fields == nullptr && desc.field_count != 0) return "fields must not be NULL";
+  if (desc.reserved != 0) return kNotZero;
+  for (std::size_t k = 0; k < desc.field_count; ++k) {
+    Field field;
+    const std::string wrong = convert(desc.fields[k], field);
+    if (!wrong.empty()) return "field " + std::to_string(k) + ": " + wrong;
+    out.fields.push_back(field);
+  }
+  out.bounds = to_cpp(desc.bounds);
+  out.boundary = *boundary;
+  out.gravity = to_cpp(desc.gravity);
+  out.linear_damping = desc.linear_damping;
+  out.wall = to_cpp(desc.wall);
+  out.dt = desc.dt;
+  out.substeps = desc.substeps;
+  out.integrator = *integrator;
+  out.restitution_threshold = desc.restitution_threshold;
+  out.sleeping = desc.sleeping != 0;
+  return {};
+}
+
+std::string convert(const psim_run_options& options, RunOptions& out) {
+  if (options.reserved != 0) return kNotZero;
+  out.threads = options.threads;
+  if (options.isa == PSIM_ISA_BEST) return {};
+  const auto isa = to_enum(options.isa, Isa::avx2);
+  if (!isa) return "isa " + number(options.isa) + " is none of psim_isa, -1 to 2";
+  out.isa = *isa;
+  return {};
+}
+
+std::string convert(const psim_body_desc& desc, BodyDesc& out) {
+  const auto type = to_enum(desc.type, BodyType::kinematic_body);
+  if (!type) return "body type " + number(desc.type) + " is none of psim_body_type, 0 to 2";
+  std::string wrong = convert(desc.shape, out.shape);
+  if (!wrong.empty()) return wrong;
+  out.type = *type;
+  out.position = to_cpp(desc.position);
+  out.angle = desc.angle;
+  out.velocity = to_cpp(desc.velocity);
+  out.angular_velocity = desc.angular_velocity;
+  out.material = to_cpp(desc.material);
+  out.mass = desc.mass;
+  out.gravity_scale = desc.gravity_scale;
+  out.fixed_rotation = desc.fixed_rotation != 0;
+  out.bullet = desc.bullet != 0;
+  out.sensor = desc.sensor != 0;
+  out.filter = to_cpp(desc.filter);
+  return {};
+}
+
+std::string convert(const psim_joint_desc& desc, JointDesc& out) {
+  const auto type = to_enum(desc.type, JointType::weld);
+  if (!type) return "joint type " + number(desc.type) + " is none of psim_joint_type, 0 to 5";
+  if (desc.reserved != 0) return kNotZero;
+  const auto given = [](std::int32_t has, double value) {
+    return has != 0 ? std::optional<double>(value) : std::nullopt;
+  };
+  out.type = *type;
+  out.a = to_cpp(desc.a);
+  out.b = to_cpp(desc.b);
+  out.anchor_a = to_cpp(desc.anchor_a);
+  out.anchor_b = to_cpp(desc.anchor_b);
+  out.length = given(desc.has_length, desc.length);
+  out.stiffness = desc.stiffness;
+  out.damping = desc.damping;
+  out.axis = to_cpp(desc.axis);
+  out.reference = given(desc.has_reference, desc.reference);
+  out.lower = given(desc.has_lower, desc.lower);
+  out.upper = given(desc.has_upper, desc.upper);
+  out.motor_speed = desc.motor_speed;
+  out.motor_limit = desc.motor_limit;
+  out.collide = desc.collide != 0;
+  return {};
+}
+
+}  // namespace psim::capi

@@ -1,0 +1,70 @@
+// Between the structs of C and those of C++. What comes from C is checked for what C++ cannot hold:
+// numbers that are no enumerator and NULL vertices. Ranges are the engine's to check.
+#pragma once
+
+#include <psim.h>
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "psim/world.h"
+
+namespace psim::capi {
+
+inline psim_vec2 to_c(Vec2 v) { return {v.x, v.y}; }
+inline psim_bounds to_c(const Bounds& b) { return {b.xmin, b.ymin, b.xmax, b.ymax}; }
+inline psim_body_id to_c(BodyId id) { return {id.index, id.generation}; }
+inline psim_joint_id to_c(JointId id) { return {id.index, id.generation}; }
+inline psim_material to_c(const Material& m) { return {m.density, m.restitution, m.friction}; }
+inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group}; }
+inline psim_ray_hit to_c(const RayHit& h) {
+  return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction};
+}
+psim_cost_model to_c(const CostModel& m);
+psim_field to_c(const Field& field);
+
+inline Vec2 to_cpp(psim_vec2 v) { return {v.x, v.y}; }
+inline Bounds to_cpp(const psim_bounds& b) { return {b.xmin, b.ymin, b.xmax, b.ymax}; }
+inline BodyId to_cpp(psim_body_id id) { return {id.index, id.generation}; }
+inline JointId to_cpp(psim_joint_id id) { return {id.index, id.generation}; }
+inline Material to_cpp(const psim_material& m) { return {m.density, m.restitution, m.friction}; }
+inline Filter to_cpp(const psim_filter& f) { return {f.category, f.mask, f.group}; }
+CostModel to_cpp(const psim_cost_model& m);
+
+/// The enumerator of a number, or nothing.
+template <class Enum>
+std::optional<Enum> to_enum(std::int32_t value, Enum last) {
+  if (value < 0 || value > static_cast<std::int32_t>(last)) return std::nullopt;
+  return static_cast<Enum>(value);
+}
+
+/// Each of these returns one line of what is wrong, or nothing.
+std::string convert(const psim_shape& shape, Shape& out);
+std::string convert(const psim_field& field, Field& out);
+std::string convert(const psim_world_desc& desc, WorldDesc& out);
+std::string convert(const psim_run_options& options, RunOptions& out);
+std::string convert(const psim_body_desc& desc, BodyDesc& out);
+std::string convert(const psim_joint_desc& desc, JointDesc& out);
+
+// Enumerators have the same numbers in both.
+static_assert(static_cast<int>(BodyType::kinematic_body) == PSIM_BODY_KINEMATIC);
+static_assert(static_cast<int>(BodyType::static_body) == PSIM_BODY_STATIC);
+static_assert(static_cast<int>(Boundary::periodic) == PSIM_BOUNDARY_PERIODIC);
+static_assert(static_cast<int>(Boundary::open) == PSIM_BOUNDARY_OPEN);
+static_assert(static_cast<int>(Integrator::euler) == PSIM_INTEGRATOR_EULER);
+static_assert(static_cast<int>(Integrator::rk4) == PSIM_INTEGRATOR_RK4);
+static_assert(static_cast<int>(Integrator::symplectic4) == PSIM_INTEGRATOR_SYMPLECTIC4);
+static_assert(static_cast<int>(Isa::scalar) == PSIM_ISA_SCALAR);
+static_assert(static_cast<int>(Isa::sse) == PSIM_ISA_SSE);
+static_assert(static_cast<int>(Isa::avx2) == PSIM_ISA_AVX2);
+static_assert(static_cast<int>(JointType::spring) == PSIM_JOINT_SPRING);
+static_assert(static_cast<int>(JointType::rope) == PSIM_JOINT_ROPE);
+static_assert(static_cast<int>(JointType::revolute) == PSIM_JOINT_REVOLUTE);
+static_assert(static_cast<int>(JointType::prismatic) == PSIM_JOINT_PRISMATIC);
+static_assert(static_cast<int>(JointType::weld) == PSIM_JOINT_WELD);
+static_assert(std::variant_size_v<Shape> == 6 && std::variant_size_v<Field> == 2);
+static_assert(kStageCount <= PSIM_STAGE_ROOM);
+
+}  // namespace psim::capi

@@ -1,0 +1,29 @@
+#include "handle.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace psim::capi {
+
+std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity) noexcept {
+  if (buffer != nullptr && capacity != 0) {
+    const std::size_t n = std::min(text.size(), capacity - 1);
+    std::memcpy(buffer, text.data(), n);
+    buffer[n] = '\0';
+  }
+  return text.size();
+}
+
+psim_result Call::fail(psim_result result, std::string_view what) const noexcept {
+  const std::lock_guard lock(world->error_mutex);
+  char* at = world->error;
+  std::size_t room = psim_world::kErrorRoom;
+  for (const std::string_view part : {std::string_view(name), std::string_view(": "), what}) {
+    const std::size_t n = std::min(copy_text(part, at, room), room - 1);
+    at += n;
+    room -= n;
+  }
+  return result;
+}
+
+}  // namespace psim::capi

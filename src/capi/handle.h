@@ -1,0 +1,94 @@
+// What a psim_world* points to, and the guard that every function of the C API runs in: no exception
+// leaves it, and every failure leaves one line. The C API sees include/psim only.
+#pragma once
+
+#include <psim.h>
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "psim/world.h"
+
+/// The world, its last error, and copies of what C cannot see in place.
+struct psim_world {
+  std::unique_ptr<psim::World> world;
+  std::atomic<bool> broken{false};  // something threw: what is inside is not known
+
+  // Fixed room: an error must be kept where there is no memory.
+  static constexpr std::size_t kErrorRoom = 512;
+  mutable std::mutex error_mutex;
+  char error[kErrorRoom] = "";
+
+  std::vector<psim_field> fields;
+  std::vector<psim_touch_event> begin, end, sensor_begin, sensor_end;
+  std::vector<psim_hit_event> hits;
+  std::vector<psim::PlanEntry> plan_text;
+  std::vector<psim_plan_entry> plan;
+  std::vector<std::pair<std::string, std::uint64_t>> skipped_text;
+  std::vector<psim_skip_entry> skipped;
+  std::vector<psim_trace_event> trace;
+};
+
+namespace psim::capi {
+
+/// Where the call is, for its line.
+struct Call {
+  psim_world* world;
+  const char* name;
+
+  /// Keeps "name: what" as the world's last error.
+  psim_result fail(psim_result result, std::string_view what) const noexcept;
+};
+
+/// Copies text as the header says; the length of all of it.
+std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity) noexcept;
+
+/// What an exception of the engine comes to.
+template <class Body>
+psim_result caught(const Call& call, const Body& body) noexcept {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    call.world->broken = true;
+    return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "out of memory; the world can only be destroyed");
+  } catch (const std::exception& e) {
+    call.world->broken = true;
+    return call.fail(PSIM_ERROR_INTERNAL, e.what());
+  } catch (...) {
+    call.world->broken = true;
+    return call.fail(PSIM_ERROR_INTERNAL, "something threw that is no std::exception");
+  }
+}
+
+/// Runs body(world, call), which returns a psim_result, on a world that is whole.
+template <class Body>
+psim_result guarded(const psim_world* handle, const char* name, const Body& body) noexcept {
+  if (handle == nullptr) return PSIM_ERROR_ARGUMENT;
+  // Only the error and the broken flag are written through a const handle.
+  const Call call{const_cast<psim_world*>(handle), name};
+  if (handle->broken) {
+    return call.fail(PSIM_ERROR_BROKEN_WORLD, "the world broke before and can only be destroyed");
+  }
+  return caught(call, [&] { return body(*call.world->world, call); });
+}
+
+/// The same for functions that answer with a number: `none` where there is no answer.
+template <class Value, class Body>
+Value asked(const psim_world* handle, const char* name, Value none, const Body& body) noexcept {
+  Value value = none;
+  const psim_result result =
+      guarded(handle, name, [&](const psim::World& world, const Call&) -> psim_result {
+        value = body(world);
+        return PSIM_OK;
+      });
+  return result == PSIM_OK ? value : none;
+}
+
+}  // namespace psim::capi

@@ -1,0 +1,66 @@
+// Joints.
+#include "convert.h"
+#include "structs.h"
+
+using namespace psim::capi;
+
+namespace {
+
+psim_result stale(const Call& call, std::uint32_t index) {
+  return call.fail(PSIM_ERROR_STALE_ID,
+                   "there is no joint " + std::to_string(index) + " of this generation");
+}
+
+}  // namespace
+
+psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc,
+                                 psim_joint_id* id) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_joint_desc given;
+    if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+    psim::JointDesc joint;
+    std::string wrong = convert(given, joint);
+    psim::JointId made = psim::kNoJoint;
+    if (wrong.empty()) made = w.add_joint(joint, wrong);
+    if (made == psim::kNoJoint) return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+    if (id != nullptr) *id = to_c(made);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_remove_joint(psim_world* world, psim_joint_id id) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    return w.remove_joint(to_cpp(id)) ? PSIM_OK : stale(call, id.index);
+  });
+}
+
+int32_t psim_world_is_valid_joint(const psim_world* world, psim_joint_id id) {
+  return asked(world, __func__, int32_t{0},
+               [id](const psim::World& w) -> int32_t { return w.is_valid_joint(to_cpp(id)); });
+}
+
+psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joint_state* state) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
+    const auto s = w.joint(to_cpp(id));
+    if (!s) return stale(call, id.index);
+    *state = {to_c(s->a), to_c(s->b),        static_cast<int32_t>(s->type),
+              0,          to_c(s->anchor_a), to_c(s->anchor_b),
+              s->value,   to_c(s->force),    s->torque};
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (!w.is_valid_joint(to_cpp(id))) return stale(call, id.index);
+    if (w.set_motor(to_cpp(id), speed, limit)) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT,
+                     "only revolute and prismatic joints have a motor; speed must be finite and "
+                     "limit 0 or more");
+  });
+}
+
+size_t psim_world_joint_count(const psim_world* world) {
+  return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.joint_count(); });
+}

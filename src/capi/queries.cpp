@@ -1,0 +1,147 @@
+// What is where, and what happened in a step.
+#include <algorithm>
+
+#include "convert.h"
+#include "structs.h"
+
+using namespace psim::capi;
+
+namespace {
+
+psim_result read_filter(const Call& call, const psim_query_filter* filter, psim::QueryFilter& out) {
+  if (filter == nullptr) return PSIM_OK;
+  psim_query_filter given;
+  if (const psim_result r = read(call, "filter", filter, given); r != PSIM_OK) return r;
+  out = {given.mask, given.dynamic != 0, given.kinematic != 0, given.fixed != 0,
+         given.sensors != 0};
+  return PSIM_OK;
+}
+
+// Asks ask(world, filter), which returns a list, and gives out as much of it as there is room for.
+template <class Item, class Ask>
+psim_result list(const psim_world* world, const char* name, const psim_query_filter* filter,
+                 Item* items, size_t capacity, size_t* count, const Ask& ask) {
+  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (count == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "count must not be NULL");
+    *count = 0;
+    if (items == nullptr && capacity != 0) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "the array must not be NULL where it has a capacity");
+    }
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = ask(w, f);
+    for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k) items[k] = to_c(found[k]);
+    *count = found.size();
+    return PSIM_OK;
+  });
+}
+
+void copy(std::span<const psim::TouchEvent> from, std::vector<psim_touch_event>& to) {
+  to.clear();
+  for (const psim::TouchEvent& e : from) to.push_back({to_c(e.a), to_c(e.b)});
+}
+
+}  // namespace
+
+psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                const psim_query_filter* filter, psim_ray_hit* hit) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = w.ray_cast(to_cpp(from), to_cpp(to), f);
+    if (!found) return PSIM_NOTHING;
+    *hit = to_c(*found);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                    const psim_query_filter* filter, psim_ray_hit* hits,
+                                    size_t capacity, size_t* count) {
+  return list(world, __func__, filter, hits, capacity, count,
+              [&](const psim::World& w, const psim::QueryFilter& f) {
+                return w.ray_cast_all(to_cpp(from), to_cpp(to), f);
+              });
+}
+
+psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position,
+                               double angle, const psim_query_filter* filter, psim_body_id* ids,
+                               size_t capacity, size_t* count) {
+  psim::Shape given;
+  const psim_result result =
+      guarded(world, __func__, [&](const psim::World&, const Call& call) -> psim_result {
+        if (shape == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "shape must not be NULL");
+        const std::string wrong = convert(*shape, given);
+        return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, wrong);
+      });
+  if (result != PSIM_OK) return result;
+  return list(world, __func__, filter, ids, capacity, count,
+              [&](const psim::World& w, const psim::QueryFilter& f) {
+                return w.overlap(given, to_cpp(position), angle, f);
+              });
+}
+
+psim_result psim_world_in_region(const psim_world* world, psim_bounds region,
+                                 const psim_query_filter* filter, psim_body_id* ids,
+                                 size_t capacity, size_t* count) {
+  return list(world, __func__, filter, ids, capacity, count,
+              [&](const psim::World& w, const psim::QueryFilter& f) {
+                return w.in_region(to_cpp(region), f);
+              });
+}
+
+psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach,
+                               const psim_query_filter* filter, psim_closest_hit* hit) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = w.closest(to_cpp(point), reach, f);
+    if (!found) return PSIM_NOTHING;
+    *hit = {to_c(found->body), to_c(found->point), found->distance};
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_event_options(psim_world* world, const psim_event_options* options) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_event_options given;
+    if (const psim_result r = read(call, "options", options, given); r != PSIM_OK) return r;
+    if (!(given.hit_speed >= 0)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "hit_speed must be 0 or more");
+    }
+    w.set_event_options(
+        {given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0});
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_events(psim_world* world, psim_events* events) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_output(call, "events", events); r != PSIM_OK) return r;
+    const psim::Events from = w.events();
+    copy(from.begin, world->begin);
+    copy(from.end, world->end);
+    copy(from.sensor_begin, world->sensor_begin);
+    copy(from.sensor_end, world->sensor_end);
+    world->hits.clear();
+    for (const psim::HitEvent& e : from.hits) {
+      world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
+    }
+    psim_events out;
+    psim_events_init(&out);
+    out.begin = world->begin.data();
+    out.begin_count = world->begin.size();
+    out.end = world->end.data();
+    out.end_count = world->end.size();
+    out.hits = world->hits.data();
+    out.hit_count = world->hits.size();
+    out.sensor_begin = world->sensor_begin.data();
+    out.sensor_begin_count = world->sensor_begin.size();
+    out.sensor_end = world->sensor_end.data();
+    out.sensor_end_count = world->sensor_end.size();
+    write(out, events);
+    return PSIM_OK;
+  });
+}

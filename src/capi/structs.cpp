@@ -1,0 +1,159 @@
+#include "structs.h"
+
+#include <algorithm>
+
+#include "convert.h"
+
+namespace psim::capi {
+namespace {
+
+template <class T>
+T zeros() {
+  T d;
+  std::memset(&d, 0, sizeof d);
+  d.struct_size = sizeof d;
+  return d;
+}
+
+// The defaults of a struct, as many of them as fit into `size` bytes.
+template <class T>
+void fill(void* object, std::uint32_t size) {
+  T d = zeros<T>();
+  if constexpr (requires { set_defaults(d); }) set_defaults(d);
+  std::memcpy(object, &d, std::min<std::size_t>(size, sizeof d));
+}
+
+}  // namespace
+
+void set_defaults(psim_world_desc& d) {
+  const WorldDesc from;
+  d = zeros<psim_world_desc>();
+  d.boundary = static_cast<std::int32_t>(from.boundary);
+  d.bounds = to_c(from.bounds);
+  d.gravity = to_c(from.gravity);
+  d.linear_damping = from.linear_damping;
+  d.wall = to_c(from.wall);
+  d.dt = from.dt;
+  d.substeps = from.substeps;
+  d.integrator = static_cast<std::int32_t>(from.integrator);
+  d.restitution_threshold = from.restitution_threshold;
+  d.sleeping = from.sleeping;
+}
+
+void set_defaults(psim_run_options& d) {
+  d = zeros<psim_run_options>();
+  d.isa = PSIM_ISA_BEST;
+  d.threads = 1;
+}
+
+void set_defaults(psim_body_desc& d) {
+  const BodyDesc from;
+  d = zeros<psim_body_desc>();
+  d.type = static_cast<std::int32_t>(from.type);
+  d.shape = psim_disc(DiscShape{}.radius);
+  d.material = to_c(from.material);
+  d.gravity_scale = from.gravity_scale;
+  d.filter = to_c(from.filter);
+}
+
+void set_defaults(psim_disc_batch& d) {
+  const DiscBatch from;
+  d = zeros<psim_disc_batch>();
+  d.type = static_cast<std::int32_t>(from.type);
+  d.common_radius = DiscShape{}.radius;
+  d.material = to_c(from.material);
+  d.gravity_scale = from.gravity_scale;
+  d.filter = to_c(from.filter);
+}
+
+void set_defaults(psim_joint_desc& d) {
+  const JointDesc from;
+  d = zeros<psim_joint_desc>();
+  d.type = static_cast<std::int32_t>(from.type);
+  d.a = to_c(from.a);
+  d.b = to_c(from.b);
+  d.axis = to_c(from.axis);
+}
+
+void set_defaults(psim_query_filter& d) {
+  const QueryFilter from;
+  d = zeros<psim_query_filter>();
+  d.mask = from.mask;
+  d.dynamic = from.dynamic;
+  d.kinematic = from.kinematic;
+  d.fixed = from.fixed;
+  d.sensors = from.sensors;
+}
+
+void set_defaults(psim_event_options& d) {
+  d = zeros<psim_event_options>();
+  d.hit_speed = EventOptions{}.hit_speed;
+}
+
+void set_defaults(psim_cost_model& d) { d = to_c(CostModel{}); }
+
+void set_defaults(psim_governor_desc& d) {
+  d = zeros<psim_governor_desc>();
+  d.budget_ms = GovernorDesc{}.budget_ms;
+}
+
+void set_defaults(psim_job_system& d) {
+  d = zeros<psim_job_system>();
+  d.workers = 1;
+}
+
+std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) {
+  if (size >= 8 && size % 8 == 0 && size <= known) return {};
+  const std::string has = std::string(what) + " has struct_size " + std::to_string(size);
+  if (size > known && size % 8 == 0) {
+    return has + ", this library knows " + std::to_string(known) + ": it is older than the header";
+  }
+  return has + "; call its init function first";
+}
+
+}  // namespace psim::capi
+
+using namespace psim::capi;
+
+void psim_init(void* object, int32_t kind, uint32_t size) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC ||
+      kind > PSIM_STRUCT_DIAGNOSTICS) {
+    return;
+  }
+  std::memset(object, 0, size);
+  switch (kind) {
+    case PSIM_STRUCT_WORLD_DESC:
+      fill<psim_world_desc>(object, size);
+      break;
+    case PSIM_STRUCT_RUN_OPTIONS:
+      fill<psim_run_options>(object, size);
+      break;
+    case PSIM_STRUCT_BODY_DESC:
+      fill<psim_body_desc>(object, size);
+      break;
+    case PSIM_STRUCT_DISC_BATCH:
+      fill<psim_disc_batch>(object, size);
+      break;
+    case PSIM_STRUCT_JOINT_DESC:
+      fill<psim_joint_desc>(object, size);
+      break;
+    case PSIM_STRUCT_QUERY_FILTER:
+      fill<psim_query_filter>(object, size);
+      break;
+    case PSIM_STRUCT_EVENT_OPTIONS:
+      fill<psim_event_options>(object, size);
+      break;
+    case PSIM_STRUCT_COST_MODEL:
+      fill<psim_cost_model>(object, size);
+      break;
+    case PSIM_STRUCT_GOVERNOR_DESC:
+      fill<psim_governor_desc>(object, size);
+      break;
+    case PSIM_STRUCT_JOB_SYSTEM:
+      fill<psim_job_system>(object, size);
+      break;
+    default:  // what is written by us begins as zeros
+      break;
+  }
+  std::memcpy(object, &size, sizeof size);  // struct_size comes first in all of them
+}

@@ -1,0 +1,59 @@
+// Structs that begin with struct_size: defaults, reading those of other versions, writing into them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+#include "handle.h"
+
+namespace psim::capi {
+
+/// The defaults of each, from those of the C++ descriptions. struct_size is set.
+void set_defaults(psim_world_desc& d);
+void set_defaults(psim_run_options& d);
+void set_defaults(psim_body_desc& d);
+void set_defaults(psim_disc_batch& d);
+void set_defaults(psim_joint_desc& d);
+void set_defaults(psim_query_filter& d);
+void set_defaults(psim_event_options& d);
+void set_defaults(psim_cost_model& d);
+void set_defaults(psim_governor_desc& d);
+void set_defaults(psim_job_system& d);
+
+/// What is wrong with a struct_size, or empty: whole pairs of words, so that no field is cut.
+std::string wrong_size(const char* what, std::uint32_t size, std::size_t known);
+
+/// Reads the caller's struct into one of our size; the fields that it lacks keep their defaults.
+template <class T>
+psim_result read(const Call& call, const char* what, const T* in, T& out) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 8 == 0);
+  if (in == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, std::string(what) + " must not be NULL");
+  const std::string wrong = wrong_size(what, in->struct_size, sizeof(T));
+  if (!wrong.empty()) return call.fail(PSIM_ERROR_STRUCT_SIZE, wrong);
+  set_defaults(out);
+  std::memcpy(&out, in, in->struct_size);
+  return PSIM_OK;
+}
+
+/// Whether a struct to be filled has a size that we know.
+template <class T>
+psim_result check_output(const Call& call, const char* what, const T* out) {
+  if (out == nullptr)
+    return call.fail(PSIM_ERROR_ARGUMENT, std::string(what) + " must not be NULL");
+  const std::string wrong = wrong_size(what, out->struct_size, sizeof(T));
+  return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_STRUCT_SIZE, wrong);
+}
+
+/// Fills the caller's struct, as much as it has room for.
+template <class T>
+void write(const T& value, T* out) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 8 == 0);
+  const std::uint32_t size = out->struct_size;
+  std::memcpy(out, &value, size);
+  out->struct_size = size;
+}
+
+}  // namespace psim::capi

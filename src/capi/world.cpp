@@ -1,0 +1,253 @@
+// Worlds, their steps, and how they are run.
+#include "psim/world.h"
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "convert.h"
+#include "structs.h"
+
+using namespace psim::capi;
+
+namespace {
+
+psim_step_report report_of(const psim::StepReport& from) {
+  psim_step_report r;
+  psim_step_report_init(&r);
+  for (std::size_t k = 0; k < psim::kStageCount; ++k) r.stage_ms[k] = from.stage_ms[k];
+  r.total_ms = from.total_ms;
+  r.pairs = from.pairs;
+  r.contacts = from.contacts;
+  r.colours = from.colours;
+  r.awake = from.awake;
+  r.asleep = from.asleep;
+  r.pairs_reused = from.pairs_reused;
+  r.rebuilt = from.rebuilt;
+  r.stopped = from.stopped;
+  r.escaped = from.escaped;
+  r.quarantined = from.quarantined;
+  r.arena_growths = from.arena_growths;
+  r.detail = {from.detail.substeps, from.detail.parts, from.detail.frames, 0};
+  r.predicted_ms = from.predicted_ms;
+  r.virial = from.virial;
+  return r;
+}
+
+// Steps by advance(world) and writes the report, if there is one.
+template <class Advance>
+psim_result step(psim::World& world, const Call& call, psim_step_report* report,
+                 const Advance& advance) {
+  if (report != nullptr) {
+    const psim_result result = check_output(call, "report", report);
+    if (result != PSIM_OK) return result;
+  }
+  const psim::StepReport done = advance(world);
+  if (report != nullptr) write(report_of(done), report);
+  return PSIM_OK;
+}
+
+psim_result create(const Call& call, const psim_world_desc* desc, const psim_run_options* options) {
+  psim_world_desc given;
+  if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+  psim_run_options given_options;
+  set_defaults(given_options);
+  if (options != nullptr) {
+    const psim_result r = read(call, "options", options, given_options);
+    if (r != PSIM_OK) return r;
+  }
+  psim::WorldDesc world;
+  std::string wrong = convert(given, world);
+  psim::RunOptions run;
+  if (wrong.empty()) wrong = convert(given_options, run);
+  if (!wrong.empty()) return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  std::string error;
+  call.world->world = psim::World::create(world, run, error);
+  if (call.world->world == nullptr) {
+    const bool lacks = !psim::isa_available(run.isa);
+    return call.fail(lacks ? PSIM_ERROR_UNSUPPORTED : PSIM_ERROR_ARGUMENT, error);
+  }
+  for (const psim::Field& field : world.fields) call.world->fields.push_back(to_c(field));
+  return PSIM_OK;
+}
+
+// One parallel_for of the engine on the caller's job system. Nothing may be thrown through the
+// caller's code: it is kept, and thrown on the thread that steps.
+struct HostLoop {
+  const std::function<void(std::size_t)>& job;
+  std::atomic<std::size_t> done{0};
+  std::atomic<bool> failed{false};
+  std::exception_ptr error;
+};
+
+extern "C" void run_host_job(void* loop_pointer, size_t index) {
+  auto& loop = *static_cast<HostLoop*>(loop_pointer);
+  try {
+    loop.job(index);
+  } catch (...) {
+    if (!loop.failed.exchange(true)) loop.error = std::current_exception();
+  }
+  loop.done.fetch_add(1, std::memory_order_acq_rel);
+}
+
+psim::JobSystem job_system(const psim_job_system& jobs) {
+  psim::JobSystem out;
+  out.workers = jobs.workers;
+  out.parallel_for = [jobs](std::size_t count, const std::function<void(std::size_t)>& job) {
+    HostLoop loop{job, {}, {}, {}};
+    jobs.parallel_for(jobs.user, count, &run_host_job, &loop);
+    if (loop.error) std::rethrow_exception(loop.error);
+    if (const std::size_t done = loop.done.load(); done != count) {
+      throw std::runtime_error("the job system ran " + std::to_string(done) + " jobs of " +
+                               std::to_string(count) + "; the world can only be destroyed");
+    }
+  };
+  return out;
+}
+
+}  // namespace
+
+psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options,
+                              psim_world** world, char* error, size_t capacity) {
+  if (error != nullptr && capacity != 0) error[0] = '\0';
+  if (world == nullptr) return PSIM_ERROR_ARGUMENT;
+  *world = nullptr;
+  std::unique_ptr<psim_world> handle(new (std::nothrow) psim_world);
+  if (handle == nullptr) {
+    copy_text("psim_world_create: out of memory", error, capacity);
+    return PSIM_ERROR_OUT_OF_MEMORY;
+  }
+  const Call call{handle.get(), __func__};
+  const psim_result result = caught(call, [&] { return create(call, desc, options); });
+  if (result == PSIM_OK) {
+    *world = handle.release();
+  } else {
+    psim_last_error(handle.get(), error, capacity);
+  }
+  return result;
+}
+
+void psim_world_destroy(psim_world* world) { delete world; }
+
+size_t psim_last_error(const psim_world* world, char* buffer, size_t capacity) {
+  if (world == nullptr) return copy_text({}, buffer, capacity);
+  const std::lock_guard lock(world->error_mutex);
+  return copy_text(world->error, buffer, capacity);
+}
+
+psim_result psim_world_step(psim_world* world, psim_step_report* report) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
+    return step(w, call, report, [](psim::World& one) { return one.step(); });
+  });
+}
+
+psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* report) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
+    if (!(dt > 0) || !std::isfinite(dt)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and finite");
+    }
+    return step(w, call, report, [dt](psim::World& one) { return one.step(dt); });
+  });
+}
+
+psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
+                              psim_step_report* report) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
+    if (detail.substeps > 64 || detail.parts > psim::StepDetail::kAll || detail.frames < 1 ||
+        detail.reserved != 0) {
+      return call.fail(PSIM_ERROR_ARGUMENT,
+                       "substeps must be 0 to 64, parts 0 to 7, frames 1 or more, reserved 0");
+    }
+    return step(w, call, report, [detail](psim::World& one) {
+      return one.replay({detail.substeps, detail.parts, detail.frames});
+    });
+  });
+}
+
+psim_result psim_world_prepare(psim_world* world) {
+  return guarded(world, __func__, [](psim::World& w, const Call&) -> psim_result {
+    w.prepare();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (w.set_gravity(to_cpp(gravity))) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT, "gravity must be finite");
+  });
+}
+
+psim_result psim_world_set_sleeping(psim_world* world, int32_t on) {
+  return guarded(world, __func__, [on](psim::World& w, const Call&) -> psim_result {
+    w.set_sleeping(on != 0);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_governor(psim_world* world, const psim_governor_desc* desc) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_governor_desc given;
+    if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+    psim_cost_model costs;
+    set_defaults(costs);
+    if (given.costs != nullptr) {
+      if (const psim_result r = read(call, "costs", given.costs, costs); r != PSIM_OK) return r;
+    }
+    if (!(given.budget_ms > 0) || !std::isfinite(given.budget_ms)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "budget_ms must be above 0 and finite");
+    }
+    w.set_governor({given.on != 0, given.budget_ms, to_cpp(costs)});
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (jobs == nullptr) {
+      w.set_job_system({});
+      return PSIM_OK;
+    }
+    psim_job_system given;
+    if (const psim_result r = read(call, "jobs", jobs, given); r != PSIM_OK) return r;
+    if (given.workers < 1) return call.fail(PSIM_ERROR_ARGUMENT, "workers must be 1 or more");
+    w.set_job_system(given.parallel_for == nullptr ? psim::JobSystem{} : job_system(given));
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_output(call, "desc", desc); r != PSIM_OK) return r;
+    const psim::WorldDesc& from = w.desc();
+    psim_world_desc d;
+    set_defaults(d);
+    d.boundary = static_cast<int32_t>(from.boundary);
+    d.bounds = to_c(from.bounds);
+    d.gravity = to_c(from.gravity);
+    d.linear_damping = from.linear_damping;
+    d.wall = to_c(from.wall);
+    d.fields = world->fields.data();
+    d.field_count = world->fields.size();
+    d.dt = from.dt;
+    d.substeps = from.substeps;
+    d.integrator = static_cast<int32_t>(from.integrator);
+    d.restitution_threshold = from.restitution_threshold;
+    d.sleeping = from.sleeping;
+    write(d, desc);
+    return PSIM_OK;
+  });
+}
+
+int32_t psim_world_isa(const psim_world* world) {
+  return asked(world, __func__, int32_t{-1},
+               [](const psim::World& w) { return static_cast<int32_t>(w.isa()); });
+}
+
+int32_t psim_world_threads(const psim_world* world) {
+  return asked(world, __func__, int32_t{0}, [](const psim::World& w) { return w.threads(); });
+}
+
+uint64_t psim_world_frame(const psim_world* world) {
+  return asked(world, __func__, uint64_t{0}, [](const psim::World& w) { return w.frame(); });
+}

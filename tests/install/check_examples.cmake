@@ -1,0 +1,53 @@
+# Installs the library, builds examples/ on it and looks at what each prints. Run by CTest with
+# cmake -P.
+set(scratch "${BUILD_DIR}/examples-check")
+file(REMOVE_RECURSE "${scratch}")
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  string(STRIP "${output}" output)
+  if(NOT result EQUAL 0)
+    string(REPLACE ";" " " command "${ARGN}")
+    message(FATAL_ERROR "${command}: exit ${result}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+# Runs an example; its whole output has to match.
+function(example expected)
+  run(${ARGN})
+  message(STATUS "${output}")
+  if(NOT output MATCHES "^${expected}$")
+    message(FATAL_ERROR "${ARGN} printed\n${output}\nwhich is not\n${expected}")
+  endif()
+endfunction()
+
+run(${CMAKE_COMMAND} --install "${BUILD_DIR}" --component psim_library --prefix "${scratch}/prefix")
+run(${CMAKE_COMMAND} -S "${EXAMPLES_DIR}" -B "${scratch}/build" -G "${GENERATOR}"
+    "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_C_COMPILER=${CC}" -DCMAKE_BUILD_TYPE=Release
+    "-DCMAKE_PREFIX_PATH=${scratch}/prefix" "-DCMAKE_C_FLAGS=-Wall -Wextra -Wpedantic -Werror"
+    "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wconversion -Wpedantic -Werror")
+run(${CMAKE_COMMAND} --build "${scratch}/build")
+
+file(GLOB sources "${EXAMPLES_DIR}/*.c" "${EXAMPLES_DIR}/*.cpp" "${EXAMPLES_DIR}/*.py")
+foreach(source IN LISTS sources)
+  file(READ "${source}" text)
+  string(REGEX REPLACE "[^\n]" "" newlines "${text}")
+  string(LENGTH "${newlines}" count)
+  if(count GREATER_EQUAL 80)
+    message(FATAL_ERROR "${source} has ${count} lines; an example stays under 80")
+  endif()
+endforeach()
+
+set(bin "${scratch}/build")
+example("after 1 s the disc is at y = -4\\.9[0-9]+ m" "${bin}/hello_disc")
+example("6[0-9] steps, 14[0-9] pictures, speed on the screen 3 m/s \\+- 0\\.00[0-9]+" "${bin}/game_loop")
+example("[0-9a-f]+ on one thread\n[0-9a-f]+ on the pool" "${bin}/own_job_system")
+example("spawned in [0-9.]+ ms, then [0-9.]+ ms a step\n100000 discs, the highest at y = -?[0-9.]+ m"
+        "${bin}/bulk_spawn")
+example("0\\.[0-9]+ s: the floor was hit at x = 3\\.[0-9] with 8\\.[0-9] m/s\n.*1\\.[0-9]+ s: goal!\n.*out of the goal.*"
+        "${bin}/events")
+example("the ball is at \\(.*\\)\n(the wall is [0-7]\\.[0-9] m high|nothing is left of the wall)" "${bin}/c_api")
+file(GLOB_RECURSE shared "${scratch}/prefix/*/libpsim.so")
+example("psim [0-9.]+: 1000 discs fell [34]\\.[0-9]+ m in a second"
+        "${PYTHON}" "${EXAMPLES_DIR}/python_ctypes.py" "${shared}")
