@@ -33,6 +33,7 @@
 #include "psim/c/desc.h"
 #include "psim/c/joints.h"
 #include "psim/c/queries.h"
+#include "psim/c/saved.h"
 #include "psim/c/state.h"
 #include "psim/c/types.h"
 #include "psim/c/world.h"

@@ -475,6 +475,71 @@ TEST(CApi, WhatIsThrownInsideBecomesAResultAndTheWorldIsDone) {
   }
 }
 
+TEST(CApi, ASavedWorldGoesOnWithTheSameBits) {
+  psim_world_desc desc = CWorld::defaults();
+  const psim_field drag = psim_drag(0.1, 0);
+  desc.fields = &drag;
+  desc.field_count = 1;
+  CWorld c(desc);
+  for (int k = 0; k < 30; ++k) c.add(psim_box(1, 1), {k % 5 * 1.1, -498 + k / 5 * 1.1});
+  const auto run_on = [](psim_world* world) {
+    for (int k = 0; k < 20; ++k) psim_world_step(world, nullptr);
+    return psim_world_state_hash(world);
+  };
+  run_on(c.world);
+  const void* state = nullptr;
+  std::size_t size = 0;
+  ASSERT_EQ(psim_world_save(c.world, &state, &size), PSIM_OK) << c.last();
+  const std::uint64_t expected = run_on(c.world);
+  ASSERT_EQ(psim_world_restore(c.world, state, size), PSIM_OK) << c.last();
+  EXPECT_EQ(run_on(c.world), expected);
+
+  // Through a buffer, and into a new world.
+  std::size_t packed_size = 0;
+  ASSERT_EQ(psim_pack_state(state, size, nullptr, 0, &packed_size), PSIM_OK);
+  EXPECT_EQ(packed_size, size + 32);
+  std::vector<unsigned char> packed(packed_size), unpacked(size);
+  EXPECT_EQ(psim_pack_state(state, size, packed.data(), 10, &packed_size), PSIM_ERROR_ARGUMENT);
+  ASSERT_EQ(psim_pack_state(state, size, packed.data(), packed.size(), &packed_size), PSIM_OK);
+  char error[256];
+  std::size_t unpacked_size = 0;
+  ASSERT_EQ(psim_unpack_state(packed.data(), packed.size(), unpacked.data(), unpacked.size(),
+                              &unpacked_size, error, sizeof error),
+            PSIM_OK)
+      << error;
+  psim_world* again = nullptr;
+  ASSERT_EQ(
+      psim_world_from_state(unpacked.data(), unpacked_size, nullptr, &again, error, sizeof error),
+      PSIM_OK)
+      << error;
+  EXPECT_EQ(run_on(again), expected);
+  psim_world_desc now = CWorld::defaults();
+  ASSERT_EQ(psim_world_get_desc(again, &now), PSIM_OK);
+  ASSERT_EQ(now.field_count, 1u);
+  EXPECT_EQ(now.fields[0].linear, 0.1);
+  psim_world_destroy(again);
+
+  packed[packed.size() / 2] ^= 1;
+  EXPECT_EQ(psim_unpack_state(packed.data(), packed.size(), nullptr, 0, &unpacked_size, error,
+                              sizeof error),
+            PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(std::string(error).rfind("psim_unpack_state: ", 0), 0u) << error;
+  CWorld other;
+  EXPECT_EQ(psim_world_restore(other.world, "no state", 8), PSIM_ERROR_ARGUMENT);
+  EXPECT_NE(other.last(), "");
+
+  const std::string path = testing::TempDir() + "c_api_state";
+  ASSERT_EQ(psim_write_state(path.c_str(), state, size, error, sizeof error), PSIM_OK) << error;
+  ASSERT_EQ(
+      psim_read_state(path.c_str(), unpacked.data(), size, &unpacked_size, error, sizeof error),
+      PSIM_OK)
+      << error;
+  EXPECT_EQ(std::memcmp(unpacked.data(), state, size), 0);
+  std::remove(path.c_str());
+  EXPECT_EQ(psim_read_state(path.c_str(), nullptr, 0, &unpacked_size, error, sizeof error),
+            PSIM_ERROR_ARGUMENT);
+}
+
 TEST(CApi, SleepGravityAndMotorsAreReachable) {
   CWorld c;
   const psim_body_id hub = c.add(psim_disc(0.5), {0, 0}, PSIM_BODY_STATIC);

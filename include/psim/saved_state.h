@@ -7,17 +7,22 @@
 #include <string>
 #include <vector>
 
+#include "psim/api.h"
+
 namespace psim {
 
 /// A state with a header of 32 bytes before it: magic, format, length, checksum.
-std::vector<std::byte> pack_state(std::span<const std::byte> state);
+PSIM_API std::vector<std::byte> pack_state(std::span<const std::byte> state);
 /// And back. False and one line in `error` if it is no packed state, of another format, cut or damaged.
-bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state, std::string& error);
+PSIM_API bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state,
+                           std::string& error);
 
 /// Writes a packed state to a file: beside it first, then in its place, so that there is never half of one.
 /// False and one line in `error` if that fails; what was there before is still there then.
-bool write_state(const std::string& path, std::span<const std::byte> state, std::string& error);
+PSIM_API bool write_state(const std::string& path, std::span<const std::byte> state,
+                          std::string& error);
 /// Reads one.
-bool read_state(const std::string& path, std::vector<std::byte>& state, std::string& error);
+PSIM_API bool read_state(const std::string& path, std::vector<std::byte>& state,
+                         std::string& error);
 
 }  // namespace psim

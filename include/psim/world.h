@@ -190,8 +190,8 @@ class PSIM_API World {
   /// come through `unpack_state` (psim/saved_state.h).
   bool restore(std::span<const std::byte> state, std::string& error);
   /// A world in a saved state.
-  static std::unique_ptr<World> from_state(std::span<const std::byte> state, const RunOptions& options,
-                                           std::string& error);
+  static std::unique_ptr<World> from_state(std::span<const std::byte> state,
+                                           const RunOptions& options, std::string& error);
 
   /// Lets a governor keep the frame's budget from now on, or no more.
   void set_governor(const GovernorDesc& desc);

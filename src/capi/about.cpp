@@ -91,14 +91,8 @@ psim_result psim_measure_costs(const psim_run_options* options, size_t bodies,
   const Call call{&scratch, __func__};
   return caught(call, [&]() -> psim_result {
     psim::RunOptions run;
-    if (options != nullptr) {
-      psim_run_options given;
-      if (const psim_result r = read(call, "options", options, given); r != PSIM_OK) return r;
-      if (!convert(given, run).empty() || run.threads < 1 || run.threads > 256) {
-        return PSIM_ERROR_ARGUMENT;
-      }
-      if (!psim::isa_available(run.isa)) return PSIM_ERROR_UNSUPPORTED;
-    }
+    if (const psim_result r = read_options(call, options, run); r != PSIM_OK) return r;
+    if (run.threads < 1 || run.threads > 256) return PSIM_ERROR_ARGUMENT;
     if (const psim_result r = check_output(call, "costs", costs); r != PSIM_OK) return r;
     write(to_c(psim::World::measure_costs(run, bodies)), costs);
     return PSIM_OK;

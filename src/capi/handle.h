@@ -34,6 +34,7 @@ struct psim_world {
   std::vector<std::pair<std::string, std::uint64_t>> skipped_text;
   std::vector<psim_skip_entry> skipped;
   std::vector<psim_trace_event> trace;
+  std::vector<std::byte> state;
 };
 
 namespace psim::capi {
@@ -77,6 +78,29 @@ psim_result guarded(const psim_world* handle, const char* name, const Body& body
     return call.fail(PSIM_ERROR_BROKEN_WORLD, "the world broke before and can only be destroyed");
   }
   return caught(call, [&] { return body(*call.world->world, call); });
+}
+
+/// Makes a handle, lets fill(call) put a world into it, and gives it out in `*world`; where that fails
+/// `error` has its line.
+template <class Fill>
+psim_result make_handle(const char* name, psim_world** world, char* error, std::size_t capacity,
+                        const Fill& fill) noexcept {
+  copy_text({}, error, capacity);
+  if (world == nullptr) return PSIM_ERROR_ARGUMENT;
+  *world = nullptr;
+  std::unique_ptr<psim_world> handle(new (std::nothrow) psim_world);
+  if (handle == nullptr) {
+    copy_text("out of memory", error, capacity);
+    return PSIM_ERROR_OUT_OF_MEMORY;
+  }
+  const Call call{handle.get(), name};
+  const psim_result result = caught(call, [&] { return fill(call); });
+  if (result == PSIM_OK) {
+    *world = handle.release();
+  } else {
+    copy_text(handle->error, error, capacity);
+  }
+  return result;
 }
 
 /// The same for functions that answer with a number: `none` where there is no answer.

@@ -102,6 +102,21 @@ void set_defaults(psim_job_system& d) {
   d.workers = 1;
 }
 
+psim_result read_options(const Call& call, const psim_run_options* options, RunOptions& out) {
+  if (options == nullptr) return PSIM_OK;
+  psim_run_options given;
+  if (const psim_result r = read(call, "options", options, given); r != PSIM_OK) return r;
+  const std::string wrong = convert(given, out);
+  if (!wrong.empty()) return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  if (isa_available(out.isa)) return PSIM_OK;
+  return call.fail(PSIM_ERROR_UNSUPPORTED, "this CPU has no " + std::string(isa_name(out.isa)));
+}
+
+void keep_fields(psim_world& handle) {
+  handle.fields.clear();
+  for (const Field& field : handle.world->desc().fields) handle.fields.push_back(to_c(field));
+}
+
 std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) {
   if (size >= 8 && size % 8 == 0 && size <= known) return {};
   const std::string has = std::string(what) + " has struct_size " + std::to_string(size);

@@ -38,6 +38,13 @@ psim_result read(const Call& call, const char* what, const T* in, T& out) {
   return PSIM_OK;
 }
 
+/// The caller's run options, or the defaults for NULL; PSIM_ERROR_UNSUPPORTED where the CPU lacks the
+/// instruction set.
+psim_result read_options(const Call& call, const psim_run_options* options, RunOptions& out);
+
+/// Keeps the world's fields as C sees them.
+void keep_fields(psim_world& handle);
+
 /// Whether a struct to be filled has a size that we know.
 template <class T>
 psim_result check_output(const Call& call, const char* what, const T* out) {

@@ -50,24 +50,15 @@ psim_result step(psim::World& world, const Call& call, psim_step_report* report,
 psim_result create(const Call& call, const psim_world_desc* desc, const psim_run_options* options) {
   psim_world_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
-  psim_run_options given_options;
-  set_defaults(given_options);
-  if (options != nullptr) {
-    const psim_result r = read(call, "options", options, given_options);
-    if (r != PSIM_OK) return r;
-  }
   psim::WorldDesc world;
-  std::string wrong = convert(given, world);
-  psim::RunOptions run;
-  if (wrong.empty()) wrong = convert(given_options, run);
+  const std::string wrong = convert(given, world);
   if (!wrong.empty()) return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  psim::RunOptions run;
+  if (const psim_result r = read_options(call, options, run); r != PSIM_OK) return r;
   std::string error;
   call.world->world = psim::World::create(world, run, error);
-  if (call.world->world == nullptr) {
-    const bool lacks = !psim::isa_available(run.isa);
-    return call.fail(lacks ? PSIM_ERROR_UNSUPPORTED : PSIM_ERROR_ARGUMENT, error);
-  }
-  for (const psim::Field& field : world.fields) call.world->fields.push_back(to_c(field));
+  if (call.world->world == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, error);
+  keep_fields(*call.world);
   return PSIM_OK;
 }
 
@@ -109,22 +100,8 @@ psim::JobSystem job_system(const psim_job_system& jobs) {
 
 psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options,
                               psim_world** world, char* error, size_t capacity) {
-  if (error != nullptr && capacity != 0) error[0] = '\0';
-  if (world == nullptr) return PSIM_ERROR_ARGUMENT;
-  *world = nullptr;
-  std::unique_ptr<psim_world> handle(new (std::nothrow) psim_world);
-  if (handle == nullptr) {
-    copy_text("psim_world_create: out of memory", error, capacity);
-    return PSIM_ERROR_OUT_OF_MEMORY;
-  }
-  const Call call{handle.get(), __func__};
-  const psim_result result = caught(call, [&] { return create(call, desc, options); });
-  if (result == PSIM_OK) {
-    *world = handle.release();
-  } else {
-    psim_last_error(handle.get(), error, capacity);
-  }
-  return result;
+  return make_handle(__func__, world, error, capacity,
+                     [&](const Call& call) { return create(call, desc, options); });
 }
 
 void psim_world_destroy(psim_world* world) { delete world; }

@@ -82,7 +82,7 @@ PSIM_API psim_result psim_world_set_governor(psim_world* world, const psim_gover
 PSIM_API psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs);
 
 /// The present description: as created, with the gravity and sleeping set since. `fields` points
-/// into the world and stays valid as long as the world.
+/// into the world and stays valid until psim_world_restore.
 PSIM_API psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc);
 
 /// The psim_isa that the kernels use; -1 for NULL.
