@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "psim/api.h"
 #include "psim/world.h"
 
 namespace psim {
 
 /// Writes down what is done to a world through it. Each call does what the call of World by that name does. What
 /// changes the world past the recorder is missing from the recording, and a replay will say so.
-class Recorder {
+class PSIM_API Recorder {
  public:
   /// From the world's present state on, with a hash of the state after every `every` steps (at least 1) and at
   /// the end. The world must outlive it.
@@ -24,6 +25,8 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
+  /// As World has it.
+  ///@{
   StepReport step();
   StepReport step(double dt);
   BodyId add_body(const BodyDesc& desc, std::string& error);
@@ -40,6 +43,7 @@ class Recorder {
   JointId add_joint(const JointDesc& desc, std::string& error);
   bool remove_joint(JointId id);
   bool set_motor(JointId id, double speed, double limit);
+  ///@}
   /// A detail that a governor chose in another run.
   StepReport replay(const StepDetail& detail);
 
@@ -47,21 +51,22 @@ class Recorder {
   std::vector<std::byte> recording() const;
 
  private:
-  struct Log;
+  struct PSIM_LOCAL Log;
   World& world_;
   std::unique_ptr<Log> log_;
 };
 
 /// Runs a recording in a world of its own.
-class Replay {
+class PSIM_API Replay {
  public:
   /// Nothing and one line in `error` if the bytes are no recording, of another format, cut or damaged.
-  static std::unique_ptr<Replay> open(std::span<const std::byte> recording, const RunOptions& options,
-                                      std::string& error);
+  static std::unique_ptr<Replay> open(std::span<const std::byte> recording,
+                                      const RunOptions& options, std::string& error);
   ~Replay();
 
   /// Does what the host did and one step; false at the end.
   bool next();
+  /// The world that it runs in, in the state after the last step.
   World& world();
   std::uint64_t steps() const;         ///< done
   std::uint64_t steps_in_all() const;  ///< in the recording
@@ -70,14 +75,17 @@ class Replay {
   std::uint64_t differs_at() const;
 
  private:
-  struct State;
-  explicit Replay(std::unique_ptr<State> state);
+  struct PSIM_LOCAL State;
+  PSIM_LOCAL explicit Replay(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
 /// Files of recordings and packed states, written beside first and then put in place. False and one line in `error`
 /// that names the file.
-bool write_bytes(const std::string& path, std::span<const std::byte> bytes, std::string& error);
-bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::string& error);
+PSIM_API bool write_bytes(const std::string& path, std::span<const std::byte> bytes,
+                          std::string& error);
+/// Reads one.
+PSIM_API bool read_bytes(const std::string& path, std::vector<std::byte>& bytes,
+                         std::string& error);
 
 }  // namespace psim

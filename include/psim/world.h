@@ -200,6 +200,7 @@ class PSIM_API World {
   static CostModel measure_costs(const RunOptions& options, std::size_t bodies);
   /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits.
   StepReport replay(const StepDetail& detail);
+  /// The same by another dt, seconds.
   StepReport replay(const StepDetail& detail, double dt);
 
   std::size_t body_count() const;       ///< all living bodies
