@@ -1,4 +1,4 @@
-// bench: every kernel by ISA and size, and whole frames by scene, ISA and threads.
+// bench: every kernel by ISA and size, whole frames by scene, ISA and threads, and pictures.
 //
 //   bench --benchmark_filter=Integrate           all variants of one kernel side by side
 //   bench --benchmark_filter='/avx2/10000$'      all kernels at one size
@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   psim::bench::register_manifold_kernels();
   psim::bench::register_collide_kernels();
   psim::bench::register_frames();
+  psim::bench::register_pictures();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

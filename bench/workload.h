@@ -46,5 +46,6 @@ void register_contact_kernels();
 void register_manifold_kernels();
 void register_collide_kernels();
 void register_frames();
+void register_pictures();
 
 }  // namespace psim::bench

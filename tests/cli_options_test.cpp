@@ -85,7 +85,8 @@ TEST(CliOptions, HelpNamesEveryOption) {
         "--state",  "--metrics",     "--trajectory", "--every",   "--image",
         "--trace",  "--explain",     "--verify",     "--check",   "--benchmark",
         "--budget", "--governor",    "--sleep",      "--version", "--help",
-        "--integrator", "--target-error", "--target-ms"}) {
+        "--integrator", "--target-error", "--target-ms", "--frames-dir", "--video", "--fps",
+        "--image-size", "--view", "--colour"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }

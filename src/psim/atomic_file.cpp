@@ -92,6 +92,11 @@ void AtomicFile::open() {
   if (!exists && ::access(target_.c_str(), F_OK) != 0 && errno != ENOENT) refuse(errno);
 }
 
+std::string AtomicFile::path_for_program(int there) const {
+  if (!temporary_.empty()) return temporary_;
+  return fmt::format("/proc/self/fd/{}", there);
+}
+
 void AtomicFile::flush() {
   std::string_view left = buffer_;
   while (!left.empty() && write_error_ == 0) {

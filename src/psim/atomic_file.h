@@ -38,6 +38,14 @@ class AtomicFile {
   /// if there was one, is untouched.
   void commit();
 
+  /// For another program that writes the file in our place: the open file, and a path that means it where that
+  /// descriptor has the number `there`.
+  int descriptor() const { return fd_; }
+  std::string path_for_program(int there) const;
+
+  /// Option and path as the user wrote them.
+  const std::string& label() const { return label_; }
+
   /// Where the data goes in the end, links resolved.
   const std::string& target() const { return target_; }
 
@@ -49,7 +57,7 @@ class AtomicFile {
 
   static constexpr std::size_t kFlushBytes = 1 << 18;
 
-  std::string label_;      // option and path as the user wrote them
+  std::string label_;
   std::string target_;     // path with links resolved
   std::string temporary_;  // name to unlink; empty while the file is nameless or written straight
   std::string buffer_;

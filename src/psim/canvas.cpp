@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <span>
+
+#include "outline.h"
 
 namespace psim::cli {
 namespace {
+
+constexpr double kRimFrom = 3;  // pixels from the middle to the edge from which on the rim shows
+constexpr double kRimShare = 0.14;  // of that depth
+constexpr double kWidestRim = 16;   // pixels
+constexpr float kRimDarkening = 0.45f;
+constexpr float kNothing = 1e-6f;  // a share that rounding leaves
 
 float srgb_to_linear(float s) {
   return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
@@ -29,7 +35,27 @@ std::array<std::uint8_t, kToneSteps> make_tone_curve() {
   return curve;
 }
 
-float clamp01(float v) { return std::clamp(v, 0.0f, 1.0f); }
+double rim_of(double depth) {
+  return depth < kRimFrom ? 0 : std::min(kRimShare * depth, kWidestRim);
+}
+
+// From the middle of a convex polygon to its nearest side.
+double depth_of(std::span<const Point> polygon) {
+  const std::size_t n = polygon.size();
+  if (n < 3) return 0;
+  Point middle;
+  for (const Point& p : polygon) {
+    middle = {middle.x + p.x / static_cast<double>(n), middle.y + p.y / static_cast<double>(n)};
+  }
+  double depth = 1e30;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Point p = polygon[k], q = polygon[(k + 1) % n];
+    const double ux = q.x - p.x, uy = q.y - p.y, length = std::hypot(ux, uy);
+    if (!(length > 0)) continue;
+    depth = std::min(depth, std::fabs(ux * (middle.y - p.y) - uy * (middle.x - p.x)) / length);
+  }
+  return depth;
+}
 
 }  // namespace
 
@@ -43,148 +69,168 @@ Colour from_srgb(std::uint32_t rgb) {
 Canvas::Canvas(int width, int height, Colour background)
     : width_(width),
       height_(height),
-      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), background) {}
+      background_(background),
+      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
-template <class Paint>
-void Canvas::for_pixels(float x0, float y0, float x1, float y1, const Paint& paint) {
-  // Clamped as floats: a figure far outside must not overflow an int.
-  const auto w = static_cast<float>(width_), h = static_cast<float>(height_);
-  const int left = static_cast<int>(std::clamp(std::floor(x0), 0.0f, w));
-  const int right = static_cast<int>(std::clamp(std::ceil(x1), 0.0f, w));
-  const int top = static_cast<int>(std::clamp(std::floor(y0), 0.0f, h));
-  const int bottom = static_cast<int>(std::clamp(std::ceil(y1), 0.0f, h));
-  for (int y = top; y < bottom; ++y) {
-    Colour* const row = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_;
-    for (int x = left; x < right; ++x) paint(row[x], x, y);
-  }
+void Canvas::background_rect(double x0, double y0, double x1, double y1, Colour colour) {
+  rects_.push_back({x0, y0, x1, y1, colour});
 }
 
-void Canvas::fill_rect(float x0, float y0, float x1, float y1, Colour colour) {
-  for_pixels(x0, y0, x1, y1, [&](Colour& pixel, int x, int y) {
-    const auto px = static_cast<float>(x), py = static_cast<float>(y);
-    const float covered_x = clamp01(std::min(x1, px + 1) - std::max(x0, px));
-    const float covered_y = clamp01(std::min(y1, py + 1) - std::max(y0, py));
-    pixel = mix(pixel, colour, covered_x * covered_y);
-  });
+void Canvas::clear(Colour background) {
+  background_ = background;
+  rects_.clear();
+  std::fill(pixels_.begin(), pixels_.end(), Light{});
 }
 
-template <class Distance>
-void Canvas::solid(float x0, float y0, float x1, float y1, float inner, float outer, Colour colour,
-                   const Distance& distance) {
-  constexpr float kSmallest = 0.75f;  // painted no thinner than twice this, but fainter
-  constexpr float kRimFrom = 3;       // pixels from which on the rim shows
-  constexpr float kRimShare = 0.14f;  // of the inner radius
-  constexpr float kWidestRim = 16;
-  constexpr float kRimDarkening = 0.45f;
-  const float grow = std::max(kSmallest - inner, 0.0f);
-  const float weight = (inner / (inner + grow)) * (outer / (outer + grow));
-  const float rim = inner < kRimFrom ? 0 : std::min(kRimShare * inner, kWidestRim);
-  const float margin = grow + 0.5f;
-  for_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, [&](Colour& pixel, int x, int y) {
-    const float d = distance(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - grow;
-    if (d >= 0.5f) return;
-    const float dark = rim > 0 ? kRimDarkening * clamp01(d + rim + 0.5f) : 0;
-    pixel = mix(pixel, mix(colour, Colour{}, dark), weight * clamp01(0.5f - d));
-  });
+bool Canvas::begin(double x0, double y0, double x1, double y1, bool has_rim) {
+  box_ = pixel_box(x0, y0, x1, y1, width_, height_);
+  if (box_.is_empty()) return false;
+  outer_.begin(box_);
+  if (has_rim) inner_.begin(box_);
+  return true;
 }
 
-void Canvas::disc(float cx, float cy, float radius, Colour colour) {
-  solid(cx - radius, cy - radius, cx + radius, cy + radius, radius, radius, colour,
-        [=](float x, float y) {
-          const float dx = x - cx, dy = y - cy;
-          return std::sqrt(dx * dx + dy * dy) - radius;
-        });
-}
-
-void Canvas::convex(std::span<const Point> points, float radius, Colour colour) {
-  if (points.empty()) return;
-  const std::size_t n = points.size();
-  Point low = points[0], high = points[0], middle;
-  float area = 0, perimeter = 0;  // twice the area
-  for (std::size_t k = 0; k < n; ++k) {
-    const Point p = points[k], next = points[(k + 1) % n];
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    middle = {middle.x + p.x / static_cast<float>(n), middle.y + p.y / static_cast<float>(n)};
-    perimeter += std::hypot(next.x - p.x, next.y - p.y);
-    area +=
-        (p.x - points[0].x) * (next.y - points[0].y) - (p.y - points[0].y) * (next.x - points[0].x);
-  }
-  const float side = area < 0 ? -1.0f : 1.0f;
-  // To the polygon itself: the farthest of the edges' lines inside, the nearest edge outside.
-  const auto to_polygon = [&](float x, float y) {
-    float beyond = n < 3 ? 1.0f : -1e30f, near2 = 1e30f;
-    for (std::size_t k = 0; k < n; ++k) {
-      const Point p = points[k], q = points[(k + 1) % n];
-      const float ux = q.x - p.x, uy = q.y - p.y, dx = x - p.x, dy = y - p.y;
-      const float length2 = ux * ux + uy * uy;
-      const float t = length2 > 0 ? clamp01((dx * ux + dy * uy) / length2) : 0;
-      const float ex = dx - t * ux, ey = dy - t * uy;
-      near2 = std::min(near2, ex * ex + ey * ey);
-      if (n < 3 || !(length2 > 0)) continue;
-      beyond = std::max(beyond, side * (dx * uy - dy * ux) / std::sqrt(length2));
+void Canvas::paint(const Look& look) {
+  for (int y = box_.top; y < box_.bottom; ++y) {
+    const Coverage::Row row = outer_.take_row(y);
+    const Coverage::Row inside = look.has_rim ? inner_.take_row(y) : Coverage::Row{};
+    Light* const pixels = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_ + row.left;
+    const std::ptrdiff_t shift = row.left - inside.left;
+    for (std::size_t i = 0; i < row.shares.size(); ++i) {
+      const float share = row.shares[i] * look.opacity;
+      if (share <= kNothing) continue;
+      Light light = look.light;
+      if (look.has_rim) {
+        const auto at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + shift);
+        const float within = at < inside.shares.size() ? inside.shares[at] * look.opacity : 0;
+        light = look.rim + (look.light - look.rim) * std::min(within / share, 1.0f);
+      }
+      // What was there gives way by as much as does not fit beside it; what is laid over hides all
+      // alike.
+      Light& pixel = pixels[i];
+      float stays = 1;
+      if (!look.shares) {
+        stays = 1 - share;
+      } else if (pixel[3] + share > 1) {
+        stays = (1 - share) / pixel[3];
+      }
+      pixel = pixel * stays + light * share;
     }
-    return beyond <= 0 ? beyond : std::sqrt(near2);
+  }
+}
+
+void Canvas::disc(double x, double y, double radius, Colour colour, float opacity) {
+  if (!(radius > 0)) return;
+  const double rim = rim_of(radius);
+  const double reach = radius + 0.1;  // the outline's corners lie outside of the circle
+  if (!begin(x - reach, y - reach, x + reach, y + reach, rim > 0)) return;
+  outer_.polygon(unit_circle(radius), {x, y}, radius);
+  if (rim > 0) inner_.polygon(unit_circle(radius - rim), {x, y}, radius - rim);
+  paint(
+      {light_of(colour), light_of(mix(colour, {}, kRimDarkening)), opacity, rim > 0, opacity == 1});
+}
+
+void Canvas::convex(std::span<const Point> points, double radius, Colour colour, float opacity) {
+  radius = std::max(radius, 0.0);
+  round_outline(points, radius, outline_);
+  const double rim = rim_of(depth_of(points) + radius);
+  if (!begin_outline(rim > 0)) return;
+  outer_.polygon(outline_);
+  if (rim > radius) {
+    shrink(points, rim - radius, outline_);
+    inner_.polygon(outline_);
+  } else if (rim > 0) {
+    round_outline(points, radius - rim, outline_);
+    inner_.polygon(outline_);
+  }
+  paint(
+      {light_of(colour), light_of(mix(colour, {}, kRimDarkening)), opacity, rim > 0, opacity == 1});
+}
+
+bool Canvas::begin_outline(bool has_rim) {
+  if (outline_.size() < 3) return false;
+  const auto [left, right] = std::ranges::minmax(outline_, {}, &Point::x);
+  const auto [top, bottom] = std::ranges::minmax(outline_, {}, &Point::y);
+  return begin(left.x, top.y, right.x, bottom.y, has_rim);
+}
+
+void Canvas::line(Point from, Point to, double thickness, Colour colour) {
+  const Point ends[] = {from, to};
+  round_outline(ends, thickness / 2, outline_);
+  if (!begin_outline(false)) return;
+  outer_.polygon(outline_);
+  paint({light_of(colour), Light{}, 1, false, false});
+}
+
+void Canvas::ring(double x, double y, double radius, double thickness, Colour colour) {
+  const double outside = radius + thickness / 2, inside = radius - thickness / 2;
+  const double reach = outside + 0.1;
+  if (!begin(x - reach, y - reach, x + reach, y + reach, false)) return;
+  outer_.polygon(unit_circle(outside), {x, y}, outside);
+  if (inside > 0) {
+    const std::span<const Point> circle = unit_circle(inside);
+    outline_.assign(circle.rbegin(), circle.rend());  // the other way round: a hole
+    outer_.polygon(outline_, {x, y}, inside);
+  }
+  paint({light_of(colour), Light{}, 1, false, false});
+}
+
+void Canvas::background_row(int y, std::vector<Colour>& row) const {
+  std::fill(row.begin(), row.end(), background_);
+  const auto overlap = [](double low, double high, int pixel) {
+    return std::clamp(std::min(high, pixel + 1.0) - std::max(low, static_cast<double>(pixel)), 0.0,
+                      1.0);
   };
-  const float inner = std::max(radius - to_polygon(middle.x, middle.y), 0.0f);
-  if (!(inner > 0)) return;
-  // That of a rectangle of the same area.
-  const float covered = std::abs(area) / 2 + (perimeter + 3.14f * radius) * radius;
-  const float outer = std::max(covered / (4 * inner), inner);
-  solid(low.x - radius, low.y - radius, high.x + radius, high.y + radius, inner, outer, colour,
-        [&](float x, float y) { return to_polygon(x, y) - radius; });
-}
-
-void Canvas::ring(float cx, float cy, float radius, float thickness, Colour colour) {
-  const float half = thickness / 2;
-  const float outside = radius + half + 0.5f;
-  for_pixels(cx - outside, cy - outside, cx + outside, cy + outside,
-             [&](Colour& pixel, int x, int y) {
-               const float d =
-                   std::hypot(static_cast<float>(x) + 0.5f - cx, static_cast<float>(y) + 0.5f - cy);
-               pixel = mix(pixel, colour, clamp01(half + 0.5f - std::abs(d - radius)));
-             });
-}
-
-void Canvas::line(float x0, float y0, float x1, float y1, float thickness, Colour colour) {
-  const float half = thickness / 2;
-  const float reach = half + 0.5f;
-  const float ux = x1 - x0, uy = y1 - y0;
-  const float length2 = ux * ux + uy * uy;
-  // Row by row, only the stretch that the line can touch: a long slanted line is thin.
-  const float top = std::min(y0, y1) - reach, bottom = std::max(y0, y1) + reach;
-  const float first = std::max(std::floor(top), 0.0f);
-  const float last = std::min(std::ceil(bottom), static_cast<float>(height_));
-  for (float row = first; row < last; ++row) {
-    float left = std::min(x0, x1), right = std::max(x0, x1);
-    if (std::abs(uy) > 1) {
-      const float xa = x0 + ux * (row - reach - y0) / uy;
-      const float xb = x0 + ux * (row + 1 + reach - y0) / uy;
-      left = std::max(left, std::min(xa, xb));
-      right = std::min(right, std::max(xa, xb));
+  for (const Rect& rect : rects_) {
+    const double high = overlap(rect.y0, rect.y1, y);
+    if (high == 0) continue;
+    const PixelBox box = pixel_box(rect.x0, 0, rect.x1, 1, width_, 1);
+    for (int x = box.left; x < box.right; ++x) {
+      Colour& pixel = row[static_cast<std::size_t>(x)];
+      pixel = mix(pixel, rect.colour, static_cast<float>(high * overlap(rect.x0, rect.x1, x)));
     }
-    for_pixels(left - reach, row, right + reach, row + 1, [&](Colour& pixel, int x, int y) {
-      const float px = static_cast<float>(x) + 0.5f - x0, py = static_cast<float>(y) + 0.5f - y0;
-      const float t = length2 > 0 ? clamp01((px * ux + py * uy) / length2) : 0;
-      const float d = std::hypot(px - t * ux, py - t * uy);
-      pixel = mix(pixel, colour, clamp01(reach - d));
-    });
   }
 }
 
-std::vector<std::uint8_t> Canvas::to_srgb() const {
+// Pixels that no figure touches are those of the background's row, and most rows of it are alike.
+void Canvas::to_srgb(std::vector<std::uint8_t>& bytes) const {
   static const auto kToneCurve = make_tone_curve();
-  const auto tone = [](float linear) {
-    return kToneCurve[static_cast<std::size_t>(clamp01(linear) * (kToneSteps - 1) + 0.5f)];
+  using Steps = std::int32_t __attribute__((vector_size(16)));
+  const auto write = [](std::uint8_t* out, Light light) {
+    constexpr std::int32_t kLast = kToneSteps - 1;
+    const auto steps = __builtin_convertvector(light * static_cast<float>(kLast) + 0.5f, Steps);
+    for (int k = 0; k < 3; ++k)
+      out[k] = kToneCurve[static_cast<std::size_t>(std::min(steps[k], kLast))];
   };
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(pixels_.size() * 3);
-  for (const Colour& pixel : pixels_) {
-    bytes.push_back(tone(pixel.r));
-    bytes.push_back(tone(pixel.g));
-    bytes.push_back(tone(pixel.b));
+  const auto columns = static_cast<std::size_t>(width_);
+  bytes.resize(pixels_.size() * 3);
+  std::vector<Colour> row(columns);
+  std::vector<Light> behind(columns);
+  std::vector<std::uint8_t> row_bytes(3 * columns);
+  std::vector<double> heights, heights_before;  // of each rectangle in the row
+  for (int y = 0; y < height_; ++y) {
+    heights.clear();
+    for (const Rect& rect : rects_) {
+      heights.push_back(std::clamp(rect.y1, y + 0.0, y + 1.0) -
+                        std::clamp(rect.y0, y + 0.0, y + 1.0));
+    }
+    if (y == 0 || heights != heights_before) {
+      background_row(y, row);
+      for (std::size_t x = 0; x < columns; ++x) {
+        behind[x] = light_of(row[x]);
+        write(row_bytes.data() + 3 * x, behind[x]);
+      }
+      heights.swap(heights_before);
+    }
+    const Light* const pixels = pixels_.data() + static_cast<std::size_t>(y) * columns;
+    std::uint8_t* const out = bytes.data() + 3 * static_cast<std::size_t>(y) * columns;
+    std::copy(row_bytes.begin(), row_bytes.end(), out);
+    for (std::size_t x = 0; x < columns; ++x) {
+      const Light light = pixels[x];
+      if (light[3] <= kNothing) continue;
+      write(out + 3 * x, light + behind[x] * (1 - std::min(light[3], 1.0f)));
+    }
   }
-  return bytes;
 }
 
 }  // namespace psim::cli

@@ -1,14 +1,17 @@
-// A picture of the final state.
+// A picture of a scene at one moment, as PNG.
 #pragma once
 
 #include "atomic_file.h"
+#include "moment.h"
+#include "picture_options.h"
 #include "psim/scene.h"
 
 namespace psim::cli {
 
-/// Paints the bodies (colour = speed, dark for slow to bright for fast; static grey; sensors faint),
-/// segments and chains as lines, joints as thin ones, the world's sides, and wells, and writes a PNG whose longer side has 1600
-/// pixels. Shows the world's bounds, or the part that is in use if that is far smaller.
-void write_image(AtomicFile& file, const Scene& scene, const PublishedState& state);
+/// Paints the bodies in the colours that the options choose (docs/pictures.md), segments and chains as lines,
+/// joints as thin ones, the world's sides, and wells. Without a size the longer side has 1600 pixels;
+/// without a view it shows the world's bounds, or the part that is in use if that is far smaller.
+void write_image(AtomicFile& file, const Scene& scene, const Moment& moment,
+                 const PictureOptions& options);
 
 }  // namespace psim::cli

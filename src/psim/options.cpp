@@ -19,6 +19,7 @@ namespace {
 struct Typed {
   TypedSettings settings;
   TypedDiff diff;
+  TypedPictures pictures;
   std::string report, state, metrics, trajectory, every, image, trace, budget, governor, governor_log, governor_replay;
   std::string save, restore, record, replay;
   std::string target_error, target_ms;
@@ -55,8 +56,9 @@ void declare(CLI::App& app, Typed& typed) {
   value("--state", typed.state, "FILE.csv", "Output", "final state, a row per body");
   value("--metrics", typed.metrics, "FILE.csv", "Output", "times and counts, a row per frame");
   value("--trajectory", typed.trajectory, "FILE.csv", "Output", "state of every K-th frame");
-  value("--every", typed.every, "K", "Output", "frames between trajectory rows (1)");
+  value("--every", typed.every, "K", "Output", "frames between rows and pictures (1)");
   value("--image", typed.image, "FILE.png", "Output", "picture of the final state");
+  declare_pictures(app, typed.pictures);
   value("--trace", typed.trace, "FILE.json", "Output", "Chrome/Perfetto trace of all stages");
   app.add_flag("--profile", typed.profile, "stages, threads and the bottleneck in the report")
       ->group("Output")
@@ -102,12 +104,15 @@ void check_outputs(const CLI::App& app, Mode mode) {
     if (option->count() == 0) continue;
     if (option->as<std::string>().empty()) refuse(name, "", "needs a file name");
   }
-  if (app.count("--every") > 0 && app.count("--trajectory") == 0) {
-    throw UserError("--every: has a meaning only with --trajectory FILE");
+  if (app.count("--every") > 0 && app.count("--trajectory") == 0 && app.count("--frames-dir") == 0 &&
+      app.count("--video") == 0) {
+    throw UserError("--every: has a meaning only with --trajectory, --frames-dir or --video");
   }
   if (mode == Mode::run) return;
   for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--report",
-                           "--profile", "--governor-log", "--governor-replay", "--save", "--restore", "--record", "--target-error", "--target-ms"}) {
+                           "--profile", "--governor-log", "--governor-replay", "--save", "--restore", "--record",
+                           "--target-error", "--target-ms", "--frames-dir", "--video", "--fps", "--image-size", "--view",
+                           "--colour"}) {
     if (app.count(name) > 0) {
       throw UserError(
           fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
@@ -203,9 +208,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   options.trajectory = typed.trajectory;
   options.image = typed.image;
   options.trace = typed.trace;
-  options.every = number<std::uint64_t>("--every", typed.every, given("--every"), 1, 1'000'000'000,
-                                        "must be a whole number of frames, 1 to 1000000000")
-                      .value_or(1);
+  const auto every = number<std::uint64_t>("--every", typed.every, given("--every"), 1, 1'000'000'000,
+                                           "must be a whole number of frames, 1 to 1000000000");
+  options.every = every.value_or(1);
+  options.pictures = read_pictures(app, typed.pictures, every);
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "picture_options.h"
 #include "psim/integrator.h"
 #include "psim/isa.h"
 
@@ -51,6 +52,7 @@ struct Options {
   std::string save, record;     ///< files: the final state to go on from; the run to replay
   std::string restore, replay;  ///< the state to start in; Mode::replay: the recording
   std::uint64_t every = 1;                               ///< frames between trajectory rows
+  PictureOptions pictures;                               ///< of --image and of films
 
   std::vector<std::string> files;  ///< Mode::diff: the two to compare, or none
   std::vector<Options> sides;      ///< Mode::diff: the two settings to compare, or none

@@ -38,6 +38,7 @@ OutputFiles::OutputFiles(const Options& options) {
   open(metrics, "--metrics", options.metrics);
   open(trajectory, "--trajectory", options.trajectory);
   open(image, "--image", options.image);
+  open(video, "--video", options.pictures.video);
   open(trace, "--trace", options.trace);
   open(governor_log, "--governor-log", options.governor_log);
   open(save, "--save", options.save);

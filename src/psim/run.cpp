@@ -12,6 +12,7 @@
 
 #include "csv.h"
 #include "details.h"
+#include "film.h"
 #include "image.h"
 #include "interrupt.h"
 #include "outputs.h"
@@ -82,7 +83,7 @@ void end_report(RunReport& report, const World& world) {
   report.state_hash = world.state_hash();
 }
 
-void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every,
+void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64_t every, Film* film,
                 const std::vector<StepDetail>& replayed, Recorder* recorder) {
   const auto one_step = [&](std::uint64_t frame) {
     if (frame <= replayed.size()) {
@@ -98,6 +99,7 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     write_trajectory_header(*files.trajectory);
     write_trajectory_rows(*files.trajectory, 0, world.published());
   }
+  if (film != nullptr) film->after(0, world);
   Progress progress(one_line(report.scene), report.frames_wanted);
   for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
     const Clock::time_point begin = Clock::now();
@@ -113,6 +115,7 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     if (files.trajectory && frame % every == 0) {
       write_trajectory_rows(*files.trajectory, frame, world.published());
     }
+    if (film != nullptr) film->after(frame, world);
     if (trace || report.profile) {
       const std::vector<TraceEvent> spans = world.take_trace();
       if (trace) trace->frame(frame, begin, end, step, spans);
@@ -127,7 +130,8 @@ std::string_view text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void write_files(OutputFiles& files, const Scene& scene, World& world, const Recorder* recorder) {
+void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& pictures, Film* film,
+                 World& world, const Recorder* recorder) {
   if (files.save) {
     std::vector<std::byte> state;
     world.save(state);
@@ -135,12 +139,17 @@ void write_files(OutputFiles& files, const Scene& scene, World& world, const Rec
   }
   if (files.record) files.record->write(text_of(recorder->recording()));
   if (files.state) write_state(*files.state, world.published());
-  if (files.image) write_image(*files.image, scene, world.published());
+  if (files.image) {
+    Moment moment;
+    take_moment(world, moment);
+    write_image(*files.image, scene, moment, pictures);
+  }
   for (std::optional<AtomicFile>* file :
        {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace,
         &files.governor_log, &files.save, &files.record}) {
     if (*file) (*file)->commit();
   }
+  if (film != nullptr) film->finish();
 }
 
 void say_what_was_odd(const RunReport& report) {
@@ -166,6 +175,11 @@ int run_scene(const Options& options) {
   std::vector<StepDetail> replayed;
   if (!options.governor_replay.empty()) replayed = read_details(options.governor_replay);
   OutputFiles files(options);
+  std::optional<Film> film;
+  if (options.pictures.is_film()) {
+    film.emplace(options.pictures, scene, files.video ? &*files.video : nullptr);
+  }
+  Film* const pictures = film ? &*film : nullptr;
   const auto world = options.restore.empty() ? make_world(scene, options.isa, options.threads)
                                              : restored_world(options);
   if (options.governor) {
@@ -184,12 +198,12 @@ int run_scene(const Options& options) {
   report.governed = options.governor || !replayed.empty();
   report.target = target;
   Recorder* const recording = recorder ? &*recorder : nullptr;
-  run_frames(report, *world, files, options.every, replayed, recording);
+  run_frames(report, *world, files, options.every, pictures, replayed, recording);
   end_report(report, *world);
 
   say_what_was_odd(report);
   print_out(options.report == ReportFormat::json ? report_json(report) : report_text(report));
-  write_files(files, scene, *world, recording);
+  write_files(files, scene, options.pictures, pictures, *world, recording);
   return 0;
 }
 

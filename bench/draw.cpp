@@ -1,0 +1,87 @@
+// Pictures of 1920 x 1080 pixels on one thread, as `psim --image` and films draw them:
+//   Draw/<scene>/<bodies>   a world's bodies painted and turned into 8-bit sRGB
+//   Png/<scene>/<bodies>    that picture compressed
+// Worlds stand as they begin: a pile fills the height of the picture with discs 2 % of their size apart.
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "../src/psim/painter.h"
+#include "../src/psim/png_write.h"
+#include "workload.h"
+
+namespace psim::bench {
+namespace {
+
+constexpr int kWidth = 1920, kHeight = 1080;
+
+struct Picture {
+  Picture(const char* name, std::uint64_t bodies) {
+    std::string error;
+    if (auto made = make_builtin(name, bodies, 1, error)) scene = std::move(*made);
+    const auto world = build_world(scene, {}, error);
+    cli::take_moment(*world, moment);
+  }
+  // Bodies of every colour, as in the midst of a run.
+  void stir() {
+    for (std::size_t row = 0; row < moment.size(); ++row) {
+      moment.vx[row] = static_cast<double>(row % 1000);
+    }
+  }
+  Scene scene;
+  cli::Moment moment;
+};
+
+void draw(benchmark::State& state, const char* scene, std::uint64_t bodies, bool compress) {
+  Picture picture(scene, bodies);
+  picture.stir();
+  const cli::Painter painter(picture.scene, cli::Colouring::speed);
+  const Bounds view = cli::view_of_all(picture.scene, picture.moment, painter.shapes());
+  cli::Canvas canvas(kWidth, kHeight);
+  std::vector<std::uint8_t> rgb;
+  const auto paint = [&] {
+    const cli::Brightest bright = cli::brightest(picture.scene, picture.moment, painter.shapes());
+    painter.paint(canvas, cli::PictureCamera(view, kWidth, kHeight), picture.moment, bright);
+    canvas.to_srgb(rgb);
+  };
+  paint();
+  cli::AtomicFile nowhere("bench", "/dev/null");
+  for (auto _ : state) {
+    if (compress) {
+      cli::write_png(nowhere, kWidth, kHeight, rgb);
+    } else {
+      paint();
+    }
+    benchmark::DoNotOptimize(rgb.data());
+  }
+  state.counters["bodies"] = static_cast<double>(picture.moment.size());
+}
+
+}  // namespace
+
+void register_pictures() {
+  struct Line {
+    const char* what;
+    const char* scene;
+    std::uint64_t bodies;
+  };
+  for (const Line& line : {Line{"Draw", "discs", 100'000},
+                           {"Draw", "pile", 10'000},
+                           {"Draw", "pile", 100'000},
+                           {"Draw", "pile", 1'000'000},
+                           {"Draw", "many_pyramids", 22'000},
+                           {"Draw", "rain", 11'000},
+                           {"Png", "pile", 100'000},
+                           {"Png", "many_pyramids", 22'000}}) {
+    const bool compress = line.what[0] == 'P';
+    const std::string name =
+        std::string(line.what) + "/" + line.scene + "/" + std::to_string(line.bodies);
+    benchmark::RegisterBenchmark(name.c_str(), [line, compress](benchmark::State& s) {
+      draw(s, line.scene, line.bodies, compress);
+    })->Unit(benchmark::kMillisecond);
+  }
+}
+
+}  // namespace psim::bench

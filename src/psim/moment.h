@@ -1,0 +1,32 @@
+// What is drawn of a world: its bodies at one moment, by id.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "psim/world.h"
+
+namespace psim::cli {
+
+struct Moment {
+  std::vector<std::uint32_t> id;
+  std::vector<double> x, y, angle;    ///< metres, radians
+  std::vector<double> vx, vy, omega;  ///< m/s, rad/s
+  std::vector<double> radius;         ///< metres, as PublishedState::radius
+  std::vector<BodyType> type;
+  std::vector<std::uint8_t> asleep;  ///< 1: it moves no more, but is not static
+
+  std::size_t size() const { return id.size(); }
+  /// The row of a body, or size(). O(log n).
+  std::size_t row_of(std::uint64_t body) const;
+};
+
+/// The present state. O(bodies).
+void take_moment(World& world, Moment& moment);
+
+/// Bodies of `after`, their places and angles at the share `alpha` of the way from `before`, straight on
+/// and by the nearest way round a periodic world. Who has no row in `before` is where it is in `after`.
+void place_between(const Moment& before, const Moment& after, double alpha, const WorldDesc& world,
+                   Moment& between);
+
+}  // namespace psim::cli

@@ -1,0 +1,96 @@
+// What colours say of bodies.
+#include "../src/psim/painter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace psim::cli {
+namespace {
+
+using Rgb = std::array<int, 3>;
+
+// Two discs of radius 1 m, 10 pixels, side by side; the pixel right of the middle of each.
+class Painting : public ::testing::Test {
+ protected:
+  Painting() {
+    scene_.world.bounds = {-10, -10, 10, 10};
+    scene_.bodies.resize(2);
+    for (BodyDesc& body : scene_.bodies) body.shape = DiscShape{1};
+    const std::vector<double> zero(2);
+    moment_ = {{0, 1}, {-1.5, 1.5}, zero,
+               zero,   zero,        zero,
+               zero,   {1, 1},      {BodyType::dynamic_body, BodyType::dynamic_body},
+               {0, 0}};
+  }
+  std::array<Rgb, 2> paint(Colouring colouring) {
+    constexpr int kWidth = 60, kHeight = 40;
+    Canvas canvas(kWidth, kHeight);
+    const Painter painter(scene_, colouring);
+    painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10});
+    std::vector<std::uint8_t> bytes;
+    canvas.to_srgb(bytes);
+    std::array<Rgb, 2> at{};
+    for (std::size_t body = 0; body < 2; ++body) {
+      const std::size_t pixel = 3 * (kWidth * (kHeight / 2 - 3) + 15 + 30 * body);
+      for (std::size_t k = 0; k < 3; ++k) at[body][k] = bytes[pixel + k];
+    }
+    return at;
+  }
+  static int colourfulness(const Rgb& rgb) {
+    return *std::ranges::max_element(rgb) - *std::ranges::min_element(rgb);
+  }
+  Scene scene_;
+  Moment moment_;
+};
+
+TEST_F(Painting, AsleepIsGrey) {
+  for (const Colouring colouring :
+       {Colouring::speed, Colouring::spin, Colouring::body, Colouring::type, Colouring::sleep}) {
+    moment_.asleep = {0, 0};
+    const auto awake = paint(colouring);
+    moment_.asleep = {1, 0};
+    const auto now = paint(colouring);
+    EXPECT_LT(colourfulness(now[0]), 0.75 * colourfulness(awake[0]));
+    EXPECT_EQ(now[1], awake[1]);
+  }
+}
+
+TEST_F(Painting, FastIsBright) {
+  moment_.vx = {0, -10};
+  const auto at = paint(Colouring::speed);
+  EXPECT_EQ(at[0], (Rgb{0x41, 0x44, 0x87}));
+  EXPECT_EQ(at[1], (Rgb{0xfd, 0xe7, 0x25}));
+  EXPECT_EQ(paint(Colouring::spin)[1], at[0]);
+  moment_.omega = {0, -10};
+  EXPECT_EQ(paint(Colouring::spin)[1], at[1]);
+}
+
+TEST_F(Painting, DirectionsHaveHuesAndStillnessNone) {
+  moment_.vx = {0, 5};
+  const auto right = paint(Colouring::direction);
+  EXPECT_EQ(colourfulness(right[0]), 0);
+  EXPECT_GT(right[1][0], right[1][1] + 100);  // red
+  moment_.vx = {0, -5};
+  const auto left = paint(Colouring::direction);
+  EXPECT_GT(left[1][2], left[1][0] + 100);  // cyan
+}
+
+TEST_F(Painting, StaticIsGreyAndSensorsAreFaint) {
+  const Rgb dynamic = paint(Colouring::type)[0];
+  scene_.bodies[0].sensor = true;
+  const Rgb faint = paint(Colouring::type)[0];
+  EXPECT_LT(faint[2], dynamic[2] - 60);
+  scene_.bodies[0].sensor = false;
+  moment_.type[0] = BodyType::static_body;
+  EXPECT_EQ(paint(Colouring::type)[0], (Rgb{0x7d, 0x87, 0x94}));
+  moment_.type[0] = BodyType::dynamic_body;
+  scene_.bodies[0].type = BodyType::kinematic_body;
+  EXPECT_EQ(paint(Colouring::type)[0], (Rgb{0xe6, 0x80, 0x73}));
+}
+
+}  // namespace
+}  // namespace psim::cli
