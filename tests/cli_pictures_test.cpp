@@ -80,6 +80,15 @@ TEST_F(CliPictures, EveryAndFpsChooseThePictures) {
   EXPECT_EQ(png_size(frames_.file("frame_000003.png")), "32x32");
 }
 
+TEST_F(CliPictures, ARestoredRunIsFilmedAtItsOwnPace) {
+  const std::string saved = folder_.file("saved"), dir = frames_.file("");
+  ASSERT_EQ(run({"--dt", "0.1", "--save", saved}).status, 0);
+  ASSERT_EQ(
+      run({"--restore", saved, "--frames-dir", dir, "--fps", "20", "--image-size", "32x32"}).err,
+      "");
+  EXPECT_EQ(frames_.names().size(), 15u);  // 0.7 s, two pictures a frame
+}
+
 TEST_F(CliPictures, FramesOfALongerFilmBeforeArePointedOut) {
   const std::string dir = frames_.file("");
   ASSERT_EQ(run({"--frames-dir", dir, "--image-size", "32x32"}).status, 0);

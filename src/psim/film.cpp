@@ -36,7 +36,6 @@ Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video)
       scene_(scene),
       painter_(scene, options.colouring),
       view_(scene, painter_.shapes()),
-      clock_(scene.world.dt, options.fps, options.every),
       size_(options.size.value_or(kFilmSize)),
       canvas_(size_.width, size_.height) {
   if (!options.frames_dir.empty()) require_directory(options.frames_dir);
@@ -47,15 +46,16 @@ Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video)
 
 void Film::after(std::uint64_t frame, World& world) {
   if (!failure_.empty()) return;
+  if (!clock_) clock_.emplace(world.desc().dt, options_.fps, options_.every);
   bool is_taken = false;
-  while (const std::optional<double> share = clock_.due(frame)) {
+  while (const std::optional<double> share = clock_->due(frame)) {
     if (!is_taken) take_moment(world, now_);
     is_taken = true;
     if (*share < 1) place_between(before_, now_, *share, scene_.world, between_);
     draw(*share < 1 ? between_ : now_);
     if (!failure_.empty()) return;
   }
-  if (!clock_.is_between(frame)) return;
+  if (!clock_->is_between(frame)) return;
   if (!is_taken) take_moment(world, now_);
   std::swap(before_, now_);
 }

@@ -36,7 +36,7 @@ class Film {
   const Scene& scene_;
   Painter painter_;
   FilmView view_;
-  FilmClock clock_;
+  std::optional<FilmClock> clock_;  // since the first frame: a restored world has a dt of its own
   PictureSize size_;
   Canvas canvas_;
   std::optional<VideoWriter> video_;
