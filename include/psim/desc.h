@@ -24,7 +24,7 @@ struct Material {
 
 /// A disc about the body's place.
 struct DiscShape {
-  double radius = 0.5;  ///< metres, > 0
+  double radius = 0.5;  ///< metres, 1e-9 to 1e9
 };
 
 /// A line from p1 to p2 in the body's frame; no thickness; solid from both sides. A dynamic one is a

@@ -194,11 +194,13 @@ class PSIM_API World {
                                            const RunOptions& options, std::string& error);
 
   /// Lets a governor keep the frame's budget from now on, or no more.
-  void set_governor(const GovernorDesc& desc);
+  /// False, and nothing changes, if the budget is not above 0 or a cost is negative or not finite.
+  bool set_governor(const GovernorDesc& desc);
   /// Measures what work costs with these options, for worlds of about so many bodies. Takes about a tenth of
   /// a second for 10,000 bodies.
   static CostModel measure_costs(const RunOptions& options, std::size_t bodies);
-  /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits.
+  /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits. One
+  /// that none chooses (over 64 substeps, no part or an unknown one, 0 or over 3 frames) does nothing.
   StepReport replay(const StepDetail& detail);
   /// The same by another dt, seconds.
   StepReport replay(const StepDetail& detail, double dt);

@@ -42,8 +42,9 @@ void Continuous::stop_at_fixed(BodyStore& b, const Manifolds& manifolds, const S
   const Make& make = b.make(b.id[i]);
   const double px = lattice.pitch_x(), py = lattice.pitch_y();
   const float mx = b.disp[2 * i], my = b.disp[2 * i + 1];
-  const auto half = [](float way, double pitch) {
-    return static_cast<std::int32_t>(std::nearbyint(static_cast<double>(way) / 2 / pitch));
+  const auto half = [](float way, double pitch) {  // a body thrown out of the world is beyond any number
+    const double steps = std::nearbyint(static_cast<double>(way) / 2 / pitch);
+    return static_cast<std::int32_t>(std::clamp(steps, -0x1p30, 0x1p30));
   };
   const float reach = b.radius[i] + 0.5f * std::sqrt(mx * mx + my * my);
   near.clear();
@@ -126,6 +127,7 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
   fast_.assign(b.count, 0);
   bool any = false;
   for (const std::uint32_t id : bullets) {
+    if (b.info[id].place != Place::moving) continue;  // asleep
     const std::uint32_t i = b.info[id].slot;
     const Make& make = b.make(id);
     const float inner = make.hull_count != 0 ? make.inner : b.radius[i];

@@ -106,6 +106,7 @@ class Lattice {
 
  private:
   void axis(double d, double pitch, std::int32_t& k, float& rest) const {
+    d = std::fmin(std::fmax(d, -0x1p100), 0x1p100);  // what is left over is a float
     double steps = std::nearbyint(d / pitch);
     if (wraps_) {
       rest = static_cast<float>(d - steps * pitch);

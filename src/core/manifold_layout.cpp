@@ -77,6 +77,8 @@ void Manifolds::clear() {
   owner_.clear();
   begin_.clear();
   strips_.clear();
+  shaped_.clear();
+  ghosts_.clear();
   points_ = colours_ = blocks_ = 0;
 }
 

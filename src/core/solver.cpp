@@ -181,7 +181,8 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   stream_.kick_y = static_cast<float>(params.gravity.y * span);
   stream_.coast = static_cast<float>(span);
   drift_ = stream_;
-  drift_.h = static_cast<float>(c > 0 ? span / std::exp(-c * h_) : h_);
+  constexpr double kMostDamped = 80;  // exp(-80): what is left is nothing to a float
+  drift_.h = static_cast<float>(c > 0 ? span / std::exp(-std::fmin(c * h_, kMostDamped)) : h_);
   drift_.smooth_limit2 = forces ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
 
   pair_.h = stream_.h;

@@ -45,6 +45,8 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   replan();
   report.detail = choose ? choose_detail(dt) : given;
   dt *= report.detail.frames;
+  if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
+  placed = false;
   if (report.detail.waits()) {
     make_ahead(dt, report);
   } else {
@@ -68,8 +70,6 @@ void World::Impl::advance(double dt, StepReport& report, bool choose) {
   substeps = report.detail.substeps != 0 ? report.detail.substeps : desc.substeps;
   choosing = choose;
   ++steps;
-  if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
-  placed = false;
   if (bodies.count != bodies.dead) {
     refresh_lists(dt, report);
     report.detail.substeps = static_cast<std::uint8_t>(substeps);
@@ -159,8 +159,10 @@ void World::Impl::replan() {
   same.events = plan.events;  // who listens or looks changes no result
   same.publish = plan.publish;
   if (same != plan) spoil_lists();
-  // While all radii are alike the column stays as it is when bodies move to other slots.
-  if (plan.radii && !next.radii) std::fill_n(bodies.radius.data(), bodies.count, first_radius);
+  // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
+  // gone, too.
+  if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, first_radius);
+  if (plan.shapes && !next.shapes) manifolds.clear();  // pairs may be sorted out on, without contacts of shapes
   plan = next;
   apply_plan();
 }
@@ -204,7 +206,7 @@ struct World::Impl::ListPlan {
 
 namespace {
 
-// Radii and velocities of some bodies, by slot.
+// Radii and velocities of some bodies, by slot; of those that are gone nothing counts, nor is it saved.
 struct Sample {
   double radius = 0;                    // mean, m
   double mean_x = 0, mean_y = 0;        // m/s
@@ -213,7 +215,7 @@ struct Sample {
   double off() const { return std::sqrt(std::fmax(square - mean_x * mean_x - mean_y * mean_y, 0)); }
 };
 
-Sample sample_bodies(const BodyStore& b) {
+Sample sample_bodies(const BodyStore& b, double least_radius) {
   const std::uint32_t stride = std::max(1u, b.count / 2048);
   Sample s;
   double n = 0;
@@ -221,7 +223,9 @@ Sample sample_bodies(const BodyStore& b) {
     return Vec2{static_cast<double>(b.vel[2 * std::size_t{i}]),
                 static_cast<double>(b.vel[2 * std::size_t{i} + 1])};
   };
-  for (std::uint32_t i = 0; i < b.count; i += stride, n += 1) {
+  for (std::uint32_t i = 0; i < b.count; i += stride) {
+    if (b.id[i] == kNoSlot) continue;
+    n += 1;
     const Vec2 v = velocity(i);
     s.square += v.x * v.x + v.y * v.y;
     s.mean_x += v.x;
@@ -229,11 +233,16 @@ Sample sample_bodies(const BodyStore& b) {
     s.radius += static_cast<double>(b.radius[i]);
     s.fastest = std::fmax(s.fastest, std::sqrt(v.x * v.x + v.y * v.y));
   }
+  if (n == 0) {  // all that were looked at: as if at rest
+    s.radius = least_radius;
+    return s;
+  }
   s.square /= n;
   s.mean_x /= n;
   s.mean_y /= n;
   s.radius /= n;
   for (std::uint32_t i = 0; i < b.count; i += stride) {
+    if (b.id[i] == kNoSlot) continue;
     const Vec2 v = velocity(i);
     const double x = v.x - s.mean_x, y = v.y - s.mean_y;
     s.fastest_off = std::fmax(s.fastest_off, std::sqrt(x * x + y * y));
@@ -258,7 +267,7 @@ double World::Impl::impact_slack(double speed, double close, double dt) const {
 // follow from the number density.
 World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   constexpr double kBuild = 25, kTest = 0.25, kSelect = 5;  // ns, measured (docs/performance.md)
-  const Sample s = sample_bodies(bodies);
+  const Sample s = sample_bodies(bodies, static_cast<double>(least_radius));
   const double r = s.radius;
   ListPlan out;
   out.margin.skin = static_cast<float>(kSkinOfRadius * r);
@@ -324,6 +333,9 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
     ++skipped_frames[1];
     return;
   }
+  // Lists that no step took, and that a change of the world spoiled: where the impulses' bodies lie now is lost.
+  if (unused_lists) impulses_valid = false;
+  unused_lists = true;
   if (!bodies.spin.empty()) bodies.add_rotation();
   const ListPlan lists = plan_lists(dt);
   const bool changed = broad.density() == 0 || lists.loose != loose || lists.frames != list_frames;
@@ -417,7 +429,7 @@ void World::Impl::refresh_lists(double dt, StepReport& report) {
   prepare_lists(dt, report);
   work.lays_out = work.lays_out && (lists_stale || loose);
   make_contacts(dt, report);
-  laid_ahead = false;
+  laid_ahead = unused_lists = false;
   kept_contacts = !work.lays_out && !report.detail.waits() && report.detail.frames == 1;
   if (choosing) {
     choosing = false;
@@ -595,10 +607,13 @@ void World::Impl::integrate(double dt, StepReport& report) {
     if (!turning) return;
     for (std::size_t i = std::size_t{r.begin} * kBlock;
          i < std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count); ++i) {
-      if (plan.turns && !std::isfinite(bodies.spin[i])) fine.store(false, std::memory_order_relaxed);
-      if (bodies.linked[i] != 0) continue;  // turned with the substeps
-      bodies.angle[i] +=
-          dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
+      if (bodies.linked[i] == 0) {  // others turned with the substeps
+        bodies.angle[i] +=
+            dt * (static_cast<double>(bodies.spin[i]) / static_cast<double>(bodies.radius[i]));
+      }
+      if ((plan.turns && !std::isfinite(bodies.spin[i])) || !std::isfinite(bodies.angle[i])) {
+        fine.store(false, std::memory_order_relaxed);
+      }
     }
   });
   (options.isa == Isa::scalar ? lanes.scalar : lanes.vector) += std::uint64_t{blocks} * kBlock;

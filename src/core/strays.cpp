@@ -21,10 +21,11 @@ void World::Impl::settle_bad_bodies(double dt, StepReport& report) {
     float& vx = bodies.vel[2 * std::size_t{i}];
     float& vy = bodies.vel[2 * std::size_t{i} + 1];
     const float dx = bodies.disp[2 * std::size_t{i}], dy = bodies.disp[2 * std::size_t{i} + 1];
-    const bool spins = bodies.spin.empty() || std::isfinite(bodies.spin[i]);
+    const bool spins = bodies.spin.empty() || (std::isfinite(bodies.spin[i]) && std::isfinite(bodies.angle[i]));
     if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(dx) || !std::isfinite(dy) ||
         !spins) {
       BodyState last = state_of(bodies.id[i]);
+      if (!std::isfinite(last.angle)) last.angle = 0;
       const Vec2 at = lattice.to_world(bodies.built[2 * std::size_t{i}],
                                        bodies.built[2 * std::size_t{i} + 1], 0, 0);
       last.x = at.x;
@@ -44,11 +45,12 @@ void World::Impl::settle_bad_bodies(double dt, StepReport& report) {
 }
 
 void World::Impl::freeze_doubtful(StepReport& report) {
-  for (const std::uint32_t id : doubtful) {
-    if (id >= bodies.id_count || bodies.info[id].place != Place::moving) continue;
-    BodyState last = state_of(id);
+  for (const BodyId id : doubtful) {
+    const BodyInfo& info = bodies.info[id.index];
+    if (info.place != Place::moving || info.generation != id.generation) continue;  // gone, or frozen already
+    BodyState last = state_of(id.index);
     last.vx = last.vy = last.omega = 0;
-    freeze(id, last);
+    freeze(id.index, last);
     ++report.quarantined;
   }
   doubtful.clear();

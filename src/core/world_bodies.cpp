@@ -33,7 +33,7 @@ struct Inertia {
 };
 
 Inertia disc_mass(double radius, double mass, const Material& m) {
-  if (!(radius > 0 && radius <= 1e9)) return {0, "radius must be above 0 and at most 1e9 m"};
+  if (!(radius >= 1e-9 && radius <= 1e9)) return {0, "radius must lie between 1e-9 and 1e9 m"};  // floats square it
   if (mass < 0 || !finite(mass)) return {0, "mass must be above 0 and finite (0: from the density)"};
   const double result = mass > 0 ? mass : m.density * kPi * radius * radius;
   if (!(result > 1e-30 && result < 1e30)) return {0, "mass must lie between 1e-30 and 1e30 kg"};
@@ -241,7 +241,7 @@ BodyId World::Impl::add_moving(const BodyDesc& d, std::string& error) {
   bodies.reserve_slots(1);
   const std::uint32_t id = enter(surface, lattice_centre(make, d.position, d.angle), d.angle,
                                  d.velocity, d.angular_velocity);
-  if (d.type == BodyType::kinematic_body) go_round(id, d.velocity);
+  if (d.type == BodyType::kinematic_body) go_round(id, capped(d.velocity));
   count_in(surface, +1);
   spoil_lists();
   return {id, bodies.info[id].generation};
@@ -285,6 +285,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
     d.type = BodyType::static_body;
     d.material = batch.material;
     d.filter = batch.filter;
+    d.mass = batch.mass;
     w.fixed.reserve(w.fixed.size() + n);
     for (std::size_t i = 0; i < n; ++i) {
       d.shape = DiscShape{radius_of(i)};
@@ -421,7 +422,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   Impl& w = *impl_;
   if (!w.can_move(*this, id)) return false;
   if (!finite(position.x) || !finite(position.y) || !finite(angle)) {
-    w.doubtful.push_back(id.index);
+    w.doubtful.push_back(id);
     return true;
   }
   w.rouse_around(w.bodies.info[id.index], id.index);  // what leaned on it there
@@ -452,7 +453,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
   Impl& w = *impl_;
   if (!w.can_move(*this, id)) return false;
   if (!check_motion(velocity, angular_velocity).empty()) {
-    w.doubtful.push_back(id.index);
+    w.doubtful.push_back(id);
     return true;
   }
   const BodyInfo& info = w.bodies.info[id.index];
@@ -484,7 +485,7 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
   const BodyState now = w.state_of(id.index);
   Vec2 v{now.vx + wm * impulse.x, now.vy + wm * impulse.y};
   if (!finite(v.x) || !finite(v.y)) {
-    w.doubtful.push_back(id.index);
+    w.doubtful.push_back(id);
     return true;
   }
   v = w.capped(v);
@@ -521,7 +522,7 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
   const double before = w.bodies.spin.empty() ? 0 : static_cast<double>(w.bodies.spin[i]);
   const auto spin = static_cast<float>(before + change);
   if (!finite(static_cast<double>(spin))) {
-    w.doubtful.push_back(id.index);
+    w.doubtful.push_back(id);
     return true;
   }
   if (w.bodies.spin.empty()) {

@@ -45,10 +45,26 @@ double quiet(std::vector<double> of) {
 
 }  // namespace
 
-void World::set_governor(const GovernorDesc& desc) { impl_->governor.set(desc); }
+bool World::set_governor(const GovernorDesc& desc) {
+  const CostModel& c = desc.costs;
+  for (const double cost : {c.step, c.check, c.build, c.select, c.colour, c.narrow, c.look, c.body_pass, c.pass,
+                            c.bounce_pass, c.shape_pass, c.joint_pass}) {
+    if (!(cost >= 0) || !std::isfinite(cost)) return false;
+  }
+  if (!(desc.budget_ms > 0)) return false;
+  impl_->governor.set(desc);
+  return true;
+}
 
 StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_->desc.dt); }
-StepReport World::replay(const StepDetail& detail, double dt) { return impl_->step(dt, detail, false); }
+
+StepReport World::replay(const StepDetail& detail, double dt) {
+  if (detail.substeps > 64 || detail.parts == 0 || detail.parts > StepDetail::kAll || detail.frames < 1 ||
+      detail.frames > 3) {
+    return {};
+  }
+  return impl_->step(dt, detail, false);
+}
 
 // The default model has the proportions of one machine; what a heap costs here scales them, apart for lists
 // and for passes.

@@ -82,6 +82,7 @@ struct World::Impl {
   bool lists_stale = true;
   bool lists_ahead = false;     // candidates are made already, lists_stale tells whether anew
   bool laid_ahead = false;      // and contacts
+  bool unused_lists = false;    // no step took the lists yet
   void spoil_lists() {
     settle_lists();
     lists_stale = true;
@@ -101,7 +102,7 @@ struct World::Impl {
   double last_substep = 0;
   std::array<float, 4> manifold_soft{};
   double stiff_substep = 0;  // s, that contact stiffness is for: follows the substep slowly
-  std::vector<std::uint32_t> doubtful;  // ids given NaN or infinity: frozen in the next step
+  std::vector<BodyId> doubtful;  // given NaN or infinity: frozen in the next step
   HeldBodies held;
   std::vector<std::uint32_t> bullets;  // ids
 

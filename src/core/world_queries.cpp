@@ -18,6 +18,12 @@ constexpr double kLargest = 1e100;  // m: numbers beyond are taken for infinite
 bool sane(double v) { return std::fabs(v) <= kLargest; }
 bool sane(Vec2 p) { return sane(p.x) && sane(p.y); }
 
+double nearest_image(double at, double period) {
+  if (!(period > 0)) return at;
+  const double near = at - period * std::floor(at / period + 0.5);
+  return std::fabs(near) <= period ? near : std::remainder(at, period);  // from very far the product is rounded
+}
+
 struct Question {
   const QueryIndex& index;
   const QuerySource source;
@@ -57,8 +63,8 @@ struct Question {
   Vec2 place(Vec2 p) const {
     const Vec2 centre = source.lattice.centre();
     Vec2 at{p.x - centre.x, p.y - centre.y};
-    if (source.period.x > 0) at.x -= source.period.x * std::floor(at.x / source.period.x + 0.5);
-    if (source.period.y > 0) at.y -= source.period.y * std::floor(at.y / source.period.y + 0.5);
+    at.x = nearest_image(at.x, source.period.x);
+    at.y = nearest_image(at.y, source.period.y);
     return at;
   }
 };

@@ -25,12 +25,13 @@ template <class A>
 void World::Impl::image(A& a, bool& lists) {
   numbers(a, frame, steps, escaped, stiff_substep, last_substep, impact_rate, list_frames, sampled_speed, crowding, loose,
           once, first_mass, first_radius, least_radius, plan_stale, lists_stale, impulses_valid, substeps, kept_contacts,
-          spread.frames, spread.parts[0], spread.parts[1], spread.parts[2], spread_at, saved.laid_ahead, lists);
+          spread.frames, spread.parts[0], spread.parts[1], spread.parts[2], spread_at, saved.laid_ahead, lists,
+          unused_lists);
   for (float& soft : manifold_soft) a.value(soft);
   Image::visit(a, first_surface);
   Image::visit(a, traits);
   Image::visit(a, plan);
-  list(a, doubtful, [&](std::uint32_t& id) { a.value(id); });
+  list(a, doubtful, [&](BodyId& id) { Image::visit(a, id); });
   list(a, held, [&](auto& h) { numbers(a, h.first, h.second.x, h.second.y); });
   list(a, bullets, [&](std::uint32_t& id) { a.value(id); });
   list(a, fixed, [&](FixedBody& f) { numbers(a, f.x, f.y, f.angle, f.radius, f.id, f.first_shape); });

@@ -1,0 +1,265 @@
+// What the fuzzers found in the engine, each as the shortest course of calls that showed it.
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+BodyDesc box(Vec2 position, double size = 1) {
+  BodyDesc body = disc(position);
+  body.shape = BoxShape{size, size, 0};
+  return body;
+}
+
+// The list of shapes outlived the last shape, and the continuous stage read columns that were gone.
+TEST(Hardening, ABulletFliesOnWhenTheLastShapeIsGone) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  add(*world, ground({}, 15));
+  const BodyId crate = add(*world, box({0, 3}));
+  BodyDesc bullet = disc({0.5, 1}, {30, -30}, 0.2);
+  bullet.bullet = true;
+  for (int k = 0; k < 6; ++k) {
+    bullet.position.x = 0.5 + k;
+    add(*world, bullet);
+  }
+  run(*world, 2);
+  ASSERT_TRUE(world->remove_body(crate));
+  run(*world, 30);
+  EXPECT_TRUE(all_finite(*world));
+}
+
+// With filters the pairs are still sorted out, and the last contacts of shapes were solved on.
+TEST(Hardening, ContactsOfShapesEndWithTheLastShape) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  add(*world, ground(material(0.5, 0.5), 15));
+  for (int k = 0; k < 30; ++k) {
+    BodyDesc other = disc({-10 + 0.7 * k, 0.4}, {1, 0}, 0.3, material(0.3, 0.5));
+    other.filter.category = 2;
+    add(*world, other);
+  }
+  const BodyId crate = add(*world, box({5, 1.2}));
+  run(*world, 20);
+  ASSERT_TRUE(world->remove_body(crate));
+  run(*world, 20);
+  EXPECT_TRUE(all_finite(*world));
+}
+
+// Its place among the sleepers was taken for a slot: another body was stopped like a bullet.
+TEST(Hardening, ASleepingBulletIsNobodysBusiness) {
+  std::uint64_t hashes[2] = {};
+  for (const bool bullet : {false, true}) {
+    auto world = make(walled({-60, 0, 60, 40}));
+    BodyDesc sleeper = disc({-50, 0.5});
+    sleeper.bullet = bullet;
+    const BodyId id = add(*world, sleeper);
+    run(*world, 200);
+    ASSERT_FALSE(world->is_awake(id));
+    BodyDesc splinter = box({0, 20}, 0.1);
+    splinter.velocity = {800, 0};
+    splinter.gravity_scale = 0;
+    add(*world, splinter);
+    BodyDesc pole = box({6.6, 20}, 0.1);
+    pole.gravity_scale = 0;
+    pole.angular_velocity = 40;
+    pole.shape = BoxShape{0.1, 6, 0};
+    add(*world, pole);
+    run(*world, 3);
+    hashes[bullet] = world->state_hash();
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+// A frame that only makes lists published bodies whom the publisher did not know yet.
+TEST(Hardening, FramesThatWaitShowNewBodies) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  world->enable_snapshots(true);
+  world->step();
+  for (int k = 0; k < 50; ++k) add(*world, disc({-15.0 + 0.6 * k, 5}, {1, 0}, 0.2));
+  const StepDetail lists_only{0, StepDetail::kLists, 3};
+  world->replay(lists_only);
+  const Snapshot* snapshot = world->latest_snapshot();
+  ASSERT_NE(snapshot, nullptr);
+  ASSERT_EQ(snapshot->id.size(), 50u);
+  for (std::size_t k = 0; k < 50; ++k) EXPECT_EQ(snapshot->x[k], snapshot->x_prev[k]) << k;
+}
+
+// The id was remembered without its generation.
+TEST(Hardening, NaNGivenToARemovedBodyDoesNotFreezeItsSuccessor) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  const BodyId first = add(*world, disc({0, 0}));
+  ASSERT_TRUE(world->set_velocity(first, {kNan, 0}, 0));
+  ASSERT_TRUE(world->remove_body(first));
+  const BodyId second = add(*world, disc({0, 0}, {1, 0}));
+  ASSERT_EQ(second.index, first.index);
+  EXPECT_EQ(world->step().quarantined, 0u);
+  EXPECT_GT(state(*world, second).x, 0);
+}
+
+// Lists that were made ahead and then spoiled took the impulses of the lists before with them, by slots
+// that had moved.
+TEST(Hardening, BodiesMayComeBetweenTheFramesOfOneStep) {
+  std::vector<std::uint64_t> seen;
+  for (const Isa isa : available_isas()) {
+    auto world = pile(200, material(0, 0.4), isa, isa == Isa::scalar ? 1 : 3);
+    run(*world, 120);
+    for (int k = 0; k < 10; ++k) {
+      world->replay({0, StepDetail::kLists, 3});
+      add(*world, disc({2.0 + k, 30}, {0, -3}, 0.4));
+      world->step();
+      world->remove_body(world->id_of(static_cast<std::uint32_t>(7 * k)));
+    }
+    run(*world, 10);
+    EXPECT_TRUE(all_finite(*world));
+    seen.push_back(world->state_hash());
+  }
+  for (const std::uint64_t hash : seen) EXPECT_EQ(hash, seen.front());
+}
+
+// The angle went to infinity, which nobody looked for.
+TEST(Hardening, AJointOnABodyThatSpinsAbsurdlyLeavesFiniteStates) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  std::string error;
+  for (const double spin : {1e30, -1e30, 1e300}) {
+    BodyDesc wheel = disc({0, 0});
+    wheel.angular_velocity = spin;
+    JointDesc joint;
+    joint.type = JointType::weld;
+    joint.a = add(*world, wheel);
+    joint.b = add(*world, disc({1, 3}));
+    ASSERT_NE(world->add_joint(joint, error), kNoJoint) << error;
+  }
+  for (int k = 0; k < 20; ++k) {
+    world->step();
+    ASSERT_TRUE(all_finite(*world)) << k;
+  }
+}
+
+// With a mass of its own such a disc was taken, and its radius was zero as a float.
+TEST(Hardening, ADiscTooSmallForFloatsIsRefused) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  BodyDesc speck = disc({0, 0});
+  speck.mass = 1;
+  std::string error;
+  for (const double radius : {1e-320, 1e-45, 0.9e-9}) {
+    speck.shape = DiscShape{radius};
+    EXPECT_EQ(world->add_body(speck, error), kNoBody) << radius;
+    EXPECT_EQ(error, "radius must lie between 1e-9 and 1e9 m");
+  }
+  speck.shape = DiscShape{1e-9};
+  EXPECT_NE(world->add_body(speck, error), kNoBody) << error;
+}
+
+// While radii are alike the column does not move with the bodies: one that was gone left its own behind.
+TEST(Hardening, ARemovedBodyLeavesItsRadiusToNobody) {
+  auto world = make(walled({-20, -20, 20, 20}, {0, 0}));
+  const BodyId large = add(*world, disc({0, 0}, {}, 3));
+  world->step();
+  world->remove_body(large);
+  for (int k = 0; k < 7; ++k)
+    add(*world, disc({0.7 * k, 5}, {0.5, 0}, 0.1));  // each 0.5 m from the next
+  run(*world, 10);
+  for (std::uint32_t k = 0; k < 7; ++k) {
+    const BodyState s = state(*world, world->id_of(k));
+    EXPECT_EQ(s.vx, 0.5) << k;
+    EXPECT_EQ(s.vy, 0) << k;
+  }
+}
+
+TEST(Hardening, PlacesAndSpeedsBeyondFloatsAreFiniteAtOnce) {
+  for (const Boundary boundary : {Boundary::open, Boundary::periodic}) {
+    WorldDesc desc = unbounded(20);
+    desc.boundary = boundary;
+    auto world = make(desc);
+    const BodyId thrown = add(*world, disc({0, 0}));
+    ASSERT_TRUE(world->set_transform(thrown, {0, 1e100}, 0));
+    BodyDesc gate = box({5, 5});
+    gate.type = BodyType::kinematic_body;
+    gate.shape = CapsuleShape{{0, 0}, {2, 0}, 0.3};
+    gate.velocity = {1e100, 0};
+    add(*world, gate);
+    EXPECT_TRUE(all_finite(*world));
+    world->step();
+    EXPECT_TRUE(all_finite(*world));
+  }
+}
+
+TEST(Hardening, ManyStaticDiscsTakeTheirMassAlong) {
+  auto world = make(walled({-20, -20, 20, 20}));
+  const double x[] = {1, 2}, y[] = {1, 2}, radius[] = {1e-9};
+  DiscBatch batch{.x = x,
+                  .y = y,
+                  .radius = radius,
+                  .angle = {},
+                  .vx = {},
+                  .vy = {},
+                  .angular_velocity = {},
+                  .type = BodyType::static_body,
+                  .material = {1e-20, 0, 0},
+                  .mass = 1,
+                  .filter = {}};
+  std::uint32_t first = 0;
+  std::string error;
+  EXPECT_EQ(world->add_discs(batch, first, error), 2u) << error;
+  EXPECT_EQ(world->body_count(), 2u);
+}
+
+// exp(-c h) was zero, and what was divided by it infinite.
+TEST(Hardening, TheStrongestDampingStopsBodiesWhereTheyAre) {
+  for (const double damping : {1e4, 1e6, 1e300}) {
+    WorldDesc desc = walled({-20, -20, 20, 20});
+    desc.linear_damping = damping;
+    auto world = make(desc);
+    for (int k = 0; k < 5; ++k)
+      add(*world, disc({0.7 * k, 0}, {5, 0}));  // overlapping: the solver's
+    run(*world, 10);
+    ASSERT_TRUE(all_finite(*world)) << damping;
+    EXPECT_TRUE(all_inside(*world));
+  }
+}
+
+// The nearest image of a place very far off was itself very far off: beyond the index's arrays.
+TEST(Hardening, QuestionsFromVeryFarAreAnsweredInAPeriodicWorld) {
+  WorldDesc desc = periodic(24, 36);
+  auto world = make(desc);
+  for (int k = 0; k < 20; ++k) add(*world, disc({1.0 + k, 5}, {1, 0}, 0.3));
+  world->step();
+  for (const double far : {1e10, 1e20, 3e38, -1e90}) {
+    EXPECT_LE(world->overlap(DiscShape{1}, {far, far}, 0).size(), 20u);
+    EXPECT_LE(world->in_region({far, far, far + 1, far + 1}).size(), 20u);
+    EXPECT_LE(world->ray_cast_all({far, far}, {0, 0}).size(), 20u);
+    world->closest({far, -far}, 5);
+  }
+}
+
+TEST(Hardening, DetailsThatNoGovernorChoosesDoNothing) {
+  auto world = pile(20);
+  run(*world, 3);
+  const std::uint64_t before = world->state_hash();
+  for (const StepDetail detail :
+       {StepDetail{4, StepDetail::kAll, 0}, StepDetail{65, StepDetail::kAll, 1},
+        StepDetail{4, 0, 1}, StepDetail{4, 8, 1}, StepDetail{4, StepDetail::kAll, 4}}) {
+    world->replay(detail);
+    EXPECT_EQ(world->frame(), 3u);
+    EXPECT_EQ(world->state_hash(), before);
+  }
+}
+
+TEST(Hardening, AGovernorWithBrokenNumbersIsRefused) {
+  auto world = pile(20);
+  GovernorDesc desc{true, 5, {}};
+  EXPECT_TRUE(world->set_governor(desc));
+  for (const double bad : {0.0, -1.0, kNan}) {
+    desc.budget_ms = bad;
+    EXPECT_FALSE(world->set_governor(desc)) << bad;
+  }
+  desc.budget_ms = 5;
+  for (const double bad : {-1.0, kNan, kInf}) {
+    desc.costs = {};
+    desc.costs.pass = bad;
+    EXPECT_FALSE(world->set_governor(desc)) << bad;
+  }
+  run(*world, 3);
+  EXPECT_TRUE(all_finite(*world));
+}
+
+}  // namespace
+}  // namespace psim::test
