@@ -38,9 +38,9 @@ void StateComparison::note(const FirstDifference& difference) {
 }
 
 void StateComparison::mark(std::uint32_t body) {
-  if (body >= marked_.size()) marked_.resize(std::size_t{body} + 1);
-  if (!marked_[body]) ++differing_bodies_;
-  marked_[body] = true;
+  std::bitset<kChunk>& chunk = marked_[body / kChunk];
+  if (!chunk[body % kChunk]) ++differing_bodies_;
+  chunk.set(body % kChunk);
 }
 
 bool StateComparison::same_body(std::uint64_t frame, const StateView& a, std::size_t row_a,

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -67,7 +69,8 @@ class StateComparison {
   std::optional<FirstDifference> first_;
   bool motion_differs_at_first_ = false;
   std::uint64_t differing_frames_ = 0, differing_bodies_ = 0;
-  std::vector<bool> marked_;  // by id: has differed
+  static constexpr std::uint32_t kChunk = 1 << 16;
+  std::map<std::uint32_t, std::bitset<kChunk>> marked_;  // by id / kChunk: ids may be anything
   std::array<Largest, kStateFields.size()> largest_;
 };
 
