@@ -22,7 +22,7 @@ if(_test_sources AND TARGET psim_scene)
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
   target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
-  target_link_libraries(psim_tests PRIVATE psim_scene nlohmann_json::nlohmann_json
+  target_link_libraries(psim_tests PRIVATE psim_scene psim_fuzz_inputs nlohmann_json::nlohmann_json
                                            GTest::gtest GTest::gtest_main)
   if(TARGET psim_reference)
     target_link_libraries(psim_tests PRIVATE psim_reference)
@@ -45,7 +45,7 @@ if(_test_sources AND TARGET psim_scene)
   foreach(_part engines engine_psim model run)
     list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
   endforeach()
-  target_sources(psim_tests PRIVATE ${_stress_sources})
+  target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
   # What draws, less what writes files: the program's own sources.
   foreach(_part canvas coverage film_clock moment outline painter picture_view scene_shapes)
     target_sources(psim_tests PRIVATE src/psim/${_part}.cpp)
@@ -66,6 +66,13 @@ if(_test_sources AND TARGET psim_scene)
   psim_suites(psim_slow_tests "Slow*:*/Slow*-SlowStress*" 1800 slow)
   psim_suites(psim_stress_tests "Stress*" 600 stress)
   psim_suites(psim_slow_stress_tests "SlowStress*" 1800 slow-stress)
+endif()
+
+# An hour of game time in a world that changes; by hand, no test of ctest (docs/hardening.md).
+if(TARGET psim_core)
+  add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp)
+  psim_target_defaults(soak)
+  target_link_libraries(soak PRIVATE psim_internal)
 endif()
 
 # Errors against the limits of the accuracy laboratory, at speed.

@@ -174,8 +174,8 @@ psim_result psim_world_set_governor(psim_world* world, const psim_governor_desc*
     if (!(given.budget_ms > 0) || !std::isfinite(given.budget_ms)) {
       return call.fail(PSIM_ERROR_ARGUMENT, "budget_ms must be above 0 and finite");
     }
-    w.set_governor({given.on != 0, given.budget_ms, to_cpp(costs)});
-    return PSIM_OK;
+    if (w.set_governor({given.on != 0, given.budget_ms, to_cpp(costs)})) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT, "costs must be 0 or more, and finite");
   });
 }
 

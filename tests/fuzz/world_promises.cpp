@@ -1,0 +1,161 @@
+#include "world_promises.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace psim::fuzz {
+namespace {
+
+bool finite(double v) { return std::isfinite(v); }
+bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
+
+std::string text(double value) {
+  char buffer[40];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+std::string text(const RayHit& hit) {
+  return std::to_string(hit.body.index) + " at " + text(hit.fraction) + " " + text(hit.point.x) +
+         " " + text(hit.point.y) + " normal " + text(hit.normal.x) + " " + text(hit.normal.y) + ";";
+}
+
+std::string state_fault(World& world) {
+  const PublishedState s = world.published();
+  const std::size_t n = s.id.size();
+  if (n != world.body_count()) return "published: as many rows as bodies";
+  if (s.x.size() != n || s.y.size() != n || s.angle.size() != n || s.vx.size() != n ||
+      s.vy.size() != n || s.omega.size() != n || s.radius.size() != n || s.type.size() != n) {
+    return "published: columns of one length";
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::string body = "body " + std::to_string(s.id[k]);
+    if (k > 0 && s.id[k] <= s.id[k - 1]) return "published: ids ascend";
+    if (!finite(s.x[k]) || !finite(s.y[k])) return body + ": its place is not finite";
+    if (!finite(s.angle[k])) return body + ": its angle is not finite";
+    if (!finite(s.vx[k]) || !finite(s.vy[k]) || !finite(s.omega[k])) {
+      return body + ": its velocity is not finite";
+    }
+    if (!finite(s.radius[k]) || s.radius[k] < 0) return body + ": its radius";
+    const BodyId id = world.id_of(s.id[k]);
+    if (id.index != s.id[k] || !world.is_valid(id)) return body + ": its id";
+    const auto one = world.body(id);
+    if (!one || one->x != s.x[k] || one->omega != s.omega[k] || one->type != s.type[k]) {
+      return body + ": body() and published() differ";
+    }
+  }
+  return {};
+}
+
+template <class Event>
+std::string order_fault(std::span<const Event> events, const char* what, bool by_index) {
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const auto& e = events[k];
+    if (by_index && e.a.index >= e.b.index) return std::string(what) + ": a before b";
+    if (k == 0) continue;
+    const auto& before = events[k - 1];
+    if (e.a.index < before.a.index || (e.a.index == before.a.index && e.b.index < before.b.index)) {
+      return std::string(what) + ": ordered by a, then b";
+    }
+  }
+  return {};
+}
+
+std::string event_fault(const World& world) {
+  const Events events = world.events();
+  for (const std::string& fault :
+       {order_fault(events.begin, "begin", true), order_fault(events.end, "end", true),
+        order_fault(events.hits, "hits", true),
+        order_fault(events.sensor_begin, "sensor_begin", false),
+        order_fault(events.sensor_end, "sensor_end", false)}) {
+    if (!fault.empty()) return fault;
+  }
+  for (const HitEvent& hit : events.hits) {
+    if (!finite(hit.point) || !finite(hit.normal) || !finite(hit.speed))
+      return "a hit is not finite";
+  }
+  return {};
+}
+
+std::string snapshot_fault(World& world) {
+  const Snapshot* s = world.latest_snapshot();
+  if (s == nullptr) return {};
+  const std::size_t n = s->id.size();
+  if (s->x.size() != n || s->y.size() != n || s->x_prev.size() != n || s->y_prev.size() != n ||
+      s->angle.size() != n || s->angle_prev.size() != n || s->radius.size() != n ||
+      s->speed.size() != n || s->asleep.size() != n) {
+    return "snapshot: columns of one length";
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    if (k > 0 && s->id[k] <= s->id[k - 1]) return "snapshot: ids ascend";
+    // An angle set to 1e300 is infinite as a float.
+    if (!std::isfinite(s->x[k]) || !std::isfinite(s->y_prev[k]) || std::isnan(s->angle[k])) {
+      return "snapshot: not finite";
+    }
+  }
+  return {};
+}
+
+std::string plan_fault(const World& world) {
+  for (const PlanEntry& entry : world.plan()) {
+    if (entry.stage.empty() || entry.reason.empty()) return "plan: a stage and a reason";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string broken_promise(World& world) {
+  for (const std::string& fault :
+       {state_fault(world), event_fault(world), snapshot_fault(world), plan_fault(world)}) {
+    if (!fault.empty()) return fault;
+  }
+  if (world.dynamic_count() + world.static_count() > world.body_count()) return "counts by type";
+  if (world.state_hash() != world.state_hash()) return "two hashes of one state";
+  // Bodies as heavy and fast as may be have more energy than a double holds; that is no fault.
+  if (std::isnan(world.diagnostics().max_penetration)) return "diagnostics: max_penetration";
+  if (world.memory_bytes() > std::size_t{1} << 30) return "memory_bytes: over 1 GiB";
+  return {};
+}
+
+std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter& filter) {
+  const auto first = world.ray_cast(from, to, filter);
+  const auto all = world.ray_cast_all(from, to, filter);
+  if (first.has_value() != !all.empty()) return "fault: one way finds a body, the other none";
+  if (first && text(*first) != text(all.front())) {
+    return "fault: ray_cast " + text(*first) + " ray_cast_all " + text(all.front());
+  }
+  std::string answer;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const RayHit& hit = all[k];
+    if (!world.is_valid(hit.body)) return "fault: a ray hits a body that is not there";
+    if (!finite(hit.point) || !finite(hit.normal)) return "fault: a ray's hit is not finite";
+    if (!(hit.fraction >= 0 && hit.fraction <= 1)) return "fault: fraction " + text(hit.fraction);
+    if (k > 0 && hit.fraction < all[k - 1].fraction) return "fault: rays: nearest first";
+    answer += text(hit);
+  }
+  return answer;
+}
+
+std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies) {
+  std::string answer;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (!world.is_valid(bodies[k])) return "fault: a question finds a body that is not there";
+    if (k > 0 && bodies[k].index <= bodies[k - 1].index) return "fault: bodies by id, each once";
+    answer += std::to_string(bodies[k].index) + ";";
+  }
+  return answer;
+}
+
+std::string closest_answer(const World& world, Vec2 point, double reach,
+                           const QueryFilter& filter) {
+  const auto hit = world.closest(point, reach, filter);
+  if (!hit) return {};
+  if (!world.is_valid(hit->body)) return "fault: the nearest body is not there";
+  if (!finite(hit->point) || !(hit->distance >= 0 && hit->distance <= reach)) {
+    return "fault: the nearest body is beyond reach";
+  }
+  return std::to_string(hit->body.index) + " at " + text(hit->distance) + " " + text(hit->point.x) +
+         " " + text(hit->point.y);
+}
+
+}  // namespace psim::fuzz

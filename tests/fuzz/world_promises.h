@@ -1,0 +1,19 @@
+// What the public headers promise of a world, whatever was done to it. Answers as text, so that those of
+// two worlds can be compared; one that begins with "fault" says which promise is broken.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "psim/psim.h"
+
+namespace psim::fuzz {
+
+/// Everything that can be read out: finite, counted, in order. Nothing if all of it holds.
+std::string broken_promise(World& world);
+
+std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter& filter);
+std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies);
+std::string closest_answer(const World& world, Vec2 point, double reach, const QueryFilter& filter);
+
+}  // namespace psim::fuzz

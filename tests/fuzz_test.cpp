@@ -1,0 +1,58 @@
+// What the fuzzers run, in the normal suite: their corpus, past findings among it, and calls of the
+// public interface from seeds.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli_runner.h"
+#include "inputs.h"
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+using Input = std::string (*)(fuzz::Bytes);
+
+std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+
+TEST(FuzzCorpus, EveryInputIsServedOrRefused) {
+  const std::vector<std::pair<std::string, Input>> inputs = {
+      {"scene", fuzz::scene_input},     {"rube", fuzz::rube_input},   {"state", fuzz::state_input},
+      {"details", fuzz::details_input}, {"saved", fuzz::saved_input}, {"world", fuzz::world_input}};
+  for (const auto& [name, play] : inputs) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& file :
+         std::filesystem::directory_iterator(PSIM_SOURCE_DIR "/tests/fuzz/corpus/" + name)) {
+      files.push_back(file.path());
+    }
+    EXPECT_GT(files.size(), 3u) << name;
+    std::ranges::sort(files);
+    for (const auto& file : files) {
+      EXPECT_EQ(play(bytes_of(read_file(file))), "") << name << "/" << file.filename().string();
+    }
+  }
+}
+
+std::vector<std::uint8_t> random_calls(std::uint64_t seed) {
+  Random random(seed);
+  std::vector<std::uint8_t> calls(200 + random.below(1800));
+  for (std::uint8_t& byte : calls) byte = static_cast<std::uint8_t>(random.below(256));
+  return calls;
+}
+
+TEST(WorldFuzz, RandomCallsBreakNoPromise) {
+  for (std::uint64_t seed = 1; seed <= (kSanitized ? 30u : 120u); ++seed) {
+    ASSERT_EQ(fuzz::world_input(random_calls(seed)), "") << "seed " << seed;
+  }
+}
+
+TEST(SlowWorldFuzz, ManyRandomCallsBreakNoPromise) {
+  for (std::uint64_t seed = 1001; seed <= 11'000; ++seed) {
+    ASSERT_EQ(fuzz::world_input(random_calls(seed)), "") << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace psim::test

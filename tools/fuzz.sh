@@ -1,0 +1,49 @@
+# shellcheck shell=bash
+# To be sourced after setup.sh, by tools/test and .ci/run: builds the fuzzers and runs them.
+
+psim_fuzz_inputs=(scene rube state details saved world)
+
+# clang and its libFuzzer, which is a package of its own where clang only recommends it.
+psim_install_fuzzer() {
+  psim_install "${psim_packages[@]}" clang || return 1
+  local runtime
+  runtime="$(clang++ -print-file-name="libclang_rt.fuzzer-$(uname -m).a")"
+  [[ -f $runtime ]] ||
+    psim_install "libclang-rt-$(clang++ -dumpversion | cut -d. -f1)-dev"
+}
+
+# psim_fuzz SECONDS: every fuzzer for its share of the time, the calls of the world for half of it, over
+# the corpus and fresh inputs; those that reach new code are kept in build/fuzz/corpus for the next run.
+# 1 if one found a fault: it says where the input lies.
+psim_fuzz() {
+  local seconds="$1" input share found=0 home="$psim_root/build/fuzz" dictionary log status
+  psim_install_fuzzer || return 1
+  psim_build fuzz fuzzers || return 1
+  mkdir -p "$home/findings"
+  for input in "${psim_fuzz_inputs[@]}"; do
+    share=$((seconds / 10))
+    [[ $input == world ]] && share=$((seconds / 2))
+    ((share > 0)) || share=1
+    case $input in
+      scene | rube) dictionary="-dict=$psim_root/tests/fuzz/$input.dict" ;;
+      state | details) dictionary="-dict=$psim_root/tests/fuzz/csv.dict" ;;
+      *) dictionary="" ;;
+    esac
+    mkdir -p "$home/corpus/$input"
+    log="$home/fuzz_$input.log" status=0
+    # shellcheck disable=SC2086  # no dictionary, no word
+    UBSAN_OPTIONS=print_stacktrace=1 "$home/fuzz_$input" -max_total_time="$share" -timeout=20 \
+      -rss_limit_mb=2048 -max_len=4096 -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
+      $dictionary "$home/corpus/$input" "$psim_root/tests/fuzz/corpus/$input" \
+      >"$log" 2>&1 || status=$?
+    if ((status != 0)); then
+      found=$((found + 1))
+      grep -E '^(fault:|SUMMARY|ERROR|==.*ERROR|.*PSIM_ASSERT)|Test unit written to' "$log" >&2
+      psim_say "fuzz_$input found a fault: build/fuzz/fuzz_$input INPUT shows it again, its talk is in $log"
+    else
+      echo "fuzz_$input: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs in $share s, no finding"
+    fi
+  done
+  echo "${#psim_fuzz_inputs[@]} fuzzers, $found with a finding"
+  ((found == 0))
+}
