@@ -15,35 +15,37 @@ target_link_libraries(accuracy PRIVATE psim_accuracy CLI11::CLI11)
 target_compile_definitions(accuracy PRIVATE
   "PSIM_CALIBRATION_FILE=\"${PROJECT_SOURCE_DIR}/docs/data/calibration.csv\"")
 
-# One engine's adapter. Each sees its own headers only: Box2D 2 and 3 use the same file names.
-function(psim_accuracy_engine file macro include)
-  string(REPLACE "engine_" "psim_accuracy_" _target ${file})
-  add_library(${_target} OBJECT bench/accuracy/${file}.cpp)
+# psim_engine(LIBRARY FILE MACRO INCLUDE LIBRARIES...): one engine's adapter, a part of LIBRARY. Each
+# sees its own headers only: Box2D 2 and 3 use the same file names.
+function(psim_engine library file macro include)
+  get_filename_component(_name ${file} NAME_WE)
+  set(_target psim_${_name})
+  add_library(${_target} OBJECT ${file})
   psim_target_defaults(${_target})
-  target_include_directories(${_target} PRIVATE include bench/accuracy)
+  target_include_directories(${_target} PRIVATE include bench/accuracy bench/peers)
   target_include_directories(${_target} SYSTEM BEFORE PRIVATE ${include})
-  target_sources(psim_accuracy PRIVATE $<TARGET_OBJECTS:${_target}>)
-  target_compile_definitions(psim_accuracy PRIVATE ${macro})
-  target_link_libraries(psim_accuracy PRIVATE ${ARGN})
+  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${_target}>)
+  target_compile_definitions(${library} PRIVATE ${macro})
+  target_link_libraries(${library} PRIVATE ${ARGN})
 endfunction()
 
 # Debian's libbox2d-dev. Looked for by file, since Box2D 3 has the same package and target names.
 find_path(PSIM_BOX2D24_INCLUDE box2d/b2_world.h)
 find_library(PSIM_BOX2D24_LIBRARY NAMES libbox2d.so)
 if(PSIM_BOX2D24_INCLUDE AND PSIM_BOX2D24_LIBRARY)
-  psim_accuracy_engine(engine_box2d24 PSIM_WITH_BOX2D24
+  psim_engine(psim_accuracy bench/accuracy/engine_box2d24.cpp PSIM_WITH_BOX2D24
     "${PSIM_BOX2D24_INCLUDE}" "${PSIM_BOX2D24_LIBRARY}")
 endif()
 
 find_package(box2d 3 CONFIG QUIET)
 if(box2d_FOUND AND TARGET box2d::box2d)
-  psim_accuracy_engine(engine_box2d3 PSIM_WITH_BOX2D3
+  psim_engine(psim_accuracy bench/accuracy/engine_box2d3.cpp PSIM_WITH_BOX2D3
     "$<TARGET_PROPERTY:box2d::box2d,INTERFACE_INCLUDE_DIRECTORIES>" box2d::box2d)
 endif()
 
 find_path(PSIM_CHIPMUNK_INCLUDE chipmunk/chipmunk_structs.h)
 find_library(PSIM_CHIPMUNK_LIBRARY NAMES chipmunk)
 if(PSIM_CHIPMUNK_INCLUDE AND PSIM_CHIPMUNK_LIBRARY)
-  psim_accuracy_engine(engine_chipmunk PSIM_WITH_CHIPMUNK
+  psim_engine(psim_accuracy bench/accuracy/engine_chipmunk.cpp PSIM_WITH_CHIPMUNK
     "${PSIM_CHIPMUNK_INCLUDE}" "${PSIM_CHIPMUNK_LIBRARY}")
 endif()

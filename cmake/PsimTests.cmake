@@ -1,6 +1,6 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
 # Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
-# SlowStress), `install`, `docs`, `asm`, `accuracy`, `view`.
+# SlowStress), `install`, `docs`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
 
 # The oracles stand alone: they must not see the code that they judge.
@@ -73,6 +73,22 @@ if(TARGET psim_core)
   add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp)
   psim_target_defaults(soak)
   target_link_libraries(soak PRIVATE psim_internal)
+endif()
+
+# The comparison with other engines, as far as they are built in. Label `peers`.
+if(TARGET peers)
+  file(GLOB _peers_tests CONFIGURE_DEPENDS tests/peers/*_test.cpp)
+  add_executable(psim_peers_tests ${_peers_tests})
+  psim_target_defaults(psim_peers_tests)
+  target_include_directories(psim_peers_tests PRIVATE tests)
+  target_link_libraries(psim_peers_tests PRIVATE psim_peers GTest::gtest GTest::gtest_main)
+  target_compile_definitions(psim_peers_tests PRIVATE
+    "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
+    "PSIM_PROGRAM=\"$<TARGET_FILE:psim>\""
+    "PSIM_PEERS=\"$<TARGET_FILE:peers>\"")
+  add_dependencies(psim_peers_tests peers)
+  gtest_discover_tests(psim_peers_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS peers TIMEOUT 300)
 endif()
 
 # Errors against the limits of the accuracy laboratory, at speed.

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2034
-# Shared by tools/run, tools/view, tools/test and .ci/run; to be sourced. Brings a bare Debian or
+# Shared by tools/run, tools/view, tools/test, tools/peers and .ci/run; to be sourced. Brings a bare Debian or
 # Ubuntu to a configured and built psim. Talks to stderr only, and shows a log only when something
 # failed.
 # A second call finds everything in place and takes a fraction of a second.
@@ -10,6 +10,9 @@ psim_packages=(g++ cmake ninja-build libcpu-features-dev libgtest-dev libbenchma
                nlohmann-json3-dev libfmt-dev libpng-dev binutils python3)
 # What psim-view needs on top; libgl1-mesa-dri draws where there is no graphics card.
 psim_view_packages=(libsdl2-dev libimgui-dev libgl1-mesa-dri)
+# The engines that tools/peers compares with, and what draws the result.
+psim_peers_packages=(libbox2d-dev libchipmunk-dev libbullet-dev libode-dev pkg-config
+                     python3-matplotlib)
 
 psim_say() { printf 'psim: %s\n' "$*" >&2; }
 

@@ -28,6 +28,8 @@ struct Setting {
   std::string integrator;
   Isa isa = best_isa();
   int threads = 1;
+  bool continuous = true;  ///< Box2D: what is fast for its size is stopped at fixed bodies
+  bool sleeping = false;  ///< bodies at rest may be left out, by the engine's own rules
   bool is_default = false;
 
   bool is_machine_variant() const { return isa != best_isa() || threads != 1; }
@@ -65,6 +67,9 @@ struct Engine {
   std::function<std::unique_ptr<Simulation>(const Model&, const Setting&)> make;
   std::function<std::vector<Setting>(Effort, Scale)> settings;
 };
+
+/// One that is not built in, and why.
+Engine absent_engine(std::string name, std::string version, std::string why);
 
 /// All of them, psim first, those not built in included.
 std::vector<Engine> all_engines();

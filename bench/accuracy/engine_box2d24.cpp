@@ -19,7 +19,8 @@ class Box2dSimulation : public Simulation {
  public:
   Box2dSimulation(const Model& model, const Setting& setting)
       : model_(&model), setting_(setting), world_(to_box2d(model.scene.world.gravity)) {
-    world_.SetAllowSleeping(false);
+    world_.SetAllowSleeping(setting.sleeping);
+    world_.SetContinuousPhysics(setting.continuous);
     if (model.scene.world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) bodies_.push_back(add(body));
     for (const SceneJoint& joint : model.scene.joints) add(joint);
@@ -70,13 +71,17 @@ class Box2dSimulation : public Simulation {
   double virial() const override { return virial_; }
 
  private:
-  static b2FixtureDef fixture(const b2Shape& shape, const Material& material) {
+  b2FixtureDef fixture(const b2Shape& shape, const Material& material,
+                       const Filter& filter = {}) const {
     b2FixtureDef def;
+    def.filter.categoryBits = static_cast<uint16>(filter.category);
+    def.filter.maskBits = static_cast<uint16>(filter.mask);
+    def.filter.groupIndex = static_cast<int16>(filter.group);
     def.shape = &shape;
     def.density = static_cast<float>(material.density);
     def.restitution = static_cast<float>(material.restitution);
     def.friction = static_cast<float>(material.friction);
-    def.restitutionThreshold = 0;
+    def.restitutionThreshold = static_cast<float>(model_->scene.world.restitution_threshold);
     return def;
   }
 
@@ -105,38 +110,62 @@ class Box2dSimulation : public Simulation {
     def.linearDamping = static_cast<float>(linear_damping(model_->scene.world));
     def.gravityScale = static_cast<float>(desc.gravity_scale);
     def.fixedRotation = desc.fixed_rotation;
+    def.bullet = desc.bullet;
     b2Body* body = world_.CreateBody(&def);
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       b2EdgeShape edge;
       edge.SetTwoSided(to_box2d(line->p1), to_box2d(line->p2));
-      const b2FixtureDef f = fixture(edge, desc.material);
+      const b2FixtureDef f = fixture(edge, desc.material, desc.filter);
       body->CreateFixture(&f);
+    } else if (const auto* shape = std::get_if<PolygonShape>(&desc.shape)) {
+      b2PolygonShape polygon;
+      const auto corners = inset(*shape, skin());
+      polygon.Set(corners.data(), static_cast<int32>(corners.size()));
+      add_polygon(polygon, desc, *body);
     } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
-      add_box(*sides, desc, *body);
+      b2PolygonShape polygon;
+      polygon.SetAsBox(0.5f * static_cast<float>(sides->width) - skin(),
+                       0.5f * static_cast<float>(sides->height) - skin());
+      add_polygon(polygon, desc, *body);
     } else {
       const double r = radius_of(desc);
       b2CircleShape circle;
       circle.m_radius = static_cast<float>(r);
-      b2FixtureDef f = fixture(circle, desc.material);
+      b2FixtureDef f = fixture(circle, desc.material, desc.filter);
       f.density = static_cast<float>(mass_of(desc) / (std::numbers::pi * r * r));
       body->CreateFixture(&f);
     }
     return body;
   }
 
-  // A polygon has a skin of 1 cm around it: what is seen, skin included, is the scene's box.
-  void add_box(const BoxShape& sides, const BodyDesc& desc, b2Body& body) const {
-    const float skin = setting_.bare ? 0 : b2_polygonRadius;
-    b2PolygonShape polygon;
-    polygon.SetAsBox(0.5f * static_cast<float>(sides.width) - skin,
-                     0.5f * static_cast<float>(sides.height) - skin);
-    polygon.m_radius = skin;
-    const b2FixtureDef f = fixture(polygon, desc.material);
+  // A polygon has a skin of 1 cm around it: what is seen, skin included, is the scene's shape.
+  float skin() const { return setting_.bare ? 0 : b2_polygonRadius; }
+
+  static std::vector<b2Vec2> inset(const PolygonShape& polygon, double skin) {
+    std::vector<b2Vec2> corners;
+    const auto& v = polygon.vertices;
+    const auto direction = [](Vec2 p, Vec2 q) {
+      const double length = std::hypot(q.x - p.x, q.y - p.y);
+      return Vec2{(q.x - p.x) / length, (q.y - p.y) / length};
+    };
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      const Vec2 in = direction(v[(k + v.size() - 1) % v.size()], v[k]);
+      const Vec2 out = direction(v[k], v[(k + 1) % v.size()]);
+      const double reach = skin / (in.x * out.y - in.y * out.x);
+      corners.push_back(
+          to_box2d({v[k].x + reach * (out.x - in.x), v[k].y + reach * (out.y - in.y)}));
+    }
+    return corners;
+  }
+
+  void add_polygon(b2PolygonShape& polygon, const BodyDesc& desc, b2Body& body) const {
+    polygon.m_radius = skin();
+    const b2FixtureDef f = fixture(polygon, desc.material, desc.filter);
     body.CreateFixture(&f);
     b2MassData mass;
     mass.mass = static_cast<float>(mass_of(desc));
-    mass.center = {0, 0};
-    mass.I = static_cast<float>(inertia_of(desc));
+    mass.center = to_box2d(centre_of(desc));
+    mass.I = static_cast<float>(inertia_of(desc)) + mass.mass * b2Dot(mass.center, mass.center);
     body.SetMassData(&mass);
   }
 
@@ -160,7 +189,10 @@ class Box2dSimulation : public Simulation {
     rod.localAnchorB = to_box2d(joint.anchor_b);
     rod.collideConnected = joint.collide;
     rod.length = static_cast<float>(length_of(*model_, scene_joint));
-    if (joint.type == JointType::spring) {
+    if (joint.type == JointType::rope) {
+      rod.minLength = 0;
+      rod.maxLength = rod.length;
+    } else if (joint.type == JointType::spring) {
       rod.stiffness = static_cast<float>(joint.stiffness);
       rod.damping = static_cast<float>(joint.damping);
     } else {
@@ -236,7 +268,19 @@ Engine box2d24_engine() {
   engine.name = "box2d";
   engine.version = std::to_string(b2_version.major) + '.' + std::to_string(b2_version.minor) + '.' +
                    std::to_string(b2_version.revision);
-  engine.refuses = refusal;
+  engine.refuses = [](const Model& model) {
+    return refusal(model, {.fields = true,
+                           .segments = true,
+                           .polygons = true,
+                           .gravity_scale = true,
+                           .bullets = true,
+                           .restitution_threshold = true,
+                           .always_groups = true,
+                           .categories = 0xFFFF,
+                           .rods = true,
+                           .springs = true,
+                           .ropes = true});
+  };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<Box2dSimulation>(model, setting);
   };

@@ -22,8 +22,9 @@ class Box2d3Simulation : public Simulation {
   Box2d3Simulation(const Model& model, const Setting& setting) : model_(&model), setting_(setting) {
     b2WorldDef def = b2DefaultWorldDef();
     def.gravity = to_box2d(model.scene.world.gravity);
-    def.restitutionThreshold = 0;
-    def.enableSleep = false;
+    def.restitutionThreshold = static_cast<float>(model.scene.world.restitution_threshold);
+    def.enableSleep = setting.sleeping;
+    def.enableContinuous = setting.continuous;
     world_ = b2CreateWorld(&def);
     if (model.scene.world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) add(body);
@@ -137,15 +138,26 @@ class Box2d3Simulation : public Simulation {
     def.linearDamping = static_cast<float>(linear_damping(model_->scene.world));
     def.gravityScale = static_cast<float>(desc.gravity_scale);
     def.fixedRotation = desc.fixed_rotation;
+    def.isBullet = desc.bullet;
     def.allowFastRotation = true;
     const b2BodyId body = b2CreateBody(world_, &def);
     bodies_.push_back(body);
     angles_.push_back(desc.angle);
     turns_ = turns_ || desc.angular_velocity != 0 || !model_->scene.joints.empty();
     b2ShapeDef surface = shape(desc.material);
+    surface.filter.categoryBits = desc.filter.category;
+    surface.filter.maskBits = desc.filter.mask;
+    surface.filter.groupIndex = desc.filter.group;
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       const b2Segment edge{to_box2d(line->p1), to_box2d(line->p2)};
       b2CreateSegmentShape(body, &surface, &edge);
+    } else if (const auto* outline = std::get_if<PolygonShape>(&desc.shape)) {
+      surface.density = static_cast<float>(mass_of(desc) / area_of(desc));
+      std::vector<b2Vec2> corners;
+      for (const Vec2 v : outline->vertices) corners.push_back(to_box2d(v));
+      const b2Hull hull = b2ComputeHull(corners.data(), static_cast<int>(corners.size()));
+      const b2Polygon polygon = b2MakePolygon(&hull, 0);
+      b2CreatePolygonShape(body, &surface, &polygon);
     } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
       surface.density = static_cast<float>(mass_of(desc) / area_of(desc));
       const b2Polygon polygon = b2MakeBox(0.5f * static_cast<float>(sides->width),
@@ -263,7 +275,17 @@ Engine box2d3_engine() {
   engine.name = "box2d3";
   engine.version = std::to_string(version.major) + '.' + std::to_string(version.minor) + '.' +
                    std::to_string(version.revision);
-  engine.refuses = refusal;
+  engine.refuses = [](const Model& model) {
+    return refusal(model, {.fields = true,
+                           .segments = true,
+                           .polygons = true,
+                           .gravity_scale = true,
+                           .bullets = true,
+                           .restitution_threshold = true,
+                           .always_groups = true,
+                           .rods = true,
+                           .springs = true});
+  };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<Box2d3Simulation>(model, setting);
   };

@@ -19,6 +19,7 @@ namespace {
 constexpr double kDefaultSlop = 0.1;
 constexpr double kTightSlop = 0.005;  // Box2D's
 constexpr int kDefaultIterations = 10;
+constexpr double kTimeToSleep = 0.5;  // s, psim's and Box2D's; it has no default
 
 cpVect to_chipmunk(Vec2 v) { return {v.x, v.y}; }
 
@@ -62,6 +63,7 @@ class ChipmunkSimulation : public Simulation {
     cpSpaceSetGravity(space_.get(), to_chipmunk(world.gravity));
     cpSpaceSetIterations(space_.get(), setting.iterations);
     cpSpaceSetCollisionSlop(space_.get(), setting.slop);
+    if (setting.sleeping) cpSpaceSetSleepTimeThreshold(space_.get(), kTimeToSleep);
     cpSpaceSetDamping(space_.get(), std::exp(-linear_damping(world)));
     if (world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) add(body);
@@ -121,7 +123,9 @@ class ChipmunkSimulation : public Simulation {
     return visits;
   }
 
-  void add_shape(cpShape* shape, const Material& material) {
+  void add_shape(cpShape* shape, const Material& material, const Filter& filter = {}) {
+    const auto group = static_cast<cpGroup>(filter.group < 0 ? -filter.group : 0);
+    cpShapeSetFilter(shape, cpShapeFilterNew(group, filter.category, filter.mask));
     cpShapeSetElasticity(shape, std::sqrt(material.restitution));
     cpShapeSetFriction(shape, std::sqrt(material.friction));
     alike_ = alike_ && (shapes_.empty() || material.restitution == restitution_);
@@ -149,8 +153,11 @@ class ChipmunkSimulation : public Simulation {
   void add(const BodyDesc& desc) {
     cpBody* body = cpSpaceAddBody(space_.get(), new_body(desc));
     bodies_.emplace_back(body, &cpBodyFree);
+    if (desc.type == BodyType::dynamic_body) {
+      cpBodySetCenterOfGravity(body, to_chipmunk(centre_of(desc)));
+    }
+    cpBodySetAngle(body, desc.angle);  // about the centre of gravity, so before the place
     cpBodySetPosition(body, to_chipmunk(desc.position));
-    cpBodySetAngle(body, desc.angle);
     if (desc.type != BodyType::static_body) {
       cpBodySetVelocity(body, to_chipmunk(desc.velocity));
       cpBodySetAngularVelocity(body, desc.angular_velocity);
@@ -161,11 +168,17 @@ class ChipmunkSimulation : public Simulation {
     }
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       add_shape(cpSegmentShapeNew(body, to_chipmunk(line->p1), to_chipmunk(line->p2), 0),
-                desc.material);
+                desc.material, desc.filter);
     } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
-      add_shape(cpBoxShapeNew(body, sides->width, sides->height, 0), desc.material);
+      add_shape(cpBoxShapeNew(body, sides->width, sides->height, 0), desc.material, desc.filter);
+    } else if (const auto* polygon = std::get_if<PolygonShape>(&desc.shape)) {
+      std::vector<cpVect> corners;
+      for (const Vec2 v : polygon->vertices) corners.push_back(to_chipmunk(v));
+      add_shape(
+          cpPolyShapeNewRaw(body, static_cast<int>(corners.size()), corners.data(), 0),
+          desc.material, desc.filter);
     } else {
-      add_shape(cpCircleShapeNew(body, radius_of(desc), cpvzero), desc.material);
+      add_shape(cpCircleShapeNew(body, radius_of(desc), cpvzero), desc.material, desc.filter);
     }
   }
 
@@ -179,6 +192,8 @@ class ChipmunkSimulation : public Simulation {
     } else if (joint.type == JointType::spring) {
       made = cpDampedSpringNew(a, b, at_a, at_b, length_of(*model_, scene_joint), joint.stiffness,
                                joint.damping);
+    } else if (joint.type == JointType::rope) {
+      made = cpSlideJointNew(a, b, at_a, at_b, 0, length_of(*model_, scene_joint));
     } else {
       made = cpPinJointNew(a, b, at_a, at_b);
       cpPinJointSetDist(made, length_of(*model_, scene_joint));
@@ -256,7 +271,14 @@ Engine chipmunk_engine() {
   Engine engine;
   engine.name = "chipmunk";
   engine.version = cpVersionString;
-  engine.refuses = refusal;
+  engine.refuses = [](const Model& model) {
+    return refusal(model, {.fields = true,
+                           .segments = true,
+                           .polygons = true,
+                           .rods = true,
+                           .springs = true,
+                           .ropes = true});
+  };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<ChipmunkSimulation>(model, setting);
   };

@@ -22,7 +22,7 @@ class PsimSimulation : public Simulation {
     std::string error;
     world_ = build_world(scene, {setting.isa, setting.threads}, error);
     if (!world_) throw std::runtime_error(error);
-    world_->set_sleeping(false);  // the laboratory asks what the solver does
+    world_->set_sleeping(setting.sleeping);
     passes_ = passes_a_step(model, setting.substeps);
     points_ = has_boxes(model) ? 2 : 1;
     joint_visits_ = joint_rows(model) * (1.0 + 2.5 * kJointSweeps * setting.substeps) * steps_;

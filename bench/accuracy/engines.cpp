@@ -5,17 +5,14 @@
 #include "engine.h"
 
 namespace psim::accuracy {
-namespace {
 
-[[maybe_unused]] Engine absent_engine(std::string name, std::string version, std::string why) {
+Engine absent_engine(std::string name, std::string version, std::string why) {
   Engine engine;
   engine.name = std::move(name);
   engine.version = std::move(version);
   engine.absent = std::move(why);
   return engine;
 }
-
-}  // namespace
 
 #ifndef PSIM_WITH_BOX2D24
 Engine box2d24_engine() {

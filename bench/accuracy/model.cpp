@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "links.h"
+
 namespace psim::accuracy {
 namespace {
 
@@ -17,18 +19,55 @@ void append_group(const GroupDesc& group, std::vector<BodyDesc>& bodies) {
   if (!placed) throw std::runtime_error(error);
   for (std::size_t k = 0; k < placed->x.size(); ++k) {
     BodyDesc body = group.body;
-    body.shape = DiscShape{placed->radius[k]};
+    if (std::holds_alternative<DiscShape>(body.shape)) body.shape = DiscShape{placed->radius[k]};
+    if (group.links && is_pinned(group, k)) body.type = BodyType::static_body;
     body.position = {placed->x[k], placed->y[k]};
     body.velocity = {placed->vx[k], placed->vy[k]};
     bodies.push_back(std::move(body));
   }
 }
 
+/// The same bodies and joints without groups.
+Scene without_groups(Scene scene) {
+  scene.joints = all_joints(scene);
+  for (const GroupDesc& group : scene.groups) append_group(group, scene.bodies);
+  scene.body_names.resize(scene.bodies.size());
+  scene.groups.clear();
+  return scene;
+}
+
+struct Area {
+  double area = 0, square = 0;  ///< m^2; integral of the distance from the centre squared, m^4
+  Vec2 centre;
+};
+
+/// Of a polygon, by triangles from the frame's origin.
+Area area_of(const PolygonShape& polygon) {
+  Area sum;
+  double square = 0;
+  const auto& v = polygon.vertices;
+  for (std::size_t k = 0; k < v.size(); ++k) {
+    const Vec2 p = v[k], q = v[(k + 1) % v.size()];
+    const double twice = p.x * q.y - q.x * p.y;
+    sum.area += twice / 2;
+    sum.centre.x += twice * (p.x + q.x) / 6;
+    sum.centre.y += twice * (p.y + q.y) / 6;
+    square += twice * (p.x * p.x + p.x * q.x + q.x * q.x + p.y * p.y + p.y * q.y + q.y * q.y) / 12;
+  }
+  sum.centre = {sum.centre.x / sum.area, sum.centre.y / sum.area};
+  const Vec2 c = sum.centre;
+  sum.square = square - sum.area * (c.x * c.x + c.y * c.y);
+  return sum;
+}
+
 }  // namespace
 
 Model make_model(const Scene& scene) {
+  const bool linked =
+      std::ranges::any_of(scene.groups, [](const GroupDesc& g) { return g.links.has_value(); });
   std::string error;
-  auto parsed = parse_scene(scene_to_json(scene), scene.name, error);
+  auto parsed =
+      parse_scene(scene_to_json(linked ? without_groups(scene) : scene), scene.name, error);
   if (!parsed) throw std::runtime_error(error);
   Model model{std::move(*parsed), {}};
   model.bodies = model.scene.bodies;
@@ -43,6 +82,7 @@ double radius_of(const BodyDesc& body) {
 
 double area_of(const BodyDesc& body) {
   if (const auto* box = std::get_if<BoxShape>(&body.shape)) return box->width * box->height;
+  if (const auto* polygon = std::get_if<PolygonShape>(&body.shape)) return area_of(*polygon).area;
   const double r = radius_of(body);
   return std::numbers::pi * r * r;
 }
@@ -55,8 +95,30 @@ double inertia_of(const BodyDesc& body) {
   if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
     return mass_of(body) * (box->width * box->width + box->height * box->height) / 12;
   }
+  if (const auto* polygon = std::get_if<PolygonShape>(&body.shape)) {
+    const Area a = area_of(*polygon);
+    return mass_of(body) * a.square / a.area;
+  }
   const double r = radius_of(body);
   return 0.5 * mass_of(body) * r * r;
+}
+
+Vec2 centre_of(const BodyDesc& body) {
+  const auto* polygon = std::get_if<PolygonShape>(&body.shape);
+  if (!polygon || body.type != BodyType::dynamic_body) return {};
+  return area_of(*polygon).centre;
+}
+
+std::optional<Rectangle> rectangle_of(const PolygonShape& polygon) {
+  if (polygon.vertices.size() != 4 || polygon.radius > 0) return {};
+  const auto& v = polygon.vertices;
+  const double left = std::min(v[0].x, v[2].x), right = std::max(v[0].x, v[2].x);
+  const double low = std::min(v[0].y, v[2].y), high = std::max(v[0].y, v[2].y);
+  const auto is_corner = [&](Vec2 p) {
+    return (p.x == left || p.x == right) && (p.y == low || p.y == high);
+  };
+  if (!std::ranges::all_of(v, is_corner)) return {};
+  return Rectangle{{(left + right) / 2, (low + high) / 2}, right - left, high - low};
 }
 
 bool has_boxes(const Model& model) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,14 +20,23 @@ struct Model {
   std::vector<BodyDesc> bodies;
 };
 
-/// Writes the scene as JSON, parses that and lists its bodies. Throws std::runtime_error with the
-/// parser's line if the scene is refused.
+/// Writes the scene as JSON, parses that and lists its bodies; links of groups become joints. Throws
+/// std::runtime_error with the parser's line if the scene is refused.
 Model make_model(const Scene& scene);
 
 double radius_of(const BodyDesc& body);  ///< of a disc; 0 for all others
-double area_of(const BodyDesc& body);    ///< of a disc or a box
-double mass_of(const BodyDesc& body);    ///< kg, of a disc or a box
-double inertia_of(const BodyDesc& body);
+double area_of(const BodyDesc& body);    ///< of a disc, a box or a polygon with sharp corners
+double mass_of(const BodyDesc& body);    ///< kg, of the same
+double inertia_of(const BodyDesc& body);  ///< about the centre of mass
+/// The point that a body turns about, in its frame: a dynamic one's centre of mass.
+Vec2 centre_of(const BodyDesc& body);
+
+struct Rectangle {
+  Vec2 centre;
+  double width = 0, height = 0;
+};
+/// A polygon that is a rectangle along its frame's axes.
+std::optional<Rectangle> rectangle_of(const PolygonShape& polygon);
 bool has_boxes(const Model& model);
 /// Distance of the anchors that a rod or a spring keeps.
 double length_of(const Model& model, const SceneJoint& joint);

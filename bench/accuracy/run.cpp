@@ -98,9 +98,13 @@ void append_fixed_overlaps(Run& run, std::vector<double>& depths) {
 
 }  // namespace
 
-void Run::frame() {
+void Run::advance() {
   simulation_->advance();
   ++frames_;
+}
+
+void Run::frame() {
+  advance();
   visits_ += simulation_->row_visits();
 }
 

@@ -26,6 +26,8 @@ class Run {
   bool thorough() const { return thorough_; }
 
   void frame();
+  /// A frame whose rows nobody counts: what is timed.
+  void advance();
   void frames(int count);
   /// Whole frames that make up the time.
   void seconds(double duration);

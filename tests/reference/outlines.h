@@ -66,6 +66,24 @@ inline double distance(const Outline& a, const Outline& b) {
   return distance(Outline{convex_hull(differences), a.radius + b.radius}, Vec2{});
 }
 
+/// How deep two outlines overlap, the shortest way out; negative: how far they are apart.
+inline double depth(const Outline& a, const Outline& b) {
+  std::vector<Vec2> differences;
+  for (const Vec2 p : a.points) {
+    for (const Vec2 q : b.points) differences.push_back({p.x - q.x, p.y - q.y});
+  }
+  const std::vector<Vec2> hull = convex_hull(differences);
+  const double apart = distance(Outline{hull, 0}, Vec2{});
+  if (apart > 0) return a.radius + b.radius - apart;
+  double inside = 0;  // shortest way to a side
+  for (std::size_t k = 0; hull.size() > 2 && k < hull.size(); ++k) {
+    const Vec2 p = hull[k], q = hull[(k + 1) % hull.size()];
+    const double way = cross(p, q, Vec2{}) / std::hypot(q.x - p.x, q.y - p.y);
+    inside = k == 0 ? way : std::min(inside, way);
+  }
+  return a.radius + b.radius + inside;
+}
+
 /// How far a ray from p to q gets before it enters, as a share of the way; 2: it does not. `least` is
 /// how near it comes at most. By steps as long as the distance.
 inline double march(const Outline& o, Vec2 p, Vec2 q, double& least) {

@@ -1,0 +1,242 @@
+// peers: the same scenes in psim and in the engines that are installed, ms a frame beside what is
+// wrong with the result.
+//
+//   peers --quick                                  small scenes, recommended settings: a minute
+//   peers --scenes stack,gas --engines psim,box2d  some of it
+//   peers --scenes scenes/dam.json                 a scene file
+//   peers --csv peers.csv --plot peers.png         everything, with a row a point and a picture
+// The table goes to stdout, talk to stderr. Exit 2 if asked wrongly.
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "comparison.h"
+#include "engines.h"
+#include "report.h"
+
+extern char** environ;
+
+namespace {
+
+using namespace psim::peers;
+
+struct Options {
+  bool list = false;
+  bool quick = false;
+  bool full = false;
+  std::vector<std::string> scenes;
+  std::vector<std::string> engines;
+  std::string csv;
+  std::string plot;
+  int repeats = 0;
+
+  Size size() const { return quick ? Size::quick : full ? Size::full : Size::normal; }
+};
+
+/// An engine with one of its settings.
+struct Entry {
+  const Engine* engine;
+  NamedSetting setting;
+};
+
+template <class T>
+std::string names_of(const std::vector<T>& all) {
+  std::string names;
+  for (const T& t : all) names += " " + t.name;
+  return names;
+}
+
+std::vector<Comparison> chosen_scenes(const std::vector<std::string>& wanted) {
+  const std::vector<Comparison> all = all_comparisons();
+  if (wanted.empty()) return all;
+  std::vector<Comparison> chosen;
+  for (const std::string& name : wanted) {
+    const auto found = std::ranges::find(all, name, &Comparison::name);
+    if (found != all.end()) {
+      chosen.push_back(*found);
+    } else if (name.ends_with(".json")) {
+      chosen.push_back(comparison_of_file(name));
+    } else {
+      throw std::invalid_argument("--scenes: no scene '" + name +
+                                  "'; a file that ends in .json, or one of:" + names_of(all));
+    }
+  }
+  return chosen;
+}
+
+std::vector<Engine> chosen_engines(const std::vector<std::string>& wanted) {
+  std::vector<Engine> all = all_engines();
+  for (const std::string& name : wanted) {
+    const auto found = std::ranges::find(all, name, &Engine::name);
+    if (found == all.end()) {
+      throw std::invalid_argument("--engines: no engine '" + name + "'; there are:" + names_of(all));
+    }
+    if (!found->absent.empty()) throw std::invalid_argument(name + ": " + found->absent);
+  }
+  std::erase_if(all, [&](const Engine& e) {
+    if (!wanted.empty()) return std::ranges::find(wanted, e.name) == wanted.end();
+    if (!e.absent.empty()) std::fprintf(stderr, "peers: %s %s\n", e.name.c_str(), e.absent.c_str());
+    return !e.absent.empty();
+  });
+  return all;
+}
+
+void list(const Options& options) {
+  const std::vector<Engine> engines = all_engines();
+  std::printf("engines\n");
+  for (const Engine& e : engines) {
+    std::printf("  %-9s %-7s %s\n", e.name.c_str(), e.version.c_str(), e.absent.c_str());
+    for (const NamedSetting& s : settings_of(e)) {
+      std::printf("    %s%s\n", s.name.c_str(), s.recommended ? " *" : "");
+    }
+  }
+  std::printf("scenes\n");
+  for (const Comparison& c : chosen_scenes(options.scenes)) {
+    const auto model = psim::accuracy::make_model(c.scene(options.size()));
+    std::printf("  %-18s %6zu bodies: %s\n", c.name.c_str(), model.bodies.size(), c.shows.c_str());
+    for (const Engine& e : engines) {
+      const std::string what = e.absent.empty() ? e.refuses(model) : "";
+      if (!what.empty()) std::printf("    not supported by %s: %s\n", e.name.c_str(), what.c_str());
+    }
+  }
+}
+
+std::vector<Entry> entries_of(const std::vector<Engine>& engines, bool quick) {
+  std::vector<Entry> entries;
+  for (const Engine& engine : engines) {
+    for (const NamedSetting& setting : settings_of(engine)) {
+      if (!quick || setting.recommended) entries.push_back({&engine, setting});
+    }
+  }
+  return entries;
+}
+
+void add(const Result& result, Row& row) {
+  ++row.repeats;
+  if (row.repeats == 1) row.errors = result.errors;
+  if (row.note.empty() && !result.failed.empty()) row.note = "failed: " + result.failed;
+  if (!row.note.empty()) {
+    row.frame_ms.clear();
+  } else if (row.frame_ms.empty()) {
+    row.frame_ms = result.frame_ms;
+  } else {
+    for (std::size_t k = 0; k < row.frame_ms.size(); ++k) {
+      row.frame_ms[k] = std::min(row.frame_ms[k], result.frame_ms[k]);
+    }
+  }
+}
+
+/// All entries in one scene, in turn, as often as asked: A B C A B C.
+std::vector<Row> compare(Comparison of, const std::vector<Entry>& entries, const Options& options) {
+  if (options.quick) {
+    of.frames = std::min(of.frames, 60);
+    of.settle = std::min(of.settle, 60);
+  }
+  const Model model = psim::accuracy::make_model(of.scene(options.size()));
+  std::vector<Row> rows;
+  for (const Entry& entry : entries) {
+    Row row;
+    row.engine = entry.engine->name;
+    row.version = entry.engine->version;
+    row.setting = entry.setting.name;
+    row.recommended = entry.setting.recommended;
+    row.threads = entry.setting.setting.threads;
+    row.scene = of.name;
+    row.bodies = model.bodies.size();
+    const std::string what = entry.engine->refuses(model);
+    if (!what.empty()) row.note = "not supported: " + what;
+    rows.push_back(row);
+  }
+  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+    std::fprintf(stderr, "%s %d/%d\n", of.name.c_str(), repeat + 1, options.repeats);
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      if (!rows[k].note.empty()) continue;
+      const Entry& entry = entries[k];
+      add(run(of, model, of.frames, *entry.engine, entry.setting.setting, repeat == 0), rows[k]);
+    }
+  }
+  return rows;
+}
+
+void plot(const Options& options) {
+  const std::string script = PSIM_PEERS_PLOT;
+  std::vector<std::string> words = {script, options.csv, "--plot", options.plot};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  int status = 0;
+  if (::posix_spawn(&child, script.c_str(), nullptr, nullptr, argv.data(), environ) != 0 ||
+      ::waitpid(child, &status, 0) != child || status != 0) {
+    throw std::runtime_error("--plot: " + script + " failed; the rows are in " + options.csv);
+  }
+}
+
+int run_all(const Options& options) {
+  const std::vector<Comparison> scenes = chosen_scenes(options.scenes);
+  const std::vector<Engine> engines = chosen_engines(options.engines);
+  const std::vector<Entry> entries = entries_of(engines, options.quick);
+  std::ofstream csv;
+  if (!options.csv.empty()) {
+    csv.open(options.csv);
+    if (!csv) throw std::invalid_argument("--csv: cannot write " + options.csv);
+    write_header(csv);
+  }
+  for (const Comparison& of : scenes) {
+    const std::vector<Row> rows = compare(of, entries, options);
+    print_scene(std::cout, rows);
+    std::cout.flush();
+    for (const Row& row : rows) write_row(csv, row);
+    csv.flush();
+  }
+  if (csv.is_open() && !csv) throw std::runtime_error("--csv: cannot write " + options.csv);
+  if (!options.plot.empty()) plot(options);
+  return std::cout ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("The same scenes in several engines: ms a frame beside what is wrong.", "peers");
+  app.add_flag("--list", options.list, "engines, settings (* = recommended) and scenes; runs nothing");
+  app.add_option("--scenes", options.scenes, "only these, by name or FILE.json, commas between")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_option("--engines", options.engines, "only these, commas between")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  auto* quick = app.add_flag("--quick", options.quick,
+                             "small scenes, few frames, recommended settings, one run each");
+  app.add_flag("--full", options.full, "100,000 discs, pyramid of base 100, 22,000 boxes")
+      ->excludes(quick);
+  app.add_option("--repeats", options.repeats, "runs of each, in turn (3; --quick: 1)")
+      ->check(CLI::Range(1, 99));
+  auto* csv = app.add_option("--csv", options.csv, "a row for every engine, setting and scene");
+  app.add_option("--plot", options.plot, "a picture of that file, PNG or SVG")->needs(csv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return std::fputs(app.help().c_str(), stdout), 0;
+  } catch (const CLI::ParseError& e) {
+    return std::fprintf(stderr, "peers: %s\n", e.what()), 2;
+  }
+  if (options.repeats == 0) options.repeats = options.quick ? 1 : 3;
+  try {
+    if (options.list) return list(options), 0;
+    return run_all(options);
+  } catch (const std::invalid_argument& e) {
+    return std::fprintf(stderr, "peers: %s\n", e.what()), 2;
+  } catch (const std::exception& e) {
+    return std::fprintf(stderr, "peers: %s\n", e.what()), 1;
+  }
+}
