@@ -29,7 +29,8 @@ struct Setting {
   Isa isa = best_isa();
   int threads = 1;
   bool continuous = true;  ///< Box2D: what is fast for its size is stopped at fixed bodies
-  bool sleeping = false;  ///< bodies at rest may be left out, by the engine's own rules
+  bool hashed = false;     ///< Chipmunk: broad phase by hashed cells instead of a tree
+  bool sleeping = false;   ///< bodies at rest may be left out, by the engine's own rules
   bool is_default = false;
 
   bool is_machine_variant() const { return isa != best_isa() || threads != 1; }

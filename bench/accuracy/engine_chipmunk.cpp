@@ -55,6 +55,16 @@ void count_contact(cpBody* body, cpArbiter* arbiter, void* data) {
   visits.virial += share * std::abs(along) * cpvdist(cpBodyGetPosition(a), cpBodyGetPosition(b));
 }
 
+double mean_size(const Model& model) {
+  double sum = 0, count = 0;
+  for (const BodyDesc& body : model.bodies) {
+    if (body.type != BodyType::dynamic_body) continue;
+    sum += std::sqrt(area_of(body));
+    ++count;
+  }
+  return count > 0 ? sum / count : 1;
+}
+
 class ChipmunkSimulation : public Simulation {
  public:
   ChipmunkSimulation(const Model& model, const Setting& setting)
@@ -65,6 +75,11 @@ class ChipmunkSimulation : public Simulation {
     cpSpaceSetCollisionSlop(space_.get(), setting.slop);
     if (setting.sleeping) cpSpaceSetSleepTimeThreshold(space_.get(), kTimeToSleep);
     cpSpaceSetDamping(space_.get(), std::exp(-linear_damping(world)));
+    if (setting.hashed) {
+      // What its manual advises: cells as large as a shape, ten times as many as shapes.
+      const int count = static_cast<int>(10 * model.bodies.size());
+      cpSpaceUseSpatialHash(space_.get(), mean_size(model), count);
+    }
     if (world.boundary == Boundary::walls) add_walls();
     for (const BodyDesc& body : model.bodies) add(body);
     for (const SceneJoint& joint : model.scene.joints) add(joint);
@@ -174,9 +189,8 @@ class ChipmunkSimulation : public Simulation {
     } else if (const auto* polygon = std::get_if<PolygonShape>(&desc.shape)) {
       std::vector<cpVect> corners;
       for (const Vec2 v : polygon->vertices) corners.push_back(to_chipmunk(v));
-      add_shape(
-          cpPolyShapeNewRaw(body, static_cast<int>(corners.size()), corners.data(), 0),
-          desc.material, desc.filter);
+      add_shape(cpPolyShapeNewRaw(body, static_cast<int>(corners.size()), corners.data(), 0),
+                desc.material, desc.filter);
     } else {
       add_shape(cpCircleShapeNew(body, radius_of(desc), cpvzero), desc.material, desc.filter);
     }

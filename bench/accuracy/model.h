@@ -24,9 +24,9 @@ struct Model {
 /// std::runtime_error with the parser's line if the scene is refused.
 Model make_model(const Scene& scene);
 
-double radius_of(const BodyDesc& body);  ///< of a disc; 0 for all others
-double area_of(const BodyDesc& body);    ///< of a disc, a box or a polygon with sharp corners
-double mass_of(const BodyDesc& body);    ///< kg, of the same
+double radius_of(const BodyDesc& body);   ///< of a disc; 0 for all others
+double area_of(const BodyDesc& body);     ///< of a disc, a box or a polygon with sharp corners
+double mass_of(const BodyDesc& body);     ///< kg, of the same
 double inertia_of(const BodyDesc& body);  ///< about the centre of mass
 /// The point that a body turns about, in its frame: a dynamic one's centre of mass.
 Vec2 centre_of(const BodyDesc& body);

@@ -20,6 +20,7 @@ enum class Size { quick, normal, full };
 struct Errors {
   std::optional<double> deepest;       ///< m, overlap, the largest of all looks
   std::optional<double> overlap_p99;   ///< m, of the overlaps at the end
+  std::optional<double> passed_walls;  ///< bodies beyond the walls at the end
   std::optional<double> energy_drift;  ///< (E - E0) / E0 at the end
   std::optional<double> rest_speed;    ///< m/s, root mean square at the end
   std::optional<double> sway;          ///< m, the body moved furthest sideways since the start
@@ -31,7 +32,7 @@ struct Errors {
 struct ErrorColumn {
   const char* name;  ///< with its unit
   const char* head;
-  std::optional<double> Errors::* value;
+  std::optional<double> Errors::*value;
 };
 const std::vector<ErrorColumn>& error_columns();
 

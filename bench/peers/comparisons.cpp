@@ -71,6 +71,7 @@ const std::vector<ErrorColumn>& error_columns() {
   static const std::vector<ErrorColumn> columns = {
       {"overlap_max_m", "overlap, m", &Errors::deepest},
       {"overlap_p99_m", "overlap p99", &Errors::overlap_p99},
+      {"passed_walls", "got out", &Errors::passed_walls},
       {"energy_drift", "energy", &Errors::energy_drift},
       {"rest_speed_m_s", "rest, m/s", &Errors::rest_speed},
       {"sway_m", "sway, m", &Errors::sway},
@@ -90,7 +91,10 @@ std::vector<Comparison> all_comparisons() {
                          builtin("mixed-sizes", {500, 3'000, 10'000}), 0, 180));
   all.push_back(scene_of(
       "gas", "elastic discs without gravity, 5 s",
-      [](Size size) { return gas(Bodies{300, 2'000, 10'000}.of(size)); }, 0, 300));
+      [](Size size) {
+        return gas(Bodies{300, 2'000, 10'000}.of(size));
+      },
+      0, 300));
   all.back().energy = true;
   all.push_back(scene_of("stack", "20 boxes, a centimetre to the left and right in turn, 10 s",
                          builtin("vertical_stack", {10, 20, 20}), 0, 600));
@@ -107,12 +111,14 @@ std::vector<Comparison> all_comparisons() {
   all.back().sleeping = true;
   all.back().settle = 240;
   all.back().frames = 60;
-  all.push_back(scene_of("bridge", "a row of planks pinned to each other between two fixed points, "
-                                   "and three discs let fall on it, 10 s",
+  all.push_back(scene_of("bridge",
+                         "a row of planks pinned to each other between two fixed points, "
+                         "and three discs let fall on it, 10 s",
                          builtin("bridge", {20, 100, 100}), 0, 600));
   all.push_back(scene_of("joint-grid", "a net of discs pinned to each other, let fall, 2 s",
                          builtin("joint_grid", {100, 2'500, 10'000}), 0, 120));
-  all.push_back(scene_of("cloth", "discs tied by rods, hung by two corners; a ball is thrown in, 4 s",
+  all.push_back(scene_of("cloth",
+                         "discs tied by rods, hung by two corners; a ball is thrown in, 4 s",
                          builtin("cloth", {100, 900, 900}), 0, 240));
   all.push_back(scene_of("tumbler", "boxes in a drum that turns, after 2 s",
                          builtin("tumbler", {225, 2'025, 2'025}), 120, 120));
@@ -123,8 +129,9 @@ Comparison comparison_of_file(const std::string& path) {
   std::string error;
   auto scene = load_scene(path, error);
   if (!scene) throw std::invalid_argument(error);
-  Comparison c = scene_of(std::filesystem::path(path).stem().string(), path,
-                          [scene = std::move(*scene)](Size) { return scene; }, 0, 300);
+  Comparison c = scene_of(
+      std::filesystem::path(path).stem().string(), path,
+      [scene = std::move(*scene)](Size) { return scene; }, 0, 300);
   return c;
 }
 

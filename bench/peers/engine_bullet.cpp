@@ -218,11 +218,10 @@ class BulletSimulation : public Simulation {
     const Bounds& b = world.bounds;
     const double t = kWallThickness, w = b.xmax - b.xmin, h = b.ymax - b.ymin;
     const double x = (b.xmin + b.xmax) / 2, y = (b.ymin + b.ymax) / 2;
-    const std::array<std::pair<Vec2, Vec2>, 4> sides = {
-        {{{x, b.ymin - t / 2}, {w + 2 * t, t}},
-         {{x, b.ymax + t / 2}, {w + 2 * t, t}},
-         {{b.xmin - t / 2, y}, {t, h + 2 * t}},
-         {{b.xmax + t / 2, y}, {t, h + 2 * t}}}};
+    const std::array<std::pair<Vec2, Vec2>, 4> sides = {{{{x, b.ymin - t / 2}, {w + 2 * t, t}},
+                                                         {{x, b.ymax + t / 2}, {w + 2 * t, t}},
+                                                         {{b.xmin - t / 2, y}, {t, h + 2 * t}},
+                                                         {{b.xmax + t / 2, y}, {t, h + 2 * t}}}};
     for (const auto& [at, size] : sides) {
       btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, box_shape(size.x, size.y));
       info.m_startWorldTransform = pose(at, 0);

@@ -169,11 +169,10 @@ class OdeSimulation : public Simulation {
     const Bounds& b = model_->scene.world.bounds;
     const double t = kWallThickness, w = b.xmax - b.xmin, h = b.ymax - b.ymin;
     const double x = (b.xmin + b.xmax) / 2, y = (b.ymin + b.ymax) / 2;
-    const std::array<std::pair<Vec2, Vec2>, 4> sides = {
-        {{{x, b.ymin - t / 2}, {w + 2 * t, t}},
-         {{x, b.ymax + t / 2}, {w + 2 * t, t}},
-         {{b.xmin - t / 2, y}, {t, h + 2 * t}},
-         {{b.xmax + t / 2, y}, {t, h + 2 * t}}}};
+    const std::array<std::pair<Vec2, Vec2>, 4> sides = {{{{x, b.ymin - t / 2}, {w + 2 * t, t}},
+                                                         {{x, b.ymax + t / 2}, {w + 2 * t, t}},
+                                                         {{b.xmin - t / 2, y}, {t, h + 2 * t}},
+                                                         {{b.xmax + t / 2, y}, {t, h + 2 * t}}}};
     for (const auto& [at, size] : sides) {
       const dGeomID wall = dCreateBox(space_, size.x, size.y, kDepth);
       dGeomSetPosition(wall, at.x, at.y, 0);
@@ -257,8 +256,9 @@ class OdeSimulation : public Simulation {
       dJointAttach(pin, bodies_[a], bodies_[b]);
       dJointSetBallAnchor(pin, at_a.x, at_a.y, 0);
       // The second one is asked for in the frame of its body.
-      if (bodies_[b]) at_b = minus(b == joint.b ? joint.joint.anchor_b : joint.joint.anchor_a,
-                                   centre_of(model_->bodies[b]));
+      if (bodies_[b])
+        at_b = minus(b == joint.b ? joint.joint.anchor_b : joint.joint.anchor_a,
+                     centre_of(model_->bodies[b]));
       dJointSetBallAnchor2(pin, at_b.x, at_b.y, 0);
       return;
     }
@@ -288,8 +288,9 @@ Engine ode_engine() {
   engine.name = "ode";
   engine.version = PSIM_ODE_VERSION;
   engine.refuses = [](const Model& model) {
-    return refusal(model,
-                   {.rectangles = true, .restitution_threshold = true, .always_groups = true, .rods = true});
+    return refusal(
+        model,
+        {.rectangles = true, .restitution_threshold = true, .always_groups = true, .rods = true});
   };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<OdeSimulation>(model, setting);

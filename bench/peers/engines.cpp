@@ -47,10 +47,9 @@ std::vector<NamedSetting> psim_settings() {
 std::vector<NamedSetting> box2d24_settings() {
   std::vector<NamedSetting> all;
   const auto add = [&](int velocity, int position, int steps, bool continuous) {
-    NamedSetting s =
-        iterations(std::to_string(velocity) + " + " + std::to_string(position) + " iterations" +
-                       (continuous ? ", continuous" : ""),
-                   velocity, steps);
+    NamedSetting s = iterations(std::to_string(velocity) + " + " + std::to_string(position) +
+                                    " iterations" + (continuous ? ", continuous" : ""),
+                                velocity, steps);
     s.setting.position_iterations = position;
     s.setting.continuous = continuous;
     s.recommended = velocity == 8 && steps == 1;
@@ -62,19 +61,21 @@ std::vector<NamedSetting> box2d24_settings() {
   return all;
 }
 
-// 10 iterations and a slop of 0.1 are its defaults; its reference says that the slop is in units of
-// length, to be chosen by the user. In metres Box2D's is taken besides.
+// 10 iterations are its default. So is a slop of 0.1 units of length, fit for pixels; for metres Box2D's
+// is taken. Its manual has hashed cells for many bodies of one size.
 std::vector<NamedSetting> chipmunk_settings() {
+  constexpr double kDefaultSlop = 0.1, kSlop = 0.005;  // m
   std::vector<NamedSetting> all;
-  const auto add = [&](double slop, int steps) {
-    NamedSetting s =
-        iterations(slop == 0.1 ? "10 iterations" : "10 iterations, slop 0.005", 10, steps);
+  const auto add = [&](const char* name, double slop, bool hashed, int steps) {
+    NamedSetting s = iterations(name, 10, steps);
     s.setting.slop = slop;
-    s.recommended = steps == 1;
+    s.setting.hashed = hashed;
+    s.recommended = slop != kDefaultSlop && steps == 1;
     all.push_back(s);
   };
-  add(0.1, 1);
-  for (const int steps : {1, 2, 4}) add(0.005, steps);
+  add("10 iterations, slop 0.1", kDefaultSlop, false, 1);
+  add("10 iterations, tree", kSlop, false, 1);
+  for (const int steps : {1, 2, 4}) add("10 iterations", kSlop, true, steps);
   return all;
 }
 

@@ -32,13 +32,19 @@ Piece piece_of(Outline outline, std::size_t body) {
   return {std::move(outline), {box.xmin - r, box.ymin - r, box.xmax + r, box.ymax + r}, body};
 }
 
+bool is_outside(const WorldDesc& world, const BodyState& s) {
+  const Bounds& b = world.bounds;
+  return world.boundary == Boundary::walls &&
+         (s.x < b.xmin || s.x > b.xmax || s.y < b.ymin || s.y > b.ymax);
+}
+
 std::vector<Piece> pieces_of(Run& run) {
   std::vector<Piece> pieces;
   const auto& states = run.bodies();
   for (std::size_t k = 0; k < states.size(); ++k) {
     const BodyState& s = states[k];
-    for (Outline& o :
-         reference::outlines(run.model().bodies[k].shape, {s.x, s.y}, s.angle)) {
+    if (is_outside(run.model().scene.world, s)) continue;
+    for (Outline& o : reference::outlines(run.model().bodies[k].shape, {s.x, s.y}, s.angle)) {
       pieces.push_back(piece_of(std::move(o), k));
     }
   }
@@ -79,9 +85,7 @@ std::vector<double> overlaps(Run& run) {
   const Model& model = run.model();
   const std::vector<Piece> pieces = pieces_of(run);
   const std::set<Pair> passing = tied(model);
-  const auto moves = [&](std::size_t k) {
-    return model.bodies[k].type == BodyType::dynamic_body;
-  };
+  const auto moves = [&](std::size_t k) { return model.bodies[k].type == BodyType::dynamic_body; };
   const auto may_touch = [&](std::size_t a, std::size_t b) {
     if (a == b || (!moves(a) && !moves(b))) return false;
     if (!accuracy::collide(model.bodies[a].filter, model.bodies[b].filter)) return false;
@@ -104,6 +108,16 @@ std::vector<double> overlaps(Run& run) {
   }
   std::ranges::sort(depths);
   return depths;
+}
+
+int passed_walls(Run& run) {
+  const auto& states = run.bodies();
+  int count = 0;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const bool moves = run.model().bodies[k].type == BodyType::dynamic_body;
+    if (moves && is_outside(run.model().scene.world, states[k])) ++count;
+  }
+  return count;
 }
 
 double joint_gap(Run& run) {

@@ -78,7 +78,8 @@ std::vector<Engine> chosen_engines(const std::vector<std::string>& wanted) {
   for (const std::string& name : wanted) {
     const auto found = std::ranges::find(all, name, &Engine::name);
     if (found == all.end()) {
-      throw std::invalid_argument("--engines: no engine '" + name + "'; there are:" + names_of(all));
+      throw std::invalid_argument("--engines: no engine '" + name +
+                                  "'; there are:" + names_of(all));
     }
     if (!found->absent.empty()) throw std::invalid_argument(name + ": " + found->absent);
   }
@@ -208,7 +209,8 @@ int run_all(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app("The same scenes in several engines: ms a frame beside what is wrong.", "peers");
-  app.add_flag("--list", options.list, "engines, settings (* = recommended) and scenes; runs nothing");
+  app.add_flag("--list", options.list,
+               "engines, settings (* = recommended) and scenes; runs nothing");
   app.add_option("--scenes", options.scenes, "only these, by name or FILE.json, commas between")
       ->delimiter(',')
       ->allow_extra_args(false);

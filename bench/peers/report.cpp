@@ -64,7 +64,8 @@ void print_scene(std::ostream& out, const std::vector<Row>& rows) {
   if (rows.empty()) return;
   std::vector<const ErrorColumn*> columns;
   for (const ErrorColumn& column : error_columns()) {
-    if (std::ranges::any_of(rows, [&](const Row& r) { return (r.errors.*column.value).has_value(); }))
+    if (std::ranges::any_of(rows,
+                            [&](const Row& r) { return (r.errors.*column.value).has_value(); }))
       columns.push_back(&column);
   }
   constexpr int kEngine = 9, kSetting = 35, kFigure = 11;

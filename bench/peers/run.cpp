@@ -19,9 +19,7 @@ double now_ms(const Setting& setting) {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-void raise(std::optional<double>& most, double value) {
-  most = std::max(most.value_or(0), value);
-}
+void raise(std::optional<double>& most, double value) { most = std::max(most.value_or(0), value); }
 
 void look_at(const Comparison& of, Run& run, Errors& errors) {
   if (of.overlaps) {
@@ -33,6 +31,9 @@ void look_at(const Comparison& of, Run& run, Errors& errors) {
 }
 
 void look_at_end(const Comparison& of, Run& run, double energy, Errors& errors) {
+  if (run.model().scene.world.boundary == Boundary::walls) {
+    errors.passed_walls = passed_walls(run);
+  }
   if (of.energy) errors.energy_drift = (accuracy::energy(run) - energy) / energy;
   if (of.rests) errors.rest_speed = accuracy::rms_speed(run);
   if (!of.stands) return;

@@ -115,10 +115,8 @@ TEST(PeerEngines, KinematicBodiesTurnAboutTheirPlaceAndPush) {
 
 TEST(PeerEngines, DiscsAndBoxesRestOnBoxesAndWalls) {
   Scene scene = walled_scene(20, 10, material(0, 0.5), {0, -kGravity});
-  scene.bodies = {disc({3, 0.5}, {0, 0}, material(0, 0.5)),
-                  box({6, 0.5}, {1, 1}, material(0, 0.5)),
-                  box({6, 1.5}, {1, 1}, material(0, 0.5)),
-                  box({10, 0.5}, {2, 1}, material(0, 0.5)),
+  scene.bodies = {disc({3, 0.5}, {0, 0}, material(0, 0.5)), box({6, 0.5}, {1, 1}, material(0, 0.5)),
+                  box({6, 1.5}, {1, 1}, material(0, 0.5)), box({10, 0.5}, {2, 1}, material(0, 0.5)),
                   disc({10, 1.5}, {0, 0}, material(0, 0.5))};
   in_every_engine(scene, 120, [&](Watched& run) {
     for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
@@ -215,13 +213,21 @@ TEST(PeerEngines, RefuseByNameWhatTheyLack) {
   }
   scene.joints[0].joint.type = JointType::distance;
   auto all = refusals(scene);
-  if (all.contains("bullet")) { EXPECT_EQ(all["bullet"], "rod"); }
-  if (all.contains("ode")) { EXPECT_EQ(all["ode"], ""); }
+  if (all.contains("bullet")) {
+    EXPECT_EQ(all["bullet"], "rod");
+  }
+  if (all.contains("ode")) {
+    EXPECT_EQ(all["ode"], "");
+  }
   scene.joints.clear();
   scene.bodies.push_back(segment({-1, -5}, {1, -5}, material(0)));
   all = refusals(scene);
-  if (all.contains("bullet")) { EXPECT_EQ(all["bullet"], "segment"); }
-  if (all.contains("box2d")) { EXPECT_EQ(all["box2d"], ""); }
+  if (all.contains("bullet")) {
+    EXPECT_EQ(all["bullet"], "segment");
+  }
+  if (all.contains("box2d")) {
+    EXPECT_EQ(all["box2d"], "");
+  }
   scene.bodies.back().shape = CapsuleShape{{-1, 0}, {1, 0}, 0.5};
   for (const auto& [engine, what] : refusals(scene)) {
     EXPECT_EQ(what, engine == "psim" ? "" : "capsule") << engine;

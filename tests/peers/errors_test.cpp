@@ -90,6 +90,16 @@ TEST(PeerErrors, WallsCount) {
   EXPECT_NEAR(deepest_of(scene, {4.75, 1}), 0.25, 1e-12);
 }
 
+TEST(PeerErrors, BodiesBeyondWallsAreCountedAndNotDeep) {
+  Scene scene = walled_scene(10, 10, material(0));
+  scene.bodies = {box({5, 0.5}, {1, 1}, material(0)), disc({5, 5}, {0, 0}, material(0))};
+  const Model model = make_model(scene);
+  Watched inside = still(model), outside = still(model, {0, -6});
+  EXPECT_EQ(passed_walls(inside), 0);
+  EXPECT_EQ(passed_walls(outside), 1);
+  EXPECT_TRUE(overlaps(outside).empty());
+}
+
 TEST(PeerErrors, JointGapIsOfTheWorstJoint) {
   Scene scene = two(disc({0, 0}, {0, 0}, material(0)), disc({3, 4}, {0, 0}, material(0)));
   const auto gap = [&](Vec2 shift) {

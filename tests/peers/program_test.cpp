@@ -11,7 +11,8 @@ namespace {
 
 const std::string kHeader =
     "engine,version,setting,recommended,threads,scene,bodies,frames,repeats,ms_mean,ms_p50,ms_p99,"
-    "overlap_max_m,overlap_p99_m,energy_drift,rest_speed_m_s,sway_m,sink_m,joint_gap_m,note";
+    "overlap_max_m,overlap_p99_m,passed_walls,energy_drift,rest_speed_m_s,sway_m,sink_m,joint_gap_"
+    "m,note";
 
 constexpr std::string_view kRod = R"({
   "psim": 1, "name": "rod", "world": {"bounds": [-10, -10, 10, 10], "boundary": "open"},
@@ -29,9 +30,12 @@ std::vector<std::string> fields_of(const std::string& line) {
   std::string field;
   bool quoted = false;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) fields.push_back(std::exchange(field, {}));
-    else field += c;
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.push_back(std::exchange(field, {}));
+    else
+      field += c;
   }
   fields.push_back(field);
   return fields;
@@ -49,16 +53,20 @@ TEST(Peers, WritesARowForEveryEngineAndSetting) {
   std::set<std::string> scenes;
   for (std::size_t k = 1; k < lines.size(); ++k) {
     const auto fields = fields_of(lines[k]);
-    ASSERT_EQ(fields.size(), 20u) << lines[k];
+    ASSERT_EQ(fields.size(), 21u) << lines[k];
     EXPECT_EQ(fields[0], "psim");
     EXPECT_EQ(fields[3], "yes");
     scenes.insert(fields[5]);
     for (const std::size_t ms : {9u, 10u, 11u}) EXPECT_GT(std::stod(fields[ms]), 0) << lines[k];
     EXPECT_LE(std::stod(fields[10]), std::stod(fields[11]));
-    EXPECT_EQ(fields[5] == "gas", !fields[14].empty()) << lines[k];
-    EXPECT_EQ(fields[5] == "stack", !fields[16].empty()) << lines[k];
-    if (fields[5] == "gas") { EXPECT_LT(std::abs(std::stod(fields[14])), 1e-4); }
-    if (fields[5] == "stack") { EXPECT_LT(std::stod(fields[16]), 0.01); }
+    EXPECT_EQ(fields[5] == "gas", !fields[15].empty()) << lines[k];
+    EXPECT_EQ(fields[5] == "stack", !fields[17].empty()) << lines[k];
+    if (fields[5] == "gas") {
+      EXPECT_LT(std::abs(std::stod(fields[15])), 1e-4);
+    }
+    if (fields[5] == "stack") {
+      EXPECT_LT(std::stod(fields[17]), 0.01);
+    }
   }
   EXPECT_EQ(scenes, (std::set<std::string>{"stack", "gas"}));
   EXPECT_NE(result.out.find("sway, m"), std::string::npos);
@@ -73,16 +81,16 @@ TEST(Peers, RunsASceneFileAndSaysWhatIsNotSupported) {
   const auto lines = lines_of(read_file(file));
   for (std::size_t k = 1; k < lines.size(); ++k) {
     const auto fields = fields_of(lines[k]);
-    ASSERT_EQ(fields.size(), 20u) << lines[k];
+    ASSERT_EQ(fields.size(), 21u) << lines[k];
     EXPECT_EQ(fields[5], "rod");
     if (fields[0] == "bullet") {
       ++told;
-      EXPECT_EQ(fields[19], "not supported: rod");
+      EXPECT_EQ(fields[20], "not supported: rod");
       EXPECT_EQ(fields[9], "");
-      EXPECT_EQ(fields[18], "");
-    } else {
       EXPECT_EQ(fields[19], "");
-      EXPECT_LT(std::stod(fields[18]), 0.1) << lines[k];
+    } else {
+      EXPECT_EQ(fields[20], "");
+      EXPECT_LT(std::stod(fields[19]), 0.1) << lines[k];
     }
   }
   const bool has_bullet = result.err.find("bullet not built in") == std::string::npos;
@@ -93,10 +101,10 @@ TEST(Peers, RunsASceneFileAndSaysWhatIsNotSupported) {
 TEST(Peers, ListsAndRunsNothing) {
   const auto result = run_peers({"--list"});
   EXPECT_EQ(result.status, 0);
-  for (const char* word : {"psim", "box2d", "box2d3", "chipmunk", "bullet", "ode", "4 substeps *",
-                           "falling-pile", "settled-pile", "mixed-radii", "gas", "stack", "pyramid",
-                           "many-pyramids", "sleeping-pyramids", "bridge", "joint-grid", "cloth",
-                           "tumbler"}) {
+  for (const char* word :
+       {"psim", "box2d", "box2d3", "chipmunk", "bullet", "ode", "4 substeps *", "falling-pile",
+        "settled-pile", "mixed-radii", "gas", "stack", "pyramid", "many-pyramids",
+        "sleeping-pyramids", "bridge", "joint-grid", "cloth", "tumbler"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
 }
@@ -130,13 +138,13 @@ TEST(PeersTables, AreMadeFromTheRows) {
   const ScratchFolder folder;
   const std::string rows =
       kHeader +
-      "\npsim,1,4 substeps,yes,1,stack,20,60,3,0.5,0.4,0.9,0.001,0.0005,,1e-05,0.002,0.003,,\n"
-      "box2d,2,8 + 3 iterations,yes,1,stack,20,60,3,0.25,0.2,0.3,0.002,0.001,,0.1,0.05,0.06,,\n"
-      "box2d,2,8 + 3 iterations x 4 steps,no,1,stack,20,60,3,2,2,2,0,0,,0,0.001,0.001,,\n"
-      "bullet,3,10 iterations,yes,1,stack,20,0,0,,,,,,,,,,,not supported: rod\n";
-  const auto result = Process(PSIM_SOURCE_DIR "/tools/plot-peers",
-                              {folder.write("peers.csv", rows), "--table"})
-                          .wait();
+      "\npsim,1,4 substeps,yes,1,stack,20,60,3,0.5,0.4,0.9,0.001,0.0005,,,1e-05,0.002,0.003,,\n"
+      "box2d,2,8 + 3 iterations,yes,1,stack,20,60,3,0.25,0.2,0.3,0.002,0.001,,,0.1,0.05,0.06,,\n"
+      "box2d,2,8 + 3 iterations x 4 steps,no,1,stack,20,60,3,2,2,2,0,0,,,0,0.001,0.001,,\n"
+      "bullet,3,10 iterations,yes,1,stack,20,0,0,,,,,,,,,,,,not supported: rod\n";
+  const auto result =
+      Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.write("peers.csv", rows), "--table"})
+          .wait();
   ASSERT_EQ(result.status, 0) << result.err;
   for (const char* line :
        {"| stack | 20 | 0.500 (0.900) | 0.250 (0.300) | not supported: rod |",
@@ -144,9 +152,8 @@ TEST(PeersTables, AreMadeFromTheRows) {
         "| stack | sway, mm 2.0 | 0.500 | 2.00 (8 + 3 iterations x 4 steps) | – |"}) {
     EXPECT_NE(result.out.find(line), std::string::npos) << line << "\n" << result.out;
   }
-  const auto bad = Process(PSIM_SOURCE_DIR "/tools/plot-peers",
-                           {folder.file("absent.csv"), "--table"})
-                       .wait();
+  const auto bad =
+      Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.file("absent.csv"), "--table"}).wait();
   EXPECT_NE(bad.status, 0);
   EXPECT_EQ(lines_of(bad.err).size(), 1u) << bad.err;
 }
