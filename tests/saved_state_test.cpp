@@ -169,6 +169,40 @@ TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
   }
 }
 
+// Restored and changed before a step: what the lists were made from is not there any more.
+TEST(SavedState, TakesChangesRightAfterItCameBack) {
+  using Change = void (*)(World&);
+  const Change changes[] = {
+      [](World& w) { w.remove_body(w.id_of(30)); },
+      [](World& w) { add(w, disc({10, 30}, {}, 0.5, kGrip)); },
+      [](World& w) { add(w, static_disc({10, 30}, 0.5)); },
+      [](World& w) { w.set_transform(w.id_of(7), {3, 30}, 0); },
+      [](World& w) { w.set_gravity({1, -5}); },
+      [](World& w) {
+        JointDesc d;
+        d.a = w.id_of(3);
+        d.b = w.id_of(40);
+        std::string error;
+        w.add_joint(d, error);
+      }};
+  for (const Change change : changes) {
+    for (const bool once_more : {false, true}) {
+      auto world = make(walled({0, 0, 20, 40}, {0, -kG}, kGrip));
+      Random random(11);
+      for (int k = 0; k < 200; ++k) add(*world, disc({random.uniform(1, 19), random.uniform(1, 39)}, {}, 0.4, kGrip));
+      for (int k = 0; k < 90; ++k) world->step();
+      Bytes state;
+      world->save(state);
+      auto other = resumed(state, best_isa(), 1);
+      if (once_more) change(*world), change(*other), world->step(), other->step();
+      if (once_more) world->save(state), other = resumed(state, best_isa(), 2);
+      change(*world);
+      change(*other);
+      for (int k = 0; k < 5; ++k) ASSERT_EQ(step(*other), step(*world)) << k;
+    }
+  }
+}
+
 TEST(SavedState, BringsSleepersBackAndWakesThem) {
   auto world = make(walled({0, 0, 20, 20}, {0, -kG}, kGrip));
   std::vector<BodyId> ids;

@@ -40,7 +40,8 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   StepReport report;
   if (!(dt > 0) || !std::isfinite(dt)) return report;
   const std::uint64_t growths = memory.growths;
-  pool.begin_step();
+  const WorkerPool::Awake awake(pool);
+  settle_lists();
   freeze_doubtful(report);
   replan();
   report.detail = choose ? choose_detail(dt) : given;
@@ -58,7 +59,6 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
     publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
   }
   if (!report.detail.waits()) rest(dt, report);
-  pool.end_step();
   report.arena_growths = memory.growths - growths;
   report.asleep = bodies.asleep;
   report.total_ms = ms_since(begin);
@@ -141,10 +141,10 @@ void World::Impl::prepare() {
   const FloatSettings settings;
   const auto counted = skipped_frames;
   StepReport ignored;
-  pool.begin_step();
+  const WorkerPool::Awake awake(pool);
+  settle_lists();
   replan();
   refresh_lists(desc.dt, ignored);
-  pool.end_step();
   skipped_frames = counted;
 }
 
@@ -364,7 +364,6 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
 
 // Broad phase: who may meet. Sets lists_stale to whether there are new lists.
 void World::Impl::prepare_lists(double dt, StepReport& report) {
-  settle_lists();
   if (laid_ahead || lists_ahead) return;
   carry_woken();
   bodies.pad_tail();

@@ -92,7 +92,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
 }
 
 // Claims and runs jobs under the ticket until none is left; returns how many.
-std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) {
+std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
   const auto threads = static_cast<std::size_t>(threads_);
   std::size_t finished = 0;
   const bool traced = home != 0 && tracer_ != nullptr && tracer_->on();

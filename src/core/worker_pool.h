@@ -36,6 +36,17 @@ class WorkerPool {
   /// Wakes the workers for a step, and lets them sleep after it.
   void begin_step();
   void end_step();
+  /// Both, for as long as it lives: whatever ends a step.
+  class Awake {
+   public:
+    explicit Awake(WorkerPool& pool) : pool_(pool) { pool.begin_step(); }
+    ~Awake() { pool_.end_step(); }
+    Awake(const Awake&) = delete;
+    Awake& operator=(const Awake&) = delete;
+
+   private:
+    WorkerPool& pool_;
+  };
 
   template <class Job>
   void run(std::size_t count, const Job& job) {
@@ -64,7 +75,8 @@ class WorkerPool {
 
   void run_here(std::size_t count, Call call, const void* context);
   void run_on_host(std::size_t count, Call call, const void* context);
-  std::size_t work(std::size_t home, std::uint32_t ticket);
+  // Memory that ends in a job ends the program: jobs of others are under way.
+  std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
   void worker(std::size_t index);
   static void pause();
 

@@ -200,6 +200,7 @@ std::uint32_t World::Impl::enter(const Surface& surface, const LatticePoint& p, 
 
 BodyId World::add_body(const BodyDesc& d, std::string& error) {
   Impl& w = *impl_;
+  w.settle_lists();
   error = check_material(d.material);
   if (error.empty() && (!finite(d.position.x) || !finite(d.position.y) || !finite(d.angle))) {
     error = "position and angle must be finite";
@@ -249,6 +250,7 @@ BodyId World::Impl::add_moving(const BodyDesc& d, std::string& error) {
 
 std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
   Impl& w = *impl_;
+  w.settle_lists();
   const std::size_t n = batch.x.size();
   const auto fits = [n](std::span<const double> s) { return s.empty() || s.size() == n; };
   error = check_material(batch.material);
@@ -316,6 +318,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
 
 // Takes a body out. Its slot stays as a dead one until the next sort.
 void World::Impl::remove(std::uint32_t id) {
+  settle_lists();
   remove_joints_of(id);
   bodies.find_slots();
   BodyInfo& info = bodies.info[id];
@@ -410,6 +413,7 @@ BodyId World::id_of(std::uint32_t index) const {
 
 // Whether the host may move or push a body: awake from now on, its slot known.
 bool World::Impl::can_move(const World& world, BodyId id) {
+  settle_lists();
   bodies.find_slots();
   if (!world.is_valid(id)) return false;
   const Place place = bodies.info[id.index].place;

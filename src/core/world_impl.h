@@ -84,7 +84,6 @@ struct World::Impl {
   bool laid_ahead = false;      // and contacts
   bool unused_lists = false;    // no step took the lists yet
   void spoil_lists() {
-    settle_lists();
     lists_stale = true;
     lists_ahead = laid_ahead = false;
   }
@@ -160,7 +159,7 @@ struct World::Impl {
   void each_lane(const Each& each);
   void take_pairs();
   bool restore(std::span<const std::byte> state, std::string& error);
-  /// After a state came back: the lists that it had, if they are still missing.
+  /// After a state came back: the lists that it had, if they are still missing. Before anything changes.
   void settle_lists() {
     if (saved.missing) make_lists_again();
   }

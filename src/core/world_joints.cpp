@@ -46,6 +46,7 @@ std::string check_length(JointType type, double length) {
 
 JointId World::add_joint(const JointDesc& desc, std::string& error) {
   Impl& w = *impl_;
+  w.settle_lists();
   error.clear();
   const auto refuse = [&](std::string what) {
     error = std::move(what);
@@ -94,6 +95,7 @@ void World::Impl::remove_joints_of(std::uint32_t body) {
 
 bool World::remove_joint(JointId id) {
   if (!is_valid_joint(id)) return false;
+  impl_->settle_lists();
   const JointDesc d = impl_->joints.desc(id);
   for (const BodyId body : {d.a, d.b}) impl_->rouse(body.index);
   impl_->joints.remove(id);
@@ -107,6 +109,7 @@ std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
   if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
+  impl_->settle_lists();
   const JointDesc d = impl_->joints.desc(id);
   for (const BodyId body : {d.a, d.b}) impl_->rouse(body.index);
   return impl_->joints.set_motor(id, speed, limit);

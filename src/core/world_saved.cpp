@@ -79,9 +79,8 @@ void World::save(std::vector<std::byte>& out) {
   Image::visit(saver, w.desc);
   w.image(saver, lists);
   Image::manifolds(saver, w.manifolds, w.bodies.count);
-  w.pool.begin_step();
+  const WorkerPool::Awake awake(w.pool);
   saver.finish(out, w.pool);
-  w.pool.end_step();
 }
 
 // each(a number of a contact, what is kept of it): in lists that last, in their order.
@@ -238,7 +237,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   table.strips.clear();
   bool lists = false;
   image(loader, lists);
-  pool.begin_step();
+  const WorkerPool::Awake awake(pool);
   loader.finish(pool);
   traits.snapshots = plan.publish = snapshots;
   forces.reset();
@@ -256,7 +255,6 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   Image::manifolds(loader, manifolds, bodies.count);
   loader.finish(pool);
   columns.forget();
-  pool.end_step();
   placed = true;
   queries.forget_moving();
   queries.forget_sleeping();

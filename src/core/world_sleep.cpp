@@ -567,6 +567,7 @@ bool World::set_gravity(Vec2 gravity) {
   Impl& w = *impl_;
   if (!std::isfinite(gravity.x) || !std::isfinite(gravity.y)) return false;
   if (gravity.x == w.desc.gravity.x && gravity.y == w.desc.gravity.y) return true;
+  w.settle_lists();
   w.desc.gravity = gravity;
   w.traits.gravity = gravity.x != 0 || gravity.y != 0;
   w.forces.reset();
@@ -578,6 +579,7 @@ bool World::set_gravity(Vec2 gravity) {
 void World::set_sleeping(bool on) {
   Impl& w = *impl_;
   if (on == w.desc.sleeping) return;
+  w.settle_lists();
   w.desc.sleeping = w.traits.sleeping = on;
   w.plan_stale = true;
   if (!on) w.wake_all();
@@ -589,6 +591,7 @@ bool World::is_awake(BodyId id) const {
 
 bool World::wake(BodyId id) {
   if (!is_valid(id)) return false;
+  impl_->settle_lists();
   impl_->sleepers.queue.push_back({id.index, 0});
   impl_->wake(impl_->sleepers.queue);
   return true;
