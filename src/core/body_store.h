@@ -49,6 +49,14 @@ struct BodyInfo {
   Place place = Place::none;
 };
 
+/// Bodies whose ids follow each other and that differ in nothing but their slots, which follow each other too
+/// unless they move.
+struct AlikeBodies {
+  std::uint32_t count = 0, generation = 0, surface = 0, slot = kNoSlot;
+  Place place = Place::none;
+  friend bool operator==(const AlikeBodies&, const AlikeBodies&) = default;
+};
+
 /// Surfaces in use, each once for a run of equal bodies.
 class SurfaceTable {
   friend struct Image;
@@ -133,6 +141,8 @@ class BodyStore {
   const Surface& surface(std::uint32_t body_id) const { return surfaces[info[body_id].surface]; }
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;
+  std::vector<AlikeBodies> roster;  ///< as of the last saved state
+  bool roster_changed = true;       ///< since then: a body's place, generation or surface
 
   std::uint32_t count = 0;  ///< slots in use, dead ones (id == kNoSlot) included until a rebuild
   std::uint32_t dead = 0;

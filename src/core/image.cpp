@@ -123,19 +123,16 @@ void Image::visit(A& a, StaticShape& s) {
 
 namespace {
 
-// Bodies whose ids follow each other and that differ in nothing but where they are.
-struct Alike {
-  std::uint32_t count = 0, generation = 0, surface = 0, slot = kNoSlot;
-  Place place = Place::none;
-};
-
-void find_alike(const BodyStore& b, std::vector<Alike>& out) {
+void find_roster(BodyStore& b) {
+  if (!b.roster_changed) return;
+  b.roster_changed = false;
+  std::vector<AlikeBodies>& out = b.roster;
   out.clear();
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
     const bool listed = info.place != Place::moving && info.place != Place::none;
     if (!out.empty()) {
-      Alike& last = out.back();
+      AlikeBodies& last = out.back();
       if (last.generation == info.generation && last.surface == info.surface && last.place == info.place &&
           (!listed || info.slot == last.slot + last.count)) {
         ++last.count;
@@ -146,14 +143,17 @@ void find_alike(const BodyStore& b, std::vector<Alike>& out) {
   }
 }
 
-void spread_alike(const std::vector<Alike>& alike, BodyStore& b) {
+void take_roster(const std::vector<AlikeBodies>& roster, BodyStore& b) {
+  b.slots_stale = true;
+  if (!b.roster_changed && roster == b.roster) return;
+  b.roster = roster;
+  b.roster_changed = false;
   std::uint32_t id = 0;
-  for (const Alike& run : alike) {
+  for (const AlikeBodies& run : roster) {
     for (std::uint32_t k = 0; k < run.count && id < b.id_count; ++k, ++id) {
       b.info[id] = {run.slot == kNoSlot ? kNoSlot : run.slot + k, run.generation, run.surface, run.place};
     }
   }
-  b.slots_stale = true;
 }
 
 }  // namespace
@@ -161,12 +161,13 @@ void spread_alike(const std::vector<Alike>& alike, BodyStore& b) {
 template <class A>
 void Image::bodies(A& a, BodyStore& b, bool lists) {
   numbers(a, b.id_count, b.count, b.dead, b.living, b.moving, b.fixed, b.kinematic, b.asleep);
-  std::vector<Alike> alike;
-  if constexpr (!A::kLoading) find_alike(b, alike);
-  list(a, alike, [&](Alike& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
+  std::vector<AlikeBodies> loaded;
+  if constexpr (!A::kLoading) find_roster(b);
+  list(a, A::kLoading ? loaded : b.roster,
+       [&](AlikeBodies& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
   if constexpr (A::kLoading) {
     b.info.reserve(b.id_count);
-    spread_alike(alike, b);
+    take_roster(loaded, b);
     b.reserve_slots(1);  // even of none: columns that the plan wants are there
   }
   a.vector(b.free_ids);

@@ -170,6 +170,7 @@ std::uint32_t World::Impl::enter(const Surface& surface, const LatticePoint& p, 
   info.slot = slot;
   info.surface = bodies.surfaces.acquire(surface);
   info.place = Place::moving;
+  bodies.roster_changed = true;
   if (angle != 0 || omega != 0) {
     traits.turning = true;
     if (bodies.spin.empty()) bodies.add_rotation();
@@ -363,6 +364,7 @@ void World::Impl::remove(std::uint32_t id) {
   if (make.hull_count != 0) bodies.hulls.release(make.first_hull);
   bodies.makes.release(surface.make);
   info.place = Place::none;
+  bodies.roster_changed = true;
   info.slot = kNoSlot;
   ++info.generation;
   --bodies.living;
@@ -386,6 +388,7 @@ void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
   }
   if (bodies.makes[surface.make].bullet) std::erase(bullets, id);
   info.place = Place::frozen;
+  bodies.roster_changed = true;
   info.slot = static_cast<std::uint32_t>(frozen.size());
   frozen.push_back(last);
   queries.forget_moving();

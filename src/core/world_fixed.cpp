@@ -77,6 +77,7 @@ BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
   const std::uint32_t generation = info.generation;
   info.surface = bodies.surfaces.acquire(surface);
   info.place = Place::fixed;
+  bodies.roster_changed = true;
   info.slot = static_cast<std::uint32_t>(fixed.size());
   FixedBody f;
   f.x = d.position.x;

@@ -336,6 +336,7 @@ void World::Impl::lie_down(std::uint32_t k) {
   BodyInfo& info = bodies.info[s.id];
   bodies.id[info.slot] = kNoSlot;
   info.place = Place::asleep;
+  bodies.roster_changed = true;
   info.slot = k;
   const Surface& surface = bodies.surface(s.id);
   const Make& make = bodies.makes[surface.make];
@@ -374,6 +375,7 @@ void World::Impl::wake_one(std::uint32_t id) {
   bodies.reserve_slots(1);
   const std::size_t slot = bodies.count++;
   info.place = Place::moving;
+  bodies.roster_changed = true;
   info.slot = static_cast<std::uint32_t>(slot);
   bodies.pos[2 * slot] = s.at.x;
   bodies.pos[2 * slot + 1] = s.at.y;
