@@ -142,6 +142,14 @@ endif()
 set_tests_properties(PublicApiIsDocumented PROPERTIES
   LABELS docs TIMEOUT 120 SKIP_REGULAR_EXPRESSION "docs are not tested")
 
+# The key-by-key page of scene files is the schema's.
+find_package(Python3 COMPONENTS Interpreter)
+if(Python3_FOUND)
+  add_test(NAME SceneReferenceIsCurrent
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/scene-reference" --check)
+  set_tests_properties(SceneReferenceIsCurrent PROPERTIES LABELS docs TIMEOUT 60)
+endif()
+
 if(TARGET psim_kernels AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
   add_test(NAME AsmInspect
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/asm-inspect"
