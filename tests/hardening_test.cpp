@@ -114,6 +114,23 @@ TEST(Hardening, BodiesMayComeBetweenTheFramesOfOneStep) {
   for (const std::uint64_t hash : seen) EXPECT_EQ(hash, seen.front());
 }
 
+TEST(Hardening, AStateIsSavedBetweenTheFramesOfOneStep) {
+  auto world = pile(100, material(0, 0.4));
+  run(*world, 60);
+  world->replay({0, StepDetail::kLists, 3});
+  add(*world, disc({3, 30}, {0, -3}, 0.4));  // spoils the lists
+  std::vector<std::byte> state;
+  std::string error;
+  world->save(state);
+  auto again = World::from_state(state, {}, error);
+  ASSERT_TRUE(again) << error;
+  for (int k = 0; k < 20; ++k) {
+    world->step();
+    again->step();
+    ASSERT_EQ(world->state_hash(), again->state_hash()) << k;
+  }
+}
+
 // The angle went to infinity, which nobody looked for.
 TEST(Hardening, AJointOnABodyThatSpinsAbsurdlyLeavesFiniteStates) {
   auto world = make(walled({-20, -20, 20, 20}));
@@ -227,6 +244,17 @@ TEST(Hardening, QuestionsFromVeryFarAreAnsweredInAPeriodicWorld) {
     EXPECT_LE(world->in_region({far, far, far + 1, far + 1}).size(), 20u);
     EXPECT_LE(world->ray_cast_all({far, far}, {0, 0}).size(), 20u);
     world->closest({far, -far}, 5);
+  }
+}
+
+TEST(Hardening, StepsOfAbsurdLengthsDoNotHappen) {
+  auto world = pile(20);
+  run(*world, 3);
+  const std::uint64_t before = world->state_hash();
+  for (const double dt : {0.0, -1.0, kNan, kInf, 10.1, 1e30, 1e300}) {
+    world->step(dt);
+    EXPECT_EQ(world->state_hash(), before) << dt;
+    EXPECT_EQ(world->frame(), 3u) << dt;
   }
 }
 

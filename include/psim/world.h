@@ -177,7 +177,7 @@ class PSIM_API World {
   /// Advances by desc.dt. Deterministic: the same calls give the same bits on every ISA and any
   /// number of threads.
   StepReport step();
-  /// Advances by another dt (seconds, > 0, finite) with the same number of substeps.
+  /// Advances by another dt (seconds, > 0, at most 10: else nothing happens) with the same number of substeps.
   StepReport step(double dt);
 
   /// Writes all that the world must remember to go on with the same bits, into `out`, whose memory is used

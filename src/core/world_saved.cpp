@@ -135,7 +135,8 @@ void World::Impl::keep_contacts(bool lasting) {
     return;
   }
   s.of_body.assign(table.body_count, 0);
-  if (!impulses_valid || table.body_count == 0) {
+  const bool spoiled = unused_lists && !laid_ahead;  // the next lists begin anew
+  if (!impulses_valid || spoiled || table.body_count == 0) {
     s.strip_pairs.assign(table.strips.size(), 0);
     s.strip_singles.assign(table.strips.size(), 0);
     return;
