@@ -412,7 +412,10 @@ class Session {
   void step(double dt) {
     std::vector<StepReport> reports;
     say("step %d of %g s", steps_ + 1, dt);
+    const std::uint64_t frame = worlds_.front()->frame();
     for (auto& w : worlds_) reports.push_back(w->step(dt));
+    if (!(dt > 0 && dt <= 10))
+      return require(worlds_.front()->frame() == frame, "step: a dt that is refused");
     stepped(reports);
   }
 
@@ -483,18 +486,19 @@ class Session {
     stepped(reports);
   }
 
-  // Into a state and out of it at once must change nothing; back to an older one is a world as it was then.
+  // Into a state and out of it at once leaves the state; back to an older one is a world as it was then.
   void go_back() {
     std::string error;
     const std::size_t which = in_.below(3);
     say("saved state %zu", which);
     if (which == 0) {
-      World& last = *worlds_.back();
-      std::vector<std::byte> state;
-      const std::uint64_t hash = last.state_hash();
-      last.save(state);
-      require(last.restore(state, error) && last.state_hash() == hash,
-              "restore: the state just saved: " + error);
+      for (auto& w : worlds_) {
+        std::vector<std::byte> state;
+        const std::uint64_t hash = w->state_hash();
+        w->save(state);
+        require(w->restore(state, error) && w->state_hash() == hash,
+                "restore: the state just saved: " + error);
+      }
       return;
     }
     if (which == 1 || kept_.states.empty()) {
