@@ -334,6 +334,8 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
     m.extent[1] = m.extent[3] = at[1];
     k.extent(b.built.data(), m.extent, r.begin, r.end);
   });
+  pad_reach_ = next_pad_reach_;
+  if (b.count % kBlock != 0) next_pad_reach_ = b.reach[b.count];
   Measure all = measures[0];
   for (const Measure& m : measures) {
     all.most = std::max(all.most, m.most);
@@ -369,11 +371,11 @@ void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::
 // Bodies lie in cell order: strips, their pairs, and bodies near fixed shapes.
 void BroadPhase::find_lists(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
                             const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
-  // Padding lies where the last body does: its lists serve as long.
+  // Padding goes with the last body, and may go as far as it might have in the lists before these.
   for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
     b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
     b.built[2 * i + 1] = b.built[2 * std::size_t{b.count - 1} + 1];
-    b.reach[i] = b.reach[b.count - 1];
+    b.reach[i] = pad_reach_;
   }
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);

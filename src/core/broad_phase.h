@@ -124,6 +124,7 @@ class BroadPhase {
 
   GridSort sort_;
   BroadPhaseParams params_;  // of the last build
+  float pad_reach_ = 0, next_pad_reach_ = 0;  // m: of padding beyond the bodies, in these lists and the next
   std::vector<Measure> measures_;
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
   const Lattice* lattice_;

@@ -265,7 +265,7 @@ void Image::broad(A& a, BroadPhase& b) {
   kernels::GridView& g = b.grid_.view;
   numbers(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
   numbers(a, b.grid_.cell_x, b.grid_.cell_y, b.grid_.periodic, b.grid_.keys, b.listed_, b.large_, b.most_, b.box_,
-          b.area_, b.density_);
+          b.area_, b.density_, b.pad_reach_, b.next_pad_reach_);
   CellList& c = b.sort_.listed_;
   for (CellList::Axis& axis : c.axis_) numbers(a, axis.low, axis.per, axis.cells, axis.width);
   numbers(a, c.row_axis_, c.stride_, c.rows_, c.periodic_, c.slot_bits_, c.stays_);
