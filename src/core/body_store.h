@@ -227,6 +227,20 @@ class BodyStore {
       if (id[i] != kNoSlot) radius[i] = surface(id[i]).radius;
     }
   }
+  /// Radii of dead slots, in order: until the next sort they count for the width of cells.
+  std::vector<float> dead_radii() const {
+    std::vector<float> out;
+    for (std::uint32_t i = 0; i < count && out.size() < dead; ++i) {
+      if (id[i] == kNoSlot) out.push_back(radius[i]);
+    }
+    return out;
+  }
+  void put_dead_radii(const std::vector<float>& radii) {
+    std::size_t next = 0;
+    for (std::uint32_t i = 0; i < count && next < radii.size(); ++i) {
+      if (id[i] == kNoSlot) radius[i] = radii[next++];
+    }
+  }
 
   /// Neutral padding up to a whole block: at the last body's place, at rest, unlinked.
   void pad_tail() {

@@ -19,6 +19,7 @@ struct Saved {
   static constexpr std::uint8_t kMany = 255;
   std::vector<std::uint8_t> of_body;  ///< by slot: pairs that it owns; kMany: see the next of `many`
   std::vector<std::uint32_t> many, other, s_body, s_shape;
+  std::vector<float> dead_radii;
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many; of lists that last, the first
   /// One more pair of a slot; slots come in order.
   void count_of(std::uint32_t slot) {

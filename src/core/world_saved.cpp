@@ -40,6 +40,8 @@ void World::Impl::image(A& a, bool& lists) {
     numbers(a, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type);
   });
   Image::bodies(a, bodies, lists);
+  if constexpr (!A::kLoading) saved.dead_radii = bodies.dead_radii();
+  list(a, saved.dead_radii, [&](float& r) { a.value(r); });
   Image::shapes(a, shapes);
   Image::broad(a, broad);
   Image::contacts(a, contacts);
@@ -244,6 +246,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   forces.reset();
   if (!plan_stale) apply_plan();
   bodies.fill_radii(first_radius, traits.same_radius != traits.moving);
+  bodies.put_dead_radii(saved.dead_radii);
   if (bodies.count != 0) bodies.pad_tail();
   laid_ahead = lists_ahead = false;
   old_table.body_count = 0;
