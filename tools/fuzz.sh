@@ -1,5 +1,6 @@
 # shellcheck shell=bash
-# To be sourced after setup.sh, by tools/test and .ci/run: builds the fuzzers and runs them.
+# To be sourced after setup.sh, by tools/test: builds the fuzzers and runs them.
+# shellcheck disable=SC2154  # psim_root and psim_packages are of setup.sh
 
 psim_fuzz_inputs=(scene rube state details saved world)
 
