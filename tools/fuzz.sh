@@ -34,7 +34,7 @@ psim_fuzz() {
     log="$home/fuzz_$input.log" status=0
     # shellcheck disable=SC2086  # no dictionary, no word
     UBSAN_OPTIONS=print_stacktrace=1 "$home/fuzz_$input" -max_total_time="$share" -timeout=20 \
-      -rss_limit_mb=2048 -max_len=4096 -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
+      -rss_limit_mb=2048 -seed="${PSIM_FUZZ_SEED:-0}" -max_len=4096 -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
       $dictionary "$home/corpus/$input" "$psim_root/tests/fuzz/corpus/$input" \
       >"$log" 2>&1 || status=$?
     if ((status != 0)); then
