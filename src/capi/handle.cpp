@@ -1,15 +1,12 @@
 #include "handle.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace psim::capi {
 
 std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity) noexcept {
   if (buffer != nullptr && capacity != 0) {
-    const std::size_t n = std::min(text.size(), capacity - 1);
-    std::memcpy(buffer, text.data(), n);
-    buffer[n] = '\0';
+    buffer[text.copy(buffer, capacity - 1)] = '\0';
   }
   return text.size();
 }
