@@ -415,7 +415,7 @@ TEST(CApi, AGovernedRunReplaysFromItsReports) {
   }
   EXPECT_TRUE(less);
   EXPECT_EQ(psim_world_state_hash(cut.world), psim_world_state_hash(again.world));
-  EXPECT_EQ(psim_world_replay(again.world, {4, 8, 1, 0}, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_replay(again.world, {4, 8, 1, 1, 0}, nullptr), PSIM_ERROR_ARGUMENT);
 }
 
 // A job system on threads of its own, with the same bits as without.

@@ -74,8 +74,10 @@ TEST(Hardening, FramesThatWaitShowNewBodies) {
   world->enable_snapshots(true);
   world->step();
   for (int k = 0; k < 50; ++k) add(*world, disc({-15.0 + 0.6 * k, 5}, {1, 0}, 0.2));
-  const StepDetail lists_only{0, StepDetail::kLists, 3};
-  world->replay(lists_only);
+  StepDetail waits;
+  waits.solves = false;
+  waits.pieces = 4;
+  world->replay(waits);
   const Snapshot* snapshot = world->latest_snapshot();
   ASSERT_NE(snapshot, nullptr);
   ASSERT_EQ(snapshot->id.size(), 50u);
@@ -102,7 +104,11 @@ TEST(Hardening, BodiesMayComeBetweenTheFramesOfOneStep) {
     auto world = pile(200, material(0, 0.4), isa, isa == Isa::scalar ? 1 : 3);
     run(*world, 120);
     for (int k = 0; k < 10; ++k) {
-      world->replay({0, StepDetail::kLists, 3});
+      StepDetail waits;
+      waits.solves = false;
+      waits.horizon = 3;
+      waits.pieces = static_cast<std::uint32_t>(3 * k);
+      world->replay(waits);
       add(*world, disc({2.0 + k, 30}, {0, -3}, 0.4));
       world->step();
       world->remove_body(world->id_of(static_cast<std::uint32_t>(7 * k)));
@@ -263,8 +269,8 @@ TEST(Hardening, DetailsThatNoGovernorChoosesDoNothing) {
   run(*world, 3);
   const std::uint64_t before = world->state_hash();
   for (const StepDetail detail :
-       {StepDetail{4, StepDetail::kAll, 0}, StepDetail{65, StepDetail::kAll, 1},
-        StepDetail{4, 0, 1}, StepDetail{4, 8, 1}, StepDetail{4, StepDetail::kAll, 4}}) {
+       {StepDetail{4, true, 0, 1}, StepDetail{65, true, 1, 1}, StepDetail{4, true, 9, 1},
+        StepDetail{4, true, 1, 0}, StepDetail{4, true, 1, 9}, StepDetail{4, true, 1, 1, 0, true}}) {
     world->replay(detail);
     EXPECT_EQ(world->frame(), 3u);
     EXPECT_EQ(world->state_hash(), before);

@@ -8,19 +8,42 @@
 namespace psim {
 
 /// What a unit of work costs, ns, on one machine with one number of threads: World::measure_costs.
-struct CostModel {          // the defaults: least squares over 14 scenes (docs/governor.md)
-  double step = 3000;       ///< a step, whatever is in it
-  double check = 5;         ///< a body: do its lists serve, integrate, sleep
-  double build = 38;        ///< a body, when lists are made
-  double select = 3.5;      ///< a candidate pair, when a step selects from them
-  double colour = 19;       ///< a contact of discs, when contacts are laid out
-  double narrow = 0.5;      ///< a contact of discs: its normal
-  double look = 134;        ///< a manifold: its normal, gaps, columns, lane
-  double body_pass = 1.2;   ///< a body that the solver has, a substep
-  double pass = 3.5;        ///< a contact of discs, a substep
+struct CostModel {  // the defaults: docs/governor.md
+  double step = 3000;       ///< a frame, whatever is in it
+  // Ahead of the substeps.
+  double check = 0.5;       ///< a body: do its lists serve
+  double sort = 12.5;         ///< a body, when lists are made: to its cell
+  double search = 3.5;      ///< a body: its candidates
+  double test = 0.25;       ///< two bodies that are looked at for that
+  double pair = 1.8;        ///< a candidate pair that is found
+  double near = 2.5;        ///< a body: walls near it
+  double near_fixed = 60;   ///< a body, where there are fixed shapes or sleepers
+  double near_shape = 100;  ///< a fixed shape near a body
+  double select = 2.2;      ///< a candidate pair, when a step selects from them
+  double pack = 3.2;        ///< a pair that was selected, a body that the solver may leave out
+  double group = 80;        ///< a manifold, when it is taken out of the lists of discs
+  double load = 4;          ///< a contact of discs, where bodies carry much heavier ones
+  double colour = 3.2;      ///< a contact of discs, when contacts are laid out: its colour
+  double lay_out = 12;      ///< its lane
+  double lay_out_rough = 18;  ///< the same with friction
+  double keep = 40;         ///< a manifold that is kept as it is: its gaps
+  double look = 150;        ///< a manifold that is looked at anew
+  double stand = 24;        ///< a manifold: who stands on whom
+  // Once a step.
+  double column = 30;       ///< a manifold: its lane
+  double narrow = 2.7;      ///< a contact of discs: its normal, its sums
+  double load_body = 5;     ///< a body that the solver copies
+  double move = 1.5;        ///< a body: integrate
+  double stop = 20;         ///< a body, where shapes fly fast
+  double sleep = 4;         ///< a body or a contact, each time that sleep looks at it
+  double joint = 35;        ///< a joint
+  double joint_sorted = 200;  ///< a joint whose bodies have new slots
+  // A substep.
+  double body_pass = 1.5;   ///< a body that the solver has
+  double pass = 4.5;        ///< a contact of discs
   double bounce_pass = 17;  ///< the same with restitution: sweeps over impacts
-  double shape_pass = 8;    ///< a manifold, a substep
-  double joint_pass = 62;   ///< a joint, a substep
+  double shape_pass = 14;   ///< a manifold
+  double joint_pass = 48;   ///< a joint
 };
 
 /// How a frame's budget is kept.
@@ -30,21 +53,18 @@ struct GovernorDesc {
   CostModel costs;                 ///< by which work becomes time
 };
 
-/// How much of a step was or is to be done.
+/// How much of a step was or is to be done in a frame.
 struct StepDetail {
-  static constexpr std::uint8_t kLists = 1;     ///< neighbour lists
-  static constexpr std::uint8_t kContacts = 2;  ///< contacts and their colours
-  static constexpr std::uint8_t kSolve = 4;     ///< the rest: bodies move
-  static constexpr std::uint8_t kAll = 7;       ///< all three
-
   std::uint8_t substeps = 0;  ///< 0: as the world's description has it
-  /// What is done in this frame. Without kSolve time stands still: the work of one long step is spread over
-  /// several frames.
-  std::uint8_t parts = kAll;
-  std::uint8_t frames = 1;  ///< that the step makes up for: it is so many times as long
-  /// Whether time stands still in the frame.
-  bool waits() const { return (parts & kSolve) == 0; }
-  /// All three alike.
+  /// Whether the step ends in this frame. Else time stands still: the work ahead of the substeps is spread
+  /// over several frames.
+  bool solves = true;
+  std::uint8_t frames = 1;    ///< that the step makes up for: it is so many times as long
+  std::uint8_t horizon = 1;   ///< frames that lists made in it serve: not less than the step makes up for
+  std::uint32_t pieces = 0;   ///< of the work ahead, in a frame in which time stands still: done in it
+  /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
+  bool wakes = false;
+  bool waits() const { return !solves; }
   friend bool operator==(const StepDetail&, const StepDetail&) = default;
 };
 

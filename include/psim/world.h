@@ -196,18 +196,19 @@ class PSIM_API World {
   /// Lets a governor keep the frame's budget from now on, or no more.
   /// False, and nothing changes, if the budget is not above 0 or a cost is negative or not finite.
   bool set_governor(const GovernorDesc& desc);
-  /// Measures what work costs with these options, for worlds of about so many bodies. Takes about a tenth of
-  /// a second for 10,000 bodies.
-  static CostModel measure_costs(const RunOptions& options, std::size_t bodies);
+  /// Measures what work costs with these options, for worlds of about so many bodies, of which so many are not
+  /// discs. Takes about a tenth of a second for 10,000 bodies.
+  static CostModel measure_costs(const RunOptions& options, std::size_t bodies, std::size_t shapes = 0);
   /// A step with the detail that a governor chose in another run (StepReport::detail): the same bits. One
-  /// that none chooses (over 64 substeps, no part or an unknown one, 0 or over 3 frames) does nothing.
+  /// that none chooses (over 64 substeps, 0 or over 8 frames or frames of lists) does nothing.
   StepReport replay(const StepDetail& detail);
   /// The same by another dt, seconds.
   StepReport replay(const StepDetail& detail, double dt);
 
   std::size_t body_count() const;       ///< all living bodies
   std::size_t dynamic_count() const;    ///< of those, dynamic or kinematic
-  std::size_t static_count() const;     ///< of those, static
+  std::size_t shape_count() const;      ///< of those, not discs
+  std::size_t static_count() const;     ///< of all, static
   std::uint64_t frame() const;          ///< steps taken
   std::uint64_t escaped_total() const;  ///< bodies that left an open world
   const WorldDesc& desc() const;        ///< as created, with the present gravity and sleeping

@@ -85,7 +85,7 @@ const char* psim_stage_name(int32_t stage) {
 
 size_t psim_estimate_memory_bytes(size_t discs) { return psim::estimate_memory_bytes(discs); }
 
-psim_result psim_measure_costs(const psim_run_options* options, size_t bodies,
+psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes,
                                psim_cost_model* costs) {
   psim_world scratch;  // for the guard: there is no world yet
   const Call call{&scratch, __func__};
@@ -94,7 +94,7 @@ psim_result psim_measure_costs(const psim_run_options* options, size_t bodies,
     if (const psim_result r = read_options(call, options, run); r != PSIM_OK) return r;
     if (run.threads < 1 || run.threads > 256) return PSIM_ERROR_ARGUMENT;
     if (const psim_result r = check_output(call, "costs", costs); r != PSIM_OK) return r;
-    write(to_c(psim::World::measure_costs(run, bodies)), costs);
+    write(to_c(psim::World::measure_costs(run, bodies, shapes)), costs);
     return PSIM_OK;
   });
 }

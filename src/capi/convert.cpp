@@ -20,25 +20,18 @@ constexpr const char* kNotZero = "reserved must be 0";
 }  // namespace
 
 psim_cost_model to_c(const CostModel& m) {
-  return {sizeof(psim_cost_model),
-          0,
-          m.step,
-          m.check,
-          m.build,
-          m.select,
-          m.colour,
-          m.narrow,
-          m.look,
-          m.body_pass,
-          m.pass,
-          m.bounce_pass,
-          m.shape_pass,
-          m.joint_pass};
+  return {sizeof(psim_cost_model), 0, m.step, m.check, m.sort, m.search, m.test, m.pair, m.near,
+          m.near_fixed, m.near_shape, m.select, m.pack, m.group, m.load, m.colour, m.lay_out,
+          m.lay_out_rough, m.keep, m.look, m.stand, m.column, m.narrow, m.load_body, m.move,
+          m.stop, m.sleep, m.joint, m.joint_sorted, m.body_pass, m.pass, m.bounce_pass,
+          m.shape_pass, m.joint_pass};
 }
 
 CostModel to_cpp(const psim_cost_model& m) {
-  return {m.step, m.check,     m.build, m.select,      m.colour,     m.narrow,
-          m.look, m.body_pass, m.pass,  m.bounce_pass, m.shape_pass, m.joint_pass};
+  return {m.step, m.check, m.sort, m.search, m.test, m.pair, m.near, m.near_fixed, m.near_shape,
+          m.select, m.pack, m.group, m.load, m.colour, m.lay_out, m.lay_out_rough, m.keep,
+          m.look, m.stand, m.column, m.narrow, m.load_body, m.move, m.stop, m.sleep, m.joint,
+          m.joint_sorted, m.body_pass, m.pass, m.bounce_pass, m.shape_pass, m.joint_pass};
 }
 
 psim_field to_c(const Field& field) {

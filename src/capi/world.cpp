@@ -28,7 +28,9 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.escaped = from.escaped;
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;
-  r.detail = {from.detail.substeps, from.detail.parts, from.detail.frames, 0};
+  const psim::StepDetail& d = from.detail;
+  const int flags = (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0);
+  r.detail = {d.substeps, static_cast<std::uint8_t>(flags), d.frames, d.horizon, d.pieces};
   r.predicted_ms = from.predicted_ms;
   r.virial = from.virial;
   return r;
@@ -130,13 +132,15 @@ psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* r
 psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
                               psim_step_report* report) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) {
-    if (detail.substeps > 64 || detail.parts > psim::StepDetail::kAll || detail.frames < 1 ||
-        detail.reserved != 0) {
+    const auto frames = [](int n) { return n >= 1 && n <= 8; };
+    if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+        detail.flags == PSIM_STEP_WAKES || detail.flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
       return call.fail(PSIM_ERROR_ARGUMENT,
-                       "substeps must be 0 to 64, parts 0 to 7, frames 1 or more, reserved 0");
+                       "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3");
     }
     return step(w, call, report, [detail](psim::World& one) {
-      return one.replay({detail.substeps, detail.parts, detail.frames});
+      return one.replay({detail.substeps, (detail.flags & PSIM_STEP_WAITS) == 0, detail.frames,
+                         detail.horizon, detail.pieces, (detail.flags & PSIM_STEP_WAKES) != 0});
     });
   });
 }

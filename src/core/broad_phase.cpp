@@ -175,39 +175,55 @@ bool BroadPhase::choose_cells(const BodyStore& b, const BroadPhaseParams& p,
   return true;
 }
 
-// Chooses cells and sorts the bodies into them. A grid is tried first: the density of the last build
-// tells if it would do, and where that may have changed a look at how full its cells are.
-void BroadPhase::sort(BodyStore& b, const BroadPhaseParams& p, const std::int32_t extent[4],
-                      float most, const kernels::KernelTable& k, WorkerPool& pool,
-                      PairTable& table) {
+// Chooses cells and finds each body's. A grid is tried first: the density of the last build tells if it
+// would do, and where that may have changed a look at how full its cells are.
+void BroadPhase::count(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) {
+  const Measure& all = all_;
   const double last_box = box_;
-  const bool more = b.count > table.body_count + table.body_count / 8;
-  choose_grid(b, p, extent, most);
+  const bool more = b.count > sorted_ + sorted_ / 8;
+  choose_grid(b, params_, all.extent, all.most);
   double density = density_;
-  bool list = waste(b, most, density) > (listed_ ? kListing / 2 : kListing);
+  bool list = waste(b, all.most, density) > (listed_ ? kListing / 2 : kListing);
   if (!list) {
     sort_.count(b, grid_, large_, k, pool);
     if (!(density_ > 0) || box_ > 1.5 * last_box || more) {
       density = sort_.neighbours(b, grid_) / (9 * grid_.cell_x * grid_.cell_y);
-      list = waste(b, most, density) > kListing;
+      list = waste(b, all.most, density) > kListing;
     }
   }
-  listed_ = list && choose_cells(b, p, extent, most, density);
+  listed_ = list && choose_cells(b, params_, all.extent, all.most, density);
+  if (list && !listed_) sort_.count(b, grid_, large_, k, pool);  // a world of few cells
+}
+
+// Sorts the bodies into their cells.
+void BroadPhase::move(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool, PairTable& table,
+                      std::size_t begin, std::size_t end) {
   if (!listed_) {
-    if (list) {  // a world of few cells
-      sort_.count(b, grid_, large_, k, pool);
-    }
-    table.large_begin = sort_.move(b, p.mixed_radii, pool);
-    density_ = sample_density(table.large_begin);
-    return;
+    const std::uint32_t small = sort_.move(b, params_.mixed_radii, begin, end, pool);
+    if (end != sort_.moves()) return;
+    table.large_begin = small;
+    density_ = sample_density(small);
+  } else {
+    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
+    const CellList& cells = sort_.listed();
+    const double cell = cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) *
+                        lattice_->pitch_y();
+    density_ = std::max((cells.neighbours(sort_.keys(), table.large_begin) - 1) / (9 * cell),
+                        b.count / box_);
+    area_ = b.count / density_;
   }
-  table.large_begin = sort_.sort(b, large_, p.mixed_radii, pool);
-  const CellList& cells = sort_.listed();
-  const double cell = cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) *
-                      lattice_->pitch_y();
-  density_ = std::max((cells.neighbours(sort_.keys(), table.large_begin) - 1) / (9 * cell),
-                      b.count / box_);
-  area_ = b.count / density_;
+  sorted_ = b.count;
+  if (chained_) {
+    next_origin_.resize(b.count);
+    for (std::size_t i = 0; i < b.count; ++i) {
+      const std::uint32_t at = from()[i];
+      next_origin_[i] = at < origin_.size() ? origin_[at] : kNoSlot;
+    }
+    origin_.swap(next_origin_);
+  }
+  const std::uint32_t blocks = b.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) { place(b, params_.ahead, k, stream_range(t, blocks)); });
+  open_lists(b, pool, table);
 }
 
 // Cuts the rows into strips of about equal numbers of bodies. O(rows), of a list O(strips log cells).
@@ -260,6 +276,12 @@ void BroadPhase::cut_listed_rows(std::uint32_t target, PairTable& table) const {
     table.strips.push_back(s);
     begin = s.body_end;
   }
+}
+
+double BroadPhase::tests() const {
+  if (!listed_) return 4.5 * density_ * grid_.cell_x * grid_.cell_y;
+  const CellList& cells = sort_.listed();
+  return 4.5 * density_ * cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) * lattice_->pitch_y();
 }
 
 // Writes into `built` where the bodies are looked at.
@@ -315,6 +337,38 @@ double BroadPhase::sample_density(std::uint32_t bodies) const {
 
 void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
                        const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
+  measure(b, shapes, p, k, pool);
+  count(b, k, pool);
+  move(b, k, pool, table, 0, moves());
+  find_lists(b, shapes, k, pool, table);
+  finish(b, k, pool);
+}
+
+void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::KernelTable& k,
+                             WorkerPool& pool, PairTable& table) {
+  if (listed_) {
+    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
+  } else {
+    sort_.count(b, grid_, large_, k, pool);
+    table.large_begin = sort_.move(b, params_.mixed_radii, pool);
+  }
+  open_lists(b, pool, table);
+  find_lists(b, shapes, k, pool, table);
+}
+
+void BroadPhase::find_lists(BodyStore& b, const StaticShapes& shapes, const kernels::KernelTable& k,
+                            WorkerPool& pool, PairTable& table) {
+  for (std::size_t done = 0; done != searches();) {
+    const std::size_t all = searches();
+    search(b, k, pool, table, done, all);
+    done = all;
+  }
+  find_near(b, shapes, pool, table, 0, table.strips.size());
+}
+
+// How far bodies reach, and their box.
+void BroadPhase::measure(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
+                         const kernels::KernelTable& k, WorkerPool& pool) {
   params_ = p;
   shapes.build_grid();
   b.reach.reserve(kernels::round_up_block(b.count));
@@ -336,41 +390,18 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
   });
   pad_reach_ = next_pad_reach_;
   if (b.count % kBlock != 0) next_pad_reach_ = b.reach[b.count];
-  Measure all = measures[0];
+  all_ = measures[0];
   for (const Measure& m : measures) {
-    all.most = std::max(all.most, m.most);
-    all.extent[0] = std::min(all.extent[0], m.extent[0]);
-    all.extent[1] = std::min(all.extent[1], m.extent[1]);
-    all.extent[2] = std::max(all.extent[2], m.extent[2]);
-    all.extent[3] = std::max(all.extent[3], m.extent[3]);
-  }
-  sort(b, p, all.extent, all.most, k, pool, table);
-  const std::uint32_t stream_blocks = b.blocks();
-  pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
-    place(b, p.ahead, k, stream_range(t, stream_blocks));
-  });
-  find_lists(b, shapes, p, k, pool, table);
-  if (p.ahead != 0) {
-    pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
-      place(b, 0, k, stream_range(t, stream_blocks));
-    });
+    all_.most = std::max(all_.most, m.most);
+    all_.extent[0] = std::min(all_.extent[0], m.extent[0]);
+    all_.extent[1] = std::min(all_.extent[1], m.extent[1]);
+    all_.extent[2] = std::max(all_.extent[2], m.extent[2]);
+    all_.extent[3] = std::max(all_.extent[3], m.extent[3]);
   }
 }
 
-void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::KernelTable& k,
-                             WorkerPool& pool, PairTable& table) {
-  if (listed_) {
-    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
-  } else {
-    sort_.count(b, grid_, large_, k, pool);
-    table.large_begin = sort_.move(b, params_.mixed_radii, pool);
-  }
-  find_lists(b, shapes, params_, k, pool, table);
-}
-
-// Bodies lie in cell order: strips, their pairs, and bodies near fixed shapes.
-void BroadPhase::find_lists(BodyStore& b, StaticShapes& shapes, const BroadPhaseParams& p,
-                            const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
+// Bodies lie in cell order: strips, and room for their pairs.
+void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table) {
   // Padding goes with the last body, and may go as far as it might have in the lists before these.
   for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
     b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
@@ -380,46 +411,56 @@ void BroadPhase::find_lists(BodyStore& b, StaticShapes& shapes, const BroadPhase
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);
   cut_strips(b, table);
-  make_singles(table, table.strips.size());
-
   const std::size_t strips = table.strips.size();
-  const std::uint32_t stream_blocks = b.blocks();
-  pool.run(stream_tasks(stream_blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, stream_blocks);
-    std::fill(b.linked.data() + std::size_t{r.begin} * kBlock,
-              b.linked.data() + std::size_t{r.end} * kBlock,
-              p.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
-  });
-  if (p.outer > 0) pairs_a_body_.assign(strips - 1, 2 * p.outer * p.outer * density_);
-  search(b, k, pool, table);
-  pool.run(strips, [&](std::size_t s) {
-    find_singles(b, shapes, p, s, table);
-    link(b, table, s);
-  });
-  table.first[b.count] = PairTable::kStripStart;
-  for (const Strip& s : table.strips) {
-    if (s.body_begin < s.body_end) table.first[s.body_begin] |= PairTable::kStripStart;
-  }
-}
-
-void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
-                        const PairTable& candidates, PairTable& table,
-                        const kernels::KernelTable& k, WorkerPool& pool) {
-  const std::size_t strips = candidates.strips.size();
-  table.first.reserve(std::size_t{candidates.body_count} + 1);
-  picked_owner_.reserve(candidates.owner.capacity());
-  picked_other_.reserve(candidates.other.capacity());
-  table.body_count = candidates.body_count;
-  table.large_begin = candidates.large_begin;
-  table.strips.assign(candidates.strips.begin(), candidates.strips.end());
   make_singles(table, strips);
   const std::uint32_t blocks = b.blocks();
   pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     std::fill(b.linked.data() + std::size_t{r.begin} * kBlock,
               b.linked.data() + std::size_t{r.end} * kBlock,
-              link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
+              params_.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
   });
+  if (params_.outer > 0) pairs_a_body_.assign(strips - 1, 2 * params_.outer * params_.outer * density_);
+  for (double& pairs : pairs_a_body_) pairs *= params_.growth;
+  pending_.resize(strips);
+  full_.assign(strips, 0);
+  table.pair_room = 0;
+  searched_ = 0;
+  give_room(table, more_room_ = 1);
+}
+
+// Lists for one step look at bodies where they will be: now where they are.
+void BroadPhase::finish(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) const {
+  if (params_.ahead == 0) return;
+  const std::uint32_t blocks = b.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) { place(b, 0, k, stream_range(t, blocks)); });
+}
+
+void BroadPhase::keep_origin() {
+  if (!chained_) origin_.assign(from(), from() + sorted_);
+  chained_ = true;
+}
+
+void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
+                        const PairTable& candidates, PairTable& table,
+                        const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin,
+                        std::size_t end) {
+  if (begin == 0) {
+    table.first.reserve(std::size_t{candidates.body_count} + 1);
+    picked_owner_.reserve(candidates.owner.capacity());
+    picked_other_.reserve(candidates.other.capacity());
+    table.body_count = candidates.body_count;
+    table.large_begin = candidates.large_begin;
+    table.strips.assign(candidates.strips.begin(), candidates.strips.end());
+    make_singles(table, table.strips.size());
+    const std::uint32_t blocks = b.blocks();
+    pool.run(stream_tasks(blocks), [&](std::size_t t) {
+      const BlockRange r = stream_range(t, blocks);
+      std::fill(b.linked.data() + std::size_t{r.begin} * kBlock,
+                b.linked.data() + std::size_t{r.end} * kBlock,
+                link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
+    });
+  }
   const kernels::BodyView view = b.view();
   kernels::PairSelection selection;
   selection.owner = candidates.owner.data();
@@ -429,13 +470,14 @@ void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
   selection.pitch_y = static_cast<float>(lattice_->pitch_y());
   selection.time = time;
   selection.slack = slack;
-  pool.run(strips, [&](std::size_t index) {
-    Strip& s = table.strips[index];
+  pool.run(end - begin, [&](std::size_t n) {
+    Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
     mine.out_owner = picked_owner_.data() + s.pair_begin;
     mine.out_other = picked_other_.data() + s.pair_begin;
     s.pair_end = s.pair_begin + k.select_pairs(view, mine, s.pair_begin, s.pair_end);
   });
+  if (end != table.strips.size()) return;
   std::uint32_t total = 0;
   for (const Strip& s : table.strips) total += s.pair_end - s.pair_begin;
   table.owner.reserve_loosely(total);
@@ -447,7 +489,12 @@ void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
     s.pair_begin = total;
     s.pair_end = total += n;
   }
-  pool.run(strips, [&](std::size_t index) {
+}
+
+void BroadPhase::pack(BodyStore& b, const PairTable& candidates, PairTable& table, WorkerPool& pool,
+                      std::size_t begin, std::size_t end) {
+  pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t index = begin + n;
     const Strip& s = table.strips[index];
     const std::uint32_t from = candidates.strips[index].pair_begin;
     std::copy_n(picked_owner_.data() + from, s.pair_end - s.pair_begin,
@@ -463,10 +510,7 @@ void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
     table.singles[index].assign(candidates.singles[index].begin(), candidates.singles[index].end());
     link(b, table, index);
   });
-  table.first[table.body_count] = PairTable::kStripStart;
-  for (const Strip& s : table.strips) {
-    if (s.body_begin < s.body_end) table.first[s.body_begin] |= PairTable::kStripStart;
-  }
+  if (end == table.strips.size()) table.mark_strips();
 }
 
 }  // namespace psim

@@ -27,6 +27,7 @@ struct BroadPhaseParams {
   kernels::ReachParams margin;
   float ahead = 0;   ///< s: bodies are looked at where they will be by then
   double outer = 0;  ///< m: a typical distance of candidates; 0: as at the last build
+  double growth = 1; ///< of candidates since the last build, at a guess
   bool walls = false;
   bool periodic = false;
   bool mixed_radii = false;
@@ -53,7 +54,56 @@ class BroadPhase {
   void build_again(BodyStore& bodies, StaticShapes& shapes, const kernels::KernelTable& k,
                    WorkerPool& pool, PairTable& table);
 
+  /// build() in parts, for a step spread over frames: how far bodies reach, their cells, bodies to their cells
+  /// in moves() moves, which show with the last; then the searches for pairs [begin, end), as many as
+  /// searches() says once those that it said before are done; then, of strips [begin, end), bodies near fixed
+  /// shapes and who is linked; then `built` is where the bodies are now. Ranges are done in order.
+  void measure(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
+               const kernels::KernelTable& k, WorkerPool& pool);
+  void count(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool);
+  std::size_t moves() const { return listed_ ? 1 : sort_.moves(); }
+  void move(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool, PairTable& table,
+            std::size_t begin, std::size_t end);
+  void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
+              PairTable& table, std::size_t begin, std::size_t end);
+  void find_near(BodyStore& bodies, const StaticShapes& shapes, WorkerPool& pool, PairTable& table,
+                 std::size_t begin, std::size_t end);
+  void finish(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool) const;
+  std::size_t searches() const { return searched_ + pending_.size(); }
+  std::size_t strip_of_search(std::size_t search) const { return pending_[search - searched_]; }
+  /// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
+  double expected_pairs(std::size_t strip) const;
+
+  /// Bodies near fixed shapes, and walls: pairs, in all, at the last build.
+  std::size_t near_pairs() const { return near_pairs_; }
+
+  /// Makes room for so many candidate pairs that are selected from.
+  void spare(std::size_t pairs) {
+    picked_owner_.reserve(pairs);
+    picked_other_.reserve(pairs);
+  }
+
+  /// Of the last sort.
   const std::uint32_t* from() const { return sort_.from(); }
+  /// Maps slots to those that they were when contacts were last laid out.
+  const std::uint32_t* origin() const { return chained_ ? origin_.data() : sort_.from(); }
+  void copy_origin(std::vector<std::uint32_t>& to) const {
+    if (chained_) {
+      to = origin_;
+    } else {
+      to.assign(from(), from() + sorted_);
+    }
+  }
+  /// None: bodies lie as contacts were laid out by.
+  void set_origin(const std::vector<std::uint32_t>& origin) {
+    origin_ = origin;
+    chained_ = !origin.empty();
+  }
+  bool has_moved_on() const { return chained_; }  ///< bodies do not lie as contacts were laid out by
+  /// The last sort's lists are thrown away before contacts were laid out by them.
+  void keep_origin();
+  /// Contacts are laid out by the last sort's lists.
+  void forget_origin() { chained_ = false; }
   /// Area that the bodies lie in at the last build, m^2: their box, or, where cells are listed, as much
   /// as they would fill at the density around them; 0 before the first.
   double area() const { return area_; }
@@ -65,16 +115,22 @@ class BroadPhase {
     return listed_ ? sort_.listed().size() : std::size_t{grid_.keys};
   }
   bool listed() const { return listed_; }
+  /// Bodies that one is looked at with, about.
+  double tests() const;
 
   /// Bodies a square metre around a body, on average over bodies, at the last build; 0 before the
   /// first.
   double density() const { return density_; }
 
   /// Of the candidates, the pairs that can meet within `time` at their present relative speed:
-  /// gap < |u| time + slack. Fills `table` alike and sets bodies.linked. O(candidates).
+  /// gap < |u| time + slack, of strips [begin, end). Fills `table` alike and sets bodies.linked.
+  /// O(candidates).
   void select(BodyStore& bodies, float time, float slack, bool link_all,
               const PairTable& candidates, PairTable& table, const kernels::KernelTable& k,
-              WorkerPool& pool);
+              WorkerPool& pool, std::size_t begin, std::size_t end);
+  /// Closes up what was selected, once all is.
+  void pack(BodyStore& bodies, const PairTable& candidates, PairTable& table, WorkerPool& pool,
+            std::size_t begin, std::size_t end);
 
  private:
   double choose_reach(const BodyStore& bodies, double most, double area) const;
@@ -85,8 +141,6 @@ class BroadPhase {
   bool choose_cells(const BodyStore& bodies, const BroadPhaseParams& p,
                     const std::int32_t extent[4], float most, double density);
   double waste(const BodyStore& bodies, float most, double density) const;
-  void sort(BodyStore& bodies, const BroadPhaseParams& p, const std::int32_t extent[4], float most,
-            const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
   void cut_strips(const BodyStore& bodies, PairTable& table) const;
   void cut_rows(std::uint32_t target, PairTable& table) const;
   void cut_listed_rows(std::uint32_t target, PairTable& table) const;
@@ -106,14 +160,14 @@ class BroadPhase {
   void place(BodyStore& bodies, float ahead, const kernels::KernelTable& k,
              BlockRange blocks) const;
   double sample_density(std::uint32_t bodies) const;
-  double expected_pairs(std::size_t strip) const;
-  void find_lists(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
-                  const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
-  void search(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
-              PairTable& table);
+  void find_lists(BodyStore& bodies, const StaticShapes& shapes, const kernels::KernelTable& k,
+                  WorkerPool& pool, PairTable& table);
+  void give_room(PairTable& table, double more);
+  void open_lists(BodyStore& bodies, WorkerPool& pool, PairTable& table);
+  void note_pairs(const PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
-  void find_singles(BodyStore& bodies, const StaticShapes& shapes, const BroadPhaseParams& p,
-                    std::size_t strip, PairTable& table) const;
+  void find_singles(const BodyStore& bodies, const StaticShapes& shapes, std::size_t strip,
+                    PairTable& table) const;
   kernels::PairRow view(const BodyStore& bodies) const;
   kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;
 
@@ -123,9 +177,9 @@ class BroadPhase {
   };
 
   GridSort sort_;
-  BroadPhaseParams params_;  // of the last build
   float pad_reach_ = 0, next_pad_reach_ = 0;  // m: of padding beyond the bodies, in these lists and the next
   std::vector<Measure> measures_;
+  Measure all_;
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
   const Lattice* lattice_;
   Grid grid_;
@@ -136,7 +190,15 @@ class BroadPhase {
   double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
   double pairs_a_large_ = 64;
-  std::vector<std::uint32_t> pending_;  // strips yet to be searched
+  BroadPhaseParams params_;             // of the present build
+  std::size_t near_pairs_ = 0;
+  std::uint32_t sorted_ = 0;            // bodies that the last sort left
+  // Once lists were thrown away: where those bodies lay when contacts were last laid out, and room to chain.
+  std::vector<std::uint32_t> origin_, next_origin_;
+  bool chained_ = false;                // origin_ holds
+  std::vector<std::uint32_t> pending_;  // strips to be searched
+  std::size_t searched_ = 0;            // searches before those
+  double more_room_ = 1;
   std::vector<std::uint8_t> full_;      // strips whose room was too small
 };
 

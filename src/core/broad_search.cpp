@@ -201,8 +201,6 @@ bool BroadPhase::search_listed_box(const BodyStore& b, const kernels::KernelTabl
       [&](std::uint32_t from, std::uint32_t to) { return k.find_near(v, i, from, to, list); });
 }
 
-// Pairs that a strip will have a body, by what it and its neighbours had at the
-// last build.
 double BroadPhase::expected_pairs(std::size_t strip) const {
   double most = 0;
   for (std::size_t s = strip == 0 ? 0 : strip - 1; s <= strip + 1; ++s) {
@@ -212,39 +210,48 @@ double BroadPhase::expected_pairs(std::size_t strip) const {
 }
 
 // Every strip writes its pairs into room of its own; those whose room was too
-// small get more at the end of the list. Where the guess was wrong for many,
-// all begin again.
+// small get more at the end of the list, once all were searched. Where the
+// guess was wrong for many, all begin again. The same strips do on every ISA.
 void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
-                        PairTable& table) {
-  const std::size_t strips = table.strips.size();
-  std::vector<std::uint32_t>& pending = pending_;
-  pending.resize(strips);
-  full_.assign(strips, 0);
-  std::uint32_t room = 0;
-  double large_room = pairs_a_large_;
-  for (double more = 1; !pending.empty(); more *= 1.5) {
-    if (pending.size() > strips / 8) {
-      pending.resize(strips);
-      std::iota(pending.begin(), pending.end(), 0u);
-      room = 0;
-    }
-    for (const std::uint32_t s : pending) {
-      Strip& strip = table.strips[s];
-      const double each = s + 1 == strips ? large_room : expected_pairs(s);
-      const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
-      strip.pair_begin = room;
-      room += static_cast<std::uint32_t>(own);
-      strip.pair_end = room;
-    }
-    table.owner.reserve_loosely(room + kBlock);
-    table.other.reserve_loosely(room + kBlock);
-    pool.run(pending.size(), [&](std::size_t n) {
-      const std::uint32_t s = pending[n];
-      full_[s] = s + 1 == strips ? !search_large(b, k, table) : !search_strip(b, k, s, table);
-    });
-    std::erase_if(pending, [&](std::uint32_t s) { return full_[s] == 0; });
+                        PairTable& table, std::size_t begin, std::size_t end) {
+  pool.run(end - begin, [&](std::size_t n) {
+    const std::uint32_t s = pending_[begin - searched_ + n];
+    full_[s] = s + 1 == table.strips.size() ? !search_large(b, k, table) : !search_strip(b, k, s, table);
+  });
+  if (end != searches()) return;
+  searched_ = end;
+  std::erase_if(pending_, [&](std::uint32_t s) { return full_[s] == 0; });
+  if (pending_.empty()) {
+    note_pairs(table);
+  } else {
+    give_room(table, more_room_ *= 1.5);
   }
+}
+
+void BroadPhase::give_room(PairTable& table, double more) {
+  const std::size_t strips = table.strips.size();
+  std::uint32_t room = table.pair_room;
+  if (pending_.size() > strips / 8) {
+    pending_.resize(strips);
+    std::iota(pending_.begin(), pending_.end(), 0u);
+    room = 0;
+  }
+  for (const std::uint32_t s : pending_) {
+    Strip& strip = table.strips[s];
+    const double each = s + 1 == strips ? pairs_a_large_ : expected_pairs(s);
+    const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
+    strip.pair_begin = room;
+    room += static_cast<std::uint32_t>(own);
+    strip.pair_end = room;
+  }
+  table.owner.reserve_loosely(room + kBlock);
+  table.other.reserve_loosely(room + kBlock);
   table.pair_room = room;
+}
+
+// For the next build's guess.
+void BroadPhase::note_pairs(const PairTable& table) {
+  const std::size_t strips = table.strips.size();
   pairs_a_body_.resize(strips - 1);
   for (std::size_t s = 0; s < strips; ++s) {
     const Strip& strip = table.strips[s];
@@ -256,6 +263,18 @@ void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, Worke
       pairs_a_large_ = std::max(16.0, 1.25 * each);
     }
   }
+}
+
+void BroadPhase::find_near(BodyStore& b, const StaticShapes& shapes, WorkerPool& pool, PairTable& table,
+                           std::size_t begin, std::size_t end) {
+  pool.run(end - begin, [&](std::size_t n) {
+    find_singles(b, shapes, begin + n, table);
+    link(b, table, begin + n);
+  });
+  if (end != table.strips.size()) return;
+  near_pairs_ = 0;
+  for (std::size_t s = 0; s < end; ++s) near_pairs_ += table.singles[s].size();
+  table.mark_strips();
 }
 
 void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) const {
@@ -273,8 +292,9 @@ void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) c
 // Walls: only bodies in rows and columns that a wall can reach are looked at,
 // of listed cells those that the longest reach would let touch one. Fixed
 // shapes: every body asks their grid.
-void BroadPhase::find_singles(BodyStore& b, const StaticShapes& shapes, const BroadPhaseParams& p,
-                              std::size_t index, PairTable& table) const {
+void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, std::size_t index,
+                              PairTable& table) const {
+  const BroadPhaseParams& p = params_;
   std::vector<SinglePair>& out = table.singles[index];
   out.clear();
   const Strip& s = table.strips[index];

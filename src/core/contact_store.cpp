@@ -350,6 +350,15 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
                          const Material& wall, ContactModel model, const Surface* alike,
                          const HeavyLoads& loads, PairTable& table, const PairTable& old,
                          const std::uint32_t* from, const TouchMemory& recent, WorkerPool& pool) {
+  begin(b, numbers, model, alike, loads, table, pool);
+  colour(table, 0, table.strips.size(), pool);
+  lay_out(b, shapes, wall, table, old, from, recent, 0, table.strips.size(), pool);
+  accept();
+}
+
+void ContactStore::begin(const BodyStore& b, const SolverBodies& numbers, ContactModel model,
+                         const Surface* alike, const HeavyLoads& loads, PairTable& table,
+                         WorkerPool& pool) {
   if (model != model_) {  // what the new model does not read gives its memory back
     if (model.model != Model::rough) {
       for (Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu, &s_friction,
@@ -365,7 +374,6 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
     }
     model_ = model;
   }
-  ++builds_;
   alike_ = alike;
   numbers_ = &numbers;
   loads_ = &loads;
@@ -375,20 +383,21 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
   used_.reserve(kernels::round_up_block(b.count));
   colour_.reserve_loosely(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
-  const std::size_t grid_strips = strips - 1;
   for (Strip& s : table.strips) s.loaded = false;
   if (loads.any()) {
     pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
   }
-  for (std::size_t parity = 0; parity < 2; ++parity) {
-    pool.run((grid_strips + 1 - parity) / 2,
-             [&](std::size_t k) { colour_strip(table, 2 * k + parity); });
-  }
-  colour_strip(table, grid_strips);
+}
 
+void ContactStore::colour(const PairTable& table, std::size_t begin, std::size_t end, WorkerPool& pool) {
+  run_phases(table.strips.size(), begin, end, pool, [&](std::size_t strip) { colour_strip(table, strip); });
+}
+
+// Which blocks each strip has.
+void ContactStore::place_strips(PairTable& table) {
   pair_blocks_ = single_blocks_ = colours_ = 0;
   pair_count_ = single_count_ = 0;
-  for (std::size_t k = 0; k < strips; ++k) {
+  for (std::size_t k = 0; k < table.strips.size(); ++k) {
     Strip& s = table.strips[k];
     Counts& singles = single_counts_[k];
     singles.fill(0);
@@ -414,16 +423,47 @@ void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const Static
     pair_count_ += s.pair_end - s.pair_begin;
     single_count_ += table.singles[k].size();
   }
+}
+
+void ContactStore::swap_impulses() {
   old_impulse_.swap(impulse);
   old_s_impulse_.swap(s_impulse);
   old_s_nx_.swap(s_nx);
   old_s_ny_.swap(s_ny);
   old_friction_.swap(friction);
   old_s_friction_.swap(s_friction);
-  make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{single_blocks_} * kBlock);
-  pool.run(strips, [&](std::size_t k) {
-    lay_out_strip(b, table, old, from, recent, k);
-    lay_out_singles(b, shapes, wall, table, old, from, recent, k);
+}
+
+void ContactStore::spare(std::size_t pairs, std::size_t singles) {
+  colour_.reserve(pairs);
+  make_room(pairs, singles);
+  swap_impulses();
+  make_room(pairs, singles);
+  swap_impulses();
+}
+
+void ContactStore::turn_back() {
+  if (laying_) swap_impulses();
+}
+
+void ContactStore::accept() {
+  if (laying_) ++builds_;
+  laying_ = false;
+}
+
+void ContactStore::lay_out(const BodyStore& b, const StaticShapes& shapes, const Material& wall,
+                           PairTable& table, const PairTable& old, const std::uint32_t* from,
+                           const TouchMemory& recent, std::size_t begin, std::size_t end,
+                           WorkerPool& pool) {
+  if (begin == 0) {
+    place_strips(table);
+    swap_impulses();
+    laying_ = true;
+    make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{single_blocks_} * kBlock);
+  }
+  pool.run(end - begin, [&](std::size_t n) {
+    lay_out_strip(b, table, old, from, recent, begin + n);
+    lay_out_singles(b, shapes, wall, table, old, from, recent, begin + n);
   });
 }
 

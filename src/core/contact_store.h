@@ -44,6 +44,23 @@ class ContactStore {
              const HeavyLoads& loads, PairTable& table, const PairTable& old,
              const std::uint32_t* from, const TouchMemory& recent, WorkerPool& pool);
 
+  /// The same in parts, for a step spread over frames: colours of strips [begin, end) in the order of
+  /// phases, then their lanes; each goes from the first strip to the last.
+  void begin(const BodyStore& bodies, const SolverBodies& numbers, ContactModel model, const Surface* alike,
+             const HeavyLoads& loads, PairTable& table, WorkerPool& pool);
+  void colour(const PairTable& table, std::size_t begin, std::size_t end, WorkerPool& pool);
+  void lay_out(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall, PairTable& table,
+               const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
+               std::size_t begin, std::size_t end, WorkerPool& pool);
+  /// Impulses as the old table says, or as the new one does, as far as they are laid out: until accept() or
+  /// give_up() there are both.
+  void turn_back();
+  void accept();                         ///< The new ones count from now on.
+  void give_up() { laying_ = false; }    ///< Those that are in place do.
+
+  /// Makes room for so many contacts to come.
+  void spare(std::size_t pairs, std::size_t singles);
+
   /// Forgets all impulses (the model changed, or the lists are of another world state).
   void forget();
 
@@ -80,6 +97,8 @@ class ContactStore {
   struct Layout;
 
   void colour_strip(const PairTable& table, std::size_t strip);
+  void place_strips(PairTable& table);
+  void swap_impulses();
   void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old,
                      const std::uint32_t* from, const TouchMemory& recent, std::size_t strip);
   void lay_out_singles(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall,
@@ -104,6 +123,7 @@ class ContactStore {
   Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
   std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;
   std::uint64_t pair_count_ = 0, single_count_ = 0, builds_ = 0;
+  bool laying_ = false;  // the impulses of the last step are in the old columns
 };
 
 }  // namespace psim

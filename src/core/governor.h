@@ -11,40 +11,57 @@ namespace psim {
 struct WorkCounts {
   std::uint64_t bodies = 0;      ///< in the columns
   std::uint64_t solved = 0;      ///< that the solver has
-  std::uint64_t candidates = 0;  ///< that a step selects from
+  std::uint64_t candidates = 0;  ///< that a step selects from; 0: dense
   std::uint64_t contacts = 0;    ///< of discs
   std::uint64_t manifolds = 0;
+  double tests = 0;              ///< of two bodies, when lists are made
+  std::uint64_t near = 0;        ///< pairs of a body and a fixed shape
+  std::uint64_t looks = 0;       ///< manifolds that will be looked at anew, at a guess
   std::uint64_t joints = 0;      ///< joints x sweeps
-  bool builds = false;           ///< lists are made
-  bool lays_out = false;         ///< contacts are
+  std::uint64_t sleep_looks = 0; ///< bodies and contacts that sleep looks at
+  bool sorted = false;           ///< bodies have new slots
+  bool fixed = false;            ///< there are fixed shapes or sleepers
+  bool loads = false;            ///< some bodies may carry much heavier ones
+  bool rough = false;            ///< friction
   bool bounces = false;          ///< with sweeps over impacts
+  bool copies = false;           ///< the solver has copies of the bodies
+  bool stops = false;            ///< fast shapes are stopped
 };
 
 class Governor {
  public:
+  /// Frames that a step makes up for at most.
+  static constexpr int kMostFrames = 8;
+
   void set(const GovernorDesc& desc) { desc_ = desc; }
   bool on() const { return desc_.on; }
+  const CostModel& costs() const { return desc_.costs; }
 
-  /// ns of everything but the solver's substeps, and of one substep.
-  double fixed_ns(const WorkCounts& work) const;
+  /// ns that may be predicted for a frame.
+  double room_ns() const { return kShare * desc_.budget_ms * 1e6; }
+  /// ns of everything ahead of the substeps if lists are made, of what is left then but substeps, and of one
+  /// substep.
+  double ahead_ns(const WorkCounts& work) const;
+  double rest_ns(const WorkCounts& work) const;
   double substep_ns(const WorkCounts& work) const;
+  double look_ns(const WorkCounts& work) const;
+  double lay_out(const WorkCounts& work) const;  ///< of a contact of discs
 
-  /// The parts of a step by frame: as few frames as keep the budget, one to three.
-  struct Spread {
-    std::uint8_t frames = 1;
-    std::uint8_t parts[3] = {StepDetail::kAll, 0, 0};
+  /// How many frames a step's lists should serve, if its work is to be spread; 1: it fits into one.
+  int horizon(const WorkCounts& work, int most_substeps) const;
+
+  struct Choice {
+    bool solves = false;  ///< in this frame; else the next one is better
+    int substeps = 0, frames = 1;
   };
-  Spread spread(const WorkCounts& work) const;
-  /// How many substeps fit, `least` to `most`.
-  int substeps(const WorkCounts& work, int least, int most) const;
+  /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
+  /// substep is longer than a frame: time that they cannot make up for is lost.
+  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
 
  private:
   /// Of the budget: what is left is for what the model does not know.
   static constexpr double kShare = 0.8;
-  double room_ns() const { return kShare * desc_.budget_ms * 1e6; }
-  double lists_ns(const WorkCounts& work) const;
-  double contacts_ns(const WorkCounts& work) const;
-  double geometry_ns(const WorkCounts& work) const;
+  int fitting(const WorkCounts& work, double ns, int most) const;
 
   GovernorDesc desc_;
 };

@@ -212,8 +212,11 @@ double GridSort::neighbours(const BodyStore& b, const Grid& grid) const {
 }
 
 std::uint32_t GridSort::move(BodyStore& b, bool mixed_radii, WorkerPool& pool) {
-  reserve(b, mixed_radii);
-  listed_.forget();
+  return move(b, mixed_radii, 0, moves(), pool);
+}
+
+std::uint32_t GridSort::move(BodyStore& b, bool mixed_radii, std::size_t begin, std::size_t end,
+                             WorkerPool& pool) {
   const std::size_t chunk_count = chunks_.size();
   std::uint32_t larges = 0, dead = 0;
   for (const Chunk& c : chunks_) {
@@ -224,19 +227,24 @@ std::uint32_t GridSort::move(BodyStore& b, bool mixed_radii, WorkerPool& pool) {
 
   // The places of large and dead bodies are few: chunk by chunk.
   std::vector<std::uint32_t>& large_at = range_sum_;
-  large_at.resize(2 * chunk_count);
-  std::uint32_t next_large = small, next_dead = small + larges;
-  for (std::size_t c = 0; c < chunk_count; ++c) {
-    large_at[2 * c] = next_large;
-    large_at[2 * c + 1] = next_dead;
-    next_large += chunks_[c].large;
-    next_dead += chunks_[c].dead;
+  if (begin == 0) {
+    reserve(b, mixed_radii);
+    listed_.forget();
+    large_at.resize(2 * chunk_count);
+    std::uint32_t next_large = small, next_dead = small + larges;
+    for (std::size_t c = 0; c < chunk_count; ++c) {
+      large_at[2 * c] = next_large;
+      large_at[2 * c + 1] = next_dead;
+      next_large += chunks_[c].large;
+      next_dead += chunks_[c].dead;
+    }
+    PSIM_ASSERT(next_dead == b.count);
   }
-  PSIM_ASSERT(next_dead == b.count);
-  pool.run(chunk_count, [&](std::size_t c) {
+  pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t c = begin + n;
     scatter_chunk(b, chunks_[c], large_at[2 * c], large_at[2 * c + 1], mixed_radii);
   });
-  finish(b, small + larges, mixed_radii);
+  if (end == chunk_count) finish(b, small + larges, mixed_radii);
   return small;
 }
 

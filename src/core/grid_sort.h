@@ -47,6 +47,10 @@ class GridSort {
   /// Moves the bodies to their cells; drops dead ones; those whose reach exceeds `large` go last.
   /// Afterwards from()[slot] is the slot before. Returns the first large slot.
   std::uint32_t move(BodyStore& bodies, bool mixed_radii, WorkerPool& pool);
+  /// The same in moves() parts, in order; the bodies' columns change with the last one, which returns the slot.
+  std::size_t moves() const { return chunks_.size(); }
+  std::uint32_t move(BodyStore& bodies, bool mixed_radii, std::size_t begin, std::size_t end,
+                     WorkerPool& pool);
 
   /// Both, into the cells of a list, which is laid.
   std::uint32_t sort(BodyStore& bodies, float large, bool mixed_radii, WorkerPool& pool);

@@ -262,6 +262,7 @@ void Image::broad(A& a, BroadPhase& b) {
   BroadPhaseParams& p = b.params_;
   numbers(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.walls,
           p.periodic, p.mixed_radii, p.link_all, p.bounds.xmin, p.bounds.ymin, p.bounds.xmax, p.bounds.ymax);
+  numbers(a, b.all_.most, b.all_.extent[0], b.all_.extent[1], b.all_.extent[2], b.all_.extent[3], b.sorted_);
   kernels::GridView& g = b.grid_.view;
   numbers(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
   numbers(a, b.grid_.cell_x, b.grid_.cell_y, b.grid_.periodic, b.grid_.keys, b.listed_, b.large_, b.most_, b.box_,
@@ -310,7 +311,7 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
   bool kinds = slots != 0 && m.kind_.capacity() >= slots;
   a.value(kinds);
   if (kinds) a.column(m.kind_, slots);
-  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_);
+  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.laid_);
   if constexpr (A::kLoading) {
     m.old_pairs_.clear();
     m.owner_.resize(m.pairs_.size());

@@ -46,7 +46,8 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
 }  // namespace
 
 void Manifolds::keep_impulses(WorkerPool& pool) {
-  if (begin_.empty()) return;
+  if (begin_.empty() || !laid_) return;
+  laid_ = false;
   pool.run(begin_.size() - 1, [&](std::size_t s) {
     const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
     for (const std::uint32_t k : strips_[s].laid) {
@@ -64,6 +65,7 @@ void Manifolds::keep_impulses(WorkerPool& pool) {
 }
 
 void Manifolds::forget() {
+  accept();
   pairs_.clear();
   owner_.clear();
   begin_.clear();
@@ -72,6 +74,7 @@ void Manifolds::forget() {
 }
 
 void Manifolds::clear() {
+  accept();
   pairs_.clear();
   old_pairs_.clear();
   owner_.clear();

@@ -73,8 +73,8 @@ void Manifolds::take_recalled(ManifoldPair& pair) {
 }
 
 // Pairs of one strip: two discs stay in the list, closed up; the rest is found.
-void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
-                         PairTable& table, std::size_t index) {
+void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
+                               PairTable& table, std::size_t index) {
   Strip& s = table.strips[index];
   Found& out = found_[index];
   out.pairs.clear();
@@ -84,7 +84,10 @@ void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const J
   };
   const auto add = [&](PairName pair) {
     const bool fixed = pair.a == PairName::kNone;
-    pair.owner = fixed || b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
+    // What hits a wall of sleepers may have hundreds of such pairs, each of those has few.
+    const bool sleeper = fixed && pair.shape < kWallLeft && shapes[pair.shape].asleep;
+    const bool of_b = fixed ? !sleeper : b.radius[pair.b] <= b.radius[pair.a];
+    pair.owner = of_b ? pair.id_b : pair.id_a;
     const std::uint32_t parts_a = fixed ? 1 : parts(pair.a);
     const std::uint32_t parts_b = parts(pair.b);
     for (std::uint32_t pa = 0; pa < parts_a; ++pa) {
@@ -170,9 +173,8 @@ void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const J
   singles.resize(stay);
 }
 
-void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
-                        bool any_filter, PairTable& table, bool sorted, const TouchMemory& recent,
-                        WorkerPool& pool) {
+void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTable& table, bool sorted,
+                              WorkerPool& pool) {
   keep_impulses(pool);
   any_filter_ = any_filter;
   const std::size_t strips = table.strips.size();
@@ -202,7 +204,9 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
       if (make.hull_count != 0) shaped_.push_back(i);
     }
   }
+  new_pairs_ = 0;
   old_pairs_.swap(pairs_);
+  both_ = collecting_ = true;
   index_old_pairs(b.id_count);
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
@@ -210,14 +214,41 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
     const std::uint8_t* const end = kind_.data() + table.strips[s].body_end;
     special_[s] = std::any_of(begin, end, [](std::uint8_t kind) { return kind != kDisc; });
   }
-  pool.run(strips, [&](std::size_t s) { sort_out(b, shapes, joined, table, s); });
+}
+
+void Manifolds::sort_out(const BodyStore& b, const StaticShapes& shapes, const Joined* joined, PairTable& table,
+                         std::size_t begin, std::size_t end, WorkerPool& pool) {
+  pool.run(end - begin, [&](std::size_t n) { sort_out_strip(b, shapes, joined, table, begin + n); });
+  if (end == table.strips.size()) place_pairs(end);
+}
+
+// Room for what was found.
+void Manifolds::place_pairs(std::size_t strips) {
   begin_.assign(strips + 1, 0);
   for (std::size_t s = 0; s < strips; ++s) {
     begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].pairs.size());
+    const std::vector<std::uint32_t>& before = found_[s].before;
+    new_pairs_ += static_cast<std::uint64_t>(std::count(before.begin(), before.end(), PairName::kNone));
+  }
+  if (begin_[strips] > pairs_.capacity()) {  // nothing in them is of use
+    pairs_.clear();
+    pairs_.reserve(begin_[strips] + begin_[strips] / 2);
   }
   pairs_.resize(begin_[strips]);
   owner_.resize(begin_[strips]);
-  pool.run(strips, [&](std::size_t s) {
+  strips_.resize(std::max(strips_.size(), strips));
+  for (std::size_t s = strips; s < strips_.size(); ++s) {
+    strips_[s].blocks.clear();
+    std::fill(std::begin(strips_[s].end), std::end(strips_[s].end), 0u);
+  }
+  for (StripBlocks& s : strips_) s.laid.clear();
+  stale_.assign(strips_.size(), 1);
+}
+
+void Manifolds::keep(const StaticShapes& shapes, const TouchMemory& recent, std::size_t begin, std::size_t end,
+                     WorkerPool& pool) {
+  pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t s = begin + n;
     const Found& found = found_[s];
     for (std::size_t k = 0; k < found.pairs.size(); ++k) {
       ManifoldPair& pair = pairs_[begin_[s] + k];
@@ -228,13 +259,20 @@ void Manifolds::collect(const BodyStore& b, const StaticShapes& shapes, const Jo
       owner_[begin_[s] + k] = pair.owner;
     }
   });
-  strips_.resize(std::max(strips_.size(), strips));
-  for (std::size_t s = strips; s < strips_.size(); ++s) {
-    strips_[s].blocks.clear();
-    std::fill(std::begin(strips_[s].end), std::end(strips_[s].end), 0u);
-  }
-  for (StripBlocks& s : strips_) s.laid.clear();
-  stale_.assign(strips_.size(), 1);
+  if (end + 1 == begin_.size()) collecting_ = false;
+}
+
+void Manifolds::remember(WorkerPool& pool) {
+  keep_impulses(pool);
+  old_pairs_ = pairs_;
+  both_ = true;
+}
+
+void Manifolds::turn_back() {
+  if (!both_) return;
+  old_pairs_.swap(pairs_);
+  owner_.resize(pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) owner_[k] = pairs_[k].owner;
 }
 
 }  // namespace psim

@@ -217,9 +217,10 @@ void Manifolds::fade(const StaticShapes& shapes, ManifoldPair& pair) {
   for (float& offset : pair.offset) offset = std::fabs(offset) > 1e-9f ? kFading * offset : 0.0f;
 }
 
-// Manifolds of pairs [begin, end).
-void Manifolds::look(const BodyStore& b, const ManifoldParams& params, std::uint32_t begin,
-                     std::uint32_t end) {
+// Manifolds of pairs [begin, end). Says how many of those that were known before were looked at anew.
+std::uint32_t Manifolds::look(const BodyStore& b, const ManifoldParams& params, std::uint32_t begin,
+                              std::uint32_t end) {
+  std::uint32_t looks = 0;
   Waiting waiting[CollideBatch::kKinds];
   for (std::uint32_t k = begin; k < end; ++k) {
     ManifoldPair& pair = pairs_[k];
@@ -231,16 +232,16 @@ void Manifolds::look(const BodyStore& b, const ManifoldParams& params, std::uint
       judge(b, params, pair, now.inner, now.vx, now.vy);
       if (!pair.ahead) continue;
     }
+    looks += pair.margin >= 0;
     find(b, params, pair, now, waiting);
   }
   for (std::uint32_t kind = 0; kind < CollideBatch::kKinds; ++kind) {
     if (waiting[kind].batch.count() != 0) settle(b, params, waiting[kind], kind);
   }
+  return looks;
 }
 
-void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, const PairTable& table,
-                        WorkerPool& pool) {
-  const std::size_t strips = table.strips.size();
+void Manifolds::begin_refresh(const BodyStore& b, const ManifoldParams& params, WorkerPool& pool) {
   keep_impulses(pool);
   g_ = static_cast<float>(std::sqrt(params.gravity.x * params.gravity.x +
                                     params.gravity.y * params.gravity.y));
@@ -254,30 +255,41 @@ void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, const PairTa
       inner_[i] = larger(b.make(b.id[i]).inner, kThin * b.radius[i]);
     }
   });
-  pool.run(strips, [&](std::size_t index) {
-    bool stale = stale_[index] != 0;
-    look(b, params, begin_[index], begin_[index + 1]);
-    std::vector<std::uint64_t>& ghosts = found_[index].ghosts;
-    ghosts.clear();
-    for (std::uint32_t k = begin_[index]; k < begin_[index + 1];) {
-      std::uint32_t end = k + 1;
-      if (pairs_[k].a == PairName::kNone) {
-        while (end < begin_[index + 1] && pairs_[end].a == PairName::kNone && pairs_[end].b == pairs_[k].b) ++end;
-        see_fixed(b, params, k, end, ghosts);
-      }
-      k = end;
+}
+
+void Manifolds::refresh_strip(const BodyStore& b, const ManifoldParams& params, std::size_t index) {
+  bool stale = stale_[index] != 0;
+  strips_[index].looks = look(b, params, begin_[index], begin_[index + 1]);
+  std::vector<std::uint64_t>& ghosts = found_[index].ghosts;
+  ghosts.clear();
+  for (std::uint32_t k = begin_[index]; k < begin_[index + 1];) {
+    std::uint32_t end = k + 1;
+    if (pairs_[k].a == PairName::kNone) {
+      while (end < begin_[index + 1] && pairs_[end].a == PairName::kNone && pairs_[end].b == pairs_[k].b) ++end;
+      see_fixed(b, params, k, end, ghosts);
     }
-    std::vector<std::uint32_t>& active = strips_[index].active;
-    active.clear();
-    for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
-      ManifoldPair& pair = pairs_[k];
-      stale |= pair.active != (pair.lane != PairName::kNone);
-      if (pair.active) active.push_back(k);
-    }
-    stale_[index] = stale;
-  });
+    k = end;
+  }
+  std::vector<std::uint32_t>& active = strips_[index].active;
+  active.clear();
+  for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
+    ManifoldPair& pair = pairs_[k];
+    stale |= pair.active != (pair.lane != PairName::kNone);
+    if (pair.active) active.push_back(k);
+  }
+  stale_[index] = stale;
+}
+
+void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, const PairTable& table,
+                        std::size_t begin, std::size_t end, WorkerPool& pool) {
+  const std::size_t strips = table.strips.size();
+  if (begin == 0) begin_refresh(b, params, pool);
+  pool.run(end - begin, [&](std::size_t n) { refresh_strip(b, params, begin + n); });
+  if (end != strips) return;
   ghosts_.clear();
+  looks_ = new_pairs_ = 0;
   for (std::size_t s = 0; s < strips; ++s) {
+    looks_ += strips_[s].looks;
     ghosts_.insert(ghosts_.end(), found_[s].ghosts.begin(), found_[s].ghosts.end());
   }
   std::sort(ghosts_.begin(), ghosts_.end());
@@ -293,6 +305,7 @@ void Manifolds::lay_out(const BodyStore& b, const HeavyLoads& loads, const Manif
     });
   }
   lay_out_strip(b, loads, params, dummies, grid);
+  laid_ = true;
   points_ = 0;
   colours_ = blocks_ = 0;
   loaded_ = false;

@@ -1,7 +1,7 @@
 // Contacts of bodies that are not discs: which pairs there are, where they touch, and the blocks that
 // the solver sweeps over.
 //
-//   collect   when lists change: takes pairs with such a body out of the discs' lists, keeping what is
+//   collect   when lists change (begin_collect, sort_out, keep): takes pairs with such a body out of the discs' lists, keeping what is
 //             known of pairs that were there before; drops pairs that a filter or a joint forbids
 //   refresh   every step: normals, arms and gaps
 //   lay_out   every step, after the columns were found: colours and blocks where the touching pairs
@@ -131,22 +131,41 @@ class Manifolds {
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // touching or near
+    std::uint32_t looks = 0;   // in the last refresh, at pairs that were known before
   };
 
-  /// Takes over the pairs of `table` that are not two discs and drops those that must not collide.
-  /// `sorted`: slots changed. `recent`: impulses of those whose sides fell asleep or woke. O(pairs).
-  void collect(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
-               bool any_filter, PairTable& table, bool sorted, const TouchMemory& recent,
-               WorkerPool& pool);
+  /// Takes over the pairs of `table` that are not two discs and drops those that must not collide, in three
+  /// parts, the last two of strips [begin, end), in order. `sorted`: slots changed. `recent`: impulses of those
+  /// whose sides fell asleep or woke. O(pairs).
+  void begin_collect(const BodyStore& bodies, bool any_filter, const PairTable& table, bool sorted,
+                     WorkerPool& pool);
+  void sort_out(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined, PairTable& table,
+                std::size_t begin, std::size_t end, WorkerPool& pool);
+  void keep(const StaticShapes& shapes, const TouchMemory& recent, std::size_t begin, std::size_t end,
+            WorkerPool& pool);
 
-  /// Manifolds for this step. O(pairs).
+  /// Makes room for so many pairs to come.
+  void spare(std::size_t pairs) {
+    pairs_.reserve(pairs);
+    old_pairs_.reserve(pairs);
+  }
+  /// Keeps the pairs as they are before a refresh that may be given up.
+  void remember(WorkerPool& pool);
+  /// The pairs as they were before they were collected or remembered, or as they are since: until accept() there
+  /// are both.
+  void turn_back();
+  /// The present ones count.
+  void accept() { both_ = collecting_ = false; }
+
+  /// Manifolds for this step, of strips [begin, end): from the first to the last, in one go or spread over
+  /// frames. O(pairs).
   void refresh(BodyStore& bodies, const ManifoldParams& params, const PairTable& table,
-               WorkerPool& pool);
+               std::size_t begin, std::size_t end, WorkerPool& pool);
   /// Colours and blocks for this step. O(touching pairs).
   void lay_out(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
                std::uint32_t dummies, WorkerPool& pool);
 
-  /// Copies impulses from the blocks back to the pairs, before the blocks change.
+  /// Copies impulses from the blocks back to the pairs, before the blocks or the pairs change.
   void keep_impulses(WorkerPool& pool);
   /// All impulses are 0.
   void forget();
@@ -158,7 +177,9 @@ class Manifolds {
   bool any() const { return points_ != 0; }
   /// Whether contacts under heavy loads are among them.
   bool loaded() const { return loaded_; }
-  std::uint64_t pair_count() const { return pairs_.size(); }
+  std::uint64_t pair_count() const { return collecting_ ? old_pairs_.size() : pairs_.size(); }
+  /// How many manifolds the next refresh will look at anew: as many as the last one, and new pairs.
+  std::uint64_t expected_looks() const { return looks_ + new_pairs_; }
   std::uint64_t points() const { return points_; }
   std::uint32_t colours() const { return colours_; }
   const std::vector<ManifoldPair>& pairs() const { return pairs_; }
@@ -211,8 +232,9 @@ class Manifolds {
     std::vector<std::uint64_t> ghosts;
   };
 
-  void sort_out(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
-                PairTable& table, std::size_t strip);
+  void sort_out_strip(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
+                      PairTable& table, std::size_t strip);
+  void place_pairs(std::size_t strips);
   bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a,
                       std::uint32_t b) const;
   void index_old_pairs(std::uint32_t ids);
@@ -224,8 +246,10 @@ class Manifolds {
   std::uint32_t recall(const PairName& pair) const;
   struct Stand;    // manifold_look.h
   struct Waiting;
-  void look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
-            std::uint32_t end);
+  void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
+  void refresh_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
+  std::uint32_t look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
+                     std::uint32_t end);
   bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
              Stand& now) const;
   void find(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
@@ -270,8 +294,12 @@ class Manifolds {
   Column<std::uint32_t> used_;        // by slot: colours taken
   std::vector<std::uint32_t> shaped_; // slots of bodies that are not discs
   std::uint64_t points_ = 0;
+  std::uint64_t looks_ = 0, new_pairs_ = 0;  // of the last refresh; since then
   float g_ = 0;                       // m/s^2, in this step
   bool any_filter_ = false, loaded_ = false;
+  bool both_ = false;                 // old_pairs_ are those of the last step
+  bool collecting_ = false;           // and pairs_ not all there yet
+  bool laid_ = false;                 // impulses are in the blocks, not in the pairs
   std::uint32_t colours_ = 0, blocks_ = 0;
 };
 

@@ -60,6 +60,21 @@ struct PairTable {
     std::swap(pair_room, o.pair_room);
   }
 
+  /// Makes room for so many pairs, gaps counted.
+  void spare(std::size_t bodies, std::size_t pairs) {
+    first.reserve(bodies + 1);
+    owner.reserve(pairs);
+    other.reserve(pairs);
+    contact.reserve(pairs);
+  }
+
+  /// The last word on `first`.
+  void mark_strips() {
+    first[body_count] = kStripStart;
+    for (const Strip& s : strips) {
+      if (s.body_begin < s.body_end) first[s.body_begin] |= kStripStart;
+    }
+  }
   std::uint32_t pairs_of_begin(std::uint32_t body) const { return first[body] & ~kStripStart; }
   std::uint32_t pairs_of_end(std::uint32_t body) const {
     const std::uint32_t next = first[std::size_t{body} + 1];

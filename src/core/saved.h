@@ -33,7 +33,10 @@ struct Saved {
     }
   }
   bool missing = false;       ///< the lists of a restored state are
-  bool laid_ahead = false;    ///< their contacts were laid ahead of the next step
+  /// Of a step that is under way over frames: lists serve; bodies are measured; they are sorted, too.
+  enum class Work : std::uint8_t { none, checked, measured, sorted };
+  Work work = Work::none;
+  std::vector<std::uint32_t> origin;  ///< where bodies lay when the contacts were laid out, if they moved on
   bool bare = false;          ///< contacts have impulses alone
   std::uint64_t builds = 0;   ///< ContactStore::builds() then
   Saver saver;                ///< its memory

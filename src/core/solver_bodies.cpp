@@ -68,17 +68,7 @@ void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bo
   number_.reserve(kernels::round_up_block(b.count));
   count_ = strip_begin_[strips];
   const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
-  slot_.reserve_loosely(all);
-  pos_.reserve_loosely(2 * all);
-  vel_.reserve_loosely(2 * all);
-  disp_.reserve_loosely(2 * all);
-  vel0_.reserve_loosely(2 * all);
-  linked_.reserve_loosely(all);
-  if (turning) {
-    spin_.reserve_loosely(all);
-    spin0_.reserve_loosely(all);
-  }
-  if (impacts) event_time_.reserve_loosely(all);
+  make_room(all, turning, impacts);
   pool.run(strips, [&](std::size_t s) {
     const Strip& strip = table.strips[s];
     std::uint32_t n = strip_begin_[s];
@@ -97,6 +87,25 @@ void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bo
     if (turning) spin_[d] = spin0_[d] = 0;
     if (impacts) event_time_[d] = 0;
   }
+}
+
+void SolverBodies::make_room(std::size_t all, bool turning, bool impacts) {
+  slot_.reserve_loosely(all);
+  pos_.reserve_loosely(2 * all);
+  vel_.reserve_loosely(2 * all);
+  disp_.reserve_loosely(2 * all);
+  vel0_.reserve_loosely(2 * all);
+  linked_.reserve_loosely(all);
+  if (turning) {
+    spin_.reserve_loosely(all);
+    spin0_.reserve_loosely(all);
+  }
+  if (impacts) event_time_.reserve_loosely(all);
+}
+
+void SolverBodies::spare(std::size_t bodies, bool turning, bool impacts) {
+  number_.reserve(kernels::round_up_block(bodies));
+  make_room(bodies, turning, impacts);
 }
 
 void SolverBodies::load(const BodyStore& b, WorkerPool& pool) {

@@ -27,6 +27,9 @@ class SolverBodies {
   void choose(BodyStore& bodies, const PairTable& table, bool compact, bool impacts,
               WorkerPool& pool);
 
+  /// Makes room for copies of so many bodies to come.
+  void spare(std::size_t bodies, bool turning, bool impacts);
+
   /// Copies places and motion in; after the solver, motion back out. Nothing if not compact.
   void load(const BodyStore& bodies, WorkerPool& pool);
   void store(BodyStore& bodies, WorkerPool& pool) const;
@@ -45,6 +48,7 @@ class SolverBodies {
 
  private:
   void take_all(BodyStore& bodies, std::size_t strips, bool impacts);
+  void make_room(std::size_t all, bool turning, bool impacts);
   void count_linked(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
 
   bool compact_ = false;

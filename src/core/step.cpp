@@ -24,7 +24,6 @@ double ms_since(Clock::time_point begin) {
 constexpr double kSkinOfRadius = 0.1;
 // Sideways motion within a step after which a contact's normal is computed anew, of the radius.
 constexpr float kRefreshOfRadius = 0.02f;
-constexpr double kMarginFrames = 1.25;  // frames of motion that the margin adds
 constexpr double kStiffening = 0.98;    // a step, of the substep that contact stiffness is for
 constexpr double kSoftening = 1.1;
 constexpr double kMostWarm = 4;  // on stored impulses where a step is longer than the last
@@ -44,37 +43,61 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   settle_lists();
   freeze_doubtful(report);
   replan();
-  report.detail = choose ? choose_detail(dt) : given;
-  dt *= report.detail.frames;
+  report.detail = given;
+  if (given.frames == 0) report.detail.frames = 1;
   if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
   placed = false;
-  if (report.detail.waits()) {
-    make_ahead(dt, report);
+  if (choose && governor.on()) {
+    choose_detail(dt, report);
+  } else if (!given.solves && !given.wakes) {
+    work_ahead(dt, report);
+  }
+  if (report.detail.solves || report.detail.wakes) {
+    const double frame_dt = dt;
+    dt *= report.detail.frames;
+    const Span span{ahead.part == Part::check ? dt : frame_dt,
+                    frame_dt * std::max(report.detail.frames, report.detail.horizon)};
+    advance(dt, span, choose && governor.on(), report);
+  }
+  if (report.detail.solves) {
+    ahead = {};
   } else {
-    advance(dt, report, choose && governor.on());
+    events.clear();
+    if (ahead.waits < 255) ++ahead.waits;
+    report.awake = bodies.count - bodies.dead;
   }
   ++frame;
   if (plan.publish) {
     const StageTimer timer(report, tracer, Stage::publish);
     publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
   }
-  if (!report.detail.waits()) rest(dt, report);
+  if (report.detail.solves) rest(dt, report);
   report.arena_growths = memory.growths - growths;
   report.asleep = bodies.asleep;
   report.total_ms = ms_since(begin);
   return report;
 }
 
-// Everything moves on by dt seconds.
-void World::Impl::advance(double dt, StepReport& report, bool choose) {
+// Everything moves on by dt seconds; or waits, if bodies woke and there is no time for new lists.
+void World::Impl::advance(double dt, const Span& span, bool choose, StepReport& report) {
   substeps = report.detail.substeps != 0 ? report.detail.substeps : desc.substeps;
-  choosing = choose;
+  report.detail.substeps = static_cast<std::uint8_t>(substeps);
+  if (bodies.count != bodies.dead) {
+    refresh_lists(dt, span, report);
+    // The lists name who may be met in this step, those of the last one did not.
+    if (!sleepers.empty() && wake_reached(dt)) {
+      if (report.detail.wakes || (choose && !fits_again(report))) {
+        report.detail.wakes = true;
+        report.detail.solves = false;
+        return;
+      }
+      refresh_lists(dt, span, report);
+    }
+  }
+  report.detail.wakes = false;
+  report.detail.solves = true;
   ++steps;
   if (bodies.count != bodies.dead) {
-    refresh_lists(dt, report);
-    report.detail.substeps = static_cast<std::uint8_t>(substeps);
-    // The lists name who may be met in this step, those of the last one did not.
-    if (!sleepers.empty() && wake_reached(dt)) refresh_lists(dt, report);
     solve(dt, report);
     if (plan.continuous) {
       const StageTimer timer(report, tracer, Stage::solver);
@@ -94,48 +117,6 @@ void World::Impl::advance(double dt, StepReport& report, bool choose) {
   if (report.awake != 0) count_contacts(report);
 }
 
-// Parts of a step of dt seconds that ends in a later frame; time stands still.
-void World::Impl::make_ahead(double dt, StepReport& report) {
-  events.clear();
-  if (bodies.count == bodies.dead) return;
-  prepare_lists(dt, report);
-  if ((report.detail.parts & StepDetail::kContacts) != 0) make_contacts(dt, report);
-  report.awake = bodies.count - bodies.dead;
-}
-
-// How the next step is spread over frames, from the counts of the last one; how many substeps there are is
-// known only once the contacts are (refresh_lists).
-StepDetail World::Impl::choose_detail(double dt) {
-  if (spread_at < spread.frames) return {0, spread.parts[spread_at++], spread.frames};
-  if (!governor.on() || bodies.count == bodies.dead) return {};
-  WorkCounts work = count_work();
-  work.builds = work.lays_out = true;
-  if (governor.spread(work).frames == 1) return {};
-  work.builds = lists_stale || once || !broad.lists_serve(bodies, reach_time(dt), kernels, pool);
-  work.lays_out = work.builds || loose;
-  spread = governor.spread(work);
-  spread_at = 1;
-  return {0, spread.parts[0], spread.frames};
-}
-
-WorkCounts World::Impl::count_work() const {
-  WorkCounts work;
-  work.bodies = bodies.count - bodies.dead;
-  work.solved = solved.count();
-  if (loose) {
-    for (const Strip& s : candidates.strips) work.candidates += s.pair_end - s.pair_begin;
-  }
-  work.contacts = contacts.pair_count() + contacts.single_count();
-  work.manifolds = manifolds.pair_count();
-  work.joints = joints.count();
-  work.bounces = plan.restitution;
-  return work;
-}
-
-float World::Impl::reach_time(double dt) const {
-  return static_cast<float>((loose ? 1.0 : kMarginFrames) * dt);
-}
-
 void World::Impl::prepare() {
   if (bodies.count == bodies.dead || !doubtful.empty()) return;
   const FloatSettings settings;
@@ -144,7 +125,8 @@ void World::Impl::prepare() {
   const WorkerPool::Awake awake(pool);
   settle_lists();
   replan();
-  refresh_lists(desc.dt, ignored);
+  refresh_lists(desc.dt, {desc.dt, desc.dt}, ignored);
+  if (governor.on()) spare_room();
   skipped_frames = counted;
 }
 
@@ -325,23 +307,17 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   return out;
 }
 
-// Broad phase: bodies in cell order and candidates, made anew if the old ones no longer serve.
-void World::Impl::make_candidates(double dt, StepReport& report) {
-  const StageTimer timer(report, tracer, Stage::broad_phase);
-  if (!lists_stale) lists_stale = once || !broad.lists_serve(bodies, reach_time(dt), kernels, pool);
-  if (!lists_stale) {
-    ++skipped_frames[1];
-    return;
-  }
-  // Lists that no step took, and that a change of the world spoiled: where the impulses' bodies lie now is lost.
-  if (unused_lists) impulses_valid = false;
-  unused_lists = true;
+// Broad phase: how the lists are made.
+void World::Impl::measure_bodies(const Span& span) {
   if (!bodies.spin.empty()) bodies.add_rotation();
-  const ListPlan lists = plan_lists(dt);
+  const ListPlan lists = plan_lists(span.step);
+  const double reach = lists.outer + (lists.loose ? 0 : 2 * kMarginFrames * span.step * lists.speed);
+  const double growth = list_reach > 0 ? reach * reach / (list_reach * list_reach) : 1;
   const bool changed = broad.density() == 0 || lists.loose != loose || lists.frames != list_frames;
   loose = lists.loose;
   once = lists.ahead != 0;
   list_frames = lists.frames;
+  list_reach = reach;
   sampled_speed = lists.speed;
   crowding = lists.crowding;
   impact_rate = lists.impacts;
@@ -349,6 +325,7 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   p.margin = lists.margin;
   p.ahead = lists.ahead;
   p.outer = changed ? lists.outer : 0;
+  if (!changed && (governor.on() || span.step > span.frame)) p.growth = std::clamp(growth, 1.0, 4.0);
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = plan.radii;
@@ -356,93 +333,33 @@ void World::Impl::make_candidates(double dt, StepReport& report) {
   const Vec2 c = lattice.centre();
   p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x,
               desc.bounds.ymax - c.y};
-  if (!loose) table.swap(old_table);
-  broad.build(bodies, shapes, p, kernels, pool, loose ? candidates : table);
-  if (plan.fields) move_rests(bodies, broad.from(), pool);
-  report.rebuilt = true;
+  broad.measure(bodies, shapes, p, kernels, pool);
+  ahead.built = true;
 }
 
-// Broad phase: who may meet. Sets lists_stale to whether there are new lists.
-void World::Impl::prepare_lists(double dt, StepReport& report) {
-  if (laid_ahead || lists_ahead) return;
-  carry_woken();
-  bodies.pad_tail();
-  make_candidates(dt, report);
-  lists_ahead = true;
-}
-
-// Colouring: which contacts there are, in blocks.
-void World::Impl::make_contacts(double dt, StepReport& report) {
-  if (laid_ahead) return;
-  laid_ahead = true;
-  lists_ahead = false;
-  saved.bare = false;
-  if (loose) {
-    const StageTimer timer(report, tracer, Stage::narrow_phase);
+// Bodies in cell order, once the last of them are moved.
+void World::Impl::move_bodies(std::size_t begin, std::size_t end) {
+  const bool last = end == broad.moves();
+  if (last && !loose) {
     table.swap(old_table);
-    const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, dt));
-    broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack, plan.fields, candidates,
-                 table, kernels, pool);
+    ahead.swapped = true;
   }
-  if (!lists_stale && !loose) {
-    ++skipped_frames[3];
-    return;
-  }
-  if (!held.empty()) {  // kinematic bodies are the solver's
-    bodies.find_slots();
-    for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
-  }
-  if (!joints.empty()) {  // so are joined ones
-    bodies.find_slots();
-    for (const std::uint32_t id : joints.bodies()) {
-      if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
-    }
-  }
-  const StageTimer timer(report, tracer, Stage::colouring);
-  if (!impulses_valid) {
-    old_table.body_count = 0;
-    manifolds.forget();
-  }
-  if (plan.turns) bodies.keep_turns(true);
-  solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
-  if (plan.loads) {
-    loads.find(bodies, table, pool);
-  } else {
-    loads.forget();
-  }
-  if (sorts_out()) sort_out_pairs();
-  contacts.build(bodies, solved, shapes, desc.wall, plan.model,
-                 plan.surfaces ? nullptr : &first_surface, loads, table, old_table,
-                 lists_stale ? broad.from() : nullptr, sleepers.recent, pool);
-  sleepers.recent.clear();
-  impulses_valid = true;
-  if (lists_stale) forces_stale = true;
-  lists_stale = false;
+  broad.move(bodies, kernels, pool, loose ? candidates : table, begin, end);
+  if (!last) return;
+  if (plan.fields) move_rests(bodies, broad.from(), pool);
+  ahead.sorted = true;
 }
 
 // Broad phase, narrow phase and colouring, as far as they were not done ahead: contacts with normals and
-// gaps for this step.
-void World::Impl::refresh_lists(double dt, StepReport& report) {
-  WorkCounts work;
-  work.lays_out = !laid_ahead;
-  prepare_lists(dt, report);
-  work.lays_out = work.lays_out && (lists_stale || loose);
-  make_contacts(dt, report);
-  laid_ahead = unused_lists = false;
-  kept_contacts = !work.lays_out && !report.detail.waits() && report.detail.frames == 1;
-  if (choosing) {
-    choosing = false;
-    const WorkCounts counts = count_work();
-    const bool builds = report.rebuilt, lays_out = work.lays_out;
-    work = counts;
-    work.builds = builds;
-    work.lays_out = lays_out;
-    // No substep is longer than a frame: contacts would come too late.
-    substeps = governor.substeps(work, std::min<int>(report.detail.frames, desc.substeps), desc.substeps);
-    report.predicted_ms = (governor.fixed_ns(work) + substeps * governor.substep_ns(work)) * 1e-6;
-  }
+// gaps for a step of dt seconds.
+void World::Impl::refresh_lists(double dt, const Span& span, StepReport& report) {
+  const bool lasting = ahead.part != Part::check && !ahead.built && !loose;  // lists were found to serve one frame
+  if (lasting && report.detail.frames > 1 && !lists_serve(dt)) spoil_lists();
+  finish_work(span, report);
+  kept_contacts = !ahead.laid;
+  accept_work();
   const StageTimer timer(report, tracer, Stage::narrow_phase);
-  if (plan.shapes) refresh_manifolds(dt);
+  if (plan.shapes) lay_out_manifolds(dt);
   if (contacts.pair_blocks() + contacts.single_blocks() == 0) {
     if (!manifolds.any()) ++skipped_frames[2];
     return;
@@ -455,16 +372,8 @@ bool World::Impl::sorts_out() const {
   return plan.shapes || plan.filters || joints.any_exclusions();
 }
 
-// Takes manifolds, and pairs that must not collide, out of the lists for discs.
-void World::Impl::sort_out_pairs() {
-  const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
-  manifolds.collect(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, plan.filters, table,
-                    lists_stale, sleepers.recent, pool);
-}
-
-// Hulls against hulls, at the frame's start.
-void World::Impl::refresh_manifolds(double dt) {
-  const double h = dt / substeps;
+// What manifolds need to know of a step of dt seconds.
+ManifoldParams World::Impl::manifold_params(double dt) const {
   ManifoldParams p;
   p.dt = dt;
   p.gravity = desc.gravity;
@@ -473,12 +382,17 @@ void World::Impl::refresh_manifolds(double dt) {
   p.kernels = &kernels;
   p.walls = walls;
   p.wall = desc.wall;
+  return p;
+}
+
+// Colours and blocks of the manifolds that were found.
+void World::Impl::lay_out_manifolds(double dt) {
+  const double h = dt / substeps;
+  ManifoldParams p = manifold_params(dt);
   Solver::manifold_softness(h, next_stiff_substep(h), p);
   p.changed = !std::equal(p.soft, p.soft + 4, manifold_soft.begin());
   std::copy(p.soft, p.soft + 4, manifold_soft.begin());
-  manifolds.refresh(bodies, p, table, pool);
   lanes.scalar += manifolds.pair_count();  // hulls are looked at one pair at a time
-  columns.find(bodies, manifolds, p, table, pool);
   manifolds.lay_out(bodies, loads, p, solved.dummies(), pool);
   columns.place(manifolds);
 }

@@ -26,4 +26,15 @@ inline BlockRange stream_range(std::size_t task, std::uint32_t blocks) {
   return {begin, std::min(blocks, begin + kTaskBlocks)};
 }
 
+/// Phases of strips, in order: even ones, odd ones, the large bodies' group, which is the last. Runs those
+/// from the `begin`-th to before the `end`-th in that order, each(strip); no two of a phase share a body.
+template <class Pool, class Each>
+void run_phases(std::size_t strips, std::size_t begin, std::size_t end, Pool& pool, const Each& each) {
+  const std::size_t grid = strips - 1, even = (grid + 1) / 2;
+  const std::size_t mid = std::clamp(even, begin, end), last = std::clamp(grid, mid, end);
+  pool.run(mid - begin, [&](std::size_t n) { each(2 * (begin + n)); });
+  pool.run(last - mid, [&](std::size_t n) { each(2 * (mid + n - even) + 1); });
+  if (last < end) each(grid);
+}
+
 }  // namespace psim

@@ -91,6 +91,7 @@ StepReport World::step(double dt) { return impl_->step(dt); }
 
 std::size_t World::body_count() const { return impl_->bodies.living; }
 std::size_t World::dynamic_count() const { return impl_->bodies.moving; }
+std::size_t World::shape_count() const { return impl_->traits.cornered; }
 std::size_t World::static_count() const { return impl_->bodies.fixed; }
 std::uint64_t World::frame() const { return impl_->frame; }
 std::uint64_t World::escaped_total() const { return impl_->escaped; }

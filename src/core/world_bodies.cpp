@@ -466,6 +466,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
   const BodyInfo& info = w.bodies.info[id.index];
   const std::size_t i = info.slot;
   velocity = w.capped(velocity);
+  const float speed = w.speed_of(i);
   if (angular_velocity != 0 && w.bodies.spin.empty()) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
@@ -479,6 +480,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     }
     w.go_round(id.index, velocity);
   }
+  w.pushed(info.slot, speed);
   w.forces_stale = true;
   return true;
 }
@@ -496,7 +498,9 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
     return true;
   }
   v = w.capped(v);
+  const float speed = w.speed_of(i);
   w.bodies.put_velocity(i, v);
+  w.pushed(info.slot, speed);
   w.forces_stale = true;
   return true;
 }
@@ -536,7 +540,9 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
   }
+  const float speed = w.speed_of(i);
   w.bodies.spin[i] = spin;
+  w.pushed(w.bodies.info[id.index].slot, speed);
   return true;
 }
 

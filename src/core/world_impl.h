@@ -35,7 +35,34 @@ namespace psim {
 /// Counters in Impl::skipped_frames, see kSkipNames.
 inline constexpr std::size_t kSkipCount = 16;
 
+/// The work of a step before its substeps, in order (step_work.cpp).
+enum class Part : std::uint8_t {
+  check, measure, count, move, search, near, select, pack, group, sort_out, keep, colour, lay_out, look, stand,
+  done
+};
+
+/// How much of a step's work is done, where it is spread over frames.
+struct Ahead {
+  Part part = Part::check;     // the present one
+  bool sorted = false;         // bodies lie in a new order that the contacts of the last step do not know
+  bool swapped = false;        // `table` is new; the contacts of the last step lie as `old_table` says
+  bool built = false;          // lists are made, for this step
+  bool laid = false;           // contacts are laid out or will be, for this step
+  bool spread = false;         // the work may take more than a frame
+  std::uint8_t waits = 0;      // frames in which time stood still
+  std::uint8_t spoiled = 0;    // times that the host made it begin again
+  std::uint8_t horizon = 1;    // frames that its lists are for
+  std::uint32_t at = 0;        // pieces of the part that are done
+};
+
+/// Seconds of a frame, and those that a step's lists are to serve.
+struct Span {
+  double frame = 0, step = 0;
+};
+
 struct World::Impl {
+  static constexpr double kMarginFrames = 1.25;  // of motion that the lists' margin adds
+
   Impl(const WorldDesc& d, const RunOptions& o);
 
   WorldDesc desc;
@@ -53,6 +80,7 @@ struct World::Impl {
   bool loose = false;          // bodies fly: few candidates meet within a step
   bool once = false;           // the lists are for one step
   double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
+  double list_reach = 0;       // m: how far a body reaches in them, about
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
   double impact_rate = 0;  // 1/s, of a body
@@ -80,20 +108,11 @@ struct World::Impl {
   float least_radius = 0;  // of all moving bodies so far, m
   bool plan_stale = true;
   bool lists_stale = true;
-  bool lists_ahead = false;     // candidates are made already, lists_stale tells whether anew
-  bool laid_ahead = false;      // and contacts
-  bool unused_lists = false;    // no step took the lists yet
-  void spoil_lists() {
-    lists_stale = true;
-    lists_ahead = laid_ahead = false;
-  }
   Saved saved;
+  Ahead ahead;                  // what was done of the present step
   Governor governor;
   int substeps = 4;             // of this step
-  bool choosing = false;        // the governor says how many
   bool kept_contacts = false;   // no list was made in this step
-  Governor::Spread spread;      // of the step under way over frames
-  std::uint8_t spread_at = 1;   // its next frame
   std::uint64_t steps = 0;      // that did not wait
   bool forces_stale = true;
   bool placed = true;           // the host added or moved bodies since the last step
@@ -188,25 +207,44 @@ struct World::Impl {
   void prepare();
   StepReport step(double dt);
   StepReport step(double dt, const StepDetail& detail, bool choose);
-  void advance(double dt, StepReport& report, bool choose);
-  void make_ahead(double dt, StepReport& report);
-  float reach_time(double dt) const;
-  StepDetail choose_detail(double dt);
-  WorkCounts count_work() const;
-  void prepare_lists(double dt, StepReport& report);
-  void make_contacts(double dt, StepReport& report);
-  void refresh_lists(double dt, StepReport& report);
+  void advance(double dt, const Span& span, bool choose, StepReport& report);
+  void refresh_lists(double dt, const Span& span, StepReport& report);
   struct ListPlan;
   double impact_slack(double speed, double close, double dt) const;
   ListPlan plan_lists(double dt) const;
-  void make_candidates(double dt, StepReport& report);
+  void measure_bodies(const Span& span);
+  void move_bodies(std::size_t begin, std::size_t end);
   bool sorts_out() const;
-  void sort_out_pairs();
   double next_stiff_substep(double h) const;
-  void refresh_manifolds(double dt);
+  ManifoldParams manifold_params(double dt) const;
+  void lay_out_manifolds(double dt);
   void solve(double dt, StepReport& report);
   void integrate(double dt, StepReport& report);
   void count_contacts(StepReport& report);
+
+  // step_work.cpp
+  void spoil_lists();
+  void turn_back();
+  void accept_work();
+  Part after_contacts() const { return plan.shapes ? Part::look : Part::done; }
+  Part after_check() const { return loose ? Part::select : after_contacts(); }  // if lists serve
+  void pushed(std::uint32_t slot, float speed_before);
+  bool contacts_stand() const;
+  std::size_t pieces() const;
+  void work(const Span& span, StepReport& report, std::size_t end);
+  void finish_part(StepReport& report);
+  void finish_work(const Span& span, StepReport& report);
+  bool lists_serve(double dt);
+  void check_lists(const Span& span);
+  void group_contacts();
+
+  // world_governor.cpp
+  void choose_detail(double dt, StepReport& report);
+  void spare_room();
+  bool fits_again(StepReport& report) const;
+  void work_ahead(double dt, StepReport& report);
+  WorkCounts count_work() const;
+  double piece_ns(const WorkCounts& counts, std::size_t piece) const;
 };
 
 /// Names of the counters in Impl::skipped_frames.

@@ -25,8 +25,7 @@ template <class A>
 void World::Impl::image(A& a, bool& lists) {
   numbers(a, frame, steps, escaped, stiff_substep, last_substep, impact_rate, list_frames, sampled_speed, crowding, loose,
           once, first_mass, first_radius, least_radius, plan_stale, lists_stale, impulses_valid, substeps, kept_contacts,
-          spread.frames, spread.parts[0], spread.parts[1], spread.parts[2], spread_at, saved.laid_ahead, lists,
-          unused_lists);
+          ahead.built, ahead.waits, ahead.spoiled, ahead.horizon, saved.work, list_reach, lists);
   for (float& soft : manifold_soft) a.value(soft);
   Image::visit(a, first_surface);
   Image::visit(a, traits);
@@ -39,7 +38,8 @@ void World::Impl::image(A& a, bool& lists) {
     Image::visit(a, s.id);
     numbers(a, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type);
   });
-  Image::bodies(a, bodies, lists);
+  a.vector(saved.origin);
+  Image::bodies(a, bodies, lists || ahead.built);
   if constexpr (!A::kLoading) saved.dead_radii = bodies.dead_radii();
   list(a, saved.dead_radii, [&](float& r) { a.value(r); });
   Image::shapes(a, shapes);
@@ -67,13 +67,16 @@ void World::Impl::image(A& a, bool& lists) {
 
 void World::save(std::vector<std::byte>& out) {
   Impl& w = *impl_;
+  using Work = Saved::Work;
   w.settle_lists();
-  if (w.lists_ahead && !w.laid_ahead) {  // a step is under way over frames: no half-made lists
-    StepReport ignored;
-    w.make_contacts(w.desc.dt, ignored);
-  }
+  const bool checked = w.ahead.part != Part::check && w.ahead.part != Part::measure;
+  w.saved.work = !checked ? Work::none : !w.ahead.built ? Work::checked : !w.ahead.sorted ? Work::measured : Work::sorted;
+  w.saved.origin.clear();
+  if (w.ahead.sorted || w.broad.has_moved_on()) w.broad.copy_origin(w.saved.origin);
+  w.turn_back();
+  const bool stale = w.lists_stale;
+  w.lists_stale = stale || w.ahead.built;
   bool lists = !w.lists_stale && !w.once && w.bodies.count != 0 && w.bodies.dead == 0 && w.table.body_count != 0;
-  w.saved.laid_ahead = w.laid_ahead;
   w.keep_contacts(lists && !w.loose);
   if (w.plan.shapes) w.manifolds.keep_impulses(w.pool);
   Saver& saver = w.saved.saver;
@@ -83,6 +86,8 @@ void World::save(std::vector<std::byte>& out) {
   Image::manifolds(saver, w.manifolds, w.bodies.count);
   const WorkerPool::Awake awake(w.pool);
   saver.finish(out, w.pool);
+  w.lists_stale = stale;
+  w.turn_back();
 }
 
 // each(a number of a contact, what is kept of it): in lists that last, in their order.
@@ -137,8 +142,7 @@ void World::Impl::keep_contacts(bool lasting) {
     return;
   }
   s.of_body.assign(table.body_count, 0);
-  const bool spoiled = unused_lists && !laid_ahead;  // the next lists begin anew
-  if (!impulses_valid || spoiled || table.body_count == 0) {
+  if (!impulses_valid || table.body_count == 0) {
     s.strip_pairs.assign(table.strips.size(), 0);
     s.strip_singles.assign(table.strips.size(), 0);
     return;
@@ -248,9 +252,17 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   bodies.fill_radii(first_radius, traits.same_radius != traits.moving);
   bodies.put_dead_radii(saved.dead_radii);
   if (bodies.count != 0) bodies.pad_tail();
-  laid_ahead = lists_ahead = false;
   old_table.body_count = 0;
-  saved.missing = lists;
+  contacts.give_up();
+  manifolds.accept();
+  ahead.sorted = ahead.swapped = ahead.spread = false;
+  ahead.at = 0;
+  ahead.part = saved.work == Saved::Work::checked    ? after_check()
+               : saved.work == Saved::Work::measured ? Part::count
+                                                     : Part::check;
+  ahead.laid = ahead.built || loose;
+  broad.set_origin(saved.origin);
+  saved.missing = lists || saved.work == Saved::Work::sorted;
   saved.bare = true;
   saved.builds = contacts.builds();
   if (!lists || loose) take_pairs();
@@ -270,6 +282,16 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
 void World::Impl::make_lists_again() {
   saved.missing = false;
   const FloatSettings settings;
+  if (saved.work == Saved::Work::sorted) {
+    if (!loose) {
+      table.swap(old_table);
+      ahead.swapped = true;
+    }
+    broad.build_again(bodies, shapes, kernels, pool, loose ? candidates : table);
+    ahead.sorted = true;
+    ahead.part = loose ? Part::select : Part::group;
+    return;
+  }
   if (loose) {
     broad.build_again(bodies, shapes, kernels, pool, candidates);
     return;
@@ -277,9 +299,14 @@ void World::Impl::make_lists_again() {
   broad.build_again(bodies, shapes, kernels, pool, table);
   lists_stale = impulses_valid = true;
   old_table.body_count = 0;
+  const Ahead now = ahead;
+  ahead = {};
+  ahead.part = Part::group;
+  ahead.laid = true;
   StepReport ignored;
-  make_contacts(desc.dt, ignored);
-  laid_ahead = saved.laid_ahead;
+  while (ahead.part != after_contacts()) work({}, ignored, pieces());
+  accept_work();
+  ahead = now;
   contacts.set_builds(saved.builds);
   each_lane([](float& lane, float& kept) { lane = kept; });
 }

@@ -55,10 +55,12 @@ void order_points(const ManifoldPair& pair, Touch& touch) {
 
 }  // namespace
 
-// each(met): every contact of the present lists that has a body on it.
+// each(met): every contact of the present lists that has a body on it; none while a step under way over
+// frames makes new ones.
 template <class Each>
 void World::Impl::each_contact(const Each& each) const {
   PSIM_ASSERT(!saved.missing);
+  if (!contacts_stand()) return;
   const bool rough = contacts.rough();
   Met met;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {

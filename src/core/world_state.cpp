@@ -77,7 +77,7 @@ Diagnostics World::diagnostics() const {
   }
   // Present separations: the narrow phase over the present lists.
   w.settle_lists();
-  if (!w.lists_stale && !w.saved.bare && w.frame != 0) {
+  if (!w.lists_stale && w.contacts_stand() && !w.saved.bare && w.frame != 0) {
     narrow_phase(w.bodies, w.solved, w.shapes, w.walls, w.lattice, 0, w.table, w.contacts, w.kernels, w.pool);
     float deepest = 0;
     for (std::size_t l = 0; l < std::size_t{w.contacts.pair_blocks()} * kernels::kBlock; ++l) {

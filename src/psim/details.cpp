@@ -11,7 +11,7 @@
 namespace psim::cli {
 namespace {
 
-constexpr const char* kHeader = "frame,substeps,parts,frames";
+constexpr const char* kHeader = "frame,solves,substeps,frames,horizon,pieces,wakes";
 
 }  // namespace
 
@@ -21,7 +21,8 @@ void write_details_header(AtomicFile& file) {
 }
 
 void write_details_row(AtomicFile& file, std::uint64_t frame, const StepDetail& detail) {
-  file.write(fmt::format("{},{},{},{}\n", frame, detail.substeps, detail.parts, detail.frames));
+  file.write(fmt::format("{},{},{},{},{},{},{}\n", frame, detail.solves ? 1 : 0, detail.substeps, detail.frames,
+                         detail.horizon, detail.pieces, detail.wakes ? 1 : 0));
 }
 
 std::vector<StepDetail> read_details(const std::string& path) {
@@ -38,19 +39,22 @@ std::vector<StepDetail> read_details(const std::string& path) {
   while (std::getline(file, line)) {
     const std::size_t at = details.size() + 2;
     std::uint64_t frame = 0;
-    unsigned substeps = 0, parts = 0, frames = 0;
-    char comma[3] = {};
+    unsigned solves = 0, substeps = 0, frames = 0, horizon = 0, wakes = 0;
+    std::uint32_t pieces = 0;
+    char comma[6] = {};
     std::istringstream row(line);
-    if (!(row >> frame >> comma[0] >> substeps >> comma[1] >> parts >> comma[2] >> frames) ||
-        std::string_view(comma, 3) != ",,," || row.peek() != std::istringstream::traits_type::eof()) {
-      throw refuse(at, "must be frame,substeps,parts,frames");
+    if (!(row >> frame >> comma[0] >> solves >> comma[1] >> substeps >> comma[2] >> frames >> comma[3] >>
+          horizon >> comma[4] >> pieces >> comma[5] >> wakes) ||
+        std::string_view(comma, 6) != ",,,,,," || row.peek() != std::istringstream::traits_type::eof()) {
+      throw refuse(at, "must be frame,solves,substeps,frames,horizon,pieces,wakes");
     }
     if (frame != details.size() + 1) throw refuse(at, "is out of order: frames count from 1");
-    if (substeps > 64 || parts < 1 || parts > StepDetail::kAll || frames < 1 || frames > 3) {
-      throw refuse(at, "has substeps 0 to 64, parts 1 to 7 and frames 1 to 3");
+    if (solves > 1 || substeps > 64 || frames < 1 || frames > 8 || horizon < 1 || horizon > 8 || wakes > 1 ||
+        solves + wakes > 1) {
+      throw refuse(at, "has solves 0 or 1, substeps 0 to 64, frames 1 to 8, horizon 1 to 8 and wakes 0 or, without solves, 1");
     }
-    details.push_back({static_cast<std::uint8_t>(substeps), static_cast<std::uint8_t>(parts),
-                       static_cast<std::uint8_t>(frames)});
+    details.push_back({static_cast<std::uint8_t>(substeps), solves == 1, static_cast<std::uint8_t>(frames),
+                       static_cast<std::uint8_t>(horizon), pieces, wakes == 1});
   }
   return details;
 }

@@ -183,7 +183,8 @@ int run_scene(const Options& options) {
   const auto world = options.restore.empty() ? make_world(scene, options.isa, options.threads)
                                              : restored_world(options);
   if (options.governor) {
-    const CostModel costs = World::measure_costs({options.isa, options.threads}, world->dynamic_count());
+    const CostModel costs = World::measure_costs({options.isa, options.threads}, world->dynamic_count(),
+                                                 world->shape_count());
     world->set_governor({true, options.budget_ms, costs});
   }
   world->prepare();

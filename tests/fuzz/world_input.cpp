@@ -471,15 +471,19 @@ class Session {
   void replay() {
     StepDetail detail;
     detail.substeps = static_cast<std::uint8_t>(in_.below(in_.tame ? 9 : 256));
-    detail.parts = static_cast<std::uint8_t>(in_.below(in_.tame ? 8 : 256));
-    detail.frames = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(3) : in_.byte() % 6);
+    detail.solves = in_.chance(128);
+    detail.wakes = in_.chance(in_.tame ? 0 : 16);
+    detail.pieces = static_cast<std::uint32_t>(in_.below(in_.tame ? 40 : 256));
+    detail.frames = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(3) : in_.byte() % 10);
+    detail.horizon = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(4) : in_.byte() % 10);
     std::vector<StepReport> reports;
-    say("step %d: substeps %d parts %d frames %d", steps_ + 1, detail.substeps, detail.parts,
-        detail.frames);
+    say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d", steps_ + 1, detail.substeps,
+        detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon);
     const std::uint64_t frame = worlds_.front()->frame();
     for (auto& w : worlds_) reports.push_back(w->replay(detail));
-    if (detail.substeps > 64 || detail.parts < 1 || detail.parts > 7 || detail.frames < 1 ||
-        detail.frames > 3) {
+    const auto frames = [](int n) { return n >= 1 && n <= 8; };
+    if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+        (detail.solves && detail.wakes)) {
       return require(worlds_.front()->frame() == frame,
                      "replay: a detail that no governor chooses");
     }

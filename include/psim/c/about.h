@@ -45,9 +45,9 @@ PSIM_API const char* psim_stage_name(int32_t stage);
 PSIM_API size_t psim_estimate_memory_bytes(size_t discs);
 
 /// Measures what work costs with these options (NULL: the defaults) for worlds of about so many
-/// bodies; about a tenth of a second for 10,000. `costs` must have been through psim_cost_model_init.
+/// bodies, `shapes` of them not discs; about a tenth of a second for 10,000. `costs` must have been through psim_cost_model_init.
 PSIM_API psim_result psim_measure_costs(const psim_run_options* options, size_t bodies,
-                                        psim_cost_model* costs);
+                                        size_t shapes, psim_cost_model* costs);
 
 #ifdef __cplusplus
 }

@@ -127,18 +127,38 @@ typedef struct psim_event_options {
 typedef struct psim_cost_model {
   uint32_t struct_size;  ///< set by psim_cost_model_init
   int32_t reserved;      ///< 0
-  double step;           ///< a step, whatever is in it
-  double check;          ///< a body: do its lists serve, integrate, sleep
-  double build;          ///< a body, when lists are made
+  double step;           ///< a frame, whatever is in it
+  double check;          ///< a body: do its lists serve
+  double sort;           ///< a body, when lists are made: to its cell
+  double search;         ///< a body: its candidates
+  double test;           ///< two bodies that are looked at for that
+  double pair;           ///< a candidate pair that is found
+  double near;           ///< a body: walls near it
+  double near_fixed;     ///< a body, where there are fixed shapes or sleepers
+  double near_shape;     ///< a fixed shape near a body
   double select;         ///< a candidate pair, when a step selects from them
-  double colour;         ///< a contact of discs, when contacts are laid out
-  double narrow;         ///< a contact of discs: its normal
-  double look;           ///< a manifold: its normal, gaps, columns, lane
-  double body_pass;      ///< a body that the solver has, a substep
-  double pass;           ///< a contact of discs, a substep
-  double bounce_pass;    ///< the same with restitution
-  double shape_pass;     ///< a manifold, a substep
-  double joint_pass;     ///< a joint, a substep
+  double pack;           ///< a pair that was selected, a body that the solver may leave out
+  double group;          ///< a manifold, when it is taken out of the lists of discs
+  double load;           ///< a contact of discs, where bodies carry much heavier ones
+  double colour;         ///< a contact of discs, when contacts are laid out: its colour
+  double lay_out;        ///< its lane
+  double lay_out_rough;  ///< the same with friction
+  double keep;           ///< a manifold that is kept as it is: its gaps
+  double look;           ///< a manifold that is looked at anew
+  double stand;          ///< a manifold: who stands on whom
+  double column;         ///< a manifold: its lane
+  double narrow;         ///< a contact of discs: its normal, its sums
+  double load_body;      ///< a body that the solver copies
+  double move;           ///< a body: integrate
+  double stop;           ///< a body, where shapes fly fast
+  double sleep;          ///< a body or a contact, each time that sleep looks at it
+  double joint;          ///< a joint
+  double joint_sorted;   ///< a joint whose bodies have new slots
+  double body_pass;      ///< a body that the solver has
+  double pass;           ///< a contact of discs
+  double bounce_pass;    ///< the same with restitution: sweeps over impacts
+  double shape_pass;     ///< a manifold
+  double joint_pass;     ///< a joint
 } psim_cost_model;
 
 /// How a frame's budget is kept by doing less (docs/governor.md).

@@ -161,12 +161,18 @@ typedef struct psim_column {
   size_t stride;       ///< bytes from one to the next; 0: one after the other
 } psim_column;
 
-/// How much of a step was or is to be done (docs/governor.md).
+enum {
+  PSIM_STEP_WAITS = 1,  ///< time stands still: the work ahead of the substeps is spread over frames
+  PSIM_STEP_WAKES = 2   ///< with it: all was ready, but bodies woke and lists are made anew
+};
+
+/// How much of a step was or is to be done in a frame (docs/governor.md).
 typedef struct psim_step_detail {
   uint8_t substeps;  ///< 0: as the world's description has it; at most 64
-  uint8_t parts;     ///< 1 lists, 2 contacts, 4 the rest; without 4 time stands still
-  uint8_t frames;    ///< that the step makes up for, 1 or more
-  uint8_t reserved;  ///< 0
+  uint8_t flags;     ///< PSIM_STEP_WAITS, PSIM_STEP_WAKES
+  uint8_t frames;    ///< that the step makes up for, 1 to 8
+  uint8_t horizon;   ///< frames that lists made in it serve, 1 to 8
+  uint32_t pieces;   ///< of the work ahead, where it waits: done in the frame
 } psim_step_detail;
 
 #ifdef __cplusplus

@@ -30,7 +30,6 @@ typedef struct psim_step_report {
   double predicted_ms;               ///< by the governor's cost model; 0 without a governor
   double virial;            ///< sum over contacts of normal impulse x centre distance, N s m
   psim_step_detail detail;  ///< how much of it was done
-  uint32_t reserved;        ///< 0
 } psim_step_report;
 
 /// Sets the defaults.

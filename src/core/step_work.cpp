@@ -1,0 +1,315 @@
+// The work of a step before its substeps, in parts of many pieces each, which a governor can spread over frames
+// (docs/governor.md):
+//
+//   check    do the lists serve?                                 one piece
+//   measure  how the lists are made, how far bodies reach        one piece
+//   count    the cells of bodies                                 one piece
+//   move     bodies in cell order                                a piece 4,096 bodies
+//   search   candidate pairs                                     a piece a strip, and so on
+//   near     bodies near fixed shapes; who is linked
+//   select   loose scenes: who may meet in this step
+//   pack     closes up what was selected
+//   group    solver bodies, heavy loads                          one piece
+//   sort_out manifolds, and pairs that must not collide, leave the lists of discs
+//   keep     what is known of manifolds that were there before
+//   colour   contacts of discs: colours
+//   lay_out  and lanes, with the impulses of before
+//   look     manifolds: where they touch
+//   stand    columns                                             one piece
+//
+// A part that the scene does not need is left out. However many pieces are done at a time, the lists come out the
+// same. If the host changes bodies in between, what was made is thrown away and the contacts' impulses stay with the
+// table that they were laid out by (spoil_lists).
+#include <algorithm>
+
+#include "stage_timer.h"
+#include "world_impl.h"
+
+namespace psim {
+
+// What was made for this step is thrown away: all is as the last one left it, but bodies may lie in another order,
+// which the broad phase knows.
+void World::Impl::spoil_lists() {
+  turn_back();
+  contacts.give_up();
+  manifolds.accept();
+  if (ahead.sorted) broad.keep_origin();
+  lists_stale = true;
+  if (ahead.waits != 0 && (ahead.part != Part::check || ahead.at != 0)) ++ahead.spoiled;
+  ahead.part = Part::check;
+  ahead.at = 0;
+  ahead.sorted = ahead.swapped = ahead.built = false;
+}
+
+// To the contacts of the last step, and back to those of this one, as far as there are any.
+void World::Impl::turn_back() {
+  contacts.turn_back();
+  manifolds.turn_back();
+  if (ahead.swapped) table.swap(old_table);
+}
+
+// The contacts of this step count from now on: those of the last one go.
+void World::Impl::accept_work() {
+  contacts.accept();
+  manifolds.accept();
+  if (ahead.laid) {
+    sleepers.recent.clear();
+    impulses_valid = true;
+    saved.bare = false;
+  }
+  if (ahead.built) {
+    broad.forget_origin();
+    broad.finish(bodies, kernels, pool);
+  }
+  ahead.part = Part::check;
+  ahead.at = 0;
+  ahead.sorted = ahead.swapped = ahead.built = ahead.laid = false;
+}
+
+// A body's velocity was changed by the host: lists and manifolds that were made for this step do not serve it
+// if it is much faster now.
+void World::Impl::pushed(std::uint32_t slot, float speed_before) {
+  if (ahead.part == Part::check) return;
+  if (ahead.built && !ahead.sorted) return spoil_lists();  // it may be copied already
+  const double gain = static_cast<double>(speed_of(slot) - speed_before);
+  const double way = kMarginFrames * desc.dt * std::max<int>(ahead.horizon, ahead.waits + 1) * gain;
+  if (!(way <= 0.02 * static_cast<double>(bodies.radius[slot]))) spoil_lists();
+}
+
+// Whether the table, the contacts and the bodies' slots belong together.
+bool World::Impl::contacts_stand() const { return !ahead.swapped && !ahead.sorted && !broad.has_moved_on(); }
+
+// Of the present part.
+std::size_t World::Impl::pieces() const {
+  switch (ahead.part) {
+    case Part::check:
+    case Part::measure:
+    case Part::count:
+    case Part::group:
+    case Part::stand:
+      return 1;
+    case Part::move:
+      return broad.moves();
+    case Part::search:
+      return broad.searches();
+    case Part::near:
+    case Part::select:
+    case Part::pack:
+      return loose ? candidates.strips.size() : table.strips.size();
+    case Part::sort_out:
+    case Part::keep:
+    case Part::colour:
+    case Part::lay_out:
+    case Part::look:
+      return table.strips.size();
+    case Part::done:
+      break;
+  }
+  return 0;
+}
+
+namespace {
+
+Stage stage_of(Part part) {
+  switch (part) {
+    case Part::select:
+    case Part::pack:
+    case Part::look:
+    case Part::stand:
+      return Stage::narrow_phase;
+    case Part::group:
+    case Part::sort_out:
+    case Part::keep:
+    case Part::colour:
+    case Part::lay_out:
+      return Stage::colouring;
+    default:
+      return Stage::broad_phase;
+  }
+}
+
+}  // namespace
+
+// Does the pieces of the present part up to the `end`-th; after the last one the next part is the present one.
+void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
+  const std::size_t begin = ahead.at;
+  const StageTimer timer(report, tracer, stage_of(ahead.part));
+  PairTable& fresh = loose ? candidates : table;
+  switch (ahead.part) {
+    case Part::check:
+      check_lists(span);
+      break;
+    case Part::measure:
+      measure_bodies(span);
+      break;
+    case Part::count:
+      broad.count(bodies, kernels, pool);
+      break;
+    case Part::move:
+      move_bodies(begin, end);
+      break;
+    case Part::search:
+      broad.search(bodies, kernels, pool, fresh, begin, end);
+      break;
+    case Part::near:
+      broad.find_near(bodies, shapes, pool, fresh, begin, end);
+      break;
+    case Part::select: {
+      if (begin == 0) {
+        table.swap(old_table);
+        ahead.swapped = true;
+      }
+      const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, span.step));
+      broad.select(bodies, static_cast<float>(kMarginFrames * span.step), slack, plan.fields, candidates,
+                   table, kernels, pool, begin, end);
+      break;
+    }
+    case Part::pack:
+      broad.pack(bodies, candidates, table, pool, begin, end);
+      break;
+    case Part::group:
+      group_contacts();
+      break;
+    case Part::sort_out: {
+      const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
+      manifolds.sort_out(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, table, begin, end, pool);
+      break;
+    }
+    case Part::keep:
+      manifolds.keep(shapes, sleepers.recent, begin, end, pool);
+      break;
+    case Part::colour:
+      if (begin == 0) {
+        contacts.begin(bodies, solved, plan.model, plan.surfaces ? nullptr : &first_surface, loads, table, pool);
+      }
+      contacts.colour(table, begin, end, pool);
+      break;
+    case Part::lay_out:
+      contacts.lay_out(bodies, shapes, desc.wall, table, old_table, lists_stale ? broad.origin() : nullptr,
+                       sleepers.recent, begin, end, pool);
+      break;
+    case Part::look:
+      if (begin == 0 && ahead.spread && !ahead.built && !loose) manifolds.remember(pool);
+      manifolds.refresh(bodies, manifold_params(span.step), table, begin, end, pool);
+      break;
+    case Part::stand:
+      columns.find(bodies, manifolds, manifold_params(span.step), table, pool);
+      break;
+    case Part::done:
+      break;
+  }
+  ahead.at = static_cast<std::uint32_t>(end);
+  if (end == pieces()) finish_part(report);
+}
+
+void World::Impl::finish_part(StepReport& report) {
+  Part next = Part::done;
+  switch (ahead.part) {
+    case Part::check:
+      if (lists_stale) {
+        next = Part::measure;
+      } else {
+        ++skipped_frames[1];
+        if (!loose) ++skipped_frames[3];
+        next = after_check();
+      }
+      break;
+    case Part::measure:
+      next = Part::count;
+      break;
+    case Part::count:
+      next = Part::move;
+      break;
+    case Part::move:
+      next = Part::search;
+      break;
+    case Part::search:
+      next = Part::near;
+      break;
+    case Part::near:
+      report.rebuilt = true;
+      next = loose ? Part::select : Part::group;
+      break;
+    case Part::select:
+      next = Part::pack;
+      break;
+    case Part::pack:
+      next = Part::group;
+      break;
+    case Part::group:
+      next = sorts_out() ? Part::sort_out : Part::colour;
+      break;
+    case Part::sort_out:
+      next = Part::keep;
+      break;
+    case Part::keep:
+      next = Part::colour;
+      break;
+    case Part::colour:
+      next = Part::lay_out;
+      break;
+    case Part::lay_out:
+      if (lists_stale) forces_stale = true;
+      lists_stale = false;
+      next = after_contacts();
+      break;
+    case Part::look:
+      next = Part::stand;
+      break;
+    case Part::stand:
+    case Part::done:
+      break;
+  }
+  ahead.part = next;
+  ahead.at = 0;
+}
+
+// All that is left of the work.
+void World::Impl::finish_work(const Span& span, StepReport& report) {
+  while (ahead.part != Part::done) work(span, report, pieces());
+}
+
+// Whether the lists can serve dt seconds more.
+bool World::Impl::lists_serve(double dt) {
+  const double time = (loose ? 1.0 : kMarginFrames) * dt;
+  return broad.lists_serve(bodies, static_cast<float>(time), kernels, pool);
+}
+
+// Sets lists_stale to whether there must be new lists.
+void World::Impl::check_lists(const Span& span) {
+  carry_woken();
+  bodies.pad_tail();
+  ahead.built = ahead.laid = false;
+  if (!lists_stale) {
+    lists_stale = once || !lists_serve(loose ? span.step : span.frame);
+  }
+  ahead.laid = lists_stale || loose;
+}
+
+// Colouring, what comes before the colours: which contacts there are, and of whom.
+void World::Impl::group_contacts() {
+  if (!held.empty()) {  // kinematic bodies are the solver's
+    bodies.find_slots();
+    for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
+  }
+  if (!joints.empty()) {  // so are joined ones
+    bodies.find_slots();
+    for (const std::uint32_t id : joints.bodies()) {
+      if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
+    }
+  }
+  if (!impulses_valid) {
+    old_table.body_count = 0;
+    manifolds.forget();
+  }
+  if (plan.turns) bodies.keep_turns(true);
+  solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
+  if (plan.loads) {
+    loads.find(bodies, table, pool);
+  } else {
+    loads.forget();
+  }
+  if (sorts_out()) manifolds.begin_collect(bodies, plan.filters, table, lists_stale, pool);
+}
+
+}  // namespace psim
