@@ -221,6 +221,18 @@ class SpreadStep : public ::testing::TestWithParam<std::uint32_t> {
     run(*world, 300);
     return world;
   }
+  static std::unique_ptr<World> box_heap() {
+    auto world = make(walled({0, 0, 30, 80}, {0, -kG}, material(0, 0.5)), best_isa(), 1);
+    for (int k = 0; k < 250; ++k) {
+      BodyDesc d;
+      d.shape = BoxShape{1, 1, 0};
+      d.position = {1.2 + 1.1 * (k % 25), 0.6 + 1.05 * (k / 25)};
+      d.material = material(0, 0.5);
+      add(*world, d);
+    }
+    run(*world, 60);
+    return world;
+  }
   static double fastest(World& world) {
     double most = 0;
     const PublishedState s = world.published();
@@ -269,6 +281,39 @@ TEST_P(SpreadStep, ABodyThatIsPushedMeanwhileIsNotMissed) {
   world->set_velocity(bullet, {0, -2000}, 0);
   world->step();
   EXPECT_GT(state(*world, bullet).y, 5) << "it flew through the pile";
+}
+
+// Whatever comes next: the step goes on, or the host throws away what was made of it.
+TEST_P(SpreadStep, ASavedStateGoesOnWithTheSameBits) {
+  for (const bool boxes : {false, true}) {
+    for (const bool add_before : {false, true}) {
+      for (const bool spoil : {false, true}) {
+        const auto world = boxes ? box_heap() : heap();
+        const auto never_saved = boxes ? box_heap() : heap();
+        for (World* w : {world.get(), never_saved.get()}) {
+          if (add_before) add(*w, disc({15, 70}));
+          w->replay(some(GetParam()));
+        }
+        std::vector<std::byte> state, again;
+        std::string error;
+        world->save(state);
+        const auto back = World::from_state(state, {available_isas().front(), 3}, error);
+        ASSERT_NE(back, nullptr) << error;
+        back->save(again);
+        EXPECT_TRUE(state == again);
+        std::uint64_t hash = 0;
+        for (World* w : {never_saved.get(), world.get(), back.get()}) {
+          w->replay(some(3));
+          if (spoil) w->remove_body(w->id_of(7));
+          for (int k = 0; k < 4; ++k) w->replay(some(9));
+          for (int k = 0; k < 5; ++k) w->step();
+          if (w == never_saved.get()) hash = w->state_hash();
+          EXPECT_EQ(w->state_hash(), hash) << (w == back.get() ? "restored" : "saved") << (boxes ? ", boxes" : "")
+                                           << (add_before ? ", new lists" : "") << (spoil ? ", spoiled" : "");
+        }
+      }
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Pieces, SpreadStep, ::testing::Values(1u, 2u, 4u, 7u, 11u, 14u, 18u, 22u, 26u, 30u, 40u));

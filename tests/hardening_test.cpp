@@ -123,7 +123,10 @@ TEST(Hardening, BodiesMayComeBetweenTheFramesOfOneStep) {
 TEST(Hardening, AStateIsSavedBetweenTheFramesOfOneStep) {
   auto world = pile(100, material(0, 0.4));
   run(*world, 60);
-  world->replay({0, StepDetail::kLists, 3});
+  StepDetail waits;
+  waits.solves = false;
+  waits.pieces = 7;
+  world->replay(waits);
   add(*world, disc({3, 30}, {0, -3}, 0.4));  // spoils the lists
   std::vector<std::byte> state;
   std::string error;

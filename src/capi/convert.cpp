@@ -23,15 +23,16 @@ psim_cost_model to_c(const CostModel& m) {
   return {sizeof(psim_cost_model), 0, m.step, m.check, m.sort, m.search, m.test, m.pair, m.near,
           m.near_fixed, m.near_shape, m.select, m.pack, m.group, m.load, m.colour, m.lay_out,
           m.lay_out_rough, m.keep, m.look, m.stand, m.column, m.narrow, m.load_body, m.move,
-          m.stop, m.sleep, m.joint, m.joint_sorted, m.body_pass, m.pass, m.bounce_pass,
-          m.shape_pass, m.joint_pass};
+          m.stop, m.sleep, m.joint, m.joint_sorted, m.body_pass, m.pass, m.touch, m.sweep,
+          m.shape_pass, m.joint_pass, m.cell, m.flight, m.strip};
 }
 
 CostModel to_cpp(const psim_cost_model& m) {
   return {m.step, m.check, m.sort, m.search, m.test, m.pair, m.near, m.near_fixed, m.near_shape,
           m.select, m.pack, m.group, m.load, m.colour, m.lay_out, m.lay_out_rough, m.keep,
           m.look, m.stand, m.column, m.narrow, m.load_body, m.move, m.stop, m.sleep, m.joint,
-          m.joint_sorted, m.body_pass, m.pass, m.bounce_pass, m.shape_pass, m.joint_pass};
+          m.joint_sorted, m.body_pass, m.pass, m.touch, m.sweep, m.shape_pass, m.joint_pass, m.cell,
+          m.flight, m.strip};
 }
 
 psim_field to_c(const Field& field) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -60,23 +61,42 @@ bool BroadPhase::lists_serve(BodyStore& b, float time, const kernels::KernelTabl
   return serve.load();
 }
 
+namespace {
+
+// Of reaches: a quarter of an octave each, from the largest down.
+constexpr std::size_t kBins = 96;
+constexpr double kBin = 1.189207115002721;
+
+constexpr std::array<double, kBins> bin_ends() {
+  std::array<double, kBins> ends{};
+  double end = 1;
+  for (double& e : ends) e = end *= kBin;
+  ends.back() = 1e300;
+  return ends;
+}
+
+std::size_t bin_of(double ratio) {
+  static constexpr std::array<double, kBins> kEnds = bin_ends();
+  const auto bits = std::bit_cast<std::uint64_t>(ratio);
+  const auto octave = static_cast<std::int64_t>(bits >> 52) - 1023;
+  const std::int64_t quarter = 4 * octave + static_cast<std::int64_t>(bits >> 50 & 3);  // one too few, perhaps
+  std::size_t bin = static_cast<std::size_t>(std::clamp<std::int64_t>(quarter - 1, 0, kBins - 1));
+  while (bin + 1 < kBins && ratio >= kEnds[bin]) ++bin;
+  return bin;
+}
+
+}  // namespace
+
 // The largest reach that cells are made for: that of all but large bodies. It splits by estimated
 // candidates: within the cells, and of each large body against the bodies under its box and the
 // other large ones. `area` is what the bodies are spread over.
 double BroadPhase::choose_reach(const BodyStore& b, double most, double area) const {
   const double n = b.count;
   if (!(18 * most * most * n / area > kFewCandidates && n > 64)) return most;
-  constexpr int kBins = 96;  // a quarter of an octave each, from the largest down
   std::array<double, kBins> count{};
   for (std::uint32_t i = 0; i < b.count; ++i) {
     if (b.id[i] == kNoSlot) continue;
-    const double ratio = most / static_cast<double>(b.reach[i]);
-    int bin = 0;
-    for (double step = 1.189207115002721; bin < kBins - 1 && ratio >= step;
-         step *= 1.189207115002721) {
-      ++bin;
-    }
-    count[static_cast<std::size_t>(bin)] += 1;
+    count[bin_of(most / static_cast<double>(b.reach[i]))] += 1;
   }
   double best = 1e300, above = 0, large_area = 0, limit = most;
   double chosen = limit;
@@ -91,7 +111,7 @@ double BroadPhase::choose_reach(const BodyStore& b, double most, double area) co
     }
     above += here;
     large_area += here * 8 * limit * limit;
-    limit /= 1.189207115002721;
+    limit /= kBin;
   }
   return chosen < most ? chosen * 1.0001 : most;
 }
@@ -186,6 +206,7 @@ void BroadPhase::count(const BodyStore& b, const kernels::KernelTable& k, Worker
   bool list = waste(b, all.most, density) > (listed_ ? kListing / 2 : kListing);
   if (!list) {
     sort_.count(b, grid_, large_, k, pool);
+    if (params_.sample) tests_ = 0.5 * sort_.neighbours(b, grid_);
     if (!(density_ > 0) || box_ > 1.5 * last_box || more) {
       density = sort_.neighbours(b, grid_) / (9 * grid_.cell_x * grid_.cell_y);
       list = waste(b, all.most, density) > kListing;
@@ -279,6 +300,7 @@ void BroadPhase::cut_listed_rows(std::uint32_t target, PairTable& table) const {
 }
 
 double BroadPhase::tests() const {
+  if (!listed_ && tests_ > 0) return tests_;
   if (!listed_) return 4.5 * density_ * grid_.cell_x * grid_.cell_y;
   const CellList& cells = sort_.listed();
   return 4.5 * density_ * cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) * lattice_->pitch_y();

@@ -27,6 +27,7 @@ struct BroadPhaseParams {
   kernels::ReachParams margin;
   float ahead = 0;   ///< s: bodies are looked at where they will be by then
   double outer = 0;  ///< m: a typical distance of candidates; 0: as at the last build
+  bool sample = false;   ///< find out how many bodies each is looked at with
   double growth = 1; ///< of candidates since the last build, at a guess
   bool walls = false;
   bool periodic = false;
@@ -74,6 +75,12 @@ class BroadPhase {
   /// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
   double expected_pairs(std::size_t strip) const;
 
+  /// Whether there are no cells but those that bodies lie in.
+  bool lists_cells() const { return listed_; }
+  /// Of the grid.
+  std::uint64_t cell_count() const { return listed_ ? 0 : grid_.keys; }
+  /// That a large body will have, by the last build.
+  double pairs_of_large() const { return pairs_a_large_; }
   /// Bodies near fixed shapes, and walls: pairs, in all, at the last build.
   std::size_t near_pairs() const { return near_pairs_; }
 
@@ -192,6 +199,7 @@ class BroadPhase {
   double pairs_a_large_ = 64;
   BroadPhaseParams params_;             // of the present build
   std::size_t near_pairs_ = 0;
+  double tests_ = 0;                    // in a grid; 0: not known
   std::uint32_t sorted_ = 0;            // bodies that the last sort left
   // Once lists were thrown away: where those bodies lay when contacts were last laid out, and room to chain.
   std::vector<std::uint32_t> origin_, next_origin_;

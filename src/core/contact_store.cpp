@@ -396,7 +396,7 @@ void ContactStore::colour(const PairTable& table, std::size_t begin, std::size_t
 // Which blocks each strip has.
 void ContactStore::place_strips(PairTable& table) {
   pair_blocks_ = single_blocks_ = colours_ = 0;
-  pair_count_ = single_count_ = 0;
+  pair_count_ = single_count_ = loaded_blocks_ = 0;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
     Strip& s = table.strips[k];
     Counts& singles = single_counts_[k];
@@ -422,6 +422,8 @@ void ContactStore::place_strips(PairTable& table) {
     colours_ = std::max(colours_, s.colours);
     pair_count_ += s.pair_end - s.pair_begin;
     single_count_ += table.singles[k].size();
+    const auto loaded = (s.block_end - s.loaded_begin) + (s.single_end - s.single_loaded_begin);
+    loaded_blocks_ += std::uint64_t{loaded} * (HeavyLoads::kSweeps - 1);
   }
 }
 

@@ -68,6 +68,10 @@ class ContactStore {
   kernels::SingleView singles();
 
   std::uint32_t pair_blocks() const { return pair_blocks_; }
+  /// Blocks that a pass of the solver goes through.
+  std::uint64_t pass_blocks() const { return pair_blocks_ + single_blocks_; }
+  /// Those that more sweeps of a pass go through, in all these.
+  std::uint64_t loaded_blocks() const { return loaded_blocks_; }
   std::uint32_t single_blocks() const { return single_blocks_; }
   std::uint32_t colours() const { return colours_; }
   std::uint64_t pair_count() const { return pair_count_; }
@@ -122,7 +126,7 @@ class ContactStore {
   std::vector<Counts> single_counts_;
   Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
   std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;
-  std::uint64_t pair_count_ = 0, single_count_ = 0, builds_ = 0;
+  std::uint64_t pair_count_ = 0, single_count_ = 0, loaded_blocks_ = 0, builds_ = 0;
   bool laying_ = false;  // the impulses of the last step are in the old columns
 };
 

@@ -103,6 +103,7 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
   const std::size_t tasks = (slots.size() + kTask - 1) / kTask;
   near_.resize(std::max(near_.size(), tasks));
   cut_.assign(tasks, 0);
+  looks_.assign(tasks, 0);
   if (shapes.any()) {
     pool.run(tasks, [&](std::size_t t) {
       const std::size_t end = std::min(slots.size(), (t + 1) * kTask);
@@ -117,12 +118,15 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
         }
         const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
         stop_at_fixed(b, manifolds, shapes, lattice, filters, i, near_[t]);
+        looks_[t] += static_cast<std::uint32_t>(near_[t].size());
         if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++cut_[t];
       }
     });
   }
   std::uint32_t sum = 0;
   for (const std::uint32_t n : cut_) sum += n;
+  looked_ = 0;
+  for (const std::uint32_t n : looks_) looked_ += n;
   if (bullets.empty()) return sum;
   fast_.assign(b.count, 0);
   bool any = false;

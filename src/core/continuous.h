@@ -25,6 +25,8 @@ class Continuous {
   std::uint32_t stop(BodyStore& bodies, const Manifolds& manifolds, const PairTable& table,
                      const StaticShapes& shapes, const Lattice& lattice,
                      const std::vector<std::uint32_t>& bullets, bool filters, WorkerPool& pool);
+  /// At how many fixed shapes fast bodies were looked at by the last stop().
+  std::uint64_t looked() const { return looked_; }
 
  private:
   void stop_at_fixed(BodyStore& bodies, const Manifolds& manifolds, const StaticShapes& shapes,
@@ -35,6 +37,8 @@ class Continuous {
 
   std::vector<std::vector<std::uint32_t>> near_;  // by task
   std::vector<std::uint32_t> cut_;                // by task
+  std::vector<std::uint32_t> looks_;              // by task
+  std::uint64_t looked_ = 0;
   std::vector<std::uint8_t> fast_;                // by slot: a fast bullet
 };
 

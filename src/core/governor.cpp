@@ -6,6 +6,11 @@
 namespace psim {
 namespace {
 
+// Of the work ahead, that go through strips.
+constexpr double kParts = 5;
+// Contacts under heavy loads are few a strip.
+constexpr double kSparse = 1.7;
+
 double n(std::uint64_t count) { return static_cast<double>(count); }
 
 }  // namespace
@@ -14,14 +19,16 @@ double Governor::ahead_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
   const bool loose = w.candidates != 0;
   const double found = n(loose ? w.candidates : w.contacts + w.manifolds);
-  return (c.check + c.sort + c.search + (w.fixed ? c.near_fixed : c.near)) * n(w.bodies) + c.pair * found + c.test * w.tests +
-         (w.fixed ? c.near_shape * n(w.near) : 0) +
+  return (c.check + c.sort + c.search + (w.fixed ? c.near_fixed : c.near)) * n(w.bodies) +
+         c.pair * found + c.test * w.tests + (w.fixed ? c.near_shape * n(w.near) : 0) +
          (loose ? c.select * n(w.candidates) + c.pack * (n(w.contacts) + n(w.bodies)) : 0) +
-         ((w.loads ? c.load : 0) + c.colour + lay_out(w)) * n(w.contacts) + (c.group + c.stand) * n(w.manifolds) + look_ns(w);
+         ((w.loads ? c.load * w.visits : 0) + c.colour + lay_out(w)) * n(w.contacts) +
+         (c.group + c.stand) * n(w.manifolds) + look_ns(w) + c.cell * n(w.cells) +
+         kParts * c.strip * n(w.strips);
 }
 
 double Governor::lay_out(const WorkCounts& w) const {
-  return w.rough ? desc_.costs.lay_out_rough : desc_.costs.lay_out;
+  return w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out;
 }
 
 double Governor::look_ns(const WorkCounts& w) const {
@@ -31,14 +38,17 @@ double Governor::look_ns(const WorkCounts& w) const {
 
 double Governor::rest_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
-  return c.narrow * n(w.contacts) + (w.copies ? c.load_body * n(w.solved) : 0) + c.column * n(w.manifolds) +
-         (w.sorted ? c.joint_sorted : c.joint) * n(w.joints) + (c.move + (w.stops ? c.stop : 0)) * n(w.bodies) + c.sleep * n(w.sleep_looks);
+  return c.narrow * n(w.contacts) + (w.copies ? c.load_body * n(w.solved) : 0) +
+         c.column * n(w.manifolds) + (w.sorted ? c.joint_sorted : c.joint) * n(w.joints) +
+         (c.move + (w.stops ? c.stop : 0)) * n(w.bodies) + c.sleep * n(w.sleep_looks) +
+         (w.stops ? c.flight * n(w.flights) : 0);
 }
 
 double Governor::substep_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
-  return c.body_pass * n(w.solved) + (w.bounces ? c.bounce_pass : c.pass) * n(w.contacts) +
-         c.shape_pass * n(w.manifolds) + c.joint_pass * n(w.joints);
+  return c.body_pass * n(w.solved) + (c.pass + c.sweep * w.sweeps) * n(w.lanes) +
+         c.touch * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
+         c.strip * n(w.strips) + c.shape_pass * n(w.shape_lanes) + c.joint_pass * n(w.joints);
 }
 
 // Substeps that fit beside the rest.

@@ -14,18 +14,28 @@ struct WorkCounts {
   std::uint64_t candidates = 0;  ///< that a step selects from; 0: dense
   std::uint64_t contacts = 0;    ///< of discs
   std::uint64_t manifolds = 0;
-  double tests = 0;              ///< of two bodies, when lists are made
-  std::uint64_t near = 0;        ///< pairs of a body and a fixed shape
-  std::uint64_t looks = 0;       ///< manifolds that will be looked at anew, at a guess
-  std::uint64_t joints = 0;      ///< joints x sweeps
-  std::uint64_t sleep_looks = 0; ///< bodies and contacts that sleep looks at
-  bool sorted = false;           ///< bodies have new slots
-  bool fixed = false;            ///< there are fixed shapes or sleepers
-  bool loads = false;            ///< some bodies may carry much heavier ones
-  bool rough = false;            ///< friction
-  bool bounces = false;          ///< with sweeps over impacts
-  bool copies = false;           ///< the solver has copies of the bodies
-  bool stops = false;            ///< fast shapes are stopped
+  std::uint64_t lanes = 0;  ///< of contacts of discs in a pass, empty ones among them
+  std::uint64_t loaded_lanes =
+      0;  ///< of contacts under heavy loads, in all further sweeps of a pass
+  std::uint64_t touching =
+      0;              ///< contacts that press, manifolds among them, at the end of the last step
+  double sweeps = 0;  ///< over impacts, in a substep
+  std::uint64_t shape_lanes = 0;  ///< of manifolds
+  std::uint64_t strips = 0;
+  std::uint64_t cells = 0;   ///< of the grid
+  double visits = 1;         ///< of a contact, when it is found who carries much heavier bodies
+  double tests = 0;          ///< of two bodies, when lists are made
+  std::uint64_t near = 0;    ///< pairs of a body and a fixed shape
+  std::uint64_t looks = 0;   ///< manifolds that will be looked at anew, at a guess
+  std::uint64_t joints = 0;  ///< joints x sweeps
+  std::uint64_t sleep_looks = 0;  ///< bodies and contacts that sleep looks at
+  std::uint64_t flights = 0;      ///< fixed shapes near the ways of fast shapes, in the last step
+  bool sorted = false;            ///< bodies have new slots
+  bool fixed = false;             ///< there are fixed shapes or sleepers
+  bool loads = false;             ///< some bodies may carry much heavier ones
+  bool rough = false;             ///< friction
+  bool copies = false;            ///< the solver has copies of the bodies
+  bool stops = false;             ///< fast shapes are stopped
 };
 
 class Governor {
@@ -56,11 +66,12 @@ class Governor {
   };
   /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
   /// substep is longer than a frame: time that they cannot make up for is lost.
-  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
+  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon,
+                int most_substeps) const;
 
  private:
   /// Of the budget: what is left is for what the model does not know.
-  static constexpr double kShare = 0.8;
+  static constexpr double kShare = 0.75;
   int fitting(const WorkCounts& work, double ns, int most) const;
 
   GovernorDesc desc_;

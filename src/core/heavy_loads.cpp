@@ -11,6 +11,7 @@ namespace {
 
 // Their contacts are swept sixteen times a pass: a sixty-fourth of them all is a quarter of a pass more.
 constexpr std::uint32_t kFewContacts = 512, kShare = 64;
+constexpr double kFading = 0.95;  // a search, of what the costliest took
 
 // Even strips, then odd ones, then the large bodies' group.
 template <class Each>
@@ -43,6 +44,7 @@ int ratio_class(float wa, float wb) {
 }  // namespace
 
 HeavyLoads::ByRatio HeavyLoads::count_ratios(const PairTable& table, WorkerPool& pool) {
+  looked_ += pairs_;
   ratios_.resize(std::max(ratios_.size(), table.strips.size()));
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
@@ -60,6 +62,7 @@ void HeavyLoads::mark(const PairTable& table, float ratio, WorkerPool& pool) {
   std::fill_n(level_.data(), table.body_count, std::uint8_t{0});
   active_.assign(table.strips.size(), 0);
   next_ = active_;
+  looked_ += pairs_;
   each_strip(table, pool, [&](std::size_t index) {
     const Strip& s = table.strips[index];
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
@@ -80,9 +83,15 @@ void HeavyLoads::mark(const PairTable& table, float ratio, WorkerPool& pool) {
 void HeavyLoads::spread(const PairTable& table, float ratio, std::uint8_t level, WorkerPool& pool) {
   const std::size_t strips = table.strips.size() - 1;
   next_ = active_;
-  each_strip(table, pool, [&](std::size_t index) {
+  const auto idle = [&](std::size_t index) {
     const std::size_t beyond = index + 1 < strips ? index + 1 : 0;
-    if (index != strips && active_[index] == 0 && active_[beyond] == 0) return;
+    return index != strips && active_[index] == 0 && active_[beyond] == 0;
+  };
+  for (std::size_t k = 0; k <= strips; ++k) {
+    if (!idle(k)) looked_ += table.strips[k].pair_end - table.strips[k].pair_begin;
+  }
+  each_strip(table, pool, [&](std::size_t index) {
+    if (idle(index)) return;
     const Strip& s = table.strips[index];
     const auto pass = [&](std::uint32_t from, std::uint32_t to) {
       if (level_[from] != level || level_[to] + 1 >= level) return;
@@ -110,6 +119,7 @@ void HeavyLoads::activate() {
 }
 
 HeavyLoads::ByLevel HeavyLoads::count_levels(const PairTable& table, WorkerPool& pool) {
+  looked_ += pairs_;
   levels_.resize(std::max(levels_.size(), table.strips.size()));
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
@@ -122,12 +132,12 @@ HeavyLoads::ByLevel HeavyLoads::count_levels(const PairTable& table, WorkerPool&
   return sum_of(levels_, table.strips.size());
 }
 
-void HeavyLoads::find(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
+void HeavyLoads::search(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
   any_ = false;
   inv_mass_.reserve(b.count);
   level_.reserve(b.count);
-  std::uint32_t pairs = 0;
-  for (const Strip& s : table.strips) pairs += s.pair_end - s.pair_begin;
+  pairs_ = looked_ = 0;
+  for (const Strip& s : table.strips) pairs_ += s.pair_end - s.pair_begin;
   const std::uint32_t blocks = b.blocks();
   pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
@@ -137,7 +147,7 @@ void HeavyLoads::find(const BodyStore& b, const PairTable& table, WorkerPool& po
     }
   });
   const ByRatio ratios = count_ratios(table, pool);
-  const std::uint32_t most = std::max(kFewContacts, pairs / kShare);
+  const std::uint32_t most = std::max(kFewContacts, static_cast<std::uint32_t>(pairs_) / kShare);
   std::uint32_t contacts = 0;
   for (const std::uint32_t n : ratios) contacts += n;
   float ratio = kLeastRatio;
@@ -151,6 +161,12 @@ void HeavyLoads::find(const BodyStore& b, const PairTable& table, WorkerPool& po
     any_ = true;
     return;
   }
+}
+
+void HeavyLoads::find(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
+  search(b, table, pool);
+  const double visits = static_cast<double>(looked_) / static_cast<double>(std::max<std::uint64_t>(pairs_, 1));
+  visits_ = std::max(visits, 1 + kFading * (visits_ - 1));
 }
 
 }  // namespace psim

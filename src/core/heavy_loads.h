@@ -18,6 +18,8 @@ class HeavyLoads {
  public:
   /// The least ratio of masses that counts.
   static constexpr float kLeastRatio = 8;
+  /// Sweeps over contacts under heavy loads in a pass.
+  static constexpr int kSweeps = 16;
 
   explicit HeavyLoads(MemoryMeter& meter) : inv_mass_(meter), level_(meter) {}
 
@@ -30,6 +32,8 @@ class HeavyLoads {
   void forget() { any_ = false; }
 
   bool any() const { return any_; }
+  /// How often a pair was looked at in the costliest of the last searches, one that fades.
+  double visits() const { return visits_; }
   /// Whether a body's contacts need it.
   bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
 
@@ -40,6 +44,7 @@ class HeavyLoads {
   using ByRatio = std::array<std::uint32_t, kRatios>;
   using ByLevel = std::array<std::uint32_t, kTop + 1>;
 
+  void search(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
   ByRatio count_ratios(const PairTable& table, WorkerPool& pool);
   void mark(const PairTable& table, float ratio, WorkerPool& pool);
   void spread(const PairTable& table, float ratio, std::uint8_t level, WorkerPool& pool);
@@ -51,6 +56,8 @@ class HeavyLoads {
   std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level at hand
   std::vector<ByRatio> ratios_;              // by strip
   std::vector<ByLevel> levels_;
+  double visits_ = 1;
+  std::uint64_t pairs_ = 0, looked_ = 0;  // there are, were looked at in this search
   std::uint8_t cut_ = 1;
   bool any_ = false;
 };

@@ -276,7 +276,7 @@ void Image::broad(A& a, BroadPhase& b) {
 template <class A>
 void Image::contacts(A& a, ContactStore& c) {
   numbers(a, c.model_.model, c.model_.bounce, c.pair_blocks_, c.single_blocks_, c.colours_, c.pair_count_,
-          c.single_count_, c.builds_);
+          c.single_count_, c.loaded_blocks_, c.builds_);
 }
 
 template <class A>
@@ -311,9 +311,10 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
   bool kinds = slots != 0 && m.kind_.capacity() >= slots;
   a.value(kinds);
   if (kinds) a.column(m.kind_, slots);
-  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.laid_);
+  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.pass_blocks_, m.laid_);
   if constexpr (A::kLoading) {
     m.old_pairs_.clear();
+    m.cut();
     m.owner_.resize(m.pairs_.size());
     for (std::size_t k = 0; k < m.pairs_.size(); ++k) m.owner_[k] = m.pairs_[k].owner;
     m.rotor_.reserve(2 * slots);

@@ -69,6 +69,7 @@ void Manifolds::forget() {
   pairs_.clear();
   owner_.clear();
   begin_.clear();
+  cuts_.clear();
   for (StripBlocks& s : strips_) s.laid.clear();
   std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
@@ -79,6 +80,7 @@ void Manifolds::clear() {
   old_pairs_.clear();
   owner_.clear();
   begin_.clear();
+  cuts_.clear();
   strips_.clear();
   shaped_.clear();
   ghosts_.clear();

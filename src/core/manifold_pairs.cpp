@@ -30,6 +30,46 @@ void Manifolds::index_old_pairs(std::uint32_t ids) {
 }
 
 // Where a pair was in the last lists.
+// The large bodies' group may have most pairs, of a drum that all lie in.
+void Manifolds::cut() {
+  constexpr std::uint32_t kPairs = 512;  // a piece
+  cuts_.clear();
+  for (std::uint32_t s = 0; s + 1 < begin_.size(); ++s) {
+    const std::uint32_t end = begin_[s + 1];
+    std::uint32_t from = begin_[s];
+    do {
+      const std::uint32_t to = std::min(end, from + kPairs);
+      cuts_.push_back({s, from, to, 0, from == begin_[s] && to == end, to == end});
+      from = to;
+    } while (from < end);
+  }
+}
+
+void Manifolds::spare(std::size_t pairs, std::size_t strips) {
+  const auto touch = [](auto& column, std::size_t n) {  // that it is there, too
+    const std::size_t size = column.size();
+    if (column.capacity() >= n) return;
+    column.resize(n);
+    column.resize(size);
+  };
+  touch(pairs_, pairs);
+  touch(old_pairs_, pairs);
+  touch(owner_, pairs);
+  touch(entries_, pairs);
+  if (found_.size() < strips) found_.resize(strips);
+  if (strips_.size() < strips) strips_.resize(strips);
+  const std::size_t each = 2 * pairs / strips + 64;
+  for (Found& found : found_) {
+    touch(found.pairs, each);
+    touch(found.before, each);
+  }
+  for (StripBlocks& s : strips_) {
+    touch(s.blocks, each / kernels::kBlock);
+    touch(s.active, each);
+    touch(s.laid, each);
+  }
+}
+
 std::uint32_t Manifolds::recall(const PairName& pair) const {
   if (entries_.empty() || pair.owner + 1 >= first_.size()) return PairName::kNone;
   const std::uint32_t mark = pair.mark();
@@ -234,6 +274,7 @@ void Manifolds::place_pairs(std::size_t strips) {
     pairs_.clear();
     pairs_.reserve(begin_[strips] + begin_[strips] / 2);
   }
+  cut();
   pairs_.resize(begin_[strips]);
   owner_.resize(begin_[strips]);
   strips_.resize(std::max(strips_.size(), strips));

@@ -257,9 +257,9 @@ void Manifolds::begin_refresh(const BodyStore& b, const ManifoldParams& params, 
   });
 }
 
-void Manifolds::refresh_strip(const BodyStore& b, const ManifoldParams& params, std::size_t index) {
+// Once all pairs of a strip were looked at.
+void Manifolds::finish_strip(const BodyStore& b, const ManifoldParams& params, std::size_t index) {
   bool stale = stale_[index] != 0;
-  strips_[index].looks = look(b, params, begin_[index], begin_[index + 1]);
   std::vector<std::uint64_t>& ghosts = found_[index].ghosts;
   ghosts.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1];) {
@@ -280,17 +280,23 @@ void Manifolds::refresh_strip(const BodyStore& b, const ManifoldParams& params, 
   stale_[index] = stale;
 }
 
-void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, const PairTable& table,
-                        std::size_t begin, std::size_t end, WorkerPool& pool) {
-  const std::size_t strips = table.strips.size();
+void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, std::size_t begin, std::size_t end,
+                        WorkerPool& pool) {
   if (begin == 0) begin_refresh(b, params, pool);
-  pool.run(end - begin, [&](std::size_t n) { refresh_strip(b, params, begin + n); });
-  if (end != strips) return;
+  pool.run(end - begin, [&](std::size_t n) {
+    Cut& c = cuts_[begin + n];
+    c.looks = look(b, params, c.begin, c.end);
+    if (c.whole) finish_strip(b, params, c.strip);
+  });
+  for (std::size_t k = begin; k < end; ++k) {
+    if (cuts_[k].last && !cuts_[k].whole) finish_strip(b, params, cuts_[k].strip);
+  }
+  if (end != cuts_.size()) return;
   ghosts_.clear();
   looks_ = new_pairs_ = 0;
-  for (std::size_t s = 0; s < strips; ++s) {
-    looks_ += strips_[s].looks;
-    ghosts_.insert(ghosts_.end(), found_[s].ghosts.begin(), found_[s].ghosts.end());
+  for (const Cut& c : cuts_) {
+    looks_ += c.looks;
+    if (c.last) ghosts_.insert(ghosts_.end(), found_[c.strip].ghosts.begin(), found_[c.strip].ghosts.end());
   }
   std::sort(ghosts_.begin(), ghosts_.end());
 }
@@ -308,12 +314,16 @@ void Manifolds::lay_out(const BodyStore& b, const HeavyLoads& loads, const Manif
   laid_ = true;
   points_ = 0;
   colours_ = blocks_ = 0;
+  pass_blocks_ = 0;
   loaded_ = false;
   for (std::size_t s = 0; s < strips; ++s) {
     points_ += strips_[s].points;
     colours_ = std::max(colours_, strips_[s].colours);
     blocks_ += strips_[s].end[3];
-    loaded_ |= strips_[s].end[1] != strips_[s].end[0] || strips_[s].end[3] != strips_[s].end[2];
+    const auto& end = strips_[s].end;
+    const std::uint32_t loaded = (end[1] - end[0]) + (end[3] - end[2]);
+    loaded_ |= loaded != 0;
+    pass_blocks_ += end[3] + std::uint64_t{loaded} * (HeavyLoads::kSweeps - 1);
   }
 }
 

@@ -131,7 +131,6 @@ class Manifolds {
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // touching or near
-    std::uint32_t looks = 0;   // in the last refresh, at pairs that were known before
   };
 
   /// Takes over the pairs of `table` that are not two discs and drops those that must not collide, in three
@@ -145,10 +144,7 @@ class Manifolds {
             WorkerPool& pool);
 
   /// Makes room for so many pairs to come.
-  void spare(std::size_t pairs) {
-    pairs_.reserve(pairs);
-    old_pairs_.reserve(pairs);
-  }
+  void spare(std::size_t pairs, std::size_t strips);
   /// Keeps the pairs as they are before a refresh that may be given up.
   void remember(WorkerPool& pool);
   /// The pairs as they were before they were collected or remembered, or as they are since: until accept() there
@@ -157,10 +153,12 @@ class Manifolds {
   /// The present ones count.
   void accept() { both_ = collecting_ = false; }
 
-  /// Manifolds for this step, of strips [begin, end): from the first to the last, in one go or spread over
-  /// frames. O(pairs).
-  void refresh(BodyStore& bodies, const ManifoldParams& params, const PairTable& table,
-               std::size_t begin, std::size_t end, WorkerPool& pool);
+  /// Manifolds for this step, pieces [begin, end) of look_pieces(): from the first to the last, in one go or
+  /// spread over frames. O(pairs).
+  void refresh(BodyStore& bodies, const ManifoldParams& params, std::size_t begin, std::size_t end,
+               WorkerPool& pool);
+  std::size_t look_pieces() const { return cuts_.size(); }
+  std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
   /// Colours and blocks for this step. O(touching pairs).
   void lay_out(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
                std::uint32_t dummies, WorkerPool& pool);
@@ -177,6 +175,8 @@ class Manifolds {
   bool any() const { return points_ != 0; }
   /// Whether contacts under heavy loads are among them.
   bool loaded() const { return loaded_; }
+  /// Blocks that a pass of the solver goes through.
+  std::uint64_t pass_blocks() const { return pass_blocks_; }
   std::uint64_t pair_count() const { return collecting_ ? old_pairs_.size() : pairs_.size(); }
   /// How many manifolds the next refresh will look at anew: as many as the last one, and new pairs.
   std::uint64_t expected_looks() const { return looks_ + new_pairs_; }
@@ -232,6 +232,14 @@ class Manifolds {
     std::vector<std::uint64_t> ghosts;
   };
 
+  struct Cut {  // pairs of one strip
+    std::uint32_t strip = 0, begin = 0, end = 0;
+    std::uint32_t looks = 0;  // in the last refresh, at pairs that were known before
+    bool whole = false;       // all of the strip's
+    bool last = false;        // the last of the strip's
+  };
+
+  void cut();
   void sort_out_strip(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
                       PairTable& table, std::size_t strip);
   void place_pairs(std::size_t strips);
@@ -247,7 +255,7 @@ class Manifolds {
   struct Stand;    // manifold_look.h
   struct Waiting;
   void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
-  void refresh_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
+  void finish_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
   std::uint32_t look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
                      std::uint32_t end);
   bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
@@ -277,6 +285,7 @@ class Manifolds {
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> begin_;  // by strip: first of its pairs
+  std::vector<Cut> cuts_;             // of the strips' pairs, in order
   // The pairs of the last lists by owner: entries of id k are [first_[k], first_[k + 1]).
   struct Entry {
     std::uint32_t mark = 0, pair = 0;
@@ -301,6 +310,7 @@ class Manifolds {
   bool collecting_ = false;           // and pairs_ not all there yet
   bool laid_ = false;                 // impulses are in the blocks, not in the pairs
   std::uint32_t colours_ = 0, blocks_ = 0;
+  std::uint64_t pass_blocks_ = 0;
 };
 
 }  // namespace psim

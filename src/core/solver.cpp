@@ -19,9 +19,8 @@ using Clock = std::chrono::steady_clock;
 // solve pass a substep stays quiet in deep piles (docs/decisions/003-contact-scheme.md).
 constexpr double kStiffness = 0.2;
 constexpr double kDamping = 10;
-// Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge.
+// Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge (HeavyLoads::kSweeps).
 constexpr double kLoadedStiffness = 0.9;
-constexpr int kLoadedSweeps = 16;
 // Between bodies that are not discs: weight goes down by half-reactions (manifold_layout.cpp), which
 // makes stiffer contacts quiet (docs/decisions/007-manifolds.md).
 constexpr double kManifoldStiffness = 0.25;
@@ -79,6 +78,7 @@ class Solver::Run {
       WorkerPool& pool);
 
   void substep(bool first_of_step);
+  int swept() const { return swept_; }
   double forces_ms() const {
     return std::chrono::duration<double, std::milli>(forces_time_).count();
   }
@@ -137,6 +137,7 @@ class Solver::Run {
   // The kick of another integrator than leapfrog, if the world asks for one.
   void (*advance_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
                    std::uint32_t) = nullptr;
+  int swept_ = 0;  // sweeps over impacts so far
   Clock::duration forces_time_{};
 };
 
@@ -167,7 +168,7 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
       rough_(params.model.model == kernels::Model::rough),
       turns_(params.turns),
       slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
-      loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : kLoadedSweeps),
+      loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : HeavyLoads::kSweeps),
       varying_(forces != nullptr && forces->varying()) {
   stream_.h = static_cast<float>(h_);
   stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
@@ -330,7 +331,7 @@ void Solver::Run::impacts() {
   };
   const int sweeps = kSweeps + slices_ - 1;
   pair_.sliced = single_.sliced = slices_ > 1;
-  for (int sweep = 0; sweep < sweeps && any.load(); ++sweep) {
+  for (int sweep = 0; sweep < sweeps && any.load(); ++sweep, ++swept_) {
     any.store(false);
     pair_.first_sweep = single_.first_sweep = sweep == 0;
     pair_.last_sweep = single_.last_sweep = sweep + 1 == sweeps;
@@ -620,6 +621,7 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table,
   if (params.model.bounce) mark_impacts(solved, table, contacts, pool);
   Run run(*this, b, solved, table, contacts, manifolds, columns, joints, params, forces, held, k, pool);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
+  if (params.model.bounce) sweeps_ = static_cast<double>(run.swept()) / params.substeps;
   solved.store(b, pool);
   sum_up(table, contacts, params.substeps, pool);
   SolverReport report;

@@ -61,6 +61,8 @@ class Solver {
 
   /// Contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }
+  /// Sweeps over impacts in a substep of the last run with restitution, mean.
+  double sweeps() const { return sweeps_; }
 
  private:
   class Run;
@@ -76,6 +78,7 @@ class Solver {
   std::vector<double> virial_;  // by strip
   std::vector<std::uint64_t> closed_by_strip_;
   std::uint64_t closed_ = 0;
+  double sweeps_ = 2;
 };
 
 }  // namespace psim

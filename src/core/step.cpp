@@ -325,6 +325,7 @@ void World::Impl::measure_bodies(const Span& span) {
   p.margin = lists.margin;
   p.ahead = lists.ahead;
   p.outer = changed ? lists.outer : 0;
+  p.sample = governor.on();
   if (!changed && (governor.on() || span.step > span.frame)) p.growth = std::clamp(growth, 1.0, 4.0);
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;

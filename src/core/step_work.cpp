@@ -77,7 +77,9 @@ void World::Impl::pushed(std::uint32_t slot, float speed_before) {
 }
 
 // Whether the table, the contacts and the bodies' slots belong together.
-bool World::Impl::contacts_stand() const { return !ahead.swapped && !ahead.sorted && !broad.has_moved_on(); }
+bool World::Impl::contacts_stand() const {
+  return !ahead.swapped && !ahead.sorted && !broad.has_moved_on();
+}
 
 // Of the present part.
 std::size_t World::Impl::pieces() const {
@@ -100,8 +102,9 @@ std::size_t World::Impl::pieces() const {
     case Part::keep:
     case Part::colour:
     case Part::lay_out:
-    case Part::look:
       return table.strips.size();
+    case Part::look:
+      return manifolds.look_pieces();
     case Part::done:
       break;
   }
@@ -160,8 +163,8 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
         ahead.swapped = true;
       }
       const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, span.step));
-      broad.select(bodies, static_cast<float>(kMarginFrames * span.step), slack, plan.fields, candidates,
-                   table, kernels, pool, begin, end);
+      broad.select(bodies, static_cast<float>(kMarginFrames * span.step), slack, plan.fields,
+                   candidates, table, kernels, pool, begin, end);
       break;
     }
     case Part::pack:
@@ -171,8 +174,11 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
       group_contacts();
       break;
     case Part::sort_out: {
-      const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
-      manifolds.sort_out(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, table, begin, end, pool);
+      const Joined joined = [this](std::uint32_t a, std::uint32_t b) {
+        return joints.joined(a, b);
+      };
+      manifolds.sort_out(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, table, begin,
+                         end, pool);
       break;
     }
     case Part::keep:
@@ -180,17 +186,18 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
       break;
     case Part::colour:
       if (begin == 0) {
-        contacts.begin(bodies, solved, plan.model, plan.surfaces ? nullptr : &first_surface, loads, table, pool);
+        contacts.begin(bodies, solved, plan.model, plan.surfaces ? nullptr : &first_surface, loads,
+                       table, pool);
       }
       contacts.colour(table, begin, end, pool);
       break;
     case Part::lay_out:
-      contacts.lay_out(bodies, shapes, desc.wall, table, old_table, lists_stale ? broad.origin() : nullptr,
-                       sleepers.recent, begin, end, pool);
+      contacts.lay_out(bodies, shapes, desc.wall, table, old_table,
+                       lists_stale ? broad.origin() : nullptr, sleepers.recent, begin, end, pool);
       break;
     case Part::look:
       if (begin == 0 && ahead.spread && !ahead.built && !loose) manifolds.remember(pool);
-      manifolds.refresh(bodies, manifold_params(span.step), table, begin, end, pool);
+      manifolds.refresh(bodies, manifold_params(span.step), begin, end, pool);
       break;
     case Part::stand:
       columns.find(bodies, manifolds, manifold_params(span.step), table, pool);
@@ -300,6 +307,7 @@ void World::Impl::group_contacts() {
   }
   if (!impulses_valid) {
     old_table.body_count = 0;
+    old_table.strips.clear();
     manifolds.forget();
   }
   if (plan.turns) bodies.keep_turns(true);

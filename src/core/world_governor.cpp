@@ -36,7 +36,8 @@ std::unique_ptr<World> heap(const RunOptions& options, std::size_t discs, bool b
   std::vector<double> x, y;
   for (std::size_t k = 0; k < discs; ++k) {
     const std::size_t row = k / columns;
-    x.push_back(0.5 + static_cast<double>(k % columns) * (width - 1.5) / (width - 1) + (row % 2 == 1 ? 0.5 : 0.0));
+    x.push_back(0.5 + static_cast<double>(k % columns) * (width - 1.5) / (width - 1) +
+                (row % 2 == 1 ? 0.5 : 0.0));
     y.push_back(0.5 + static_cast<double>(row) * 0.87);
   }
   const double radius = 0.4995;
@@ -67,9 +68,12 @@ double quiet(std::vector<double> of) {
 bool World::set_governor(const GovernorDesc& desc) {
   const CostModel& c = desc.costs;
   for (const double cost :
-       {c.step, c.check, c.sort, c.search, c.test, c.pair, c.near, c.near_fixed, c.near_shape, c.select, c.pack, c.group,
-        c.load, c.colour, c.lay_out, c.lay_out_rough, c.keep, c.look, c.stand, c.column, c.narrow, c.load_body, c.move,
-        c.stop, c.sleep, c.joint, c.joint_sorted, c.body_pass, c.pass, c.bounce_pass, c.shape_pass, c.joint_pass}) {
+       {c.step,  c.check,      c.sort,         c.search,        c.test,   c.pair,
+        c.near,  c.near_fixed, c.near_shape,   c.select,        c.pack,   c.group,
+        c.load,  c.colour,     c.lay_out,      c.lay_out_rough, c.keep,   c.look,
+        c.stand, c.column,     c.narrow,       c.load_body,     c.move,   c.stop,
+        c.sleep, c.joint,      c.joint_sorted, c.body_pass,     c.pass,   c.touch,
+        c.sweep, c.shape_pass, c.joint_pass,   c.cell,          c.flight, c.strip}) {
     if (!(cost >= 0) || !std::isfinite(cost)) return false;
   }
   if (!(desc.budget_ms > 0)) return false;
@@ -81,12 +85,240 @@ StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_
 
 StepReport World::replay(const StepDetail& detail, double dt) {
   const auto frames = [](int n) { return n >= 1 && n <= Governor::kMostFrames; };
-  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) || (detail.solves && detail.wakes)) {
+  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+      (detail.solves && detail.wakes)) {
     return {};
   }
   return impl_->step(dt, detail, false);
 }
 
+namespace {
+
+// Frames after which a step that the host makes begin again is done at once, whatever it costs.
+constexpr int kPatience = 3;
+// Manifolds that are made for several frames last less often.
+constexpr double kLongLooks = 1.4;
+
+}  // namespace
+
+WorkCounts World::Impl::count_work() const {
+  WorkCounts work;
+  work.bodies = bodies.count - bodies.dead;
+  work.solved = solved.count();
+  if (loose) {
+    for (const Strip& s : candidates.strips) work.candidates += s.pair_end - s.pair_begin;
+  }
+  work.contacts = contacts.pair_count() + contacts.single_count();
+  work.manifolds = manifolds.pair_count();
+  work.lanes = kernels::kBlock * contacts.pass_blocks();
+  work.loaded_lanes = kernels::kBlock * contacts.loaded_blocks();
+  work.shape_lanes = kernels::kBlock * manifolds.pass_blocks();
+  work.touching = solver.closed();
+  work.sweeps = plan.restitution ? solver.sweeps() : 0;
+  work.strips = table.strips.size();
+  work.cells = broad.cell_count();
+  work.visits = loads.visits();
+  work.tests = broad.tests() * static_cast<double>(work.bodies);
+  work.near = broad.near_pairs();
+  work.looks = manifolds.expected_looks();
+  work.joints = joints.count();
+  work.sorted = ahead.built;
+  work.fixed = shapes.any();
+  work.loads = plan.loads;
+  work.rough = plan.model.model == kernels::Model::rough;
+  work.copies = solved.compact();
+  work.stops = plan.continuous;
+  work.flights = continuous.looked();
+  const std::uint64_t met = work.contacts + 4 * work.manifolds;
+  if (plan.sleep) {  // World::Impl::rest
+    if (!sleepers.empty()) work.sleep_looks += 2 * met;
+    if ((steps + 1) % Sleepers::kWatchFrames == 0) work.sleep_looks += work.bodies;
+    if ((steps + 1) % (2 * Sleepers::kWatchFrames) == 0)
+      work.sleep_looks += 2 * work.bodies + 2 * met;
+  }
+  return work;
+}
+
+// Of the present part.
+double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const {
+  const CostModel& c = governor.costs();
+  const auto n = [](std::size_t count) { return static_cast<double>(count); };
+  const auto pairs = [&](const Strip& s) { return n(s.pair_end - s.pair_begin); };
+  const auto strip_bodies = [&](std::size_t strip) {
+    const Strip& s = (loose ? candidates : table).strips[strip];
+    return n(s.body_end - s.body_begin);
+  };
+  // Parts of the large bodies make several of a pair.
+  const auto large_manifolds = [&](std::size_t strip) {
+    if (strip + 1 != table.strips.size() || manifolds.strip_count() == 0) return 0.0;
+    return n(manifolds.pairs_of(manifolds.strip_count() - 1).size());
+  };
+  // Of the pairs, about.
+  const double shaped = n(counts.manifolds) / std::max(n(counts.manifolds + counts.contacts), 1.0);
+  switch (ahead.part) {
+    case Part::check:
+      return c.check * n(bodies.count) +
+             (sleepers.woke ? c.sleep * n(counts.contacts + 6 * counts.manifolds) : 0);
+    case Part::measure:
+      return 0.2 * c.sort * n(bodies.count);
+    case Part::count:
+      return (broad.lists_cells() ? 2
+              : plan.radii        ? 0.6
+                                  : 0.3) *
+                 c.sort * n(bodies.count) +
+             c.cell * n(broad.cell_count());
+    case Part::move:
+      return (plan.radii ? 1.0 : 0.5) * c.sort * n(bodies.count) / n(broad.moves());
+    case Part::search:
+      if (broad.strip_of_search(piece) + 1 == (loose ? candidates : table).strips.size()) {
+        return c.strip + strip_bodies(broad.strip_of_search(piece)) *
+                             (2 * c.strip + (c.pair + 12 * c.test) * broad.pairs_of_large() +
+                              0.5 * c.test * strip_bodies(broad.strip_of_search(piece)));
+      }
+      return (c.search + c.test * broad.tests() +
+              c.pair * broad.expected_pairs(broad.strip_of_search(piece))) *
+                 strip_bodies(broad.strip_of_search(piece)) +
+             c.strip;
+    case Part::near:
+      return (counts.fixed ? c.near_fixed + c.near_shape * n(counts.near) / n(bodies.count)
+                           : c.near) *
+                 strip_bodies(piece) +
+             c.strip;
+    case Part::select:
+      return c.select * pairs(candidates.strips[piece]) + c.strip;
+    case Part::pack:
+      return c.pack * (pairs(table.strips[piece]) + 0.3 * strip_bodies(piece)) + c.strip;
+    case Part::group: {
+      double contacts_here = 0;
+      for (const Strip& s : table.strips) contacts_here += pairs(s);
+      return 0.25 * c.group * n(counts.manifolds) +
+             (plan.loads ? c.load * counts.visits * contacts_here : 0) +
+             (loose ? c.pack * n(bodies.count) : 0);
+    }
+    case Part::sort_out:
+      return 0.35 * c.group *
+                 std::max(shaped * pairs(table.strips[piece]), large_manifolds(piece)) +
+             c.strip;
+    case Part::keep:
+      return 0.4 * c.group * n(manifolds.pairs_of(piece).size());
+    case Part::stand:
+      return c.stand * n(counts.manifolds);
+    case Part::colour:
+      return c.colour * pairs(table.strips[piece]) +
+             c.strip;  // strips are in another order here: alike
+    case Part::lay_out:
+      return governor.lay_out(counts) *
+                 (pairs(table.strips[piece]) + n(table.singles[piece].size())) +
+             3 * c.strip;
+    case Part::look:
+      return counts.manifolds == 0
+                 ? 0
+                 : (ahead.horizon > 1 ? kLongLooks : 1.0) * governor.look_ns(counts) /
+                       n(counts.manifolds) * n(manifolds.pairs_in(piece));
+    case Part::done:
+      break;
+  }
+  return 0;
+}
+
+// Does of a step's work what fits into a frame of dt seconds. Chooses the detail: whether the rest of the step
+// fits, too, with how many substeps, and how many frames it makes up for.
+void World::Impl::choose_detail(double dt, StepReport& report) {
+  StepDetail& detail = report.detail;
+  const int elapsed = ahead.waits + 1;
+  if (bodies.count == bodies.dead) return;
+  const int most = std::min(desc.substeps, 255);
+  if (ahead.part == Part::check) {
+    ahead.horizon = static_cast<std::uint8_t>(governor.horizon(count_work(), most));
+  }
+  detail.horizon = ahead.horizon;
+  const Span span{dt, dt * detail.horizon};
+  const bool late = ahead.spoiled != 0 && ahead.waits >= kPatience;
+  const double room = governor.room_ns();
+  double spent = governor.costs().step;
+  const double base = spent;
+  while (ahead.part != Part::done) {
+    const std::size_t all = pieces();
+    const WorkCounts counts = count_work();
+    if (ahead.part == Part::look && ahead.at == 0 && !ahead.built && !loose) {
+      const double rest = governor.look_ns(counts) +
+                          governor.costs().stand * static_cast<double>(counts.manifolds) +
+                          governor.rest_ns(counts) + governor.substep_ns(counts);
+      ahead.spread = elapsed > 1 || spent + rest > room;
+      if (ahead.spread)
+        spent += 0.6 * governor.costs().keep * static_cast<double>(counts.manifolds);
+    }
+    std::size_t end = ahead.at;
+    for (; end < all; ++end) {
+      const double cost = piece_ns(counts, end);
+      if (spent + cost > room && spent > base && !late) break;
+      spent += cost;
+    }
+    if (end == ahead.at && all != 0) break;
+    detail.pieces += static_cast<std::uint32_t>(end - ahead.at);
+    work(span, report, end);
+  }
+  const WorkCounts counts = count_work();
+  detail.solves = false;
+  if (ahead.part == Part::done) {
+    int horizon = ahead.horizon;
+    if (elapsed > 1 && horizon > 1 && !loose && !ahead.built &&
+        !lists_serve(dt * std::min(elapsed, horizon)))
+      horizon = 1;
+    const Governor::Choice choice = governor.choose(counts, room - spent, elapsed, horizon, most);
+    detail.solves = choice.solves || late;
+    if (detail.solves) {
+      detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
+      detail.frames = static_cast<std::uint8_t>(choice.frames);
+      spent += governor.rest_ns(counts) + detail.substeps * governor.substep_ns(counts);
+      detail.pieces = 0;
+    }
+  }
+  report.predicted_ms = spent * 1e-6;
+}
+
+// Lists of several frames are longer, and to make room for them takes longer than a frame may: it is made before the
+// first.
+void World::Impl::spare_room() {
+  const std::size_t pairs = std::max<std::size_t>(
+      2 * std::max(table.pair_room, candidates.pair_room), std::size_t{12} * bodies.count);
+  for (PairTable* of : {&table, &old_table, &candidates}) of->spare(bodies.count, pairs);
+  broad.spare(pairs);
+  if (plan.shapes && !table.strips.empty()) {
+    manifolds.spare(std::max<std::size_t>(2 * manifolds.pair_count(), 6 * traits.cornered),
+                    table.strips.size());
+  }
+  contacts.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.pair_blocks(),
+                                       std::size_t{5} * bodies.count),
+                 2 * kernels::kBlock * contacts.single_blocks() + 1024);
+  if (!plan.forces && !plan.turns) {
+    solved.spare(kernels::round_up_block(bodies.count) + 1024, !bodies.spin.empty(),
+                 plan.restitution);
+  }
+}
+
+// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either.
+bool World::Impl::fits_again(StepReport& report) const {
+  const WorkCounts work = count_work();
+  double spent = report.predicted_ms * 1e6;
+  if (spent + governor.ahead_ns(work) + governor.rest_ns(work) <= governor.room_ns()) return true;
+  spent -= report.detail.substeps * governor.substep_ns(work);
+  report.predicted_ms = spent * 1e-6;
+  return false;
+}
+
+// Does as many pieces of a step's work as the detail says.
+void World::Impl::work_ahead(double dt, StepReport& report) {
+  if (bodies.count == bodies.dead) return;
+  const Span span{dt, dt * report.detail.horizon};
+  ahead.horizon = report.detail.horizon;
+  ahead.spread = true;
+  for (std::size_t left = report.detail.pieces; left != 0 && ahead.part != Part::done;) {
+    const std::size_t end = std::min(pieces(), ahead.at + left);
+    left -= end - ahead.at;
+    work(span, report, end);
+  }
+}
 
 namespace {
 
@@ -117,10 +349,12 @@ struct Shares {
     const Governor governor;
     const WorkCounts work = count();
     const double still = quiet(few), pass_ns = (quiet(many) - still) / (kMany - kFew);
-    const double every = governor.look_ns(work) + governor.costs().stand * static_cast<double>(work.manifolds) +
+    const double every = governor.look_ns(work) +
+                         governor.costs().stand * static_cast<double>(work.manifolds) +
                          governor.costs().check * static_cast<double>(work.bodies);
     build = std::max((quiet(anew) - still) / (governor.ahead_ns(work) - every), 0.1);
-    rest = std::max((still - kFew * pass_ns) / (governor.costs().step + governor.rest_ns(work) + every), 0.1);
+    rest = std::max(
+        (still - kFew * pass_ns) / (governor.costs().step + governor.rest_ns(work) + every), 0.1);
     pass = std::max(pass_ns / governor.substep_ns(work), 0.1);
   }
 };
@@ -136,22 +370,28 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
   };
   const auto measure = [&](std::size_t count, bool boxes) {
     Shares shares;
-    if (const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes)) {
+    if (const auto world =
+            heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes)) {
       Impl& w = *world->impl_;
-      shares.measure(*world, [&] { w.spoil_lists(); }, [&] { return w.count_work(); });
+      shares.measure(
+          *world, [&] { w.spoil_lists(); }, [&] { return w.count_work(); });
     }
     return shares;
   };
   // What the heaps cost by the default model on the machine that it was made on.
-  constexpr double kBuild = 0.79, kRest = 1.05, kPass = 0.6, kGroup = 1.3, kLook = 0.57, kShapePass = 1.27;
+  constexpr double kBuild = 0.79, kRest = 1.05, kPass = 0.74, kGroup = 1.1, kLook = 0.5,
+                   kShapePass = 0.91;
   Shares discs = measure(bodies, false);
   if (discs.pass == 0) return model;
-  scaled({&model.check, &model.sort, &model.search, &model.pair, &model.near, &model.near_fixed, &model.near_shape,
-          &model.select, &model.pack, &model.load, &model.colour, &model.lay_out, &model.lay_out_rough},
+  scaled({&model.check, &model.sort, &model.search, &model.pair, &model.near, &model.near_fixed,
+          &model.near_shape, &model.cell, &model.strip, &model.select, &model.pack, &model.load,
+          &model.colour, &model.lay_out, &model.lay_out_rough},
          discs.build, kBuild);
-  scaled({&model.narrow, &model.load_body, &model.move, &model.stop, &model.sleep}, discs.rest, kRest);
-  scaled({&model.body_pass, &model.pass, &model.bounce_pass, &model.joint_pass, &model.joint,
-          &model.joint_sorted}, discs.pass, kPass);
+  scaled({&model.narrow, &model.load_body, &model.move, &model.stop, &model.flight, &model.sleep},
+         discs.rest, kRest);
+  scaled({&model.body_pass, &model.pass, &model.touch, &model.sweep, &model.joint_pass,
+          &model.joint, &model.joint_sorted},
+         discs.pass, kPass);
   if (shapes == 0) return model;
   Shares boxes = measure(shapes, true);
   if (boxes.pass == 0) return model;

@@ -142,7 +142,7 @@ typedef struct psim_cost_model {
   double load;           ///< a contact of discs, where bodies carry much heavier ones
   double colour;         ///< a contact of discs, when contacts are laid out: its colour
   double lay_out;        ///< its lane
-  double lay_out_rough;  ///< the same with friction
+  double lay_out_rough;  ///< the same with friction or restitution
   double keep;           ///< a manifold that is kept as it is: its gaps
   double look;           ///< a manifold that is looked at anew
   double stand;          ///< a manifold: who stands on whom
@@ -155,10 +155,14 @@ typedef struct psim_cost_model {
   double joint;          ///< a joint
   double joint_sorted;   ///< a joint whose bodies have new slots
   double body_pass;      ///< a body that the solver has
-  double pass;           ///< a contact of discs
-  double bounce_pass;    ///< the same with restitution: sweeps over impacts
+  double pass;           ///< a lane of contacts of discs
+  double touch;          ///< a contact that presses
+  double sweep;          ///< a lane, in a sweep over impacts, where there is restitution
   double shape_pass;     ///< a manifold
   double joint_pass;     ///< a joint
+  double cell;           ///< a cell of the grid, when lists are made
+  double flight;         ///< a fixed shape near the way of a fast shape
+  double strip;          ///< a strip, each time that its lists are gone through
 } psim_cost_model;
 
 /// How a frame's budget is kept by doing less (docs/governor.md).
