@@ -21,8 +21,9 @@
 ///   the next call of the same function, unless it says otherwise. Pointers that a call takes are
 ///   read during the call only.
 /// - **Threads.** Worlds are independent. One is used by one thread at a time, but for questions
-///   (psim/c/queries.h), which any number of threads may ask meanwhile nobody changes the world,
-///   psim_last_error, and psim_world_latest_snapshot.
+///   (psim/c/queries.h) and other functions that take a const psim_world*, which any number of threads
+///   may call meanwhile nobody changes the world (but psim_world_why_awake); and psim_last_error and
+///   psim_world_latest_snapshot.
 /// - **Text** goes into a buffer of the caller: at most `capacity` bytes, a zero at the end among
 ///   them. The functions return the length of the whole text. The buffer may be NULL if the
 ///   capacity is 0.
@@ -33,6 +34,7 @@
 #include "psim/c/desc.h"
 #include "psim/c/joints.h"
 #include "psim/c/queries.h"
+#include "psim/c/recording.h"
 #include "psim/c/saved.h"
 #include "psim/c/state.h"
 #include "psim/c/types.h"

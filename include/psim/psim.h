@@ -3,6 +3,7 @@
 #pragma once
 
 #ifdef __cplusplus
+#include "psim/contact.h"
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/integrator.h"

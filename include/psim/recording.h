@@ -46,6 +46,8 @@ class PSIM_API Recorder {
   ///@}
   /// A detail that a governor chose in another run.
   StepReport replay(const StepDetail& detail);
+  /// The same by another dt, seconds.
+  StepReport replay(const StepDetail& detail, double dt);
 
   /// The recording up to now, with a checksum over every byte: 24 bytes a step and what the host did.
   std::vector<std::byte> recording() const;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "psim/api.h"
+#include "psim/contact.h"
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/joint.h"
@@ -82,8 +83,9 @@ struct TraceEvent {
   std::int64_t end_ns = 0;    ///< nanoseconds
 };
 
-/// Bodies, joints and fields, and the step that moves them. One thread at a time uses a world; only
-/// ray_cast to closest may be called by several meanwhile nobody changes it, and latest_snapshot.
+/// Bodies, joints and fields, and the step that moves them. One thread at a time uses a world; but between steps
+/// and changes any number of threads may call its const functions at once, all but diagnostics and why_awake.
+/// latest_snapshot: one other thread at any time.
 class PSIM_API World {
  public:
   /// Checks the description and makes an empty world. On failure returns nothing and puts one
@@ -136,7 +138,7 @@ class PSIM_API World {
   bool is_awake(BodyId id) const;
   /// Wakes a body that sleeps, and what is joined to it; false if the id is stale.
   bool wake(BodyId id);
-  /// Why a body is awake, in one line, or that it is not.
+  /// Why a body is awake, in one line, or that it is not. Not beside another call.
   std::string why_awake(BodyId id) const;
 
   /// Ties two bodies; kNoJoint and one line in `error` if the description is refused.
@@ -169,6 +171,15 @@ class PSIM_API World {
   void set_event_options(const EventOptions& options);
   /// What the last step told.
   Events events() const;
+
+  /// What touches, as of the end of the last step: every contact that carries an impulse or overlaps, with walls
+  /// and static bodies too, ordered by a, then b, then normal, then point; the same on every ISA and any number of
+  /// threads. A contact's impulse is what it carried in the last substep, times the substeps: what a resting
+  /// contact carries in a step, but not a blow that began and ended within it (EventOptions::hits). Sleeping
+  /// bodies' contacts are told as they were when the bodies fell asleep. Places are those of now. None before the
+  /// first step. Valid until the next call of this function or one that changes the world. O(contacts) a call;
+  /// nothing where nobody calls.
+  std::span<const Contact> contacts();
 
   /// Sorts the bodies and makes the lists and arrays of a step without taking one, so that the first
   /// step costs no more than the later ones: for the end of loading. Changes no result.
@@ -218,7 +229,7 @@ class PSIM_API World {
   /// 64-bit hash over every living body's position, angle and velocities in id order; signed
   /// zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.
   std::uint64_t state_hash() const;
-  /// Energies, momenta and the deepest overlap. O(bodies + contacts).
+  /// Energies, momenta and the deepest overlap. O(bodies + contacts). Not beside another call.
   Diagnostics diagnostics() const;
   /// Work done since the world was made.
   LaneCounts lane_counts() const;

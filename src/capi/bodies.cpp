@@ -13,14 +13,14 @@ psim_result stale(const Call& call, std::uint32_t index) {
                    "there is no body " + std::to_string(index) + " of this generation");
 }
 
-psim_result add(psim::World& w, const Call& call, const psim_body_desc* desc,
+psim_result add(const Call& call, const psim_body_desc* desc,
                 const std::string& who, psim_body_id* id) {
   psim_body_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
   psim::BodyDesc body;
   std::string wrong = convert(given, body);
   psim::BodyId made = psim::kNoBody;
-  if (wrong.empty()) made = w.add_body(body, wrong);
+  if (wrong.empty()) made = call.world->changed([&](auto& w) { return w.add_body(body, wrong); });
   if (made == psim::kNoBody) return call.fail(PSIM_ERROR_ARGUMENT, who + wrong);
   if (id != nullptr) *id = to_c(made);
   return PSIM_OK;
@@ -49,12 +49,12 @@ class Column {
   std::span<const double> values_;
 };
 
-// Pushes a body by push(world); says why where it does not move.
+// Pushes a body by apply(world); says why where it does not move.
 template <class Push>
 psim_result push(psim_world* world, const char* name, psim_body_id id, const Push& apply) {
   return guarded(world, name, [&](psim::World& w, const Call& call) -> psim_result {
     if (!w.is_valid(to_cpp(id))) return stale(call, id.index);
-    if (apply(w)) return PSIM_OK;
+    if (world->changed(apply)) return PSIM_OK;
     return call.fail(PSIM_ERROR_NOT_MOVABLE,
                      "body " + std::to_string(id.index) + " is static or frozen");
   });
@@ -64,13 +64,13 @@ psim_result push(psim_world* world, const char* name, psim_body_id id, const Pus
 
 psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc, psim_body_id* id) {
   return guarded(world, __func__,
-                 [&](psim::World& w, const Call& call) { return add(w, call, desc, "", id); });
+                 [&](psim::World&, const Call& call) { return add(call, desc, "", id); });
 }
 
 psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs, size_t count,
                                   size_t stride, psim_body_id* ids, size_t* added) {
   if (added != nullptr) *added = 0;
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
     if (count != 0 && descs == nullptr) {
       return call.fail(PSIM_ERROR_ARGUMENT, "descs must not be NULL");
     }
@@ -81,7 +81,7 @@ psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs
     const auto* at = reinterpret_cast<const unsigned char*>(descs);
     for (std::size_t k = 0; k < count; ++k) {
       const psim_result result =
-          add(w, call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
+          add(call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
               "body " + std::to_string(k) + ": ", ids != nullptr ? ids + k : nullptr);
       if (result != PSIM_OK) return result;
       if (added != nullptr) *added = k + 1;
@@ -91,7 +91,7 @@ psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs
 }
 
 psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch, uint32_t* first) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
     psim_disc_batch given;
     if (const psim_result r = read(call, "batch", batch, given); r != PSIM_OK) return r;
     const auto refuse = [&](std::string_view what) { return call.fail(PSIM_ERROR_ARGUMENT, what); };
@@ -123,7 +123,7 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
     discs.filter = to_cpp(given.filter);
     std::string error;
     std::uint32_t begin = 0;
-    w.add_discs(discs, begin, error);
+    world->changed([&](auto& w) { return w.add_discs(discs, begin, error); });
     if (!error.empty()) return refuse(error);
     if (first != nullptr) *first = begin;
     return PSIM_OK;
@@ -131,8 +131,8 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
 }
 
 psim_result psim_world_remove_body(psim_world* world, psim_body_id id) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
-    return w.remove_body(to_cpp(id)) ? PSIM_OK : stale(call, id.index);
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
   });
 }
 
@@ -172,31 +172,31 @@ psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_
 psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position,
                                      double angle) {
   return push(world, __func__, id,
-              [&](psim::World& w) { return w.set_transform(to_cpp(id), to_cpp(position), angle); });
+              [&](auto& w) { return w.set_transform(to_cpp(id), to_cpp(position), angle); });
 }
 
 psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity,
                                     double angular_velocity) {
-  return push(world, __func__, id, [&](psim::World& w) {
+  return push(world, __func__, id, [&](auto& w) {
     return w.set_velocity(to_cpp(id), to_cpp(velocity), angular_velocity);
   });
 }
 
 psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id, psim_vec2 impulse) {
   return push(world, __func__, id,
-              [&](psim::World& w) { return w.apply_impulse(to_cpp(id), to_cpp(impulse)); });
+              [&](auto& w) { return w.apply_impulse(to_cpp(id), to_cpp(impulse)); });
 }
 
 psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim_vec2 impulse,
                                         psim_vec2 point) {
-  return push(world, __func__, id, [&](psim::World& w) {
+  return push(world, __func__, id, [&](auto& w) {
     return w.apply_impulse_at(to_cpp(id), to_cpp(impulse), to_cpp(point));
   });
 }
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
   return push(world, __func__, id,
-              [&](psim::World& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+              [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
 }
 
 int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
@@ -205,8 +205,8 @@ int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
 }
 
 psim_result psim_world_wake(psim_world* world, psim_body_id id) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
-    return w.wake(to_cpp(id)) ? PSIM_OK : stale(call, id.index);
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
   });
 }
 

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "psim/recording.h"
 #include "psim/world.h"
 
 /// The world, its last error, and copies of what C cannot see in place.
@@ -34,7 +35,15 @@ struct psim_world {
   std::vector<std::pair<std::string, std::uint64_t>> skipped_text;
   std::vector<psim_skip_entry> skipped;
   std::vector<psim_trace_event> trace;
-  std::vector<std::byte> state;
+  std::vector<psim_contact> contacts;
+  std::vector<std::byte> state, recording;
+  std::unique_ptr<psim::Recorder> recorder;  // where a recording is under way
+
+  /// change(world), written down where a recording is under way.
+  template <class Change>
+  auto changed(const Change& change) {
+    return recorder ? change(*recorder) : change(*world);
+  }
 };
 
 namespace psim::capi {

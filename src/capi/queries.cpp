@@ -145,3 +145,19 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     return PSIM_OK;
   });
 }
+
+psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts, size_t* count) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (contacts == nullptr || count == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "contacts and count must not be NULL");
+    }
+    world->contacts.clear();
+    for (const psim::Contact& c : w.contacts()) {
+      world->contacts.push_back({to_c(c.a), to_c(c.b), to_c(c.point), to_c(c.normal), c.separation,
+                                 c.impulse, c.friction});
+    }
+    *contacts = world->contacts.data();
+    *count = world->contacts.size();
+    return PSIM_OK;
+  });
+}

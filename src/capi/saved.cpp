@@ -58,6 +58,9 @@ psim_result psim_world_save(psim_world* world, const void** state, size_t* size)
 psim_result psim_world_restore(psim_world* world, const void* state, size_t size) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
+    if (world->recorder) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "a recording is under way, which cannot hold a restore; stop it first");
+    }
     std::string error;
     if (!w.restore(bytes(state, size), error)) return call.fail(PSIM_ERROR_ARGUMENT, error);
     keep_fields(*world);

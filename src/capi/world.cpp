@@ -38,15 +38,33 @@ psim_step_report report_of(const psim::StepReport& from) {
 
 // Steps by advance(world) and writes the report, if there is one.
 template <class Advance>
-psim_result step(psim::World& world, const Call& call, psim_step_report* report,
+psim_result step(const Call& call, psim_step_report* report,
                  const Advance& advance) {
   if (report != nullptr) {
     const psim_result result = check_output(call, "report", report);
     if (result != PSIM_OK) return result;
   }
-  const psim::StepReport done = advance(world);
+  const psim::StepReport done = call.world->changed(advance);
   if (report != nullptr) write(report_of(done), report);
   return PSIM_OK;
+}
+
+psim_result replay(const Call& call, psim_step_detail detail, double dt,
+                   psim_step_report* report) {
+  const auto frames = [](int n) { return n >= 1 && n <= 8; };
+  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+      detail.flags == PSIM_STEP_WAKES || detail.flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
+    return call.fail(PSIM_ERROR_ARGUMENT,
+                     "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3");
+  }
+  if (!(dt > 0 && dt <= 10)) {
+    return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");
+  }
+  return step(call, report, [&](auto& one) {
+    return one.replay({detail.substeps, (detail.flags & PSIM_STEP_WAITS) == 0, detail.frames,
+                       detail.horizon, detail.pieces, (detail.flags & PSIM_STEP_WAKES) != 0},
+                      dt);
+  });
 }
 
 psim_result create(const Call& call, const psim_world_desc* desc, const psim_run_options* options) {
@@ -115,33 +133,31 @@ size_t psim_last_error(const psim_world* world, char* buffer, size_t capacity) {
 }
 
 psim_result psim_world_step(psim_world* world, psim_step_report* report) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
-    return step(w, call, report, [](psim::World& one) { return one.step(); });
+  return guarded(world, __func__, [&](psim::World&, const Call& call) {
+    return step(call, report, [](auto& one) { return one.step(); });
   });
 }
 
 psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* report) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
-    if (!(dt > 0) || !std::isfinite(dt)) {
-      return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and finite");
+  return guarded(world, __func__, [&](psim::World&, const Call& call) {
+    if (!(dt > 0 && dt <= 10)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");
     }
-    return step(w, call, report, [dt](psim::World& one) { return one.step(dt); });
+    return step(call, report, [dt](auto& one) { return one.step(dt); });
   });
 }
 
 psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
                               psim_step_report* report) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) {
-    const auto frames = [](int n) { return n >= 1 && n <= 8; };
-    if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-        detail.flags == PSIM_STEP_WAKES || detail.flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
-      return call.fail(PSIM_ERROR_ARGUMENT,
-                       "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3");
-    }
-    return step(w, call, report, [detail](psim::World& one) {
-      return one.replay({detail.substeps, (detail.flags & PSIM_STEP_WAITS) == 0, detail.frames,
-                         detail.horizon, detail.pieces, (detail.flags & PSIM_STEP_WAKES) != 0});
-    });
+    return replay(call, detail, w.desc().dt, report);
+  });
+}
+
+psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,
+                                 psim_step_report* report) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) {
+    return replay(call, detail, dt, report);
   });
 }
 
@@ -153,15 +169,15 @@ psim_result psim_world_prepare(psim_world* world) {
 }
 
 psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
-    if (w.set_gravity(to_cpp(gravity))) return PSIM_OK;
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (world->changed([&](auto& w) { return w.set_gravity(to_cpp(gravity)); })) return PSIM_OK;
     return call.fail(PSIM_ERROR_ARGUMENT, "gravity must be finite");
   });
 }
 
 psim_result psim_world_set_sleeping(psim_world* world, int32_t on) {
-  return guarded(world, __func__, [on](psim::World& w, const Call&) -> psim_result {
-    w.set_sleeping(on != 0);
+  return guarded(world, __func__, [world, on](psim::World&, const Call&) -> psim_result {
+    world->changed([on](auto& w) { w.set_sleeping(on != 0); });
     return PSIM_OK;
   });
 }

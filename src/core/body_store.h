@@ -8,9 +8,11 @@
 //            turn, swing                                         of one frame (shapes, joints only)
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <mutex>
 #include <vector>
 
 #include "column.h"
@@ -150,15 +152,17 @@ class BodyStore {
   std::size_t asleep = 0;  ///< of the moving ones: not in the columns
 
   /// Sorting moves slots without telling the ids: whoever asks for info[id].slot of moving bodies
-  /// calls this first. O(bodies) after a sort, else nothing.
+  /// calls this first. O(bodies) after a sort, else nothing. Several threads may ask at once.
   void find_slots() const {
-    if (!slots_stale) return;
-    slots_stale = false;
+    if (!slots_stale.load(std::memory_order_acquire)) return;
+    const std::lock_guard<std::mutex> lock(finding_);
+    if (!slots_stale.load(std::memory_order_relaxed)) return;
     for (std::uint32_t i = 0; i < count; ++i) {
       if (id[i] != kNoSlot) info[id[i]].slot = i;
     }
+    slots_stale.store(false, std::memory_order_release);
   }
-  mutable bool slots_stale = false;
+  mutable std::atomic<bool> slots_stale = false;
 
   std::uint32_t blocks() const { return (count + kernels::kBlock - 1) / kernels::kBlock; }
 
@@ -287,6 +291,9 @@ class BodyStore {
     v.linked = linked.data();
     return v;
   }
+
+ private:
+  mutable std::mutex finding_;
 };
 
 }  // namespace psim

@@ -200,6 +200,7 @@ const QueryIndex::Part& QueryIndex::fixed(const QuerySource& source) const {
 }
 
 std::size_t QueryIndex::bytes() const {
+  const std::lock_guard<std::mutex> lock(making_);
   return moving_.grid.bytes() + sleeping_.grid.bytes() + fixed_.grid.bytes() +
          (moving_.pieces.capacity() + sleeping_.pieces.capacity() + fixed_.pieces.capacity()) *
              sizeof(QueryPiece);

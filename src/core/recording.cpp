@@ -170,15 +170,21 @@ Recorder::~Recorder() = default;
 StepReport Recorder::step() { return step(world_.desc().dt); }
 
 StepReport Recorder::step(double dt) {
+  const std::uint64_t frame = world_.frame();
   const StepReport report = world_.step(dt);
+  if (world_.frame() == frame) return report;  // refused
   log_->add(Op::step, dt, report.detail);
   if (++log_->steps % log_->every == 0) log_->add(Op::hash, world_.state_hash());
   return report;
 }
 
-StepReport Recorder::replay(const StepDetail& detail) {
-  const StepReport report = world_.replay(detail);
-  log_->add(Op::step, world_.desc().dt, report.detail);
+StepReport Recorder::replay(const StepDetail& detail) { return replay(detail, world_.desc().dt); }
+
+StepReport Recorder::replay(const StepDetail& detail, double dt) {
+  const std::uint64_t frame = world_.frame();
+  const StepReport report = world_.replay(detail, dt);
+  if (world_.frame() == frame) return report;  // refused
+  log_->add(Op::step, dt, report.detail);
   if (++log_->steps % log_->every == 0) log_->add(Op::hash, world_.state_hash());
   return report;
 }

@@ -39,6 +39,11 @@ struct Touch {
   std::uint64_t key = 0;
   float impulse[2] = {}, friction[2] = {};  ///< N s
   std::uint32_t points = 1;
+
+  bool of_fixed() const { return key >> 63 != 0; }
+  /// Ids of two bodies, the lower one first; or a body and a piece of fixed geometry.
+  std::uint32_t first() const { return static_cast<std::uint32_t>(key >> 32) & 0x7FFFFFFFu; }
+  std::uint32_t second() const { return static_cast<std::uint32_t>(key); }
 };
 
 /// Touches by key. Filled, read until the lists are made, forgotten.
@@ -49,6 +54,7 @@ class TouchMemory {
   void add(const Touch& touch);
   const Touch* find(std::uint64_t key) const;
   bool empty() const { return list_.empty(); }
+  const std::vector<Touch>& all() const { return list_; }
   void clear();
   std::size_t bytes() const { return list_.capacity() * sizeof(Touch) + slot_.capacity() * 4; }
 

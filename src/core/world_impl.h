@@ -8,6 +8,7 @@
 #include "body_store.h"
 #include "broad_phase.h"
 #include "columns.h"
+#include "contact_list.h"
 #include "continuous.h"
 #include "contact_store.h"
 #include "events.h"
@@ -97,6 +98,7 @@ struct World::Impl {
   Publisher publisher;
   QueryIndex queries;
   EventList events;
+  ContactList touching;
   Tracer tracer;
   WorkerPool pool;
   Walls walls;
@@ -190,6 +192,11 @@ struct World::Impl {
 
   QuerySource query_source() const;  // world_queries.cpp
   EventSource event_source();  // world_queries.cpp
+
+  // world_contacts.cpp
+  void find_contacts();
+  void find_kept();
+  void write_contacts();
 
   // strays.cpp
   static constexpr std::int32_t kFarSteps = 1

@@ -603,6 +603,7 @@ bool World::wake(BodyId id) {
 
 std::string World::why_awake(BodyId id) const {
   if (!is_valid(id)) return "there is no such body";
+  impl_->settle_lists();
   return impl_->why_awake(id.index);
 }
 

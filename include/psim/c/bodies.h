@@ -80,7 +80,8 @@ PSIM_API int32_t psim_world_is_awake(const psim_world* world, psim_body_id id);
 /// Wakes a body that sleeps, and what is joined to it. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_wake(psim_world* world, psim_body_id id);
 
-/// Why a body is awake, in one line, or that it is not. Returns the length of the whole line.
+/// Why a body is awake, in one line, or that it is not. Returns the length of the whole line. Not beside another
+/// call.
 PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer,
                                      size_t capacity);
 

@@ -43,6 +43,18 @@ typedef struct psim_hit_event {
   double speed;      ///< m/s, of approach along the normal
 } psim_hit_event;
 
+/// One point in which two bodies touched at the end of the last step. Two shapes that touch along an edge
+/// have two, one after the other.
+typedef struct psim_contact {
+  psim_body_id a;     ///< a.index < b.index
+  psim_body_id b;     ///< no body for a wall of the world
+  psim_vec2 point;    ///< metres: midway between the two surfaces
+  psim_vec2 normal;   ///< of length 1, from a to b
+  double separation;  ///< metres along the normal, negative in overlap
+  double impulse;     ///< N s, >= 0: that the step put on b along the normal, and its opposite on a
+  double friction;    ///< N s: likewise along (-normal.y, normal.x)
+} psim_contact;
+
 /// Of the last step, each list ordered by a, then b.
 typedef struct psim_events {
   uint32_t struct_size;                  ///< set by psim_events_init
@@ -95,6 +107,13 @@ PSIM_API psim_result psim_world_set_event_options(psim_world* world,
 /// What the last step told. The lists are copied: they stay until the next call of this function.
 /// Not beside another call.
 PSIM_API psim_result psim_world_events(psim_world* world, psim_events* events);
+
+/// What touches, as of the end of the last step: every contact that carries an impulse or overlaps, with walls and
+/// static bodies too, `*count` of them, ordered by a, then b, then normal, then point. An impulse is what the
+/// contact carried in the last substep, times the substeps. Sleeping bodies' contacts are told as they were when
+/// the bodies fell asleep. The list stays until the next call of this function. Not beside another call.
+PSIM_API psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts,
+                                         size_t* count);
 
 #ifdef __cplusplus
 }

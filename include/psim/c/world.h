@@ -55,12 +55,16 @@ PSIM_API size_t psim_last_error(const psim_world* world, char* buffer, size_t ca
 /// of threads.
 PSIM_API psim_result psim_world_step(psim_world* world, psim_step_report* report);
 
-/// Advances by another dt, seconds, above 0 and finite.
+/// Advances by another dt, seconds, above 0 and at most 10.
 PSIM_API psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* report);
 
 /// A step with the detail that a governor chose in another run: the same bits.
 PSIM_API psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
                                        psim_step_report* report);
+
+/// The same by another dt, seconds, above 0 and at most 10.
+PSIM_API psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,
+                                          psim_step_report* report);
 
 /// Makes the lists and arrays of a step without taking one, so that the first step costs no more than
 /// the later ones. Changes no result.

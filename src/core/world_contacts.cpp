@@ -1,0 +1,505 @@
+// World::contacts: who touched at the end of the last step, where, and how hard.
+//
+// In: the lists and what their contacts carry, what sleepers keep. Out: one Contact a point, by a, then b,
+// then normal and point. Nothing runs and no memory is held unless it is called; changes no result.
+//
+//   find    by strip: closed contacts as references of 20 bytes
+//   keep    by sleepers: contacts among those that lie still, from what they carried when they fell asleep
+//   sort    references by ids
+//   write   where the bodies are now: normal, point, separation
+//
+// O(contacts); docs/queries-events.md has what it takes.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "float_settings.h"
+#include "manifold_look.h"
+#include "tasks.h"
+#include "world_impl.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+using Ref = ContactList::Ref;
+
+constexpr float kFar = 1e6f;          // m: gap of a contact that another one stands for (narrow_phase)
+constexpr double kStill = 0.02;       // of the inner radius: how far apart bodies that lie still touch
+constexpr std::size_t kBeds = 1024;   // sleepers a job
+constexpr std::size_t kWritten = 4096;  // contacts a job
+
+bool closed(float impulse) { return !std::signbit(impulse); }
+double d(float v) { return static_cast<double>(v); }
+
+// Where a body is: its centre, its rotation, its hulls.
+struct Stand {
+  LatticePoint at;
+  Rotor q;
+  double radius = 0;            // m: of a disc; else 0
+  const Hull* hulls = nullptr;  // of another shape
+  std::uint32_t count = 0;
+  double inner = 0;             // m
+};
+
+// What impulses of contacts of discs alone, and of shapes, are multiplied by.
+struct Scale {
+  double disc = 1, shape = 1;
+};
+
+// A normal and the separation along it.
+struct Meeting {
+  double nx = 0, ny = 0, gap = 0;
+};
+
+class ContactWriter {
+ public:
+  ContactWriter(const BodyStore& b, const StaticShapes& shapes, const Lattice& lattice, const Walls& walls,
+                const Sleepers& sleepers)
+      : b_(b), shapes_(shapes), lattice_(lattice), walls_(walls), sleepers_(sleepers), px_(lattice.pitch_x()),
+        py_(lattice.pitch_y()) {}
+
+  /// `first` and `second` by id, kNoSlot for a wall; the normal goes from first to second.
+  Contact contact(std::uint32_t first, std::uint32_t second, Vec2 point, const Meeting& m, double impulse,
+                  double friction) const {
+    Contact c;
+    c.point = point;
+    c.separation = m.gap;
+    c.impulse = impulse;
+    c.friction = friction;
+    const double sign = first < second ? 1 : -1;
+    c.a = handle(std::min(first, second));
+    c.b = handle(std::max(first, second));
+    c.normal = {sign * m.nx, sign * m.ny};
+    return c;
+  }
+
+  LatticePoint place(std::size_t slot) const {
+    return {b_.pos[2 * slot], b_.pos[2 * slot + 1], b_.disp[2 * slot], b_.disp[2 * slot + 1]};
+  }
+  Vec2 world(const LatticePoint& p) const { return lattice_.to_world(p.x, p.y, p.dx, p.dy); }
+  Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
+    return {wrap_sub(to.x, from.x) * px_ + (d(to.dx) - d(from.dx)), wrap_sub(to.y, from.y) * py_ + (d(to.dy) - d(from.dy))};
+  }
+
+  /// Two discs; (nx, ny): the normal if their centres coincide.
+  static Meeting discs(Vec2 to, double reach, double nx, double ny) {
+    const double far = std::sqrt(to.x * to.x + to.y * to.y);
+    if (far > 0) return {to.x / far, to.y / far, far - reach};
+    return {nx, ny, -reach};
+  }
+
+  /// A disc and fixed geometry: the normal towards the disc. (nx, ny): the normal that the contact has.
+  Meeting fixed(const LatticePoint& at, double r, std::uint32_t shape, double nx, double ny) const {
+    const auto off = [](std::int32_t a, std::int32_t wall, float rest_a, float rest_w, double pitch) {
+      return wrap_sub(a, wall) * pitch + (d(rest_a) - d(rest_w));
+    };
+    const Walls& w = walls_;
+    switch (shape) {
+      case kWallLeft: return {1, 0, off(at.x, w.low.x, at.dx, w.low.dx, px_) - r};
+      case kWallRight: return {-1, 0, -off(at.x, w.high.x, at.dx, w.high.dx, px_) - r};
+      case kWallBottom: return {0, 1, off(at.y, w.low.y, at.dy, w.low.dy, py_) - r};
+      case kWallTop: return {0, -1, -off(at.y, w.high.y, at.dy, w.high.dy, py_) - r};
+      default: break;
+    }
+    const StaticShape& s = shapes_[shape];
+    const Vec2 a = way(s.p, at);
+    const double reach = r + d(s.radius);
+    if (!s.segment) return discs(a, reach, nx, ny);
+    const Vec2 u = way(s.p, s.q);
+    const double uu = u.x * u.x + u.y * u.y, along = a.x * u.x + a.y * u.y;
+    if (along < 0) return discs(a, reach, nx, ny);
+    if (along > uu) return discs({a.x - u.x, a.y - u.y}, reach, nx, ny);
+    const double length = std::sqrt(uu), side = (u.x * a.y - u.y * a.x) / length;  // left of p->q is positive
+    double sign = side < 0 || s.face ? -1 : 1;
+    if (!s.face && (nx != 0 || ny != 0)) sign = nx * -u.y + ny * u.x < 0 ? -1 : 1;
+    return {-u.y / length * sign, u.x / length * sign, side * sign - reach};
+  }
+
+  /// Whether a piece is there, or was a sleeper's that woke after the step.
+  bool stands(std::uint32_t shape) const {
+    if (shape >= kWallLeft) return true;
+    const StaticShape& s = shapes_[shape];
+    return s.alive || (s.asleep && b_.info[s.owner].place == Place::moving);
+  }
+  std::uint32_t owner(std::uint32_t shape) const { return shape >= kWallLeft ? kNoSlot : shapes_[shape].owner; }
+
+  /// A point of a manifold, and its gap, now.
+  Meeting manifold(const ManifoldPair& pair, int k, Vec2& point) const {
+    const Manifold& m = pair.manifold;
+    const ManifoldPoint& p = m.point[k];
+    const double nx = d(m.nx), ny = d(m.ny);
+    const LatticePoint b = place(pair.b);
+    LatticePoint a;
+    if (pair.a != PairName::kNone) a = place(pair.a);
+    const Vec2 moved{wrap_sub(wrap_sub(b.x, a.x), pair.base_x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base_dx)),
+                     wrap_sub(wrap_sub(b.y, a.y), pair.base_y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base_dy))};
+    // An arm whose end, all but the rounding, turned with its body since.
+    const auto turned = [](Rotor to, Rotor from, double x, double y) {
+      const double c = d(from.c) * d(to.c) + d(from.s) * d(to.s), s = d(from.c) * d(to.s) - d(from.s) * d(to.c);
+      return Vec2{c * x - s * y, s * x + c * y};
+    };
+    double gap = d(p.gap) + nx * moved.x + ny * moved.y;
+    const double bx = d(p.bx) + d(pair.round_b) * nx, by = d(p.by) + d(pair.round_b) * ny;
+    const Vec2 arm = turned(rotor(pair.b), pair.turn_b, bx, by);
+    gap += nx * (arm.x - bx) + ny * (arm.y - by);
+    if (pair.a != PairName::kNone) {
+      const double ax = d(p.ax) - d(pair.round_a) * nx, ay = d(p.ay) - d(pair.round_a) * ny;
+      const Vec2 other = turned(rotor(pair.a), pair.turn_a, ax, ay);
+      gap -= nx * (other.x - ax) + ny * (other.y - ay);
+    }
+    // The arm ends midway between the surfaces of then; of a contact that lay ahead, where they meet.
+    const double back = d(pair.round_b) + (gap - (pair.ahead ? 0 : d(p.gap))) / 2;
+    const Vec2 centre = world(b);
+    point = {centre.x + arm.x - back * nx, centre.y + arm.y - back * ny};
+    return {nx, ny, gap};
+  }
+
+  Stand stand(std::uint32_t id) const {
+    const BodyInfo& info = b_.info[id];
+    Stand s;
+    double angle = 0;
+    if (info.place == Place::asleep) {
+      s.at = sleepers_.list[info.slot].at;
+      angle = sleepers_.list[info.slot].angle;
+    } else {
+      s.at = place(info.slot);
+      if (!b_.angle.empty()) angle = b_.angle[info.slot];
+    }
+    const Make& make = b_.make(id);
+    s.count = make.hull_count;
+    if (make.hull_count == 0) {
+      s.radius = s.inner = d(b_.surface(id).radius);
+      return s;
+    }
+    const SineCosine q = sine_cosine(angle);
+    s.q = {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
+    s.hulls = &b_.hulls[make.first_hull];
+    s.inner = std::fmax(d(make.inner), 0.2 * d(b_.surface(id).radius));
+    return s;
+  }
+
+  /// What two bodies carried that lie still, if they still touch.
+  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, Scale times, std::vector<Contact>& out) const {
+    const Stand sa = stand(a), sb = stand(b);
+    const Vec2 to = way(sa.at, sb.at);
+    const double margin = kStill * std::fmin(sa.inner, sb.inner);
+    const Vec2 centre = world(sa.at);
+    if (sa.count == 0 && sb.count == 0) {
+      const Meeting m = discs(to, sa.radius + sb.radius, 0, 1);
+      if (m.gap > margin) return;
+      const double arm = sa.radius + m.gap / 2;
+      out.push_back(contact(a, b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m, times.disc * d(touch.impulse[0]),
+                            times.disc * d(touch.friction[0])));
+      return;
+    }
+    const Hull disc_a = disc_hull(static_cast<float>(sa.radius)), disc_b = disc_hull(static_cast<float>(sb.radius));
+    Manifold best;
+    for (std::uint32_t i = 0; i < std::max(sa.count, 1u); ++i) {
+      for (std::uint32_t j = 0; j < std::max(sb.count, 1u); ++j) {
+        const Manifold m = collide(sa.count != 0 ? sa.hulls[i] : disc_a, sa.q, sb.count != 0 ? sb.hulls[j] : disc_b,
+                                   sb.q, static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(margin));
+        if (m.count > best.count || (m.count != 0 && m.count == best.count && m.point[0].gap < best.point[0].gap)) best = m;
+      }
+    }
+    share(touch, best, a, b, centre, true, times.shape, out);
+  }
+
+  /// The same of a body and fixed geometry.
+  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, Scale times, std::vector<Contact>& out) const {
+    const Stand s = stand(id);
+    const Vec2 centre = world(s.at);
+    const double margin = kStill * s.inner;
+    const std::uint32_t other = owner(shape);
+    if (s.count == 0) {
+      const Meeting m = fixed(s.at, s.radius, shape, 0, 0);
+      if (m.gap > margin) return;
+      const double arm = s.radius + m.gap / 2;
+      out.push_back(contact(other, id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m, times.disc * d(touch.impulse[0]),
+                            times.disc * d(touch.friction[0])));
+      return;
+    }
+    const auto most = static_cast<float>(margin);
+    if (shape >= kWallLeft) {
+      const Meeting m = fixed(s.at, 0, shape, 0, 0);
+      share(touch, meet_plane(s.hulls[0], s.q, static_cast<float>(m.nx), static_cast<float>(m.ny), static_cast<float>(m.gap), most),
+            other, id, centre, false, times.shape, out);
+      return;
+    }
+    const double reach = d(b_.surface(id).radius) + margin + d(shapes_[shape].radius);
+    const Hull piece = shapes_.seen_from(shape, s.at.x, s.at.y, 4 * reach, s.at.dx, s.at.dy);
+    share(touch, collide(piece, {}, s.hulls[0], s.q, 0, 0, most), other, id, centre, false, times.shape, out);
+  }
+
+ private:
+  BodyId handle(std::uint32_t id) const { return id == kNoSlot ? kNoBody : BodyId{id, b_.info[id].generation}; }
+
+  Rotor rotor(std::uint32_t slot) const {
+    if (b_.make(b_.id[slot]).hull_count == 0) return {};
+    const SineCosine q = sine_cosine(b_.angle[slot]);
+    return {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
+  }
+
+  // Gives a touch's impulses to the points of a manifold, in order along the edge. `centre`: what the arms of side
+  // A (`of_a`) or B go from.
+  void share(const Touch& touch, const Manifold& m, std::uint32_t a, std::uint32_t b, Vec2 centre, bool of_a,
+             double times, std::vector<Contact>& out) const {
+    const bool flip = m.count == 2 && runs_backwards(m);
+    const int nearest = m.count == 2 && m.point[1].gap < m.point[0].gap ? 1 : 0;
+    for (int k = 0; k < m.count; ++k) {
+      const int from = flip ? 1 - k : k;
+      float impulse = touch.impulse[from], friction = touch.friction[from];
+      if (static_cast<int>(touch.points) != m.count) {  // it touches otherwise now
+        if (k != nearest) continue;
+        impulse = touch.impulse[0] + touch.impulse[1];
+        friction = touch.friction[0] + touch.friction[1];
+      }
+      const ManifoldPoint& p = m.point[k];
+      const Vec2 point{centre.x + d(of_a ? p.ax : p.bx), centre.y + d(of_a ? p.ay : p.by)};
+      out.push_back(contact(a, b, point, {d(m.nx), d(m.ny), d(p.gap)}, times * d(impulse), times * d(friction)));
+    }
+  }
+
+  const BodyStore& b_;
+  const StaticShapes& shapes_;
+  const Lattice& lattice_;
+  const Walls& walls_;
+  const Sleepers& sleepers_;
+  double px_, py_;
+};
+
+// By a, then b. Where there are many, by counting how many each a has.
+void sort_refs(std::vector<Ref>& refs, std::vector<Ref>& scratch, std::vector<std::uint32_t>& count, std::uint32_t ids) {
+  const auto before = [](const Ref& x, const Ref& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; };
+  if (refs.size() < 256 || refs.size() < ids / 8) {
+    std::stable_sort(refs.begin(), refs.end(), before);
+    return;
+  }
+  count.assign(std::size_t{ids} + 1, 0);
+  for (const Ref& ref : refs) ++count[std::size_t{ref.a} + 1];
+  for (std::size_t k = 1; k < count.size(); ++k) count[k] += count[k - 1];
+  scratch.resize(refs.size());
+  for (const Ref& ref : refs) scratch[count[ref.a]++] = ref;
+  refs.swap(scratch);
+  for (std::size_t k = 1; k < refs.size(); ++k) {  // the few of each
+    const Ref ref = refs[k];
+    std::size_t at = k;
+    for (; at > 0 && before(ref, refs[at - 1]); --at) refs[at] = refs[at - 1];
+    refs[at] = ref;
+  }
+}
+
+bool by_place(const Contact& x, const Contact& y) {
+  if (x.normal.x != y.normal.x) return x.normal.x < y.normal.x;
+  if (x.normal.y != y.normal.y) return x.normal.y < y.normal.y;
+  return x.point.x != y.point.x ? x.point.x < y.point.x : x.point.y < y.point.y;
+}
+
+}  // namespace
+
+// Closed contacts of the lists, by strip.
+void World::Impl::find_contacts() {
+  const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
+  const bool anew = laid_ahead;  // lanes are of the next step: what they carry was brought over
+  const bool bare = saved.bare;  // no gaps
+  const auto dynamic = [&](std::uint32_t id) { return bodies.surface(id).type == BodyType::dynamic_body; };
+  const auto counts = [anew](float impulse) { return anew ? impulse > 0 : closed(impulse); };
+  pool.run(table.strips.size(), [&](std::size_t index) {
+    const Strip& s = table.strips[index];
+    std::vector<Ref>& out = touching.found[index];
+    const auto put = [&](std::uint32_t a, std::uint32_t b, Ref::Kind kind, std::size_t at, int point = 0) {
+      out.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(index), kind,
+                     static_cast<std::uint8_t>(point)});
+    };
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+      if (!counts(contacts.impulse[table.contact[p]])) continue;
+      const std::uint32_t a = bodies.id[table.owner[p]], b = bodies.id[table.other[p]];
+      if (a == kNoSlot || b == kNoSlot || (!held.empty() && !dynamic(a) && !dynamic(b))) continue;
+      put(a, b, Ref::kPair, p);
+    }
+    const std::vector<SinglePair>& singles = table.singles[index];
+    for (std::size_t k = 0; k < singles.size(); ++k) {
+      const SinglePair& single = singles[k];
+      if (!counts(contacts.s_impulse[single.contact])) continue;
+      if (!bare && contacts.s_gap[single.contact] >= kFar) continue;
+      const std::uint32_t id = bodies.id[single.body];
+      if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape)) continue;
+      put(id, writer.owner(single.shape), Ref::kSingle, k);
+    }
+    if (!plan.shapes || index >= manifolds.strip_count()) return;
+    const std::span<const ManifoldPair> pairs = std::as_const(manifolds).pairs_of(index);
+    const std::vector<kernels::ManifoldBlock>& blocks = manifolds.strip(index).blocks;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const ManifoldPair& pair = pairs[k];
+      const bool laid = pair.lane != PairName::kNone;
+      if (!laid && !anew) continue;
+      if (bodies.id[pair.b] != pair.id_b || (pair.a != kNoSlot && bodies.id[pair.a] != pair.id_a)) continue;
+      if (pair.a == kNoSlot && !writer.stands(pair.shape)) continue;
+      for (int point = 0; point < pair.manifold.count; ++point) {
+        const bool touches = laid ? closed(blocks[pair.lane / kBlock].point[point].impulse[pair.lane % kBlock])
+                                  : pair.impulse[point] > 0;
+        if (touches) put(pair.id_a, pair.id_b, Ref::kManifold, k, point);
+      }
+    }
+  });
+}
+
+// Contacts among bodies that lie still, and of those that fell asleep or woke since the lists were made.
+void World::Impl::find_kept() {
+  const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
+  const Scale times{desc.substeps * (plan.model.model == kernels::Model::plain ? d(first_mass) : 1.0), static_cast<double>(desc.substeps)};
+  const auto place = [&](std::uint32_t id) { return id < bodies.id_count ? bodies.info[id].place : Place::none; };
+  const auto lies = [&](std::uint32_t id) {
+    return place(id) == Place::asleep || (place(id) == Place::moving && !(bodies.surface(id).inv_mass > 0));
+  };
+  const auto here = [&](std::uint32_t id) { return place(id) == Place::asleep || place(id) == Place::moving; };
+  const auto ground = [&](std::uint32_t shape) {
+    return shape >= kWallLeft || (shape < shapes.size() && shapes[shape].alive && !shapes[shape].asleep);
+  };
+  const auto touches_of = [&](const Sleeper& s) { return std::span(sleepers.touches).subspan(s.first_touch, s.touches); };
+  const std::vector<Sleeper>& list = sleepers.list;
+  const std::size_t jobs = (list.size() + kBeds - 1) / kBeds;
+  touching.beds.resize(jobs + 1);
+  pool.run(jobs, [&](std::size_t job) {
+    std::vector<Contact>& out = touching.beds[job];
+    out.clear();
+    for (std::size_t k = job * kBeds; k < std::min(list.size(), (job + 1) * kBeds); ++k) {
+      for (const Touch& touch : touches_of(list[k])) {
+        if (touch.of_fixed()) {
+          if (ground(touch.second())) writer.keep_fixed(touch, list[k].id, touch.second(), times, out);
+          continue;
+        }
+        const std::uint32_t a = touch.first(), b = touch.second(), other = a == list[k].id ? b : a;
+        if (!lies(other)) continue;  // the lists have it
+        if (place(other) == Place::asleep && other < list[k].id) {  // it has the same touch
+          const auto theirs = touches_of(list[bodies.info[other].slot]);
+          if (std::any_of(theirs.begin(), theirs.end(), [&](const Touch& t) { return t.key == touch.key; })) continue;
+        }
+        writer.keep_pair(touch, a, b, times, out);
+      }
+    }
+  });
+  std::vector<Contact>& out = touching.beds[jobs];
+  out.clear();
+  for (const Touch& touch : sleepers.recent.all()) {
+    const std::uint32_t a = touch.first(), b = touch.second();
+    if (touch.of_fixed()) {
+      if (place(a) == Place::moving && ground(b)) writer.keep_fixed(touch, a, b, times, out);
+    } else if (here(a) && here(b) && !(lies(a) && lies(b))) {
+      writer.keep_pair(touch, a, b, times, out);
+    }
+  }
+  touching.kept.clear();
+  for (const std::vector<Contact>& bed : touching.beds) touching.kept.insert(touching.kept.end(), bed.begin(), bed.end());
+}
+
+// The contacts that were found, in order.
+void World::Impl::write_contacts() {
+  const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
+  const bool plain = plan.model.model == kernels::Model::plain;
+  const double pressed = substeps * (plain ? d(first_mass) : 1.0);  // where masses are alike lanes have them as 1
+  const bool rough = contacts.rough();
+  ContactList& t = touching;
+  t.out.resize(t.refs.size());
+  pool.run((t.refs.size() + kWritten - 1) / kWritten, [&](std::size_t job) {
+    for (std::size_t n = job * kWritten; n < std::min(t.refs.size(), (job + 1) * kWritten); ++n) {
+      const Ref& ref = t.refs[n];
+      switch (ref.kind) {
+        case Ref::kPair: {
+          const std::uint32_t lane = table.contact[ref.at];
+          std::uint32_t i = table.owner[ref.at], j = table.other[ref.at];
+          const double sign = bodies.id[i] == ref.a ? 1 : -1;
+          if (sign < 0) std::swap(i, j);
+          const LatticePoint at = writer.place(i);
+          const double r = d(bodies.radius[i]);
+          const Meeting m = ContactWriter::discs(writer.way(at, writer.place(j)), r + d(bodies.radius[j]),
+                                                 sign * d(contacts.nx[lane]), sign * d(contacts.ny[lane]));
+          const Vec2 centre = writer.world(at);
+          const double arm = r + m.gap / 2;
+          t.out[n] = writer.contact(ref.a, ref.b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
+                                    pressed * d(contacts.impulse[lane]), rough ? pressed * d(contacts.friction[lane]) : 0);
+          break;
+        }
+        case Ref::kSingle: {
+          const SinglePair& single = table.singles[ref.strip][ref.at];
+          const std::uint32_t lane = single.contact, id = bodies.id[single.body];
+          const LatticePoint at = writer.place(single.body);
+          const double r = d(bodies.radius[single.body]);
+          const Meeting m = writer.fixed(at, r, single.shape, d(contacts.s_nx[lane]), d(contacts.s_ny[lane]));
+          const Vec2 centre = writer.world(at);
+          const double arm = r + m.gap / 2;
+          t.out[n] = writer.contact(writer.owner(single.shape), id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m,
+                                    pressed * d(contacts.s_impulse[lane]), rough ? pressed * d(contacts.s_friction[lane]) : 0);
+          break;
+        }
+        case Ref::kManifold: {
+          const ManifoldPair& pair = std::as_const(manifolds).pairs_of(ref.strip)[ref.at];
+          float impulse = pair.impulse[ref.point], friction = pair.friction[ref.point];
+          if (pair.lane != PairName::kNone) {
+            const kernels::ManifoldBlock& c = manifolds.strip(ref.strip).blocks[pair.lane / kBlock];
+            impulse = c.point[ref.point].impulse[pair.lane % kBlock];
+            friction = c.point[ref.point].friction[pair.lane % kBlock];
+          }
+          Vec2 point;
+          const Meeting m = writer.manifold(pair, ref.point, point);
+          t.out[n] = writer.contact(pair.id_a, pair.id_b, point, m, substeps * d(impulse), substeps * d(friction));
+          break;
+        }
+        case Ref::kKept:
+          t.out[n] = t.kept[ref.at];
+      }
+      t.out[n].impulse += 0.0;  // not -0
+    }
+  });
+}
+
+std::span<const Contact> World::contacts() {
+  Impl& w = *impl_;
+  if (w.steps == 0) return {};
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
+  w.settle_lists();
+  if (w.lists_ahead && !w.laid_ahead) {  // a step is under way over frames: slots are of the new lists
+    StepReport ignored;
+    w.make_contacts(w.desc.dt, ignored);
+  }
+  ContactList& t = w.touching;
+  t.found.resize(std::max(t.found.size(), w.table.strips.size()));
+  for (std::vector<Ref>& strip : t.found) strip.clear();
+  if (w.impulses_valid && w.bodies.count != 0 && w.table.body_count != 0) w.find_contacts();
+  t.kept.clear();
+  if (!w.sleepers.empty() || !w.sleepers.recent.empty()) {
+    w.bodies.find_slots();
+    w.find_kept();
+  }
+  t.refs.clear();
+  for (const std::vector<Ref>& strip : t.found) t.refs.insert(t.refs.end(), strip.begin(), strip.end());
+  for (std::size_t k = 0; k < t.kept.size(); ++k) {
+    t.refs.push_back({t.kept[k].a.index, t.kept[k].b.index, static_cast<std::uint32_t>(k), 0, Ref::kKept, 0});
+  }
+  sort_refs(t.refs, t.sorted, t.count, w.bodies.id_count);
+  w.write_contacts();
+  // Several of one pair: in order of place; what the lists have comes before what was kept of it.
+  std::size_t end = 0;
+  for (std::size_t begin = 0; begin < t.refs.size();) {
+    std::size_t next = begin + 1;
+    bool listed = t.refs[begin].kind != Ref::kKept;
+    for (; next < t.refs.size() && t.refs[next].a == t.refs[begin].a && t.refs[next].b == t.refs[begin].b; ++next) {
+      listed = listed || t.refs[next].kind != Ref::kKept;
+    }
+    const std::size_t first = end;
+    for (std::size_t n = begin; n < next; ++n) {
+      if (listed && t.refs[n].kind == Ref::kKept) continue;
+      if (end != n) t.out[end] = t.out[n];
+      ++end;
+    }
+    if (end - first > 1) {
+      std::sort(t.out.begin() + static_cast<std::ptrdiff_t>(first), t.out.begin() + static_cast<std::ptrdiff_t>(end), by_place);
+    }
+    begin = next;
+  }
+  t.out.resize(end);
+  return t.out;
+}
+
+}  // namespace psim
