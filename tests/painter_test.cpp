@@ -24,13 +24,14 @@ class Painting : public ::testing::Test {
     moment_ = {{0, 1}, {-1.5, 1.5}, zero,
                zero,   zero,        zero,
                zero,   {1, 1},      {BodyType::dynamic_body, BodyType::dynamic_body},
-               {0, 0}};
+               {0, 0},
+               {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
     constexpr int kWidth = 60, kHeight = 40;
     Canvas canvas(kWidth, kHeight);
     const Painter painter(scene_, colouring);
-    painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10});
+    painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
     std::vector<std::uint8_t> bytes;
     canvas.to_srgb(bytes);
     std::array<Rgb, 2> at{};
@@ -46,6 +47,16 @@ class Painting : public ::testing::Test {
   Scene scene_;
   Moment moment_;
 };
+
+TEST_F(Painting, ForceIsSeenAsleepOrAwake) {
+  moment_.force = {0, 10};
+  const auto awake = paint(Colouring::force);
+  EXPECT_NE(awake[0], awake[1]);
+  moment_.asleep = {1, 1};
+  EXPECT_EQ(paint(Colouring::force), awake);
+  moment_.force = {10, 10};
+  EXPECT_EQ(paint(Colouring::force)[0], awake[1]);
+}
 
 TEST_F(Painting, AsleepIsGrey) {
   for (const Colouring colouring :

@@ -49,14 +49,14 @@ void Film::after(std::uint64_t frame, World& world) {
   if (!clock_) clock_.emplace(world.desc().dt, options_.fps, options_.every);
   bool is_taken = false;
   while (const std::optional<double> share = clock_->due(frame)) {
-    if (!is_taken) take_moment(world, now_);
+    if (!is_taken) take_moment(world, now_, options_.colouring == Colouring::force);
     is_taken = true;
     if (*share < 1) place_between(before_, now_, *share, scene_.world, between_);
     draw(*share < 1 ? between_ : now_);
     if (!failure_.empty()) return;
   }
   if (!clock_->is_between(frame)) return;
-  if (!is_taken) take_moment(world, now_);
+  if (!is_taken) take_moment(world, now_, options_.colouring == Colouring::force);
   std::swap(before_, now_);
 }
 
@@ -66,6 +66,7 @@ void Film::draw(const Moment& moment) {
   if (!bright_) bright_ = now;
   bright_->speed += kFollow * (now.speed - bright_->speed);
   bright_->spin += kFollow * (now.spin - bright_->spin);
+  bright_->force += kFollow * (now.force - bright_->force);
   const Bounds view = options_.view ? *options_.view : view_.follow(moment);
   painter_.paint(canvas_, PictureCamera(view, size_.width, size_.height), moment, *bright_);
   canvas_.to_srgb(rgb_);

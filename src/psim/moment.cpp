@@ -11,7 +11,7 @@ std::size_t Moment::row_of(std::uint64_t body) const {
   return at != id.end() && *at == body ? static_cast<std::size_t>(at - id.begin()) : id.size();
 }
 
-void take_moment(World& world, Moment& moment) {
+void take_moment(World& world, Moment& moment, bool forces) {
   const PublishedState state = world.published();
   const auto copy = [](auto& into, const auto& from) { into.assign(from.begin(), from.end()); };
   copy(moment.id, state.id);
@@ -27,6 +27,14 @@ void take_moment(World& world, Moment& moment) {
   for (std::size_t row = 0; row < state.id.size(); ++row) {
     moment.asleep[row] =
         state.type[row] != BodyType::static_body && !world.is_awake(world.id_of(state.id[row]));
+  }
+  moment.force.assign(forces ? moment.size() : 0, 0.0);
+  if (!forces) return;
+  for (const Contact& c : world.contacts()) {
+    for (const BodyId id : {c.a, c.b}) {
+      const std::size_t row = id == kNoBody ? moment.size() : moment.row_of(id.index);
+      if (row != moment.size()) moment.force[row] += c.impulse / world.desc().dt;
+    }
   }
 }
 

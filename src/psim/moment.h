@@ -15,14 +15,16 @@ struct Moment {
   std::vector<double> radius;         ///< metres, as PublishedState::radius
   std::vector<BodyType> type;
   std::vector<std::uint8_t> asleep;  ///< 1: it moves no more, but is not static
+  /// N: sum of what a body's contacts press it with; empty unless asked for
+  std::vector<double> force;
 
   std::size_t size() const { return id.size(); }
   /// The row of a body, or size(). O(log n).
   std::size_t row_of(std::uint64_t body) const;
 };
 
-/// The present state. O(bodies).
-void take_moment(World& world, Moment& moment);
+/// The present state, with forces or without. O(bodies), with them O(contacts).
+void take_moment(World& world, Moment& moment, bool forces);
 
 /// Bodies of `after`, their places and angles at the share `alpha` of the way from `before`, straight on
 /// and by the nearest way round a periodic world. Who has no row in `before` is where it is in `after`.

@@ -72,7 +72,7 @@ double nearly_greatest(std::vector<double>& values) {
 
 // A pile at rest: a body falls by a tenth of its radius, or turns so fast that its rim would.
 Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes& shapes) {
-  std::vector<double> speeds, spins;
+  std::vector<double> speeds, spins, forces;
   double radius_sum = 0;
   for (std::size_t row = 0; row < moment.size(); ++row) {
     if (moment.type[row] == BodyType::static_body || !shapes.is_drawn(moment, row)) continue;
@@ -80,6 +80,7 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
     if (!std::isfinite(speed + moment.omega[row])) continue;
     speeds.push_back(speed);
     spins.push_back(std::fabs(moment.omega[row]));
+    if (!moment.force.empty()) forces.push_back(moment.force[row]);
     radius_sum += moment.radius[row];
   }
   if (speeds.empty()) return {};
@@ -87,7 +88,8 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
   const double radius = radius_sum / static_cast<double>(speeds.size());
   const double at_rest = std::sqrt(2 * gravity * 0.1 * radius);
   return {std::max({nearly_greatest(speeds), at_rest, 1e-12}),
-          std::max({nearly_greatest(spins), radius > 0 ? at_rest / radius : 0, 1e-12})};
+          std::max({nearly_greatest(spins), radius > 0 ? at_rest / radius : 0, 1e-12}),
+          std::max(nearly_greatest(forces), 1e-300)};
 }
 
 Painter::Painter(const Scene& scene, Colouring colouring)
@@ -128,6 +130,8 @@ Colour Painter::colour_of(const Moment& moment, std::size_t row, const BodyDesc&
     case Colouring::type:
       colour = body.type == BodyType::kinematic_body ? kKinematic : kDynamic;
       break;
+    case Colouring::force:  // sleepers bear, too
+      return ramp(moment.force.empty() ? 0 : moment.force[row] / bright.force);
   }
   return moment.asleep[row] ? mix(kAsleep, colour, 0.25f) : colour;
 }

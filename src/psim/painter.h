@@ -10,10 +10,10 @@
 
 namespace psim::cli {
 
-/// What gets the brightest colour, m/s and rad/s: nearly the most of the bodies that move, so that a stray does
+/// What gets the brightest colour, m/s, rad/s and N: nearly the most of the bodies that move, so that a stray does
 /// not leave the rest in the dark, and at least so much that what rests looks at rest.
 struct Brightest {
-  double speed = 1, spin = 1;
+  double speed = 1, spin = 1, force = 1;
 };
 Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes& shapes);
 

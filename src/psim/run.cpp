@@ -141,7 +141,7 @@ void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& p
   if (files.state) write_state(*files.state, world.published());
   if (files.image) {
     Moment moment;
-    take_moment(world, moment);
+    take_moment(world, moment, pictures.colouring == Colouring::force);
     write_image(*files.image, scene, moment, pictures);
   }
   for (std::optional<AtomicFile>* file :

@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kLeastSpeed = 0.05f;  // m/s: a pile at rest looks at rest
 constexpr float kLeastSpin = 0.002f;  // rad a frame
+constexpr float kLeastForce = 1e-30f;  // N: what carries anything is seen, however light
 constexpr float kFollow = 0.1f;
 
 float percentile(std::vector<float>& values) {
@@ -41,19 +42,31 @@ void BodyColumns::set(const Snapshot& snapshot, std::shared_ptr<const Catalogue>
       }
     }
   }
+  forces_.clear();
   follow_brightness();
 }
 
-void BodyColumns::follow_brightness() {
+void BodyColumns::set_forces(const std::vector<float>& by_id) {
+  forces_.assign(size(), 0.0f);
+  for (std::size_t row = 0; row < size(); ++row) {
+    const std::uint32_t id = snapshot_->id[row];
+    if (id < by_id.size()) forces_[row] = by_id[id];
+  }
+  follow(bright_force_, sample([&](std::size_t row) { return forces_[row]; }), kLeastForce);
+}
+
+template <class Value>
+float BodyColumns::sample(const Value& value) {
   constexpr std::size_t kSample = 1000;
   const std::size_t n = size(), stride = std::max<std::size_t>(n / kSample, 1);
-  const auto sample = [&](const auto& value) {
-    sample_.clear();
-    for (std::size_t row = 0; row < n; row += stride) {
-      if ((looks_[row] & kStaticBit) == 0) sample_.push_back(value(row));
-    }
-    return percentile(sample_);
-  };
+  sample_.clear();
+  for (std::size_t row = 0; row < n; row += stride) {
+    if ((looks_[row] & kStaticBit) == 0) sample_.push_back(value(row));
+  }
+  return percentile(sample_);
+}
+
+void BodyColumns::follow_brightness() {
   follow(bright_speed_, sample([&](std::size_t row) { return snapshot_->speed[row]; }),
          kLeastSpeed);
   follow(bright_spin_, sample([&](std::size_t row) {
@@ -85,6 +98,7 @@ double BodyColumns::angle(std::size_t row, float alpha) const {
 }
 
 float BodyColumns::bright(Colouring colouring) const {
+  if (colouring == Colouring::force) return std::max(bright_force_, kLeastForce);
   return std::max(colouring == Colouring::spin ? bright_spin_ : bright_speed_, kLeastSpin);
 }
 

@@ -12,15 +12,17 @@
 
 namespace psim::view {
 
-inline constexpr int kColouringCount = 6;
-enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type };
-inline constexpr const char* kColouringNames[] = {"speed", "direction", "sleep",
-                                                  "spin",  "body",      "type"};
+inline constexpr int kColouringCount = 7;
+enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type, force };
+inline constexpr const char* kColouringNames[] = {"speed", "direction", "sleep", "spin",
+                                                  "body",  "type",      "force"};
 
 class BodyColumns {
  public:
   /// Reads a snapshot, which must live as long as this is drawn from. O(bodies), about 1 ns each.
   void set(const Snapshot& snapshot, std::shared_ptr<const Catalogue> catalogue);
+  /// What contacts press each body with, N, by id; those beyond it touch nothing.
+  void set_forces(const std::vector<float>& by_id);
 
   std::size_t size() const { return snapshot_ != nullptr ? snapshot_->id.size() : 0; }
   const Snapshot* snapshot() const { return snapshot_; }
@@ -35,19 +37,25 @@ class BodyColumns {
   Vec2 place(std::size_t row, float alpha) const;
   double angle(std::size_t row, float alpha) const;
 
-  /// What gets the brightest colour: nearly the fastest, so that one stray body does not leave the
-  /// rest in the dark, m/s or radians a frame. Follows slowly, so that nothing flickers.
+  /// N, by row; empty where nobody asked.
+  const std::vector<float>& forces() const { return forces_; }
+
+  /// What gets the brightest colour: nearly the most, so that one stray body does not leave the
+  /// rest in the dark, m/s, radians a frame or N. Follows slowly, so that nothing flickers.
   float bright(Colouring colouring) const;
 
  private:
   void follow_brightness();
+  template <class Value>
+  float sample(const Value& value);
 
   const Snapshot* snapshot_ = nullptr;
   std::shared_ptr<const Catalogue> catalogue_;
   std::vector<std::uint32_t> looks_;  // by row
   std::vector<std::uint32_t> line_rows_;
   std::vector<float> sample_;
-  float bright_speed_ = 0, bright_spin_ = 0;
+  std::vector<float> forces_;  // by row
+  float bright_speed_ = 0, bright_spin_ = 0, bright_force_ = 0;
 };
 
 }  // namespace psim::view

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shape_size.h"
 
@@ -11,7 +12,7 @@ namespace {
 constexpr std::uint32_t kWall = rgba(0x56616f), kSeam = rgba(0x2b323c),
                         kGrid = rgba(0xffffff, 0.07), kLineBody = rgba(0xb4bfcc),
                         kMovingLine = rgba(0x7ad151), kJoint = rgba(0xd98e73),
-                        kTouch = rgba(0xff5d6c, 0.8), kHit = rgba(0xffe08a), kWell = rgba(0xf2f4f7),
+                        kTouch = rgba(0xff5d6c, 0.8), kPoint = rgba(0xffe9ec), kHit = rgba(0xffe08a), kWell = rgba(0xf2f4f7),
                         kTrail = rgba(0xffffff, 0.35);
 
 // 1, 2 or 5 times a power of ten, so that lines are kLeastGap pixels apart or more.
@@ -55,7 +56,7 @@ void Overlays::build(const Status& status, const BodyColumns& bodies, const Came
   add_line_bodies(bodies, alpha);
   if (choice.joints) add_joints(*status.joints, world, bodies, alpha);
   if (back > 0 || !status.touches) return;  // known for the newest frame only
-  if (choice.contacts) add_contacts(*status.touches, bodies, camera, alpha);
+  if (choice.contacts) add_contacts(status.touches->contacts, bodies, camera, alpha);
   if (choice.hits) add_hits(camera, status.frame);
 }
 
@@ -125,24 +126,38 @@ void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc&
   }
 }
 
-// A line along the normal of two discs, between the places of other bodies; a dot on a body that
-// touches something fixed.
-void Overlays::add_contacts(const TouchLists& touches, const BodyColumns& bodies,
+// A dot, and a line along the normal to both sides: the longer the more force, from a fifth of the smaller body's
+// radius to all of it. Moves with the picture of whoever is drawn.
+void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies,
                             const Camera& camera, float alpha) {
+  constexpr double kLeast = 0.2, kMostPixels = 40, kDot = 2, kDotFrom = 12;  // share; pixels
   const Bounds shown = camera.shown();
-  const double dot = 2 / camera.pixels_per_metre();
-  for (const auto& [a, b] : touches.pairs) {
-    const std::size_t row_a = bodies.row_of(a), row_b = bodies.row_of(b);
-    if (row_a == bodies.size() || row_b == bodies.size()) continue;
-    const bool fixed_a = (bodies.looks()[row_a] & kStaticBit) != 0;
-    const bool fixed_b = (bodies.looks()[row_b] & kStaticBit) != 0;
-    const Vec2 p = bodies.place(fixed_a ? row_b : row_a, alpha);
-    if (p.x < shown.xmin || p.x > shown.xmax || p.y < shown.ymin || p.y > shown.ymax) continue;
-    if (fixed_a || fixed_b) {
-      above.add({p.x - dot, p.y}, {p.x + dot, p.y}, 4, kTouch);
+  const double scale = camera.pixels_per_metre();
+  float most = 0;
+  for (const ContactLook& c : contacts) most = std::max(most, c.force);
+  for (const ContactLook& c : contacts) {
+    if (c.point.x < shown.xmin || c.point.x > shown.xmax || c.point.y < shown.ymin ||
+        c.point.y > shown.ymax) {
       continue;
     }
-    above.add(p, bodies.place(row_b, alpha), 1.5f, kTouch);
+    Vec2 p = c.point;
+    double radius = kMostPixels / scale;
+    bool first = true;
+    for (const std::uint32_t id : {c.a, c.b}) {
+      const std::size_t row = bodies.row_of(id);
+      if (row == bodies.size() || (bodies.looks()[row] & kStaticBit) != 0) continue;
+      radius = std::min(radius, static_cast<double>(bodies.snapshot()->radius[row]));
+      if (!std::exchange(first, false)) continue;
+      const Vec2 now = bodies.place(row, 1), then = bodies.place(row, alpha);
+      p = {p.x + (then.x - now.x), p.y + (then.y - now.y)};
+    }
+    const double share = most > 0 ? std::sqrt(static_cast<double>(c.force / most)) : 0;
+    const double half = radius * (kLeast + (1 - kLeast) * share);
+    const double nx = static_cast<double>(c.nx), ny = static_cast<double>(c.ny);
+    above.add({p.x - half * nx, p.y - half * ny}, {p.x + half * nx, p.y + half * ny}, 1.6f, kTouch);
+    if (radius * scale < kDotFrom) continue;
+    const double dot = kDot / scale;
+    above.add({p.x - dot, p.y}, {p.x + dot, p.y}, static_cast<float>(2 * kDot), kPoint);
   }
 }
 

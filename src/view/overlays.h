@@ -39,7 +39,7 @@ class Overlays {
   void add_line_bodies(const BodyColumns& bodies, float alpha);
   void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world,
                   const BodyColumns& bodies, float alpha);
-  void add_contacts(const TouchLists& touches, const BodyColumns& bodies, const Camera& camera,
+  void add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies, const Camera& camera,
                     float alpha);
   void add_hits(const Camera& camera, std::uint64_t frame);
   void add_trails(const History& history, std::size_t back, const WorldDesc& world,

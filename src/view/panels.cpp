@@ -120,7 +120,7 @@ void Panels::show_look(const Status&) {
   ImGui::Checkbox("joints", &o.joints);
   ImGui::Checkbox("contacts", &o.contacts);
   ImGui::SameLine(0.5f * kWidth);
-  ImGui::Checkbox("hits, normals", &o.hits);
+  ImGui::Checkbox("hits", &o.hits);
   ImGui::Checkbox("trails", &o.trails);
   ImGui::SameLine(0.5f * kWidth);
   if (ImGui::Button("home")) state_.go_home = true;
@@ -194,7 +194,7 @@ void Panels::show_help() {
       "R               restart\n"
       "[ and ]         scene before and after\n"
       "C               next colouring\n"
-      "G J K H T       grid, joints, contacts, hits, trails\n"
+      "G J K H T       grid, joints, contacts with normals, hits, trails\n"
       "Home            show the whole scene\n"
       "Tab             panels on and off\n"
       "F1              this\n"
@@ -205,7 +205,10 @@ void Panels::show_help() {
 // The simulation collects what some overlay shows, and nothing else.
 void Panels::choose_collected() {
   const Collect wanted{
-      .contacts = state_.overlays.contacts, .hits = state_.overlays.hits, .hash = state_.panels};
+      .contacts = state_.overlays.contacts,
+      .forces = state_.colouring == Colouring::force,
+      .hits = state_.overlays.hits,
+      .hash = state_.panels};
   if (wanted == collected_) return;
   collected_ = wanted;
   sim_.post([wanted](Simulation& s) { s.set_collect(wanted); });

@@ -66,18 +66,19 @@ Renderer::Renderer()
 
 Renderer::~Renderer() { gl.DeleteTextures(1, &kind_texture_); }
 
-void Renderer::upload(const BodyColumns& bodies) {
+void Renderer::upload(const BodyColumns& bodies, Colouring colouring) {
   bodies_ = bodies.size();
   if (bodies_ == 0) return;
   const Snapshot& s = *bodies.snapshot();
+  // The ramp goes over one column: of the speed, or of forces once they are there.
+  const bool forces = colouring == Colouring::force && !bodies.forces().empty();
   const std::vector<float>* floats[] = {&s.x,     &s.y,          &s.x_prev, &s.y_prev,
-                                        &s.angle, &s.angle_prev, &s.radius, &s.speed};
+                                        &s.angle, &s.angle_prev, &s.radius, forces ? &bodies.forces() : &s.speed};
   for (std::size_t k = 0; k < 8; ++k) columns_[k].upload(std::span<const float>(*floats[k]));
   columns_[8].upload(std::span<const std::uint8_t>(s.asleep));
   columns_[9].upload(std::span<const std::uint32_t>(bodies.looks()));
   origin_ = s.origin;
-  bright_[0] = bodies.bright(Colouring::speed);
-  bright_[1] = bodies.bright(Colouring::spin);
+  bright_ = bodies.bright(forces || colouring != Colouring::force ? colouring : Colouring::speed);
   upload_kinds(bodies.catalogue());
 }
 
@@ -138,7 +139,7 @@ void Renderer::draw(const Program& program, const Camera& camera, float alpha,
   gl.Uniform2f(program.at("window"), static_cast<float>(camera.width()),
                static_cast<float>(camera.height()));
   gl.Uniform1i(program.at("colouring"), static_cast<int>(colouring));
-  gl.Uniform1f(program.at("bright"), bright_[colouring == Colouring::spin ? 1 : 0]);
+  gl.Uniform1f(program.at("bright"), bright_);
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindTexture(GL_TEXTURE_BUFFER, kind_texture_);
   if (&program == &areas_) gl.Uniform1i(program.at("kinds"), 0);

@@ -19,8 +19,8 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Hands the columns to the GPU; called once for a new snapshot.
-  void upload(const BodyColumns& bodies);
+  /// Hands the columns to the GPU, and what colours need.
+  void upload(const BodyColumns& bodies, Colouring colouring);
   void upload(const LineBatch& below, const LineBatch& above);
 
   void clear(int width, int height);
@@ -43,7 +43,7 @@ class Renderer {
   std::shared_ptr<const Catalogue> catalogue_;  // of the kinds on the GPU
   bool has_areas_ = false;
   Vec2 origin_;
-  float bright_[2] = {1, 1};  // speed, spin
+  float bright_ = 1;  // of the colouring
 };
 
 }  // namespace psim::view

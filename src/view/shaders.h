@@ -13,7 +13,7 @@ layout(location = 3) in float y_prev;
 layout(location = 4) in float angle;
 layout(location = 5) in float angle_prev;
 layout(location = 6) in float radius;
-layout(location = 7) in float speed;
+layout(location = 7) in float speed;  // m/s; coloured by force: N
 layout(location = 8) in uint asleep;
 layout(location = 9) in uint look;
 uniform float alpha;       // 0: the frame before, 1: the newest
@@ -21,7 +21,7 @@ uniform vec2 shift;        // metres: the snapshot's origin from the middle of t
 uniform float scale;       // pixels a metre
 uniform vec2 window;       // pixels
 uniform int colouring;
-uniform float bright;      // m/s (speed) or rad a frame (spin) of the brightest colour
+uniform float bright;      // m/s (speed), rad a frame (spin) or N (force) of the brightest colour
 uniform vec3 palette[9];
 flat out vec4 colour;
 flat out vec2 turn;
@@ -51,7 +51,7 @@ vec4 body_colour(vec2 motion) {
   } else if (colouring == 5) {
     c = (look & (1u << 25)) != 0u ? vec3(0.9, 0.5, 0.45) : vec3(0.4, 0.65, 0.9);
   }
-  if (asleep != 0u) c = mix(vec3(0.35, 0.38, 0.43), c, colouring == 2 ? 0.0 : 0.25);
+  if (asleep != 0u && colouring != 6) c = mix(vec3(0.35, 0.38, 0.43), c, colouring == 2 ? 0.0 : 0.25);
   return vec4(c, opacity);
 }
 vec2 corner() { return vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; }

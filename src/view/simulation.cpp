@@ -65,7 +65,6 @@ void Simulation::make(bool keep_state) {
     frames_before_ = 0;
   }
   grab_.reset();
-  touching_.clear();
   hits_.clear();
   world_ = std::move(fresh);
   catalogue_ = std::move(looks);
@@ -174,11 +173,9 @@ void Simulation::set_settings(const Settings& settings) {
 
 void Simulation::set_collect(const Collect& collect) {
   collect_ = collect;
-  touching_.clear();  // the first step tells all pairs anew
   hits_.clear();
   constexpr double kHitSpeed = 0.5;
-  world_->set_event_options(
-      {.contacts = collect.contacts, .hits = collect.hits, .hit_speed = kHitSpeed});
+  world_->set_event_options({.hits = collect.hits, .hit_speed = kHitSpeed});
 }
 
 void Simulation::step() {
@@ -186,15 +183,31 @@ void Simulation::step() {
   reports_.push_back(world_->step());
   if (steps_left_ > 0) --steps_left_;
   changed_ = false;
-  if (collect_.contacts || collect_.hits) collect_touches();
+  if (!collect_.hits) return;
+  const Events events = world_->events();
+  hits_.assign(events.hits.begin(), events.hits.end());
 }
 
-void Simulation::collect_touches() {
-  const auto key = [](const TouchEvent& t) { return std::uint64_t{t.a.index} << 32 | t.b.index; };
-  const Events events = world_->events();
-  for (const TouchEvent& t : events.end) touching_.erase(key(t));
-  for (const TouchEvent& t : events.begin) touching_.insert(key(t));
-  hits_.assign(events.hits.begin(), events.hits.end());
+std::shared_ptr<const TouchLists> Simulation::take_touches() {
+  auto touches = std::make_shared<TouchLists>();
+  touches->hits = hits_;
+  if (!collect_.contacts && !collect_.forces) return touches;
+  const std::span<const Contact> contacts = world_->contacts();
+  if (collect_.contacts) touches->contacts.reserve(contacts.size());
+  for (const Contact& c : contacts) {
+    const auto force = static_cast<float>(c.impulse / world_->desc().dt);
+    if (collect_.contacts) {
+      touches->contacts.push_back({c.a.index, c.b.index, c.point, static_cast<float>(c.normal.x),
+                                   static_cast<float>(c.normal.y), force});
+    }
+    if (!collect_.forces) continue;
+    for (const BodyId id : {c.a, c.b}) {
+      if (id == kNoBody) continue;
+      if (touches->forces.size() <= id.index) touches->forces.resize(std::size_t{id.index} + 1);
+      touches->forces[id.index] += force;
+    }
+  }
+  return touches;
 }
 
 std::shared_ptr<const Snapshot> Simulation::take_still() const {
@@ -237,15 +250,8 @@ void Simulation::tell(Status& status) {
   } else {
     status.still.reset();
   }
-  if (collect_.contacts || collect_.hits) {
-    auto touches = std::make_shared<TouchLists>();
-    touches->pairs.reserve(touching_.size());
-    for (const std::uint64_t key : touching_) {
-      touches->pairs.emplace_back(static_cast<std::uint32_t>(key >> 32),
-                                  static_cast<std::uint32_t>(key));
-    }
-    touches->hits = hits_;
-    status.touches = std::move(touches);
+  if (collect_.contacts || collect_.forces || collect_.hits) {
+    status.touches = take_touches();
   } else {
     status.touches.reset();
   }

@@ -6,8 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_set>
-#include <utility>
 #include <vector>
 
 #include "catalogue.h"
@@ -32,15 +30,24 @@ struct JointLook {
   JointType type = JointType::distance;
 };
 
-/// What is collected for the overlays. All of it costs time of the simulation.
+/// What is collected for overlays and colours. All of it costs time of the simulation.
 struct Collect {
-  bool contacts = false, hits = false, hash = true;
+  bool contacts = false, forces = false, hits = false, hash = true;
   friend bool operator==(const Collect&, const Collect&) = default;
 };
 
+/// A contact as a picture needs it.
+struct ContactLook {
+  std::uint32_t a = 0, b = 0;  ///< ids; b may be a wall
+  Vec2 point;                  ///< metres
+  float nx = 0, ny = 0;        ///< of length 1, from a to b
+  float force = 0;             ///< N, along the normal
+};
+
 struct TouchLists {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< ids of bodies that touch
-  std::vector<HitEvent> hits;                                  ///< of the last step
+  std::vector<ContactLook> contacts;
+  std::vector<float> forces;   ///< N, by id: sum of what a body's contacts press it with
+  std::vector<HitEvent> hits;  ///< of the last step
 };
 
 /// What the view knows of the simulation. Everything pointed to stays as it is.
@@ -115,7 +122,7 @@ class Simulation {
   void carry_over(World& old, World& fresh, Catalogue& looks);
   void add(BodyDesc desc);
   void pull();
-  void collect_touches();
+  std::shared_ptr<const TouchLists> take_touches();
   std::shared_ptr<const Snapshot> take_still() const;
   double mass_of(const BodyState& state) const;
 
@@ -129,7 +136,6 @@ class Simulation {
   std::vector<WellField> wells_;  // those placed by hand
   std::vector<Added> added_;      // bodies placed by hand
   std::optional<Grab> grab_;
-  std::unordered_set<std::uint64_t> touching_;
   std::vector<HitEvent> hits_;
   std::vector<StepReport> reports_;
   std::string message_;

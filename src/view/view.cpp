@@ -132,6 +132,11 @@ void View::look_at_simulation() {
   if (new_frame || shown != shown_ || status_.still) {
     shown_ = shown;
     bodies_.set(*shown, status_.catalogue);
+    coloured_.reset();
+  }
+  if (state_.colouring == Colouring::force && status_.touches && status_.touches != coloured_) {
+    coloured_ = status_.touches;
+    bodies_.set_forces(coloured_->forces);
   }
   if (state_.go_home) {
     state_.go_home = false;
@@ -154,7 +159,7 @@ void View::draw() {
   look_at_simulation();
   overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays);
   const double prepare = watch.lap_ms();
-  renderer_.upload(bodies_);
+  renderer_.upload(bodies_, state_.colouring);
   renderer_.upload(overlays_.below, overlays_.above);
   const double upload = watch.lap_ms();
   panels_.show(status_, times_, history_.size());

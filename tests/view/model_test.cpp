@@ -189,6 +189,83 @@ TEST(ViewSimulation, NewWorldGoesOnFromThePresentState) {
   EXPECT_NE(status.message.find("new world"), std::string::npos);
 }
 
+// What a slider says is what bodies do from then on.
+TEST(ViewSimulation, EverySliderActs) {
+  const auto change = [](Simulation& simulation, auto&& set) {
+    Settings settings = told(simulation).settings;
+    set(settings);
+    simulation.set_settings(settings);
+  };
+  {
+    Simulation simulation = make_simulation();
+    simulation.set_gravity({3, 0});
+    for (int frame = 0; frame < 60; ++frame) simulation.step();
+    EXPECT_NEAR(body(simulation, 0)->vx, 3, 0.01);
+    EXPECT_EQ(told(simulation).settings.gravity.x, 3);
+  }
+  for (const double restitution : {0.0, 0.8}) {  // of discs that fall again
+    Simulation simulation = make_simulation();
+    simulation.spawn({0, 0}, SpawnShape::disc, 0.5);
+    simulation.step();
+    change(simulation, [&](Settings& s) { s.restitution = restitution; });
+    double fastest = 0;
+    for (int frame = 0; frame < 120; ++frame) {
+      simulation.step();
+      fastest = std::max(fastest, body(simulation, 4)->vy);
+    }
+    EXPECT_EQ(fastest > 2, restitution > 0) << fastest;
+  }
+  for (const double friction : {0.0, 1.0}) {  // of a box on a floor that begins to lean
+    Simulation simulation = make_simulation();
+    change(simulation, [&](Settings& s) { s.friction = friction; });
+    simulation.set_gravity({2, -9.8});
+    for (int frame = 0; frame < 60; ++frame) simulation.step();
+    EXPECT_EQ(body(simulation, 3)->vx > 0.5, friction == 0) << body(simulation, 3)->vx;
+    EXPECT_LE(body(simulation, 3)->vx, 2.05);
+  }
+  {
+    Simulation simulation = make_simulation();
+    change(simulation, [](Settings& s) { s.substeps = 7; });
+    simulation.step();
+    EXPECT_EQ(told(simulation).steps.back().detail.substeps, 7);
+    change(simulation, [](Settings& s) { s.threads = 3; });
+    EXPECT_EQ(told(simulation).world->threads(), 3);
+    EXPECT_EQ(told(simulation).world->desc().substeps, 7);
+    for (const Isa isa : kAllIsas) {
+      if (!isa_available(isa)) continue;
+      change(simulation, [isa](Settings& s) { s.isa = isa; });
+      simulation.step();
+      EXPECT_EQ(told(simulation).world->isa(), isa);
+    }
+  }
+}
+
+TEST(ViewSimulation, ContactsAndForcesAreToldWhereWanted) {
+  Simulation simulation = make_simulation();
+  for (int frame = 0; frame < 60; ++frame) simulation.step();
+  EXPECT_FALSE(told(simulation).touches);
+  simulation.set_collect({.contacts = true, .forces = true});
+  const Status status = told(simulation);  // without another step
+  ASSERT_TRUE(status.touches);
+  ASSERT_EQ(status.touches->contacts.size(), 5u);
+  ASSERT_EQ(status.touches->forces.size(), 4u);
+  const float g = 9.81f, disc = 3.14159f * g, box = 2 * 3 * g;
+  for (std::size_t id = 0; id < 4; ++id) EXPECT_NEAR(status.touches->forces[id], id < 3 ? disc : box, 0.1) << id;
+  EXPECT_NEAR(status.touches->contacts[0].point.y, -10, 1e-2);
+  EXPECT_NEAR(status.touches->contacts[0].ny, -1, 1e-5);
+  BodyColumns columns;
+  columns.set(*status.world->latest_snapshot(), status.catalogue);
+  EXPECT_TRUE(columns.forces().empty());
+  columns.set_forces(status.touches->forces);
+  ASSERT_EQ(columns.forces().size(), 4u);
+  EXPECT_NEAR(columns.forces()[3], box, 0.1);
+  EXPECT_NEAR(columns.bright(Colouring::force), disc, 0.1);  // of four bodies nearly the most
+  simulation.set_collect({.contacts = false, .forces = true});
+  EXPECT_TRUE(told(simulation).touches->contacts.empty());
+  simulation.set_collect({});
+  EXPECT_FALSE(told(simulation).touches);
+}
+
 TEST(ViewSimulation, SceneThatIsNotThereChangesNothing) {
   Simulation simulation = make_simulation();
   const std::uint64_t serial = told(simulation).world_serial;
