@@ -13,8 +13,8 @@ psim_result stale(const Call& call, std::uint32_t index) {
                    "there is no body " + std::to_string(index) + " of this generation");
 }
 
-psim_result add(const Call& call, const psim_body_desc* desc,
-                const std::string& who, psim_body_id* id) {
+psim_result add(const Call& call, const psim_body_desc* desc, const std::string& who,
+                psim_body_id* id) {
   psim_body_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
   psim::BodyDesc body;
@@ -132,7 +132,9 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
 
 psim_result psim_world_remove_body(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); })
+               ? PSIM_OK
+               : stale(call, id.index);
   });
 }
 
@@ -206,7 +208,8 @@ int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
 
 psim_result psim_world_wake(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK
+                                                                       : stale(call, id.index);
   });
 }
 

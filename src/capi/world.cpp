@@ -38,8 +38,7 @@ psim_step_report report_of(const psim::StepReport& from) {
 
 // Steps by advance(world) and writes the report, if there is one.
 template <class Advance>
-psim_result step(const Call& call, psim_step_report* report,
-                 const Advance& advance) {
+psim_result step(const Call& call, psim_step_report* report, const Advance& advance) {
   if (report != nullptr) {
     const psim_result result = check_output(call, "report", report);
     if (result != PSIM_OK) return result;
@@ -156,9 +155,8 @@ psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
 
 psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,
                                  psim_step_report* report) {
-  return guarded(world, __func__, [&](psim::World&, const Call& call) {
-    return replay(call, detail, dt, report);
-  });
+  return guarded(world, __func__,
+                 [&](psim::World&, const Call& call) { return replay(call, detail, dt, report); });
 }
 
 psim_result psim_world_prepare(psim_world* world) {

@@ -16,17 +16,18 @@ struct ContactList {
     std::uint32_t at = 0;        ///< pair, single of its strip, manifold; of kept ones their number
     std::uint32_t strip = 0;
     Kind kind = kPair;
-    std::uint8_t point = 0;      ///< of a manifold
+    std::uint8_t point = 0;  ///< of a manifold
   };
   std::vector<std::vector<Ref>> found;     ///< by strip
   std::vector<std::vector<Contact>> beds;  ///< by some sleepers: what they keep
   std::vector<Contact> kept;
   std::vector<Ref> refs, sorted;
-  std::vector<std::uint32_t> count;        ///< by a
+  std::vector<std::uint32_t> count;  ///< by a
   std::vector<Contact> out;
 
   std::size_t bytes() const {
-    std::size_t n = (refs.capacity() + sorted.capacity()) * sizeof(Ref) + count.capacity() * sizeof(count[0]) +
+    std::size_t n = (refs.capacity() + sorted.capacity()) * sizeof(Ref) +
+                    count.capacity() * sizeof(count[0]) +
                     (kept.capacity() + out.capacity()) * sizeof(Contact);
     for (const auto& strip : found) n += strip.capacity() * sizeof(Ref);
     for (const auto& bed : beds) n += bed.capacity() * sizeof(Contact);

@@ -24,9 +24,9 @@ namespace {
 using kernels::kBlock;
 using Ref = ContactList::Ref;
 
-constexpr float kFar = 1e6f;          // m: gap of a contact that another one stands for (narrow_phase)
-constexpr double kStill = 0.02;       // of the inner radius: how far apart bodies that lie still touch
-constexpr std::size_t kBeds = 1024;   // sleepers a job
+constexpr float kFar = 1e6f;     // m: gap of a contact that another one stands for (narrow_phase)
+constexpr double kStill = 0.02;  // of the inner radius: how far apart bodies that lie still touch
+constexpr std::size_t kBeds = 1024;     // sleepers a job
 constexpr std::size_t kWritten = 4096;  // contacts a job
 
 bool closed(float impulse) { return !std::signbit(impulse); }
@@ -39,7 +39,7 @@ struct Stand {
   double radius = 0;            // m: of a disc; else 0
   const Hull* hulls = nullptr;  // of another shape
   std::uint32_t count = 0;
-  double inner = 0;             // m
+  double inner = 0;  // m
 };
 
 // What impulses of contacts of discs alone, and of shapes, are multiplied by.
@@ -54,14 +54,19 @@ struct Meeting {
 
 class ContactWriter {
  public:
-  ContactWriter(const BodyStore& b, const StaticShapes& shapes, const Lattice& lattice, const Walls& walls,
-                const Sleepers& sleepers)
-      : b_(b), shapes_(shapes), lattice_(lattice), walls_(walls), sleepers_(sleepers), px_(lattice.pitch_x()),
+  ContactWriter(const BodyStore& b, const StaticShapes& shapes, const Lattice& lattice,
+                const Walls& walls, const Sleepers& sleepers)
+      : b_(b),
+        shapes_(shapes),
+        lattice_(lattice),
+        walls_(walls),
+        sleepers_(sleepers),
+        px_(lattice.pitch_x()),
         py_(lattice.pitch_y()) {}
 
   /// `first` and `second` by id, kNoSlot for a wall; the normal goes from first to second.
-  Contact contact(std::uint32_t first, std::uint32_t second, Vec2 point, const Meeting& m, double impulse,
-                  double friction) const {
+  Contact contact(std::uint32_t first, std::uint32_t second, Vec2 point, const Meeting& m,
+                  double impulse, double friction) const {
     Contact c;
     c.point = point;
     c.separation = m.gap;
@@ -79,7 +84,8 @@ class ContactWriter {
   }
   Vec2 world(const LatticePoint& p) const { return lattice_.to_world(p.x, p.y, p.dx, p.dy); }
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
-    return {wrap_sub(to.x, from.x) * px_ + (d(to.dx) - d(from.dx)), wrap_sub(to.y, from.y) * py_ + (d(to.dy) - d(from.dy))};
+    return {wrap_sub(to.x, from.x) * px_ + (d(to.dx) - d(from.dx)),
+            wrap_sub(to.y, from.y) * py_ + (d(to.dy) - d(from.dy))};
   }
 
   /// Two discs; (nx, ny): the normal if their centres coincide.
@@ -91,16 +97,22 @@ class ContactWriter {
 
   /// A disc and fixed geometry: the normal towards the disc. (nx, ny): the normal that the contact has.
   Meeting fixed(const LatticePoint& at, double r, std::uint32_t shape, double nx, double ny) const {
-    const auto off = [](std::int32_t a, std::int32_t wall, float rest_a, float rest_w, double pitch) {
+    const auto off = [](std::int32_t a, std::int32_t wall, float rest_a, float rest_w,
+                        double pitch) {
       return wrap_sub(a, wall) * pitch + (d(rest_a) - d(rest_w));
     };
     const Walls& w = walls_;
     switch (shape) {
-      case kWallLeft: return {1, 0, off(at.x, w.low.x, at.dx, w.low.dx, px_) - r};
-      case kWallRight: return {-1, 0, -off(at.x, w.high.x, at.dx, w.high.dx, px_) - r};
-      case kWallBottom: return {0, 1, off(at.y, w.low.y, at.dy, w.low.dy, py_) - r};
-      case kWallTop: return {0, -1, -off(at.y, w.high.y, at.dy, w.high.dy, py_) - r};
-      default: break;
+      case kWallLeft:
+        return {1, 0, off(at.x, w.low.x, at.dx, w.low.dx, px_) - r};
+      case kWallRight:
+        return {-1, 0, -off(at.x, w.high.x, at.dx, w.high.dx, px_) - r};
+      case kWallBottom:
+        return {0, 1, off(at.y, w.low.y, at.dy, w.low.dy, py_) - r};
+      case kWallTop:
+        return {0, -1, -off(at.y, w.high.y, at.dy, w.high.dy, py_) - r};
+      default:
+        break;
     }
     const StaticShape& s = shapes_[shape];
     const Vec2 a = way(s.p, at);
@@ -110,7 +122,8 @@ class ContactWriter {
     const double uu = u.x * u.x + u.y * u.y, along = a.x * u.x + a.y * u.y;
     if (along < 0) return discs(a, reach, nx, ny);
     if (along > uu) return discs({a.x - u.x, a.y - u.y}, reach, nx, ny);
-    const double length = std::sqrt(uu), side = (u.x * a.y - u.y * a.x) / length;  // left of p->q is positive
+    const double length = std::sqrt(uu),
+                 side = (u.x * a.y - u.y * a.x) / length;  // left of p->q is positive
     double sign = side < 0 || s.face ? -1 : 1;
     if (!s.face && (nx != 0 || ny != 0)) sign = nx * -u.y + ny * u.x < 0 ? -1 : 1;
     return {-u.y / length * sign, u.x / length * sign, side * sign - reach};
@@ -122,7 +135,9 @@ class ContactWriter {
     const StaticShape& s = shapes_[shape];
     return s.alive || (s.asleep && b_.info[s.owner].place == Place::moving);
   }
-  std::uint32_t owner(std::uint32_t shape) const { return shape >= kWallLeft ? kNoSlot : shapes_[shape].owner; }
+  std::uint32_t owner(std::uint32_t shape) const {
+    return shape >= kWallLeft ? kNoSlot : shapes_[shape].owner;
+  }
 
   /// A point of a manifold, and its gap, now.
   Meeting manifold(const ManifoldPair& pair, int k, Vec2& point) const {
@@ -132,11 +147,13 @@ class ContactWriter {
     const LatticePoint b = place(pair.b);
     LatticePoint a;
     if (pair.a != PairName::kNone) a = place(pair.a);
-    const Vec2 moved{wrap_sub(wrap_sub(b.x, a.x), pair.base_x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base_dx)),
-                     wrap_sub(wrap_sub(b.y, a.y), pair.base_y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base_dy))};
+    const Vec2 moved{
+        wrap_sub(wrap_sub(b.x, a.x), pair.base_x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base_dx)),
+        wrap_sub(wrap_sub(b.y, a.y), pair.base_y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base_dy))};
     // An arm whose end, all but the rounding, turned with its body since.
     const auto turned = [](Rotor to, Rotor from, double x, double y) {
-      const double c = d(from.c) * d(to.c) + d(from.s) * d(to.s), s = d(from.c) * d(to.s) - d(from.s) * d(to.c);
+      const double c = d(from.c) * d(to.c) + d(from.s) * d(to.s),
+                   s = d(from.c) * d(to.s) - d(from.s) * d(to.c);
       return Vec2{c * x - s * y, s * x + c * y};
     };
     double gap = d(p.gap) + nx * moved.x + ny * moved.y;
@@ -180,7 +197,8 @@ class ContactWriter {
   }
 
   /// What two bodies carried that lie still, if they still touch.
-  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, Scale times, std::vector<Contact>& out) const {
+  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, Scale times,
+                 std::vector<Contact>& out) const {
     const Stand sa = stand(a), sb = stand(b);
     const Vec2 to = way(sa.at, sb.at);
     const double margin = kStill * std::fmin(sa.inner, sb.inner);
@@ -189,24 +207,29 @@ class ContactWriter {
       const Meeting m = discs(to, sa.radius + sb.radius, 0, 1);
       if (m.gap > margin) return;
       const double arm = sa.radius + m.gap / 2;
-      out.push_back(contact(a, b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m, times.disc * d(touch.impulse[0]),
-                            times.disc * d(touch.friction[0])));
+      out.push_back(contact(a, b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
+                            times.disc * d(touch.impulse[0]), times.disc * d(touch.friction[0])));
       return;
     }
-    const Hull disc_a = disc_hull(static_cast<float>(sa.radius)), disc_b = disc_hull(static_cast<float>(sb.radius));
+    const Hull disc_a = disc_hull(static_cast<float>(sa.radius)),
+               disc_b = disc_hull(static_cast<float>(sb.radius));
     Manifold best;
     for (std::uint32_t i = 0; i < std::max(sa.count, 1u); ++i) {
       for (std::uint32_t j = 0; j < std::max(sb.count, 1u); ++j) {
-        const Manifold m = collide(sa.count != 0 ? sa.hulls[i] : disc_a, sa.q, sb.count != 0 ? sb.hulls[j] : disc_b,
-                                   sb.q, static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(margin));
-        if (m.count > best.count || (m.count != 0 && m.count == best.count && m.point[0].gap < best.point[0].gap)) best = m;
+        const Manifold m = collide(
+            sa.count != 0 ? sa.hulls[i] : disc_a, sa.q, sb.count != 0 ? sb.hulls[j] : disc_b, sb.q,
+            static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(margin));
+        if (m.count > best.count ||
+            (m.count != 0 && m.count == best.count && m.point[0].gap < best.point[0].gap))
+          best = m;
       }
     }
     share(touch, best, a, b, centre, true, times.shape, out);
   }
 
   /// The same of a body and fixed geometry.
-  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, Scale times, std::vector<Contact>& out) const {
+  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, Scale times,
+                  std::vector<Contact>& out) const {
     const Stand s = stand(id);
     const Vec2 centre = world(s.at);
     const double margin = kStill * s.inner;
@@ -215,24 +238,29 @@ class ContactWriter {
       const Meeting m = fixed(s.at, s.radius, shape, 0, 0);
       if (m.gap > margin) return;
       const double arm = s.radius + m.gap / 2;
-      out.push_back(contact(other, id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m, times.disc * d(touch.impulse[0]),
-                            times.disc * d(touch.friction[0])));
+      out.push_back(contact(other, id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m,
+                            times.disc * d(touch.impulse[0]), times.disc * d(touch.friction[0])));
       return;
     }
     const auto most = static_cast<float>(margin);
     if (shape >= kWallLeft) {
       const Meeting m = fixed(s.at, 0, shape, 0, 0);
-      share(touch, meet_plane(s.hulls[0], s.q, static_cast<float>(m.nx), static_cast<float>(m.ny), static_cast<float>(m.gap), most),
+      share(touch,
+            meet_plane(s.hulls[0], s.q, static_cast<float>(m.nx), static_cast<float>(m.ny),
+                       static_cast<float>(m.gap), most),
             other, id, centre, false, times.shape, out);
       return;
     }
     const double reach = d(b_.surface(id).radius) + margin + d(shapes_[shape].radius);
     const Hull piece = shapes_.seen_from(shape, s.at.x, s.at.y, 4 * reach, s.at.dx, s.at.dy);
-    share(touch, collide(piece, {}, s.hulls[0], s.q, 0, 0, most), other, id, centre, false, times.shape, out);
+    share(touch, collide(piece, {}, s.hulls[0], s.q, 0, 0, most), other, id, centre, false,
+          times.shape, out);
   }
 
  private:
-  BodyId handle(std::uint32_t id) const { return id == kNoSlot ? kNoBody : BodyId{id, b_.info[id].generation}; }
+  BodyId handle(std::uint32_t id) const {
+    return id == kNoSlot ? kNoBody : BodyId{id, b_.info[id].generation};
+  }
 
   Rotor rotor(std::uint32_t slot) const {
     if (b_.make(b_.id[slot]).hull_count == 0) return {};
@@ -242,8 +270,8 @@ class ContactWriter {
 
   // Gives a touch's impulses to the points of a manifold, in order along the edge. `centre`: what the arms of side
   // A (`of_a`) or B go from.
-  void share(const Touch& touch, const Manifold& m, std::uint32_t a, std::uint32_t b, Vec2 centre, bool of_a,
-             double times, std::vector<Contact>& out) const {
+  void share(const Touch& touch, const Manifold& m, std::uint32_t a, std::uint32_t b, Vec2 centre,
+             bool of_a, double times, std::vector<Contact>& out) const {
     const bool flip = m.count == 2 && runs_backwards(m);
     const int nearest = m.count == 2 && m.point[1].gap < m.point[0].gap ? 1 : 0;
     for (int k = 0; k < m.count; ++k) {
@@ -256,7 +284,8 @@ class ContactWriter {
       }
       const ManifoldPoint& p = m.point[k];
       const Vec2 point{centre.x + d(of_a ? p.ax : p.bx), centre.y + d(of_a ? p.ay : p.by)};
-      out.push_back(contact(a, b, point, {d(m.nx), d(m.ny), d(p.gap)}, times * d(impulse), times * d(friction)));
+      out.push_back(contact(a, b, point, {d(m.nx), d(m.ny), d(p.gap)}, times * d(impulse),
+                            times * d(friction)));
     }
   }
 
@@ -269,7 +298,8 @@ class ContactWriter {
 };
 
 // By a, then b. Where there are many, by counting how many each a has.
-void sort_refs(std::vector<Ref>& refs, std::vector<Ref>& scratch, std::vector<std::uint32_t>& count, std::uint32_t ids) {
+void sort_refs(std::vector<Ref>& refs, std::vector<Ref>& scratch, std::vector<std::uint32_t>& count,
+               std::uint32_t ids) {
   const auto before = [](const Ref& x, const Ref& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; };
   if (refs.size() < 256 || refs.size() < ids / 8) {
     std::stable_sort(refs.begin(), refs.end(), before);
@@ -302,14 +332,17 @@ void World::Impl::find_contacts() {
   const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
   const bool anew = laid_ahead;  // lanes are of the next step: what they carry was brought over
   const bool bare = saved.bare;  // no gaps
-  const auto dynamic = [&](std::uint32_t id) { return bodies.surface(id).type == BodyType::dynamic_body; };
+  const auto dynamic = [&](std::uint32_t id) {
+    return bodies.surface(id).type == BodyType::dynamic_body;
+  };
   const auto counts = [anew](float impulse) { return anew ? impulse > 0 : closed(impulse); };
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
     std::vector<Ref>& out = touching.found[index];
-    const auto put = [&](std::uint32_t a, std::uint32_t b, Ref::Kind kind, std::size_t at, int point = 0) {
-      out.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(index), kind,
-                     static_cast<std::uint8_t>(point)});
+    const auto put = [&](std::uint32_t a, std::uint32_t b, Ref::Kind kind, std::size_t at,
+                         int point = 0) {
+      out.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at),
+                     static_cast<std::uint32_t>(index), kind, static_cast<std::uint8_t>(point)});
     };
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
       if (!counts(contacts.impulse[table.contact[p]])) continue;
@@ -323,7 +356,8 @@ void World::Impl::find_contacts() {
       if (!counts(contacts.s_impulse[single.contact])) continue;
       if (!bare && contacts.s_gap[single.contact] >= kFar) continue;
       const std::uint32_t id = bodies.id[single.body];
-      if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape)) continue;
+      if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape))
+        continue;
       put(id, writer.owner(single.shape), Ref::kSingle, k);
     }
     if (!plan.shapes || index >= manifolds.strip_count()) return;
@@ -333,11 +367,13 @@ void World::Impl::find_contacts() {
       const ManifoldPair& pair = pairs[k];
       const bool laid = pair.lane != PairName::kNone;
       if (!laid && !anew) continue;
-      if (bodies.id[pair.b] != pair.id_b || (pair.a != kNoSlot && bodies.id[pair.a] != pair.id_a)) continue;
+      if (bodies.id[pair.b] != pair.id_b || (pair.a != kNoSlot && bodies.id[pair.a] != pair.id_a))
+        continue;
       if (pair.a == kNoSlot && !writer.stands(pair.shape)) continue;
       for (int point = 0; point < pair.manifold.count; ++point) {
-        const bool touches = laid ? closed(blocks[pair.lane / kBlock].point[point].impulse[pair.lane % kBlock])
-                                  : pair.impulse[point] > 0;
+        const bool touches =
+            laid ? closed(blocks[pair.lane / kBlock].point[point].impulse[pair.lane % kBlock])
+                 : pair.impulse[point] > 0;
         if (touches) put(pair.id_a, pair.id_b, Ref::kManifold, k, point);
       }
     }
@@ -347,16 +383,26 @@ void World::Impl::find_contacts() {
 // Contacts among bodies that lie still, and of those that fell asleep or woke since the lists were made.
 void World::Impl::find_kept() {
   const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
-  const Scale times{desc.substeps * (plan.model.model == kernels::Model::plain ? d(first_mass) : 1.0), static_cast<double>(desc.substeps)};
-  const auto place = [&](std::uint32_t id) { return id < bodies.id_count ? bodies.info[id].place : Place::none; };
+  const Scale times{
+      desc.substeps * (plan.model.model == kernels::Model::plain ? d(first_mass) : 1.0),
+      static_cast<double>(desc.substeps)};
+  const auto place = [&](std::uint32_t id) {
+    return id < bodies.id_count ? bodies.info[id].place : Place::none;
+  };
   const auto lies = [&](std::uint32_t id) {
-    return place(id) == Place::asleep || (place(id) == Place::moving && !(bodies.surface(id).inv_mass > 0));
+    return place(id) == Place::asleep ||
+           (place(id) == Place::moving && !(bodies.surface(id).inv_mass > 0));
   };
-  const auto here = [&](std::uint32_t id) { return place(id) == Place::asleep || place(id) == Place::moving; };
+  const auto here = [&](std::uint32_t id) {
+    return place(id) == Place::asleep || place(id) == Place::moving;
+  };
   const auto ground = [&](std::uint32_t shape) {
-    return shape >= kWallLeft || (shape < shapes.size() && shapes[shape].alive && !shapes[shape].asleep);
+    return shape >= kWallLeft ||
+           (shape < shapes.size() && shapes[shape].alive && !shapes[shape].asleep);
   };
-  const auto touches_of = [&](const Sleeper& s) { return std::span(sleepers.touches).subspan(s.first_touch, s.touches); };
+  const auto touches_of = [&](const Sleeper& s) {
+    return std::span(sleepers.touches).subspan(s.first_touch, s.touches);
+  };
   const std::vector<Sleeper>& list = sleepers.list;
   const std::size_t jobs = (list.size() + kBeds - 1) / kBeds;
   touching.beds.resize(jobs + 1);
@@ -366,14 +412,17 @@ void World::Impl::find_kept() {
     for (std::size_t k = job * kBeds; k < std::min(list.size(), (job + 1) * kBeds); ++k) {
       for (const Touch& touch : touches_of(list[k])) {
         if (touch.of_fixed()) {
-          if (ground(touch.second())) writer.keep_fixed(touch, list[k].id, touch.second(), times, out);
+          if (ground(touch.second()))
+            writer.keep_fixed(touch, list[k].id, touch.second(), times, out);
           continue;
         }
         const std::uint32_t a = touch.first(), b = touch.second(), other = a == list[k].id ? b : a;
-        if (!lies(other)) continue;  // the lists have it
+        if (!lies(other)) continue;                                 // the lists have it
         if (place(other) == Place::asleep && other < list[k].id) {  // it has the same touch
           const auto theirs = touches_of(list[bodies.info[other].slot]);
-          if (std::any_of(theirs.begin(), theirs.end(), [&](const Touch& t) { return t.key == touch.key; })) continue;
+          if (std::any_of(theirs.begin(), theirs.end(),
+                          [&](const Touch& t) { return t.key == touch.key; }))
+            continue;
         }
         writer.keep_pair(touch, a, b, times, out);
       }
@@ -390,14 +439,16 @@ void World::Impl::find_kept() {
     }
   }
   touching.kept.clear();
-  for (const std::vector<Contact>& bed : touching.beds) touching.kept.insert(touching.kept.end(), bed.begin(), bed.end());
+  for (const std::vector<Contact>& bed : touching.beds)
+    touching.kept.insert(touching.kept.end(), bed.begin(), bed.end());
 }
 
 // The contacts that were found, in order.
 void World::Impl::write_contacts() {
   const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
   const bool plain = plan.model.model == kernels::Model::plain;
-  const double pressed = substeps * (plain ? d(first_mass) : 1.0);  // where masses are alike lanes have them as 1
+  const double pressed =
+      substeps * (plain ? d(first_mass) : 1.0);  // where masses are alike lanes have them as 1
   const bool rough = contacts.rough();
   ContactList& t = touching;
   t.out.resize(t.refs.size());
@@ -412,12 +463,14 @@ void World::Impl::write_contacts() {
           if (sign < 0) std::swap(i, j);
           const LatticePoint at = writer.place(i);
           const double r = d(bodies.radius[i]);
-          const Meeting m = ContactWriter::discs(writer.way(at, writer.place(j)), r + d(bodies.radius[j]),
-                                                 sign * d(contacts.nx[lane]), sign * d(contacts.ny[lane]));
+          const Meeting m =
+              ContactWriter::discs(writer.way(at, writer.place(j)), r + d(bodies.radius[j]),
+                                   sign * d(contacts.nx[lane]), sign * d(contacts.ny[lane]));
           const Vec2 centre = writer.world(at);
           const double arm = r + m.gap / 2;
           t.out[n] = writer.contact(ref.a, ref.b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
-                                    pressed * d(contacts.impulse[lane]), rough ? pressed * d(contacts.friction[lane]) : 0);
+                                    pressed * d(contacts.impulse[lane]),
+                                    rough ? pressed * d(contacts.friction[lane]) : 0);
           break;
         }
         case Ref::kSingle: {
@@ -425,11 +478,14 @@ void World::Impl::write_contacts() {
           const std::uint32_t lane = single.contact, id = bodies.id[single.body];
           const LatticePoint at = writer.place(single.body);
           const double r = d(bodies.radius[single.body]);
-          const Meeting m = writer.fixed(at, r, single.shape, d(contacts.s_nx[lane]), d(contacts.s_ny[lane]));
+          const Meeting m =
+              writer.fixed(at, r, single.shape, d(contacts.s_nx[lane]), d(contacts.s_ny[lane]));
           const Vec2 centre = writer.world(at);
           const double arm = r + m.gap / 2;
-          t.out[n] = writer.contact(writer.owner(single.shape), id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m,
-                                    pressed * d(contacts.s_impulse[lane]), rough ? pressed * d(contacts.s_friction[lane]) : 0);
+          t.out[n] = writer.contact(writer.owner(single.shape), id,
+                                    {centre.x - arm * m.nx, centre.y - arm * m.ny}, m,
+                                    pressed * d(contacts.s_impulse[lane]),
+                                    rough ? pressed * d(contacts.s_friction[lane]) : 0);
           break;
         }
         case Ref::kManifold: {
@@ -442,7 +498,8 @@ void World::Impl::write_contacts() {
           }
           Vec2 point;
           const Meeting m = writer.manifold(pair, ref.point, point);
-          t.out[n] = writer.contact(pair.id_a, pair.id_b, point, m, substeps * d(impulse), substeps * d(friction));
+          t.out[n] = writer.contact(pair.id_a, pair.id_b, point, m, substeps * d(impulse),
+                                    substeps * d(friction));
           break;
         }
         case Ref::kKept:
@@ -459,7 +516,8 @@ std::span<const Contact> World::contacts() {
   const FloatSettings settings;
   const WorkerPool::Awake awake(w.pool);
   w.settle_lists();
-  if (w.lists_ahead && !w.laid_ahead) {  // a step is under way over frames: slots are of the new lists
+  if (w.lists_ahead &&
+      !w.laid_ahead) {  // a step is under way over frames: slots are of the new lists
     StepReport ignored;
     w.make_contacts(w.desc.dt, ignored);
   }
@@ -473,9 +531,11 @@ std::span<const Contact> World::contacts() {
     w.find_kept();
   }
   t.refs.clear();
-  for (const std::vector<Ref>& strip : t.found) t.refs.insert(t.refs.end(), strip.begin(), strip.end());
+  for (const std::vector<Ref>& strip : t.found)
+    t.refs.insert(t.refs.end(), strip.begin(), strip.end());
   for (std::size_t k = 0; k < t.kept.size(); ++k) {
-    t.refs.push_back({t.kept[k].a.index, t.kept[k].b.index, static_cast<std::uint32_t>(k), 0, Ref::kKept, 0});
+    t.refs.push_back(
+        {t.kept[k].a.index, t.kept[k].b.index, static_cast<std::uint32_t>(k), 0, Ref::kKept, 0});
   }
   sort_refs(t.refs, t.sorted, t.count, w.bodies.id_count);
   w.write_contacts();
@@ -484,7 +544,9 @@ std::span<const Contact> World::contacts() {
   for (std::size_t begin = 0; begin < t.refs.size();) {
     std::size_t next = begin + 1;
     bool listed = t.refs[begin].kind != Ref::kKept;
-    for (; next < t.refs.size() && t.refs[next].a == t.refs[begin].a && t.refs[next].b == t.refs[begin].b; ++next) {
+    for (; next < t.refs.size() && t.refs[next].a == t.refs[begin].a &&
+           t.refs[next].b == t.refs[begin].b;
+         ++next) {
       listed = listed || t.refs[next].kind != Ref::kKept;
     }
     const std::size_t first = end;
@@ -494,7 +556,8 @@ std::span<const Contact> World::contacts() {
       ++end;
     }
     if (end - first > 1) {
-      std::sort(t.out.begin() + static_cast<std::ptrdiff_t>(first), t.out.begin() + static_cast<std::ptrdiff_t>(end), by_place);
+      std::sort(t.out.begin() + static_cast<std::ptrdiff_t>(first),
+                t.out.begin() + static_cast<std::ptrdiff_t>(end), by_place);
     }
     begin = next;
   }
