@@ -582,12 +582,13 @@ TEST(CApi, AReplayStepsByAnotherDt) {
   }
   EXPECT_EQ(psim_world_state_hash(a.world), psim_world_state_hash(b.world));
   for (const double dt : {0.0, -1.0, 11.0, kNaN}) {
-    EXPECT_EQ(psim_world_replay_by(b.world, {0, 7, 1, 0}, dt, nullptr), PSIM_ERROR_ARGUMENT) << dt;
+    EXPECT_EQ(psim_world_replay_by(b.world, {0, 0, 1, 1, 0}, dt, nullptr), PSIM_ERROR_ARGUMENT) << dt;
     EXPECT_EQ(psim_world_step_by(b.world, dt, nullptr), PSIM_ERROR_ARGUMENT) << dt;
   }
   for (const psim_step_detail wrong :
-       {psim_step_detail{65, 7, 1, 0}, psim_step_detail{0, 0, 1, 0}, psim_step_detail{0, 8, 1, 0},
-        psim_step_detail{0, 7, 0, 0}, psim_step_detail{0, 7, 4, 0}, psim_step_detail{0, 7, 1, 1}}) {
+       {psim_step_detail{65, 0, 1, 1, 0}, psim_step_detail{0, 2, 1, 1, 0},
+        psim_step_detail{0, 4, 1, 1, 0}, psim_step_detail{0, 0, 0, 1, 0},
+        psim_step_detail{0, 0, 9, 1, 0}, psim_step_detail{0, 0, 1, 0, 0}}) {
     EXPECT_EQ(psim_world_replay(b.world, wrong, nullptr), PSIM_ERROR_ARGUMENT);
   }
   EXPECT_EQ(psim_world_frame(b.world), 20u);
@@ -639,8 +640,8 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   ASSERT_EQ(psim_world_remove_joint(c.world, second), PSIM_OK);
   ASSERT_EQ(psim_world_remove_body(c.world, ids[8]), PSIM_OK);
   ASSERT_EQ(psim_world_set_gravity(c.world, {1, -9}), PSIM_OK);
-  ASSERT_EQ(psim_world_replay_by(c.world, {2, 7, 1, 0}, 0.02, nullptr), PSIM_OK);
-  ASSERT_EQ(psim_world_replay(c.world, {3, 7, 2, 0}, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_replay_by(c.world, {2, 0, 1, 1, 0}, 0.02, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_replay(c.world, {3, 0, 2, 2, 0}, nullptr), PSIM_OK);
   steps(90);
   ASSERT_EQ(psim_world_set_sleeping(c.world, 0), PSIM_OK);
   ASSERT_EQ(psim_world_wake(c.world, ids[9]), PSIM_OK);

@@ -18,6 +18,12 @@ struct ContactList {
     Kind kind = kPair;
     std::uint8_t point = 0;  ///< of a manifold
   };
+  bool begun = false;              ///< work for the next step is under way
+  std::vector<std::uint32_t> now;  ///< by slot of the lists: the present one; empty: the same
+  std::uint32_t slot(std::uint32_t of_lists) const {
+    if (now.empty()) return of_lists;
+    return of_lists < now.size() ? now[of_lists] : 0xFFFFFFFFu;
+  }
   std::vector<std::vector<Ref>> found;     ///< by strip
   std::vector<std::vector<Contact>> beds;  ///< by some sleepers: what they keep
   std::vector<Contact> kept;
@@ -27,7 +33,7 @@ struct ContactList {
 
   std::size_t bytes() const {
     std::size_t n = (refs.capacity() + sorted.capacity()) * sizeof(Ref) +
-                    count.capacity() * sizeof(count[0]) +
+                    (count.capacity() + now.capacity()) * sizeof(count[0]) +
                     (kept.capacity() + out.capacity()) * sizeof(Contact);
     for (const auto& strip : found) n += strip.capacity() * sizeof(Ref);
     for (const auto& bed : beds) n += bed.capacity() * sizeof(Contact);

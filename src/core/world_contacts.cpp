@@ -140,13 +140,14 @@ class ContactWriter {
   }
 
   /// A point of a manifold, and its gap, now.
-  Meeting manifold(const ManifoldPair& pair, int k, Vec2& point) const {
+  Meeting manifold(const ManifoldPair& pair, std::uint32_t slot_a, std::uint32_t slot_b, int k,
+                   Vec2& point) const {
     const Manifold& m = pair.manifold;
     const ManifoldPoint& p = m.point[k];
     const double nx = d(m.nx), ny = d(m.ny);
-    const LatticePoint b = place(pair.b);
+    const LatticePoint b = place(slot_b);
     LatticePoint a;
-    if (pair.a != PairName::kNone) a = place(pair.a);
+    if (pair.a != PairName::kNone) a = place(slot_a);
     const Vec2 moved{
         wrap_sub(wrap_sub(b.x, a.x), pair.base_x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base_dx)),
         wrap_sub(wrap_sub(b.y, a.y), pair.base_y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base_dy))};
@@ -158,11 +159,11 @@ class ContactWriter {
     };
     double gap = d(p.gap) + nx * moved.x + ny * moved.y;
     const double bx = d(p.bx) + d(pair.round_b) * nx, by = d(p.by) + d(pair.round_b) * ny;
-    const Vec2 arm = turned(rotor(pair.b), pair.turn_b, bx, by);
+    const Vec2 arm = turned(rotor(slot_b), pair.turn_b, bx, by);
     gap += nx * (arm.x - bx) + ny * (arm.y - by);
     if (pair.a != PairName::kNone) {
       const double ax = d(p.ax) - d(pair.round_a) * nx, ay = d(p.ay) - d(pair.round_a) * ny;
-      const Vec2 other = turned(rotor(pair.a), pair.turn_a, ax, ay);
+      const Vec2 other = turned(rotor(slot_a), pair.turn_a, ax, ay);
       gap -= nx * (other.x - ax) + ny * (other.y - ay);
     }
     // The arm ends midway between the surfaces of then; of a contact that lay ahead, where they meet.
@@ -327,57 +328,69 @@ bool by_place(const Contact& x, const Contact& y) {
 
 }  // namespace
 
-// Closed contacts of the lists, by strip.
+// Closed contacts of the lists of the last step, by strip. While work for the next one is under way (begun), what
+// is open and what overlaps without an impulse look alike, and bodies may lie in another order.
 void World::Impl::find_contacts() {
   const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
-  const bool anew = laid_ahead;  // lanes are of the next step: what they carry was brought over
-  const bool bare = saved.bare;  // no gaps
+  const bool begun = touching.begun;
+  const bool gaps = !begun && !saved.bare;
   const auto dynamic = [&](std::uint32_t id) {
     return bodies.surface(id).type == BodyType::dynamic_body;
   };
-  const auto counts = [anew](float impulse) { return anew ? impulse > 0 : closed(impulse); };
+  const auto counts = [begun](float impulse) { return begun ? impulse > 0 : closed(impulse); };
+  const auto id_of = [&](std::uint32_t slot) {
+    slot = touching.slot(slot);
+    return slot == kNoSlot ? kNoSlot : bodies.id[slot];
+  };
+  const auto put = [&](std::size_t strip, std::uint32_t a, std::uint32_t b, Ref::Kind kind,
+                       std::size_t at, int point = 0) {
+    touching.found[strip].push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at),
+                                     static_cast<std::uint32_t>(strip), kind,
+                                     static_cast<std::uint8_t>(point)});
+  };
+  const std::vector<ManifoldPair>& all = std::as_const(manifolds).pairs();
+  const auto put_manifold = [&](std::size_t strip, std::size_t at) {
+    const ManifoldPair& pair = all[at];
+    if (!begun && pair.lane == PairName::kNone) return;
+    if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
+    if (pair.a == kNoSlot && !writer.stands(pair.shape)) return;
+    for (int point = 0; point < pair.manifold.count; ++point) {
+      if (begun ? pair.impulse[point] > 0 : manifold_closed(strip, pair, point)) {
+        put(strip, pair.id_a, pair.id_b, Ref::kManifold, at, point);
+      }
+    }
+  };
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
-    std::vector<Ref>& out = touching.found[index];
-    const auto put = [&](std::uint32_t a, std::uint32_t b, Ref::Kind kind, std::size_t at,
-                         int point = 0) {
-      out.push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at),
-                     static_cast<std::uint32_t>(index), kind, static_cast<std::uint8_t>(point)});
-    };
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
       if (!counts(contacts.impulse[table.contact[p]])) continue;
-      const std::uint32_t a = bodies.id[table.owner[p]], b = bodies.id[table.other[p]];
+      const std::uint32_t a = id_of(table.owner[p]), b = id_of(table.other[p]);
       if (a == kNoSlot || b == kNoSlot || (!held.empty() && !dynamic(a) && !dynamic(b))) continue;
-      put(a, b, Ref::kPair, p);
+      put(index, a, b, Ref::kPair, p);
     }
     const std::vector<SinglePair>& singles = table.singles[index];
     for (std::size_t k = 0; k < singles.size(); ++k) {
       const SinglePair& single = singles[k];
       if (!counts(contacts.s_impulse[single.contact])) continue;
-      if (!bare && contacts.s_gap[single.contact] >= kFar) continue;
-      const std::uint32_t id = bodies.id[single.body];
-      if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape))
+      if (gaps && contacts.s_gap[single.contact] >= kFar) continue;
+      const std::uint32_t id = id_of(single.body);
+      if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape)) {
         continue;
-      put(id, writer.owner(single.shape), Ref::kSingle, k);
-    }
-    if (!plan.shapes || index >= manifolds.strip_count()) return;
-    const std::span<const ManifoldPair> pairs = std::as_const(manifolds).pairs_of(index);
-    const std::vector<kernels::ManifoldBlock>& blocks = manifolds.strip(index).blocks;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const ManifoldPair& pair = pairs[k];
-      const bool laid = pair.lane != PairName::kNone;
-      if (!laid && !anew) continue;
-      if (bodies.id[pair.b] != pair.id_b || (pair.a != kNoSlot && bodies.id[pair.a] != pair.id_a))
-        continue;
-      if (pair.a == kNoSlot && !writer.stands(pair.shape)) continue;
-      for (int point = 0; point < pair.manifold.count; ++point) {
-        const bool touches =
-            laid ? closed(blocks[pair.lane / kBlock].point[point].impulse[pair.lane % kBlock])
-                 : pair.impulse[point] > 0;
-        if (touches) put(pair.id_a, pair.id_b, Ref::kManifold, k, point);
       }
+      put(index, id, writer.owner(single.shape), Ref::kSingle, k);
     }
+    if (begun || !plan.shapes || index >= manifolds.strip_count()) return;
+    const std::span<const ManifoldPair> mine = std::as_const(manifolds).pairs_of(index);
+    const auto first = static_cast<std::size_t>(mine.data() - all.data());
+    for (std::size_t k = 0; k < mine.size(); ++k) put_manifold(index, first + k);
   });
+  if (!begun || !plan.shapes) return;
+  for (std::size_t k = 0; k < all.size(); ++k) put_manifold(0, k);  // strips are of the next step
+}
+
+bool World::Impl::manifold_closed(std::size_t strip, const ManifoldPair& pair, int point) {
+  const kernels::ManifoldBlock& c = manifolds.strip(strip).blocks[pair.lane / kBlock];
+  return closed(c.point[point].impulse[pair.lane % kBlock]);
 }
 
 // Contacts among bodies that lie still, and of those that fell asleep or woke since the lists were made.
@@ -458,7 +471,7 @@ void World::Impl::write_contacts() {
       switch (ref.kind) {
         case Ref::kPair: {
           const std::uint32_t lane = table.contact[ref.at];
-          std::uint32_t i = table.owner[ref.at], j = table.other[ref.at];
+          std::uint32_t i = t.slot(table.owner[ref.at]), j = t.slot(table.other[ref.at]);
           const double sign = bodies.id[i] == ref.a ? 1 : -1;
           if (sign < 0) std::swap(i, j);
           const LatticePoint at = writer.place(i);
@@ -475,9 +488,10 @@ void World::Impl::write_contacts() {
         }
         case Ref::kSingle: {
           const SinglePair& single = table.singles[ref.strip][ref.at];
-          const std::uint32_t lane = single.contact, id = bodies.id[single.body];
-          const LatticePoint at = writer.place(single.body);
-          const double r = d(bodies.radius[single.body]);
+          const std::uint32_t lane = single.contact, slot = t.slot(single.body);
+          const std::uint32_t id = bodies.id[slot];
+          const LatticePoint at = writer.place(slot);
+          const double r = d(bodies.radius[slot]);
           const Meeting m =
               writer.fixed(at, r, single.shape, d(contacts.s_nx[lane]), d(contacts.s_ny[lane]));
           const Vec2 centre = writer.world(at);
@@ -489,15 +503,16 @@ void World::Impl::write_contacts() {
           break;
         }
         case Ref::kManifold: {
-          const ManifoldPair& pair = std::as_const(manifolds).pairs_of(ref.strip)[ref.at];
+          const ManifoldPair& pair = std::as_const(manifolds).pairs()[ref.at];
           float impulse = pair.impulse[ref.point], friction = pair.friction[ref.point];
-          if (pair.lane != PairName::kNone) {
+          if (!t.begun) {
             const kernels::ManifoldBlock& c = manifolds.strip(ref.strip).blocks[pair.lane / kBlock];
             impulse = c.point[ref.point].impulse[pair.lane % kBlock];
             friction = c.point[ref.point].friction[pair.lane % kBlock];
           }
           Vec2 point;
-          const Meeting m = writer.manifold(pair, ref.point, point);
+          const Meeting m =
+              writer.manifold(pair, t.slot(pair.a), t.slot(pair.b), ref.point, point);
           t.out[n] = writer.contact(pair.id_a, pair.id_b, point, m, substeps * d(impulse),
                                     substeps * d(friction));
           break;
@@ -510,18 +525,30 @@ void World::Impl::write_contacts() {
   });
 }
 
+// Where bodies lie now that lay in a slot when contacts were laid out.
+void World::Impl::find_moved() {
+  std::vector<std::uint32_t> origin;
+  broad.copy_origin(origin);
+  touching.now.assign(std::max<std::size_t>(bodies.count, origin.size()), kNoSlot);
+  for (std::size_t i = 0; i < origin.size(); ++i) {
+    if (origin[i] == kNoSlot) continue;
+    if (origin[i] >= touching.now.size()) touching.now.resize(std::size_t{origin[i]} + 1, kNoSlot);
+    touching.now[origin[i]] = static_cast<std::uint32_t>(i);
+  }
+}
+
 std::span<const Contact> World::contacts() {
   Impl& w = *impl_;
   if (w.steps == 0) return {};
   const FloatSettings settings;
   const WorkerPool::Awake awake(w.pool);
   w.settle_lists();
-  if (w.lists_ahead &&
-      !w.laid_ahead) {  // a step is under way over frames: slots are of the new lists
-    StepReport ignored;
-    w.make_contacts(w.desc.dt, ignored);
-  }
   ContactList& t = w.touching;
+  t.begun = w.ahead.part != Part::check || w.ahead.at != 0 || !w.contacts_stand();
+  t.now.clear();
+  if (w.ahead.sorted || w.broad.has_moved_on()) w.find_moved();
+  w.turn_back();
+  if (t.begun && w.plan.shapes) w.manifolds.keep_impulses(w.pool);
   t.found.resize(std::max(t.found.size(), w.table.strips.size()));
   for (std::vector<Ref>& strip : t.found) strip.clear();
   if (w.impulses_valid && w.bodies.count != 0 && w.table.body_count != 0) w.find_contacts();
@@ -539,6 +566,7 @@ std::span<const Contact> World::contacts() {
   }
   sort_refs(t.refs, t.sorted, t.count, w.bodies.id_count);
   w.write_contacts();
+  w.turn_back();
   // Several of one pair: in order of place; what the lists have comes before what was kept of it.
   std::size_t end = 0;
   for (std::size_t begin = 0; begin < t.refs.size();) {

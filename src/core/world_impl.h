@@ -195,6 +195,8 @@ struct World::Impl {
 
   // world_contacts.cpp
   void find_contacts();
+  bool manifold_closed(std::size_t strip, const ManifoldPair& pair, int point);
+  void find_moved();
   void find_kept();
   void write_contacts();
 
