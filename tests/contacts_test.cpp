@@ -285,6 +285,16 @@ TEST(Contacts, AskingChangesNothing) {
   };
   auto asked = build(), left_alone = build();
   for (int k = 0; k < 300; ++k) {
+    if (k % 3 == 0) {  // a step spread over frames
+      StepDetail wait;
+      wait.solves = false;
+      wait.pieces = 1 + static_cast<std::uint32_t>(k % 11);
+      for (int frame = 0; frame < 3; ++frame) {
+        asked->replay(wait);
+        left_alone->replay(wait);
+        asked->contacts();
+      }
+    }
     asked->step();
     left_alone->step();
     asked->contacts();
