@@ -71,7 +71,9 @@ struct StepDetail {
       0;  ///< of the work ahead, in a frame in which time stands still: done in it
   /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
   bool wakes = false;
+  /// Whether time stands still in the frame.
   bool waits() const { return !solves; }
+  /// All alike.
   friend bool operator==(const StepDetail&, const StepDetail&) = default;
 };
 
