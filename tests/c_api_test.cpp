@@ -563,6 +563,8 @@ TEST(CApi, ContactsAreThoseOfCpp) {
   EXPECT_NEAR(sum[0], 2 * kG / 60, 1e-3);
   EXPECT_NEAR(sum[1], kPi / 4 * kG / 60, 1e-3);
   EXPECT_EQ(contacts[2].b.index, ball.index);
+  EXPECT_EQ(psim_world_shape_count(c.world), 1u);
+  EXPECT_EQ(psim_world_shape_count(nullptr), 0u);
   EXPECT_EQ(contacts[0].b.index, box.index);
   EXPECT_EQ(psim_world_contacts(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_contacts(c.world, &contacts, nullptr), PSIM_ERROR_ARGUMENT);

@@ -233,6 +233,10 @@ size_t psim_world_static_count(const psim_world* world) {
   return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.static_count(); });
 }
 
+size_t psim_world_shape_count(const psim_world* world) {
+  return asked(world, __func__, size_t{0}, [](const psim::World& w) { return w.shape_count(); });
+}
+
 uint64_t psim_world_escaped_total(const psim_world* world) {
   return asked(world, __func__, uint64_t{0},
                [](const psim::World& w) { return w.escaped_total(); });

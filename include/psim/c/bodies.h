@@ -94,6 +94,9 @@ PSIM_API size_t psim_world_dynamic_count(const psim_world* world);
 /// Of those, static.
 PSIM_API size_t psim_world_static_count(const psim_world* world);
 
+/// Of psim_world_dynamic_count, those that are no discs.
+PSIM_API size_t psim_world_shape_count(const psim_world* world);
+
 /// Bodies that left an open world so far; 0 for NULL.
 PSIM_API uint64_t psim_world_escaped_total(const psim_world* world);
 
