@@ -75,6 +75,21 @@ if(TARGET psim_core)
   target_link_libraries(soak PRIVATE psim_internal)
 endif()
 
+# Functions of features that a scene does not have take no instructions. Label `slow`.
+find_package(Python3 COMPONENTS Interpreter REQUIRED)
+if(TARGET psim_scene)
+  add_executable(psim_absent_steps tests/absent/steps.cpp)
+  psim_target_defaults(psim_absent_steps)
+  target_link_libraries(psim_absent_steps PRIVATE psim_scene)
+endif()
+if(TARGET psim_scene AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
+  add_test(NAME AbsentFeaturesTakeNoInstructions
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/absent/count"
+            "$<TARGET_FILE:psim_absent_steps>")
+  set_tests_properties(AbsentFeaturesTakeNoInstructions PROPERTIES
+    LABELS slow TIMEOUT 600 SKIP_RETURN_CODE 77)
+endif()
+
 # The comparison with other engines, as far as they are built in. Label `peers`.
 if(TARGET peers)
   file(GLOB _peers_tests CONFIGURE_DEPENDS tests/peers/*_test.cpp)

@@ -372,6 +372,21 @@ TEST(CApi, StateSnapshotsAndDiagnosticsCanBeRead) {
   ASSERT_EQ(psim_world_plan(c.world, &plan, &count), PSIM_OK);
   ASSERT_GT(count, 5u);
   EXPECT_NE(std::string(plan[0].stage), "");
+  const std::size_t entries = count;
+  const std::size_t* bytes = nullptr;
+  ASSERT_EQ(psim_world_plan_bytes(c.world, &bytes, &count), PSIM_OK);
+  ASSERT_EQ(count, entries);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::string stage = plan[k].stage;
+    if (stage == "publish") {
+      EXPECT_GT(bytes[k], 0u);
+    } else if (stage == "joints") {
+      EXPECT_EQ(bytes[k], 0u);
+    }
+  }
+  EXPECT_EQ(psim_world_plan_bytes(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(std::string(psim_skip_name(0)), "forces");
+  EXPECT_EQ(psim_skip_name(99), nullptr);
   const psim_skip_entry* skipped = nullptr;
   ASSERT_EQ(psim_world_skipped(c.world, &skipped, &count), PSIM_OK);
   ASSERT_GT(count, 0u);
@@ -381,12 +396,20 @@ TEST(CApi, StateSnapshotsAndDiagnosticsCanBeRead) {
   ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
   ASSERT_EQ(psim_world_take_trace(c.world, &trace, &count), PSIM_OK);
   EXPECT_GT(count, 0u);
+  const psim_lane_use* use = nullptr;
+  ASSERT_EQ(psim_world_count_lane_use(c.world), PSIM_OK);
+  for (int k = 0; k < 16; ++k) ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_lane_use(c.world, &use, &count), PSIM_OK);
+  const std::size_t uses = count;
+  for (std::size_t k = 0; k < count; ++k) EXPECT_LE(use[k].used, use[k].lanes) << use[k].kernels;
+  EXPECT_EQ(psim_world_lane_use(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
   char why[128];
   EXPECT_GT(psim_world_why_awake(c.world, {0, 0}, why, sizeof why), 0u);
   EXPECT_EQ(std::string(why).rfind("awake", 0), 0u) << why;
   psim_lane_counts lanes{};
   EXPECT_EQ(psim_world_lane_counts(c.world, &lanes), PSIM_OK);
   EXPECT_GT(lanes.vector + lanes.scalar, 0u);
+  EXPECT_EQ(uses != 0, lanes.vector != 0);
   EXPECT_GT(psim_world_memory_bytes(c.world), 1000u);
 }
 

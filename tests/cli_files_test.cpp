@@ -59,10 +59,15 @@ TEST_F(CliFiles, MetricsHaveARowPerFrame) {
   EXPECT_EQ(lines[0],
             "frame,total_ms,broad_phase_ms,narrow_phase_ms,constraints_ms,integration_ms,"
             "publish_ms,pairs,contacts,awake,kinetic,potential,max_penetration,"
-            "asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms");
+            "asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms,substeps_saved,fast,stopped,"
+            "skipped_forces,skipped_broad_phase,skipped_narrow_phase,skipped_colouring,skipped_solver,"
+            "skipped_solver_restitution,skipped_solver_masses,skipped_solver_friction,skipped_rotation,"
+            "skipped_publish,skipped_solver_heavy_loads,skipped_events,skipped_manifolds,skipped_joints,"
+            "skipped_filters,skipped_continuous");
   for (std::size_t frame = 1; frame <= 7; ++frame) {
     const std::vector<double> row = numbers_of(lines[frame]);
-    ASSERT_EQ(row.size(), 19u);
+    ASSERT_EQ(row.size(), 38u);
+    EXPECT_EQ(row[35], 1) << "joints";
     EXPECT_EQ(row[0], static_cast<double>(frame));
     EXPECT_GT(row[1], 0);
   }

@@ -44,7 +44,8 @@ TEST(CliReport, TextHasItsLines) {
       "SIMD: [\\d,]+ lane operations, [\\d,]+ scalar fallbacks \\(\\S+ %\\)",
       "Energy \\S+ -> \\S+ J  momentum \\(\\S+, \\S+\\)  max penetration \\S+ m",
       "Skipped: .+",
-      "Ledger: asleep 0 of 1,200 bodies \\(mean\\), lists kept in \\d of 3 frames, pairs reused \\S+ %",
+      "Ledger: asleep 0 of 1,200 bodies \\(mean\\), lists kept in \\d of 3 frames, pairs reused \\S+ %, "
+      "nobody fast in 3, 0 substeps saved",
       "State 0x[0-9a-f]{16}",
   };
   const std::vector<std::string> lines = lines_of(outcome.out);
@@ -78,6 +79,25 @@ TEST(CliReport, ProfileNamesTheBottleneckAndTheThreads) {
   EXPECT_GE(profile["imbalance"], 1);
 }
 
+TEST(CliReport, ProfileHasRecentTimesAndTheUseOfLanes) {
+  const std::vector<std::string> words = {"--scene", "pile", "--particles", "3000", "--frames", "20", "--threads", "1", "--profile"};
+  const Json profile = json_report(words)["profile"];
+  EXPECT_EQ(profile["recent_frames"], 240);
+  for (const auto& [stage, row] : profile["stages"].items()) {  // fewer frames than are recent
+    EXPECT_NEAR(row["recent_mean"], row["mean"].get<double>(), 1e-9) << stage;
+    EXPECT_EQ(row["recent_p99"], row["p99"]) << stage;
+  }
+  if (json_report(words)["lanes"] == 1) GTEST_SKIP() << "no lanes";
+  for (const char* kernels : {"bodies", "substeps", "contacts"}) {
+    ASSERT_TRUE(profile["lanes"].contains(kernels)) << kernels;
+    const Json use = profile["lanes"][kernels];
+    EXPECT_GT(use["used"], 0) << kernels;
+    EXPECT_LE(use["used"], use["lanes"]) << kernels;
+  }
+  EXPECT_FALSE(profile["lanes"].contains("joints"));
+  EXPECT_TRUE(std::regex_search(run_psim(words).out, std::regex("Lanes used: bodies \\S+ %, .*contacts \\S+ %")));
+}
+
 TEST(CliReport, JsonHasItsKeys) {
   const Json report = json_report({"--particles", "500", "--frames", "4", "--seed", "7"});
   EXPECT_EQ(keys(report), (std::vector<std::string>{"bodies",
@@ -109,7 +129,13 @@ TEST(CliReport, JsonHasItsKeys) {
   EXPECT_EQ(keys(report["bodies"]),
             (std::vector<std::string>{"asleep", "awake", "dynamic", "static", "total"}));
   EXPECT_EQ(keys(report["ledger"]),
-            (std::vector<std::string>{"asleep_mean", "lists_kept_frames", "pairs_reused_mean"}));
+            (std::vector<std::string>{"asleep_mean", "fast_frames", "fast_mean", "lists_kept_frames",
+                                      "pairs_reused_mean", "stages", "substeps_saved"}));
+  for (const auto& [stage, frames] : report["ledger"]["stages"].items()) {
+    EXPECT_EQ(frames["run"].get<int>() + frames["skipped"].get<int>(), 4) << stage;
+  }
+  EXPECT_EQ(report["ledger"]["stages"]["joints"]["skipped"], 4);
+  EXPECT_EQ(report["ledger"]["stages"]["solver.restitution"]["run"], 4);
   EXPECT_EQ(keys(report["frame_ms"]),
             (std::vector<std::string>{"max", "mean", "p50", "p95", "p99"}));
   EXPECT_EQ(keys(report["phase_ms"]),

@@ -116,5 +116,79 @@ TEST(Skipped, CountsFramesOfWhatWasLeftOut) {
   EXPECT_TRUE(friction_skipped);
 }
 
+// Boxes and joints are done in lanes: only what no kernel takes is one at a time.
+TEST(Lanes, OfHullsAndJointsCountAsWhatTheyAre) {
+  if (best_isa() == Isa::scalar) GTEST_SKIP() << "no lanes";
+  auto world = make(unbounded());
+  world->set_sleeping(false);
+  add(*world, ground());
+  for (int k = 0; k < 64; ++k) {
+    BodyDesc box = disc({-60 + 1.9 * k, 0.5}, {0, 0});
+    box.shape = BoxShape{1, 1};
+    add(*world, box);
+  }
+  world->count_lane_use();
+  run(*world, 32);
+  const LaneCounts boxes = world->lane_counts();
+  EXPECT_GT(boxes.vector, 100 * boxes.scalar);
+  bool found = false;
+  for (const LaneUse& use : world->lane_use()) {
+    EXPECT_LE(use.used, use.lanes) << use.kernels;
+    EXPECT_GT(use.used, 0u) << use.kernels;
+    found |= use.kernels == "manifolds" && use.used == 2 * 64;
+  }
+  EXPECT_TRUE(found);
+
+  BodyDesc six = disc({0, 30});  // no kernel takes six vertices
+  six.shape = PolygonShape{{{1, 0}, {0.5, 0.9}, {-0.5, 0.9}, {-1, 0}, {-0.5, -0.9}, {0.5, -0.9}}};
+  add(*world, six);
+  six.position = {0, 31.7};
+  add(*world, six);
+  run(*world, 20);
+  EXPECT_GT(world->lane_counts().scalar, boxes.scalar);
+}
+
+TEST(Lanes, AreNotCountedUnlessAskedFor) {
+  auto world = pile(200);
+  run(*world, 40);
+  EXPECT_TRUE(world->lane_use().empty());
+}
+
+// A bit a frame, as often as the sums say, also where nobody moves.
+TEST(Skipped, OfEveryFrameAddUp) {
+  auto world = make(walled({0, 0, 10, 10}));
+  const BodyId one = add(*world, disc({5, 0.5}));
+  std::array<std::uint64_t, kSkipNames.size()> sums{};
+  int asleep = 0;
+  for (int frame = 0; frame < 200; ++frame) {
+    const StepReport report = world->step();
+    asleep += report.awake == 0;
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      sums[k] += report.skipped >> k & 1;
+      if (report.awake == 0) {
+        EXPECT_EQ(report.skipped >> k & 1, 1u) << kSkipNames[k];
+      }
+    }
+  }
+  EXPECT_GT(asleep, 0);
+  EXPECT_FALSE(world->is_awake(one));
+  std::array<std::uint64_t, kSkipNames.size()> told{};
+  for (const auto& [stage, frames] : world->skipped()) {
+    told[static_cast<std::size_t>(std::find(kSkipNames.begin(), kSkipNames.end(), stage) - kSkipNames.begin())] = frames;
+  }
+  EXPECT_EQ(sums, told);
+}
+
+TEST(StepReports, CountBodiesThatAreFastForTheirSize) {
+  auto world = make(unbounded());
+  add(*world, ground());
+  BodyDesc box = disc({0, 50}, {0, -200});
+  box.shape = BoxShape{1, 1};
+  add(*world, box);
+  EXPECT_EQ(world->step().fast, 1u);
+  run(*world, 300);
+  EXPECT_EQ(world->step().fast, 0u);
+}
+
 }  // namespace
 }  // namespace psim::test

@@ -31,6 +31,13 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
     "forces", "broad_phase", "narrow_phase", "colouring",
     "solver", "integrate",   "sleep",        "publish"};
 
+/// What a step can leave out, by its bit in StepReport::skipped: stages, and parts of them.
+inline constexpr std::array<std::string_view, 16> kSkipNames = {
+    "forces",           "broad_phase",       "narrow_phase",    "colouring",
+    "solver",           "solver.restitution", "solver.masses",   "solver.friction",
+    "rotation",         "publish",           "solver.heavy_loads", "events",
+    "manifolds",        "joints",            "filters",         "continuous"};
+
 /// What one step did. Values, never exceptions: bad data in a running world is quarantined and
 /// counted here.
 struct StepReport {
@@ -43,7 +50,9 @@ struct StepReport {
   std::uint64_t asleep = 0;    ///< dynamic bodies that were not
   std::uint64_t pairs_reused = 0;  ///< of the pairs, those whose contacts lay as they were
   bool rebuilt = false;            ///< neighbour lists were rebuilt in this step
-  std::uint32_t stopped = 0;       ///< fast shapes put back on their way, out of fixed geometry
+  std::uint32_t skipped = 0;       ///< a bit for each of kSkipNames that had nothing to do
+  std::uint32_t fast = 0;          ///< shapes and bullets so fast for their size that their way was looked at
+  std::uint32_t stopped = 0;       ///< of those, shapes put back on their way, out of fixed geometry
   std::uint32_t escaped = 0;       ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
@@ -68,13 +77,25 @@ struct PlanEntry {
   std::string stage;    ///< e.g. "narrow_phase", "solver.friction"
   bool needed = false;  ///< whether steps run it
   std::string reason;   ///< e.g. "no body and no wall has friction"
+  /// Memory of arrays that are there for this alone. What every world with moving bodies has (bodies, lists,
+  /// contacts) is in no entry.
+  std::size_t bytes = 0;
 };
 
-/// Work done by vector lanes since the world was made: real lanes and padding or one-at-a-time
-/// fallbacks.
+/// Work since the world was made: what vectors did, their empty lanes included, and what was done one at a
+/// time where the ISA has lanes: contacts' places on fixed shapes, pairs of hulls that no kernel takes or that
+/// were too few for one, contacts in columns. All of it on Isa::scalar.
 struct LaneCounts {
   std::uint64_t vector = 0;  ///< elements done in lanes
   std::uint64_t scalar = 0;  ///< elements done one at a time
+};
+
+/// How full the blocks of some kernels were, summed over the steps that were looked at (World::count_lane_use).
+/// A block counts once a step, however often the kernels went over it.
+struct LaneUse {
+  std::string kernels;      ///< what they work on, e.g. "contacts"
+  std::uint64_t lanes = 0;  ///< of the blocks
+  std::uint64_t used = 0;   ///< of those, with something in them
 };
 
 }  // namespace psim

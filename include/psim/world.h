@@ -233,6 +233,10 @@ class PSIM_API World {
   Diagnostics diagnostics() const;
   /// Work done since the world was made.
   LaneCounts lane_counts() const;
+  /// Counts how full the kernels' blocks are, in every 16th step from now on; nothing on Isa::scalar.
+  void count_lane_use();
+  /// What was counted.
+  std::vector<LaneUse> lane_use() const;
   /// Bytes that the world holds.
   std::size_t memory_bytes() const;
   /// The stages and whether this world needs them.
@@ -253,7 +257,7 @@ class PSIM_API World {
   /// Replaces the world's own workers by the host's; an empty parallel_for goes back.
   void set_job_system(JobSystem jobs);
 
-  /// Starts recording stage spans.
+  /// Starts recording stage spans, on the first thread also its waits for the others ("wait").
   void start_trace();
   /// Returns and clears what was recorded.
   std::vector<TraceEvent> take_trace();

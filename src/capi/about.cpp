@@ -83,6 +83,11 @@ const char* psim_stage_name(int32_t stage) {
   return psim::kStageNames[static_cast<std::size_t>(stage)].data();
 }
 
+const char* psim_skip_name(int32_t bit) {
+  if (bit < 0 || static_cast<std::size_t>(bit) >= psim::kSkipNames.size()) return nullptr;
+  return psim::kSkipNames[static_cast<std::size_t>(bit)].data();
+}
+
 size_t psim_estimate_memory_bytes(size_t discs) { return psim::estimate_memory_bytes(discs); }
 
 psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes,

@@ -32,6 +32,9 @@ struct psim_world {
   std::vector<psim_hit_event> hits;
   std::vector<psim::PlanEntry> plan_text;
   std::vector<psim_plan_entry> plan;
+  std::vector<size_t> plan_bytes;
+  std::vector<psim::LaneUse> lane_names;
+  std::vector<psim_lane_use> lane_use;
   std::vector<std::pair<std::string, std::uint64_t>> skipped_text;
   std::vector<psim_skip_entry> skipped;
   std::vector<psim_trace_event> trace;

@@ -117,6 +117,34 @@ psim_result psim_world_plan(psim_world* world, const psim_plan_entry** entries, 
   });
 }
 
+psim_result psim_world_plan_bytes(psim_world* world, const size_t** bytes, size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_list(call, bytes, count); r != PSIM_OK) return r;
+    world->plan_bytes.clear();
+    for (const psim::PlanEntry& e : w.plan()) world->plan_bytes.push_back(e.bytes);
+    return give(world->plan_bytes, bytes, count);
+  });
+}
+
+psim_result psim_world_count_lane_use(psim_world* world) {
+  return guarded(world, __func__, [](psim::World& w, const Call&) -> psim_result {
+    w.count_lane_use();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_lane_use(psim_world* world, const psim_lane_use** uses, size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_list(call, uses, count); r != PSIM_OK) return r;
+    world->lane_names = w.lane_use();
+    world->lane_use.clear();
+    for (const psim::LaneUse& u : world->lane_names) {
+      world->lane_use.push_back({u.kernels.c_str(), u.lanes, u.used});
+    }
+    return give(world->lane_use, uses, count);
+  });
+}
+
 psim_result psim_world_skipped(psim_world* world, const psim_skip_entry** entries, size_t* count) {
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
     if (const psim_result r = check_list(call, entries, count); r != PSIM_OK) return r;

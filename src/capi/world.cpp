@@ -25,6 +25,8 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.pairs_reused = from.pairs_reused;
   r.rebuilt = from.rebuilt;
   r.stopped = from.stopped;
+  r.skipped = from.skipped;
+  r.fast = from.fast;
   r.escaped = from.escaped;
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;

@@ -260,6 +260,14 @@ class BodyStore {
     }
   }
 
+  /// Gives them back; nobody turns or stands turned.
+  void drop_rotation() {
+    spin.release();
+    angle.release();
+    spin0.release();
+  }
+  std::size_t rotation_bytes() const { return spin.bytes() + angle.bytes() + spin0.bytes(); }
+
   /// Makes the columns of turning within a frame (zero), or gives them back.
   void keep_turns(bool wanted) {
     if (!wanted) {

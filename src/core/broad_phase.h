@@ -111,6 +111,11 @@ class BroadPhase {
   void keep_origin();
   /// Contacts are laid out by the last sort's lists.
   void forget_origin() { chained_ = false; }
+  /// Lanes of the search that made the lists, and candidates in them: of every 64th body. Nothing where cells are
+  /// listed.
+  void sample_lanes(const BodyStore& bodies, std::uint32_t large_begin, std::uint64_t& lanes, std::uint64_t& used) const;
+  GridSort& sorter() { return sort_; }
+  const GridSort& sorter() const { return sort_; }
   /// Area that the bodies lie in at the last build, m^2: their box, or, where cells are listed, as much
   /// as they would fill at the density around them; 0 before the first.
   double area() const { return area_; }

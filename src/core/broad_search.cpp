@@ -368,4 +368,19 @@ void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, st
   }
 }
 
+// As pair_kernel.h goes: four of the own run and four of the one above, then eights of each.
+void BroadPhase::sample_lanes(const BodyStore& b, std::uint32_t large_begin, std::uint64_t& lanes,
+                              std::uint64_t& used) const {
+  if (listed_) return;
+  const auto eights = [](std::uint32_t n) { return n > 4 ? (n - 4 + 7) / 8 * 8 : 0; };
+  for (std::uint32_t i = 0; i < large_begin; i += 64) {
+    const std::uint32_t key = sort_.keys()[i];
+    const kernels::PairRow row = row_view(b, key / grid_.view.stride);
+    const std::uint32_t* const above = row.start + static_cast<std::int32_t>(key) + row.next_row;
+    const std::uint32_t own = row.start[key + 2] - (i + 1), next = above[2] - above[-1];
+    lanes += 8 + eights(own) + eights(next);
+    used += own + next;
+  }
+}
+
 }  // namespace psim

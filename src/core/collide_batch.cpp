@@ -51,7 +51,8 @@ void CollideBatch::add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float d
 }
 
 void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
-  if (count_ < fewest_of(kernels.width)) {
+  in_lanes_ = count_ >= fewest_of(kernels.width);
+  if (!in_lanes_) {
     block_.hard = 0xFF;
     return;
   }

@@ -2,6 +2,7 @@
 // collide() finds of each, bit for bit. One batch holds pairs of one kind, by numbers of vertices.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "collide.h"
@@ -26,6 +27,10 @@ class CollideBatch {
   void solve(const kernels::KernelTable& kernels, std::uint32_t kind);
   /// The manifold of the pair that was added as number `k`.
   Manifold manifold(std::uint32_t k) const;
+  /// Whether a kernel did it.
+  bool in_lanes() const { return in_lanes_; }
+  /// How many of them one by one.
+  std::uint32_t alone() const { return static_cast<std::uint32_t>(std::popcount(block_.hard & ((1u << count_) - 1u))); }
   void clear() { count_ = swapped_ = 0; }
 
  private:
@@ -34,6 +39,7 @@ class CollideBatch {
   const Hull* b_[kernels::kBlock];
   std::uint32_t count_ = 0;
   std::uint32_t swapped_ = 0;  // lanes whose A is the kernel's B
+  bool in_lanes_ = false;
 };
 
 }  // namespace psim

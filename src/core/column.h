@@ -78,6 +78,7 @@ class Column {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return capacity_; }
   bool empty() const { return data_ == nullptr; }
+  std::size_t bytes() const { return capacity_bytes_; }
 
  private:
   MemoryMeter* meter_;

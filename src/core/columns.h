@@ -30,7 +30,14 @@ class Columns {
     columns_.clear();
     links_.clear();
   }
+  /// Nobody can stand on another any more: the memory is given back.
+  void release() {
+    std::vector<Column>().swap(columns_);
+    std::vector<Link>().swap(links_);
+    std::vector<Standing>().swap(standing_);
+  }
   bool any() const { return !columns_.empty(); }
+  std::size_t link_count() const { return columns_.empty() ? 0 : links_.size(); }
 
   /// each(walk): for every column; walk(visit) calls visit(pair) for its contacts, from the bottom.
   template <class Each>

@@ -346,6 +346,15 @@ void ContactStore::make_room(std::size_t pair_lanes, std::size_t single_lanes) {
   }
 }
 
+std::size_t ContactStore::friction_bytes() const {
+  std::size_t sum = 0;
+  for (const Column<float>* c : {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu, &s_friction, &old_s_friction_,
+                                 &s_tmass, &s_qb}) {
+    sum += c->bytes();
+  }
+  return sum;
+}
+
 void ContactStore::build(BodyStore& b, const SolverBodies& numbers, const StaticShapes& shapes,
                          const Material& wall, ContactModel model, const Surface* alike,
                          const HeavyLoads& loads, PairTable& table, const PairTable& old,

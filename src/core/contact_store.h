@@ -78,6 +78,7 @@ class ContactStore {
   std::uint64_t single_count() const { return single_count_; }
   /// Whether contacts have friction.
   bool rough() const { return model_.model == kernels::Model::rough; }
+  std::size_t friction_bytes() const;
   /// How often the lanes were laid out: while it stays, so do they.
   std::uint64_t builds() const { return builds_; }
   void set_builds(std::uint64_t builds) { builds_ = builds; }

@@ -104,6 +104,7 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
   near_.resize(std::max(near_.size(), tasks));
   cut_.assign(tasks, 0);
   looks_.assign(tasks, 0);
+  found_fast_.assign(tasks, 0);
   if (shapes.any()) {
     pool.run(tasks, [&](std::size_t t) {
       const std::size_t end = std::min(slots.size(), (t + 1) * kTask);
@@ -117,6 +118,7 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
           continue;
         }
         const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
+        ++found_fast_[t];
         stop_at_fixed(b, manifolds, shapes, lattice, filters, i, near_[t]);
         looks_[t] += static_cast<std::uint32_t>(near_[t].size());
         if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++cut_[t];
@@ -127,6 +129,8 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
   for (const std::uint32_t n : cut_) sum += n;
   looked_ = 0;
   for (const std::uint32_t n : looks_) looked_ += n;
+  fast_count_ = 0;
+  for (const std::uint32_t n : found_fast_) fast_count_ += n;
   if (bullets.empty()) return sum;
   fast_.assign(b.count, 0);
   bool any = false;
@@ -135,7 +139,9 @@ std::uint32_t Continuous::stop(BodyStore& b, const Manifolds& manifolds, const P
     const std::uint32_t i = b.info[id].slot;
     const Make& make = b.make(id);
     const float inner = make.hull_count != 0 ? make.inner : b.radius[i];
-    if (way_of(b, i) > kFast * inner) fast_[i] = any = true;
+    if (!(way_of(b, i) > kFast * inner)) continue;
+    fast_[i] = any = true;
+    ++fast_count_;
   }
   if (!any) return sum;
   const auto meet_pair = [&](std::uint32_t i, std::uint32_t j) {  // few: in order of the lists

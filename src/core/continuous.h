@@ -28,6 +28,22 @@ class Continuous {
   /// At how many fixed shapes fast bodies were looked at by the last stop().
   std::uint64_t looked() const { return looked_; }
 
+  /// Bodies whose way the last call looked at.
+  std::uint32_t fast() const { return fast_count_; }
+
+  void release() {
+    std::vector<std::vector<std::uint32_t>>().swap(near_);
+    std::vector<std::uint32_t>().swap(cut_);
+    std::vector<std::uint32_t>().swap(found_fast_);
+    std::vector<std::uint32_t>().swap(looks_);
+    std::vector<std::uint8_t>().swap(fast_);
+  }
+  std::size_t bytes() const {
+    std::size_t sum = near_.capacity() * sizeof(near_[0]) + (cut_.capacity() + found_fast_.capacity() + looks_.capacity()) * sizeof(cut_[0]) + fast_.capacity();
+    for (const auto& near : near_) sum += near.capacity() * sizeof(near[0]);
+    return sum;
+  }
+
  private:
   void stop_at_fixed(BodyStore& bodies, const Manifolds& manifolds, const StaticShapes& shapes,
                      const Lattice& lattice, bool filters, std::uint32_t slot,
@@ -36,10 +52,11 @@ class Continuous {
                       std::uint32_t bullet, std::uint32_t other);
 
   std::vector<std::vector<std::uint32_t>> near_;  // by task
-  std::vector<std::uint32_t> cut_;                // by task
+  std::vector<std::uint32_t> cut_, found_fast_;   // by task
   std::vector<std::uint32_t> looks_;              // by task
   std::uint64_t looked_ = 0;
   std::vector<std::uint8_t> fast_;                // by slot: a fast bullet
+  std::uint32_t fast_count_ = 0;
 };
 
 }  // namespace psim

@@ -54,8 +54,8 @@ void GridSort::count_chunk(const Chunk& chunk) {
 }
 
 // One body's columns to another slot.
-inline void GridSort::move_one(const BodyStore& b, std::size_t to, std::size_t i,
-                               bool mixed_radii) {
+template <bool kRadii, bool kTurns>
+inline void GridSort::move_one(const BodyStore& b, std::size_t to, std::size_t i) {
   const auto copy2 = [&](auto* target, const auto* source) {
     target[2 * to] = source[2 * i];
     target[2 * to + 1] = source[2 * i + 1];
@@ -65,15 +65,16 @@ inline void GridSort::move_one(const BodyStore& b, std::size_t to, std::size_t i
   copy2(disp_.data(), b.disp.data());
   id_[to] = b.id[i];
   reach_[to] = b.reach[i];
-  if (mixed_radii) radius_[to] = b.radius[i];
-  if (!b.spin.empty()) {
+  if constexpr (kRadii) radius_[to] = b.radius[i];
+  if constexpr (kTurns) {
     spin_[to] = b.spin[i];
     angle_[to] = b.angle[i];
   }
 }
 
+template <bool kRadii, bool kTurns>
 void GridSort::scatter_chunk(const BodyStore& b, const Chunk& chunk, std::uint32_t large_at,
-                             std::uint32_t dead_at, bool mixed_radii) {
+                             std::uint32_t dead_at) {
   std::uint32_t* counts = counts_.data() + chunk.counts;
   const std::uint32_t* cell_start = start();
   for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
@@ -88,8 +89,20 @@ void GridSort::scatter_chunk(const BodyStore& b, const Chunk& chunk, std::uint32
     }
     key_sorted_[to] = key;
     from_[to] = i;
-    move_one(b, to, i, mixed_radii);
+    move_one<kRadii, kTurns>(b, to, i);
   }
+}
+
+template <bool kRadii, bool kTurns>
+void GridSort::scatter_listed(const BodyStore& b, std::size_t begin, std::size_t end) {
+  for (std::size_t to = begin; to < end; ++to) move_one<kRadii, kTurns>(b, to, from_[to]);
+}
+
+void GridSort::forget(bool radii, bool rotation) {
+  if (radii) radius_.release();
+  if (!rotation) return;
+  spin_.release();
+  angle_.release();
 }
 
 void GridSort::reserve(const BodyStore& b, bool mixed_radii) {
@@ -240,9 +253,12 @@ std::uint32_t GridSort::move(BodyStore& b, bool mixed_radii, std::size_t begin, 
     }
     PSIM_ASSERT(next_dead == b.count);
   }
+  const bool turns = !b.spin.empty();
+  const auto scatter = mixed_radii ? (turns ? &GridSort::scatter_chunk<true, true> : &GridSort::scatter_chunk<true, false>)
+                                   : (turns ? &GridSort::scatter_chunk<false, true> : &GridSort::scatter_chunk<false, false>);
   pool.run(end - begin, [&](std::size_t n) {
     const std::size_t c = begin + n;
-    scatter_chunk(b, chunks_[c], large_at[2 * c], large_at[2 * c + 1], mixed_radii);
+    (this->*scatter)(b, chunks_[c], large_at[2 * c], large_at[2 * c + 1]);
   });
   if (end == chunk_count) finish(b, small + larges, mixed_radii);
   return small;
@@ -252,11 +268,11 @@ std::uint32_t GridSort::sort(BodyStore& b, float large, bool mixed_radii, Worker
   reserve(b, mixed_radii);
   const SortCount sorted = listed_.sort(b, large, from_.data(), key_sorted_.data(), pool);
   const std::uint32_t n = b.count;
+  const bool turns = !b.spin.empty();
+  const auto scatter = mixed_radii ? (turns ? &GridSort::scatter_listed<true, true> : &GridSort::scatter_listed<true, false>)
+                                   : (turns ? &GridSort::scatter_listed<false, true> : &GridSort::scatter_listed<false, false>);
   pool.run((n + kChunkBodies - 1) / kChunkBodies, [&](std::size_t c) {
-    const std::size_t end = std::min<std::size_t>(n, (c + 1) * std::size_t{kChunkBodies});
-    for (std::size_t to = c * kChunkBodies; to < end; ++to) {
-      move_one(b, to, from_[to], mixed_radii);
-    }
+    (this->*scatter)(b, c * kChunkBodies, std::min<std::size_t>(n, (c + 1) * std::size_t{kChunkBodies}));
   });
   finish(b, sorted.small + sorted.large, mixed_radii);
   return sorted.small;

@@ -57,6 +57,11 @@ class GridSort {
   CellList& listed() { return listed_; }
   const CellList& listed() const { return listed_; }
 
+  /// Gives back what moves radii or rotation, where they are not wanted any more.
+  void forget(bool radii, bool rotation);
+  std::size_t radii_bytes() const { return radius_.bytes(); }
+  std::size_t rotation_bytes() const { return spin_.bytes() + angle_.bytes(); }
+
   const std::uint32_t* from() const { return from_.data(); }
   const std::uint32_t* keys() const { return key_sorted_.data(); }
   /// First slot of a cell; index -1 and the guards above the last row are readable.
@@ -74,9 +79,13 @@ class GridSort {
                  const kernels::KernelTable& k, Chunk& chunk);
   void count_chunk(const Chunk& chunk);
   void reserve(const BodyStore& bodies, bool mixed_radii);
-  void move_one(const BodyStore& bodies, std::size_t to, std::size_t from, bool mixed_radii);
+  template <bool kRadii, bool kTurns>
+  void move_one(const BodyStore& bodies, std::size_t to, std::size_t from);
+  template <bool kRadii, bool kTurns>
   void scatter_chunk(const BodyStore& bodies, const Chunk& chunk, std::uint32_t large_at,
-                     std::uint32_t dead_at, bool mixed_radii);
+                     std::uint32_t dead_at);
+  template <bool kRadii, bool kTurns>
+  void scatter_listed(const BodyStore& bodies, std::size_t begin, std::size_t end);
   void finish(BodyStore& bodies, std::uint32_t count, bool mixed_radii);
 
   Column<std::uint32_t> key_, start_, counts_, from_;

@@ -169,4 +169,18 @@ void HeavyLoads::find(const BodyStore& b, const PairTable& table, WorkerPool& po
   visits_ = std::max(visits, 1 + kFading * (visits_ - 1));
 }
 
+void HeavyLoads::release() {
+  forget();
+  inv_mass_.release();
+  level_.release();
+  for (std::vector<std::uint8_t>* marks : {&active_, &next_}) std::vector<std::uint8_t>().swap(*marks);
+  std::vector<ByRatio>().swap(ratios_);
+  std::vector<ByLevel>().swap(levels_);
+}
+
+std::size_t HeavyLoads::bytes() const {
+  return inv_mass_.bytes() + level_.bytes() + active_.capacity() + next_.capacity() +
+         ratios_.capacity() * sizeof(ByRatio) + levels_.capacity() * sizeof(ByLevel);
+}
+
 }  // namespace psim

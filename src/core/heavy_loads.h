@@ -30,6 +30,9 @@ class HeavyLoads {
 
   /// Nobody carries anything.
   void forget() { any_ = false; }
+  /// Nor will: its memory is given back.
+  void release();
+  std::size_t bytes() const;
 
   bool any() const { return any_; }
   /// How often a pair was looked at in the costliest of the last searches, one that fades.

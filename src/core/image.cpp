@@ -184,11 +184,7 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
     if (rests) b.add_rests(offsets);
     if (!rests) b.vel_rest.release();
     if (!offsets) b.disp_rest.release();
-    if (!turns) {
-      b.spin.release();
-      b.angle.release();
-      b.spin0.release();
-    }
+    if (!turns) b.drop_rotation();
   }
   if (turns) {
     a.column(b.spin, n);

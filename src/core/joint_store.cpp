@@ -2,6 +2,7 @@
 #include "joint_store.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace psim {
 
@@ -88,6 +89,16 @@ bool JointStore::remove(JointId id) {
   --count_;
   stale_ = bodies_stale_ = true;
   return true;
+}
+
+void JointStore::release_blocks() {
+  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+  drop(first_, exclusive_, bodies_, members_, ranges_, share_ranges_, jobs_, share_jobs_, phases_, marks_);
+  for (auto& lanes : lanes_) drop(lanes);
+  lists_ = JointLists();
+  for (Column<float>* c : {&share_vel_, &share_spin_, &push_vel_, &push_spin_}) c->release();
+  total_blocks_ = 0;
+  stale_ = bodies_stale_ = true;
 }
 
 void JointStore::remove_of_body(std::uint32_t body) {

@@ -63,10 +63,27 @@ class JointStore {
   std::size_t bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     std::size_t sum = of(joints_) + of(free_) + of(first_) + of(exclusive_) + of(bodies_) +
-                      of(members_) + of(ranges_) + of(share_ranges_) + of(jobs_) + of(marks_) +
+                      of(members_) + of(ranges_) + of(share_ranges_) + of(jobs_) + of(share_jobs_) + of(phases_) + of(marks_) +
                       exclusions_.size() * 32 + lists_.bytes();
     for (const auto& lanes : lanes_) sum += of(lanes);
     return sum;
+  }
+
+  /// Gives the blocks back, and all else but what tells old ids from new ones; there is no joint.
+  void release_blocks();
+  /// What the passes of a step do, in lanes, about: every block is swept over sweeps_ times in solve and relax.
+  std::uint64_t lane_operations(int substeps) const {
+    return empty() ? 0 : std::uint64_t{2} * static_cast<std::uint64_t>(substeps * sweeps_) * total_blocks_ * kernels::kBlock;
+  }
+  /// Lanes of the blocks, and how many have a joint. O(lanes).
+  void count_lanes(std::uint64_t& lanes, std::uint64_t& used) const {
+    for (const auto& list : lanes_) {
+      lanes += list.size();
+      for (const std::uint32_t joint : list) used += joint != kNoSlot;
+    }
+  }
+  std::size_t column_bytes() const {
+    return share_vel_.bytes() + share_spin_.bytes() + push_vel_.bytes() + push_spin_.bytes();
   }
 
   /// What it did to body b in the last substep, N and N m. O(1).

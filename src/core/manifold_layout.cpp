@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "manifolds.h"
 
@@ -85,6 +86,16 @@ void Manifolds::clear() {
   shaped_.clear();
   ghosts_.clear();
   points_ = colours_ = blocks_ = 0;
+}
+
+void Manifolds::release() {
+  clear();
+  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+  drop(pairs_, old_pairs_, begin_, first_, owner_, entries_, found_, ghosts_, strips_, special_, stale_, shaped_);
+  kind_.release();
+  rotor_.release();
+  inner_.release();
+  used_.release();
 }
 
 // What a lane takes from a pair that was looked at.

@@ -32,6 +32,7 @@ struct Manifolds::Waiting {
   };
   CollideBatch batch;
   Lane lane[kernels::kBlock];
+  Batches batches;
 };
 
 /// A hull against the plane at distance `offset` from its centre along the inward normal.

@@ -309,8 +309,7 @@ void Manifolds::remember(WorkerPool& pool) {
   both_ = true;
 }
 
-void Manifolds::turn_back() {
-  if (!both_) return;
+void Manifolds::swap_pairs() {
   old_pairs_.swap(pairs_);
   owner_.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) owner_[k] = pairs_[k].owner;

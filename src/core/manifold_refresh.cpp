@@ -110,6 +110,7 @@ void Manifolds::find(const BodyStore& b, const ManifoldParams& params, ManifoldP
     const auto off = [](std::int32_t a, std::int32_t w, float rest_a, float rest_w, double pitch) {
       return static_cast<float>(wrap_sub(a, w) * pitch + (static_cast<double>(rest_a) - static_cast<double>(rest_w)));
     };
+    ++waiting->batches.alone;
     const Walls& w = params.walls;
     const auto meet = [&](float nx, float ny, float offset) {
       take(b, params, pair, now, meet_plane(hull_b, now.qb, nx, ny, offset, margin), nullptr, hull_b);
@@ -139,6 +140,7 @@ void Manifolds::find(const BodyStore& b, const ManifoldParams& params, ManifoldP
   pair.round_a = hull_a.radius;
   const std::uint32_t kind = CollideBatch::kind_of(hull_a, hull_b);
   if (kind == CollideBatch::kKinds) {
+    ++waiting->batches.alone;
     take(b, params, pair, now, collide(hull_a, now.qa, hull_b, now.qb, dx, dy, margin), &hull_a, hull_b);
     return;
   }
@@ -156,6 +158,8 @@ void Manifolds::find(const BodyStore& b, const ManifoldParams& params, ManifoldP
 void Manifolds::settle(const BodyStore& b, const ManifoldParams& params, Waiting& waiting,
                        std::uint32_t kind) const {
   waiting.batch.solve(*params.kernels, kind);
+  const std::uint32_t alone = waiting.batch.alone();
+  waiting.batches.add({waiting.batch.in_lanes() ? kernels::kBlock : 0u, waiting.batch.count() - alone, alone});
   for (std::uint32_t k = 0; k < waiting.batch.count(); ++k) {
     const Waiting::Lane& lane = waiting.lane[k];
     take(b, params, *lane.pair, lane.now, waiting.batch.manifold(k), lane.a, *lane.b);
@@ -219,7 +223,7 @@ void Manifolds::fade(const StaticShapes& shapes, ManifoldPair& pair) {
 
 // Manifolds of pairs [begin, end). Says how many of those that were known before were looked at anew.
 std::uint32_t Manifolds::look(const BodyStore& b, const ManifoldParams& params, std::uint32_t begin,
-                              std::uint32_t end) {
+                              std::uint32_t end, Batches& batches) {
   std::uint32_t looks = 0;
   Waiting waiting[CollideBatch::kKinds];
   for (std::uint32_t k = begin; k < end; ++k) {
@@ -238,6 +242,7 @@ std::uint32_t Manifolds::look(const BodyStore& b, const ManifoldParams& params, 
   for (std::uint32_t kind = 0; kind < CollideBatch::kKinds; ++kind) {
     if (waiting[kind].batch.count() != 0) settle(b, params, waiting[kind], kind);
   }
+  for (const Waiting& of_kind : waiting) batches.add(of_kind.batches);
   return looks;
 }
 
@@ -285,7 +290,8 @@ void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, std::size_t 
   if (begin == 0) begin_refresh(b, params, pool);
   pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
-    c.looks = look(b, params, c.begin, c.end);
+    c.batches = {};
+    c.looks = look(b, params, c.begin, c.end, c.batches);
     if (c.whole) finish_strip(b, params, c.strip);
   });
   for (std::size_t k = begin; k < end; ++k) {
@@ -294,8 +300,10 @@ void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, std::size_t 
   if (end != cuts_.size()) return;
   ghosts_.clear();
   looks_ = new_pairs_ = 0;
+  batches_ = {};
   for (const Cut& c : cuts_) {
     looks_ += c.looks;
+    batches_.add(c.batches);
     if (c.last) ghosts_.insert(ghosts_.end(), found_[c.strip].ghosts.begin(), found_[c.strip].ghosts.end());
   }
   std::sort(ghosts_.begin(), ghosts_.end());

@@ -133,6 +133,17 @@ class Manifolds {
     std::uint32_t points = 0;  // touching or near
   };
 
+  /// How pairs were looked at in a step: lanes of the batches that kernels did, pairs in them, pairs one by one.
+  struct Batches {
+    std::uint64_t lanes = 0, used = 0, alone = 0;
+    void add(const Batches& o) {
+      lanes += o.lanes;
+      used += o.used;
+      alone += o.alone;
+    }
+  };
+  const Batches& batches() const { return batches_; }
+
   /// Takes over the pairs of `table` that are not two discs and drops those that must not collide, in three
   /// parts, the last two of strips [begin, end), in order. `sorted`: slots changed. `recent`: impulses of those
   /// whose sides fell asleep or woke. O(pairs).
@@ -149,7 +160,9 @@ class Manifolds {
   void remember(WorkerPool& pool);
   /// The pairs as they were before they were collected or remembered, or as they are since: until accept() there
   /// are both.
-  void turn_back();
+  void turn_back() {
+    if (both_) swap_pairs();
+  }
   /// The present ones count.
   void accept() { both_ = collecting_ = false; }
 
@@ -169,6 +182,8 @@ class Manifolds {
   void forget();
   /// There are no such pairs.
   void clear();
+  /// Nor will there be: the memory is given back.
+  void release();
 
   StripBlocks& strip(std::size_t index) { return strips_[index]; }
   std::size_t strips() const { return strips_.size(); }
@@ -221,6 +236,7 @@ class Manifolds {
   /// Deepest overlap at the frame's start, m.
   float deepest() const;
   std::size_t bytes() const;
+  std::size_t column_bytes() const { return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes(); }
 
  private:
   // What a slot holds, for fast looks: a plain disc, or something to look up.
@@ -237,6 +253,7 @@ class Manifolds {
     std::uint32_t looks = 0;  // in the last refresh, at pairs that were known before
     bool whole = false;       // all of the strip's
     bool last = false;        // the last of the strip's
+    Batches batches = {};     // of the last refresh
   };
 
   void cut();
@@ -254,10 +271,11 @@ class Manifolds {
   std::uint32_t recall(const PairName& pair) const;
   struct Stand;    // manifold_look.h
   struct Waiting;
+  void swap_pairs();
   void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
   void finish_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
   std::uint32_t look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
-                     std::uint32_t end);
+                     std::uint32_t end, Batches& batches);
   bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
              Stand& now) const;
   void find(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair,
@@ -304,6 +322,7 @@ class Manifolds {
   std::vector<std::uint32_t> shaped_; // slots of bodies that are not discs
   std::uint64_t points_ = 0;
   std::uint64_t looks_ = 0, new_pairs_ = 0;  // of the last refresh; since then
+  Batches batches_;                   // of the last refresh
   float g_ = 0;                       // m/s^2, in this step
   bool any_filter_ = false, loaded_ = false;
   bool both_ = false;                 // old_pairs_ are those of the last step

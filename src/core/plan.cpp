@@ -54,7 +54,7 @@ const char* integrator_reason(Integrator integrator) {
 std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   std::vector<PlanEntry> out;
   const auto add = [&](const char* stage, bool needed, const char* yes, const char* no) {
-    out.push_back({stage, needed, needed ? yes : no});
+    out.push_back({stage, needed, needed ? yes : no, 0});
   };
   const bool moves = t.moving != 0;
   add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",

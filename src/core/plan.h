@@ -74,7 +74,7 @@ struct Plan {
 
 Plan make_plan(const Traits& traits);
 
-/// The plan as a table for people, with the reason of every entry.
+/// The plan as a table for people, with the reason of every entry; bytes are left 0.
 std::vector<PlanEntry> explain(const Plan& plan, const Traits& traits);
 
 }  // namespace psim

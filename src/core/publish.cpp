@@ -109,11 +109,21 @@ void Publisher::publish(const BodyStore& b, const std::vector<FixedBody>& fixed,
 }
 
 const Snapshot* Publisher::latest() {
-  if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
-    front_ = middle_.exchange(front_, std::memory_order_acq_rel) & 3u;
+  unsigned seen = middle_.load(std::memory_order_relaxed);
+  while ((seen & kFresh) != 0) {  // no more if release() came between
+    if (!middle_.compare_exchange_weak(seen, front_, std::memory_order_acq_rel, std::memory_order_relaxed)) continue;
+    front_ = seen & 3u;
     any_ = true;
+    break;
   }
   return any_ ? &frames_[front_] : nullptr;
+}
+
+void Publisher::release() {
+  for (std::vector<float>* c : {&last_x_, &last_y_, &last_angle_}) std::vector<float>().swap(*c);
+  frames_[back_] = {};
+  back_ = middle_.exchange(back_, std::memory_order_acq_rel) & 3u;  // nothing fresh for the reader
+  frames_[back_] = {};
 }
 
 std::size_t Publisher::bytes() const {

@@ -33,6 +33,8 @@ class Publisher {
                const std::vector<BodyState>& frozen, const std::vector<Sleeper>& sleepers,
                const Lattice& lattice, std::uint64_t frame,
                WorkerPool& pool);
+  /// Nobody looks any more: gives back all but the frame that the reader has. On the thread that publishes.
+  void release();
   /// The newest complete frame, or nullptr. One reader.
   const Snapshot* latest();
   std::size_t bytes() const;

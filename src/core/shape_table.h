@@ -58,7 +58,13 @@ class ShapeTable {
     free_.push_back(index);
   }
 
+  /// Nobody has a shape: as at first.
+  void clear() { *this = ShapeTable(); }
+  bool empty() const { return by_first_.empty(); }
+
+  /// Beyond the one that stands for discs.
   std::size_t bytes() const {
+    if (hulls_.size() == 1) return 0;
     return hulls_.capacity() * sizeof(Hull) + sets_.size() * (sizeof(Set) + 64);
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace psim {
 namespace {
@@ -125,6 +126,19 @@ void Sleepers::tidy() {
     kept_.insert(kept_.end(), first, first + s.touches);
   }
   touches.swap(kept_);
+}
+
+void Sleepers::release() {
+  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+  drop(list, touches, queue, found, number, roots, wakeful, pieces, kept_);
+  rest_.release();
+  state_.release();
+  watching_ = false;
+}
+
+std::size_t Sleepers::bytes() const {
+  const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
+  return of(list, touches, queue, found, number, roots, wakeful, pieces, kept_) + recent.bytes();
 }
 
 }  // namespace psim

@@ -137,9 +137,10 @@ class Sleepers {
   Column<std::uint8_t>& state() { return state_; }
   /// Drops runs of touches that nobody has any more.
   void tidy();
-  std::size_t bytes() const {
-    return list.capacity() * sizeof(Sleeper) + (touches.capacity() + kept_.capacity()) * sizeof(Touch) + recent.bytes();
-  }
+  std::size_t bytes() const;
+  std::size_t column_bytes() const { return rest_.bytes() + state_.bytes(); }
+  /// Nobody sleeps or may: gives the memory back, but for what contacts are to take over.
+  void release();
 
  private:
   bool anyone_slow(const BodyStore& bodies) const;

@@ -91,7 +91,11 @@ class Solver::Run {
   template <class Pairs, class Singles>
   void for_loaded(const Pairs& pairs, const Singles& singles);
   template <class Each>
-  void for_manifolds(bool fixed, bool loaded, const Each& each);
+  void go_over_manifolds(bool fixed, bool loaded, const Each& each);
+  template <class Each>
+  [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
+    if (manifolds_.any()) go_over_manifolds(fixed, loaded, each);
+  }
   template <class Each>
   void for_bodies(const Each& each);
   template <class Kernel>
@@ -115,6 +119,7 @@ class Solver::Run {
   Manifolds& manifolds_;
   Columns& columns_;
   JointStore& joints_;
+  const bool joined_ = !joints_.empty();
   const HeldBodies& held_;
   const kernels::KernelTable& k_;
   WorkerPool& pool_;
@@ -218,14 +223,14 @@ void Solver::Run::substep(bool first_of_step) {
   if (bounce_) impacts();
   if (advance_) force(advance_);
   kick(first);
-  hold();
+  if (!held_.empty()) hold();
   if (first) warm(first_of_step);
   solve();
   if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, true, pool_);
-  joints_.hold(view_, k_, pool_);
+  if (joined_) joints_.hold(view_, k_, pool_);
   drift();
-  carry_held();
-  joints_.release(view_, k_, pool_);
+  if (!held_.empty()) carry_held();
+  if (joined_) joints_.release(view_, k_, pool_);
   if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, false, pool_);
   relax();
   if (bounce_) spend();
@@ -270,8 +275,7 @@ void Solver::Run::for_loaded(const Pairs& pairs, const Singles& singles) {
 // Manifolds between moving bodies as for_pairs; those with a fixed side as for_singles, unless some of
 // those sides are kinematic: then the other one may lie in the next strip.
 template <class Each>
-void Solver::Run::for_manifolds(bool fixed, bool loaded, const Each& each) {
-  if (!manifolds_.any()) return;
+void Solver::Run::go_over_manifolds(bool fixed, bool loaded, const Each& each) {
   const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
   const auto one = [&](std::size_t index) {
     Manifolds::StripBlocks& s = manifolds_.strip(index);
@@ -399,11 +403,11 @@ void Solver::Run::warm(bool first_of_step) {
   for_singles([&](std::size_t, const Strip& s) {
     k_.warm_single[model_](view_, singles_, warm_single, s.single_begin, s.single_end);
   });
-  joints_.warm(view_, k_, warm_pair.warm, pool_);
+  if (joined_) joints_.warm(view_, k_, warm_pair.warm, pool_);
 }
 
 void Solver::Run::solve() {
-  joints_.solve(view_, k_, pool_);
+  if (joined_) joints_.solve(view_, k_, pool_);
   for_pairs([&](std::size_t, const Strip& s) {
     k_.solve[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });
@@ -475,7 +479,7 @@ void Solver::Run::carry_held() {
 }
 
 void Solver::Run::relax() {
-  joints_.relax(view_, k_, pool_);
+  if (joined_) joints_.relax(view_, k_, pool_);
   for_pairs([&](std::size_t, const Strip& s) {
     k_.relax[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });

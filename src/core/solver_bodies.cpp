@@ -108,42 +108,52 @@ void SolverBodies::spare(std::size_t bodies, bool turning, bool impacts) {
   make_room(bodies, turning, impacts);
 }
 
+template <bool kTurns>
+void SolverBodies::load_range(const BodyStore& b, BlockRange r) {
+  const std::size_t end = std::min(count_, r.end * kBlock);
+  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+    const std::size_t i = slot_[n];
+    pos_[2 * n] = b.pos[2 * i];
+    pos_[2 * n + 1] = b.pos[2 * i + 1];
+    vel_[2 * n] = b.vel[2 * i];
+    vel_[2 * n + 1] = b.vel[2 * i + 1];
+    disp_[2 * n] = b.disp[2 * i];
+    disp_[2 * n + 1] = b.disp[2 * i + 1];
+    if constexpr (kTurns) spin_[n] = b.spin[i];
+  }
+}
+
 void SolverBodies::load(const BodyStore& b, WorkerPool& pool) {
   if (!compact_) return;
-  const bool turning = !b.spin.empty();
-  const std::uint32_t blocks_here = blocks();
-  pool.run(stream_tasks(blocks_here), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks_here);
-    const std::size_t end = std::min(count_, r.end * kBlock);
-    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-      const std::size_t i = slot_[n];
-      pos_[2 * n] = b.pos[2 * i];
-      pos_[2 * n + 1] = b.pos[2 * i + 1];
-      vel_[2 * n] = b.vel[2 * i];
-      vel_[2 * n + 1] = b.vel[2 * i + 1];
-      disp_[2 * n] = b.disp[2 * i];
-      disp_[2 * n + 1] = b.disp[2 * i + 1];
-      if (turning) spin_[n] = b.spin[i];
-    }
-  });
+  const auto load = b.spin.empty() ? &SolverBodies::load_range<false> : &SolverBodies::load_range<true>;
+  pool.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*load)(b, stream_range(t, blocks())); });
+}
+
+template <bool kTurns>
+void SolverBodies::store_range(BodyStore& b, BlockRange r) const {
+  const std::size_t end = std::min(count_, r.end * kBlock);
+  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+    const std::size_t i = slot_[n];
+    b.vel[2 * i] = vel_[2 * n];
+    b.vel[2 * i + 1] = vel_[2 * n + 1];
+    b.disp[2 * i] = disp_[2 * n];
+    b.disp[2 * i + 1] = disp_[2 * n + 1];
+    if constexpr (kTurns) b.spin[i] = spin_[n];
+  }
 }
 
 void SolverBodies::store(BodyStore& b, WorkerPool& pool) const {
   if (!compact_) return;
-  const bool turning = !b.spin.empty();
-  const std::uint32_t blocks_here = blocks();
-  pool.run(stream_tasks(blocks_here), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks_here);
-    const std::size_t end = std::min(count_, r.end * kBlock);
-    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-      const std::size_t i = slot_[n];
-      b.vel[2 * i] = vel_[2 * n];
-      b.vel[2 * i + 1] = vel_[2 * n + 1];
-      b.disp[2 * i] = disp_[2 * n];
-      b.disp[2 * i + 1] = disp_[2 * n + 1];
-      if (turning) b.spin[i] = spin_[n];
-    }
-  });
+  const auto store = b.spin.empty() ? &SolverBodies::store_range<false> : &SolverBodies::store_range<true>;
+  pool.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*store)(b, stream_range(t, blocks())); });
+}
+
+void SolverBodies::forget(bool rotation, bool impacts) {
+  if (rotation) {
+    spin_.release();
+    spin0_.release();
+  }
+  if (impacts) event_time_.release();
 }
 
 kernels::BodyView SolverBodies::view(BodyStore& b) {

@@ -10,6 +10,7 @@
 #include "body_store.h"
 #include "column.h"
 #include "pair_table.h"
+#include "tasks.h"
 #include "worker_pool.h"
 
 namespace psim {
@@ -44,9 +45,18 @@ class SolverBodies {
   std::uint32_t dummies() const { return blocks() * kernels::kBlock; }
   bool compact() const { return compact_; }
 
+  /// Gives back what holds rotation or times of impact, where they are not wanted any more.
+  void forget(bool rotation, bool impacts);
+  std::size_t rotation_bytes() const { return spin_.bytes() + spin0_.bytes(); }
+  std::size_t impact_bytes() const { return event_time_.bytes(); }
+
   kernels::BodyView view(BodyStore& bodies);
 
  private:
+  template <bool kTurns>
+  void load_range(const BodyStore& bodies, BlockRange range);
+  template <bool kTurns>
+  void store_range(BodyStore& bodies, BlockRange range) const;
   void take_all(BodyStore& bodies, std::size_t strips, bool impacts);
   void make_room(std::size_t all, bool turning, bool impacts);
   void count_linked(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);

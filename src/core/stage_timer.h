@@ -1,4 +1,5 @@
-// Times a stage into the step's report.
+// Times a stage into the step's report. A stage begins where the one before ended, so a step reads the clock
+// once a stage and at its own begin.
 #pragma once
 
 #include <chrono>
@@ -16,11 +17,11 @@ class StageTimer {
       : report_(report),
         tracer_(tracer),
         stage_(static_cast<std::size_t>(stage)),
-        begin_(std::chrono::steady_clock::now()) {
+        begin_(tracer.stage_end()) {
     tracer_.set_stage(kStageNames[stage_].data());
   }
   ~StageTimer() {
-    const std::chrono::steady_clock::time_point end = std::chrono::steady_clock::now();
+    const Tracer::Clock::time_point end = tracer_.begin();
     report_.stage_ms[stage_] += std::chrono::duration<double, std::milli>(end - begin_).count();
     if (tracer_.on()) tracer_.add(0, kStageNames[stage_].data(), begin_, end);
   }
@@ -31,7 +32,7 @@ class StageTimer {
   StepReport& report_;
   Tracer& tracer_;
   std::size_t stage_;
-  std::chrono::steady_clock::time_point begin_;
+  Tracer::Clock::time_point begin_;
 };
 
 }  // namespace psim

@@ -16,8 +16,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using kernels::kBlock;
 
-double ms_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+double ms_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
 // Margin around bodies in the lists: a tenth of the radius suits piles (docs/performance.md).
@@ -35,10 +35,11 @@ StepReport World::Impl::step(double dt) { return step(dt, {}, true); }
 // With the detail given, or one that the governor chooses.
 StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   const FloatSettings settings;
-  const Clock::time_point begin = Clock::now();
+  const Clock::time_point begin = tracer.begin();
   StepReport report;
   if (!(dt > 0 && dt <= 10)) return report;  // as World::create has it
   const std::uint64_t growths = memory.growths;
+  const auto skips = skipped_frames;
   const WorkerPool::Awake awake(pool);
   settle_lists();
   freeze_doubtful(report);
@@ -71,11 +72,24 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
     const StageTimer timer(report, tracer, Stage::publish);
     publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
   }
-  if (report.detail.solves) rest(dt, report);
+  if (plan.sleep && report.detail.solves) rest(dt, report);
   report.arena_growths = memory.growths - growths;
   report.asleep = bodies.asleep;
-  report.total_ms = ms_since(begin);
+  report.skipped = settle_skips(skips, report.rebuilt);
+  report.total_ms = ms_between(begin, tracer.begin());
   return report;
+}
+
+// What was left out in a step, a bit each; whatever was passed over more than once counts once, and lists that
+// were made again do not count as kept.
+std::uint32_t World::Impl::settle_skips(const std::array<std::uint64_t, kSkipCount>& before, bool rebuilt) {
+  std::uint32_t bits = 0;
+  for (std::size_t k = 0; k < kSkipCount; ++k) {
+    const bool skipped = skipped_frames[k] != before[k] && !(rebuilt && (k == 1 || k == 3));
+    skipped_frames[k] = before[k] + (skipped ? 1 : 0);
+    bits |= (skipped ? 1u : 0u) << k;
+  }
+  return bits;
 }
 
 // Everything moves on by dt seconds; or waits, if bodies woke and there is no time for new lists.
@@ -104,9 +118,15 @@ void World::Impl::advance(double dt, const Span& span, bool choose, StepReport& 
       bodies.find_slots();
       report.stopped = continuous.stop(bodies, manifolds, table, shapes, lattice, bullets,
                                        plan.filters, pool);
+      report.fast = continuous.fast();
     }
     integrate(dt, report);
+    if (counting_lanes && steps % kLaneSteps == 0) count_lanes(report);
     report.awake = bodies.count - bodies.dead;
+  } else {  // nobody moves: all is left out but what somebody asked for
+    for (std::size_t k = 0; k < kSkipCount; ++k) {
+      skipped_frames[k] += kSkipNames[k] == "publish" ? !plan.publish : kSkipNames[k] == "events" ? !plan.events : 1;
+    }
   }
   queries.forget_moving();
   if (plan.events) {
@@ -125,53 +145,10 @@ void World::Impl::prepare() {
   const WorkerPool::Awake awake(pool);
   settle_lists();
   replan();
+  tracer.begin();
   refresh_lists(desc.dt, {desc.dt, desc.dt}, ignored);
   if (governor.on()) spare_room();
   skipped_frames = counted;
-}
-
-// The plan follows the traits; arrays of what left the plan are given back.
-void World::Impl::replan() {
-  if (!plan_stale) return;
-  plan_stale = false;
-  traits.mass_ratio = traits.same_mass == traits.moving ? 1 : bodies.surfaces.mass_ratio();
-  const Plan next = make_plan(traits);
-  if (next.model != plan.model) impulses_valid = false;
-  Plan same = next;
-  same.events = plan.events;  // who listens or looks changes no result
-  same.publish = plan.publish;
-  if (same != plan) spoil_lists();
-  // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
-  // gone, too.
-  if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, first_radius);
-  if (plan.shapes && !next.shapes) manifolds.clear();  // pairs may be sorted out on, without contacts of shapes
-  plan = next;
-  apply_plan();
-}
-
-void World::Impl::apply_plan() {
-  if (plan.rotation && bodies.spin.empty()) bodies.add_rotation();
-  if (plan.forces) {
-    if (!forces) forces = std::make_unique<Forces>(desc, lattice);
-  } else {
-    forces.reset();
-    bodies.acc.release();
-  }
-  if (plan.fields) {
-    bodies.add_rests(plan.integrator != Integrator::verlet);
-  } else {
-    bodies.vel_rest.release();
-    bodies.disp_rest.release();
-    bodies.bend.release();
-    bodies.spare.release();
-  }
-  if (!plan.turns) bodies.keep_turns(false);
-  shapes.find_whole(plan.shapes);
-  if (!sorts_out()) manifolds.clear();
-  if (!plan.shapes) columns.forget();
-  if (!plan.scales) bodies.pull.release();
-  if (!plan.restitution) bodies.event_time.release();
-  forces_stale = true;
 }
 
 // How the lists of a build should be made.
@@ -393,7 +370,8 @@ void World::Impl::lay_out_manifolds(double dt) {
   Solver::manifold_softness(h, next_stiff_substep(h), p);
   p.changed = !std::equal(p.soft, p.soft + 4, manifold_soft.begin());
   std::copy(p.soft, p.soft + 4, manifold_soft.begin());
-  lanes.scalar += manifolds.pair_count();  // hulls are looked at one pair at a time
+  lanes.vector += manifolds.batches().used;
+  lanes.scalar += manifolds.batches().alone;
   manifolds.lay_out(bodies, loads, p, solved.dummies(), pool);
   columns.place(manifolds);
 }
@@ -463,7 +441,7 @@ void World::Impl::solve(double dt, StepReport& report) {
                 bodies.swing.data() + std::size_t{r.end} * kBlock, 0.0f);
     });
   }
-  joints.prepare(bodies, fixed, solved, lattice, h, pool);
+  if (plan.joints) joints.prepare(bodies, fixed, solved, lattice, h, pool);
   last_substep = h;
   if (plan.events) events.approach(event_source(), dt);
   const SolverReport done =
@@ -476,12 +454,14 @@ void World::Impl::solve(double dt, StepReport& report) {
   const std::uint64_t passes = 2u * static_cast<std::uint64_t>(substeps) + 2;
   const std::uint64_t work =
       passes * kBlock *
-      (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks() + manifolds.blocks());
+          (std::uint64_t{contacts.pair_blocks()} + contacts.single_blocks() + manifolds.blocks()) +
+      joints.lane_operations(substeps);
   if (options.isa == Isa::scalar) {
     lanes.scalar += work;
   } else {
     lanes.vector += work;
-    lanes.scalar += contacts.single_count();  // their geometry is found one by one
+    // The geometry of the first and the columns' contacts are done one by one.
+    lanes.scalar += contacts.single_count() + 2u * static_cast<std::uint64_t>(substeps) * columns.link_count();
   }
 }
 

@@ -53,7 +53,10 @@ void World::Impl::accept_work() {
   contacts.accept();
   manifolds.accept();
   if (ahead.laid) {
-    sleepers.recent.clear();
+    if (!sleepers.recent.empty()) {
+      sleepers.recent.clear();
+      if (!plan.sleep) sleepers.recent = TouchMemory();
+    }
     impulses_valid = true;
     saved.bare = false;
   }
@@ -308,7 +311,7 @@ void World::Impl::group_contacts() {
   if (!impulses_valid) {
     old_table.body_count = 0;
     old_table.strips.clear();
-    manifolds.forget();
+    if (sorts_out()) manifolds.forget();
   }
   if (plan.turns) bodies.keep_turns(true);
   solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);

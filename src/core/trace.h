@@ -9,6 +9,9 @@
 
 namespace psim {
 
+/// Of spans of the first thread that lie within a stage's: it waits for the others' last jobs.
+inline constexpr const char* kWaitName = "wait";
+
 class Tracer {
  public:
   using Clock = std::chrono::steady_clock;
@@ -19,6 +22,11 @@ class Tracer {
     tracks_.resize(static_cast<std::size_t>(threads));
   }
   bool on() const { return on_; }
+
+  /// The time now, from which on the next stage counts.
+  Clock::time_point begin() { return stage_end_ = Clock::now(); }
+  /// When the last stage ended, or the step began.
+  Clock::time_point stage_end() const { return stage_end_; }
   void set_stage(const char* name) { stage_ = name; }
   const char* stage() const { return stage_; }
 
@@ -42,7 +50,7 @@ class Tracer {
   }
   bool on_ = false;
   const char* stage_ = "";
-  Clock::time_point origin_;
+  Clock::time_point origin_, stage_end_;
   std::vector<std::vector<TraceEvent>> tracks_;
 };
 

@@ -78,6 +78,8 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   ticket_.store(open, std::memory_order_release);
   const std::size_t mine = work(0, open);
   done_.fetch_add(mine, std::memory_order_acq_rel);
+  const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
+  const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
   for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) {
     if (crowded_ && spins > 64) {
       std::this_thread::yield();
@@ -85,6 +87,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
       pause();
     }
   }
+  if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
   for (std::size_t t = 0; t < threads; ++t) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
   }

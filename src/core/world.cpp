@@ -100,12 +100,10 @@ Isa World::isa() const { return impl_->options.isa; }
 int World::threads() const { return impl_->options.threads; }
 LaneCounts World::lane_counts() const { return impl_->lanes; }
 
-std::vector<PlanEntry> World::plan() const { return explain(make_plan(impl_->traits), impl_->traits); }
-
 std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const {
   std::vector<std::pair<std::string, std::uint64_t>> out;
   for (std::size_t i = 0; i < kSkipNames.size(); ++i) {
-    if (impl_->skipped_frames[i] != 0) out.emplace_back(kSkipNames[i], impl_->skipped_frames[i]);
+    if (impl_->skipped_frames[i] != 0) out.emplace_back(std::string(kSkipNames[i]), impl_->skipped_frames[i]);
   }
   return out;
 }

@@ -34,7 +34,7 @@
 namespace psim {
 
 /// Counters in Impl::skipped_frames, see kSkipNames.
-inline constexpr std::size_t kSkipCount = 16;
+inline constexpr std::size_t kSkipCount = kSkipNames.size();
 
 /// The work of a step before its substeps, in order (step_work.cpp).
 enum class Part : std::uint8_t {
@@ -104,7 +104,8 @@ struct World::Impl {
   Walls walls;
 
   Traits traits;
-  Plan plan;
+  Plan plan, applied;       // applied: that the arrays are of
+  bool sorted_out = false;  // manifolds had something
   float first_mass = 0, first_radius = 0;  // that Traits counts against
   Surface first_surface;
   float least_radius = 0;  // of all moving bodies so far, m
@@ -129,6 +130,15 @@ struct World::Impl {
   std::uint64_t frame = 0;
   std::uint64_t escaped = 0;
   LaneCounts lanes;
+  // world_lanes.cpp
+  enum LaneKernels { kBodies, kSubsteps, kSearch, kSelection, kContacts, kFixed, kManifolds, kHulls, kJoints, kLaneKernels };
+  struct Lanes {
+    std::uint64_t lanes = 0, used = 0;
+  };
+  static constexpr std::uint64_t kLaneSteps = 16;
+  std::array<Lanes, kLaneKernels> lane_use{};
+  bool counting_lanes = false;
+  void count_lanes(const StepReport& report);
   std::array<std::uint64_t, kSkipCount> skipped_frames{};
 
   // Published columns (world_state.cpp).
@@ -137,6 +147,12 @@ struct World::Impl {
   std::vector<BodyType> out_type;
 
   BodyId add_fixed(const BodyDesc& desc, std::string& error);  // world_fixed.cpp
+
+  // world_plan.cpp
+  void replan();
+  void apply_plan();
+  bool anyone_turns() const;
+  Traits present_traits() const;
 
   // world_bodies.cpp
   BodyId add_moving(const BodyDesc& desc, std::string& error);
@@ -211,9 +227,8 @@ struct World::Impl {
   void bring_back();
 
   // step.cpp
-  void replan();
-  void apply_plan();
   void prepare();
+  std::uint32_t settle_skips(const std::array<std::uint64_t, kSkipCount>& before, bool rebuilt);
   StepReport step(double dt);
   StepReport step(double dt, const StepDetail& detail, bool choose);
   void advance(double dt, const Span& span, bool choose, StepReport& report);
@@ -255,23 +270,5 @@ struct World::Impl {
   WorkCounts count_work() const;
   double piece_ns(const WorkCounts& counts, std::size_t piece) const;
 };
-
-/// Names of the counters in Impl::skipped_frames.
-inline constexpr std::array<const char*, kSkipCount> kSkipNames = {"forces",
-                                                           "broad_phase",
-                                                           "narrow_phase",
-                                                           "colouring",
-                                                           "solver",
-                                                           "solver.restitution",
-                                                           "solver.masses",
-                                                           "solver.friction",
-                                                           "rotation",
-                                                           "publish",
-                                                           "solver.heavy_loads",
-                                                           "events",
-                                                           "manifolds",
-                                                           "joints",
-                                                           "filters",
-                                                           "continuous"};
 
 }  // namespace psim

@@ -124,7 +124,7 @@ std::uint64_t key_of(const Met& met, const BodyStore& b, const StaticShapes& sha
 // After a step: wakes what moving bodies are about to meet; and, in its frames, lets fall asleep what
 // rests.
 void World::Impl::rest(double dt, StepReport& report) {
-  if (!plan.sleep || bodies.count == bodies.dead) return;
+  if (bodies.count == bodies.dead) return;
   const StageTimer timer(report, tracer, Stage::sleep);
   if (!sleepers.empty()) wake_reached(dt);
   if (steps % Sleepers::kWatchFrames != 0) return;

@@ -56,6 +56,7 @@ int explain_scene(const Options& options) {
   const Scene scene = choose_scene(options);
   check_memory(scene);
   const auto world = make_world(scene, options.isa, 1);
+  world->step();  // what it owns then
   const std::vector<PlanEntry> plan = world->plan();
   std::size_t width = std::string_view("stage").size();
   for (const PlanEntry& entry : plan) width = std::max(width, entry.stage.size());
@@ -63,11 +64,15 @@ int explain_scene(const Options& options) {
       fmt::format("psim {}  scene {}  {} bodies ({} dynamic, {} static)\n", PSIM_VERSION_STRING,
                   one_line(scene.name), grouped(world->body_count()),
                   grouped(world->dynamic_count()), grouped(world->static_count()));
-  fmt::format_to(std::back_inserter(text), "{:<{}}  needed  reason\n", "stage", width);
+  fmt::format_to(std::back_inserter(text), "{:<{}}  needed  {:>13}  reason\n", "stage", width, "bytes");
+  std::size_t bytes = 0;
   for (const PlanEntry& entry : plan) {
-    fmt::format_to(std::back_inserter(text), "{:<{}}  {:<6}  {}\n", entry.stage, width,
-                   entry.needed ? "yes" : "no", entry.reason);
+    bytes += entry.bytes;
+    fmt::format_to(std::back_inserter(text), "{:<{}}  {:<6}  {:>13}  {}\n", entry.stage, width,
+                   entry.needed ? "yes" : "no", grouped(entry.bytes), entry.reason);
   }
+  fmt::format_to(std::back_inserter(text), "{} of {} bytes after a step are for one stage alone\n", grouped(bytes),
+                 grouped(world->memory_bytes()));
   print_out(text);
   return 0;
 }

@@ -1,5 +1,7 @@
 #include "csv.h"
 
+#include <algorithm>
+
 #include "phases.h"
 
 namespace psim::cli {
@@ -37,11 +39,16 @@ void write_metrics_header(AtomicFile& file) {
     file.write("_ms");
   }
   file.write(",pairs,contacts,awake,kinetic,potential,max_penetration,");
-  file.write("asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms\n");
+  file.write("asleep,pairs_reused,rebuilt,substeps,waited,predicted_ms,substeps_saved,fast,stopped");
+  for (const std::string_view name : kSkipNames) {
+    file.write(",skipped_");
+    for (const char c : name) file.write(std::string_view(c == '.' ? "_" : &c, 1));
+  }
+  file.write("\n");
 }
 
 void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
-                       const StepReport& report, const Diagnostics& diagnostics) {
+                       const StepReport& report, int substeps, const Diagnostics& diagnostics) {
   file.write_number(frame);
   write_field(file, total_ms);
   for (const double ms : phase_ms(report)) write_field(file, ms);
@@ -57,6 +64,13 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
   write_field(file, static_cast<std::uint64_t>(report.detail.substeps));
   write_field(file, static_cast<std::uint64_t>(report.detail.waits()));
   write_field(file, report.predicted_ms);
+  const int done = report.detail.waits() ? 0 : report.detail.substeps;
+  write_field(file, static_cast<std::uint64_t>(report.awake == 0 ? 0 : std::max(substeps - done, 0)));
+  write_field(file, static_cast<std::uint64_t>(report.fast));
+  write_field(file, static_cast<std::uint64_t>(report.stopped));
+  for (std::size_t k = 0; k < kSkipNames.size(); ++k) {
+    write_field(file, static_cast<std::uint64_t>(report.skipped >> k & 1));
+  }
   file.write("\n");
 }
 

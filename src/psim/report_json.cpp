@@ -85,7 +85,15 @@ std::string report_json(const RunReport& report) {
   }
   json["ledger"] = {{"asleep_mean", report.per_frame(report.asleep_sum)},
                     {"lists_kept_frames", report.lists_kept},
-                    {"pairs_reused_mean", report.per_frame(report.reused_sum)}};
+                    {"pairs_reused_mean", report.per_frame(report.reused_sum)},
+                    {"fast_frames", report.fast_frames},
+                    {"fast_mean", report.per_frame(report.fast_sum)},
+                    {"substeps_saved", report.substeps_saved}};
+  Json& stages = json["ledger"]["stages"] = Json::object();
+  for (std::size_t k = 0; k < kSkipNames.size(); ++k) {
+    stages[std::string(kSkipNames[k])] = {{"run", frame.count() - report.frames_skipped[k]},
+                                          {"skipped", report.frames_skipped[k]}};
+  }
   if (report.profile) {
     Json& profile = json["profile"] = {{"threads_busy", report.profile->busy()},
                                        {"imbalance", report.profile->imbalance()}};
@@ -93,7 +101,17 @@ std::string report_json(const RunReport& report) {
     if (!rows.empty()) profile["bottleneck"] = rows[0].stage;
     for (const Profile::Row& row : rows) {
       profile["stages"][std::string(row.stage)] = {
-          {"mean", row.mean_ms}, {"p99", row.p99_ms}, {"share", row.share}, {"threads_busy", row.busy}};
+          {"mean", row.mean_ms},
+          {"p99", row.p99_ms},
+          {"share", row.share},
+          {"threads_busy", row.busy},
+          {"recent_mean", row.recent_mean_ms},
+          {"recent_p99", row.recent_p99_ms}};
+    }
+    profile["recent_frames"] = Profile::kRecent;
+    Json& lanes = profile["lanes"] = Json::object();
+    for (const LaneUse& use : report.profile->lanes) {
+      lanes[use.kernels] = {{"lanes", use.lanes}, {"used", use.used}};
     }
   }
   if (report.governed) {

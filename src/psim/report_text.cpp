@@ -71,9 +71,12 @@ std::string report_text(const RunReport& report) {
   if (report.target) text += target_text(*report.target);
   if (report.profile) text += profile_text(*report.profile);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
-  fmt::format_to(out, "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames, pairs reused {:.1f} %\n",
+  fmt::format_to(out,
+                 "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames, pairs reused {:.1f} %, "
+                 "nobody fast in {}, {} substeps saved\n",
                  grouped_mean(report.per_frame(report.asleep_sum)), grouped(report.bodies_dynamic),
-                 report.lists_kept, frame.count(), percent(report.reused_sum, report.pairs_sum));
+                 report.lists_kept, frame.count(), percent(report.reused_sum, report.pairs_sum),
+                 frame.count() - report.fast_frames, grouped(report.substeps_saved));
   if (report.governed) {
     fmt::format_to(out, "Governor: {} frames with fewer substeps, {} in which time stood still, {} substeps saved\n",
                    report.frames_cut, report.frames_waited, grouped(report.substeps_saved));

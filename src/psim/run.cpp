@@ -62,6 +62,9 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   report.asleep_sum += static_cast<double>(step.asleep);
   report.reused_sum += static_cast<double>(step.pairs_reused);
   report.lists_kept += step.rebuilt ? 0 : 1;
+  report.fast_frames += step.fast != 0;
+  report.fast_sum += step.fast;
+  for (std::size_t k = 0; k < kSkipNames.size(); ++k) report.frames_skipped[k] += step.skipped >> k & 1;
   const int done = step.detail.waits() ? 0 : step.detail.substeps;
   if (step.awake == 0) return;
   report.frames_waited += step.detail.waits();
@@ -76,6 +79,7 @@ void end_report(RunReport& report, const World& world) {
   report.bodies_dynamic = world.dynamic_count();
   report.bodies_static = world.static_count();
   report.lanes = world.lane_counts();
+  if (report.profile) report.profile->lanes = world.lane_use();
   report.end = world.diagnostics();
   report.escaped = world.escaped_total();
   report.skipped = world.skipped();
@@ -110,14 +114,15 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     add_frame(report, total_ms, step, frame);
     if (files.governor_log) write_details_row(*files.governor_log, frame, step.detail);
     if (files.metrics) {
-      write_metrics_row(*files.metrics, frame, total_ms, step, world.diagnostics());
+      write_metrics_row(*files.metrics, frame, total_ms, step, report.substeps, world.diagnostics());
     }
     if (files.trajectory && frame % every == 0) {
       write_trajectory_rows(*files.trajectory, frame, world.published());
     }
     if (film != nullptr) film->after(frame, world);
     if (trace || report.profile) {
-      const std::vector<TraceEvent> spans = world.take_trace();
+      std::vector<TraceEvent> spans;
+      if (trace || world.threads() > 1) spans = world.take_trace();
       if (trace) trace->frame(frame, begin, end, step, spans);
       if (report.profile) report.profile->add(step, spans);
     }
@@ -194,7 +199,8 @@ int run_scene(const Options& options) {
   RunReport report = begin_report(options, scene, *world);
   if (options.profile) {
     report.profile.emplace(world->threads());
-    world->start_trace();
+    if (world->threads() > 1) world->start_trace();
+    world->count_lane_use();
   }
   report.governed = options.governor || !replayed.empty();
   report.target = target;

@@ -43,6 +43,9 @@ struct RunReport {
   // The ledger of what was left out.
   double asleep_sum = 0, reused_sum = 0;           ///< bodies, pairs; over all frames
   std::uint64_t lists_kept = 0;                    ///< frames
+  std::uint64_t fast_frames = 0;                   ///< in which a body's way was looked at
+  double fast_sum = 0;                             ///< bodies, over all frames
+  std::array<std::uint64_t, kSkipNames.size()> frames_skipped{};
   bool governed = false;
   std::uint64_t frames_cut = 0, frames_waited = 0; ///< with fewer substeps; in which time stood still
   std::uint64_t substeps_saved = 0;                ///< against all frames done in full

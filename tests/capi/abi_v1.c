@@ -199,7 +199,7 @@ SIZE(psim_job_system, 24);
   AT(psim_job_system, workers, 4);
   AT(psim_job_system, user, 8);
   AT(psim_job_system, parallel_for, 16);
-SIZE(psim_step_report, 232);
+SIZE(psim_step_report, 240);
   AT(psim_step_report, struct_size, 0);
   AT(psim_step_report, rebuilt, 4);
   AT(psim_step_report, stage_ms, 8);
@@ -217,6 +217,8 @@ SIZE(psim_step_report, 232);
   AT(psim_step_report, predicted_ms, 208);
   AT(psim_step_report, virial, 216);
   AT(psim_step_report, detail, 224);
+  AT(psim_step_report, skipped, 232);
+  AT(psim_step_report, fast, 236);
 SIZE(psim_body_state, 72);
   AT(psim_body_state, id, 0);
   AT(psim_body_state, x, 8);
@@ -332,6 +334,10 @@ SIZE(psim_contact, 72);
 SIZE(psim_lane_counts, 16);
   AT(psim_lane_counts, vector, 0);
   AT(psim_lane_counts, scalar, 8);
+SIZE(psim_lane_use, 24);
+  AT(psim_lane_use, kernels, 0);
+  AT(psim_lane_use, lanes, 8);
+  AT(psim_lane_use, used, 16);
 /* clang-format on */
 
 HOLDS(PSIM_NOTHING == 1 && PSIM_OK == 0 && PSIM_ERROR_ARGUMENT == -1);

@@ -41,6 +41,9 @@ PSIM_API psim_result psim_parse_integrator(const char* name, int32_t* integrator
 /// The name of a stage of a step, by its place in psim_step_report::stage_ms; NULL beyond the last.
 PSIM_API const char* psim_stage_name(int32_t stage);
 
+/// The name of what a step can leave out, by its bit in psim_step_report::skipped; NULL beyond the last.
+PSIM_API const char* psim_skip_name(int32_t bit);
+
 /// Bytes that `discs` dynamic discs need before the first step, an upper estimate.
 PSIM_API size_t psim_estimate_memory_bytes(size_t discs);
 

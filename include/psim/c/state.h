@@ -85,6 +85,13 @@ typedef struct psim_lane_counts {
   uint64_t scalar;  ///< elements done one at a time
 } psim_lane_counts;
 
+/// How full the blocks of some kernels were in the steps that were looked at; a block counts once a step.
+typedef struct psim_lane_use {
+  const char* kernels;  ///< what they work on, such as "contacts"
+  uint64_t lanes;       ///< of the blocks
+  uint64_t used;        ///< of those, with something in them
+} psim_lane_use;
+
 /// Sets the defaults.
 static inline void psim_state_init(psim_state* state) {
   psim_init(state, PSIM_STRUCT_STATE, (uint32_t)sizeof *state);
@@ -120,12 +127,21 @@ PSIM_API psim_result psim_world_diagnostics(psim_world* world, psim_diagnostics*
 /// Work done in lanes and one at a time.
 PSIM_API psim_result psim_world_lane_counts(const psim_world* world, psim_lane_counts* counts);
 
+/// Counts how full the kernels' blocks are, in every 16th step from now on; nothing on the scalar instruction set.
+PSIM_API psim_result psim_world_count_lane_use(psim_world* world);
+
+/// What was counted, `*count` kinds; they stay until the next call of this function.
+PSIM_API psim_result psim_world_lane_use(psim_world* world, const psim_lane_use** uses, size_t* count);
+
 /// Bytes that the world holds; 0 for NULL.
 PSIM_API size_t psim_world_memory_bytes(const psim_world* world);
 
 /// The stages and whether this world needs them, `*count` of them.
 PSIM_API psim_result psim_world_plan(psim_world* world, const psim_plan_entry** entries,
                                      size_t* count);
+
+/// Memory of the arrays that are there for one stage alone, bytes, in the order of psim_world_plan.
+PSIM_API psim_result psim_world_plan_bytes(psim_world* world, const size_t** bytes, size_t* count);
 
 /// In how many frames each stage was skipped, `*count` of them.
 PSIM_API psim_result psim_world_skipped(psim_world* world, const psim_skip_entry** entries,

@@ -30,6 +30,8 @@ typedef struct psim_step_report {
   double predicted_ms;               ///< by the governor's cost model; 0 without a governor
   double virial;            ///< sum over contacts of normal impulse x centre distance, N s m
   psim_step_detail detail;  ///< how much of it was done
+  uint32_t skipped;         ///< a bit for each psim_skip_name that had nothing to do
+  uint32_t fast;            ///< shapes and bullets so fast for their size that their way was looked at
 } psim_step_report;
 
 /// Sets the defaults.
