@@ -424,11 +424,12 @@ void BroadPhase::measure(BodyStore& b, StaticShapes& shapes, const BroadPhasePar
 
 // Bodies lie in cell order: strips, and room for their pairs.
 void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table) {
-  // Padding goes with the last body, and may go as far as it might have in the lists before these.
+  // Padding goes with the last body, and may go as far. In a small world it may go as far as it might have in the
+  // lists before these: they are cheap there, and fresh ones round less (docs/decisions/009-lists-that-last.md).
   for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
     b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
     b.built[2 * i + 1] = b.built[2 * std::size_t{b.count - 1} + 1];
-    b.reach[i] = pad_reach_;
+    b.reach[i] = b.count < kSmallWorld ? pad_reach_ : b.reach[b.count - 1];
   }
   table.body_count = b.count;
   table.first.reserve(std::size_t{b.count} + 1);

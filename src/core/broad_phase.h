@@ -40,6 +40,9 @@ class BroadPhase {
   friend struct Image;
 
  public:
+  /// Bodies of which lists are too cheap to make them last.
+  static constexpr std::uint32_t kSmallWorld = 512;
+
   BroadPhase(MemoryMeter& meter, const Lattice& lattice)
       : sort_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
 

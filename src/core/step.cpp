@@ -22,6 +22,9 @@ double ms_between(Clock::time_point begin, Clock::time_point end) {
 
 // Margin around bodies in the lists: a tenth of the radius suits piles (docs/performance.md).
 constexpr double kSkinOfRadius = 0.1;
+// Among bodies at rest, which go less than this share of the skin in a frame, no more than this share of them all
+// may be faster for lists to have room for so many frames.
+constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRestFrames = 8;
 // Sideways motion within a step after which a contact's normal is computed anew, of the radius.
 constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kStiffening = 0.98;    // a step, of the substep that contact stiffness is for
@@ -209,6 +212,19 @@ Sample sample_bodies(const BodyStore& b, double least_radius) {
   return s;
 }
 
+// The share of some bodies that are faster, m/s.
+double share_above(const BodyStore& b, double speed) {
+  const std::uint32_t stride = std::max(1u, b.count / 2048);
+  double above = 0, n = 0;
+  for (std::uint32_t i = 0; i < b.count; i += stride) {
+    if (b.id[i] == kNoSlot) continue;
+    const auto x = static_cast<double>(b.vel[2 * std::size_t{i}]), y = static_cast<double>(b.vel[2 * std::size_t{i} + 1]);
+    n += 1;
+    above += !(x * x + y * y <= speed * speed);
+  }
+  return above / std::fmax(n, 1);
+}
+
 }  // namespace
 
 // What impacts within a step do to velocities moves bodies by this much, m: little in a thin gas of
@@ -239,7 +255,14 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
       7 * r * broad.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   const double frame = kMarginFrames * dt * speed;  // m a frame, with reserve
-  if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) return out;
+  if (!(frame > kSkinOfRadius * r) || !std::isfinite(speed)) {
+    // What is fast among many at rest has room for several frames, which costs the others little.
+    if (bodies.count >= BroadPhase::kSmallWorld &&
+        share_above(bodies, kAtRest * kSkinOfRadius * r / (kMarginFrames * dt)) <= kFewMoving) {
+      out.margin.time *= static_cast<float>(kRestFrames);
+    }
+    return out;
+  }
   const double area =
       broad.area_about(bodies, r, (desc.bounds.xmax - desc.bounds.xmin) *
                                       (desc.bounds.ymax - desc.bounds.ymin));
