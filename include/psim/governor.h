@@ -65,10 +65,8 @@ struct StepDetail {
   /// over several frames.
   bool solves = true;
   std::uint8_t frames = 1;  ///< that the step makes up for: it is so many times as long
-  std::uint8_t horizon =
-      1;  ///< frames that lists made in it serve: not less than the step makes up for
-  std::uint32_t pieces =
-      0;  ///< of the work ahead, in a frame in which time stands still: done in it
+  std::uint8_t horizon = 1;  ///< frames that lists made in it serve: no less than `frames`
+  std::uint32_t pieces = 0;  ///< of the work ahead, done in a frame in which time stands still
   /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
   bool wakes = false;
   /// Whether time stands still in the frame.
