@@ -496,12 +496,13 @@ class Session {
     const std::size_t which = in_.below(3);
     say("saved state %zu", which);
     if (which == 0) {
-      World& w = *worlds_.back();  // the others go on: with the same bits
-      std::vector<std::byte> state;
-      const std::uint64_t hash = w.state_hash();
-      w.save(state);
-      require(w.restore(state, error) && w.state_hash() == hash,
-              "restore: the state just saved: " + error);
+      for (auto& w : worlds_) {
+        std::vector<std::byte> state;
+        const std::uint64_t hash = w->state_hash();
+        w->save(state);
+        require(w->restore(state, error) && w->state_hash() == hash,
+                "restore: the state just saved: " + error);
+      }
       return;
     }
     if (which == 1 || kept_.states.empty()) {
