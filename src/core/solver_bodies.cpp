@@ -125,7 +125,7 @@ void SolverBodies::load_range(const BodyStore& b, BlockRange r) {
 
 void SolverBodies::load(const BodyStore& b, WorkerPool& pool) {
   if (!compact_) return;
-  const auto load = b.spin.empty() ? &SolverBodies::load_range<false> : &SolverBodies::load_range<true>;
+  const auto load = turns(b) ? &SolverBodies::load_range<true> : &SolverBodies::load_range<false>;
   pool.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*load)(b, stream_range(t, blocks())); });
 }
 
@@ -144,7 +144,7 @@ void SolverBodies::store_range(BodyStore& b, BlockRange r) const {
 
 void SolverBodies::store(BodyStore& b, WorkerPool& pool) const {
   if (!compact_) return;
-  const auto store = b.spin.empty() ? &SolverBodies::store_range<false> : &SolverBodies::store_range<true>;
+  const auto store = turns(b) ? &SolverBodies::store_range<true> : &SolverBodies::store_range<false>;
   pool.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*store)(b, stream_range(t, blocks())); });
 }
 
@@ -163,8 +163,8 @@ kernels::BodyView SolverBodies::view(BodyStore& b) {
   v.vel = vel_.data();
   v.vel0 = vel0_.data();
   v.disp = disp_.data();
-  v.spin = b.spin.empty() ? nullptr : spin_.data();
-  v.spin0 = b.spin.empty() ? nullptr : spin0_.data();
+  v.spin = turns(b) ? spin_.data() : nullptr;
+  v.spin0 = turns(b) ? spin0_.data() : nullptr;
   v.event_time = event_time_.empty() ? nullptr : event_time_.data();
   v.linked = linked_.data();
   return v;

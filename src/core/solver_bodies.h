@@ -59,6 +59,8 @@ class SolverBodies {
   void store_range(BodyStore& bodies, BlockRange range) const;
   void take_all(BodyStore& bodies, std::size_t strips, bool impacts);
   void make_room(std::size_t all, bool turning, bool impacts);
+  // Not yet where the first body that turns came after the copies were chosen.
+  bool turns(const BodyStore& b) const { return !b.spin.empty() && !spin_.empty(); }
   void count_linked(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
 
   bool compact_ = false;
