@@ -298,5 +298,23 @@ TEST(Hardening, AGovernorWithBrokenNumbersIsRefused) {
   EXPECT_TRUE(all_finite(*world));
 }
 
+// Copies of bodies that the solver makes had no room for the spin of the first that turns, between two steps.
+TEST(Hardening, TheFirstBodyThatTurnsMayBeLookedAtBeforeTheNextStep) {
+  auto world = make(walled({-60, -60, 60, 60}));
+  for (int k = 0; k < 400; ++k) {  // fast and thin: few are linked, so there are copies
+    add(*world, disc({-55.0 + 5.5 * (k % 20), -55.0 + 5.5 * (k / 20)}, {20.0 - k % 41, 20.0 - (7 * k) % 41}, 0.5));
+  }
+  for (int k = 0; k < 60; ++k) {
+    world->step();
+    if (k % 10 != 9) continue;
+    const BodyId id = world->id_of(static_cast<std::uint32_t>(k));
+    const BodyState s = state(*world, id);
+    ASSERT_TRUE(world->set_velocity(id, {s.vx, s.vy}, 3));
+    EXPECT_TRUE(std::isfinite(world->diagnostics().kinetic));
+    ASSERT_TRUE(world->set_velocity(id, {s.vx, s.vy}, 0));
+  }
+  EXPECT_TRUE(all_finite(*world));
+}
+
 }  // namespace
 }  // namespace psim::test
