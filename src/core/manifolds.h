@@ -201,6 +201,8 @@ class Manifolds {
   std::span<const ManifoldPair> pairs_of(std::size_t strip) const {
     return {pairs_.data() + begin_[strip], pairs_.data() + begin_[strip + 1]};
   }
+  /// How many these are, or will be while they are collected.
+  std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }
   ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
   /// Pairs of a strip that are contacts in this step.
   const std::vector<std::uint32_t>& active_of(std::size_t strip) const {

@@ -151,7 +151,7 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
   // Parts of the large bodies make several of a pair.
   const auto large_manifolds = [&](std::size_t strip) {
     if (strip + 1 != table.strips.size() || manifolds.strip_count() == 0) return 0.0;
-    return n(manifolds.pairs_of(manifolds.strip_count() - 1).size());
+    return n(manifolds.count_of(manifolds.strip_count() - 1));
   };
   // Of the pairs, about.
   const double shaped = n(counts.manifolds) / std::max(n(counts.manifolds + counts.contacts), 1.0);
@@ -200,7 +200,7 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
                  std::max(shaped * pairs(table.strips[piece]), large_manifolds(piece)) +
              c.strip;
     case Part::keep:
-      return 0.4 * c.group * n(manifolds.pairs_of(piece).size());
+      return 0.4 * c.group * n(manifolds.count_of(piece));
     case Part::stand:
       return c.stand * n(counts.manifolds);
     case Part::colour:
