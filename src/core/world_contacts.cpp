@@ -463,6 +463,7 @@ void World::Impl::write_contacts() {
   const double pressed =
       substeps * (plain ? d(first_mass) : 1.0);  // where masses are alike lanes have them as 1
   const bool rough = contacts.rough();
+  const bool normals = !contacts.nx.empty();  // restored contacts have none yet
   ContactList& t = touching;
   t.out.resize(t.refs.size());
   pool.run((t.refs.size() + kWritten - 1) / kWritten, [&](std::size_t job) {
@@ -478,7 +479,8 @@ void World::Impl::write_contacts() {
           const double r = d(bodies.radius[i]);
           const Meeting m =
               ContactWriter::discs(writer.way(at, writer.place(j)), r + d(bodies.radius[j]),
-                                   sign * d(contacts.nx[lane]), sign * d(contacts.ny[lane]));
+                                   normals ? sign * d(contacts.nx[lane]) : 0,
+                                   normals ? sign * d(contacts.ny[lane]) : sign);
           const Vec2 centre = writer.world(at);
           const double arm = r + m.gap / 2;
           t.out[n] = writer.contact(ref.a, ref.b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
