@@ -46,6 +46,7 @@ void register_contact_kernels();
 void register_manifold_kernels();
 void register_collide_kernels();
 void register_frames();
+void register_states();
 void register_pictures();
 
 }  // namespace psim::bench

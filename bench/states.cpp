@@ -1,0 +1,97 @@
+// World::save and World::restore, Save/<state> and Restore/<state>: 100,000 equal discs of a pile that
+// may not sleep, while they fall (20 frames) and at rest (400 frames). One thread. Reported besides:
+//   bytes_per_disc     of the saved state
+//   of_memcpy          time / that of a memcpy of as many bytes, measured in the same process
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "psim/scene.h"
+#include "workload.h"
+
+namespace psim::bench {
+namespace {
+
+constexpr std::uint64_t kDiscs = 100'000;
+
+struct Moment {
+  const char* name;
+  int frames;
+};
+constexpr Moment kMoments[] = {{"falling", 20}, {"at_rest", 400}};
+
+// The pile after so many frames, made once a process. Null, with `error`, if it cannot be made.
+World* pile_after(int frames, std::string& error) {
+  static std::map<int, std::unique_ptr<World>> worlds;
+  std::unique_ptr<World>& world = worlds[frames];
+  if (world) return world.get();
+  auto scene = make_builtin("pile", kDiscs, 1, error);
+  if (!scene) return nullptr;
+  scene->world.sleeping = false;
+  world = build_world(*scene, {}, error);
+  for (int i = 0; world && i < frames; ++i) world->step();
+  return world.get();
+}
+
+// Seconds for a memcpy of as many bytes, the least of 20.
+double memcpy_seconds(const std::vector<std::byte>& bytes) {
+  std::vector<std::byte> copy(bytes.size());
+  double least = 1;
+  for (int i = 0; i < 20; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::memcpy(copy.data(), bytes.data(), bytes.size());
+    benchmark::DoNotOptimize(copy.data());
+    benchmark::ClobberMemory();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    least = std::min(least, took.count());
+  }
+  return least;
+}
+
+void run_state(benchmark::State& state, const Moment& moment, bool restoring) {
+  std::string error;
+  World* const world = pile_after(moment.frames, error);
+  if (world == nullptr) {
+    state.SkipWithError(error.c_str());
+    return;
+  }
+  std::vector<std::byte> bytes;
+  world->save(bytes);
+  const double copy = memcpy_seconds(bytes);
+  const auto begin = std::chrono::steady_clock::now();
+  for (auto _ : state) {
+    if (!restoring) {
+      world->save(bytes);
+    } else if (!world->restore(bytes, error)) {
+      state.SkipWithError(error.c_str());
+      return;
+    }
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const auto turns = static_cast<double>(state.iterations());
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes.size()));
+  state.counters["bytes_per_disc"] = static_cast<double>(bytes.size()) / kDiscs;
+  state.counters["of_memcpy"] = took.count() / turns / copy;
+}
+
+}  // namespace
+
+void register_states() {
+  for (const bool restoring : {false, true}) {
+    for (const Moment& moment : kMoments) {
+      const std::string name = std::string(restoring ? "Restore/" : "Save/") + moment.name;
+      benchmark::RegisterBenchmark(name.c_str(), [&moment, restoring](benchmark::State& state) {
+        run_state(state, moment, restoring);
+      })->Unit(benchmark::kMillisecond);
+    }
+  }
+}
+
+}  // namespace psim::bench
