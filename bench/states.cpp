@@ -1,5 +1,6 @@
-// World::save and World::restore, Save/<state> and Restore/<state>: 100,000 equal discs of a pile that
-// may not sleep, while they fall (20 frames) and at rest (400 frames). One thread. Reported besides:
+// World::save and World::restore, Save/<state>/<threads> and Restore/<state>/<threads>: 100,000 equal
+// discs of a pile that may not sleep, while they fall (20 frames), as they come to rest (400) and at
+// rest (1,500), when lists last. Reported besides:
 //   bytes_per_disc     of the saved state
 //   of_memcpy          time / that of a memcpy of as many bytes, measured in the same process
 #include <benchmark/benchmark.h>
@@ -11,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "psim/scene.h"
@@ -25,17 +27,17 @@ struct Moment {
   const char* name;
   int frames;
 };
-constexpr Moment kMoments[] = {{"falling", 20}, {"at_rest", 400}};
+constexpr Moment kMoments[] = {{"falling", 20}, {"landed", 400}, {"at_rest", 1500}};
 
 // The pile after so many frames, made once a process. Null, with `error`, if it cannot be made.
-World* pile_after(int frames, std::string& error) {
-  static std::map<int, std::unique_ptr<World>> worlds;
-  std::unique_ptr<World>& world = worlds[frames];
+World* pile_after(int frames, int threads, std::string& error) {
+  static std::map<std::pair<int, int>, std::unique_ptr<World>> worlds;
+  std::unique_ptr<World>& world = worlds[{frames, threads}];
   if (world) return world.get();
   auto scene = make_builtin("pile", kDiscs, 1, error);
   if (!scene) return nullptr;
   scene->world.sleeping = false;
-  world = build_world(*scene, {}, error);
+  world = build_world(*scene, {best_isa(), threads}, error);
   for (int i = 0; world && i < frames; ++i) world->step();
   return world.get();
 }
@@ -55,9 +57,9 @@ double memcpy_seconds(const std::vector<std::byte>& bytes) {
   return least;
 }
 
-void run_state(benchmark::State& state, const Moment& moment, bool restoring) {
+void run_state(benchmark::State& state, const Moment& moment, int threads, bool restoring) {
   std::string error;
-  World* const world = pile_after(moment.frames, error);
+  World* const world = pile_after(moment.frames, threads, error);
   if (world == nullptr) {
     state.SkipWithError(error.c_str());
     return;
@@ -86,10 +88,16 @@ void run_state(benchmark::State& state, const Moment& moment, bool restoring) {
 void register_states() {
   for (const bool restoring : {false, true}) {
     for (const Moment& moment : kMoments) {
-      const std::string name = std::string(restoring ? "Restore/" : "Save/") + moment.name;
-      benchmark::RegisterBenchmark(name.c_str(), [&moment, restoring](benchmark::State& state) {
-        run_state(state, moment, restoring);
-      })->Unit(benchmark::kMillisecond);
+      for (const int threads : {1, 2}) {
+        const std::string name = std::string(restoring ? "Restore/" : "Save/") + moment.name + "/" +
+                                 std::to_string(threads);
+        benchmark::RegisterBenchmark(name.c_str(),
+                                     [&moment, threads, restoring](benchmark::State& s) {
+                                       run_state(s, moment, threads, restoring);
+                                     })
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+      }
     }
   }
 }

@@ -88,8 +88,8 @@ class Saver {
     if (c.empty()) n = 0;
     long_run(c.data(), n);
   }
-  template <class T>
-  void vector(std::vector<T>& v) {
+  template <class List>
+  void vector(List& v) {
     long_run(v.data(), v.size());
   }
   std::size_t count(std::size_t n) {
@@ -197,8 +197,9 @@ class Loader {
     c.reserve(n);
     take(c.data(), n * sizeof(T));
   }
-  template <class T>
-  void vector(std::vector<T>& v) {
+  template <class List>
+  void vector(List& v) {
+    using T = typename List::value_type;
     const std::size_t n = length(sizeof(T));
     v.resize(n);
     if (n != 0) take(v.data(), n * sizeof(T));

@@ -12,25 +12,52 @@
 
 namespace psim {
 
+/// So many values in memory that only grows: what is new is not set, nothing is cleared.
+template <class T>
+class Refilled {
+ public:
+  using value_type = T;
+  void resize(std::size_t n) {
+    if (n > room_.size()) room_.resize(n + n / 8);
+    size_ = n;
+  }
+  void clear() { size_ = 0; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return room_.data(); }
+  const T* data() const { return room_.data(); }
+  T* begin() { return data(); }
+  T& operator[](std::size_t i) { return room_[i]; }
+  const T& operator[](std::size_t i) const { return room_[i]; }
+
+ private:
+  std::vector<T> room_;
+  std::size_t size_ = 0;
+};
+
 struct Saved {
   // By pair and single of lists that last, or by saved ones.
-  std::vector<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
+  Refilled<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
   // Pairs and singles, where lists do not last.
   static constexpr std::uint8_t kMany = 255;
   std::vector<std::uint8_t> of_body;  ///< by slot: pairs that it owns; kMany: see the next of `many`
-  std::vector<std::uint32_t> many, other, s_body, s_shape;
+  Refilled<std::uint32_t> other;
+  std::vector<std::uint32_t> many, s_body, s_shape;
   std::vector<float> dead_radii;
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many; of lists that last, the first
-  /// One more pair of a slot; slots come in order.
-  void count_of(std::uint32_t slot) {
-    if (of_body[slot] + 1 < kMany) {
-      ++of_body[slot];
-    } else if (of_body[slot] == kMany) {
-      ++many.back();
-    } else {
-      of_body[slot] = kMany;
-      many.push_back(kMany);
-    }
+  std::vector<std::vector<std::uint32_t>> strip_many;  ///< scratch of saving
+  /// Of so many contacts; what they carry keeps its memory and is written over.
+  void make_room(std::size_t pairs, std::size_t singles, bool rough, bool gaps) {
+    for (auto* c : {&impulse, &friction, &gap}) c->resize(pairs);
+    for (auto* c : {&s_impulse, &s_friction, &s_nx, &s_ny, &s_gap}) c->resize(singles);
+    if (!rough) friction.clear(), s_friction.clear();
+    if (!gaps) gap.clear(), s_gap.clear();
+  }
+  /// Forgets the contacts of before, but for what make_room sizes.
+  void clear_names() {
+    of_body.clear();
+    other.clear();
+    for (auto* c : {&many, &s_body, &s_shape, &strip_pairs, &strip_singles}) c->clear();
   }
   bool missing = false;       ///< the lists of a restored state are
   /// Of a step that is under way over frames: lists serve; bodies are measured; they are sorted, too.

@@ -188,12 +188,14 @@ struct World::Impl {
   void rouse(std::uint32_t id);
   void rouse_around(const BodyInfo& info, std::uint32_t id);
 
-  // world_saved.cpp
+  // world_saved.cpp, world_saved_contacts.cpp
   template <class A>
   void image(A& archive, bool& lists);
   void keep_contacts(bool lasting);
   template <class Each>
   void each_lane(const Each& each);
+  void keep_pairs();
+  void keep_singles();
   void take_pairs();
   bool restore(std::span<const std::byte> state, std::string& error);
   /// After a state came back: the lists that it had, if they are still missing. Before anything changes.
