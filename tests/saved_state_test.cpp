@@ -2,6 +2,8 @@
 // number of threads, whatever is in the world.
 #include "psim/saved_state.h"
 
+#include <numbers>
+
 #include "psim/scene.h"
 #include "rigid_support.h"
 
@@ -305,6 +307,25 @@ TEST(SavedState, RefusesWhatIsNone) {
   EXPECT_EQ(error, "the saved world has other bounds or another boundary");
   EXPECT_EQ(world->state_hash(), hash);
   EXPECT_TRUE(world->restore(state, error)) << error;
+}
+
+TEST(SavedState, KeepsMoreContactsOfOneBodyThanAByteCounts) {
+  auto world = make(walled({-30, -30, 30, 30}, {0, -kG}));
+  for (const double x : {-11.0, 11.0}) {  // two wheels, each pressed from all around
+    add(*world, disc({x, 0}, {}, 10));
+    for (int k = 0; k < 500; ++k) {
+      const double turn = 2 * std::numbers::pi * k / 500;
+      const Vec2 out{std::cos(turn), std::sin(turn)};
+      add(*world, disc({x + 10.04 * out.x, 10.04 * out.y}, {-8 * out.x, -8 * out.y}, 0.05));
+    }
+  }
+  std::uint64_t most = 0;
+  for (int frame = 0; frame < 8; ++frame) {
+    most = std::max<std::uint64_t>(most, world->step().contacts);
+    expect_resumes(*world, 4, ("frame " + std::to_string(frame)).c_str());
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(most, 800u);  // some 400 a wheel
 }
 
 TEST(SavedState, FilesThatWereCutOrDamagedAreRefused) {
