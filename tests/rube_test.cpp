@@ -221,6 +221,21 @@ TEST(Rube, WhatCannotBeMadeIsLeftOutAndSaid) {
   EXPECT_EQ(scene.notes[0], "body[2]: no fixture and no joint: left out");
 }
 
+TEST(Rube, JointsOfNothingDynamicAreLeftOut) {
+  for (const std::string_view types : {"00", "01", "10", "11"}) {
+    const auto body = [&](std::size_t k) {
+      return std::string("{\"type\": ") + types[k] +
+             R"(, "fixture": [{"circle": {"center": 0, "radius": 1}}]})";
+    };
+    const Scene scene = parsed_scene("{\"body\": [" + body(0) + ", " + body(1) +
+                                     R"(], "joint": [{"type": "revolute", "bodyA": 0, "bodyB": 1}]})");
+    EXPECT_TRUE(scene.joints.empty()) << types;
+    ASSERT_EQ(scene.notes.size(), 1u) << types;
+    EXPECT_EQ(scene.notes[0],
+              "joint[0]: joins two bodies, neither of them dynamic, and is left out");
+  }
+}
+
 TEST(Rube, ClosedChainsAreLoops) {
   const Scene scene = parsed_scene(R"({"body": [{"fixture": [
     {"chain": {"vertices": {"x": [0, 1, 1, 1, 0], "y": [0, 0, 1, 1, 0]}}},

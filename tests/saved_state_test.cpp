@@ -310,22 +310,23 @@ TEST(SavedState, RefusesWhatIsNone) {
 }
 
 TEST(SavedState, KeepsMoreContactsOfOneBodyThanAByteCounts) {
-  auto world = make(walled({-30, -30, 30, 30}, {0, -kG}));
-  for (const double x : {-11.0, 11.0}) {  // two wheels, each pressed from all around
-    add(*world, disc({x, 0}, {}, 10));
-    for (int k = 0; k < 500; ++k) {
-      const double turn = 2 * std::numbers::pi * k / 500;
-      const Vec2 out{std::cos(turn), std::sin(turn)};
-      add(*world, disc({x + 10.04 * out.x, 10.04 * out.y}, {-8 * out.x, -8 * out.y}, 0.05));
-    }
+  WorldDesc desc = walled({-30, -30, 30, 30}, {0, 0});
+  desc.fields = {WellField{{0, 0}, 20, 0, 0, 0}};  // 20 m/s^2 towards the middle
+  auto world = make(desc);
+  add(*world, disc({0, 0}, {}, 10));
+  for (int k = 0; k < 500; ++k) {
+    const double turn = 2 * std::numbers::pi * k / 500;
+    add(*world, disc({10.05 * std::cos(turn), 10.05 * std::sin(turn)}, {}, 0.05));
   }
   std::uint64_t most = 0;
   for (int frame = 0; frame < 8; ++frame) {
     most = std::max<std::uint64_t>(most, world->step().contacts);
+    const BodyId last = add(*world, disc({0, 20}));
+    ASSERT_TRUE(world->remove_body(last));  // lists with a gap are not made again: pairs have names
     expect_resumes(*world, 4, ("frame " + std::to_string(frame)).c_str());
     if (HasFatalFailure()) return;
   }
-  EXPECT_GT(most, 800u);  // some 400 a wheel
+  EXPECT_GT(most, 400u);
 }
 
 TEST(SavedState, FilesThatWereCutOrDamagedAreRefused) {

@@ -45,7 +45,9 @@ struct Saved {
   std::vector<std::uint32_t> many, s_body, s_shape;
   std::vector<float> dead_radii;
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many; of lists that last, the first
-  std::vector<std::vector<std::uint32_t>> strip_many;  ///< scratch of saving
+  // Scratch of saving.
+  std::vector<std::vector<std::uint32_t>> strip_many;
+  std::vector<std::uint32_t> strip_room;
   /// Of so many contacts; what they carry keeps its memory and is written over.
   void make_room(std::size_t pairs, std::size_t singles, bool rough, bool gaps) {
     for (auto* c : {&impulse, &friction, &gap}) c->resize(pairs);

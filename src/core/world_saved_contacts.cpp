@@ -72,13 +72,19 @@ void World::Impl::keep_contacts(bool lasting) {
   keep_singles();
 }
 
-// The pairs that carry something: every strip writes its own where they lie in the table, then the gaps close.
+// The pairs that carry something: every strip writes its own where it would if all were kept, then the gaps close.
 void World::Impl::keep_pairs() {
   Saved& s = saved;
   const bool rough = contacts.rough(), gaps = !sleepers.empty();
   const bool all = gaps || !sleepers.recent.empty();  // even one without an impulse is known
-  s.make_room(table.pair_room, 0, rough, gaps);
-  s.other.resize(table.pair_room);
+  std::uint32_t room = 0;
+  s.strip_room.clear();
+  for (const Strip& strip : table.strips) {  // whose pairs need not lie in this order in the table
+    s.strip_room.push_back(room);
+    room += strip.pair_end - strip.pair_begin;
+  }
+  s.make_room(room, 0, rough, gaps);
+  s.other.resize(room);
   s.strip_many.resize(std::max(s.strip_many.size(), table.strips.size()));
   pool.run(table.strips.size(), [&](std::size_t k) {
     const Strip& strip = table.strips[k];
@@ -94,8 +100,8 @@ void World::Impl::keep_pairs() {
                  *const to_gap = s.gap.data();
     std::uint8_t* const of_body = s.of_body.data();
     const std::uint32_t every = all ? 1 : 0, end = strip.pair_end;
-    std::uint32_t to = strip.pair_begin, owner = kNoSlot, count = 0;
-    for (std::uint32_t p = to; p < end; ++p) {
+    std::uint32_t to = s.strip_room[k], owner = kNoSlot, count = 0;
+    for (std::uint32_t p = strip.pair_begin; p < end; ++p) {
       const std::uint32_t lane = contact[p];
       const float impulse = impulses[lane], friction = frictions ? frictions[lane] : 0.0f;
       to_other[to] = other[p];
@@ -111,16 +117,15 @@ void World::Impl::keep_pairs() {
       of_body[owner] = static_cast<std::uint8_t>(std::min<std::uint32_t>(count, Saved::kMany));
       if (count >= Saved::kMany) count_many(s.strip_many[k], count, one != 0);
     }
-    s.strip_pairs[k] = to - strip.pair_begin;
+    s.strip_pairs[k] = to - s.strip_room[k];
   });
   std::size_t kept = 0;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
-    const Strip& strip = table.strips[k];
     const auto close = [&](auto& column) {
-      const auto from = column.begin() + strip.pair_begin;
+      const auto from = column.begin() + s.strip_room[k];
       std::copy(from, from + s.strip_pairs[k], column.begin() + kept);
     };
-    if (kept != strip.pair_begin) {
+    if (kept != s.strip_room[k]) {
       close(s.other);
       close(s.impulse);
       if (rough) close(s.friction);

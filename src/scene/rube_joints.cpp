@@ -133,8 +133,8 @@ void read_rube_joints(const Node& root, const std::vector<RubeBody>& bodies, Sce
     }
     const RubeBody &a = body_of(node, "bodyA", bodies), &b = body_of(node, "bodyB", bodies);
     if (&a == &b) node.fail_at_key("bodyB", "is bodyA: two different bodies");
-    if (a.type == BodyType::static_body && b.type == BodyType::static_body) {
-      scene.notes.push_back(path + ": joins two static bodies, and is left out");
+    if (a.type != BodyType::dynamic_body && b.type != BodyType::dynamic_body) {
+      scene.notes.push_back(path + ": joins two bodies, neither of them dynamic, and is left out");
       continue;
     }
     if (kind == Kind::wheel) {
