@@ -354,7 +354,7 @@ void World::Impl::move_bodies(std::size_t begin, std::size_t end) {
 // Broad phase, narrow phase and colouring, as far as they were not done ahead: contacts with normals and
 // gaps for a step of dt seconds.
 void World::Impl::refresh_lists(double dt, const Span& span, StepReport& report) {
-  const bool lasting = ahead.part != Part::check && !ahead.built && !loose;  // lists were found to serve one frame
+  const bool lasting = ahead.part != Part::check && !ahead.laid;  // lists were found to serve one frame
   if (lasting && report.detail.frames > 1 && !lists_serve(dt)) spoil_lists();
   finish_work(span, report);
   kept_contacts = !ahead.laid;
