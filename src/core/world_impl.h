@@ -61,6 +61,9 @@ struct Span {
   double frame = 0, step = 0;
 };
 
+/// omega r, m/s, within what floats can square.
+float surface_speed(double omega, float radius);
+
 struct World::Impl {
   static constexpr double kMarginFrames = 1.25;  // of motion that the lists' margin adds
 
@@ -156,15 +159,17 @@ struct World::Impl {
 
   // world_bodies.cpp
   BodyId add_moving(const BodyDesc& desc, std::string& error);
-  void go_round(std::uint32_t id, Vec2 velocity);
   std::uint32_t enter(const Surface& surface, const LatticePoint& at, double angle, Vec2 velocity,
                       double omega);
   LatticePoint lattice_centre(const Make& make, Vec2 place, double angle) const;
   void count_in(const Surface& info, int sign);
-  bool can_move(const World& world, BodyId id);
   void remove(std::uint32_t id);
   void freeze(std::uint32_t id, const BodyState& last);
   Vec2 capped(Vec2 velocity) const;
+
+  // world_motion.cpp
+  void go_round(std::uint32_t id, Vec2 velocity);
+  bool can_move(const World& world, BodyId id);
   BodyState state_of(std::uint32_t id) const;
 
   // world_sleep.cpp
