@@ -329,6 +329,30 @@ TEST(SavedState, KeepsMoreContactsOfOneBodyThanAByteCounts) {
   EXPECT_GT(most, 400u);
 }
 
+// Where bodies crowd all at once, a strip's pairs are more than the room that they were given, and lie behind
+// those of the others.
+TEST(SavedState, KeepsContactsOfASuddenCrowd) {
+  auto world = make(walled({0, 0, 200, 200}, {0, 0}));
+  std::vector<BodyId> ids;
+  for (int k = 0; k < 6400; ++k) {
+    ids.push_back(add(*world, disc({3.0 + 2.4 * (k % 80), 3.0 + 2.4 * (k / 80)}, {0.1 * (k % 7), -0.1 * (k % 5)}, 0.5)));
+  }
+  for (int frame = 0; frame < 3; ++frame) world->step();
+  std::uint64_t most = 0;
+  for (const double y : {40.0, 120.0}) {
+    for (int k = 0; k < 300; ++k) {
+      const std::size_t id = static_cast<std::size_t>(y * 20 + k);
+      ASSERT_TRUE(world->set_transform(ids[id], {60 + 0.6 * (k % 60), y + 0.6 * (k / 60)}, 0));
+    }
+    most = std::max<std::uint64_t>(most, world->step().contacts);
+    const BodyId last = add(*world, disc({199, 199}));
+    ASSERT_TRUE(world->remove_body(last));  // pairs have names
+    expect_resumes(*world, 4, "crowd");
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(most, 1000u);
+}
+
 TEST(SavedState, FilesThatWereCutOrDamagedAreRefused) {
   auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
   for (int k = 0; k < 50; ++k) add(*world, disc({1 + 0.15 * k, 5}, {}, 0.07));
