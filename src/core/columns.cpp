@@ -19,36 +19,46 @@ constexpr double kPivot = 1e-6;           // of the diagonal
 constexpr double kGoodStep = 0.9;         // of a full step; shorter ones tell of an impact
 constexpr std::uint8_t kRestFrames = 8;   // as an ordinary contact after a short step
 
-// Solves S x = b for a symmetric S scaled to a unit diagonal, in place; rows whose pivot vanishes give 0.
-struct Factor {
-  double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};
-
-  explicit Factor(const double s[3][3]) {
-    for (int k = 0; k < 3; ++k) scale[k] = s[k][k] > 0 ? 1 / std::sqrt(s[k][k]) : 0;
-    const auto at = [&](int i, int j) { return s[i][j] * scale[i] * scale[j]; };
-    const auto pivot = [](double value) { return value > kPivot ? 1 / value : 0; };
-    d[0] = pivot(at(0, 0));
-    l10 = at(1, 0) * d[0];
-    l20 = at(2, 0) * d[0];
-    d[1] = pivot(at(1, 1) - l10 * at(1, 0));
-    const double m21 = at(2, 1) - l20 * at(1, 0);
-    l21 = m21 * d[1];
-    d[2] = pivot(at(2, 2) - l20 * at(2, 0) - l21 * m21);
-  }
-  void solve(double x[3]) const {
-    for (int k = 0; k < 3; ++k) x[k] *= scale[k];
-    x[1] -= l10 * x[0];
-    x[2] -= l20 * x[0] + l21 * x[1];
-    for (int k = 0; k < 3; ++k) x[k] *= d[k];
-    x[1] -= l21 * x[2];
-    x[0] -= l10 * x[1] + l20 * x[2];
-    for (int k = 0; k < 3; ++k) x[k] *= scale[k];
-  }
-};
+// As fmax and fmin, without a call; of two that are equal, the second.
+double most(double a, double b) { return a > b ? a : b; }
+double least(double a, double b) { return a < b ? a : b; }
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 }  // namespace
+
+inline Columns::Factor Columns::factor_of(const double s[3][4]) {
+  Factor f;
+  for (int k = 0; k < 3; ++k) f.scale[k] = s[k][k] > 0 ? 1 / std::sqrt(s[k][k]) : 0;
+  const auto at = [&](int i, int j) { return s[i][j] * f.scale[i] * f.scale[j]; };
+  const auto pivot = [](double value) { return value > kPivot ? 1 / value : 0; };
+  f.d[0] = pivot(at(0, 0));
+  f.l10 = at(1, 0) * f.d[0];
+  f.l20 = at(2, 0) * f.d[0];
+  f.d[1] = pivot(at(1, 1) - f.l10 * at(1, 0));
+  const double m21 = at(2, 1) - f.l20 * at(1, 0);
+  f.l21 = m21 * f.d[1];
+  f.d[2] = pivot(at(2, 2) - f.l20 * at(2, 0) - f.l21 * m21);
+  return f;
+}
+
+// Solves S x = b for N right sides side by side, in place; rows whose pivot vanishes give 0.
+template <int N>
+inline void Columns::solve(const Factor& f, double (&x)[3][N]) {
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < N; ++j) x[k][j] *= f.scale[k];
+  }
+  for (int j = 0; j < N; ++j) {
+    x[1][j] -= f.l10 * x[0][j];
+    x[2][j] -= f.l20 * x[0][j] + f.l21 * x[1][j];
+    for (int k = 0; k < 3; ++k) x[k][j] *= f.d[k];
+    x[1][j] -= f.l21 * x[2][j];
+    x[0][j] -= f.l10 * x[1][j] + f.l20 * x[2][j];
+  }
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < N; ++j) x[k][j] *= f.scale[k];
+  }
+}
 
 void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParams& params,
                    const PairTable& table, WorkerPool& pool) {
@@ -181,7 +191,7 @@ void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
   double an = 0, bn = 0, points = 0, pressed = 0, rubbed = 0;
   for (int k = 0; k < 2; ++k) {
     const ManifoldBlock::Point& point = c.point[k];
-    const double at = d(point.at[l]), bt = d(point.bt[l]), lambda = std::fmax(d(point.impulse[l]), 0);
+    const double at = d(point.at[l]), bt = d(point.bt[l]), lambda = most(d(point.impulse[l]), 0);
     const double s = d(point.gap[l]) + nx * mx + ny * my +
                      (d(v.turn[2 * b]) * (d(point.bn[l]) + d(c.round_b[l])) + d(v.turn[2 * b + 1]) * bt) -
                      (d(v.turn[2 * a]) * (d(point.an[l]) - d(c.round_a[l])) + d(v.turn[2 * a + 1]) * at);
@@ -198,7 +208,7 @@ void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
         link.r[k] += s * inv_h;
       } else {
         link.e[k] = d(c.soft[l]) * own;
-        link.r[k] += std::fmax(s * d(c.rate[l]), -d(p.push)) + link.e[k] * lambda;
+        link.r[k] += most(s * d(c.rate[l]), -d(p.push)) + link.e[k] * lambda;
       }
     }
     const bool there = s < 1e5;
@@ -239,15 +249,14 @@ void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
   for (std::uint32_t k = 0; k < n; ++k) {
     Link& link = links[k];
     read(v, manifolds, p, gravity, soft, link);
+    if (k == 0) continue;
     // With the link below, through the body that is upper there and lower here.
+    const Link& under = links[k - 1];
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
-        const Link* under = k > 0 ? &links[k - 1] : nullptr;
-        link.o[i][j] = under == nullptr
-                           ? 0
-                           : -link.wl * (link.dx[i] * under->dx[j] + link.dy[i] * under->dy[j]) +
-                                 link.gl * link.low[i] * under->up[j];
-        if (under != nullptr && !(link.active[i] && under->active[j])) link.o[i][j] = 0;
+        link.full[i][j] = -link.wl * (link.dx[i] * under.dx[j] + link.dy[i] * under.dy[j]) +
+                          link.gl * link.low[i] * under.up[j];
+        link.o[i][j] = link.active[i] && under.active[j] ? link.full[i][j] : 0;
       }
     }
   }
@@ -255,38 +264,37 @@ void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
   for (std::uint32_t k = 0; k < n; ++k) {
     Link& link = links[k];
     for (int i = 0; i < 3; ++i) {
-      link.d[i] = link.active[i] ? link.r[i] : 0;
-      for (int j = 0; j < 3; ++j) {
-        link.s[i][j] = link.active[i] && link.active[j] ? link.a[i][j] : 0;
-      }
+      for (int j = 0; j < 3; ++j) link.s[i][j] = link.active[i] && link.active[j] ? link.a[i][j] : 0;
+      link.s[i][3] = link.active[i] ? link.r[i] : 0;
     }
   }
   for (std::uint32_t k = n; k-- > 1;) {
     Link &link = links[k], &under = links[k - 1];
-    const Factor factor(link.s);
-    double reduced[3] = {link.d[0], link.d[1], link.d[2]};
-    factor.solve(reduced);
-    double column_of[3][3];
-    for (int j = 0; j < 3; ++j) {
-      double x[3] = {link.o[0][j], link.o[1][j], link.o[2][j]};
-      factor.solve(x);
-      for (int i = 0; i < 3; ++i) column_of[i][j] = x[i];
-    }
+    const Factor factor = factor_of(link.s);
+    double x[3][4];
     for (int i = 0; i < 3; ++i) {
-      for (int m = 0; m < 3; ++m) under.d[i] -= link.o[m][i] * reduced[m];
-      for (int j = 0; j < 3; ++j) {
-        for (int m = 0; m < 3; ++m) under.s[i][j] -= link.o[m][i] * column_of[m][j];
+      for (int j = 0; j < 3; ++j) x[i][j] = link.o[i][j];
+      x[i][3] = link.s[i][3];
+    }
+    solve(factor, x);
+    link.factor = factor;
+    for (int i = 0; i < 3; ++i) {
+      for (int m = 0; m < 3; ++m) {
+        for (int j = 0; j < 4; ++j) under.s[i][j] -= link.o[m][i] * x[m][j];
       }
     }
   }
+  links[0].factor = factor_of(links[0].s);
   for (std::uint32_t k = 0; k < n; ++k) {
     Link& link = links[k];
-    double x[3] = {link.d[0], link.d[1], link.d[2]};
-    if (k > 0) {
-      for (int i = 0; i < 3; ++i) x[i] -= dot(link.o[i], links[k - 1].d);  // d below has its sign changed
+    double x[3][1];
+    for (int i = 0; i < 3; ++i) {
+      x[i][0] = link.s[i][3];
+      if (k > 0) x[i][0] -= dot(link.o[i], links[k - 1].d);  // d below has its sign changed
     }
-    Factor(link.s).solve(x);
-    for (int i = 0; i < 3; ++i) link.d[i] = x[i];
+    const Factor factor = link.factor;
+    solve(factor, x);
+    for (int i = 0; i < 3; ++i) link.d[i] = x[i][0];
   }
   // d is minus the step. Within the bounds, and no further than the quadratic form falls along it.
   double fall = 0, bend = 0;
@@ -296,37 +304,27 @@ void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
     const std::uint32_t l = link.lane % kernels::kBlock;
     double pressed = 0, rubbed = 0;
     for (int i = 0; i < 2; ++i) {
-      const double before = std::fmax(static_cast<double>(c.point[i].impulse[l]), 0);
-      const double after = std::fmax(before - link.d[i], 0);
+      const double before = most(static_cast<double>(c.point[i].impulse[l]), 0);
+      const double after = most(before - link.d[i], 0);
       link.d[i] = link.active[i] ? after - before : 0;
       pressed += before + link.d[i];
       rubbed += static_cast<double>(c.point[i].friction[l]);
     }
     const double cap = static_cast<double>(c.mu[l]) * pressed;
-    const double rub = std::fmin(std::fmax(rubbed - link.d[2], -cap), cap);
+    const double rub = least(most(rubbed - link.d[2], -cap), cap);
     link.d[2] = link.active[2] ? rub - rubbed : 0;
     fall -= dot(link.r, link.d);
     for (int i = 0; i < 3; ++i) {
       bend += link.d[i] * dot(link.a[i], link.d);
-      if (k > 0) bend += 2 * link.d[i] * full_coupling(link, links[k - 1], i);
+      if (k > 0) bend += 2 * link.d[i] * dot(links[k - 1].d, link.full[i]);
     }
   }
-  const double step = bend > 0 ? std::fmin(std::fmax(fall / bend, 0), 1) : 0;
+  const double step = bend > 0 ? least(most(fall / bend, 0), 1) : 0;
   for (std::uint32_t k = 0; k < n; ++k) {
     Link& link = links[k];
     if (step < kGoodStep && bend > 0) manifolds.pair(link.pair).rest_frames = kRestFrames;
     apply(v, manifolds, link, step);
   }
-}
-
-// Row i of the coupling with the link below, times that link's step; no row left out.
-double Columns::full_coupling(const Link& link, const Link& under, int i) {
-  double sum = 0;
-  for (int j = 0; j < 3; ++j) {
-    sum += under.d[j] * (-link.wl * (link.dx[i] * under.dx[j] + link.dy[i] * under.dy[j]) +
-                         link.gl * link.low[i] * under.up[j]);
-  }
-  return sum;
 }
 
 void Columns::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link& link, double step) {
@@ -354,8 +352,8 @@ void Columns::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link
   int points = 0;
   for (int i = 0; i < 2; ++i) {
     float& impulse = c.point[i].impulse[l];
-    const double after = std::fmax(static_cast<double>(impulse), 0) + step * link.d[i];
-    if (link.active[i] && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(std::fmax(after, 0));
+    const double after = most(static_cast<double>(impulse), 0) + step * link.d[i];
+    if (link.active[i] && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(most(after, 0));
     points += impulse > 0 ? 1 : 0;
   }
   if (points == 0) return;

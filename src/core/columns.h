@@ -72,6 +72,10 @@ class Columns {
     bool link = false;                   // it is the upper body of a link
     bool carries = false;                // it is the lower one of another
   };
+  // L D L^T of a symmetric S scaled to a unit diagonal.
+  struct Factor {
+    double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};
+  };
   // A 3 x 3 problem: two normals and one friction row.
   struct Link {
     std::uint32_t pair = 0, strip = 0, lane = 0;
@@ -80,8 +84,10 @@ class Columns {
     double dx[3] = {}, dy[3] = {};     // direction of each row, of the upper body
     double up[3] = {}, low[3] = {};    // turning of the upper and the lower body
     double wu = 0, gu = 0, wl = 0, gl = 0;  // inverse mass and R^2 / I of the two
-    double a[3][3] = {}, o[3][3] = {};      // own block; coupling with the link below
-    double s[3][3] = {};                    // own block with those above eliminated
+    double a[3][3] = {};                    // own block
+    double full[3][3] = {}, o[3][3] = {};   // coupling with the link below: of all rows, of the active ones
+    double s[3][4] = {};                    // own block with those above eliminated, and the right side
+    Factor factor;                          // of that block
     double r[3] = {}, d[3] = {}, e[3] = {};
     bool active[3] = {};
   };
@@ -89,9 +95,11 @@ class Columns {
     std::uint32_t first = 0, count = 0;  // links, from the bottom
   };
 
+  static Factor factor_of(const double s[3][4]);
+  template <int N>
+  static void solve(const Factor& factor, double (&x)[3][N]);
   void solve_one(const kernels::BodyView& bodies, Manifolds& manifolds,
                  const kernels::ContactParams& p, double gravity, bool soft, const Column& column);
-  static double full_coupling(const Link& link, const Link& under, int row);
   static void apply(const kernels::BodyView& bodies, Manifolds& manifolds, const Link& link,
                     double step);
   void read(const kernels::BodyView& bodies, Manifolds& manifolds,
