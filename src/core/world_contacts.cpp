@@ -10,6 +10,7 @@
 //
 // O(contacts); docs/queries-events.md has what it takes.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -63,6 +64,45 @@ bool by_place(const Contact& x, const Contact& y) {
 
 }  // namespace
 
+// Colours of a strip's contacts, numbered through: pairs of discs, the four runs of manifolds, discs and fixed shapes.
+class World::Impl::StripColours {
+ public:
+  StripColours(const Impl& w, std::size_t index) : known_(!w.touching.begun), laid_(!w.saved.bare), contacts_(w.contacts) {
+    if (!known_) return;
+    std::uint32_t next = laid_ ? w.table.strips[index].colours : 0;
+    std::array<std::uint32_t, 4> used{};
+    if (w.plan.shapes && index < w.manifolds.strip_count()) {
+      for (const ManifoldPair& pair : std::as_const(w.manifolds).pairs_of(index)) {
+        if (pair.lane == PairName::kNone || pair.colour == ManifoldPair::kAlone) continue;
+        std::uint32_t& most = used[pair.colour / ManifoldPair::kColours];
+        most = std::max(most, pair.colour % ManifoldPair::kColours + 1);
+      }
+    }
+    for (std::size_t run = 0; run < used.size(); next += used[run++]) manifolds_[run] = next;
+    singles_ = next;
+  }
+  std::uint16_t of_pair(std::uint32_t pair) const {
+    if (!known_ || !laid_) return Ref::kNone;
+    const std::uint32_t c = contacts_.colour_of_pair(pair);
+    return c < ContactStore::kMostColours ? static_cast<std::uint16_t>(c) : Ref::kNone;
+  }
+  std::uint16_t of_manifold(const ManifoldPair& pair) const {
+    if (!known_ || pair.colour == ManifoldPair::kAlone) return Ref::kNone;
+    return static_cast<std::uint16_t>(manifolds_[pair.colour / ManifoldPair::kColours] + pair.colour % ManifoldPair::kColours);
+  }
+  std::uint16_t of_single(const Strip& strip, const SinglePair& single, std::uint32_t sequence) const {
+    if (!known_ || !laid_) return Ref::kNone;
+    const std::uint32_t c = ContactStore::colour_of_single(strip, single, sequence);
+    return c < ContactStore::kMostColours ? static_cast<std::uint16_t>(singles_ + c) : Ref::kNone;
+  }
+
+ private:
+  bool known_, laid_;
+  const ContactStore& contacts_;
+  std::array<std::uint32_t, 4> manifolds_{};
+  std::uint32_t singles_ = 0;
+};
+
 // Closed contacts of the lists of the last step, by strip. While work for the next one is under way (begun), what
 // is open and what overlaps without an impulse look alike, and bodies may lie in another order.
 void World::Impl::find_contacts() {
@@ -78,49 +118,54 @@ void World::Impl::find_contacts() {
     return slot == kNoSlot ? kNoSlot : bodies.id[slot];
   };
   const auto put = [&](std::size_t strip, std::uint32_t a, std::uint32_t b, Ref::Kind kind,
-                       std::size_t at, int point = 0) {
+                       std::size_t at, std::uint16_t colour, int point = 0) {
     touching.found[strip].push_back({std::min(a, b), std::max(a, b), static_cast<std::uint32_t>(at),
                                      static_cast<std::uint32_t>(strip), kind,
-                                     static_cast<std::uint8_t>(point)});
+                                     static_cast<std::uint8_t>(point), colour});
   };
   const std::vector<ManifoldPair>& all = std::as_const(manifolds).pairs();
-  const auto put_manifold = [&](std::size_t strip, std::size_t at) {
+  const auto put_manifold = [&](std::size_t strip, const StripColours& colours, std::size_t at) {
     const ManifoldPair& pair = all[at];
     if (!begun && pair.lane == PairName::kNone) return;
     if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
     if (pair.a == kNoSlot && !writer.stands(pair.shape)) return;
     for (int point = 0; point < pair.manifold.count; ++point) {
       if (begun ? pair.impulse[point] > 0 : manifold_closed(strip, pair, point)) {
-        put(strip, pair.id_a, pair.id_b, Ref::kManifold, at, point);
+        put(strip, pair.id_a, pair.id_b, Ref::kManifold, at, colours.of_manifold(pair), point);
       }
     }
   };
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
+    const StripColours colours(*this, index);
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
       if (!counts(contacts.impulse[table.contact[p]])) continue;
       const std::uint32_t a = id_of(table.owner[p]), b = id_of(table.other[p]);
       if (a == kNoSlot || b == kNoSlot || (!held.empty() && !dynamic(a) && !dynamic(b))) continue;
-      put(index, a, b, Ref::kPair, p);
+      put(index, a, b, Ref::kPair, p, colours.of_pair(p));
     }
     const std::vector<SinglePair>& singles = table.singles[index];
+    std::uint32_t last = kNoSlot, sequence = 0;
     for (std::size_t k = 0; k < singles.size(); ++k) {
       const SinglePair& single = singles[k];
+      sequence = single.body == last ? sequence + 1 : 0;
+      last = single.body;
       if (!counts(contacts.s_impulse[single.contact])) continue;
       if (gaps && contacts.s_gap[single.contact] >= kFar) continue;
       const std::uint32_t id = id_of(single.body);
       if (id == kNoSlot || (!held.empty() && !dynamic(id)) || !writer.stands(single.shape)) {
         continue;
       }
-      put(index, id, writer.owner(single.shape), Ref::kSingle, k);
+      put(index, id, writer.owner(single.shape), Ref::kSingle, k, colours.of_single(s, single, sequence));
     }
     if (begun || !plan.shapes || index >= manifolds.strip_count()) return;
     const std::span<const ManifoldPair> mine = std::as_const(manifolds).pairs_of(index);
     const auto first = static_cast<std::size_t>(mine.data() - all.data());
-    for (std::size_t k = 0; k < mine.size(); ++k) put_manifold(index, first + k);
+    for (std::size_t k = 0; k < mine.size(); ++k) put_manifold(index, colours, first + k);
   });
   if (!begun || !plan.shapes) return;
-  for (std::size_t k = 0; k < all.size(); ++k) put_manifold(0, k);  // strips are of the next step
+  const StripColours unknown(*this, 0);
+  for (std::size_t k = 0; k < all.size(); ++k) put_manifold(0, unknown, k);  // strips are of the next step
 }
 
 bool World::Impl::manifold_closed(std::size_t strip, const ManifoldPair& pair, int point) {
@@ -258,6 +303,9 @@ void World::Impl::write_contacts() {
           t.out[n] = t.kept[ref.at];
       }
       t.out[n].impulse += 0.0;  // not -0
+      if (ref.kind == Ref::kKept || t.begun) continue;
+      t.out[n].strip = ref.strip;
+      if (ref.colour != Ref::kNone) t.out[n].colour = ref.colour;
     }
   });
 }
@@ -272,6 +320,29 @@ void World::Impl::find_moved() {
     if (origin[i] >= touching.now.size()) touching.now.resize(std::size_t{origin[i]} + 1, kNoSlot);
     touching.now[origin[i]] = static_cast<std::uint32_t>(i);
   }
+}
+
+std::span<const std::uint32_t> World::strips() {
+  Impl& w = *impl_;
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
+  w.settle_lists();
+  ContactList& t = w.touching;
+  t.strips.assign(w.bodies.id_count, kNoStrip);
+  if (w.steps == 0) return t.strips;
+  t.now.clear();
+  if (w.ahead.sorted || w.broad.has_moved_on()) w.find_moved();
+  w.turn_back();
+  w.pool.run(w.table.body_count != 0 ? w.table.strips.size() : 0, [&](std::size_t index) {
+    const Strip& s = w.table.strips[index];
+    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
+      const std::uint32_t slot = t.slot(i);
+      const std::uint32_t id = slot < w.bodies.count ? w.bodies.id[slot] : kNoSlot;
+      if (id != kNoSlot) t.strips[id] = static_cast<std::uint32_t>(index);
+    }
+  });
+  w.turn_back();
+  return t.strips;
 }
 
 std::span<const Contact> World::contacts() {
@@ -299,7 +370,7 @@ std::span<const Contact> World::contacts() {
     t.refs.insert(t.refs.end(), strip.begin(), strip.end());
   for (std::size_t k = 0; k < t.kept.size(); ++k) {
     t.refs.push_back(
-        {t.kept[k].a.index, t.kept[k].b.index, static_cast<std::uint32_t>(k), 0, Ref::kKept, 0});
+        {t.kept[k].a.index, t.kept[k].b.index, static_cast<std::uint32_t>(k), 0, Ref::kKept, 0, Ref::kNone});
   }
   sort_refs(t.refs, t.sorted, t.count, w.bodies.id_count);
   w.write_contacts();
