@@ -130,12 +130,12 @@ void Panels::show_settings(const Status& status) {
   if (!ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) return;
   if (!editing_) draft_ = status.settings;
   bool held = false, remake = false;
-  slider("gravity x", draft_.gravity.x, -30, 30, "%.2f m/s2", held);
-  slider("gravity y", draft_.gravity.y, -30, 30, "%.2f m/s2", held);
-  if (held) sim_.post([g = draft_.gravity](Simulation& s) { s.set_gravity(g); });
+  const bool x_set = slider("gravity x", draft_.gravity.x, -30, 30, "%.2f m/s2", held);
+  const bool y_set = slider("gravity y", draft_.gravity.y, -30, 30, "%.2f m/s2", held);
+  if (held || x_set || y_set) sim_.post([g = draft_.gravity](Simulation& s) { s.set_gravity(g); });
   bool skin_held = false;
-  slider("skin", draft_.skin, 0.25, 4, "x %.2f", skin_held, ImGuiSliderFlags_Logarithmic);
-  if (skin_held) sim_.post([skin = draft_.skin](Simulation& s) { s.set_skin(skin); });
+  const bool skin_set = slider("skin", draft_.skin, 0.25, 4, "x %.2f", skin_held, ImGuiSliderFlags_Logarithmic);
+  if (skin_held || skin_set) sim_.post([skin = draft_.skin](Simulation& s) { s.set_skin(skin); });
   held = held || skin_held;
   const auto made = std::ranges::count_if(steps_, [](const StepReport& step) { return step.rebuilt; });
   text(fmt::format("lists made in {} of {} steps", made, steps_.size()));
