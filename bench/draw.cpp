@@ -22,7 +22,7 @@ struct Picture {
     std::string error;
     if (auto made = make_builtin(name, bodies, 1, error)) scene = std::move(*made);
     const auto world = build_world(scene, {}, error);
-    cli::take_moment(*world, moment, false);
+    cli::take_moment(*world, moment, cli::Colouring::speed);
   }
   // Bodies of every colour, as in the midst of a run.
   void stir() {

@@ -283,7 +283,7 @@ TEST(Refused, ABatchWithOneBadDiscAddsNone) {
 }
 
 TEST(Refused, WorldsWithBadNumbers) {
-  std::vector<WorldDesc> bad(19, unbounded(100));
+  std::vector<WorldDesc> bad(21, unbounded(100));
   bad[0].bounds = {1, -1, -1, 1};
   bad[1].bounds = {0, 0, 0, 1};
   bad[2].bounds.xmax = kNan;
@@ -303,6 +303,8 @@ TEST(Refused, WorldsWithBadNumbers) {
   bad[16].fields.push_back(WellField{{0, 0}, kInf, 0, 2, 0});
   bad[17].fields.push_back(DragField{kNan, 0});
   bad[18].linear_damping = -1;
+  bad[19].skin = 0.2;
+  bad[20].skin = kNan;
   for (std::size_t k = 0; k < bad.size(); ++k) {
     std::string error;
     EXPECT_EQ(World::create(bad[k], {}, error), nullptr) << k;

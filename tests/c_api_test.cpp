@@ -228,7 +228,7 @@ TEST(CApi, WrongStructSizesAreRefused) {
     EXPECT_EQ(c.world, nullptr);
   }
   EXPECT_STREQ(CWorld(desc).error,
-               "psim_world_create: desc has struct_size 144, this library knows 136: it is older "
+               "psim_world_create: desc has struct_size 152, this library knows 144: it is older "
                "than the header");
 }
 
@@ -592,6 +592,25 @@ TEST(CApi, ContactsAreThoseOfCpp) {
   EXPECT_EQ(psim_world_contacts(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_contacts(c.world, &contacts, nullptr), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_contacts(nullptr, &contacts, &count), PSIM_ERROR_ARGUMENT);
+
+  const psim_contact_group* groups = nullptr;
+  const std::uint32_t* strips = nullptr;
+  ASSERT_EQ(psim_world_set_sleeping(c.world, 0), PSIM_OK);  // sleepers have none
+  ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_contacts(c.world, &contacts, &count), PSIM_OK);
+  ASSERT_EQ(psim_world_contact_groups(c.world, &groups, &count), PSIM_OK);
+  ASSERT_EQ(count, 3u);
+  for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(groups[k].strip, 0u);
+  EXPECT_EQ(groups[0].colour, groups[1].colour);  // two points of one manifold
+  EXPECT_NE(groups[2].colour, PSIM_NO_GROUP);
+  ASSERT_EQ(psim_world_strips(c.world, &strips, &count), PSIM_OK);
+  ASSERT_EQ(count, 3u);
+  EXPECT_EQ(strips[floor.index], PSIM_NO_GROUP);
+  EXPECT_EQ(strips[ball.index], 0u);
+  EXPECT_EQ(psim_world_contact_groups(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_contact_groups(nullptr, &groups, &count), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_strips(c.world, &strips, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_strips(nullptr, &strips, &count), PSIM_ERROR_ARGUMENT);
 }
 
 TEST(CApi, AReplayStepsByAnotherDt) {
@@ -665,6 +684,7 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   ASSERT_EQ(psim_world_remove_joint(c.world, second), PSIM_OK);
   ASSERT_EQ(psim_world_remove_body(c.world, ids[8]), PSIM_OK);
   ASSERT_EQ(psim_world_set_gravity(c.world, {1, -9}), PSIM_OK);
+  ASSERT_EQ(psim_world_set_skin(c.world, 0.5), PSIM_OK);
   ASSERT_EQ(psim_world_replay_by(c.world, {2, 0, 1, 1, 0}, 0.02, nullptr), PSIM_OK);
   ASSERT_EQ(psim_world_replay(c.world, {3, 0, 2, 2, 0}, nullptr), PSIM_OK);
   steps(90);
@@ -743,11 +763,14 @@ TEST(CApi, SleepGravityAndMotorsAreReachable) {
   EXPECT_EQ(psim_world_wake(c.world, wheel), PSIM_OK);
   EXPECT_EQ(psim_world_set_gravity(c.world, {kNaN, 0}), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_set_gravity(c.world, {0, -1}), PSIM_OK);
+  EXPECT_EQ(psim_world_set_skin(c.world, 5), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_set_skin(c.world, 2), PSIM_OK);
   EXPECT_EQ(psim_world_set_sleeping(c.world, 0), PSIM_OK);
   psim_world_desc now = CWorld::defaults();
   ASSERT_EQ(psim_world_get_desc(c.world, &now), PSIM_OK);
   EXPECT_EQ(now.gravity.y, -1);
   EXPECT_EQ(now.sleeping, 0);
+  EXPECT_EQ(now.skin, 2);
   EXPECT_EQ(psim_world_frame(c.world), 30u);
 }
 

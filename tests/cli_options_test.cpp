@@ -37,6 +37,8 @@ TEST(CliOptions, MistakesAreOneLineThatNamesWhatWouldBeRight) {
       {{"--budget", "0"}, {"--budget 0", "above 0"}},
       {{"--budget", "-nan"}, {"--budget", "above 0"}},
       {{"--sleep", "maybe"}, {"--sleep maybe", "on or off"}},
+      {{"--skin", "0.2"}, {"--skin 0.2", "0.25 to 4"}},
+      {{"--skin", "nan"}, {"--skin nan", "0.25 to 4"}},
       {{"--governor", "maybe"}, {"--governor maybe", "on or off"}},
       {{"--every", "0", "--trajectory", "t.csv"}, {"--every 0", "1 to"}},
       {{"--every", "5"}, {"--every", "--trajectory"}},
@@ -84,7 +86,7 @@ TEST(CliOptions, HelpNamesEveryOption) {
         "--dt",     "--substeps",    "--threads",    "--isa",     "--report",
         "--state",  "--metrics",     "--trajectory", "--every",   "--image",
         "--trace",  "--explain",     "--verify",     "--check",   "--benchmark",
-        "--budget", "--governor",    "--sleep",      "--version", "--help",
+        "--budget", "--governor",    "--sleep", "--skin", "--version", "--help",
         "--integrator", "--target-error", "--target-ms", "--frames-dir", "--video", "--fps",
         "--image-size", "--view", "--colour"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;

@@ -108,6 +108,11 @@ TEST_F(CliPictures, SizeViewAndColourOfAnImage) {
   EXPECT_EQ(png_size(folder_.file("a.png")), "200x100");
   EXPECT_NE(plain, image("b.png", {"--image-size", "200x100", "--view", "-3,-1,3,2"}));
   EXPECT_NE(plain, image("c.png", {"--image-size", "200x100", "--colour", "body"}));
+  const std::string strips = image("e.png", {"--image-size", "200x100", "--colour", "strip"});
+  const std::string solver = image("f.png", {"--image-size", "200x100", "--colour", "solver"});
+  EXPECT_NE(plain, strips);
+  EXPECT_NE(plain, solver);
+  EXPECT_NE(strips, solver);
   image("d.png", {"--view", "-1,-1,3,1"});
   EXPECT_EQ(png_size(folder_.file("d.png")), "1600x800");
 }

@@ -25,6 +25,8 @@ class Painting : public ::testing::Test {
                zero,   zero,        zero,
                zero,   {1, 1},      {BodyType::dynamic_body, BodyType::dynamic_body},
                {0, 0},
+               {},
+               {},
                {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
@@ -56,6 +58,49 @@ TEST_F(Painting, ForceIsSeenAsleepOrAwake) {
   EXPECT_EQ(paint(Colouring::force), awake);
   moment_.force = {10, 10};
   EXPECT_EQ(paint(Colouring::force)[0], awake[1]);
+}
+
+TEST_F(Painting, StripsAndColoursHaveHuesAndWhoHasNoneIsGrey) {
+  moment_.group = {0, 1};
+  const auto strips = paint(Colouring::strip);
+  EXPECT_GT(colourfulness(strips[0]), 100);
+  EXPECT_GT(colourfulness(strips[1]), 20);
+  const auto light = [](const Rgb& rgb) { return *std::ranges::max_element(rgb); };
+  EXPECT_GT(light(strips[0]), light(strips[1]) + 40);  // odd ones are dark
+  moment_.group = {2, 3};
+  const auto others = paint(Colouring::strip);
+  EXPECT_NE(others[0], strips[0]);
+  EXPECT_NE(others[1], strips[1]);
+  moment_.group = {0, 3};
+  EXPECT_EQ(paint(Colouring::strip)[0], strips[0]);  // whatever the others have
+  const auto solver = paint(Colouring::solver);
+  EXPECT_GT(colourfulness(solver[0]), 20);
+  EXPECT_NE(solver[0], solver[1]);
+  moment_.group = {kNoStrip, kNoColour};
+  moment_.asleep = {0, 1};
+  for (const Colouring colouring : {Colouring::strip, Colouring::solver}) {
+    const auto none = paint(colouring);
+    EXPECT_LT(colourfulness(none[0]), 20);
+    EXPECT_LT(colourfulness(none[1]), 40);
+    EXPECT_NE(none[0], none[1]);
+  }
+}
+
+// From the middle of a body to where it touches.
+TEST_F(Painting, ContactsHaveTheirColour) {
+  moment_.group = {kNoColour, kNoColour};
+  const auto without = paint(Colouring::solver);
+  moment_.links = {{0, kNoBody.index, {-1.4, 1}, 0}, {1, kNoBody.index, {1.6, 1}, 5}};
+  const auto with = paint(Colouring::solver);
+  for (std::size_t body = 0; body < 2; ++body) {
+    EXPECT_EQ(colourfulness(without[body]), 0);
+    EXPECT_GT(colourfulness(with[body]), 50);
+  }
+  EXPECT_NE(with[0], with[1]);
+  moment_.links[1].colour = 0;
+  EXPECT_EQ(paint(Colouring::solver)[0], with[0]);
+  moment_.links[0].point = {9, 9};  // far from it: across the seam
+  EXPECT_EQ(paint(Colouring::solver)[0], without[0]);
 }
 
 TEST_F(Painting, AsleepIsGrey) {

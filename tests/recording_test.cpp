@@ -55,7 +55,10 @@ Bytes record(std::uint64_t every, std::uint64_t* hash = nullptr, bool past = fal
         if (frame > 100 && !joints.empty()) recorder.remove_joint(joints.back()), joints.pop_back();
         break;
       case 13: recorder.remove_body(ids[k]); break;
-      case 14: recorder.set_sleeping(frame % 32 == 14); break;
+      case 14:
+        recorder.set_sleeping(frame % 32 == 14);
+        recorder.set_skin(frame % 32 == 14 ? 2 : 0.5);
+        break;
       default: recorder.wake(ids[k]);
     }
     if (past && frame == 77) world->apply_impulse(ids.back(), {10, 10});

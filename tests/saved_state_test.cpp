@@ -180,6 +180,7 @@ TEST(SavedState, TakesChangesRightAfterItCameBack) {
       [](World& w) { add(w, static_disc({10, 30}, 0.5)); },
       [](World& w) { w.set_transform(w.id_of(7), {3, 30}, 0); },
       [](World& w) { w.set_gravity({1, -5}); },
+      [](World& w) { w.set_skin(2); },
       [](World& w) {
         JointDesc d;
         d.a = w.id_of(3);
@@ -297,7 +298,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   bad = state;
   bad[8] = std::byte{99};
   EXPECT_FALSE(world->restore(bad, error));
-  EXPECT_EQ(error, "its format is 99, this psim reads 3");
+  EXPECT_EQ(error, "its format is 99, this psim reads 4");
   bad = state;
   bad[200] ^= std::byte{1};
   EXPECT_FALSE(world->restore(bad, error));

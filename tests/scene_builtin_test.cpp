@@ -109,6 +109,7 @@ void expect_same_world(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.world.dt, b.world.dt);
   EXPECT_EQ(a.world.substeps, b.world.substeps);
   EXPECT_EQ(a.world.restitution_threshold, b.world.restitution_threshold);
+  EXPECT_EQ(a.world.skin, b.world.skin);
   EXPECT_EQ(a.world.sleeping, b.world.sleeping);
   ASSERT_EQ(a.world.fields.size(), b.world.fields.size());
   for (std::size_t k = 0; k < a.world.fields.size(); ++k) {

@@ -63,7 +63,7 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
     "world": {"bounds": [-1, -2, 3, 4], "boundary": "periodic", "gravity": [1, -2],
               "linear_damping": 0.25, "material": "m"},
     "step": {"dt": 0.01, "substeps": 8, "sleeping": false, "integrator": "rk4",
-             "restitution_threshold": 0.125},
+             "restitution_threshold": 0.125, "skin": 0.5},
     "materials": {"m": {"density": 2, "restitution": 0.5, "friction": 0.75},
                   "wall": {"density": 9}},
     "bodies": [
@@ -88,6 +88,7 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
   EXPECT_EQ(scene.world.integrator, Integrator::rk4);
   EXPECT_FALSE(scene.world.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0.125);
+  EXPECT_EQ(scene.world.skin, 0.5);
   ASSERT_EQ(scene.bodies.size(), 3u);
   const BodyDesc& a = scene.bodies[0];
   EXPECT_EQ(scene.body_names[0], "a");
@@ -133,6 +134,7 @@ TEST(SceneParse, FillsInDefaults) {
   EXPECT_EQ(scene.world.integrator, Integrator::verlet);
   EXPECT_TRUE(scene.world.sleeping);
   EXPECT_EQ(scene.world.restitution_threshold, 0);
+  EXPECT_EQ(scene.world.skin, 1);
   EXPECT_EQ(scene.bodies[0].type, BodyType::dynamic_body);
   EXPECT_EQ(scene.bodies[0].material.density, 1);
   EXPECT_EQ(scene.bodies[0].mass, 0);
@@ -384,6 +386,7 @@ TEST(SceneToJson, EveryFieldChangesTheText) {
   EXPECT_TRUE(differs([](Scene& s) { s.world.substeps = 5; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.integrator = Integrator::euler; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.restitution_threshold = 1; }));
+  EXPECT_TRUE(differs([](Scene& s) { s.world.skin = 2; }));
   EXPECT_TRUE(differs([](Scene& s) { s.world.sleeping = false; }));
   EXPECT_TRUE(differs([](Scene& s) { s.seed = 2; }));
   EXPECT_TRUE(differs([](Scene& s) { s.bodies[0].angle = 1; }));

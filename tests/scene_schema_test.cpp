@@ -79,7 +79,7 @@ const std::vector<std::string>& good_documents() {
           "world": {"bounds": [-50, -50, 50, 50], "boundary": "periodic", "gravity": [0, -1],
                     "linear_damping": 0.1, "material": "m"},
           "step": {"dt": 0.02, "substeps": 2, "sleeping": false, "integrator": "verlet",
-                   "restitution_threshold": 0.1},
+                   "restitution_threshold": 0.1, "skin": 2},
           "materials": {"m": {"density": 2, "restitution": 0.5, "friction": 0.3}},
           "bodies": [{"name": "a", "type": "dynamic", "shape": {"disc": {"radius": 1}},
                       "position": [1, 2], "angle": 1, "velocity": [1, 2], "angular_velocity": 1,

@@ -1,9 +1,16 @@
 // Who touches whom, where and how hard, as an array to read after a step.
 #pragma once
 
+#include <cstdint>
+
 #include "psim/types.h"
 
 namespace psim {
+
+/// No strip: World::strips, Contact::strip.
+inline constexpr std::uint32_t kNoStrip = 0xFFFFFFFFu;
+/// No colour: Contact::colour.
+inline constexpr std::uint32_t kNoColour = 0xFFFFFFFFu;
 
 /// One point in which two bodies touched at the end of the last step. Two shapes that touch along an
 /// edge have two, one after the other.
@@ -17,6 +24,14 @@ struct Contact {
   double impulse = 0;
   /// N s: likewise along (-normal.y, normal.x); of friction, at most its coefficient x `impulse`.
   double friction = 0;
+  /// The strip of the lists that it was found in (World::strips): strips are the units of parallel work. kNoStrip for
+  /// contacts that no step solved: those among sleepers.
+  std::uint32_t strip = kNoStrip;
+  /// Its colour in that strip: contacts of one colour are solved together, since no two of them share a
+  /// dynamic body (the two points of a manifold are one contact there). Small numbers are solved first. kNoColour: it is
+  /// solved by itself, where a body has too many contacts; or not known, after World::restore until the next step
+  /// and while a governor spreads a step over frames.
+  std::uint32_t colour = kNoColour;
 };
 
 }  // namespace psim

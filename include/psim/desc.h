@@ -148,6 +148,9 @@ struct WorldDesc {
   Integrator integrator = Integrator::verlet;  ///< of wells and drag
   double restitution_threshold = 0;            ///< m/s: slower impacts do not bounce
   bool sleeping = true;                        ///< bodies at rest are left out of the steps
+  /// 0.25 to 4: factor on the skin that neighbour lists have around bodies. With less they are made anew more often,
+  /// with more they name more pairs; no contact is missed (docs/step.md).
+  double skin = 1;
 };
 
 /// How the host wants the world run. None of it changes a bit of the result.

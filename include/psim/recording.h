@@ -38,6 +38,7 @@ class PSIM_API Recorder {
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   bool apply_angular_impulse(BodyId id, double impulse);
   bool set_gravity(Vec2 gravity);
+  bool set_skin(double factor);
   void set_sleeping(bool on);
   bool wake(BodyId id);
   JointId add_joint(const JointDesc& desc, std::string& error);

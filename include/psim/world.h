@@ -132,6 +132,8 @@ class PSIM_API World {
 
   /// Changes the world's gravity, m/s^2; everybody wakes. False if it is not finite.
   bool set_gravity(Vec2 gravity);
+  /// Changes WorldDesc::skin: the next step makes its lists anew. False if it is not 0.25 to 4.
+  bool set_skin(double factor);
   /// Lets bodies sleep from now on, or wakes all and keeps them awake.
   void set_sleeping(bool on);
   /// Whether a body takes part in the steps; false for static, sleeping and frozen ones.
@@ -180,6 +182,12 @@ class PSIM_API World {
   /// first step. Valid until the next call of this function or one that changes the world. O(contacts) a call;
   /// nothing where nobody calls.
   std::span<const Contact> contacts();
+  /// By BodyId::index: the strip that the body lay in when the last step's lists were made. A strip is some rows of
+  /// the broad phase's cells, or all large bodies; what a step does to one may run beside what it does to others
+  /// (docs/step.md): even ones together, then odd ones. kNoStrip for who is in no list: static, sleeping, frozen, new,
+  /// gone. The same on every ISA and any number of threads. Valid until the next call of this function or one that
+  /// changes the world. O(bodies) a call.
+  std::span<const std::uint32_t> strips();
 
   /// Sorts the bodies and makes the lists and arrays of a step without taking one, so that the first
   /// step costs no more than the later ones: for the end of loading. Changes no result.
@@ -222,7 +230,7 @@ class PSIM_API World {
   std::size_t static_count() const;     ///< of all, static
   std::uint64_t frame() const;          ///< steps taken
   std::uint64_t escaped_total() const;  ///< bodies that left an open world
-  const WorldDesc& desc() const;        ///< as created, with the present gravity and sleeping
+  const WorldDesc& desc() const;        ///< as created, with the present gravity, skin and sleeping
   Isa isa() const;                      ///< that its kernels use
   int threads() const;                  ///< as created
 

@@ -119,6 +119,7 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   out.integrator = *integrator;
   out.restitution_threshold = desc.restitution_threshold;
   out.sleeping = desc.sleeping != 0;
+  out.skin = desc.skin;
   return {};
 }
 

@@ -39,6 +39,7 @@ struct psim_world {
   std::vector<psim_skip_entry> skipped;
   std::vector<psim_trace_event> trace;
   std::vector<psim_contact> contacts;
+  std::vector<psim_contact_group> contact_groups;
   std::vector<std::byte> state, recording;
   std::unique_ptr<psim::Recorder> recorder;  // where a recording is under way
 

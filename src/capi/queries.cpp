@@ -152,12 +152,37 @@ psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts
       return call.fail(PSIM_ERROR_ARGUMENT, "contacts and count must not be NULL");
     }
     world->contacts.clear();
+    world->contact_groups.clear();
     for (const psim::Contact& c : w.contacts()) {
       world->contacts.push_back({to_c(c.a), to_c(c.b), to_c(c.point), to_c(c.normal), c.separation,
                                  c.impulse, c.friction});
+      world->contact_groups.push_back({c.strip, c.colour});
     }
     *contacts = world->contacts.data();
     *count = world->contacts.size();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_contact_groups(psim_world* world, const psim_contact_group** groups, size_t* count) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (groups == nullptr || count == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "groups and count must not be NULL");
+    }
+    *groups = world->contact_groups.data();
+    *count = world->contact_groups.size();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_strips(psim_world* world, const uint32_t** strips, size_t* count) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (strips == nullptr || count == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "strips and count must not be NULL");
+    }
+    const auto list = w.strips();
+    *strips = list.data();
+    *count = list.size();
     return PSIM_OK;
   });
 }

@@ -38,6 +38,7 @@ void set_defaults(psim_world_desc& d) {
   d.integrator = static_cast<std::int32_t>(from.integrator);
   d.restitution_threshold = from.restitution_threshold;
   d.sleeping = from.sleeping;
+  d.skin = from.skin;
 }
 
 void set_defaults(psim_run_options& d) {

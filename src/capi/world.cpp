@@ -175,6 +175,13 @@ psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity) {
   });
 }
 
+psim_result psim_world_set_skin(psim_world* world, double factor) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (world->changed([&](auto& w) { return w.set_skin(factor); })) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT, "skin must be 0.25 to 4");
+  });
+}
+
 psim_result psim_world_set_sleeping(psim_world* world, int32_t on) {
   return guarded(world, __func__, [world, on](psim::World&, const Call&) -> psim_result {
     world->changed([on](auto& w) { w.set_sleeping(on != 0); });
@@ -231,6 +238,7 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
     d.integrator = static_cast<int32_t>(from.integrator);
     d.restitution_threshold = from.restitution_threshold;
     d.sleeping = from.sleeping;
+    d.skin = from.skin;
     write(d, desc);
     return PSIM_OK;
   });

@@ -17,6 +17,8 @@ struct ContactList {
     std::uint32_t strip = 0;
     Kind kind = kPair;
     std::uint8_t point = 0;  ///< of a manifold
+    static constexpr std::uint16_t kNone = 0xFFFF;
+    std::uint16_t colour = kNone;
   };
   bool begun = false;              ///< work for the next step is under way
   std::vector<std::uint32_t> now;  ///< by slot of the lists: the present one; empty: the same
@@ -30,10 +32,11 @@ struct ContactList {
   std::vector<Ref> refs, sorted;
   std::vector<std::uint32_t> count;  ///< by a
   std::vector<Contact> out;
+  std::vector<std::uint32_t> strips;  ///< of World::strips, by id
 
   std::size_t bytes() const {
     std::size_t n = (refs.capacity() + sorted.capacity()) * sizeof(Ref) +
-                    (count.capacity() + now.capacity()) * sizeof(count[0]) +
+                    (count.capacity() + now.capacity() + strips.capacity()) * sizeof(count[0]) +
                     (kept.capacity() + out.capacity()) * sizeof(Contact);
     for (const auto& strip : found) n += strip.capacity() * sizeof(Ref);
     for (const auto& bed : beds) n += bed.capacity() * sizeof(Contact);

@@ -152,6 +152,13 @@ std::uint32_t ContactStore::single_class(const Strip& s, std::uint32_t body,
   return sequence < kLoaded ? sequence : kOverflow;
 }
 
+std::uint32_t ContactStore::colour_of_single(const Strip& s, const SinglePair& single, std::uint32_t sequence) {
+  const bool loaded = s.loaded && single.contact / kBlock >= s.single_loaded_begin;
+  const std::uint32_t most = s.loaded && !loaded ? kLoaded : kColours;
+  const std::uint32_t colour = loaded ? kLoaded + sequence : sequence;
+  return colour < most ? colour : kColours;
+}
+
 // Whether any contact of the strip has to do with a body under a heavy load.
 bool ContactStore::is_loaded(const PairTable& table, std::size_t index) const {
   const Strip& s = table.strips[index];

@@ -76,6 +76,11 @@ class ContactStore {
   std::uint32_t colours() const { return colours_; }
   std::uint64_t pair_count() const { return pair_count_; }
   std::uint64_t single_count() const { return single_count_; }
+  static constexpr std::uint32_t kMostColours = 31;
+  /// Of a pair of the table that was laid out last; kMostColours or more: it is solved by itself.
+  std::uint32_t colour_of_pair(std::uint32_t pair) const { return colour_[pair]; }
+  /// Of a contact with a fixed shape, the sequence-th of its body in the strip.
+  static std::uint32_t colour_of_single(const Strip& s, const SinglePair& single, std::uint32_t sequence);
   /// Whether contacts have friction.
   bool rough() const { return model_.model == kernels::Model::rough; }
   std::size_t friction_bytes() const;
@@ -95,7 +100,7 @@ class ContactStore {
  private:
   // Colours a pair can have; a body with more partners than that overflows into blocks of one lane.
   // Under heavy loads the colours from kLoaded on are theirs.
-  static constexpr std::uint32_t kColours = 31, kLoaded = 16;
+  static constexpr std::uint32_t kColours = kMostColours, kLoaded = 16;
   static constexpr std::uint32_t kOverflow = kColours, kLoadedOverflow = kColours + 1;
   static constexpr std::uint32_t kClasses = kColours + 2;
   using Counts = std::array<std::uint32_t, kClasses>;

@@ -30,7 +30,7 @@ template <class A>
 void Image::visit(A& a, WorldDesc& d) {
   numbers(a, d.bounds.xmin, d.bounds.ymin, d.bounds.xmax, d.bounds.ymax, d.boundary, d.gravity.x, d.gravity.y,
           d.linear_damping, d.wall.density, d.wall.restitution, d.wall.friction, d.dt, d.substeps, d.integrator,
-          d.restitution_threshold, d.sleeping);
+          d.restitution_threshold, d.sleeping, d.skin);
   list(a, d.fields, [&](Field& f) {
     alternative(a, f, std::make_index_sequence<2>());
     if (auto* w = std::get_if<WellField>(&f)) {
@@ -104,7 +104,7 @@ void Image::visit(A& a, ManifoldPair& p) {
   numbers(a, p.base_x, p.base_y, p.base_dx, p.base_dy, p.turn_a.c, p.turn_a.s, p.turn_b.c, p.turn_b.s, p.margin);
   for (int k = 0; k < 2; ++k) numbers(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   numbers(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.lasting, p.changed, p.column, p.was_column,
-          p.rest_frames, p.recalled, p.balanced);
+          p.rest_frames, p.recalled, p.colour, p.balanced);
 }
 
 template <class A>

@@ -13,7 +13,7 @@ namespace {
 using kernels::kBlock;
 using kernels::ManifoldBlock;
 
-constexpr std::uint32_t kColours = 32;  // and one more, of blocks with a single lane
+constexpr std::uint32_t kColours = ManifoldPair::kColours;  // and one more, of blocks with a single lane
 constexpr float kFar = 1e6f;            // m: gap of a point that is not there
 constexpr float kOpen = -0.0f;
 
@@ -238,6 +238,7 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
         if (!pair.fixed_a) used_[pair.a] |= 1u << colour;
       }
       pair.lane = colour;  // for now
+      pair.colour = colour < kColours ? static_cast<std::uint8_t>(k * kColours + colour) : ManifoldPair::kAlone;
       ++next[k][colour];
       strip.points += static_cast<std::uint32_t>(pair.manifold.count);
     });

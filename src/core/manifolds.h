@@ -78,6 +78,9 @@ struct ManifoldPair : PairName {
   Column column = kLoose;
   Column was_column = kLoose;            ///< as it lies in its lane
   std::uint8_t rest_frames = 0;          ///< in which it is not
+  static constexpr std::uint8_t kAlone = 0xFF;  ///< it is solved by itself
+  std::uint8_t colour = kAlone;          ///< of its lane: run of StripBlocks::end x kColours + colour in it
+  static constexpr std::uint32_t kColours = 32;
   std::uint8_t recalled = 0;             ///< points whose impulses come from before a body slept or woke
   // Where a side fell asleep or woke, contacts have another stiffness, and the same load would want another
   // overlap: that difference, m, added to the gaps. It lasts where A sleeps, else it fades.

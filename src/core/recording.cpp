@@ -23,6 +23,7 @@ enum class Op : std::uint8_t {
   add_joint,
   remove_joint,
   set_motor,
+  set_skin,
 };
 
 struct RecordHeader {
@@ -233,6 +234,10 @@ bool Recorder::set_gravity(Vec2 gravity) {
   log_->add(Op::set_gravity, gravity);
   return world_.set_gravity(gravity);
 }
+bool Recorder::set_skin(double factor) {
+  log_->add(Op::set_skin, factor);
+  return world_.set_skin(factor);
+}
 void Recorder::set_sleeping(bool on) {
   log_->add(Op::set_sleeping, on);
   world_.set_sleeping(on);
@@ -347,6 +352,7 @@ bool Replay::State::perform(Op op) {
       break;
     }
     case Op::set_gravity: w.set_gravity(get<Vec2>()); break;
+    case Op::set_skin: w.set_skin(get<double>()); break;
     case Op::set_sleeping: w.set_sleeping(get<bool>()); break;
     case Op::wake: w.wake(get<BodyId>()); break;
     case Op::add_joint: w.add_joint(get<JointDesc>(), error); break;

@@ -245,10 +245,13 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   const Sample s = sample_bodies(bodies, static_cast<double>(least_radius));
   const double r = s.radius;
   ListPlan out;
-  out.margin.skin = static_cast<float>(kSkinOfRadius * r);
-  out.margin.time = static_cast<float>(kMarginFrames * dt);
-  out.outer = 2 * (1 + kSkinOfRadius) * r;
   out.speed = s.off();
+  // A thinner skin than the usual one is still what impacts within a step may take.
+  const double thin = std::fmin(impact_slack(out.speed, 1, dt) / r, kSkinOfRadius);
+  const double skin_of_radius = std::fmax(desc.skin * kSkinOfRadius, thin);
+  out.margin.skin = static_cast<float>(skin_of_radius * r);
+  out.margin.time = static_cast<float>(kMarginFrames * dt);
+  out.outer = 2 * (1 + skin_of_radius) * r;
   // Of a gas in two dimensions, 2 D n v g(c) sqrt(pi), with c the share of the area that is covered.
   const double covered = std::fmin(broad.density() * 3.14159 * r * r, 0.8);
   out.impacts =
@@ -294,13 +297,13 @@ World::Impl::ListPlan World::Impl::plan_lists(double dt) const {
   out.ahead = static_cast<float>(half);
   for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
     const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
-    const double outer = 2 * r + 3 * k * frame;
-    const double cost = favour(k) * (build(reach) / k + kSelect * pairs(outer));
+    const double cost = favour(k) * (build(reach) / k + kSelect * pairs(2 * r + 3 * k * frame));
     if (!(cost < best)) continue;
     best = cost;
-    out.outer = outer;
-    out.margin = {static_cast<float>(0.02 * r + k * 1.2 * frame),
-                  static_cast<float>(k * kMarginFrames * dt * 0.3), 0, 0};
+    const double room = std::fmax(desc.skin * k, 1);  // frames; a step needs one
+    out.outer = 2 * r + 3 * room * frame;
+    out.margin = {static_cast<float>(0.02 * r + room * 1.2 * frame),
+                  static_cast<float>(room * kMarginFrames * dt * 0.3), 0, 0};
     out.ahead = 0;
     out.frames = k;
   }
@@ -313,11 +316,13 @@ void World::Impl::measure_bodies(const Span& span) {
   const ListPlan lists = plan_lists(span.step);
   const double reach = lists.outer + (lists.loose ? 0 : 2 * kMarginFrames * span.step * lists.speed);
   const double growth = list_reach > 0 ? reach * reach / (list_reach * list_reach) : 1;
-  const bool changed = broad.density() == 0 || lists.loose != loose || lists.frames != list_frames;
+  const bool changed = broad.density() == 0 || lists.loose != loose || lists.frames != list_frames ||
+                       desc.skin != list_skin;
   loose = lists.loose;
   once = lists.ahead != 0;
   list_frames = lists.frames;
   list_reach = reach;
+  list_skin = desc.skin;
   sampled_speed = lists.speed;
   crowding = lists.crowding;
   impact_rate = lists.impacts;

@@ -10,6 +10,8 @@
 namespace psim {
 namespace {
 
+bool is_skin(double factor) { return factor >= 0.25 && factor <= 4; }
+
 // One line of what is wrong with the description, or empty.
 std::string check(const WorldDesc& d, const RunOptions& o) {
   const Bounds& b = d.bounds;
@@ -29,6 +31,7 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   if (!(d.restitution_threshold >= 0 && finite(d.restitution_threshold))) {
     return "restitution threshold must be 0 or more, and finite";
   }
+  if (!is_skin(d.skin)) return "skin must be 0.25 to 4";
   if (!(d.wall.restitution >= 0 && d.wall.restitution <= 1)) return "wall restitution must be 0 to 1";
   if (!(d.wall.friction >= 0 && d.wall.friction <= 1000)) return "wall friction must be 0 to 1000";
   for (const Field& f : d.fields) {
@@ -88,6 +91,16 @@ World::~World() = default;
 void World::prepare() { impl_->prepare(); }
 StepReport World::step() { return impl_->step(impl_->desc.dt); }
 StepReport World::step(double dt) { return impl_->step(dt); }
+
+bool World::set_skin(double factor) {
+  Impl& w = *impl_;
+  if (!is_skin(factor)) return false;
+  if (factor == w.desc.skin) return true;
+  w.settle_lists();
+  w.spoil_lists();
+  w.desc.skin = factor;
+  return true;
+}
 
 std::size_t World::body_count() const { return impl_->bodies.living; }
 std::size_t World::dynamic_count() const { return impl_->bodies.moving; }

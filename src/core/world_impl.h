@@ -85,6 +85,7 @@ struct World::Impl {
   bool once = false;           // the lists are for one step
   double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
   double list_reach = 0;       // m: how far a body reaches in them, about
+  double list_skin = 1;        // WorldDesc::skin when they were made
   double sampled_speed = 0;    // m/s, when the lists were made
   double crowding = 0.1;
   double impact_rate = 0;  // 1/s, of a body
@@ -217,6 +218,7 @@ struct World::Impl {
   EventSource event_source();  // world_queries.cpp
 
   // world_contacts.cpp
+  class StripColours;
   void find_contacts();
   bool manifold_closed(std::size_t strip, const ManifoldPair& pair, int point);
   void find_moved();

@@ -49,14 +49,14 @@ void Film::after(std::uint64_t frame, World& world) {
   if (!clock_) clock_.emplace(world.desc().dt, options_.fps, options_.every);
   bool is_taken = false;
   while (const std::optional<double> share = clock_->due(frame)) {
-    if (!is_taken) take_moment(world, now_, options_.colouring == Colouring::force);
+    if (!is_taken) take_moment(world, now_, options_.colouring);
     is_taken = true;
     if (*share < 1) place_between(before_, now_, *share, scene_.world, between_);
     draw(*share < 1 ? between_ : now_);
     if (!failure_.empty()) return;
   }
   if (!clock_->is_between(frame)) return;
-  if (!is_taken) take_moment(world, now_, options_.colouring == Colouring::force);
+  if (!is_taken) take_moment(world, now_, options_.colouring);
   std::swap(before_, now_);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace psim::cli {
 
@@ -11,7 +12,28 @@ std::size_t Moment::row_of(std::uint64_t body) const {
   return at != id.end() && *at == body ? static_cast<std::size_t>(at - id.begin()) : id.size();
 }
 
-void take_moment(World& world, Moment& moment, bool forces) {
+namespace {
+
+void take_contacts(World& world, Moment& moment, Colouring colouring) {
+  if (colouring == Colouring::solver) moment.group.assign(moment.size(), kNoColour);
+  for (const Contact& c : world.contacts()) {
+    if (colouring == Colouring::solver) moment.links.push_back({c.a.index, c.b.index, c.point, c.colour});
+    for (const BodyId id : {c.a, c.b}) {
+      const std::size_t row = id == kNoBody ? moment.size() : moment.row_of(id.index);
+      if (row == moment.size()) continue;
+      if (colouring == Colouring::force) {
+        moment.force[row] += c.impulse / world.desc().dt;
+      } else if (c.colour != kNoColour && moment.type[row] == BodyType::dynamic_body) {
+        std::uint32_t& most = moment.group[row];
+        most = most == kNoColour ? c.colour : std::max(most, c.colour);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void take_moment(World& world, Moment& moment, Colouring colouring) {
   const PublishedState state = world.published();
   const auto copy = [](auto& into, const auto& from) { into.assign(from.begin(), from.end()); };
   copy(moment.id, state.id);
@@ -28,14 +50,13 @@ void take_moment(World& world, Moment& moment, bool forces) {
     moment.asleep[row] =
         state.type[row] != BodyType::static_body && !world.is_awake(world.id_of(state.id[row]));
   }
-  moment.force.assign(forces ? moment.size() : 0, 0.0);
-  if (!forces) return;
-  for (const Contact& c : world.contacts()) {
-    for (const BodyId id : {c.a, c.b}) {
-      const std::size_t row = id == kNoBody ? moment.size() : moment.row_of(id.index);
-      if (row != moment.size()) moment.force[row] += c.impulse / world.desc().dt;
-    }
-  }
+  moment.force.assign(colouring == Colouring::force ? moment.size() : 0, 0.0);
+  moment.group.clear();
+  moment.links.clear();
+  if (colouring == Colouring::force || colouring == Colouring::solver) take_contacts(world, moment, colouring);
+  if (colouring != Colouring::strip) return;
+  const std::span<const std::uint32_t> strips = world.strips();
+  for (const std::uint32_t id : moment.id) moment.group.push_back(strips[id]);
 }
 
 void place_between(const Moment& before, const Moment& after, double alpha, const WorldDesc& world,

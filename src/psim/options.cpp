@@ -185,10 +185,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   options.restore = typed.restore;
   options.record = typed.record;
   options.replay = typed.replay;
-  for (const char* name : {"--dt", "--substeps", "--integrator", "--sleep", "--target-error", "--target-ms"}) {
+  for (const char* name : {"--dt", "--substeps", "--integrator", "--sleep", "--skin", "--target-error", "--target-ms"}) {
     if (given("--restore") && given(name)) throw UserError(fmt::format("{}: the state of --restore says it", name));
   }
-  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator", "--sleep"}) {
+  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator", "--sleep", "--skin"}) {
     if (given("--replay") && given(name)) throw UserError(fmt::format("{}: the recording of --replay says it", name));
   }
   options.budget_ms = number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9,

@@ -39,6 +39,7 @@ struct Options {
   std::optional<int> substeps;
   std::optional<Integrator> integrator;
   std::optional<bool> sleep;
+  std::optional<double> skin;
   std::optional<double> target_error, target_ms;  ///< one of them at most
   int threads = 1;
   Isa isa = Isa::scalar;

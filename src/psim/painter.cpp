@@ -60,6 +60,9 @@ Colour hue(double turns) {
   return kWheel[static_cast<std::size_t>(part * kHues) % kHues];
 }
 
+// Of strips and colours: those with neighbouring numbers have hues far apart, multiples of the golden section.
+Colour group_hue(std::uint32_t group) { return hue(group * 0.6180339887498949); }
+
 double nearly_greatest(std::vector<double>& values) {
   constexpr double kPercentile = 0.995;
   if (values.empty()) return 0;
@@ -100,6 +103,7 @@ void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& m
   canvas.clear(kOutside);
   paint_world(canvas, camera);
   paint_bodies(canvas, camera, moment, bright);
+  paint_contacts(canvas, camera, moment);
   paint_joints(canvas, camera, moment);
   paint_wells(canvas, camera);
 }
@@ -124,14 +128,24 @@ Colour Painter::colour_of(const Moment& moment, std::size_t row, const BodyDesc&
     case Colouring::spin:
       colour = ramp(std::fabs(moment.omega[row]) / bright.spin);
       break;
-    case Colouring::body:  // neighbours by id get hues far apart: multiples of the golden section
-      colour = hue(moment.id[row] * 0.6180339887498949);
+    case Colouring::body:
+      colour = group_hue(moment.id[row]);
       break;
     case Colouring::type:
       colour = body.type == BodyType::kinematic_body ? kKinematic : kDynamic;
       break;
     case Colouring::force:  // sleepers bear, too
       return ramp(moment.force.empty() ? 0 : moment.force[row] / bright.force);
+    case Colouring::strip: {  // odd strips, whose turn comes second, are dark
+      const std::uint32_t strip = moment.group[row];
+      if (strip == kNoStrip) return moment.asleep[row] ? kAsleep : kStill;
+      return mix(group_hue(strip), kInside, strip % 2 == 0 ? 0.0f : 0.6f);
+    }
+    case Colouring::solver: {  // dim, so that the contacts are seen
+      const std::uint32_t most = moment.group[row];
+      if (most == kNoColour) return moment.asleep[row] ? kAsleep : kStill;
+      return mix(group_hue(most), kInside, 0.8f);
+    }
   }
   return moment.asleep[row] ? mix(kAsleep, colour, 0.25f) : colour;
 }
@@ -180,6 +194,22 @@ void Painter::paint_bodies(Canvas& canvas, const PictureCamera& camera, const Mo
     const std::size_t n = corners.size();
     for (std::size_t k = chain && chain->loop ? 0 : 1; k < n; ++k) {
       canvas.line(corners[(k + n - 1) % n], corners[k], kLineWidth, colour);
+    }
+  }
+}
+
+// From the one body that moves through the contact to the other.
+void Painter::paint_contacts(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const {
+  constexpr double kThinnest = 0.8, kThickest = 4, kOfRadius = 0.16;  // pixels; share
+  for (const Moment::Link& link : moment.links) {
+    const Colour colour = link.colour == kNoColour ? kStill : group_hue(link.colour);
+    for (const std::uint32_t id : {link.a, link.b}) {
+      const std::size_t row = id == kNoBody.index ? moment.size() : moment.row_of(id);
+      if (row == moment.size() || moment.type[row] == BodyType::static_body) continue;
+      const Vec2 way{link.point.x - moment.x[row], link.point.y - moment.y[row]};
+      if (!(std::hypot(way.x, way.y) <= 2 * moment.radius[row])) continue;  // through the seam
+      canvas.line(camera.at({moment.x[row], moment.y[row]}), camera.at(link.point),
+                  std::clamp(kOfRadius * camera.length(moment.radius[row]), kThinnest, kThickest), colour);
     }
   }
 }

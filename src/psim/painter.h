@@ -34,6 +34,7 @@ class Painter {
   void paint_world(Canvas& canvas, const PictureCamera& camera) const;
   void paint_bodies(Canvas& canvas, const PictureCamera& camera, const Moment& moment,
                     const Brightest& bright) const;
+  void paint_contacts(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
   void paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
   void paint_wells(Canvas& canvas, const PictureCamera& camera) const;
 

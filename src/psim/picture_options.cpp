@@ -60,7 +60,7 @@ Colouring read_colouring(const std::string& text) {
   for (std::size_t k = 0; k < kColouringNames.size(); ++k) {
     if (text == kColouringNames[k]) return static_cast<Colouring>(k);
   }
-  refuse("--colour", text, "must be speed, direction, sleep, spin, body, type or force");
+  refuse("--colour", text, "must be speed, direction, sleep, spin, body, type, force, strip or solver");
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ void declare_pictures(CLI::App& app, TypedPictures& typed) {
   value("--image-size", typed.size, "WxH",
         "pixels (films 1920x1080, --image 1600 the longer side)");
   value("--view", typed.view, "x0,y0,x1,y1", "the part of the world to show, metres");
-  value("--colour", typed.colour, "WHAT", "speed, direction, sleep, spin, body, type or force (speed)");
+  value("--colour", typed.colour, "WHAT", "speed, direction, sleep, spin, body, type, force, strip or solver (speed)");
 }
 
 PictureOptions read_pictures(const CLI::App& app, const TypedPictures& typed,

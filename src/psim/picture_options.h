@@ -15,9 +15,9 @@ class App;
 namespace psim::cli {
 
 /// What the colours of bodies mean, as in the viewer.
-enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type, force };
-inline constexpr std::array<const char*, 7> kColouringNames = {"speed", "direction", "sleep", "spin",
-                                                               "body",  "type",      "force"};
+enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type, force, strip, solver };
+inline constexpr std::array<const char*, 9> kColouringNames = {
+    "speed", "direction", "sleep", "spin", "body", "type", "force", "strip", "solver"};
 
 /// Pixels.
 struct PictureSize {

@@ -146,7 +146,7 @@ void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& p
   if (files.state) write_state(*files.state, world.published());
   if (files.image) {
     Moment moment;
-    take_moment(world, moment, pictures.colouring == Colouring::force);
+    take_moment(world, moment, pictures.colouring);
     write_image(*files.image, scene, moment, pictures);
   }
   for (std::optional<AtomicFile>* file :

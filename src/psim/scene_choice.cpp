@@ -99,6 +99,7 @@ Scene choose_scene(const Options& options) {
   if (options.substeps) scene.world.substeps = *options.substeps;
   if (options.integrator) scene.world.integrator = *options.integrator;
   if (options.sleep) scene.world.sleeping = *options.sleep;
+  if (options.skin) scene.world.skin = *options.skin;
   return scene;
 }
 

@@ -97,6 +97,8 @@ void declare_settings(CLI::App& app, TypedSettings& typed) {
   value("--threads", typed.threads, "N", "Run", "worker threads, 1..256 (the machine's cores)");
   value("--isa", typed.isa, "NAME", "Run", "auto, scalar, sse or avx2 (auto: the CPU's best)");
   value("--sleep", typed.sleep, "on|off", "Run", "bodies at rest sleep (the scene's, else on)");
+  value("--skin", typed.skin, "F", "Run",
+        "factor on the skin of neighbour lists, 0.25..4 (the scene's, else 1)");
 }
 
 void read_settings(const CLI::App& app, const TypedSettings& typed, Options& options) {
@@ -119,6 +121,8 @@ void read_settings(const CLI::App& app, const TypedSettings& typed, Options& opt
                                 "must be a whole number, 1 to 256")
                         .value_or(std::clamp(cores, 1, kMostThreads));
   options.isa = choose_isa(typed.isa, given("--isa"));
+  options.skin = number<double>("--skin", typed.skin, given("--skin"), 0.25, 4,
+                                "must be a number, 0.25 to 4");
   options.sleep = on_off("--sleep", typed.sleep, given("--sleep"));
 }
 

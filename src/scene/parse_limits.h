@@ -22,6 +22,7 @@ inline constexpr Range kFriction{0, 100};
 inline constexpr Range kGravity{-1e6, 1e6};
 inline constexpr Range kVelocity{-1e6, 1e6};
 inline constexpr Range kSpeed{0, 1e6};
+inline constexpr Range kSkin{0.25, 4};
 inline constexpr Range kAngle{-1e6, 1e6};
 inline constexpr Range kAngularVelocity{-1e6, 1e6};
 inline constexpr Range kGravityScale{-1e6, 1e6};

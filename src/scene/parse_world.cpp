@@ -14,8 +14,8 @@ constexpr std::array<std::string_view, 3> kMaterialKeys = {"density", "restituti
 constexpr std::array<std::string_view, 5> kWorldKeys = {"bounds", "boundary", "gravity",
                                                         "linear_damping", "material"};
 constexpr std::array<std::string_view, 3> kBoundaries = {"walls", "periodic", "open"};
-constexpr std::array<std::string_view, 5> kStepKeys = {"dt", "substeps", "sleeping", "integrator",
-                                                       "restitution_threshold"};
+constexpr std::array<std::string_view, 6> kStepKeys = {"dt", "substeps", "sleeping", "integrator",
+                                                       "restitution_threshold", "skin"};
 constexpr std::array<std::string_view, 4> kIntegrators = {"verlet", "euler", "rk4", "symplectic4"};
 constexpr std::array<std::string_view, 2> kFieldTypes = {"well", "drag"};
 constexpr std::array<std::string_view, 6> kWellKeys = {"type",      "position", "strength",
@@ -131,6 +131,7 @@ void read_step(const Node& scene, Scene& out) {
   out.world.sleeping = step->boolean_or("sleeping", out.world.sleeping);
   out.world.restitution_threshold =
       step->number_or("restitution_threshold", out.world.restitution_threshold, kSpeed);
+  out.world.skin = step->number_or("skin", out.world.skin, kSkin);
   if (const std::optional<Node> integrator = step->find("integrator")) {
     out.world.integrator = kAllIntegrators[integrator->one_of(kIntegrators)];
   }

@@ -312,6 +312,7 @@ std::string step_text(const Scene& scene) {
       .add("sleeping", scene.world.sleeping)
       .add("integrator", integrator_name(scene.world.integrator))
       .add_unless("restitution_threshold", scene.world.restitution_threshold, 0)
+      .add_unless("skin", scene.world.skin, 1)
       .one_line();
 }
 

@@ -43,6 +43,7 @@ void BodyColumns::set(const Snapshot& snapshot, std::shared_ptr<const Catalogue>
     }
   }
   forces_.clear();
+  groups_.clear();
   follow_brightness();
 }
 
@@ -53,6 +54,14 @@ void BodyColumns::set_forces(const std::vector<float>& by_id) {
     if (id < by_id.size()) forces_[row] = by_id[id];
   }
   follow(bright_force_, sample([&](std::size_t row) { return forces_[row]; }), kLeastForce);
+}
+
+void BodyColumns::set_groups(const std::vector<float>& by_id) {
+  groups_.assign(size(), kNoGroup);
+  for (std::size_t row = 0; row < size(); ++row) {
+    const std::uint32_t id = snapshot_->id[row];
+    if (id < by_id.size()) groups_[row] = by_id[id];
+  }
 }
 
 template <class Value>

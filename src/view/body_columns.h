@@ -12,10 +12,12 @@
 
 namespace psim::view {
 
-inline constexpr int kColouringCount = 7;
-enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type, force };
-inline constexpr const char* kColouringNames[] = {"speed", "direction", "sleep", "spin",
-                                                  "body",  "type",      "force"};
+inline constexpr int kColouringCount = 9;
+enum class Colouring : std::uint8_t { speed, direction, sleep, spin, body, type, force, strip, solver };
+inline constexpr const char* kColouringNames[] = {"speed", "direction", "sleep", "spin",  "body",
+                                                  "type",  "force",     "strip", "solver"};
+/// Of a body in no strip, or without contacts.
+inline constexpr float kNoGroup = -1;
 
 class BodyColumns {
  public:
@@ -23,6 +25,8 @@ class BodyColumns {
   void set(const Snapshot& snapshot, std::shared_ptr<const Catalogue> catalogue);
   /// What contacts press each body with, N, by id; those beyond it touch nothing.
   void set_forces(const std::vector<float>& by_id);
+  /// Strips, or colours of the solver, by id; those beyond it have none.
+  void set_groups(const std::vector<float>& by_id);
 
   std::size_t size() const { return snapshot_ != nullptr ? snapshot_->id.size() : 0; }
   const Snapshot* snapshot() const { return snapshot_; }
@@ -39,6 +43,8 @@ class BodyColumns {
 
   /// N, by row; empty where nobody asked.
   const std::vector<float>& forces() const { return forces_; }
+  /// Strips or colours of the solver, by row; empty where nobody asked.
+  const std::vector<float>& groups() const { return groups_; }
 
   /// What gets the brightest colour: nearly the most, so that one stray body does not leave the
   /// rest in the dark, m/s, radians a frame or N. Follows slowly, so that nothing flickers.
@@ -54,7 +60,7 @@ class BodyColumns {
   std::vector<std::uint32_t> looks_;  // by row
   std::vector<std::uint32_t> line_rows_;
   std::vector<float> sample_;
-  std::vector<float> forces_;  // by row
+  std::vector<float> forces_, groups_;  // by row
   float bright_speed_ = 0, bright_spin_ = 0, bright_force_ = 0;
 };
 

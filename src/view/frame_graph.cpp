@@ -51,7 +51,9 @@ void draw_frame_graph(const std::deque<StepReport>& steps, double budget_ms) {
   const float line = at.y + kHeight - (fits ? height_of(budget_ms) : kHeight);
   draw->AddLine({at.x, line}, {at.x + width, line}, kBudget, fits ? 1.5f : 1.0f);
   const std::string budget = fmt::format("{}budget {:.1f} ms", fits ? "" : "above: ", budget_ms);
-  draw->AddText({at.x + 4, line + 1}, kBudget, budget.c_str());
+  const float below = line + 1 + ImGui::GetTextLineHeight();  // or above the line, where it lies low
+  draw->AddText({at.x + 4, below <= at.y + kHeight ? line + 1 : line - 1 - ImGui::GetTextLineHeight()}, kBudget,
+                budget.c_str());
   ImGui::Dummy({width, kHeight});
   for (std::size_t k = 0; k < last.size(); ++k) {
     if (k % 3 != 0) ImGui::SameLine((k == 1 ? 0.31f : 0.62f) * width);

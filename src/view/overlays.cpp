@@ -37,6 +37,16 @@ void add_circle(LineBatch& lines, Vec2 centre, double radius, std::uint32_t colo
 
 }  // namespace
 
+std::uint32_t group_rgba(std::uint32_t group) {
+  constexpr double kGolden = 0.61803398875, kGrey = 0.75, kHue = 0.7;
+  const auto channel = [&](double from) {
+    const double turns = group * kGolden + from, at = turns - std::floor(turns);
+    const double pure = std::clamp(std::fabs(6 * at - 3) - 1, 0.0, 1.0);
+    return static_cast<std::uint32_t>(std::lround(255 * (kGrey + kHue * (pure - kGrey))));
+  };
+  return rgba(channel(0) << 16 | channel(2.0 / 3) << 8 | channel(1.0 / 3));
+}
+
 void Overlays::note(const Status& status) {
   constexpr std::size_t kMostHits = 5000;
   if (!status.touches) return;
@@ -46,7 +56,7 @@ void Overlays::note(const Status& status) {
 
 void Overlays::build(const Status& status, const BodyColumns& bodies, const Camera& camera,
                      float alpha, const History& history, std::size_t back,
-                     const OverlayChoice& choice) {
+                     const OverlayChoice& choice, Colouring colouring) {
   below.begin(camera);
   above.begin(camera);
   const WorldDesc& world = status.world->desc();
@@ -56,8 +66,10 @@ void Overlays::build(const Status& status, const BodyColumns& bodies, const Came
   add_line_bodies(bodies, alpha);
   if (choice.joints) add_joints(*status.joints, world, bodies, alpha);
   if (back > 0 || !status.touches) return;  // known for the newest frame only
-  if (choice.contacts) add_contacts(status.touches->contacts, bodies, camera, alpha);
-  if (choice.hits) add_hits(camera, status.frame);
+  if (choice.contacts) {
+    add_contacts(status.touches->contacts, bodies, camera, alpha, colouring == Colouring::solver);
+  }
+  if (choice.hits) add_hits(bodies, camera, status.frame);
 }
 
 void Overlays::add_world(const WorldDesc& world, const Camera& camera, bool grid) {
@@ -129,7 +141,8 @@ void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc&
 // A dot, and a line along the normal to both sides: the longer the more force, from a fifth of the smaller body's
 // radius to all of it. Moves with the picture of whoever is drawn.
 void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies,
-                            const Camera& camera, float alpha) {
+                            const Camera& camera, float alpha, bool by_colour) {
+  constexpr float kWidth = 1.6f, kColouredWidth = 3;  // pixels
   constexpr double kLeast = 0.2, kMostPixels = 40, kDot = 2, kDotFrom = 12;  // share; pixels
   const Bounds shown = camera.shown();
   const double scale = camera.pixels_per_metre();
@@ -154,20 +167,31 @@ void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const Body
     const double share = most > 0 ? std::sqrt(static_cast<double>(c.force / most)) : 0;
     const double half = radius * (kLeast + (1 - kLeast) * share);
     const double nx = static_cast<double>(c.nx), ny = static_cast<double>(c.ny);
-    above.add({p.x - half * nx, p.y - half * ny}, {p.x + half * nx, p.y + half * ny}, 1.6f, kTouch);
+    const std::uint32_t colour =
+        !by_colour ? kTouch : c.colour == kNoColour ? kLineBody : group_rgba(c.colour);
+    above.add({p.x - half * nx, p.y - half * ny}, {p.x + half * nx, p.y + half * ny},
+              by_colour ? kColouredWidth : kWidth, colour);
     if (radius * scale < kDotFrom) continue;
     const double dot = kDot / scale;
     above.add({p.x - dot, p.y}, {p.x + dot, p.y}, static_cast<float>(2 * kDot), kPoint);
   }
 }
 
-void Overlays::add_hits(const Camera& camera, std::uint64_t frame) {
+// A line along the normal, as long as the smaller body, which may be gone since.
+void Overlays::add_hits(const BodyColumns& bodies, const Camera& camera, std::uint64_t frame) {
   constexpr std::uint64_t kFrames = 20;
-  constexpr double kPixels = 16;
+  constexpr double kMostPixels = 16, kLeastPixels = 3;
   while (!recent_.empty() && recent_.front().frame + kFrames < frame) recent_.pop_front();
   for (const Hit& hit : recent_) {
     const double age = static_cast<double>(frame - hit.frame) / kFrames;
-    const double length = kPixels / camera.pixels_per_metre();
+    double length = kMostPixels;
+    for (const BodyId id : {hit.event.a, hit.event.b}) {
+      const std::size_t row = id == kNoBody ? bodies.size() : bodies.row_of(id.index);
+      if (row == bodies.size() || (bodies.looks()[row] & kStaticBit) != 0) continue;
+      const double across = 2 * static_cast<double>(bodies.snapshot()->radius[row]);
+      length = std::min(length, std::max(across * camera.pixels_per_metre(), kLeastPixels));
+    }
+    length /= camera.pixels_per_metre();
     const Vec2 p = hit.event.point, n = hit.event.normal;
     const auto opacity = static_cast<std::uint32_t>(255 * std::max(1 - age, 0.0));
     const std::uint32_t colour = (kHit & 0x00FFFFFFu) | opacity << 24;

@@ -18,6 +18,9 @@ struct OverlayChoice {
   bool grid = false, joints = true, contacts = false, hits = false, trails = false;
 };
 
+/// 0xAABBGGRR of a strip or a colour of the solver: numbers side by side have hues far apart, as in the shaders.
+std::uint32_t group_rgba(std::uint32_t group);
+
 class Overlays {
  public:
   /// Called once for a new frame of the simulation: hits stay for a moment.
@@ -25,7 +28,8 @@ class Overlays {
   void clear() { recent_.clear(); }
 
   void build(const Status& status, const BodyColumns& bodies, const Camera& camera, float alpha,
-             const History& history, std::size_t back, const OverlayChoice& choice);
+             const History& history, std::size_t back, const OverlayChoice& choice,
+             Colouring colouring);
 
   LineBatch below, above;
 
@@ -40,8 +44,8 @@ class Overlays {
   void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world,
                   const BodyColumns& bodies, float alpha);
   void add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies, const Camera& camera,
-                    float alpha);
-  void add_hits(const Camera& camera, std::uint64_t frame);
+                    float alpha, bool by_colour);
+  void add_hits(const BodyColumns& bodies, const Camera& camera, std::uint64_t frame);
   void add_trails(const History& history, std::size_t back, const WorldDesc& world,
                   const BodyColumns& bodies);
 

@@ -27,9 +27,9 @@ void choose(const char* label, Choice& choice, const char* const (&names)[N]) {
 
 // True once the slider was let go with a new value.
 bool slider(const char* label, double& value, double low, double high, const char* format,
-            bool& held) {
+            bool& held, ImGuiSliderFlags flags = 0) {
   auto v = static_cast<float>(value);
-  if (ImGui::SliderFloat(label, &v, static_cast<float>(low), static_cast<float>(high), format)) {
+  if (ImGui::SliderFloat(label, &v, static_cast<float>(low), static_cast<float>(high), format, flags)) {
     value = static_cast<double>(v);
   }
   held = held || ImGui::IsItemActive();
@@ -130,9 +130,15 @@ void Panels::show_settings(const Status& status) {
   if (!ImGui::CollapsingHeader("settings", ImGuiTreeNodeFlags_DefaultOpen)) return;
   if (!editing_) draft_ = status.settings;
   bool held = false, remake = false;
-  slider("gravity x", draft_.gravity.x, -30, 30, "%.2f m/s2", held);
-  slider("gravity y", draft_.gravity.y, -30, 30, "%.2f m/s2", held);
-  if (held) sim_.post([g = draft_.gravity](Simulation& s) { s.set_gravity(g); });
+  const bool x_set = slider("gravity x", draft_.gravity.x, -30, 30, "%.2f m/s2", held);
+  const bool y_set = slider("gravity y", draft_.gravity.y, -30, 30, "%.2f m/s2", held);
+  if (held || x_set || y_set) sim_.post([g = draft_.gravity](Simulation& s) { s.set_gravity(g); });
+  bool skin_held = false;
+  const bool skin_set = slider("skin", draft_.skin, 0.25, 4, "x %.2f", skin_held, ImGuiSliderFlags_Logarithmic);
+  if (skin_held || skin_set) sim_.post([skin = draft_.skin](Simulation& s) { s.set_skin(skin); });
+  held = held || skin_held;
+  const auto made = std::ranges::count_if(steps_, [](const StepReport& step) { return step.rebuilt; });
+  text(fmt::format("lists made in {} of {} steps", made, steps_.size()));
 
   ImGui::TextDisabled("these make a new world from this state:");
   ImGui::SliderInt("substeps", &draft_.substeps, 1, 16);
@@ -207,6 +213,8 @@ void Panels::choose_collected() {
   const Collect wanted{
       .contacts = state_.overlays.contacts,
       .forces = state_.colouring == Colouring::force,
+      .strips = state_.colouring == Colouring::strip,
+      .colours = state_.colouring == Colouring::solver,
       .hits = state_.overlays.hits,
       .hash = state_.panels};
   if (wanted == collected_) return;

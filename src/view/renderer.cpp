@@ -70,10 +70,15 @@ void Renderer::upload(const BodyColumns& bodies, Colouring colouring) {
   bodies_ = bodies.size();
   if (bodies_ == 0) return;
   const Snapshot& s = *bodies.snapshot();
-  // The ramp goes over one column: of the speed, or of forces once they are there.
+  // One column is what colours are of: the speed, or forces, strips and colours once they are there.
   const bool forces = colouring == Colouring::force && !bodies.forces().empty();
+  const bool groups = colouring >= Colouring::strip;
+  if (groups && bodies.groups().empty()) no_groups_.assign(bodies_, kNoGroup);
+  const std::vector<float>& shown = forces                                     ? bodies.forces()
+                                    : !groups                                  ? s.speed
+                                    : bodies.groups().empty() ? no_groups_ : bodies.groups();
   const std::vector<float>* floats[] = {&s.x,     &s.y,          &s.x_prev, &s.y_prev,
-                                        &s.angle, &s.angle_prev, &s.radius, forces ? &bodies.forces() : &s.speed};
+                                        &s.angle, &s.angle_prev, &s.radius, &shown};
   for (std::size_t k = 0; k < 8; ++k) columns_[k].upload(std::span<const float>(*floats[k]));
   columns_[8].upload(std::span<const std::uint8_t>(s.asleep));
   columns_[9].upload(std::span<const std::uint32_t>(bodies.looks()));

@@ -39,6 +39,7 @@ class Renderer {
   Buffer columns_[kColumns], line_buffer_, kind_buffer_;
   GLuint kind_texture_ = 0;
   std::vector<LineInstance> joined_;
+  std::vector<float> no_groups_;
   std::size_t bodies_ = 0, below_count_ = 0, above_count_ = 0;
   std::shared_ptr<const Catalogue> catalogue_;  // of the kinds on the GPU
   bool has_areas_ = false;

@@ -13,7 +13,7 @@ layout(location = 3) in float y_prev;
 layout(location = 4) in float angle;
 layout(location = 5) in float angle_prev;
 layout(location = 6) in float radius;
-layout(location = 7) in float speed;  // m/s; coloured by force: N
+layout(location = 7) in float speed;  // m/s; coloured by force: N; by strip or solver: its number, -1 none
 layout(location = 8) in uint asleep;
 layout(location = 9) in uint look;
 uniform float alpha;       // 0: the frame before, 1: the newest
@@ -50,6 +50,10 @@ vec4 body_colour(vec2 motion) {
     c = wheel(fract(float(gl_InstanceID) * 0.61803398875));
   } else if (colouring == 5) {
     c = (look & (1u << 25)) != 0u ? vec3(0.9, 0.5, 0.45) : vec3(0.4, 0.65, 0.9);
+  } else if (colouring >= 7) {  // odd strips, whose turn comes second, are dark; bodies lie dim under their contacts
+    if (speed < 0.0) return vec4(asleep != 0u ? vec3(0.35, 0.38, 0.43) : vec3(0.3), opacity);
+    float dark = colouring == 8 ? 0.6 : 0.6 * mod(speed, 2.0);
+    return vec4(mix(wheel(fract(speed * 0.61803398875)), vec3(0.07, 0.09, 0.11), dark), opacity);
   }
   if (asleep != 0u && colouring != 6) c = mix(vec3(0.35, 0.38, 0.43), c, colouring == 2 ? 0.0 : 0.25);
   return vec4(c, opacity);

@@ -38,6 +38,7 @@ Simulation::Simulation(Scene scene, Isa isa, int threads)
   settings_.threads = threads;
   settings_.gravity = scene_->world.gravity;
   settings_.substeps = scene_->world.substeps;
+  settings_.skin = scene_->world.skin;
   ++scene_serial_;
   make(false);
 }
@@ -46,6 +47,7 @@ Scene Simulation::configured() const {
   Scene scene = *scene_;
   scene.world.gravity = settings_.gravity;
   scene.world.substeps = settings_.substeps;
+  scene.world.skin = settings_.skin;
   override_materials(scene, &Settings::restitution, &Material::restitution, settings_);
   override_materials(scene, &Settings::friction, &Material::friction, settings_);
   for (const WellField& well : wells_) scene.world.fields.emplace_back(well);
@@ -126,6 +128,7 @@ void Simulation::load(const std::string& name) {
     const Settings settings = settings_;
     settings_.gravity = scene_->world.gravity;
     settings_.substeps = scene_->world.substeps;
+    settings_.skin = scene_->world.skin;
     settings_.restitution.reset();
     settings_.friction.reset();
     wells_.clear();
@@ -156,6 +159,10 @@ void Simulation::single_step() {
 
 void Simulation::set_gravity(Vec2 gravity) {
   if (world_->set_gravity(gravity)) settings_.gravity = gravity;
+}
+
+void Simulation::set_skin(double factor) {
+  if (world_->set_skin(factor)) settings_.skin = factor;
 }
 
 void Simulation::set_settings(const Settings& settings) {
@@ -191,23 +198,35 @@ void Simulation::step() {
 std::shared_ptr<const TouchLists> Simulation::take_touches() {
   auto touches = std::make_shared<TouchLists>();
   touches->hits = hits_;
-  if (!collect_.contacts && !collect_.forces) return touches;
+  if (collect_.contacts || collect_.forces || collect_.colours) take_contacts(*touches);
+  if (!collect_.strips) return touches;
+  for (const std::uint32_t strip : world_->strips()) {
+    touches->groups.push_back(strip == kNoStrip ? kNoGroup : static_cast<float>(strip));
+  }
+  return touches;
+}
+
+void Simulation::take_contacts(TouchLists& touches) {
+  const auto at = [](std::vector<float>& by_id, BodyId id, float none) -> float& {
+    if (by_id.size() <= id.index) by_id.resize(std::size_t{id.index} + 1, none);
+    return by_id[id.index];
+  };
   const std::span<const Contact> contacts = world_->contacts();
-  if (collect_.contacts) touches->contacts.reserve(contacts.size());
+  if (collect_.contacts) touches.contacts.reserve(contacts.size());
   for (const Contact& c : contacts) {
     const auto force = static_cast<float>(c.impulse / world_->desc().dt);
     if (collect_.contacts) {
-      touches->contacts.push_back({c.a.index, c.b.index, c.point, static_cast<float>(c.normal.x),
-                                   static_cast<float>(c.normal.y), force});
+      touches.contacts.push_back({c.a.index, c.b.index, c.point, static_cast<float>(c.normal.x),
+                                  static_cast<float>(c.normal.y), force, c.colour});
     }
-    if (!collect_.forces) continue;
     for (const BodyId id : {c.a, c.b}) {
       if (id == kNoBody) continue;
-      if (touches->forces.size() <= id.index) touches->forces.resize(std::size_t{id.index} + 1);
-      touches->forces[id.index] += force;
+      if (collect_.forces) at(touches.forces, id, 0) += force;
+      if (!collect_.colours || c.colour == kNoColour) continue;
+      float& most = at(touches.groups, id, kNoGroup);
+      most = std::max(most, static_cast<float>(c.colour));
     }
   }
-  return touches;
 }
 
 std::shared_ptr<const Snapshot> Simulation::take_still() const {
@@ -250,7 +269,7 @@ void Simulation::tell(Status& status) {
   } else {
     status.still.reset();
   }
-  if (collect_.contacts || collect_.forces || collect_.hits) {
+  if (collect_.contacts || collect_.forces || collect_.strips || collect_.colours || collect_.hits) {
     status.touches = take_touches();
   } else {
     status.touches.reset();

@@ -8,15 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "body_columns.h"
 #include "catalogue.h"
 #include "psim/scene.h"
 
 namespace psim::view {
 
-/// What the sliders set. Gravity changes at once; the rest takes a new world, which goes on from
+/// What the sliders set. Gravity and skin change at once; the rest takes a new world, which goes on from
 /// the present state.
 struct Settings {
   Vec2 gravity;
+  double skin = 1;
   int substeps = 4;
   std::optional<double> restitution, friction;  ///< of every body and wall; none: the scene's own
   Isa isa = Isa::scalar;
@@ -32,7 +34,7 @@ struct JointLook {
 
 /// What is collected for overlays and colours. All of it costs time of the simulation.
 struct Collect {
-  bool contacts = false, forces = false, hits = false, hash = true;
+  bool contacts = false, forces = false, strips = false, colours = false, hits = false, hash = true;
   friend bool operator==(const Collect&, const Collect&) = default;
 };
 
@@ -42,11 +44,13 @@ struct ContactLook {
   Vec2 point;                  ///< metres
   float nx = 0, ny = 0;        ///< of length 1, from a to b
   float force = 0;             ///< N, along the normal
+  std::uint32_t colour = 0;    ///< Contact::colour
 };
 
 struct TouchLists {
   std::vector<ContactLook> contacts;
   std::vector<float> forces;   ///< N, by id: sum of what a body's contacts press it with
+  std::vector<float> groups;   ///< by id: strip, or highest colour of the contacts; kNoGroup, also beyond
   std::vector<HitEvent> hits;  ///< of the last step
 };
 
@@ -85,6 +89,7 @@ class Simulation {
   void restart();                      ///< the scene as it began, with the settings of now
   void single_step();
   void set_gravity(Vec2 gravity);
+  void set_skin(double factor);
   void set_settings(const Settings& settings);
   void set_collect(const Collect& collect);
   void say(std::string message) { message_ = std::move(message); }
@@ -121,8 +126,10 @@ class Simulation {
   Scene configured() const;
   void carry_over(World& old, World& fresh, Catalogue& looks);
   void add(BodyDesc desc);
+  void forget_joints_of(std::uint32_t id);
   void pull();
   std::shared_ptr<const TouchLists> take_touches();
+  void take_contacts(TouchLists& touches);
   std::shared_ptr<const Snapshot> take_still() const;
   double mass_of(const BodyState& state) const;
 

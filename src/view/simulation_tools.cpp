@@ -91,8 +91,18 @@ void Simulation::add(BodyDesc desc) {
   }
   catalogue_->set(id.index, desc, desc.type);
   told_catalogue_.reset();
+  forget_joints_of(id.index);  // of a body that left an open world
   added_.push_back({id, std::move(desc)});
   changed_ = true;
+}
+
+// Its id may be another body's soon.
+void Simulation::forget_joints_of(std::uint32_t id) {
+  const auto names_it = [id](const JointLook& joint) { return joint.a == id || joint.b == id; };
+  if (std::ranges::none_of(*joints_, names_it)) return;
+  std::vector<JointLook> left = *joints_;
+  std::erase_if(left, names_it);
+  joints_ = std::make_shared<const std::vector<JointLook>>(std::move(left));
 }
 
 void Simulation::spawn(Vec2 at, SpawnShape shape, double size) {
@@ -146,6 +156,7 @@ void Simulation::erase(Vec2 at, double reach) {
   if (!hit) return;
   world_->remove_body(hit->body);
   std::erase_if(added_, [&](const Added& one) { return one.id == hit->body; });
+  forget_joints_of(hit->body.index);
   changed_ = true;
 }
 

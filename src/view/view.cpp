@@ -134,9 +134,10 @@ void View::look_at_simulation() {
     bodies_.set(*shown, status_.catalogue);
     coloured_.reset();
   }
-  if (state_.colouring == Colouring::force && status_.touches && status_.touches != coloured_) {
+  if (state_.back == 0 && status_.touches && status_.touches != coloured_) {  // known of the newest frame only
     coloured_ = status_.touches;
-    bodies_.set_forces(coloured_->forces);
+    if (state_.colouring == Colouring::force) bodies_.set_forces(coloured_->forces);
+    if (state_.colouring >= Colouring::strip) bodies_.set_groups(coloured_->groups);
   }
   if (state_.go_home) {
     state_.go_home = false;
@@ -157,7 +158,8 @@ void View::draw() {
   state_.camera.resize(window_.width(), window_.height());
   Stopwatch watch;
   look_at_simulation();
-  overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays);
+  overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays,
+                  state_.colouring);
   const double prepare = watch.lap_ms();
   renderer_.upload(bodies_, state_.colouring);
   renderer_.upload(overlays_.below, overlays_.above);

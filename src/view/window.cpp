@@ -30,6 +30,11 @@ int button_of(Uint8 button) {
   return button == SDL_BUTTON_LEFT ? 0 : button == SDL_BUTTON_RIGHT ? 1 : 2;
 }
 
+// Whether a key that is held down acts again and again: those that step; a switch would flicker.
+bool goes_on(SDL_Keycode key) {
+  return key == SDLK_o || key == SDLK_RIGHT || key == SDLK_COMMA || key == SDLK_PERIOD;
+}
+
 }  // namespace
 
 Window::Window(int width, int height, bool in_step)
@@ -65,6 +70,8 @@ void Window::begin_imgui() {
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 5;
   style.FrameRounding = 3;
+  style.FramePadding = {4, 2};  // all panels fit into 800 pixels
+  style.ItemSpacing = {8, 3};
   style.Colors[ImGuiCol_WindowBg].w = 0.88f;
   ImGui_ImplSDL2_InitForOpenGL(window_, context_);
   ImGui_ImplOpenGL3_Init("#version 330");
@@ -90,7 +97,9 @@ bool Window::read_events(Pointer& pointer, std::vector<std::string>& keys) {
       case SDL_QUIT:
         return false;
       case SDL_KEYDOWN:
-        if (!ImGui::GetIO().WantTextInput) keys.emplace_back(SDL_GetKeyName(event.key.keysym.sym));
+        if (ImGui::GetIO().WantTextInput) break;
+        if (event.key.repeat != 0 && !goes_on(event.key.keysym.sym)) break;
+        keys.emplace_back(SDL_GetKeyName(event.key.keysym.sym));
         break;
       case SDL_MOUSEMOTION:
         pointer.x = event.motion.x;

@@ -565,6 +565,7 @@ class Session {
           break;
         case 5:
           w.enable_snapshots(on);
+          require(w.set_skin(gravity.x) == (gravity.x >= 0.25 && gravity.x <= 4), "set_skin");
           break;
         case 6:
           if (k == 0) w.set_job_system(on ? job_system() : JobSystem{});

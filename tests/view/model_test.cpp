@@ -161,6 +161,25 @@ TEST(ViewSimulation, SpawnedBodiesWallsAndErasedOnesCount) {
   EXPECT_EQ(told(simulation).bodies, 4u);
 }
 
+// A body that takes the place of one that was erased is not tied to what that one was tied to.
+TEST(ViewSimulation, JointsGoWithTheirBodies) {
+  Scene scene = small_scene();
+  for (const std::size_t b : {std::size_t{1}, std::size_t{2}}) {
+    SceneJoint joint;
+    joint.a = 0;
+    joint.b = b;
+    scene.joints.push_back(joint);
+  }
+  Simulation simulation{scene, best_isa(), 1};
+  EXPECT_EQ(told(simulation).joints->size(), 2u);
+  simulation.erase({6, -9}, 0.1);  // body 2
+  EXPECT_EQ(told(simulation).joints->size(), 1u);
+  simulation.spawn({5, 10}, SpawnShape::disc, 0.5);
+  ASSERT_TRUE(body(simulation, 2));
+  EXPECT_EQ(told(simulation).joints->size(), told(simulation).world->joint_count());
+  EXPECT_EQ(told(simulation).joints->front().b, 1u);
+}
+
 TEST(ViewSimulation, NewWorldGoesOnFromThePresentState) {
   Simulation simulation = make_simulation();
   simulation.spawn({3, 20}, SpawnShape::disc, 0.5);
@@ -223,6 +242,21 @@ TEST(ViewSimulation, EverySliderActs) {
     EXPECT_EQ(body(simulation, 3)->vx > 0.5, friction == 0) << body(simulation, 3)->vx;
     EXPECT_LE(body(simulation, 3)->vx, 2.05);
   }
+  {  // the same world goes on, and a new one takes it over
+    Simulation simulation = make_simulation();
+    for (int frame = 0; frame < 3; ++frame) simulation.step();
+    const std::uint64_t world = told(simulation).world_serial;
+    simulation.set_skin(3);
+    EXPECT_EQ(told(simulation).settings.skin, 3);
+    EXPECT_EQ(told(simulation).world->desc().skin, 3);
+    EXPECT_EQ(told(simulation).world_serial, world);
+    simulation.step();
+    EXPECT_TRUE(told(simulation).steps.back().rebuilt);
+    simulation.set_skin(9);  // out of range
+    EXPECT_EQ(told(simulation).settings.skin, 3);
+    change(simulation, [](Settings& s) { s.substeps = 5; });
+    EXPECT_EQ(told(simulation).world->desc().skin, 3);
+  }
   {
     Simulation simulation = make_simulation();
     change(simulation, [](Settings& s) { s.substeps = 7; });
@@ -264,6 +298,29 @@ TEST(ViewSimulation, ContactsAndForcesAreToldWhereWanted) {
   EXPECT_TRUE(told(simulation).touches->contacts.empty());
   simulation.set_collect({});
   EXPECT_FALSE(told(simulation).touches);
+}
+
+TEST(ViewSimulation, StripsAndColoursAreToldWhereWanted) {
+  Simulation simulation = make_simulation();
+  for (int frame = 0; frame < 5; ++frame) simulation.step();
+  simulation.add_wall({-5, 3}, {5, 3});  // static: no strip
+  simulation.set_collect({.strips = true});
+  Status status = told(simulation);
+  ASSERT_TRUE(status.touches);
+  EXPECT_TRUE(status.touches->contacts.empty());
+  EXPECT_EQ(status.touches->groups, (std::vector<float>{0, 0, 0, 0, kNoGroup}));
+  simulation.set_collect({.contacts = true, .colours = true});
+  status = told(simulation);
+  ASSERT_EQ(status.touches->groups.size(), 4u);
+  for (const ContactLook& c : status.touches->contacts) {
+    EXPECT_NE(c.colour, kNoColour);
+    EXPECT_GE(status.touches->groups[c.a], static_cast<float>(c.colour));
+  }
+  BodyColumns columns;
+  columns.set(*status.world->latest_snapshot(), status.catalogue);
+  EXPECT_TRUE(columns.groups().empty());
+  columns.set_groups({2, kNoGroup});
+  EXPECT_EQ(columns.groups(), (std::vector<float>{2, kNoGroup, kNoGroup, kNoGroup}));
 }
 
 TEST(ViewSimulation, SceneThatIsNotThereChangesNothing) {

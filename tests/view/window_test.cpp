@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -31,6 +32,13 @@ struct Picture {
     png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr);
   }
 
+  /// Red, green and blue at a place.
+  std::array<int, 3> at(double x, double y) const {
+    const auto first = 3 * (static_cast<std::size_t>(std::lround(y)) * static_cast<std::size_t>(width) +
+                            static_cast<std::size_t>(std::lround(x)));
+    return {rgb[first], rgb[first + 1], rgb[first + 2]};
+  }
+
   /// Pixels unlike the background within `reach` pixels of a place.
   int painted(double x, double y, int reach) const {
     const std::uint8_t background[] = {18, 22, 29};
@@ -53,8 +61,8 @@ bool has_screen() { return std::system("command -v xvfb-run > /dev/null 2>&1") =
 #define NEEDS_A_SCREEN() \
   if (!has_screen()) GTEST_SKIP() << "xvfb-run is missing: apt install xvfb xauth"
 
-Outcome run_view(const std::string& arguments) {
-  return Process("/bin/sh", {"-c", "exec xvfb-run -a -s '-screen 0 1280x800x24' " PSIM_PROGRAM
+Outcome run_view(const std::string& arguments, const std::string& folder = ".") {
+  return Process("/bin/sh", {"-c", "cd '" + folder + "' && exec xvfb-run -a -s '-screen 0 1280x800x24' " PSIM_PROGRAM
                                    " --threads 1 --size 800x600 " +
                                        arguments})
       .wait();
@@ -157,6 +165,60 @@ TEST_F(ViewWindow, SameInputSamePicture) {
   EXPECT_NE(d, e);
   EXPECT_TRUE(d == read_file(scratch_.file("d.png")));
   EXPECT_TRUE(e == read_file(scratch_.file("e.png")));
+}
+
+// The disc in the middle is in the first strip, red; nothing touches it, so it has no colour of the solver.
+TEST_F(ViewWindow, ColoursByStripAndSolver) {
+  NEEDS_A_SCREEN();
+  std::string keys;
+  for (int k = 0; k < 7; ++k) keys += "3 key C\n";
+  const std::string input = script(keys + "8 shot " + scratch_.file("g.png") + "\n9 key C\n12 shot " +
+                                   scratch_.file("h.png") + "\n13 quit\n");
+  const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " + input);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Vec2 middle = camera_.to_screen({0.2, 0.4});  // beside the spoke
+  const auto strip = Picture(scratch_.file("g.png")).at(middle.x, middle.y);
+  const auto solver = Picture(scratch_.file("h.png")).at(middle.x, middle.y);
+  EXPECT_GT(strip[0], strip[1] + 100);
+  EXPECT_GT(strip[0], strip[2] + 100);
+  EXPECT_NEAR(solver[0], 77, 3);
+  EXPECT_NEAR(solver[1], 77, 3);
+}
+
+// The keys of the help, by what they change.
+TEST_F(ViewWindow, KeysDoWhatTheHelpSays) {
+  NEEDS_A_SCREEN();
+  const auto file = [&](char name) { return scratch_.file(std::string(1, name) + ".png"); };
+  const auto shot = [&](int frame, char name) { return std::to_string(frame) + " shot " + file(name) + "\n"; };
+  // Coloured by body: what is seen follows from places alone.
+  const std::string input =
+      script("3 key C\n3 key C\n3 key C\n3 key C\n10 key P\n" + shot(12, 'a') + shot(16, 'b') + "17 key O\n" +
+             shot(19, 'c') + "20 key Right\n" + shot(22, 'd') + "23 key ,\n" + shot(25, 'e') + "26 key .\n" +
+             shot(28, 'f') + "29 key .\n" + shot(31, 'g') + "32 key R\n" + shot(34, 'h') + "35 key Space\n" +
+             shot(39, 'i') + "140 key P\n141 key Home\n" + shot(142, 'j') + "143 key G\n" + shot(144, 'k') +
+             "145 key G\n145 key K\n" + shot(148, 'l') + "149 key K\n150 wheel 3\n" + shot(151, 'm') +
+             "152 key Home\n" + shot(153, 'n') + "154 key F12\n155 key F1\n" + shot(157, 'o') + "158 quit\n");
+  const Outcome outcome = run_view("pile --particles 300 --play " + input, scratch_.file(""));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto same = [&](char one, char other) {
+    const std::string first = read_file(file(one));
+    EXPECT_GT(first.size(), 500u) << one;
+    return first == read_file(file(other));
+  };
+  EXPECT_TRUE(same('a', 'b'));   // P: it stands still
+  EXPECT_FALSE(same('b', 'c'));  // O: a step
+  EXPECT_FALSE(same('c', 'd'));  // Right: another
+  EXPECT_TRUE(same('e', 'c'));   // , : back
+  EXPECT_TRUE(same('f', 'd'));   // . : forward to the newest
+  EXPECT_FALSE(same('g', 'f'));  // . : and on
+  EXPECT_FALSE(same('h', 'g'));  // R: from the beginning
+  EXPECT_FALSE(same('i', 'h'));  // Space: it runs
+  EXPECT_FALSE(same('k', 'j'));  // G
+  EXPECT_FALSE(same('l', 'j'));  // K
+  EXPECT_FALSE(same('m', 'j'));  // wheel
+  EXPECT_TRUE(same('n', 'j'));   // Home
+  EXPECT_FALSE(same('o', 'n'));  // F1
+  EXPECT_TRUE(read_file(scratch_.file("psim-view-001.png")) == read_file(file('n')));
 }
 
 TEST_F(ViewWindow, PanelsScenesAndOverlaysCanBeShown) {

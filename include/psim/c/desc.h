@@ -27,6 +27,7 @@ typedef struct psim_world_desc {
   double restitution_threshold;  ///< m/s, >= 0: slower impacts do not bounce; default 0
   int32_t sleeping;              ///< flag: bodies at rest are left out of the steps; default 1
   int32_t reserved;              ///< 0
+  double skin;                   ///< 0.25 to 4: factor on the skin of neighbour lists; default 1
 } psim_world_desc;
 
 /// How the caller wants the world run. None of it changes a bit of the result.

@@ -55,6 +55,17 @@ typedef struct psim_contact {
   double friction;    ///< N s: likewise along (-normal.y, normal.x)
 } psim_contact;
 
+/// No strip, or no colour.
+#define PSIM_NO_GROUP 0xFFFFFFFFu
+
+/// With which others a contact was solved.
+typedef struct psim_contact_group {
+  uint32_t strip;   ///< of the lists that it was found in, as psim_world_strips; PSIM_NO_GROUP among sleepers
+  uint32_t colour;  ///< in that strip: no two contacts of one colour share a dynamic body; PSIM_NO_GROUP: solved by
+                    ///< itself, or not known: after psim_world_restore until the next step and while a governor
+                    ///< spreads a step over frames
+} psim_contact_group;
+
 /// Of the last step, each list ordered by a, then b.
 typedef struct psim_events {
   uint32_t struct_size;                  ///< set by psim_events_init
@@ -114,6 +125,17 @@ PSIM_API psim_result psim_world_events(psim_world* world, psim_events* events);
 /// the bodies fell asleep. The list stays until the next call of this function. Not beside another call.
 PSIM_API psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts,
                                          size_t* count);
+
+/// Strip and colour of the contacts that psim_world_contacts gave last, `*count` of them in the same order. The list
+/// stays until the next call of that function.
+PSIM_API psim_result psim_world_contact_groups(psim_world* world, const psim_contact_group** groups,
+                                               size_t* count);
+
+/// By body index, for `*count` of them: the strip that the body lay in when the last step's lists were made, some rows
+/// of the broad phase's cells, or all large bodies: a unit of parallel work. PSIM_NO_GROUP for who is in no list:
+/// static, sleeping, frozen, new, gone. The list stays until the next call of this function or one that changes the
+/// world. Not beside another call.
+PSIM_API psim_result psim_world_strips(psim_world* world, const uint32_t** strips, size_t* count);
 
 #ifdef __cplusplus
 }

@@ -75,6 +75,9 @@ PSIM_API psim_result psim_world_prepare(psim_world* world);
 /// Changes gravity, m/s^2, finite; everybody wakes.
 PSIM_API psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity);
 
+/// Changes the factor on the skin of neighbour lists, 0.25 to 4: the next step makes its lists anew.
+PSIM_API psim_result psim_world_set_skin(psim_world* world, double factor);
+
 /// Lets bodies sleep from now on (flag), or wakes all and keeps them awake.
 PSIM_API psim_result psim_world_set_sleeping(psim_world* world, int32_t on);
 
@@ -86,7 +89,7 @@ PSIM_API psim_result psim_world_set_governor(psim_world* world, const psim_gover
 /// (PSIM_ERROR_INTERNAL from the step).
 PSIM_API psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs);
 
-/// The present description: as created, with the gravity and sleeping set since. `fields` points
+/// The present description: as created, with the gravity, skin and sleeping set since. `fields` points
 /// into the world and stays valid until psim_world_restore.
 PSIM_API psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc);
 
