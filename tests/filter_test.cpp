@@ -149,6 +149,24 @@ TEST(Filters, OfTwoMixedGasesKeepThemApart) {
   EXPECT_NEAR(energy(*world), before, 1e-3 * before);
 }
 
+// Bodies that the lists link by such pairs alone are solved as they are, not as they were.
+TEST(Filters, LetAGasOfGhostsFlyStraightOn) {
+  auto world = make(periodic(40, 40));
+  Random random(2);
+  std::vector<Vec2> velocity;
+  for (int k = 0; k < 40; ++k) {
+    velocity.push_back({random.uniform(-6, 6), random.uniform(-6, 6)});
+    add(*world,
+        with(disc({random.uniform(0, 40), random.uniform(0, 40)}, velocity.back()), kGhost));
+  }
+  run(*world, 200);
+  for (std::uint32_t id = 0; id < 40; ++id) {
+    const BodyState s = state(*world, world->id_of(id));
+    EXPECT_FLOAT_EQ(static_cast<float>(s.vx), static_cast<float>(velocity[id].x)) << id;
+    EXPECT_FLOAT_EQ(static_cast<float>(s.vy), static_cast<float>(velocity[id].y)) << id;
+  }
+}
+
 TEST(Filters, CostNothingWhereThereAreNone) {
   const auto planned = [](const World& world) {
     for (const PlanEntry& entry : world.plan()) {

@@ -244,7 +244,7 @@ void BroadPhase::move(BodyStore& b, const kernels::KernelTable& k, WorkerPool& p
   }
   const std::uint32_t blocks = b.blocks();
   pool.run(stream_tasks(blocks), [&](std::size_t t) { place(b, params_.ahead, k, stream_range(t, blocks)); });
-  open_lists(b, pool, table);
+  open_lists(b, pool, table, false);
 }
 
 // Cuts the rows into strips of about equal numbers of bodies. O(rows), of a list O(strips log cells).
@@ -368,14 +368,20 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
 
 void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::KernelTable& k,
                              WorkerPool& pool, PairTable& table) {
-  if (listed_) {
-    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
-  } else {
-    sort_.count(b, grid_, large_, k, pool);
-    table.large_begin = sort_.move(b, params_.mixed_radii, pool);
-  }
-  open_lists(b, pool, table);
+  move_again(b, k, pool, table);
   find_lists(b, shapes, k, pool, table);
+}
+
+void BroadPhase::count_again(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) {
+  if (!listed_) sort_.count(b, grid_, large_, k, pool);
+}
+
+void BroadPhase::move_again(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
+                            PairTable& table) {
+  count_again(b, k, pool);
+  table.large_begin = listed_ ? sort_.sort(b, large_, params_.mixed_radii, pool)
+                              : sort_.move(b, params_.mixed_radii, pool);
+  open_lists(b, pool, table, true);
 }
 
 void BroadPhase::find_lists(BodyStore& b, const StaticShapes& shapes, const kernels::KernelTable& k,
@@ -422,8 +428,8 @@ void BroadPhase::measure(BodyStore& b, StaticShapes& shapes, const BroadPhasePar
   }
 }
 
-// Bodies lie in cell order: strips, and room for their pairs.
-void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table) {
+// Bodies lie in cell order: strips, and room for their pairs, as many as guessed before if `again`.
+void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table, bool again) {
   // Padding goes with the last body, and may go as far. In a small world it may go as far as it might have in the
   // lists before these: they are cheap there, and fresh ones round less (docs/decisions/009-lists-that-last.md).
   for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
@@ -443,8 +449,11 @@ void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table) {
               b.linked.data() + std::size_t{r.end} * kBlock,
               params_.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
   });
-  if (params_.outer > 0) pairs_a_body_.assign(strips - 1, 2 * params_.outer * params_.outer * density_);
-  for (double& pairs : pairs_a_body_) pairs *= params_.growth;
+  if (!again) {
+    if (params_.outer > 0)
+      pairs_a_body_.assign(strips - 1, 2 * params_.outer * params_.outer * density_);
+    for (double& pairs : pairs_a_body_) pairs *= params_.growth;
+  }
   pending_.resize(strips);
   full_.assign(strips, 0);
   table.pair_room = 0;

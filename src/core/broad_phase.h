@@ -57,6 +57,10 @@ class BroadPhase {
   /// order that it left: after a saved state came back.
   void build_again(BodyStore& bodies, StaticShapes& shapes, const kernels::KernelTable& k,
                    WorkerPool& pool, PairTable& table);
+  /// The same up to a part of a build that was under way: count(); move(), with the searches still to do.
+  void count_again(const BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool);
+  void move_again(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool,
+                  PairTable& table);
 
   /// build() in parts, for a step spread over frames: how far bodies reach, their cells, bodies to their cells
   /// in moves() moves, which show with the last; then the searches for pairs [begin, end), as many as
@@ -178,7 +182,7 @@ class BroadPhase {
   void find_lists(BodyStore& bodies, const StaticShapes& shapes, const kernels::KernelTable& k,
                   WorkerPool& pool, PairTable& table);
   void give_room(PairTable& table, double more);
-  void open_lists(BodyStore& bodies, WorkerPool& pool, PairTable& table);
+  void open_lists(BodyStore& bodies, WorkerPool& pool, PairTable& table, bool again);
   void note_pairs(const PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
   void find_singles(const BodyStore& bodies, const StaticShapes& shapes, std::size_t strip,

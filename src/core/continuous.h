@@ -19,6 +19,8 @@
 namespace psim {
 
 class Continuous {
+  friend struct Image;
+
  public:
   /// Cuts the motion of fast shapes at fixed geometry, and of `bullets` (ids) at other moving bodies.
   /// Returns how many bodies were cut. O(shapes), and for fast ones what is along their way.

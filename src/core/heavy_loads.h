@@ -15,6 +15,8 @@
 namespace psim {
 
 class HeavyLoads {
+  friend struct Image;
+
  public:
   /// The least ratio of masses that counts.
   static constexpr float kLeastRatio = 8;
@@ -37,6 +39,7 @@ class HeavyLoads {
   bool any() const { return any_; }
   /// How often a pair was looked at in the costliest of the last searches, one that fades.
   double visits() const { return visits_; }
+  void set_visits(double visits) { visits_ = visits; }
   /// Whether a body's contacts need it.
   bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
 

@@ -160,6 +160,7 @@ void take_roster(const std::vector<AlikeBodies>& roster, BodyStore& b) {
 
 template <class A>
 void Image::bodies(A& a, BodyStore& b, bool lists) {
+  [[maybe_unused]] const std::uint32_t ids = b.id_count;
   numbers(a, b.id_count, b.count, b.dead, b.living, b.moving, b.fixed, b.kinematic, b.asleep);
   std::vector<AlikeBodies> loaded;
   if constexpr (!A::kLoading) find_roster(b);
@@ -167,6 +168,8 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
        [&](AlikeBodies& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
   if constexpr (A::kLoading) {
     b.info.reserve(b.id_count);
+    for (std::uint32_t id = b.id_count; id < ids; ++id)
+      b.info[id] = BodyInfo{};  // as if never used
     take_roster(loaded, b);
     b.reserve_slots(1);  // even of none: columns that the plan wants are there
   }
@@ -256,13 +259,16 @@ void Image::shapes(A& a, StaticShapes& s) {
 template <class A>
 void Image::broad(A& a, BroadPhase& b) {
   BroadPhaseParams& p = b.params_;
-  numbers(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.walls,
-          p.periodic, p.mixed_radii, p.link_all, p.bounds.xmin, p.bounds.ymin, p.bounds.xmax, p.bounds.ymax);
+  numbers(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer,
+          p.sample, p.growth, p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds.xmin,
+          p.bounds.ymin, p.bounds.xmax, p.bounds.ymax);
   numbers(a, b.all_.most, b.all_.extent[0], b.all_.extent[1], b.all_.extent[2], b.all_.extent[3], b.sorted_);
   kernels::GridView& g = b.grid_.view;
   numbers(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
-  numbers(a, b.grid_.cell_x, b.grid_.cell_y, b.grid_.periodic, b.grid_.keys, b.listed_, b.large_, b.most_, b.box_,
-          b.area_, b.density_, b.pad_reach_, b.next_pad_reach_);
+  numbers(a, b.grid_.cell_x, b.grid_.cell_y, b.grid_.periodic, b.grid_.keys, b.listed_, b.large_,
+          b.most_, b.box_, b.area_, b.density_, b.pad_reach_, b.next_pad_reach_, b.pairs_a_large_,
+          b.near_pairs_, b.tests_);
+  a.vector(b.pairs_a_body_);
   CellList& c = b.sort_.listed_;
   for (CellList::Axis& axis : c.axis_) numbers(a, axis.low, axis.per, axis.cells, axis.width);
   numbers(a, c.row_axis_, c.stride_, c.rows_, c.periodic_, c.slot_bits_, c.stays_);
@@ -278,6 +284,11 @@ void Image::contacts(A& a, ContactStore& c) {
 template <class A>
 void Image::solved(A& a, SolverBodies& s) {
   numbers(a, s.count_, s.compact_);
+}
+
+template <class A>
+void Image::counts(A& a, Solver& s, HeavyLoads& l, Continuous& c) {
+  numbers(a, s.closed_, s.sweeps_, l.visits_, c.looked_);
 }
 
 template <class A>
@@ -307,7 +318,8 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
   bool kinds = slots != 0 && m.kind_.capacity() >= slots;
   a.value(kinds);
   if (kinds) a.column(m.kind_, slots);
-  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.pass_blocks_, m.laid_);
+  numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.pass_blocks_,
+          m.laid_, m.looks_, m.new_pairs_);
   if constexpr (A::kLoading) {
     m.old_pairs_.clear();
     m.cut();
@@ -408,6 +420,7 @@ void Image::events(A& a, EventList& e) {
   template void Image::sleepers(A&, Sleepers&, std::size_t);          \
   template void Image::events(A&, EventList&);                        \
   template void Image::table(A&, PairTable&);                         \
+  template void Image::counts(A&, Solver&, HeavyLoads&, Continuous&); \
   template void Image::solved(A&, SolverBodies&);
 PSIM_IMAGE_OF(Saver)
 PSIM_IMAGE_OF(Loader)

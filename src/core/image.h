@@ -59,6 +59,9 @@ struct Image {
   static void table(A& a, PairTable& t);
   template <class A>
   static void solved(A& a, SolverBodies& s);
+  /// What the governor counts of the last step, and no other part has.
+  template <class A>
+  static void counts(A& a, Solver& s, HeavyLoads& l, Continuous& c);
 };
 
 }  // namespace psim

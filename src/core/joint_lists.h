@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "joint_views.h"
@@ -59,7 +61,13 @@ class JointLists {
   }
   /// Empty blocks in place of those that were there.
   void assign(std::uint32_t list, std::size_t count) {
-    visit(*this, list, [count](auto& all) { all.assign(count, {}); });
+    visit(*this, list, [count](auto& all) {
+      using Block = typename std::remove_reference_t<decltype(all)>::value_type;
+      all.resize(count);
+      if (count != 0)
+        std::memset(static_cast<void*>(all.data()), 0,
+                    count * sizeof(Block));  // saved states hold padding, too
+    });
   }
   std::size_t bytes() const {
     std::size_t sum = 0;

@@ -2,7 +2,8 @@
 //
 // Lists that last are not saved: they are made again from where the bodies were when they were made, and
 // impulses go to the same pairs. That waits until somebody needs the lists. Where lists are for one step, or
-// are to be made anew, the pairs that carry something are saved instead.
+// are to be made anew, the pairs that carry something are saved instead. What was made of a step that is under way
+// over frames is made again from a list of what was done.
 #pragma once
 
 #include <cstdint>
@@ -62,9 +63,17 @@ struct Saved {
     for (auto* c : {&many, &s_body, &s_shape, &strip_pairs, &strip_singles}) c->clear();
   }
   bool missing = false;       ///< the lists of a restored state are
-  /// Of a step that is under way over frames: lists serve; bodies are measured; they are sorted, too.
-  enum class Work : std::uint8_t { none, checked, measured, sorted };
-  Work work = Work::none;
+  bool undone = false;        ///< so is the work of its step that was under way over frames
+  /// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies
+  /// that the host pushed in between. Done again, it comes out the same.
+  struct Done {
+    std::uint32_t part = 0, at = 0;
+    double span = 0;       ///< s: that the work was for; 0: a push
+    std::uint32_t id = 0;  ///< of the body, and how it moved before, m/s
+    float vx = 0, vy = 0, spin = 0;
+  };
+  std::vector<Done> done;
+  std::uint64_t candidates = 0;       ///< how many there are, where they are not
   std::vector<std::uint32_t> origin;  ///< where bodies lay when the contacts were laid out, if they moved on
   bool bare = false;          ///< contacts have impulses alone
   std::uint64_t builds = 0;   ///< ContactStore::builds() then

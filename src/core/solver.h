@@ -48,6 +48,8 @@ struct SolverReport {
 using HeldBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
 
 class Solver {
+  friend struct Image;
+
  public:
   /// Runs all substeps. `forces` is null where accelerations are uniform.
   SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table,

@@ -368,6 +368,7 @@ void World::Impl::refresh_lists(double dt, const Span& span, StepReport& report)
   if (plan.shapes) lay_out_manifolds(dt);
   if (contacts.pair_blocks() + contacts.single_blocks() == 0) {
     if (!manifolds.any()) ++skipped_frames[2];
+    solved.load(bodies, pool);  // those that were linked by pairs that must not collide
     return;
   }
   narrow_phase(bodies, solved, shapes, walls, lattice, kRefreshOfRadius * least_radius, table,

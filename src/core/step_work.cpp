@@ -36,6 +36,7 @@ void World::Impl::spoil_lists() {
   if (ahead.sorted) broad.keep_origin();
   lists_stale = true;
   if (ahead.waits != 0 && (ahead.part != Part::check || ahead.at != 0)) ++ahead.spoiled;
+  saved.done.clear();
   ahead.part = Part::check;
   ahead.at = 0;
   ahead.sorted = ahead.swapped = ahead.built = false;
@@ -64,6 +65,7 @@ void World::Impl::accept_work() {
     broad.forget_origin();
     broad.finish(bodies, kernels, pool);
   }
+  saved.done.clear();
   ahead.part = Part::check;
   ahead.at = 0;
   ahead.sorted = ahead.swapped = ahead.built = ahead.laid = false;
@@ -71,12 +73,30 @@ void World::Impl::accept_work() {
 
 // A body's velocity was changed by the host: lists and manifolds that were made for this step do not serve it
 // if it is much faster now.
-void World::Impl::pushed(std::uint32_t slot, float speed_before) {
+void World::Impl::pushed(std::uint32_t id, const Motion& before) {
   if (ahead.part == Part::check) return;
   if (ahead.built && !ahead.sorted) return spoil_lists();  // it may be copied already
-  const double gain = static_cast<double>(speed_of(slot) - speed_before);
+  const std::uint32_t slot = bodies.info[id].slot;
+  const double gain = static_cast<double>(speed_of(slot) - before.fastest());
   const double way = kMarginFrames * desc.dt * std::max<int>(ahead.horizon, ahead.waits + 1) * gain;
-  if (!(way <= 0.02 * static_cast<double>(bodies.radius[slot]))) spoil_lists();
+  if (!(way <= 0.02 * static_cast<double>(bodies.radius[slot]))) return spoil_lists();
+  Saved::Done push;
+  push.id = id;
+  push.vx = before.vx;
+  push.vy = before.vy;
+  push.spin = before.spin;
+  saved.done.push_back(push);
+}
+
+// A frame's work on a step that waits ends here.
+void World::Impl::note_work(const Span& span) {
+  if (ahead.part == Part::check) return;
+  if (saved.done.empty() || saved.done.back().span != span.step) {
+    saved.done.emplace_back();
+    saved.done.back().span = span.step;
+  }
+  saved.done.back().part = static_cast<std::uint32_t>(ahead.part);
+  saved.done.back().at = ahead.at;
 }
 
 // Whether the table, the contacts and the bodies' slots belong together.

@@ -124,7 +124,6 @@ std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const {
 void World::enable_snapshots(bool on) {
   impl_->traits.snapshots = on;
   impl_->placed = true;
-  impl_->plan_stale = true;
 }
 
 const Snapshot* World::latest_snapshot() { return impl_->publisher.latest(); }

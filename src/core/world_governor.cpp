@@ -106,6 +106,7 @@ WorkCounts World::Impl::count_work() const {
   work.bodies = bodies.count - bodies.dead;
   work.solved = solved.count();
   if (loose) {
+    if (candidates.strips.empty()) work.candidates = saved.candidates;
     for (const Strip& s : candidates.strips) work.candidates += s.pair_end - s.pair_begin;
   }
   work.contacts = contacts.pair_count() + contacts.single_count();
@@ -266,7 +267,9 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
         !lists_serve(dt * std::min(elapsed, horizon)))
       horizon = 1;
     const Governor::Choice choice = governor.choose(counts, room - spent, elapsed, horizon, most);
-    detail.solves = choice.solves || late;
+    // Manifolds that were not kept as they were before they were looked at cannot wait.
+    const bool looked = plan.shapes && !loose && !ahead.built && !ahead.spread;
+    detail.solves = choice.solves || late || looked;
     if (detail.solves) {
       detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
       detail.frames = static_cast<std::uint8_t>(choice.frames);
@@ -274,6 +277,7 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
       detail.pieces = 0;
     }
   }
+  if (!detail.solves) note_work(span);
   report.predicted_ms = spent * 1e-6;
 }
 
@@ -318,6 +322,7 @@ void World::Impl::work_ahead(double dt, StepReport& report) {
     left -= end - ahead.at;
     work(span, report, end);
   }
+  note_work(span);
 }
 
 namespace {

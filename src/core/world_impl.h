@@ -1,6 +1,7 @@
 // The parts of a world. Each stage takes what it needs of them; none takes the world.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -177,7 +178,17 @@ struct World::Impl {
   template <class Each>
   void each_contact(const Each& each) const;
   void rest(double dt, StepReport& report);
-  float speed_of(std::size_t slot) const;
+  struct Motion {  // m/s
+    float vx = 0, vy = 0, spin = 0;
+    float fastest() const {
+      return std::sqrt(vx * vx + vy * vy) + std::fabs(spin);
+    }  ///< of its points
+  };
+  Motion motion_of(std::size_t slot) const {
+    return {bodies.vel[2 * slot], bodies.vel[2 * slot + 1],
+            bodies.spin.empty() ? 0.0f : bodies.spin[slot]};
+  }
+  float speed_of(std::size_t slot) const { return motion_of(slot).fastest(); }
   void choose_sleepers(double dt);
   template <class May>
   void keep_joined_awake(Column<std::uint8_t>& state, const May& may);
@@ -204,11 +215,14 @@ struct World::Impl {
   void keep_singles();
   void take_pairs();
   bool restore(std::span<const std::byte> state, std::string& error);
-  /// After a state came back: the lists that it had, if they are still missing. Before anything changes.
+  /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
+  /// Before anything changes.
   void settle_lists() {
     if (saved.missing) make_lists_again();
+    if (saved.undone) work_again();
   }
   void make_lists_again();
+  void work_again();
 
   // world_joints.cpp
   void count_joints();
@@ -261,7 +275,8 @@ struct World::Impl {
   void accept_work();
   Part after_contacts() const { return plan.shapes ? Part::look : Part::done; }
   Part after_check() const { return loose ? Part::select : after_contacts(); }  // if lists serve
-  void pushed(std::uint32_t slot, float speed_before);
+  void pushed(std::uint32_t id, const Motion& before);
+  void note_work(const Span& span);
   bool contacts_stand() const;
   std::size_t pieces() const;
   void work(const Span& span, StepReport& report, std::size_t end);

@@ -79,7 +79,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
   const BodyInfo& info = w.bodies.info[id.index];
   const std::size_t i = info.slot;
   velocity = w.capped(velocity);
-  const float speed = w.speed_of(i);
+  const Impl::Motion before = w.motion_of(i);
   if (angular_velocity != 0 && w.bodies.spin.empty()) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
@@ -93,7 +93,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     }
     w.go_round(id.index, velocity);
   }
-  w.pushed(info.slot, speed);
+  w.pushed(id.index, before);
   w.forces_stale = true;
   return true;
 }
@@ -111,9 +111,9 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
     return true;
   }
   v = w.capped(v);
-  const float speed = w.speed_of(i);
+  const Impl::Motion before = w.motion_of(i);
   w.bodies.put_velocity(i, v);
-  w.pushed(info.slot, speed);
+  w.pushed(id.index, before);
   w.forces_stale = true;
   return true;
 }
@@ -143,8 +143,8 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
   const std::size_t i = w.bodies.info[id.index].slot;
   const double change = static_cast<double>(surface.spin_gain) * impulse /
                         static_cast<double>(surface.radius);
-  const double before = w.bodies.spin.empty() ? 0 : static_cast<double>(w.bodies.spin[i]);
-  const auto spin = static_cast<float>(before + change);
+  const Impl::Motion before = w.motion_of(i);
+  const auto spin = static_cast<float>(static_cast<double>(before.spin) + change);
   if (!finite(static_cast<double>(spin))) {
     w.doubtful.push_back(id);
     return true;
@@ -153,9 +153,8 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
     w.traits.turning = w.plan_stale = true;
     w.bodies.add_rotation();
   }
-  const float speed = w.speed_of(i);
   w.bodies.spin[i] = spin;
-  w.pushed(w.bodies.info[id.index].slot, speed);
+  w.pushed(id.index, before);
   return true;
 }
 

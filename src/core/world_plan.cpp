@@ -25,13 +25,18 @@ Traits World::Impl::present_traits() const {
 }
 
 void World::Impl::replan() {
-  if (!plan_stale) return;
+  if (!plan_stale) {
+    if (plan.events == traits.events && plan.publish == traits.snapshots) return;
+    plan.events = traits.events;  // who listens or looks changes no result
+    plan.publish = traits.snapshots;
+    return apply_plan();
+  }
   plan_stale = false;
   traits = present_traits();
   const Plan next = make_plan(traits);
   if (next.model != plan.model) impulses_valid = false;
   Plan same = next;
-  same.events = plan.events;  // who listens or looks changes no result
+  same.events = plan.events;
   same.publish = plan.publish;
   if (same != plan) spoil_lists();
   // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are

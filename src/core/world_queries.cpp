@@ -205,7 +205,6 @@ EventSource World::Impl::event_source() {
 void World::set_event_options(const EventOptions& options) {
   impl_->events.set_options(options);
   impl_->traits.events = impl_->events.on();
-  impl_->plan_stale = true;
 }
 
 Events World::events() const { return impl_->events.view(); }

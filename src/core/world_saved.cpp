@@ -1,5 +1,6 @@
 // World::save and restore. What there is to remember is image.h's; here is in which order. How contacts come
 // back is world_saved_contacts.cpp's.
+#include "float_settings.h"
 #include "image.h"
 
 namespace psim {
@@ -16,9 +17,13 @@ std::string differs(const WorldDesc& a, const WorldDesc& b) {
 // All but manifolds. `lists`: they last, and are made again.
 template <class A>
 void World::Impl::image(A& a, bool& lists) {
-  numbers(a, frame, steps, escaped, stiff_substep, last_substep, impact_rate, list_frames, sampled_speed, crowding, loose,
-          once, first_mass, first_radius, least_radius, plan_stale, lists_stale, impulses_valid, substeps, kept_contacts,
-          ahead.built, ahead.waits, ahead.spoiled, ahead.horizon, saved.work, list_reach, lists);
+  numbers(a, frame, steps, escaped, stiff_substep, last_substep, impact_rate, list_frames,
+          sampled_speed, crowding, loose, once, first_mass, first_radius, least_radius, plan_stale,
+          lists_stale, impulses_valid, substeps, kept_contacts, ahead.part, ahead.at, ahead.sorted,
+          ahead.built, ahead.laid, ahead.spread, ahead.waits, ahead.spoiled, ahead.horizon,
+          list_reach, lists, saved.candidates);
+  list(a, saved.done,
+       [&](Saved::Done& d) { numbers(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.spin); });
   for (float& soft : manifold_soft) a.value(soft);
   Image::visit(a, first_surface);
   Image::visit(a, traits);
@@ -39,6 +44,7 @@ void World::Impl::image(A& a, bool& lists) {
   Image::broad(a, broad);
   Image::contacts(a, contacts);
   Image::solved(a, solved);
+  Image::counts(a, solver, loads, continuous);
   Image::joints(a, joints);
   Image::sleepers(a, sleepers, bodies.id_count);
   Image::events(a, events);
@@ -60,13 +66,11 @@ void World::Impl::image(A& a, bool& lists) {
 
 void World::save(std::vector<std::byte>& out) {
   Impl& w = *impl_;
-  using Work = Saved::Work;
   w.settle_lists();
-  const bool checked = w.ahead.part != Part::check && w.ahead.part != Part::measure;
-  w.saved.work = !checked ? Work::none : !w.ahead.built ? Work::checked : !w.ahead.sorted ? Work::measured : Work::sorted;
   w.saved.origin.clear();
   if (w.ahead.sorted || w.broad.has_moved_on()) w.broad.copy_origin(w.saved.origin);
   w.turn_back();
+  w.saved.candidates = w.count_work().candidates;
   const bool stale = w.lists_stale;
   w.lists_stale = stale || w.ahead.built;
   bool lists = !w.lists_stale && !w.once && w.bodies.count != 0 && w.bodies.dead == 0 && w.table.body_count != 0;
@@ -86,6 +90,7 @@ void World::save(std::vector<std::byte>& out) {
 bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }
 
 bool World::Impl::restore(std::span<const std::byte> state, std::string& error) {
+  const FloatSettings settings;  // as in a step: what is made here is what a step would make
   error.clear();
   Loader loader(state);
   WorldDesc read;
@@ -98,27 +103,31 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   saved.missing = false;
   table.body_count = old_table.body_count = 0;
   table.strips.clear();
+  candidates.strips.clear();
   bool lists = false;
   image(loader, lists);
   const WorkerPool::Awake awake(pool);
   loader.finish(pool);
   traits.snapshots = plan.publish = snapshots;
   forces.reset();
-  if (!plan_stale) apply_plan();
+  if (plan_stale) {  // its columns are there, and wait for the next plan
+    const bool published = applied.publish;
+    applied = plan;
+    applied.publish = published;
+  } else {
+    applied.events = plan.events;  // who listens is in the state
+    apply_plan();
+  }
   bodies.fill_radii(first_radius, traits.same_radius != traits.moving);
   bodies.put_dead_radii(saved.dead_radii);
   if (bodies.count != 0) bodies.pad_tail();
   old_table.body_count = 0;
   contacts.give_up();
-  manifolds.accept();
-  ahead.sorted = ahead.swapped = ahead.spread = false;
-  ahead.at = 0;
-  ahead.part = saved.work == Saved::Work::checked    ? after_check()
-               : saved.work == Saved::Work::measured ? Part::count
-                                                     : Part::check;
-  ahead.laid = ahead.built || loose;
+  manifolds.forget();  // of bodies that may not be
+  ahead.swapped = false;
   broad.set_origin(saved.origin);
-  saved.missing = lists || saved.work == Saved::Work::sorted;
+  saved.missing = lists;
+  saved.undone = ahead.part > Part::count;
   saved.bare = true;
   saved.builds = contacts.builds();
   if (!lists || loose) take_pairs();
@@ -133,6 +142,48 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   queries.forget_fixed();
   error = loader.error();
   return error.empty();
+}
+
+// What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
+void World::Impl::work_again() {
+  saved.undone = false;
+  const FloatSettings settings;
+  const double visits = loads.visits();
+  ahead.at = 0;
+  if (ahead.sorted) {
+    if (!loose) {
+      table.swap(old_table);
+      ahead.swapped = true;
+    }
+    broad.move_again(bodies, kernels, pool, loose ? candidates : table);
+    ahead.part = Part::search;
+  } else if (ahead.built) {
+    broad.count_again(bodies, kernels, pool);
+    ahead.part = Part::move;
+  } else {
+    ahead.part = after_check();
+  }
+  bodies.find_slots();
+  const auto swap_motion = [this](Saved::Done& push) {
+    if (push.span > 0) return;
+    const std::size_t slot = bodies.info[push.id].slot;
+    std::swap(bodies.vel[2 * slot], push.vx);
+    std::swap(bodies.vel[2 * slot + 1], push.vy);
+    if (!bodies.spin.empty()) std::swap(bodies.spin[slot], push.spin);
+  };
+  for (auto push = saved.done.rbegin(); push != saved.done.rend(); ++push) swap_motion(*push);
+  StepReport ignored;
+  for (Saved::Done& done : saved.done) {
+    swap_motion(done);
+    const auto part = static_cast<Part>(done.part);
+    while (done.span > 0 && ahead.part != Part::done &&
+           (ahead.part < part || (ahead.part == part && ahead.at < done.at))) {
+      const std::size_t end = pieces();
+      work({done.span, done.span}, ignored,
+           ahead.part == part ? std::min<std::size_t>(end, done.at) : end);
+    }
+  }
+  loads.set_visits(visits);
 }
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options, std::string& error) {

@@ -220,16 +220,6 @@ void World::Impl::take_pairs() {
 void World::Impl::make_lists_again() {
   saved.missing = false;
   const FloatSettings settings;
-  if (saved.work == Saved::Work::sorted) {
-    if (!loose) {
-      table.swap(old_table);
-      ahead.swapped = true;
-    }
-    broad.build_again(bodies, shapes, kernels, pool, loose ? candidates : table);
-    ahead.sorted = true;
-    ahead.part = loose ? Part::select : Part::group;
-    return;
-  }
   if (loose) {
     broad.build_again(bodies, shapes, kernels, pool, candidates);
     return;
@@ -238,6 +228,9 @@ void World::Impl::make_lists_again() {
   lists_stale = impulses_valid = true;
   old_table.body_count = 0;
   const Ahead now = ahead;
+  const double visits = loads.visits();
+  std::vector<Saved::Done> done;
+  done.swap(saved.done);
   ahead = {};
   ahead.part = Part::group;
   ahead.laid = true;
@@ -245,6 +238,8 @@ void World::Impl::make_lists_again() {
   while (ahead.part != after_contacts()) work({}, ignored, pieces());
   accept_work();
   ahead = now;
+  saved.done.swap(done);
+  loads.set_visits(visits);
   contacts.set_builds(saved.builds);
   each_lane([](float& lane, float& kept) { lane = kept; });
 }

@@ -59,7 +59,7 @@ void order_points(const ManifoldPair& pair, Touch& touch) {
 // frames makes new ones.
 template <class Each>
 void World::Impl::each_contact(const Each& each) const {
-  PSIM_ASSERT(!saved.missing);
+  PSIM_ASSERT(!saved.missing && !saved.undone);
   if (!contacts_stand()) return;
   const bool rough = contacts.rough();
   Met met;
@@ -130,13 +130,6 @@ void World::Impl::rest(double dt, StepReport& report) {
   if (steps % Sleepers::kWatchFrames != 0) return;
   if (!sleepers.watch(bodies, lattice, pool)) return;
   if (steps % (2 * Sleepers::kWatchFrames) == 0) choose_sleepers(dt);
-}
-
-// m/s: of the fastest point of a body.
-float World::Impl::speed_of(std::size_t i) const {
-  const float spin = bodies.spin.empty() ? 0.0f : std::fabs(bodies.spin[i]);
-  return std::sqrt(bodies.vel[2 * i] * bodies.vel[2 * i] + bodies.vel[2 * i + 1] * bodies.vel[2 * i + 1]) +
-         spin;
 }
 
 // Bodies that rest, that something bears, and that touch nothing that moves.
@@ -572,6 +565,7 @@ bool World::set_gravity(Vec2 gravity) {
   if (!std::isfinite(gravity.x) || !std::isfinite(gravity.y)) return false;
   if (gravity.x == w.desc.gravity.x && gravity.y == w.desc.gravity.y) return true;
   w.settle_lists();
+  if (w.ahead.part != Part::check) w.spoil_lists();  // made for the gravity of before
   w.desc.gravity = gravity;
   w.traits.gravity = gravity.x != 0 || gravity.y != 0;
   w.forces.reset();

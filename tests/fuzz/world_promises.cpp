@@ -117,6 +117,37 @@ std::string broken_promise(World& world) {
   return {};
 }
 
+std::string events_answer(const World& world) {
+  std::string answer;
+  const auto add = [&](const auto& events) {
+    for (const auto& e : events)
+      answer += std::to_string(e.a.index) + "-" + std::to_string(e.b.index) + ";";
+    answer += "|";
+  };
+  const Events events = world.events();
+  add(events.begin);
+  add(events.end);
+  add(events.hits);
+  for (const HitEvent& hit : events.hits)
+    answer += text(hit.point.x) + " " + text(hit.normal.y) + " " + text(hit.speed) + ";";
+  add(events.sensor_begin);
+  add(events.sensor_end);
+  return answer;
+}
+
+std::string report_answer(const StepReport& r) {
+  const StepDetail& d = r.detail;
+  std::string answer;
+  for (const std::uint64_t n :
+       {r.pairs, r.contacts, std::uint64_t{r.colours}, r.awake, r.asleep, std::uint64_t{r.fast},
+        std::uint64_t{r.stopped}, std::uint64_t{r.escaped}, std::uint64_t{r.quarantined},
+        std::uint64_t{d.substeps}, std::uint64_t{d.solves}, std::uint64_t{d.frames},
+        std::uint64_t{d.horizon}, std::uint64_t{d.pieces}, std::uint64_t{d.wakes}}) {
+    answer += std::to_string(n) + " ";
+  }
+  return answer + text(r.predicted_ms) + " " + text(r.virial);
+}
+
 std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter& filter) {
   const auto first = world.ray_cast(from, to, filter);
   const auto all = world.ray_cast_all(from, to, filter);

@@ -12,6 +12,10 @@ namespace psim::fuzz {
 /// Everything that can be read out: finite, counted, in order. Nothing if all of it holds.
 std::string broken_promise(World& world);
 
+/// What the last step told of.
+std::string events_answer(const World& world);
+/// Of a report all that does not depend on the machine.
+std::string report_answer(const StepReport& report);
 std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter& filter);
 std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies);
 std::string closest_answer(const World& world, Vec2 point, double reach, const QueryFilter& filter);
