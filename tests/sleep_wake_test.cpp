@@ -287,6 +287,44 @@ TEST(SleepWake, TheCoreOfAPileSleepsWhileItsSurfaceIsStirred) {
   EXPECT_EQ(awake(*world), 0u);
 }
 
+// While all discs have one mass impulses are kept per mass; what sleepers keep is right all the same once one of
+// another mass comes, or goes.
+TEST(SleepWake, AnotherMassFarAwayLeavesAPileWhatItCarries) {
+  constexpr int kDiscs = 8;
+  for (const double mass : {1e-3, 1e3}) {
+    for (const bool comes : {true, false}) {
+      auto world = make(walled({0, 0, 1, 60}));
+      BodyDesc stone = disc({0.5, 0}, {}, 0.5), other = disc({0.5, 50}, {}, 0.4);
+      stone.mass = mass;
+      other.mass = 3 * mass;
+      other.gravity_scale = 0;
+      for (int k = 0; k < kDiscs; ++k) {
+        stone.position.y = 0.5 + k;
+        add(*world, stone);
+      }
+      BodyId odd;
+      if (!comes) odd = add(*world, other);
+      settle(*world);
+      if (comes) add(*world, other);
+      if (!comes) world->remove_body(odd);
+      world->step();
+      for (std::uint32_t id = 0; id < kDiscs; ++id) world->wake(world->id_of(id));
+      for (int frame = 0; frame < 3; ++frame) {
+        world->step();
+        for (std::uint32_t id = 0; id < kDiscs; ++id) {
+          ASSERT_LT(std::fabs(state(*world, world->id_of(id)).vy), 0.02)
+              << mass << ", " << comes << ", frame " << frame << ", disc " << id;
+        }
+        double ground = 0;
+        for (const Contact& c : world->contacts())
+          ground += c.b == kNoBody && std::fabs(c.normal.y) > 0.5 ? c.impulse : 0;
+        EXPECT_NEAR(ground / (kDiscs * mass * kG * world->desc().dt), 1, 0.1)
+            << mass << ", " << comes << ", frame " << frame;
+      }
+    }
+  }
+}
+
 TEST(SleepWake, NobodySleepsInTheAir) {
   Random random(11);
   Placed p{make(walled({0, 0, 12, 60}, {0, -kG}, kGrip)), {}, {}};

@@ -231,7 +231,7 @@ void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const Pai
   const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
   Counts next = Layout(counts, s.block_begin, s.loaded).begin;
   pad(counts, next, [&](std::uint32_t lane) { pad_pair(lane, dummy); });
-  const bool rough = model_.model == Model::rough;
+  const bool rough = model_.model == Model::rough, plain = model_.model == Model::plain;
   const bool carry = old.body_count != 0;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     const std::uint32_t i = table.owner[p], j = table.other[p];
@@ -248,8 +248,9 @@ void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const Pai
     if (rough) friction[at] = before == kNoLane ? 0.0f : old_friction_[before];
     if (before != kNoLane || recent.empty()) continue;
     if (const Touch* touch = recent.find(TouchKey::bodies(b.id[i], b.id[j]))) {
-      impulse[at] = touch->impulse[0];
-      if (rough) friction[at] = touch->friction[0];
+      const float unit = touch->times(plain, b.surface(b.id[i]).mass);
+      impulse[at] = unit * touch->impulse[0];
+      if (rough) friction[at] = unit * touch->friction[0];
     }
   }
 }
@@ -322,8 +323,9 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
     const Touch* touch = recent.find(asleep ? TouchKey::bodies(id, shapes[pair.shape].owner)
                                             : TouchKey::fixed(id, pair.shape));
     if (touch != nullptr) {
-      s_impulse[at] = touch->impulse[0];
-      if (rough) s_friction[at] = touch->friction[0];
+      const float unit = touch->times(!massed, info.mass);
+      s_impulse[at] = unit * touch->impulse[0];
+      if (rough) s_friction[at] = unit * touch->friction[0];
     }
   }
 }

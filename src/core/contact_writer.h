@@ -30,11 +30,6 @@ class ContactWriter {
     double inner = 0;  // m
   };
 
-  /// What impulses of contacts of discs alone, and of shapes, are multiplied by.
-  struct Scale {
-    double disc = 1, shape = 1;
-  };
-
   /// A normal and the separation along it.
   struct Meeting {
     double nx = 0, ny = 0, gap = 0;
@@ -186,9 +181,10 @@ class ContactWriter {
   }
 
   /// What two bodies carried that lie still, if they still touch.
-  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, Scale times,
+  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, double substeps,
                  std::vector<Contact>& out) const {
     const Stand sa = stand(a), sb = stand(b);
+    const double times = substeps * d(touch.times(false, b_.surface(sa.count == 0 ? a : b).mass));
     const Vec2 to = way(sa.at, sb.at);
     const double margin = kStill * std::fmin(sa.inner, sb.inner);
     const Vec2 centre = world(sa.at);
@@ -197,7 +193,7 @@ class ContactWriter {
       if (m.gap > margin) return;
       const double arm = sa.radius + m.gap / 2;
       out.push_back(contact(a, b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
-                            times.disc * d(touch.impulse[0]), times.disc * d(touch.friction[0])));
+                            times * d(touch.impulse[0]), times * d(touch.friction[0])));
       return;
     }
     const Hull disc_a = disc_hull(static_cast<float>(sa.radius)),
@@ -213,13 +209,14 @@ class ContactWriter {
           best = m;
       }
     }
-    share(touch, best, a, b, centre, true, times.shape, out);
+    share(touch, best, a, b, centre, true, times, out);
   }
 
   /// The same of a body and fixed geometry.
-  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, Scale times,
+  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, double substeps,
                   std::vector<Contact>& out) const {
     const Stand s = stand(id);
+    const double times = substeps * d(touch.times(false, b_.surface(id).mass));
     const Vec2 centre = world(s.at);
     const double margin = kStill * s.inner;
     const std::uint32_t other = owner(shape);
@@ -228,7 +225,7 @@ class ContactWriter {
       if (m.gap > margin) return;
       const double arm = s.radius + m.gap / 2;
       out.push_back(contact(other, id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m,
-                            times.disc * d(touch.impulse[0]), times.disc * d(touch.friction[0])));
+                            times * d(touch.impulse[0]), times * d(touch.friction[0])));
       return;
     }
     const auto most = static_cast<float>(margin);
@@ -237,13 +234,13 @@ class ContactWriter {
       share(touch,
             meet_plane(s.hulls[0], s.q, static_cast<float>(m.nx), static_cast<float>(m.ny),
                        static_cast<float>(m.gap), most),
-            other, id, centre, false, times.shape, out);
+            other, id, centre, false, times, out);
       return;
     }
     const double reach = d(b_.surface(id).radius) + margin + d(shapes_[shape].radius);
     const Hull piece = shapes_.seen_from(shape, s.at.x, s.at.y, 4 * reach, s.at.dx, s.at.dy);
     share(touch, collide(piece, {}, s.hulls[0], s.q, 0, 0, most), other, id, centre, false,
-          times.shape, out);
+          times, out);
   }
 
  private:

@@ -109,7 +109,7 @@ void Image::visit(A& a, ManifoldPair& p) {
 
 template <class A>
 void Image::visit(A& a, Touch& t) {
-  numbers(a, t.key, t.impulse[0], t.impulse[1], t.friction[0], t.friction[1], t.points);
+  numbers(a, t.key, t.impulse[0], t.impulse[1], t.friction[0], t.friction[1], t.points, t.per_mass);
 }
 
 template <class A>

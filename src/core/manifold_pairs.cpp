@@ -80,15 +80,21 @@ std::uint32_t Manifolds::recall(const PairName& pair) const {
 }
 
 // A pair that is new to the lists because a side of it fell asleep or woke.
-void Manifolds::recall_touch(const StaticShapes& shapes, const TouchMemory& recent, ManifoldPair& pair) {
+void Manifolds::recall_touch(const BodyStore& b, const StaticShapes& shapes,
+                             const TouchMemory& recent, ManifoldPair& pair) {
   const bool ground = pair.a == PairName::kNone &&
                       (pair.shape >= kWallLeft || !shapes[pair.shape].asleep);
   const Touch* touch = recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape)
                                           : TouchKey::bodies(pair.id_a, pair.id_b));
   if (touch == nullptr) return;
   pair.recalled = static_cast<std::uint8_t>(touch->points);
-  std::copy(touch->impulse, touch->impulse + 2, pair.impulse);
-  std::copy(touch->friction, touch->friction + 2, pair.friction);
+  // One of a disc and a shape that slept was a disc's contact.
+  const bool disc_a = !ground && b.make(pair.id_a).hull_count == 0;
+  const float unit = touch->times(false, b.surface(disc_a ? pair.id_a : pair.id_b).mass);
+  for (int k = 0; k < 2; ++k) {
+    pair.impulse[k] = unit * touch->impulse[k];
+    pair.friction[k] = unit * touch->friction[k];
+  }
 }
 
 // Gives recalled impulses to the points of the manifold that was found.
@@ -286,8 +292,8 @@ void Manifolds::place_pairs(std::size_t strips) {
   stale_.assign(strips_.size(), 1);
 }
 
-void Manifolds::keep(const StaticShapes& shapes, const TouchMemory& recent, std::size_t begin, std::size_t end,
-                     WorkerPool& pool) {
+void Manifolds::keep(const BodyStore& b, const StaticShapes& shapes, const TouchMemory& recent,
+                     std::size_t begin, std::size_t end, WorkerPool& pool) {
   pool.run(end - begin, [&](std::size_t n) {
     const std::size_t s = begin + n;
     const Found& found = found_[s];
@@ -296,7 +302,8 @@ void Manifolds::keep(const StaticShapes& shapes, const TouchMemory& recent, std:
       pair = found.before[k] == PairName::kNone ? ManifoldPair{} : old_pairs_[found.before[k]];
       static_cast<PairName&>(pair) = found.pairs[k];
       pair.lane = PairName::kNone;
-      if (found.before[k] == PairName::kNone && !recent.empty()) recall_touch(shapes, recent, pair);
+      if (found.before[k] == PairName::kNone && !recent.empty())
+        recall_touch(b, shapes, recent, pair);
       owner_[begin_[s] + k] = pair.owner;
     }
   });

@@ -154,8 +154,8 @@ class Manifolds {
                      WorkerPool& pool);
   void sort_out(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined, PairTable& table,
                 std::size_t begin, std::size_t end, WorkerPool& pool);
-  void keep(const StaticShapes& shapes, const TouchMemory& recent, std::size_t begin, std::size_t end,
-            WorkerPool& pool);
+  void keep(const BodyStore& bodies, const StaticShapes& shapes, const TouchMemory& recent,
+            std::size_t begin, std::size_t end, WorkerPool& pool);
 
   /// Makes room for so many pairs to come.
   void spare(std::size_t pairs, std::size_t strips);
@@ -268,7 +268,8 @@ class Manifolds {
   bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a,
                       std::uint32_t b) const;
   void index_old_pairs(std::uint32_t ids);
-  static void recall_touch(const StaticShapes& shapes, const TouchMemory& recent, ManifoldPair& pair);
+  static void recall_touch(const BodyStore& bodies, const StaticShapes& shapes,
+                           const TouchMemory& recent, ManifoldPair& pair);
   static void take_recalled(ManifoldPair& pair);
   static void fade(const StaticShapes& shapes, ManifoldPair& pair);
   static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,

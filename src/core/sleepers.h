@@ -37,8 +37,14 @@ struct TouchKey {
 /// Of one contact: two points where shapes touch along an edge, in order along the edge.
 struct Touch {
   std::uint64_t key = 0;
-  float impulse[2] = {}, friction[2] = {};  ///< N s
+  float impulse[2] = {}, friction[2] = {};  ///< N s, or of discs `per_mass`, N s / kg
   std::uint32_t points = 1;
+  bool per_mass = false;  ///< as lanes have them where all discs have one mass
+
+  /// What brings it into the other unit, if that is wanted. `mass`: of its disc.
+  float times(bool wanted_per_mass, float mass) const {
+    return per_mass == wanted_per_mass ? 1.0f : per_mass ? mass : 1 / mass;
+  }
 
   bool of_fixed() const { return key >> 63 != 0; }
   /// Ids of two bodies, the lower one first; or a body and a piece of fixed geometry.

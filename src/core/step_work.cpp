@@ -205,7 +205,7 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
       break;
     }
     case Part::keep:
-      manifolds.keep(shapes, sleepers.recent, begin, end, pool);
+      manifolds.keep(bodies, shapes, sleepers.recent, begin, end, pool);
       break;
     case Part::colour:
       if (begin == 0) {

@@ -24,7 +24,6 @@ namespace {
 
 using kernels::kBlock;
 using Ref = ContactList::Ref;
-using Scale = ContactWriter::Scale;
 using Meeting = ContactWriter::Meeting;
 
 constexpr float kFar = 1e6f;     // m: gap of a contact that another one stands for (narrow_phase)
@@ -176,9 +175,7 @@ bool World::Impl::manifold_closed(std::size_t strip, const ManifoldPair& pair, i
 // Contacts among bodies that lie still, and of those that fell asleep or woke since the lists were made.
 void World::Impl::find_kept() {
   const ContactWriter writer(bodies, shapes, lattice, walls, sleepers);
-  const Scale times{
-      desc.substeps * (plan.model.model == kernels::Model::plain ? d(first_mass) : 1.0),
-      static_cast<double>(desc.substeps)};
+  const double times = desc.substeps;
   const auto place = [&](std::uint32_t id) {
     return id < bodies.id_count ? bodies.info[id].place : Place::none;
   };

@@ -21,7 +21,7 @@ void World::Impl::image(A& a, bool& lists) {
           sampled_speed, crowding, loose, once, first_mass, first_radius, least_radius, plan_stale,
           lists_stale, impulses_valid, substeps, kept_contacts, ahead.part, ahead.at, ahead.sorted,
           ahead.built, ahead.laid, ahead.spread, ahead.waits, ahead.spoiled, ahead.horizon,
-          list_reach, lists, saved.candidates);
+          list_reach, list_skin, lists, saved.candidates);
   list(a, saved.done,
        [&](Saved::Done& d) { numbers(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.spin); });
   for (float& soft : manifold_soft) a.value(soft);

@@ -66,6 +66,7 @@ void World::Impl::each_contact(const Each& each) const {
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
     const Strip& s = table.strips[k];
     met.shape = kNoSlot;
+    met.touch.per_mass = plan.model.model == kernels::Model::plain;
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
       met.a = table.owner[p];
       met.b = table.other[p];
