@@ -76,6 +76,16 @@ TEST(StepReports, CountContactsAndPairs) {
   EXPECT_GE(report.colours, 2u);
 }
 
+TEST(StepReports, CountNoContactsOfAnEarlierStep) {
+  auto world = make(unbounded());
+  const BodyId floor = add(*world, ground());
+  add(*world, disc({0, 0.5}));
+  run(*world, 20);
+  EXPECT_EQ(world->step().contacts, 1u);
+  world->remove_body(floor);
+  EXPECT_EQ(world->step().contacts, 0u);
+}
+
 TEST(StepReports, VirialOfOneImpactIsItsImpulseTimesTheDistance) {
   auto world = make(unbounded(100, {0, 0}));
   BodyDesc a = disc({-2, 0}, {3, 0}, 0.5, material(1)), b = disc({0, 0}, {}, 0.75, material(1));

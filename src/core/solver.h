@@ -63,6 +63,8 @@ class Solver {
 
   /// Contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }
+  /// A step has no contacts, and is none of the solver's.
+  void pass() { closed_ = 0; }
   /// Sweeps over impacts in a substep of the last run with restitution, mean.
   double sweeps() const { return sweeps_; }
 
