@@ -2,6 +2,7 @@
 #include "governor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "support.h"
@@ -72,6 +73,17 @@ TEST(Governor, ListsServeNoFewerFramesTheLessThereIsOfThem) {
     last = horizon;
   }
   EXPECT_EQ(last, 1);
+}
+
+// Of bodies that fly fast, lists for a frame more may have many times as many candidates.
+TEST(Governor, ListsThatGrowFasterThanTheirTimeServeOneFrame) {
+  WorkCounts work = heap_work();
+  work.candidates = 40000;
+  const Governor governor = with_budget(0.4);
+  const auto steady = [](int) { return Governor::Growth{}; };
+  const auto growing = [](int frames) { return Governor::Growth{std::pow(9, frames - 1), 1.0 * frames}; };
+  EXPECT_GT(governor.horizon(work, 64, steady), 2);
+  EXPECT_EQ(governor.horizon(work, 64, growing), 1);
 }
 
 TEST(Governor, MeasuresCostsAboveZero) {
@@ -209,6 +221,66 @@ TEST(Governor, AHostThatChangesBodiesInEveryFrameStopsNothing) {
     add(*world, disc({5 + 0.25 * k, 150}));
   }
   EXPECT_GT(solved, 20);
+}
+
+std::unique_ptr<World> discs_and_large_ones(Isa isa, int threads, std::size_t large = 320) {
+  auto world = make(walled({0, 0, 120, 200}, {0, -kG}), isa, threads);
+  add(*world, lattice(6000, {0, 0, 120, 40}, 0.15, 1, {}));
+  add(*world, lattice(large, {0, 45, 120, 190}, 2, 1, {}));
+  return world;
+}
+
+// Frames with one piece of a step's work each, until its lists are made.
+int pieces_of_lists(World& world) {
+  StepDetail one;
+  one.solves = false;
+  one.pieces = 1;
+  for (int k = 1; k < 1000; ++k) {
+    if (world.replay(one).rebuilt) return k;
+  }
+  return 0;
+}
+
+// Where many are large, their search is the longest part of it all.
+TEST(Governor, LargeBodiesAreSearchedForInPieces) {
+  const auto never_cut = discs_and_large_ones(best_isa(), 1);
+  for (int k = 0; k < 3; ++k) never_cut->step();
+  for (const Isa isa : available_isas()) {
+    for (const int threads : {1, 3}) {
+      const auto cut = discs_and_large_ones(isa, threads);
+      const int pieces = pieces_of_lists(*cut), of_few = pieces_of_lists(*discs_and_large_ones(isa, threads, 16));
+      EXPECT_GE(pieces, of_few + 320 / 16 / 2) << "large bodies are searched for all at once";
+      for (int k = 0; k < 3; ++k) cut->step();
+      EXPECT_EQ(cut->state_hash(), never_cut->state_hash()) << isa_name(isa) << " " << threads;
+    }
+  }
+}
+
+// What is near fixed shapes, too.
+TEST(Governor, FixedShapesAreLookedForAFewBodiesAtATime) {
+  const auto world = [](bool shapes) {
+    auto w = make(walled({0, 0, 60, 200}, {0, -kG}), best_isa(), 1);
+    add(*w, lattice(1000, {0, 0, 60, 60}, 0.6, 1, {}));
+    if (!shapes) return w;
+    BodyDesc floor;
+    floor.type = BodyType::static_body;
+    floor.shape = BoxShape{10, 1, 0};
+    floor.position = {30, 30.5};
+    add(*w, floor);
+    return w;
+  };
+  EXPECT_GE(pieces_of_lists(*world(true)), pieces_of_lists(*world(false)) + 1000 / 32 / 2);
+}
+
+TEST(Governor, RoomIsMadeBeforeTheFirstFrame) {
+  for (const int which : {0, 1, 2}) {
+    const auto world = which == 2 ? discs_and_large_ones(best_isa(), 1) : falling(best_isa(), 1, 0.5 * which);
+    govern(*world, 0.15);
+    world->prepare();
+    std::uint64_t growths = 0;
+    for (int k = 0; k < 40; ++k) growths += world->step().arena_growths;
+    EXPECT_EQ(growths, 0u) << which;
+  }
 }
 
 // A heap nearly at rest, its lists made anew in a step spread over frames; in the frame after so many pieces, the host

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -38,7 +39,19 @@ struct Chain {
     table.strips[0].body_end = table.strips[1].body_begin = table.strips[1].body_end = bodies.count;
     table.strips[0].pair_end = static_cast<std::uint32_t>(n - 1);
     table.strips[1].pair_begin = table.strips[1].pair_end = table.strips[0].pair_end;
-    loads.find(bodies, table, pool);
+    find(loads, ~std::size_t{0});
+  }
+
+  // So many pieces at a time; how many there were.
+  std::size_t find(HeavyLoads& found, std::size_t at_a_time) {
+    found.begin(bodies, table, pool);
+    std::size_t done = 0;
+    while (done != found.pieces()) {
+      const std::size_t end = done + std::min(at_a_time, found.pieces() - done);
+      found.go_on(table, pool, done, end);
+      done = end;
+    }
+    return done;
   }
 
   Marks marked() const {
@@ -53,6 +66,18 @@ struct Chain {
   PairTable table;
   HeavyLoads loads;
 };
+
+TEST(HeavyLoads, PiecesOneByOneFindTheSame) {
+  const std::vector<std::vector<float>> chains = {{1, 1, 1, 1000, 1, 1, 50, 1}, {1, 2, 3}, {10, 1, 10, 1, 1}};
+  for (const std::vector<float>& masses : chains) {
+    Chain whole(masses), cut(masses);
+    const std::size_t pieces = cut.find(cut.loads, 1);
+    EXPECT_EQ(cut.marked(), whole.marked());
+    EXPECT_EQ(pieces % cut.table.strips.size(), 0u);
+    const std::size_t passes = whole.loads.any() ? 8 : 1;
+    EXPECT_GE(pieces, passes * cut.table.strips.size()) << "a pass over the strips is one piece";
+  }
+}
 
 TEST(HeavyLoads, NobodyAmongEqualsOrBelowEightfold) {
   EXPECT_FALSE(Chain({1, 1, 1}).loads.any());

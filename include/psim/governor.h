@@ -18,7 +18,7 @@ struct CostModel {     // the defaults: docs/governor.md
   double pair = 1.8;          ///< a candidate pair that is found
   double near = 2.5;          ///< a body: walls near it
   double near_fixed = 60;     ///< a body, where there are fixed shapes or sleepers
-  double near_shape = 100;    ///< a fixed shape near a body
+  double near_shape = 180;    ///< a fixed shape near a body
   double select = 2.2;        ///< a candidate pair, when a step selects from them
   double pack = 3.2;          ///< a pair that was selected, a body that the solver may leave out
   double group = 80;          ///< a manifold, when it is taken out of the lists of discs

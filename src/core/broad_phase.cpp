@@ -368,6 +368,7 @@ void BroadPhase::build(BodyStore& b, StaticShapes& shapes, const BroadPhaseParam
 
 void BroadPhase::build_again(BodyStore& b, StaticShapes& shapes, const kernels::KernelTable& k,
                              WorkerPool& pool, PairTable& table) {
+  fixed_ = shapes.any();
   move_again(b, k, pool, table);
   find_lists(b, shapes, k, pool, table);
 }
@@ -386,12 +387,13 @@ void BroadPhase::move_again(BodyStore& b, const kernels::KernelTable& k, WorkerP
 
 void BroadPhase::find_lists(BodyStore& b, const StaticShapes& shapes, const kernels::KernelTable& k,
                             WorkerPool& pool, PairTable& table) {
-  for (std::size_t done = 0; done != searches();) {
+  std::size_t done = 0;
+  do {
     const std::size_t all = searches();
     search(b, k, pool, table, done, all);
     done = all;
-  }
-  find_near(b, shapes, pool, table, 0, table.strips.size());
+  } while (done != searches());
+  find_near(b, shapes, pool, table, 0, nears());
 }
 
 // How far bodies reach, and their box.
@@ -399,6 +401,7 @@ void BroadPhase::measure(BodyStore& b, StaticShapes& shapes, const BroadPhasePar
                          const kernels::KernelTable& k, WorkerPool& pool) {
   params_ = p;
   shapes.build_grid();
+  fixed_ = shapes.any();
   b.reach.reserve(kernels::round_up_block(b.count));
   b.built.reserve(2 * kernels::round_up_block(b.count));
   const kernels::BodyView view = b.view();
@@ -453,12 +456,14 @@ void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table, bo
     if (params_.outer > 0)
       pairs_a_body_.assign(strips - 1, 2 * params_.outer * params_.outer * density_);
     for (double& pairs : pairs_a_body_) pairs *= params_.growth;
+    for (double& pairs : pairs_a_piece_) pairs *= params_.growth;
   }
-  pending_.resize(strips);
-  full_.assign(strips, 0);
-  table.pair_room = 0;
+  cut_large(table);
+  pending_.resize(strips - 1 + large_pieces_.size());
+  std::iota(pending_.begin(), pending_.end(), 0u);
+  full_.assign(pending_.size(), 0);
   searched_ = 0;
-  give_room(table, more_room_ = 1);
+  give_room(table);
 }
 
 // Lists for one step look at bodies where they will be: now where they are.

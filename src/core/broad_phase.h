@@ -42,6 +42,10 @@ class BroadPhase {
  public:
   /// Bodies of which lists are too cheap to make them last.
   static constexpr std::uint32_t kSmallWorld = 512;
+  /// Large bodies that are searched for in one piece.
+  static constexpr std::uint32_t kLargePiece = 16;
+  /// Bodies that are looked for near fixed shapes in one piece.
+  static constexpr std::uint32_t kNearPiece = 32;
 
   BroadPhase(MemoryMeter& meter, const Lattice& lattice)
       : sort_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
@@ -64,7 +68,7 @@ class BroadPhase {
 
   /// build() in parts, for a step spread over frames: how far bodies reach, their cells, bodies to their cells
   /// in moves() moves, which show with the last; then the searches for pairs [begin, end), as many as
-  /// searches() says once those that it said before are done; then, of strips [begin, end), bodies near fixed
+  /// searches() says once those that it said before are done; then, in nears() pieces, bodies near fixed
   /// shapes and who is linked; then `built` is where the bodies are now. Ranges are done in order.
   void measure(BodyStore& bodies, StaticShapes& shapes, const BroadPhaseParams& params,
                const kernels::KernelTable& k, WorkerPool& pool);
@@ -76,25 +80,38 @@ class BroadPhase {
               PairTable& table, std::size_t begin, std::size_t end);
   void find_near(BodyStore& bodies, const StaticShapes& shapes, WorkerPool& pool, PairTable& table,
                  std::size_t begin, std::size_t end);
+  /// A piece of that: a strip, or some of its bodies where each asks for the fixed shapes near it.
+  std::size_t nears() const { return near_pieces_.size(); }
+  struct Near {
+    std::uint32_t strip = 0, begin = 0, end = 0;  // bodies
+    bool first = true, last = true;               // of the strip's
+  };
+  const Near& near_at(std::size_t piece) const { return near_pieces_[piece]; }
+  /// Fixed shapes near a body of a strip, at a guess.
+  double expected_near(std::size_t strip) const;
   void finish(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool) const;
   std::size_t searches() const { return searched_ + pending_.size(); }
-  std::size_t strip_of_search(std::size_t search) const { return pending_[search - searched_]; }
-  /// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
-  double expected_pairs(std::size_t strip) const;
+  /// What a search goes through, at a guess: bodies of a strip or some of the large ones, the pairs that each will
+  /// have, and how many large bodies each of those is looked at with.
+  struct Search {
+    double bodies = 0, pairs = 0;
+    bool large = false;
+    double others = 0;
+  };
+  Search search_at(std::size_t search, const PairTable& table) const;
 
   /// Whether there are no cells but those that bodies lie in.
   bool lists_cells() const { return listed_; }
   /// Of the grid.
   std::uint64_t cell_count() const { return listed_ ? 0 : grid_.keys; }
-  /// That a large body will have, by the last build.
-  double pairs_of_large() const { return pairs_a_large_; }
   /// Bodies near fixed shapes, and walls: pairs, in all, at the last build.
   std::size_t near_pairs() const { return near_pairs_; }
 
-  /// Makes room for so many candidate pairs that are selected from.
-  void spare(std::size_t pairs) {
+  /// Makes room for so many candidate pairs that are selected from, for cells, and for moving bodies.
+  void spare(std::size_t bodies, std::size_t all, std::size_t pairs) {
     picked_owner_.reserve(pairs);
     picked_other_.reserve(pairs);
+    sort_.spare(bodies, all);
   }
 
   /// Of the last sort.
@@ -171,7 +188,8 @@ class BroadPhase {
                      kernels::PairList& list) const;
   bool search_seam(const BodyStore& bodies, const kernels::KernelTable& k, std::uint32_t cell,
                    kernels::PairList& list) const;
-  bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, PairTable& table) const;
+  bool search_large(const BodyStore& bodies, const kernels::KernelTable& k, std::size_t piece, PairTable& table);
+  void join_large(PairTable& table);
   bool search_box(const BodyStore& bodies, const kernels::KernelTable& k, std::uint32_t body,
                   kernels::PairList& list) const;
   bool search_listed_box(const BodyStore& bodies, const kernels::KernelTable& k,
@@ -181,14 +199,24 @@ class BroadPhase {
   double sample_density(std::uint32_t bodies) const;
   void find_lists(BodyStore& bodies, const StaticShapes& shapes, const kernels::KernelTable& k,
                   WorkerPool& pool, PairTable& table);
-  void give_room(PairTable& table, double more);
+  double expected_pairs(std::size_t strip) const;
+  double expected_of_large(std::size_t piece) const;
+  void cut_large(const PairTable& table);
+  void give_room(PairTable& table);
+  void give_more_room(PairTable& table);
   void open_lists(BodyStore& bodies, WorkerPool& pool, PairTable& table, bool again);
   void note_pairs(const PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
-  void find_singles(const BodyStore& bodies, const StaticShapes& shapes, std::size_t strip,
-                    PairTable& table) const;
+  void cut_near(const PairTable& table);
+  void find_singles(const BodyStore& bodies, const StaticShapes& shapes, const Near& piece, PairTable& table) const;
   kernels::PairRow view(const BodyStore& bodies) const;
   kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;
+
+  struct LargePiece {  // some of the large bodies, and their pairs or the room for them
+    std::uint32_t body_begin = 0, body_end = 0, pair_begin = 0, pair_end = 0;
+  };
+  template <class Each>
+  void each_pending(PairTable& table, const Each& each);
 
   struct alignas(64) Measure {  // of one task's bodies
     float most = 0;
@@ -208,7 +236,8 @@ class BroadPhase {
   double box_ = 0;       // m^2, of all bodies
   double area_ = 0, density_ = 0;
   std::vector<double> pairs_a_body_;  // of each strip at the last build
-  double pairs_a_large_ = 64;
+  double pairs_a_large_ = 64;         // on average
+  std::vector<double> pairs_a_piece_; // of a body in each piece of the large ones
   BroadPhaseParams params_;             // of the present build
   std::size_t near_pairs_ = 0;
   double tests_ = 0;                    // in a grid; 0: not known
@@ -216,10 +245,14 @@ class BroadPhase {
   // Once lists were thrown away: where those bodies lay when contacts were last laid out, and room to chain.
   std::vector<std::uint32_t> origin_, next_origin_;
   bool chained_ = false;                // origin_ holds
-  std::vector<std::uint32_t> pending_;  // strips to be searched
+  std::vector<double> near_a_body_;   // fixed shapes near a body, of each strip at the last build
+  bool fixed_ = false;                // there are fixed shapes
+  std::vector<Near> near_pieces_;
+  std::vector<LargePiece> large_pieces_;
+  std::vector<std::uint32_t> pending_;  // to be searched: strips in the grid, behind them pieces of the large bodies
   std::size_t searched_ = 0;            // searches before those
-  double more_room_ = 1;
-  std::vector<std::uint8_t> full_;      // strips whose room was too small
+  std::vector<std::uint8_t> full_;      // whose room was too small
+  bool scattered_ = false;              // pieces of the large bodies do not have their rooms side by side
 };
 
 }  // namespace psim

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
+#include <cstring>
 
 #include "broad_phase.h"
 
@@ -120,11 +120,10 @@ bool BroadPhase::search_seam(const BodyStore& b, const kernels::KernelTable& k, 
   return true;
 }
 
-// Large bodies against the others' bodies under their box, and against each
-// other.
-bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
-                              PairTable& table) const {
-  Strip& s = table.strips.back();
+// Some of the large bodies against the others' bodies under their box, and against the large ones behind them.
+bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k, std::size_t piece,
+                              PairTable& table) {
+  LargePiece& s = large_pieces_[piece];
   kernels::PairList list;
   list.owner = table.owner.data();
   list.other = table.other.data();
@@ -143,6 +142,31 @@ bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
   }
   s.pair_end = list.count;
   return true;
+}
+
+// Once all were searched: the pairs of the large bodies' group lie side by side.
+void BroadPhase::join_large(PairTable& table) {
+  Strip& s = table.strips.back();
+  s.pair_begin = s.pair_end = table.pair_room;
+  if (large_pieces_.empty()) return;
+  if (!scattered_) {  // their rooms lie so
+    s.pair_begin = large_pieces_.front().pair_begin;
+  } else {
+    for (const LargePiece& p : large_pieces_) table.pair_room += p.pair_end - p.pair_begin;
+    table.owner.reserve_loosely(table.pair_room + kBlock);
+    table.other.reserve_loosely(table.pair_room + kBlock);
+  }
+  std::uint32_t to = s.pair_begin;
+  for (const LargePiece& p : large_pieces_) {
+    const std::uint32_t n = p.pair_end - p.pair_begin, shift = p.pair_begin - to;
+    if (shift != 0) {
+      std::memmove(table.owner.data() + to, table.owner.data() + p.pair_begin, n * sizeof(std::uint32_t));
+      std::memmove(table.other.data() + to, table.other.data() + p.pair_begin, n * sizeof(std::uint32_t));
+      for (std::uint32_t i = p.body_begin; i < p.body_end; ++i) table.first[i] -= shift;
+    }
+    to += n;
+  }
+  s.pair_end = to;
 }
 
 // A large body against those in the grid.
@@ -201,6 +225,7 @@ bool BroadPhase::search_listed_box(const BodyStore& b, const kernels::KernelTabl
       [&](std::uint32_t from, std::uint32_t to) { return k.find_near(v, i, from, to, list); });
 }
 
+// Pairs that a strip will have a body, by what it and its neighbours had at the last build.
 double BroadPhase::expected_pairs(std::size_t strip) const {
   double most = 0;
   for (std::size_t s = strip == 0 ? 0 : strip - 1; s <= strip + 1; ++s) {
@@ -209,41 +234,92 @@ double BroadPhase::expected_pairs(std::size_t strip) const {
   return 1.15 * most;
 }
 
-// Every strip writes its pairs into room of its own; those whose room was too
-// small get more at the end of the list, once all were searched. Where the
-// guess was wrong for many, all begin again. The same strips do on every ISA.
+// Large bodies keep their order from build to build.
+double BroadPhase::expected_of_large(std::size_t piece) const {
+  const bool same = pairs_a_piece_.size() == large_pieces_.size();
+  return std::max(16.0, 1.25 * (same ? pairs_a_piece_[piece] : pairs_a_large_));
+}
+
+BroadPhase::Search BroadPhase::search_at(std::size_t search, const PairTable& table) const {
+  const std::size_t unit = pending_[search - searched_], strips = table.strips.size() - 1;
+  if (unit < strips) {
+    const Strip& s = table.strips[unit];
+    return {static_cast<double>(s.body_end - s.body_begin), expected_pairs(unit)};
+  }
+  const LargePiece& p = large_pieces_[unit - strips];
+  return {static_cast<double>(p.body_end - p.body_begin), expected_of_large(unit - strips), true,
+          static_cast<double>(table.body_count - p.body_begin)};
+}
+
+// Every search writes its pairs into room of its own; those whose room was too
+// small get more, once all were searched. The same ones do on every ISA.
 void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool,
                         PairTable& table, std::size_t begin, std::size_t end) {
+  const std::size_t strips = table.strips.size() - 1;
   pool.run(end - begin, [&](std::size_t n) {
     const std::uint32_t s = pending_[begin - searched_ + n];
-    full_[s] = s + 1 == table.strips.size() ? !search_large(b, k, table) : !search_strip(b, k, s, table);
+    full_[s] = s < strips ? !search_strip(b, k, s, table) : !search_large(b, k, s - strips, table);
   });
   if (end != searches()) return;
   searched_ = end;
   std::erase_if(pending_, [&](std::uint32_t s) { return full_[s] == 0; });
   if (pending_.empty()) {
+    join_large(table);
     note_pairs(table);
+    cut_near(table);
   } else {
-    give_room(table, more_room_ *= 1.5);
+    give_more_room(table);
   }
 }
 
-void BroadPhase::give_room(PairTable& table, double more) {
-  const std::size_t strips = table.strips.size();
-  std::uint32_t room = table.pair_room;
-  if (pending_.size() > strips / 8) {
-    pending_.resize(strips);
-    std::iota(pending_.begin(), pending_.end(), 0u);
-    room = 0;
+void BroadPhase::cut_large(const PairTable& table) {
+  const Strip& s = table.strips.back();
+  large_pieces_.clear();
+  for (std::uint32_t i = s.body_begin; i < s.body_end; i += kLargePiece) {
+    large_pieces_.push_back({i, std::min(i + kLargePiece, s.body_end), 0, 0});
   }
+}
+
+// each(unit, strip or piece of large bodies).
+template <class Each>
+void BroadPhase::each_pending(PairTable& table, const Each& each) {
+  const std::size_t strips = table.strips.size() - 1;
   for (const std::uint32_t s : pending_) {
-    Strip& strip = table.strips[s];
-    const double each = s + 1 == strips ? pairs_a_large_ : expected_pairs(s);
-    const double own = more * (each * (strip.body_end - strip.body_begin) + 64) + kBlock;
-    strip.pair_begin = room;
-    room += static_cast<std::uint32_t>(own);
-    strip.pair_end = room;
+    if (s < strips) {
+      each(expected_pairs(s), table.strips[s]);
+    } else {
+      each(expected_of_large(s - strips), large_pieces_[s - strips]);
+    }
   }
+}
+
+// To all, by what there was at the last build.
+void BroadPhase::give_room(PairTable& table) {
+  std::uint32_t room = 0;
+  scattered_ = false;
+  each_pending(table, [&](double pairs_a_body, auto& of) {
+    of.pair_begin = room;
+    room += static_cast<std::uint32_t>(pairs_a_body * (of.body_end - of.body_begin) + 64) + kBlock;
+    of.pair_end = room;
+  });
+  table.owner.reserve_loosely(room + kBlock);
+  table.other.reserve_loosely(room + kBlock);
+  table.pair_room = room;
+}
+
+// To those that need it, by how far they came. What the others found stays.
+void BroadPhase::give_more_room(PairTable& table) {
+  constexpr double kReserve = 1.2, kMost = 16;
+  const bool all = pending_.size() == full_.size();
+  std::uint32_t room = all ? 0 : table.pair_room;
+  scattered_ = !all && (scattered_ || pending_.back() + 1 >= table.strips.size());
+  each_pending(table, [&](double, auto& of) {
+    const double had = of.pair_end - of.pair_begin, bodies = of.body_end - of.body_begin;
+    const double done = table.owner[of.pair_end - kBlock] - of.body_begin + 0.5;  // written whichever lanes were full
+    of.pair_begin = room;
+    room += static_cast<std::uint32_t>(had * std::min(kReserve * std::max(bodies / done, 1.0), kMost)) + kBlock;
+    of.pair_end = room;
+  });
   table.owner.reserve_loosely(room + kBlock);
   table.other.reserve_loosely(room + kBlock);
   table.pair_room = room;
@@ -251,29 +327,61 @@ void BroadPhase::give_room(PairTable& table, double more) {
 
 // For the next build's guess.
 void BroadPhase::note_pairs(const PairTable& table) {
-  const std::size_t strips = table.strips.size();
-  pairs_a_body_.resize(strips - 1);
-  for (std::size_t s = 0; s < strips; ++s) {
+  const auto each = [](const auto& of) {
+    return static_cast<double>(of.pair_end - of.pair_begin) / std::max(of.body_end - of.body_begin, 1u);
+  };
+  pairs_a_body_.resize(table.strips.size() - 1);
+  for (std::size_t s = 0; s < pairs_a_body_.size(); ++s) pairs_a_body_[s] = each(table.strips[s]);
+  pairs_a_piece_.resize(large_pieces_.size());
+  for (std::size_t p = 0; p < pairs_a_piece_.size(); ++p) pairs_a_piece_[p] = each(large_pieces_[p]);
+  pairs_a_large_ = each(table.strips.back());
+}
+
+void BroadPhase::cut_near(const PairTable& table) {
+  near_pieces_.clear();
+  for (std::uint32_t s = 0; s < table.strips.size(); ++s) {
     const Strip& strip = table.strips[s];
-    const double each = static_cast<double>(strip.pair_end - strip.pair_begin) /
-                        std::max(strip.body_end - strip.body_begin, 1u);
-    if (s + 1 < strips) {
-      pairs_a_body_[s] = each;
-    } else {
-      pairs_a_large_ = std::max(16.0, 1.25 * each);
+    Near piece{s, strip.body_begin, strip.body_end};
+    while (fixed_ && piece.end - piece.begin > kNearPiece) {
+      Near some = piece;
+      some.end = piece.begin = some.begin + kNearPiece;
+      some.last = piece.first = false;
+      near_pieces_.push_back(some);
     }
+    near_pieces_.push_back(piece);
   }
 }
 
+double BroadPhase::expected_near(std::size_t strip) const {
+  double most = 0;
+  for (std::size_t s = strip == 0 ? 0 : strip - 1; s < std::min(strip + 2, near_a_body_.size()); ++s) {
+    most = std::max(most, near_a_body_[s]);
+  }
+  return most;
+}
+
+// Pieces of a strip one after the other: they write to one list.
 void BroadPhase::find_near(BodyStore& b, const StaticShapes& shapes, WorkerPool& pool, PairTable& table,
                            std::size_t begin, std::size_t end) {
-  pool.run(end - begin, [&](std::size_t n) {
-    find_singles(b, shapes, begin + n, table);
-    link(b, table, begin + n);
+  const auto strip_of = [&](std::size_t piece) { return std::size_t{near_pieces_[piece].strip}; };
+  const std::size_t first = strip_of(begin);
+  pool.run(strip_of(end - 1) + 1 - first, [&](std::size_t n) {
+    const auto at = std::partition_point(near_pieces_.begin(), near_pieces_.end(),
+                                         [&](const Near& p) { return p.strip < first + n; });
+    for (auto k = std::max(begin, static_cast<std::size_t>(at - near_pieces_.begin()));
+         k < end && strip_of(k) == first + n; ++k) {
+      find_singles(b, shapes, near_pieces_[k], table);
+      if (near_pieces_[k].last) link(b, table, first + n);
+    }
   });
-  if (end != table.strips.size()) return;
+  if (end != nears()) return;
   near_pairs_ = 0;
-  for (std::size_t s = 0; s < end; ++s) near_pairs_ += table.singles[s].size();
+  near_a_body_.resize(table.strips.size());
+  for (std::size_t s = 0; s < table.strips.size(); ++s) {
+    const Strip& strip = table.strips[s];
+    near_pairs_ += table.singles[s].size();
+    near_a_body_[s] = static_cast<double>(table.singles[s].size()) / std::max(strip.body_end - strip.body_begin, 1u);
+  }
   table.mark_strips();
 }
 
@@ -292,11 +400,12 @@ void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) c
 // Walls: only bodies in rows and columns that a wall can reach are looked at,
 // of listed cells those that the longest reach would let touch one. Fixed
 // shapes: every body asks their grid.
-void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, std::size_t index,
+void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, const Near& piece,
                               PairTable& table) const {
   const BroadPhaseParams& p = params_;
+  const std::size_t index = piece.strip;
   std::vector<SinglePair>& out = table.singles[index];
-  out.clear();
+  if (piece.first) out.clear();
   const Strip& s = table.strips[index];
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   // What stands still moves against the common velocity too.
@@ -322,8 +431,8 @@ void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, st
     }
   };
   const bool large_group = index + 1 == table.strips.size();
-  if (large_group || shapes.any()) {
-    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) look(i);
+  if (large_group || fixed_) {
+    for (std::uint32_t i = piece.begin; i < piece.end; ++i) look(i);
     return;
   }
   if (!p.walls) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "psim/governor.h"
 
@@ -34,6 +35,7 @@ struct WorkCounts {
   bool fixed = false;             ///< there are fixed shapes or sleepers
   bool loads = false;             ///< some bodies may carry much heavier ones
   bool rough = false;             ///< friction
+  bool mixed = false;             ///< bodies of several sizes fly about
   bool copies = false;            ///< the solver has copies of the bodies
   bool stops = false;             ///< fast shapes are stopped
 };
@@ -57,8 +59,13 @@ class Governor {
   double look_ns(const WorkCounts& work) const;
   double lay_out(const WorkCounts& work) const;  ///< of a contact of discs
 
-  /// How many frames a step's lists should serve, if its work is to be spread; 1: it fits into one.
-  int horizon(const WorkCounts& work, int most_substeps) const;
+  /// How many times as many candidates lists for more frames have as those that were counted, and how many times as
+  /// long a step contacts are selected for: so many more are there, unless most candidates are contacts already.
+  struct Growth {
+    double candidates = 1, time = 1;
+  };
+  /// How many frames a step's lists should serve, if its work is to be spread; 1: it fits into one. growth(frames).
+  int horizon(const WorkCounts& work, int most_substeps, const std::function<Growth(int)>& growth = {}) const;
 
   struct Choice {
     bool solves = false;  ///< in this frame; else the next one is better

@@ -57,6 +57,14 @@ class GridSort {
   CellList& listed() { return listed_; }
   const CellList& listed() const { return listed_; }
 
+  /// Makes room for the cells of bodies that spread, and for so many bodies and resting ones behind them.
+  void spare(std::size_t bodies, std::size_t all) {
+    start_.reserve(5 * bodies / 2 + 4096);
+    counts_.reserve(4 * bodies + 4096);
+    pos_.reserve(2 * all);
+    vel_.reserve(2 * all);
+    disp_.reserve(2 * all);
+  }
   /// Gives back what moves radii or rotation, where they are not wanted any more.
   void forget(bool radii, bool rotation);
   std::size_t radii_bytes() const { return radius_.bytes(); }

@@ -269,6 +269,9 @@ void Image::broad(A& a, BroadPhase& b) {
           b.most_, b.box_, b.area_, b.density_, b.pad_reach_, b.next_pad_reach_, b.pairs_a_large_,
           b.near_pairs_, b.tests_);
   a.vector(b.pairs_a_body_);
+  a.vector(b.pairs_a_piece_);
+  a.vector(b.near_a_body_);
+  a.value(b.fixed_);
   CellList& c = b.sort_.listed_;
   for (CellList::Axis& axis : c.axis_) numbers(a, axis.low, axis.per, axis.cells, axis.width);
   numbers(a, c.row_axis_, c.stride_, c.rows_, c.periodic_, c.slot_bits_, c.stays_);

@@ -5,11 +5,13 @@
 //   measure  how the lists are made, how far bodies reach        one piece
 //   count    the cells of bodies                                 one piece
 //   move     bodies in cell order                                a piece 4,096 bodies
-//   search   candidate pairs                                     a piece a strip, and so on
-//   near     bodies near fixed shapes; who is linked
-//   select   loose scenes: who may meet in this step
+//   search   candidate pairs                                     a piece a strip or 16 large bodies
+//   near     bodies near fixed shapes; who is linked             a piece a strip or 32 bodies
+//   select   loose scenes: who may meet in this step             a piece a strip, and so on
 //   pack     closes up what was selected
-//   group    solver bodies, heavy loads                          one piece
+//   group    which bodies the solver has                         one piece
+//   loads    who carries much heavier bodies                     a piece a strip for each pass over them
+//   gather   what is known of the manifolds that there were      one piece
 //   sort_out manifolds, and pairs that must not collide, leave the lists of discs
 //   keep     what is known of manifolds that were there before
 //   colour   contacts of discs: colours
@@ -111,13 +113,17 @@ std::size_t World::Impl::pieces() const {
     case Part::measure:
     case Part::count:
     case Part::group:
+    case Part::gather:
     case Part::stand:
       return 1;
+    case Part::loads:
+      return loads.pieces();
     case Part::move:
       return broad.moves();
     case Part::search:
       return broad.searches();
     case Part::near:
+      return broad.nears();
     case Part::select:
     case Part::pack:
       return loose ? candidates.strips.size() : table.strips.size();
@@ -144,6 +150,8 @@ Stage stage_of(Part part) {
     case Part::stand:
       return Stage::narrow_phase;
     case Part::group:
+    case Part::loads:
+    case Part::gather:
     case Part::sort_out:
     case Part::keep:
     case Part::colour:
@@ -167,6 +175,7 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
       break;
     case Part::measure:
       measure_bodies(span);
+      list_span = span.step / span.frame;
       break;
     case Part::count:
       broad.count(bodies, kernels, pool);
@@ -185,6 +194,7 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
         table.swap(old_table);
         ahead.swapped = true;
       }
+      select_span = span.step / span.frame;
       const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, span.step));
       broad.select(bodies, static_cast<float>(kMarginFrames * span.step), slack, plan.fields,
                    candidates, table, kernels, pool, begin, end);
@@ -194,7 +204,13 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
       broad.pack(bodies, candidates, table, pool, begin, end);
       break;
     case Part::group:
-      group_contacts();
+      choose_solved();
+      break;
+    case Part::loads:
+      loads.go_on(table, pool, begin, end);
+      break;
+    case Part::gather:
+      manifolds.begin_collect(bodies, plan.filters, table, lists_stale, pool);
       break;
     case Part::sort_out: {
       const Joined joined = [this](std::uint32_t a, std::uint32_t b) {
@@ -267,7 +283,13 @@ void World::Impl::finish_part(StepReport& report) {
       next = Part::group;
       break;
     case Part::group:
-      next = sorts_out() ? Part::sort_out : Part::colour;
+      next = plan.loads ? Part::loads : after_loads();
+      break;
+    case Part::loads:
+      next = after_loads();
+      break;
+    case Part::gather:
+      next = Part::sort_out;
       break;
     case Part::sort_out:
       next = Part::keep;
@@ -316,8 +338,8 @@ void World::Impl::check_lists(const Span& span) {
   ahead.laid = lists_stale || loose;
 }
 
-// Colouring, what comes before the colours: which contacts there are, and of whom.
-void World::Impl::group_contacts() {
+// Colouring, what comes before the colours: which bodies the solver has.
+void World::Impl::choose_solved() {
   if (!held.empty()) {  // kinematic bodies are the solver's
     bodies.find_slots();
     for (const auto& [id, velocity] : held) bodies.linked[bodies.info[id].slot] = 0xFF;
@@ -336,11 +358,10 @@ void World::Impl::group_contacts() {
   if (plan.turns) bodies.keep_turns(true);
   solved.choose(bodies, table, loose && !plan.forces && !plan.turns, plan.restitution, pool);
   if (plan.loads) {
-    loads.find(bodies, table, pool);
+    loads.begin(bodies, table, pool);
   } else {
     loads.forget();
   }
-  if (sorts_out()) manifolds.begin_collect(bodies, plan.filters, table, lists_stale, pool);
 }
 
 }  // namespace psim

@@ -98,8 +98,26 @@ namespace {
 constexpr int kPatience = 3;
 // Manifolds that are made for several frames last less often.
 constexpr double kLongLooks = 1.4;
+// Of a manifold under a heavy load, few of which share a block.
+constexpr std::uint64_t kLoadedLanes = 2;
+// Room for so many is made in small worlds, too: bodies come together.
+constexpr std::size_t kFewPairs = 32768, kFewStrips = 256;
 
 }  // namespace
+
+// Lanes of the manifolds that were looked at for this step, those under heavy loads as often as they are swept;
+// 0 if there are none of those.
+std::uint64_t World::Impl::loaded_shape_lanes() const {
+  if (ahead.part != Part::done || !loads.any()) return 0;
+  std::uint64_t active = 0, loaded = 0;
+  for (const ManifoldPair& pair : manifolds.pairs()) {
+    if (!pair.active) continue;
+    ++active;
+    if (pair.column != ManifoldPair::kLoose) continue;
+    loaded += (pair.a != ManifoldPair::kNone && loads.at(pair.a)) || loads.at(pair.b);
+  }
+  return loaded == 0 ? 0 : active + kLoadedLanes * (HeavyLoads::kSweeps - 1) * loaded;
+}
 
 WorkCounts World::Impl::count_work() const {
   WorkCounts work;
@@ -113,7 +131,7 @@ WorkCounts World::Impl::count_work() const {
   work.manifolds = manifolds.pair_count();
   work.lanes = kernels::kBlock * contacts.pass_blocks();
   work.loaded_lanes = kernels::kBlock * contacts.loaded_blocks();
-  work.shape_lanes = kernels::kBlock * manifolds.pass_blocks();
+  work.shape_lanes = std::max(kernels::kBlock * manifolds.pass_blocks(), loaded_shape_lanes());
   work.touching = solver.closed();
   work.sweeps = plan.restitution ? solver.sweeps() : 0;
   work.strips = table.strips.size();
@@ -127,6 +145,7 @@ WorkCounts World::Impl::count_work() const {
   work.fixed = shapes.any();
   work.loads = plan.loads;
   work.rough = plan.model.model == kernels::Model::rough;
+  work.mixed = loose && plan.radii;
   work.copies = solved.compact();
   work.stops = plan.continuous;
   work.flights = continuous.looked();
@@ -138,6 +157,15 @@ WorkCounts World::Impl::count_work() const {
       work.sleep_looks += 2 * work.bodies + 2 * met;
   }
   return work;
+}
+
+// How much more lists for so many frames hold than the present ones.
+Governor::Growth World::Impl::list_growth(int frames) const {
+  if (!loose || !(list_reach > 0)) return {};
+  const double touching = 2 * static_cast<double>(least_radius);
+  const double a_frame = std::max(list_reach - touching, 0.0) / (list_span * std::max(list_frames, 1.0));
+  const double reach = touching + a_frame * std::max<double>(frames, list_frames);
+  return {reach * reach / (list_reach * list_reach), frames / select_span};
 }
 
 // Of the present part.
@@ -170,32 +198,27 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
              c.cell * n(broad.cell_count());
     case Part::move:
       return (plan.radii ? 1.0 : 0.5) * c.sort * n(bodies.count) / n(broad.moves());
-    case Part::search:
-      if (broad.strip_of_search(piece) + 1 == (loose ? candidates : table).strips.size()) {
-        return c.strip + strip_bodies(broad.strip_of_search(piece)) *
-                             (2 * c.strip + (c.pair + 12 * c.test) * broad.pairs_of_large() +
-                              0.5 * c.test * strip_bodies(broad.strip_of_search(piece)));
-      }
-      return (c.search + c.test * broad.tests() +
-              c.pair * broad.expected_pairs(broad.strip_of_search(piece))) *
-                 strip_bodies(broad.strip_of_search(piece)) +
-             c.strip;
+    case Part::search: {
+      const BroadPhase::Search s = broad.search_at(piece, loose ? candidates : table);
+      const double each = s.large ? 2 * c.strip + (c.pair + 12 * c.test) * s.pairs + 1.75 * c.test * s.others
+                                  : c.search + c.test * broad.tests() + c.pair * s.pairs;
+      return each * s.bodies + c.strip;
+    }
     case Part::near:
-      return (counts.fixed ? c.near_fixed + c.near_shape * n(counts.near) / n(bodies.count)
+      return (counts.fixed ? c.near_fixed + c.near_shape * broad.expected_near(broad.near_at(piece).strip)
                            : c.near) *
-                 strip_bodies(piece) +
+                 n(broad.near_at(piece).end - broad.near_at(piece).begin) +
              c.strip;
     case Part::select:
       return c.select * pairs(candidates.strips[piece]) + c.strip;
     case Part::pack:
       return c.pack * (pairs(table.strips[piece]) + 0.3 * strip_bodies(piece)) + c.strip;
-    case Part::group: {
-      double contacts_here = 0;
-      for (const Strip& s : table.strips) contacts_here += pairs(s);
-      return 0.25 * c.group * n(counts.manifolds) +
-             (plan.loads ? c.load * counts.visits * contacts_here : 0) +
-             (loose ? c.pack * n(bodies.count) : 0);
-    }
+    case Part::group:
+      return (plan.loads ? c.load * n(bodies.count) : 0) + (loose ? c.pack * n(bodies.count) : 0);
+    case Part::loads:
+      return 0.6 * c.load * n(loads.pairs_in(table, piece)) + c.strip;
+    case Part::gather:
+      return 0.25 * c.group * n(counts.manifolds);
     case Part::sort_out:
       return 0.35 * c.group *
                  std::max(shaped * pairs(table.strips[piece]), large_manifolds(piece)) +
@@ -230,7 +253,8 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
   if (bodies.count == bodies.dead) return;
   const int most = std::min(desc.substeps, 255);
   if (ahead.part == Part::check) {
-    ahead.horizon = static_cast<std::uint8_t>(governor.horizon(count_work(), most));
+    const auto growth = [this](int frames) { return list_growth(frames); };
+    ahead.horizon = static_cast<std::uint8_t>(governor.horizon(count_work(), most, growth));
   }
   detail.horizon = ahead.horizon;
   const Span span{dt, dt * detail.horizon};
@@ -284,16 +308,21 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
 // Lists of several frames are longer, and to make room for them takes longer than a frame may: it is made before the
 // first.
 void World::Impl::spare_room() {
+  const std::size_t each = plan.radii ? 20 : 12;
   const std::size_t pairs = std::max<std::size_t>(
-      2 * std::max(table.pair_room, candidates.pair_room), std::size_t{12} * bodies.count);
+      2 * std::max(table.pair_room, candidates.pair_room), each * bodies.count + kFewPairs);
   for (PairTable* of : {&table, &old_table, &candidates}) of->spare(bodies.count, pairs);
-  broad.spare(pairs);
+  const std::size_t all = kernels::round_up_block(bodies.count) + 2 * table.strips.size() + kFewStrips;
+  broad.spare(bodies.count, all, pairs);
+  for (Column<float>* of : {&bodies.vel, &bodies.disp, &bodies.vel0}) of->reserve(2 * all);
+  bodies.pos.reserve(2 * all);
   if (plan.shapes && !table.strips.empty()) {
-    manifolds.spare(std::max<std::size_t>(2 * manifolds.pair_count(), 6 * traits.cornered),
-                    table.strips.size());
+    const std::size_t cornered = traits.cornered;
+    const std::size_t most = std::min(24 * cornered, 6 * cornered + kFewPairs);
+    manifolds.spare(std::max<std::size_t>(2 * manifolds.pair_count(), most), table.strips.size());
   }
   contacts.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.pair_blocks(),
-                                       std::size_t{5} * bodies.count),
+                                       (plan.radii ? 8 : 5) * std::size_t{bodies.count}),
                  2 * kernels::kBlock * contacts.single_blocks() + 1024);
   if (!plan.forces && !plan.turns) {
     solved.spare(kernels::round_up_block(bodies.count) + 1024, !bodies.spin.empty(),

@@ -39,8 +39,8 @@ inline constexpr std::size_t kSkipCount = kSkipNames.size();
 
 /// The work of a step before its substeps, in order (step_work.cpp).
 enum class Part : std::uint8_t {
-  check, measure, count, move, search, near, select, pack, group, sort_out, keep, colour, lay_out, look, stand,
-  done
+  check, measure, count, move, search, near, select, pack, group, loads, gather, sort_out, keep, colour, lay_out,
+  look, stand, done
 };
 
 /// How much of a step's work is done, where it is spread over frames.
@@ -85,6 +85,8 @@ struct World::Impl {
   bool loose = false;          // bodies fly: few candidates meet within a step
   bool once = false;           // the lists are for one step
   double list_frames = 0;      // that loose lists are made for; 0: one, looking ahead
+  double list_span = 1;        // frames of a step that they were made for
+  double select_span = 1;      // and of the last one that was selected for
   double list_reach = 0;       // m: how far a body reaches in them, about
   double list_skin = 1;        // WorldDesc::skin when they were made
   double sampled_speed = 0;    // m/s, when the lists were made
@@ -274,6 +276,7 @@ struct World::Impl {
   void turn_back();
   void accept_work();
   Part after_contacts() const { return plan.shapes ? Part::look : Part::done; }
+  Part after_loads() const { return sorts_out() ? Part::gather : Part::colour; }
   Part after_check() const { return loose ? Part::select : after_contacts(); }  // if lists serve
   void pushed(std::uint32_t id, const Motion& before);
   void note_work(const Span& span);
@@ -284,7 +287,7 @@ struct World::Impl {
   void finish_work(const Span& span, StepReport& report);
   bool lists_serve(double dt);
   void check_lists(const Span& span);
-  void group_contacts();
+  void choose_solved();
 
   // world_governor.cpp
   void choose_detail(double dt, StepReport& report);
@@ -292,6 +295,8 @@ struct World::Impl {
   bool fits_again(StepReport& report) const;
   void work_ahead(double dt, StepReport& report);
   WorkCounts count_work() const;
+  Governor::Growth list_growth(int frames) const;
+  std::uint64_t loaded_shape_lanes() const;
   double piece_ns(const WorkCounts& counts, std::size_t piece) const;
 };
 
