@@ -21,7 +21,7 @@ void World::Impl::image(A& a, bool& lists) {
           sampled_speed, crowding, loose, once, first_mass, first_radius, least_radius, plan_stale,
           lists_stale, impulses_valid, substeps, kept_contacts, ahead.part, ahead.at, ahead.sorted,
           ahead.built, ahead.laid, ahead.spread, ahead.waits, ahead.spoiled, ahead.horizon,
-          list_reach, list_skin, lists, saved.candidates);
+          list_reach, list_skin, list_span, select_span, lists, saved.candidates);
   list(a, saved.done,
        [&](Saved::Done& d) { numbers(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.spin); });
   for (float& soft : manifold_soft) a.value(soft);
@@ -148,7 +148,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
 void World::Impl::work_again() {
   saved.undone = false;
   const FloatSettings settings;
-  const double visits = loads.visits();
+  const double visits = loads.visits(), listed = list_span, selected = select_span;
   ahead.at = 0;
   if (ahead.sorted) {
     if (!loose) {
@@ -184,6 +184,8 @@ void World::Impl::work_again() {
     }
   }
   loads.set_visits(visits);
+  list_span = listed;
+  select_span = selected;
 }
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options, std::string& error) {
