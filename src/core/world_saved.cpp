@@ -66,6 +66,7 @@ void World::Impl::image(A& a, bool& lists) {
 
 void World::save(std::vector<std::byte>& out) {
   Impl& w = *impl_;
+  const WorkerPool::Awake awake(w.pool);
   w.settle_lists();
   w.saved.origin.clear();
   if (w.ahead.sorted || w.broad.has_moved_on()) w.broad.copy_origin(w.saved.origin);
@@ -81,7 +82,6 @@ void World::save(std::vector<std::byte>& out) {
   Image::visit(saver, w.desc);
   w.image(saver, lists);
   Image::manifolds(saver, w.manifolds, w.bodies.count);
-  const WorkerPool::Awake awake(w.pool);
   saver.finish(out, w.pool);
   w.lists_stale = stale;
   w.turn_back();
