@@ -325,10 +325,14 @@ void Solver::Run::impacts() {
               0.0f);
   });
   std::atomic<bool> any{true};
-  const auto sweep_singles = [&] {
+  SweepMemory& memory = solver_.sweep_memory_;
+  memory.start(table_.strips.size());
+  const auto sweep_singles = [&](int sweep, bool all) {
     for_singles([&](std::size_t strip, const Strip& s) {
+      if (!all && !memory.asks_single(strip, sweep)) return;
       if (k_.sweep_single[model_](view_, singles_, single_, s.single_begin, s.single_end,
                                   &solver_.virial_[strip])) {
+        memory.single[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
     });
@@ -343,16 +347,18 @@ void Solver::Run::impacts() {
                                                         static_cast<float>(slices_)
                                                   : 1e30f;
     for_pairs([&](std::size_t strip, const Strip& s) {
+      if (!memory.asks_pairs(strip, sweep)) return;
       if (k_.sweep[model_](view_, pairs_, pair_, s.block_begin, s.block_end,
                            &solver_.virial_[strip])) {
+        memory.pairs[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
     });
-    sweep_singles();
+    sweep_singles(sweep, false);
   }
   if (any.load()) {  // too many events: at least nobody leaves through a wall
     single_.last_sweep = false;
-    sweep_singles();
+    sweep_singles(sweeps, true);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <utility>
+#include <algorithm>
 #include <vector>
 
 #include "body_store.h"
@@ -47,6 +48,31 @@ struct SolverReport {
 /// Kinematic bodies (ids) with the velocities they keep.
 using HeldBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
 
+/// In which sweep over impacts a strip last had an event. Where none was about since a strip was looked at, it would
+/// say the same again and is passed over.
+struct SweepMemory {
+  static constexpr int kNever = -2;
+  std::vector<int> pairs, single;  ///< by strip
+
+  void start(std::size_t strips) {
+    pairs.assign(strips, kNever);
+    single.assign(strips, kNever);
+  }
+  /// A pair's bodies lie in its strip and the next one; the last strip's anywhere.
+  bool asks_pairs(std::size_t strip, int sweep) const {
+    const std::size_t small = pairs.size() - 1;
+    if (sweep == 0 || strip == small) return true;
+    const std::size_t next = strip + 1 < small ? strip + 1 : 0, before = strip == 0 ? small - 1 : strip - 1;
+    return std::max({pairs[strip], pairs[next], pairs[before], pairs[small], single[strip], single[next]}) + 1 >= sweep;
+  }
+  bool asks_single(std::size_t strip, int sweep) const {
+    const std::size_t small = pairs.size() - 1;
+    if (sweep == 0 || strip == small) return true;
+    const std::size_t before = strip == 0 ? small - 1 : strip - 1;
+    return std::max({pairs[strip], pairs[before], pairs[small], single[strip]}) + 1 >= sweep;
+  }
+};
+
 class Solver {
   friend struct Image;
 
@@ -83,6 +109,7 @@ class Solver {
   std::vector<std::uint64_t> closed_by_strip_;
   std::uint64_t closed_ = 0;
   double sweeps_ = 2;
+  SweepMemory sweep_memory_;
 };
 
 }  // namespace psim

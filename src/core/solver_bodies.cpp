@@ -1,6 +1,8 @@
 #include "solver_bodies.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include "tasks.h"
 
@@ -11,6 +13,40 @@ using kernels::kBlock;
 // Above 0.6 of linked bodies copying them costs more than it saves; either way is kept a while, since
 // each has columns of its own.
 constexpr double kCompactBelow = 0.5, kCompactUntil = 0.75;
+constexpr std::size_t kAhead = 24;  // bodies that a copy asks memory for ahead
+
+namespace {
+
+constexpr std::uint64_t kOnes = 0x0101010101010101;
+
+// One bit for each of eight marks, in the lowest of its byte.
+std::uint64_t eight_marks(const std::uint8_t* linked) {
+  std::uint64_t marks;
+  std::memcpy(&marks, linked, sizeof marks);
+  return marks & kOnes;
+}
+
+std::uint32_t count_marks(const std::uint8_t* linked, std::uint32_t begin, std::uint32_t end) {
+  std::uint32_t n = 0, i = begin;
+  for (; i + 8 <= end; i += 8) n += static_cast<std::uint32_t>(eight_marks(linked + i) * kOnes >> 56);
+  for (; i < end; ++i) n += linked[i] & 1u;
+  return n;
+}
+
+template <class Each>
+void for_marks(const std::uint8_t* linked, std::uint32_t begin, std::uint32_t end, const Each& each) {
+  std::uint32_t i = begin;
+  for (; i + 8 <= end; i += 8) {
+    for (std::uint64_t m = eight_marks(linked + i); m != 0; m &= m - 1) {
+      each(i + static_cast<std::uint32_t>(std::countr_zero(m)) / 8);
+    }
+  }
+  for (; i < end; ++i) {
+    if ((linked[i] & 1u) != 0) each(i);
+  }
+}
+
+}  // namespace
 
 // All bodies as they stand.
 void SolverBodies::take_all(BodyStore& b, std::size_t strips, bool impacts) {
@@ -48,9 +84,7 @@ void SolverBodies::count_linked(const BodyStore& b, const PairTable& table, Work
   strip_begin_.assign(strips + 1, 0);
   pool.run(strips, [&](std::size_t s) {
     const Strip& strip = table.strips[s];
-    std::uint32_t n = 0;
-    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) n += b.linked[i] & 1u;
-    strip_begin_[s + 1] = n;
+    strip_begin_[s + 1] = count_marks(b.linked.data(), strip.body_begin, strip.body_end);
   });
   for (std::size_t s = 0; s < strips; ++s) strip_begin_[s + 1] += strip_begin_[s];
 }
@@ -72,11 +106,10 @@ void SolverBodies::choose(BodyStore& b, const PairTable& table, bool compact, bo
   pool.run(strips, [&](std::size_t s) {
     const Strip& strip = table.strips[s];
     std::uint32_t n = strip_begin_[s];
-    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
+    for_marks(b.linked.data(), strip.body_begin, strip.body_end, [&](std::uint32_t i) {
       number_[i] = n;
-      if ((b.linked[i] & 1u) == 0) continue;
       slot_[n++] = i;
-    }
+    });
   });
   std::fill(linked_.data(), linked_.data() + count_, std::uint8_t{0xFF});
   std::fill(linked_.data() + count_, linked_.data() + all, std::uint8_t{0});
@@ -112,7 +145,10 @@ template <bool kTurns>
 void SolverBodies::load_range(const BodyStore& b, BlockRange r) {
   const std::size_t end = std::min(count_, r.end * kBlock);
   for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n];
+    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
+    __builtin_prefetch(b.pos.data() + 2 * soon);
+    __builtin_prefetch(b.vel.data() + 2 * soon);
+    __builtin_prefetch(b.disp.data() + 2 * soon);
     pos_[2 * n] = b.pos[2 * i];
     pos_[2 * n + 1] = b.pos[2 * i + 1];
     vel_[2 * n] = b.vel[2 * i];
@@ -133,7 +169,9 @@ template <bool kTurns>
 void SolverBodies::store_range(BodyStore& b, BlockRange r) const {
   const std::size_t end = std::min(count_, r.end * kBlock);
   for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n];
+    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
+    __builtin_prefetch(b.vel.data() + 2 * soon, 1);
+    __builtin_prefetch(b.disp.data() + 2 * soon, 1);
     b.vel[2 * i] = vel_[2 * n];
     b.vel[2 * i + 1] = vel_[2 * n + 1];
     b.disp[2 * i] = disp_[2 * n];
