@@ -8,7 +8,8 @@ namespace {
 TEST(Pile, ComesToRestWithoutSinking) {
   for (const Material m : {material(0), material(0, 0.5), material(0.3, 0.5)}) {
     auto world = pile(1000, m, best_isa(), 2);
-    run_seconds(*world, 12);  // a late slip may take until then
+    run_seconds(*world, 12);
+    for (int k = 0; k < 8 && rms_speed(*world) >= 1e-3; ++k) run_seconds(*world, 1);  // one disc slips late
     const auto depths = penetrations(*world);
     EXPECT_GT(depths.size(), 1000u) << "mu " << m.friction;
     // Friction locks in some of the compression of the landing.

@@ -478,7 +478,7 @@ void BroadPhase::keep_origin() {
   chained_ = true;
 }
 
-void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
+void BroadPhase::select(BodyStore& b, float time, const std::vector<float>& slack, bool link_all,
                         const PairTable& candidates, PairTable& table,
                         const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin,
                         std::size_t end) {
@@ -506,10 +506,10 @@ void BroadPhase::select(BodyStore& b, float time, float slack, bool link_all,
   selection.pitch_x = static_cast<float>(lattice_->pitch_x());
   selection.pitch_y = static_cast<float>(lattice_->pitch_y());
   selection.time = time;
-  selection.slack = slack;
   pool.run(end - begin, [&](std::size_t n) {
     Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
+    mine.slack = slack[begin + n];
     mine.out_owner = picked_owner_.data() + s.pair_begin;
     mine.out_other = picked_other_.data() + s.pair_begin;
     s.pair_end = s.pair_begin + k.select_pairs(view, mine, s.pair_begin, s.pair_end);

@@ -159,9 +159,9 @@ class BroadPhase {
   double density() const { return density_; }
 
   /// Of the candidates, the pairs that can meet within `time` at their present relative speed:
-  /// gap < |u| time + slack, of strips [begin, end). Fills `table` alike and sets bodies.linked.
+  /// gap < |u| time + slack of the strip, of strips [begin, end). Fills `table` alike and sets bodies.linked.
   /// O(candidates).
-  void select(BodyStore& bodies, float time, float slack, bool link_all,
+  void select(BodyStore& bodies, float time, const std::vector<float>& slack, bool link_all,
               const PairTable& candidates, PairTable& table, const kernels::KernelTable& k,
               WorkerPool& pool, std::size_t begin, std::size_t end);
   /// Closes up what was selected, once all is.

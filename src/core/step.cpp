@@ -235,6 +235,20 @@ double World::Impl::impact_slack(double speed, double close, double dt) const {
          (plan.uneven ? 1.0 : close) * speed * dt;
 }
 
+// Lists for one step or some frames: how fast bodies move against those around them now.
+void World::Impl::measure_speeds(double dt) {
+  const bool periodic = desc.boundary == Boundary::periodic;
+  speeds.measure(bodies, candidates.strips, {plan.uneven, periodic, lattice.pitch_y(), kMarginFrames * dt}, pool);
+  slack.resize(candidates.strips.size());
+}
+
+// Of a strip: never more than what the speeds all over the world ask for, and less where all move alike
+// (docs/decisions/013-slack-by-strip.md).
+double World::Impl::slack_of(std::size_t strip, double dt) const {
+  constexpr double kReserve = 8;  // of the r.m.s. speed: all of it where one in 64 moves
+  return impact_slack(std::fmin(sampled_speed, kReserve * speeds.at(strip)), crowding, dt);
+}
+
 // Bodies at rest or creeping: a thin skin, and the candidates are the contacts while it lasts.
 // Bodies in flight: margins for several frames, of which each step selects the pairs that can meet;
 // or, where they would soon be used up, lists for this step alone. The choice is by cost: building

@@ -195,7 +195,8 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
         ahead.swapped = true;
       }
       select_span = span.step / span.frame;
-      const auto slack = static_cast<float>(impact_slack(sampled_speed, crowding, span.step));
+      if (begin == 0) measure_speeds(span.step);
+      for (std::size_t s = begin; s < end; ++s) slack[s] = static_cast<float>(slack_of(s, span.step));
       broad.select(bodies, static_cast<float>(kMarginFrames * span.step), slack, plan.fields,
                    candidates, table, kernels, pool, begin, end);
       break;

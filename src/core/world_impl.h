@@ -27,6 +27,7 @@
 #include "solver.h"
 #include "solver_bodies.h"
 #include "static_shapes.h"
+#include "strip_speeds.h"
 #include "tasks.h"
 #include "trace.h"
 #include "saved.h"
@@ -80,6 +81,8 @@ struct World::Impl {
   std::vector<FixedBody> fixed;
   std::vector<BodyState> frozen;
   BroadPhase broad;
+  StripSpeeds speeds;
+  std::vector<float> slack;  // m, by strip: what impacts within a step may do to gaps
   PairTable table, old_table;  // what the contacts are made from
   PairTable candidates;        // loose scenes: what `table` is selected from every step
   bool loose = false;          // bodies fly: few candidates meet within a step
@@ -260,6 +263,8 @@ struct World::Impl {
   void refresh_lists(double dt, const Span& span, StepReport& report);
   struct ListPlan;
   double impact_slack(double speed, double close, double dt) const;
+  void measure_speeds(double dt);
+  double slack_of(std::size_t strip, double dt) const;
   ListPlan plan_lists(double dt) const;
   void measure_bodies(const Span& span);
   void move_bodies(std::size_t begin, std::size_t end);
