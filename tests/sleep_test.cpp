@@ -54,6 +54,7 @@ struct Case {
   const char* name;
   double seconds;
   std::unique_ptr<World> (*build)();
+  double moved = 1e-3, fastest = 0.05;  // m, m/s: when all wake
 };
 
 const Case kCases[] = {
@@ -88,7 +89,8 @@ const Case kCases[] = {
                              {0.6 + k % 8 + 0.4 * (k / 8 % 2), 0.44 + 0.868 * (k / 8)}, kGrip));
        }
        return world;
-     }},
+     },
+     5e-3, 0.2},  // some hexagons stand as they would not by themselves (docs/sleeping.md)
     {"OverlapRecovery", 8, [] { return built_in("overlap_recovery"); }},
     {"HighMassRatio", 8, [] { return built_in("high_mass_ratio_3"); }},
     {"Bridge", 50,
@@ -154,8 +156,8 @@ TEST_P(Sleep, StaysWhereItIsWhenAllWake) {
       fastest = std::max(fastest, std::hypot(now.vx[k], now.vy[k]));
     }
   }
-  EXPECT_LT(moved, 1e-3);
-  EXPECT_LT(fastest, 0.05);
+  EXPECT_LT(moved, GetParam().moved);
+  EXPECT_LT(fastest, GetParam().fastest);
 }
 
 TEST_P(Sleep, CostsNothingOnceAllSleep) {

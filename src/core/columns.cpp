@@ -16,8 +16,12 @@ constexpr float kTouching = 0.002f;       // of the inner radius: gap that count
 constexpr float kClosed = 0.0002f;        // gap that a solve may close
 constexpr double kSticking = 0.999;       // of mu l, below which friction holds
 constexpr double kPivot = 1e-6;           // of the diagonal
+constexpr float kNoPoint = 1e5f;          // m: gap of a point that a contact does not have
 constexpr double kGoodStep = 0.9;         // of a full step; shorter ones tell of an impact
-constexpr std::uint8_t kRestFrames = 8;   // as an ordinary contact after a short step
+constexpr std::uint8_t kRestFrames = 8;   // as an ordinary contact after that or a short step
+// Of what gravity does in a step: speed up to which a link becomes part of a long column, and stays one.
+constexpr double kCalm = 0.06, kShaken = 1.2;
+constexpr std::size_t kRoom = 64;         // links that there is always room for, and one for eight bodies
 
 // As fmax and fmin, without a call; of two that are equal, the second.
 double most(double a, double b) { return a > b ? a : b; }
@@ -27,7 +31,7 @@ double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b
 
 }  // namespace
 
-inline Columns::Factor Columns::factor_of(const double s[3][4]) {
+inline Columns::Factor Columns::factor_of(const double s[3][3]) {
   Factor f;
   for (int k = 0; k < 3; ++k) f.scale[k] = s[k][k] > 0 ? 1 / std::sqrt(s[k][k]) : 0;
   const auto at = [&](int i, int j) { return s[i][j] * f.scale[i] * f.scale[j]; };
@@ -64,6 +68,10 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
                    const PairTable& table, WorkerPool& pool) {
   links_.clear();
   columns_.clear();
+  const std::size_t bodies = manifolds.shaped().size(), usual = std::min(bodies, kRoom + bodies / 8);
+  run_.reserve(usual);
+  links_.reserve(usual);
+  columns_.reserve(usual);
   const double g = std::sqrt(params.gravity.x * params.gravity.x + params.gravity.y * params.gravity.y);
   const auto upright = [&](const ManifoldPair& pair) {
     return -(params.gravity.x * static_cast<double>(pair.manifold.nx) +
@@ -135,9 +143,23 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
     const ManifoldPair& pair = manifolds.pairs()[standing_[slot].on];
     if (!pair.fixed_a) standing_[pair.b == slot ? pair.a : pair.b].carries = true;
   }
+  // Against each other. A direct solve throws bodies about that rock on each other.
+  const auto moves = [&](const ManifoldPair& pair) {
+    const auto motion = [&](std::uint32_t slot) {
+      if (slot == kNone) return Vec2{};
+      return Vec2{static_cast<double>(b.vel[2 * std::size_t{slot}]), static_cast<double>(b.vel[2 * std::size_t{slot} + 1])};
+    };
+    const auto turning = [&](std::uint32_t slot) {
+      return slot == kNone ? 0 : std::fabs(static_cast<double>(b.spin[slot]));
+    };
+    const Vec2 va = motion(pair.a), vb = motion(pair.b);
+    if (pair.manifold.count != 2) return false;
+    return std::hypot(vb.x - va.x, vb.y - va.y) + turning(pair.a) + turning(pair.b) >
+           (pair.was_column == ManifoldPair::kLoose ? kCalm : kShaken) * g * params.dt;
+  };
   for (const std::uint32_t top : manifolds.shaped()) {
     if (!standing_[top].link || standing_[top].carries) continue;
-    const auto first = static_cast<std::uint32_t>(links_.size());
+    run_.clear();
     bool steep = false;
     for (std::uint32_t slot = top; slot != kNone && standing_[slot].link;) {
       Link link;
@@ -149,22 +171,33 @@ void Columns::find(const BodyStore& b, Manifolds& manifolds, const ManifoldParam
         const float here = b.surface(b.id[slot]).mass, there = b.surface(b.id[lower]).mass;
         steep |= here > kMassRatio * there || there > kMassRatio * here;
       }
-      links_.push_back(link);
+      run_.push_back(link);
       slot = lower;
     }
-    const auto count = static_cast<std::uint32_t>(links_.size()) - first;
-    if (count < kLongColumn && !steep) {
-      links_.resize(first);
-      continue;
+    if (run_.size() < kLongColumn && !steep) continue;
+    std::reverse(run_.begin(), run_.end());
+    // A long one has none but links at rest; what is left between others is too short or a column of its own.
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k <= run_.size(); ++k) {
+      if (k != run_.size()) {
+        if (steep || !moves(manifolds.pairs()[run_[k].pair])) continue;
+        manifolds.pair(run_[k].pair).rest_frames = kRestFrames;
+      }
+      if (steep || k - begin >= kLongColumn) add_column(b, manifolds, begin, k);
+      begin = k + 1;
     }
-    std::reverse(links_.begin() + first, links_.end());
-    columns_.push_back({first, count});
-    const bool grounded = manifolds.pairs()[links_[first].pair].fixed_a;
-    for (std::uint32_t k = first; k < first + count; ++k) {
-      ManifoldPair& pair = manifolds.pair(links_[k].pair);
-      pair.column = grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving;
-      links_[k].closed = static_cast<double>(kClosed * inner(pair.id_b));
-    }
+  }
+}
+
+// Links [begin, end) of the run, from the bottom.
+void Columns::add_column(const BodyStore& b, Manifolds& manifolds, std::size_t begin, std::size_t end) {
+  columns_.push_back({static_cast<std::uint32_t>(links_.size()), static_cast<std::uint32_t>(end - begin), false});
+  const bool grounded = manifolds.pairs()[run_[begin].pair].fixed_a;
+  for (std::size_t k = begin; k < end; ++k) {
+    ManifoldPair& pair = manifolds.pair(run_[k].pair);
+    pair.column = grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving;
+    run_[k].closed = static_cast<double>(kClosed * b.make(pair.id_b).inner);
+    links_.push_back(run_[k]);
   }
 }
 
@@ -175,60 +208,34 @@ void Columns::place(const Manifolds& manifolds) {
   }
 }
 
-// Rows, blocks and residuals of one link as things are now.
-void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
-                   const kernels::ContactParams& p, double gravity, bool soft, Link& link) const {
+// What of a link stays as it is for a step: rows and blocks.
+void Columns::read_step(Manifolds& manifolds, Link& link) {
   const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
   const std::uint32_t l = link.lane % kernels::kBlock;
-  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const auto d = [](float value) { return static_cast<double>(value); };
   const double nx = d(c.nx[l]), ny = d(c.ny[l]), sign = link.b_above ? 1 : -1;
-  const double vx = d(v.vel[2 * b]) - d(v.vel[2 * a]), vy = d(v.vel[2 * b + 1]) - d(v.vel[2 * a + 1]);
-  const double ua = d(v.spin[a]), ub = d(v.spin[b]);
   const double wa = d(c.wa[l]), wb = d(c.wb[l]), ga = d(c.ga[l]), gb = d(c.gb[l]);
-  const double mx = d(v.disp[2 * b]) - d(v.disp[2 * a]), my = d(v.disp[2 * b + 1]) - d(v.disp[2 * a + 1]);
-  const double inv_h = d(p.inv_h);
-  double an = 0, bn = 0, points = 0, pressed = 0, rubbed = 0;
+  double points = 0;
+  link.an = link.bn = 0;
   for (int k = 0; k < 2; ++k) {
     const ManifoldBlock::Point& point = c.point[k];
-    const double at = d(point.at[l]), bt = d(point.bt[l]), lambda = most(d(point.impulse[l]), 0);
-    const double s = d(point.gap[l]) + nx * mx + ny * my +
-                     (d(v.turn[2 * b]) * (d(point.bn[l]) + d(c.round_b[l])) + d(v.turn[2 * b + 1]) * bt) -
-                     (d(v.turn[2 * a]) * (d(point.an[l]) - d(c.round_a[l])) + d(v.turn[2 * a + 1]) * at);
-    const double vn = nx * vx + ny * vy + ub * bt - ua * at;
-    const double own = wa + wb + ga * at * at + gb * bt * bt;
+    const double at = d(point.at[l]), bt = d(point.bt[l]);
     link.dx[k] = nx * sign;
     link.dy[k] = ny * sign;
     link.up[k] = link.b_above ? bt : -at;
     link.low[k] = link.b_above ? -at : bt;
-    link.e[k] = 0;
-    link.r[k] = vn;
-    if (soft) {
-      if (s > 0) {
-        link.r[k] += s * inv_h;
-      } else {
-        link.e[k] = d(c.soft[l]) * own;
-        link.r[k] += most(s * d(c.rate[l]), -d(p.push)) + link.e[k] * lambda;
-      }
-    }
-    const bool there = s < 1e5;
-    link.active[k] = there && (lambda > 0 || (s <= link.closed && link.r[k] <= gravity / inv_h / 2));
-    if (!there) continue;
-    an += d(point.an[l]);
-    bn += d(point.bn[l]);
+    link.soft[k] = d(c.soft[l]) * (wa + wb + ga * at * at + gb * bt * bt);
+    if (!(point.gap[l] < kNoPoint)) continue;
+    link.an += d(point.an[l]);
+    link.bn += d(point.bn[l]);
     points += 1;
-    pressed += lambda;
-    rubbed += d(point.friction[l]);
   }
-  an /= points;
-  bn /= points;
+  link.an /= points;
+  link.bn /= points;
   link.dx[2] = -ny * sign;
   link.dy[2] = nx * sign;
-  link.up[2] = link.b_above ? bn : -an;
-  link.low[2] = link.b_above ? -an : bn;
-  link.r[2] = nx * vy - ny * vx + ub * bn - ua * an;
-  link.e[2] = 0;
-  link.active[2] = pressed > 0 && std::fabs(rubbed) <= kSticking * d(c.mu[l]) * pressed;
+  link.up[2] = link.b_above ? link.bn : -link.an;
+  link.low[2] = link.b_above ? -link.an : link.bn;
   const double wu = link.b_above ? wb : wa, wl = link.b_above ? wa : wb;
   const double gu = link.b_above ? gb : ga, gl = link.b_above ? ga : gb;
   link.wu = wu, link.wl = wl, link.gu = gu, link.gl = gl;
@@ -237,64 +244,128 @@ void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
       const double along = link.dx[i] * link.dx[j] + link.dy[i] * link.dy[j];
       link.a[i][j] = (wu + wl) * along + gu * link.up[i] * link.up[j] + gl * link.low[i] * link.low[j];
     }
-    link.a[i][i] += link.e[i];
+  }
+  for (Reduced& reduced : link.reduced) reduced.rows = Reduced().rows;
+}
+
+// With the link below, through the body that is upper there and lower here.
+void Columns::couple(Link& link, const Link& under) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      link.full[i][j] = -link.wl * (link.dx[i] * under.dx[j] + link.dy[i] * under.dy[j]) +
+                        link.gl * link.low[i] * under.up[j];
+    }
+  }
+}
+
+// Which rows are active, and residuals, as things are now.
+inline void Columns::read(const kernels::BodyView& v, Manifolds& manifolds,
+                          const kernels::ContactParams& p, double gravity, bool soft, Link& link) {
+  const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+  const std::uint32_t l = link.lane % kernels::kBlock;
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const auto d = [](float value) { return static_cast<double>(value); };
+  const double nx = d(c.nx[l]), ny = d(c.ny[l]);
+  const double vx = d(v.vel[2 * b]) - d(v.vel[2 * a]), vy = d(v.vel[2 * b + 1]) - d(v.vel[2 * a + 1]);
+  const double ua = d(v.spin[a]), ub = d(v.spin[b]);
+  const double mx = d(v.disp[2 * b]) - d(v.disp[2 * a]), my = d(v.disp[2 * b + 1]) - d(v.disp[2 * a + 1]);
+  const double inv_h = d(p.inv_h);
+  double pressed = 0, rubbed = 0;
+  link.rows = 0;
+  for (int k = 0; k < 2; ++k) {
+    const ManifoldBlock::Point& point = c.point[k];
+    const double at = d(point.at[l]), bt = d(point.bt[l]), lambda = most(d(point.impulse[l]), 0);
+    const double s = d(point.gap[l]) + nx * mx + ny * my +
+                     (d(v.turn[2 * b]) * (d(point.bn[l]) + d(c.round_b[l])) + d(v.turn[2 * b + 1]) * bt) -
+                     (d(v.turn[2 * a]) * (d(point.an[l]) - d(c.round_a[l])) + d(v.turn[2 * a + 1]) * at);
+    link.r[k] = nx * vx + ny * vy + ub * bt - ua * at;
+    const bool gives = soft && !(s > 0);
+    if (gives) {
+      link.r[k] += most(s * d(c.rate[l]), -d(p.push)) + link.soft[k] * lambda;
+    } else if (soft) {
+      link.r[k] += s * inv_h;
+    }
+    if (!(point.gap[l] < kNoPoint)) continue;
+    if (lambda > 0 || (s <= link.closed && link.r[k] <= gravity / inv_h / 2)) {
+      link.rows |= (gives ? 9u : 1u) << k;
+    }
+    pressed += lambda;
+    rubbed += d(point.friction[l]);
+  }
+  link.r[2] = nx * vy - ny * vx + ub * link.bn - ua * link.an;
+  if (pressed > 0 && std::fabs(rubbed) <= kSticking * d(c.mu[l]) * pressed) link.rows |= 4u;
+}
+
+// Eliminates links from the free top down, from the first one whose rows are others than the last time.
+void Columns::reduce(Link* links, std::uint32_t n, bool soft) {
+  std::uint32_t fresh = n;  // links below this one are to be done
+  while (fresh > 0 && links[fresh - 1].reduced[soft].rows == links[fresh - 1].rows) --fresh;
+  if (fresh == 0) return;
+  for (std::uint32_t k = std::min(fresh + 1, n); k-- > 0;) {
+    Link& link = links[k];
+    Reduced& reduced = link.reduced[soft];
+    if (k < fresh) {
+      double s[3][3];
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) s[i][j] = link.active(i) && link.active(j) ? link.a[i][j] : 0;
+        if (link.active(i)) s[i][i] += link.compliance(i);
+      }
+      if (k + 1 < n) {
+        const Link& over = links[k + 1];
+        for (int m = 0; m < 3; ++m) {
+          for (int i = 0; i < 3; ++i) {
+            const double o = over.coupling(m, i, link);
+            for (int j = 0; j < 3; ++j) s[i][j] -= o * over.reduced[soft].m[m][j];
+          }
+        }
+      }
+      reduced.factor = factor_of(s);
+      reduced.rows = link.rows;
+    }
+    if (k == 0) break;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) reduced.m[i][j] = link.coupling(i, j, links[k - 1]);
+    }
+    const Factor factor = reduced.factor;
+    solve(factor, reduced.m);
   }
 }
 
 void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
-                        const kernels::ContactParams& p, double gravity, bool soft,
-                        const Column& column) {
+                        const kernels::ContactParams& p, double gravity, bool soft, Column& column) {
   Link* const links = links_.data() + column.first;
   const std::uint32_t n = column.count;
-  for (std::uint32_t k = 0; k < n; ++k) {
-    Link& link = links[k];
-    read(v, manifolds, p, gravity, soft, link);
-    if (k == 0) continue;
-    // With the link below, through the body that is upper there and lower here.
-    const Link& under = links[k - 1];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        link.full[i][j] = -link.wl * (link.dx[i] * under.dx[j] + link.dy[i] * under.dy[j]) +
-                          link.gl * link.low[i] * under.up[j];
-        link.o[i][j] = link.active[i] && under.active[j] ? link.full[i][j] : 0;
-      }
+  if (!column.read) {
+    for (std::uint32_t k = 0; k < n; ++k) {
+      read_step(manifolds, links[k]);
+      if (k > 0) couple(links[k], links[k - 1]);
     }
+    column.read = true;
   }
-  // Eliminate from the free top down; then put in from the bottom up.
   for (std::uint32_t k = 0; k < n; ++k) {
-    Link& link = links[k];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) link.s[i][j] = link.active[i] && link.active[j] ? link.a[i][j] : 0;
-      link.s[i][3] = link.active[i] ? link.r[i] : 0;
-    }
+    read(v, manifolds, p, gravity, soft, links[k]);
+    for (int i = 0; i < 3; ++i) links[k].right[i] = links[k].active(i) ? links[k].r[i] : 0;
   }
+  reduce(links, n, soft);
+  // The right side from the top down; then the unknowns from the bottom up.
   for (std::uint32_t k = n; k-- > 1;) {
-    Link &link = links[k], &under = links[k - 1];
-    const Factor factor = factor_of(link.s);
-    double x[3][4];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) x[i][j] = link.o[i][j];
-      x[i][3] = link.s[i][3];
-    }
-    solve(factor, x);
-    link.factor = factor;
-    for (int i = 0; i < 3; ++i) {
-      for (int m = 0; m < 3; ++m) {
-        for (int j = 0; j < 4; ++j) under.s[i][j] -= link.o[m][i] * x[m][j];
-      }
+    const Link& link = links[k];
+    double* const right = links[k - 1].right;
+    const auto& m = link.reduced[soft].m;
+    for (int j = 0; j < 3; ++j) {
+      right[j] -= m[0][j] * link.right[0] + m[1][j] * link.right[1] + m[2][j] * link.right[2];
     }
   }
-  links[0].factor = factor_of(links[0].s);
   for (std::uint32_t k = 0; k < n; ++k) {
     Link& link = links[k];
-    double x[3][1];
-    for (int i = 0; i < 3; ++i) {
-      x[i][0] = link.s[i][3];
-      if (k > 0) x[i][0] -= dot(link.o[i], links[k - 1].d);  // d below has its sign changed
-    }
-    const Factor factor = link.factor;
+    double x[3][1] = {{link.right[0]}, {link.right[1]}, {link.right[2]}};
+    const Factor factor = link.reduced[soft].factor;
     solve(factor, x);
     for (int i = 0; i < 3; ++i) link.d[i] = x[i][0];
+  }
+  for (std::uint32_t k = 1; k < n; ++k) {
+    const auto& m = links[k].reduced[soft].m;
+    for (int i = 0; i < 3; ++i) links[k].d[i] -= dot(m[i], links[k - 1].d);
   }
   // d is minus the step. Within the bounds, and no further than the quadratic form falls along it.
   double fall = 0, bend = 0;
@@ -306,16 +377,16 @@ void Columns::solve_one(const kernels::BodyView& v, Manifolds& manifolds,
     for (int i = 0; i < 2; ++i) {
       const double before = most(static_cast<double>(c.point[i].impulse[l]), 0);
       const double after = most(before - link.d[i], 0);
-      link.d[i] = link.active[i] ? after - before : 0;
+      link.d[i] = link.active(i) ? after - before : 0;
       pressed += before + link.d[i];
       rubbed += static_cast<double>(c.point[i].friction[l]);
     }
     const double cap = static_cast<double>(c.mu[l]) * pressed;
     const double rub = least(most(rubbed - link.d[2], -cap), cap);
-    link.d[2] = link.active[2] ? rub - rubbed : 0;
+    link.d[2] = link.active(2) ? rub - rubbed : 0;
     fall -= dot(link.r, link.d);
     for (int i = 0; i < 3; ++i) {
-      bend += link.d[i] * dot(link.a[i], link.d);
+      bend += link.d[i] * (dot(link.a[i], link.d) + link.compliance(i) * link.d[i]);
       if (k > 0) bend += 2 * link.d[i] * dot(links[k - 1].d, link.full[i]);
     }
   }
@@ -353,7 +424,7 @@ void Columns::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link
   for (int i = 0; i < 2; ++i) {
     float& impulse = c.point[i].impulse[l];
     const double after = most(static_cast<double>(impulse), 0) + step * link.d[i];
-    if (link.active[i] && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(most(after, 0));
+    if (link.active(i) && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(most(after, 0));
     points += impulse > 0 ? 1 : 0;
   }
   if (points == 0) return;

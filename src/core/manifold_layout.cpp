@@ -216,6 +216,7 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   std::array<std::array<std::uint32_t, kColours + 1>, 4> next{};
   std::array<bool, 4> any{};
   for (const std::uint32_t k : strip.laid) pairs_[k].lane = ManifoldPair::kNone;
+  if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
   strip.laid = strip.active;
   each([&](const ManifoldPair& pair) { any[class_of(pair)] = true; });
   strip.points = 0;
@@ -254,6 +255,7 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
     }
     strip.end[k] = blocks;
   }
+  if (blocks > strip.blocks.capacity()) strip.blocks.reserve(blocks + blocks / 2 + 4);  // contacts come and go
   strip.blocks.resize(blocks);
   for (ManifoldBlock& block : strip.blocks) {
     for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
