@@ -130,7 +130,31 @@ void World::Impl::rest(double dt, StepReport& report) {
   if (!sleepers.empty()) wake_reached(dt);
   if (steps % Sleepers::kWatchFrames != 0) return;
   if (!sleepers.watch(bodies, lattice, pool)) return;
+  room_for_sleepers();
   if (steps % (2 * Sleepers::kWatchFrames) == 0) choose_sleepers(dt);
+}
+
+// For the first that fall asleep: as many as there are, or do so in one step. O(bodies) with shapes.
+void World::Impl::room_for_sleepers() {
+  if (!sleepers.empty() || sleepers.has_room(bodies)) return;
+  const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kMostAtOnce);
+  std::uint32_t pieces = plan.shapes ? 0 : most, hulls = 0;
+  std::size_t longest = 1;
+  for (std::uint32_t i = 0; plan.shapes && i < bodies.count && pieces < Sleepers::kMostAtOnce; ++i) {
+    if (bodies.id[i] == kNoSlot) continue;
+    const Make& make = bodies.make(bodies.id[i]);
+    std::uint32_t mine = make.hull_count == 0 ? 1 : 0;
+    for (std::uint32_t h = 0; h < make.hull_count; ++h) {
+      const int corners = bodies.hulls[make.first_hull + h].count;
+      mine += corners > 2 ? static_cast<std::uint32_t>(corners) + 1 : 1;
+      hulls += corners > 2;
+    }
+    pieces += mine;
+    longest = std::max<std::size_t>(longest, mine);
+  }
+  sleepers.make_room(bodies, most, !joints.empty());
+  sleepers.pieces.reserve(longest);
+  shapes.make_room(pieces, hulls);
 }
 
 // Bodies that rest, that something bears, and that touch nothing that moves.
