@@ -24,6 +24,9 @@ if(_test_sources AND TARGET psim_scene)
   target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
   target_link_libraries(psim_tests PRIVATE psim_scene psim_fuzz_inputs nlohmann_json::nlohmann_json
                                            GTest::gtest GTest::gtest_main)
+  if(PSIM_SANITIZE)  # half the time of compilation; what is tested keeps the preset's -O1
+    target_compile_options(psim_tests PRIVATE -O0)
+  endif()
   if(TARGET psim_reference)
     target_link_libraries(psim_tests PRIVATE psim_reference)
   endif()

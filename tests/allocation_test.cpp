@@ -1,6 +1,6 @@
 // A warm step allocates nothing: by its own report, and by counting every operator new.
 #include "allocation_counter.h"
-#include "support.h"
+#include "rigid_support.h"
 
 namespace psim::test {
 namespace {
@@ -57,6 +57,47 @@ TEST(Allocation, NoneWhileSnapshotsArePublished) {
   run(*world, 30);
   world->latest_snapshot();
   expect_no_allocation(*world, 90, 120);
+}
+
+/// Of a step in which bodies fall asleep, the first or the only one.
+void expect_none_at_the_first_sleep(World& world) {
+  for (int k = 0; k < 1200; ++k) {
+    const std::uint64_t before = allocations();
+    const StepReport report = world.step();
+    if (report.asleep == 0) continue;
+    EXPECT_EQ(allocations() - before, 0u) << "frame " << k;
+    EXPECT_EQ(report.arena_growths, 0u) << "frame " << k;
+    return;
+  }
+  ADD_FAILURE() << "nobody fell asleep";
+}
+
+TEST(Allocation, NoneWhenTheFirstDiscsFallAsleep) {
+  for (const int threads : {1, 3}) {
+    auto world = pile(600, material(0.2, 0.5), best_isa(), threads);
+    expect_none_at_the_first_sleep(*world);
+  }
+}
+
+TEST(Allocation, NoneWhenTheFirstShapesFallAsleep) {
+  for (const bool joined : {false, true}) {
+    auto world = make(walled({0, 0, 30, 30}, {0, -kG}, material(0, 0.5)));
+    BodyId last;
+    for (int k = 0; k < 24; ++k) {
+      const Vec2 at{1.5 + 2.2 * (k % 12), 0.5 + (k < 12 ? 0 : 1)};
+      const BodyId id = add(*world, k % 3 == 0 ? disc(at, {}, 0.5, material(0, 0.5)) : box(at, 1, 1, material(0, 0.5)));
+      if (joined && k % 6 == 1) {
+        JointDesc rod;
+        rod.a = last;
+        rod.b = id;
+        std::string error;
+        ASSERT_NE(world->add_joint(rod, error), kNoJoint) << error;
+      }
+      last = id;
+    }
+    world->prepare();
+    expect_none_at_the_first_sleep(*world);
+  }
 }
 
 TEST(Allocation, GrowthIsReported) {

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "rigid_support.h"
+#include "sanitized.h"
 
 namespace psim::test {
 namespace {
@@ -254,7 +255,7 @@ TEST(Contacts, SleepersKeepTheirs) {
 TEST(Contacts, AreTheSameOnEveryIsaAndThreadCount) {
   std::vector<std::vector<Contact>> first;
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : kSanitized ? std::vector{5} : std::vector{1, 2, 5}) {
       auto world = make(walled({0, 0, 40, 60}, {0, -kG}, material(0, 0.3)), isa, threads);
       add(*world, lattice(700, {0.5, 0.5, 39.5, 25}, 0.5, 1, material(0.2, 0.3)));
       for (int k = 0; k < 20; ++k)

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "reference/outlines.h"
+#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -134,7 +135,7 @@ TEST(Events, AreThePairsThatTheReportCounts) {
 TEST(Events, AreTheSameForEveryIsaAndThreadCount) {
   std::vector<std::uint32_t> first;
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : thread_counts()) {
       auto world = bin(600, material(0.3, 0.4), isa, threads);
       for (int k = 0; k < 30; ++k)
         add(*world, box({3.0 + 0.7 * k, 40 + 1.1 * k}, 0.8, 0.6, material(0.3, 0.4)));

@@ -1,4 +1,5 @@
 // Who collides with whom: category, mask and group; for discs, fixed geometry and bodies with corners.
+#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -190,7 +191,7 @@ TEST(Filters, CostNothingWhereThereAreNone) {
 TEST(Filters, AreTheSameForEveryIsaAndThreadCount) {
   std::uint64_t first = 0;
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : thread_counts()) {
       auto world = make(walled({0, 0, 30, 60}), isa, threads);
       Random r(3);
       for (int k = 0; k < 400; ++k) {

@@ -1,6 +1,7 @@
 // Joints against closed forms and a Runge-Kutta reference, through the public API.
 #include <array>
 
+#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -639,7 +640,7 @@ TEST(Joint, SameBitsOnEveryIsaAndAnyThreads) {
   constexpr int kFrames = 40;
   std::vector<std::uint64_t> expected;
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : thread_counts()) {
       const std::unique_ptr<World> w = mixed_world(isa, threads);
       EXPECT_GT(w->joint_count(), 800u);
       for (int frame = 0; frame < kFrames; ++frame) {

@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "reference/outlines.h"
+#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -473,7 +474,7 @@ TEST(QueryAnswers, LeaveTheWorldAsItIs) {
 TEST(QueryAnswers, AreTheSameForEveryIsaAndThreadCount) {
   std::vector<double> first;
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : thread_counts()) {
       auto world = gas_in_walls(3000, 0.3, material(0.8), 10, isa, threads);
       run(*world, 20);
       Random r(5);

@@ -2,6 +2,7 @@
 // they lie on the lattice; and warm steps allocate nothing.
 #include "allocation_counter.h"
 #include "rigid_support.h"
+#include "sanitized.h"
 
 namespace psim::test {
 namespace {
@@ -122,13 +123,13 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 class RigidDeterminism : public testing::TestWithParam<Case> {};
 
 TEST_P(RigidDeterminism, SameBitsFromEveryIsaAndThreadCount) {
-  constexpr int kFrames = 240;
+  constexpr int kFrames = kSanitized ? 120 : 240;
   auto base = GetParam().build(Isa::scalar, 1);
   const auto truth = hashes(*base, kFrames);
   ASSERT_NE(truth.front(), truth.back());
   ASSERT_TRUE(all_finite(*base));
   for (const Isa isa : available_isas()) {
-    for (const int threads : {1, 2, 3}) {
+    for (const int threads : thread_counts()) {
       auto world = GetParam().build(isa, threads);
       for (int k = 0; k < kFrames; ++k) {
         world->step();
@@ -160,7 +161,7 @@ TEST_P(RigidDeterminism, LookingAtAWorldChangesNothing) {
 
 TEST_P(RigidDeterminism, NothingGoesOut) {
   auto world = GetParam().build(best_isa(), 1);
-  for (int k = 0; k < 600; ++k) ASSERT_EQ(world->step().quarantined, 0u) << k;
+  for (int k = 0; k < (kSanitized ? 300 : 600); ++k) ASSERT_EQ(world->step().quarantined, 0u) << k;
   EXPECT_TRUE(all_finite(*world));
   if (world->desc().boundary != Boundary::walls) return;
   const Bounds b = world->desc().bounds;
@@ -175,6 +176,7 @@ TEST_P(RigidDeterminism, NothingGoesOut) {
 
 TEST_P(RigidDeterminism, WarmStepsAllocateNothing) {
   if (std::string_view(GetParam().name) == "Open") GTEST_SKIP() << "its bodies leave";
+  if (kSanitized) GTEST_SKIP() << "a sanitizer changes no count of allocations";
   for (const int threads : {1, 3}) {
     auto world = GetParam().build(best_isa(), threads);
     world->set_sleeping(false);

@@ -15,6 +15,7 @@
 
 #include "json_schema.h"
 #include "psim/scene.h"
+#include "sanitized.h"
 
 namespace psim {
 namespace {
@@ -234,7 +235,7 @@ TEST(SceneSchema, BothJudgeDamagedDocumentsAlike) {
                                     "explicit",
                                     "drag",
                                     "well"};
-  std::size_t judged = 0;
+  std::size_t judged = 0, turn = 0;
   for (const std::string& text : good_documents()) {
     const Json document = Json::parse(text);
     const Json leaves = document.flatten();
@@ -242,6 +243,7 @@ TEST(SceneSchema, BothJudgeDamagedDocumentsAlike) {
       // The leaf and everything around it.
       for (Json::json_pointer at(place); !at.empty(); at = at.parent_pointer()) {
         for (const Json& value : values) {
+          if (test::kSanitized && ++turn % 5 != 0) continue;
           Json damaged = document;
           damaged[at] = value;
           expect_agreement(damaged);

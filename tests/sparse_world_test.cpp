@@ -5,6 +5,7 @@
 
 #include "broad_phase.h"
 #include "kernel_select.h"
+#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -280,7 +281,7 @@ TEST(SparseWorld, TheListsAreTheSameForEveryIsaAndNumberOfThreads) {
   for (const Arrangement& a : kArrangements) {
     std::vector<std::uint32_t> first;
     for (const Isa isa : available_isas()) {
-      for (const int threads : {1, 2, 3}) {
+      for (const int threads : thread_counts()) {
         Random random(23);
         Broad one(square(kHalf), a.periodic, threads);
         one.add(a.make(random));
@@ -511,7 +512,7 @@ TEST(SparseWorld, TheSameBitsFromEveryIsaAndNumberOfThreads) {
   for (const bool wraps : {false, true}) {
     std::vector<std::uint64_t> first;
     for (const Isa isa : available_isas()) {
-      for (const int threads : {1, 2, 3}) {
+      for (const int threads : thread_counts()) {
         WorldDesc desc = unbounded(kHalf, {0, 0});
         if (wraps) desc.boundary = Boundary::periodic;
         auto world = make(desc, isa, threads);

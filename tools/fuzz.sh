@@ -15,7 +15,8 @@ psim_install_fuzzer() {
 
 # psim_fuzz SECONDS: every fuzzer for its share of the time, the calls of the world for half of it, over
 # the corpus and fresh inputs; those that reach new code are kept in build/fuzz/corpus for the next run.
-# 1 if one found a fault: it says where the input lies.
+# An input may take PSIM_FUZZ_TIMEOUT seconds (20): more beside other work. 1 if one found a fault: it
+# says where the input lies.
 psim_fuzz() {
   local seconds="$1" input share found=0 home="$psim_root/build/fuzz" dictionary log status
   psim_install_fuzzer || return 1
@@ -33,7 +34,7 @@ psim_fuzz() {
     mkdir -p "$home/corpus/$input"
     log="$home/fuzz_$input.log" status=0
     # shellcheck disable=SC2086  # no dictionary, no word
-    UBSAN_OPTIONS=print_stacktrace=1 "$home/fuzz_$input" -max_total_time="$share" -timeout=20 \
+    UBSAN_OPTIONS=print_stacktrace=1 "$home/fuzz_$input" -max_total_time="$share" -timeout="${PSIM_FUZZ_TIMEOUT:-20}" \
       -rss_limit_mb=2048 -seed="${PSIM_FUZZ_SEED:-0}" -max_len=4096 -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
       $dictionary "$home/corpus/$input" "$psim_root/tests/fuzz/corpus/$input" \
       >"$log" 2>&1 || status=$?

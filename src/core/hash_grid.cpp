@@ -55,12 +55,23 @@ void HashGrid::rehash(std::size_t size) {
   }
 }
 
+std::size_t HashGrid::size_for(std::size_t boxes) {
+  std::size_t size = 64;
+  while (size < 4 * boxes) size *= 2;
+  return size;
+}
+
+void HashGrid::make_room(std::uint32_t numbers, std::size_t boxes) {
+  next_.reserve(numbers);
+  cell_.reserve(numbers);
+  const std::size_t size = size_for(boxes / 2 + 1);  // half full
+  if (size > size_) rehash(size);
+}
+
 void HashGrid::insert(std::uint32_t number, std::int32_t x, std::int32_t y, std::uint32_t half_x,
                       std::uint32_t half_y) {
   if (2 * (used_ + 1) > size_) {
-    std::size_t size = 64;
-    while (size < 4 * (count_ + 1)) size *= 2;
-    rehash(std::max(size, size_));
+    rehash(std::max(size_for(count_ + 1), size_));
   }
   next_.reserve(std::size_t{number} + 1);
   cell_.reserve(std::size_t{number} + 1);

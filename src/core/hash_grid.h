@@ -23,6 +23,8 @@ class HashGrid {
   void insert(std::uint32_t number, std::int32_t x, std::int32_t y, std::uint32_t half_x,
               std::uint32_t half_y);
   void remove(std::uint32_t number);
+  /// For numbers below `numbers`, and so many boxes: inserting them allocates nothing.
+  void make_room(std::uint32_t numbers, std::size_t boxes);
   void clear();
   bool empty() const { return count_ == 0; }
 
@@ -35,6 +37,7 @@ class HashGrid {
   static constexpr int kLeast = 3;  // level: log2 of a cell's width in steps
 
   std::uint32_t find(std::uint64_t key) const;
+  static std::size_t size_for(std::size_t boxes);
   void rehash(std::size_t size);
 
   Column<std::uint64_t> key_;  // open addressing; 0: free

@@ -13,20 +13,16 @@ std::size_t mixed(std::uint64_t key) {
   return static_cast<std::size_t>(key ^ (key >> 31));
 }
 
+std::size_t size_for(std::size_t touches) {
+  std::size_t size = 64;
+  while (size < 4 * touches) size *= 2;
+  return size;
+}
+
 }  // namespace
 
 void TouchMemory::add(const Touch& touch) {
-  if (2 * (list_.size() + 1) > slot_.size()) {
-    slot_.assign(std::max<std::size_t>(64, 4 * (list_.size() + 1)), kNoSlot);
-    std::size_t size = 64;
-    while (size < slot_.size()) size *= 2;
-    slot_.assign(size, kNoSlot);
-    for (std::size_t k = 0; k < list_.size(); ++k) {
-      std::size_t at = mixed(list_[k].key) & (size - 1);
-      while (slot_[at] != kNoSlot) at = (at + 1) & (size - 1);
-      slot_[at] = static_cast<std::uint32_t>(k);
-    }
-  }
+  if (2 * (list_.size() + 1) > slot_.size()) rehash(size_for(list_.size() + 1));
   std::size_t at = mixed(touch.key) & (slot_.size() - 1);
   for (; slot_[at] != kNoSlot; at = (at + 1) & (slot_.size() - 1)) {
     if (list_[slot_[at]].key != touch.key) continue;
@@ -35,6 +31,21 @@ void TouchMemory::add(const Touch& touch) {
   }
   slot_[at] = static_cast<std::uint32_t>(list_.size());
   list_.push_back(touch);
+}
+
+void TouchMemory::rehash(std::size_t size) {
+  slot_.assign(size, kNoSlot);
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    std::size_t at = mixed(list_[k].key) & (size - 1);
+    while (slot_[at] != kNoSlot) at = (at + 1) & (size - 1);
+    slot_[at] = static_cast<std::uint32_t>(k);
+  }
+}
+
+void TouchMemory::make_room(std::size_t touches) {
+  list_.reserve(touches);
+  const std::size_t size = size_for(touches / 2 + 1);  // half full
+  if (size > slot_.size()) rehash(size);
 }
 
 const Touch* TouchMemory::find(std::uint64_t key) const {
@@ -52,7 +63,6 @@ void TouchMemory::clear() {
   std::fill(slot_.begin(), slot_.end(), kNoSlot);
 }
 
-// Whether enough of some 2,000 bodies are slow for a watch to be worth its while.
 bool Sleepers::anyone_slow(const BodyStore& b) const {
   const std::uint32_t stride = std::max(1u, b.count / 2048);
   std::uint32_t slow = 0, seen = 0;
@@ -100,6 +110,23 @@ bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& poo
   return true;
 }
 
+void Sleepers::make_room(const BodyStore& b, std::size_t fall_asleep, bool joined) {
+  rest_.reserve(b.id_count);
+  state_.reserve(kernels::round_up_block(b.count));
+  const auto room = [](auto& values, std::size_t n) {
+    if (n > values.capacity()) values.reserve(n + n / 8);
+  };
+  room(number, b.count);
+  room(list, fall_asleep);
+  room(touches, kTouchesOfBody * fall_asleep);
+  recent.make_room(fall_asleep / 4);  // those of who falls asleep with who does not
+  if (joined) {
+    room(roots, b.id_count);
+    room(wakeful, b.id_count);
+  }
+  room_of_ = b.count;
+}
+
 std::uint32_t Sleepers::needed(double dt, bool loose) {
   const double watches = std::ceil((loose ? kLooseTime : kRestTime) / (static_cast<double>(kWatchFrames) * dt));
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
@@ -131,9 +158,11 @@ void Sleepers::tidy() {
 void Sleepers::release() {
   const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
   drop(list, touches, queue, found, number, roots, wakeful, pieces, kept_);
+  if (recent.empty()) recent = TouchMemory();
   rest_.release();
   state_.release();
   watching_ = false;
+  room_of_ = 0;
 }
 
 std::size_t Sleepers::bytes() const {

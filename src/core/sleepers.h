@@ -62,9 +62,13 @@ class TouchMemory {
   bool empty() const { return list_.empty(); }
   const std::vector<Touch>& all() const { return list_; }
   void clear();
+  /// For so many: adding them allocates nothing.
+  void make_room(std::size_t touches);
   std::size_t bytes() const { return list_.capacity() * sizeof(Touch) + slot_.capacity() * 4; }
 
  private:
+  void rehash(std::size_t size);
+
   std::vector<Touch> list_;
   std::vector<std::uint32_t> slot_;  // open addressing into list_; kNoSlot: free
 };
@@ -121,6 +125,13 @@ class Sleepers {
   std::vector<Piece> pieces;
   bool empty() const { return list.empty(); }
 
+  /// Whether enough of some 2,000 bodies are slow for a watch to be worth its while.
+  bool anyone_slow(const BodyStore& bodies) const;
+  /// For so many bodies that fall asleep in one step, with kTouchesOfBody touches each. So they allocate nothing
+  /// then, unless they have more.
+  void make_room(const BodyStore& bodies, std::size_t fall_asleep, bool joined);
+  bool has_room(const BodyStore& bodies) const { return bodies.count <= room_of_; }
+
   /// Looks at every body: O(bodies). False if nobody is slow.
   bool watch(const BodyStore& bodies, const Lattice& lattice, WorkerPool& pool);
   bool watching() const { return watching_; }
@@ -149,7 +160,7 @@ class Sleepers {
   void release();
 
  private:
-  bool anyone_slow(const BodyStore& bodies) const;
+  static constexpr std::size_t kTouchesOfBody = 6;  // of equal discs, packed
   bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
 
   struct Rest {  // for both balls
@@ -160,6 +171,7 @@ class Sleepers {
   Column<std::uint8_t> state_;   // by slot: scratch of choosing
   std::vector<Touch> kept_;      // scratch of tidy
   bool watching_ = false;
+  std::uint32_t room_of_ = 0;    // bodies
 };
 
 }  // namespace psim

@@ -53,6 +53,12 @@ std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
   return first;
 }
 
+void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
+  shapes_.reserve(std::size_t{count_} + pieces);
+  sleepers_.make_room(count_ + pieces, pieces);
+  hulls_.reserve(hulls_.size() + hulls);
+}
+
 void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
   const StaticShape& s = shapes_[number];
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();

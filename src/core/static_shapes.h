@@ -63,6 +63,8 @@ class StaticShapes {
 
   /// Pieces of a body that falls asleep: `count` of them, numbered from the result on. O(count).
   std::uint32_t lay_down(const Piece* pieces, std::uint32_t count);
+  /// For so many sleeping bodies' pieces, `hulls` of them with hulls: laying them down allocates nothing.
+  void make_room(std::uint32_t pieces, std::uint32_t hulls);
   /// Takes them out again. Their numbers are not given to others before the next build_grid().
   void take_up(std::uint32_t first, std::uint32_t count);
 

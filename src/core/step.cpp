@@ -151,6 +151,7 @@ void World::Impl::prepare() {
   tracer.begin();
   refresh_lists(desc.dt, {desc.dt, desc.dt}, ignored);
   if (governor.on()) spare_room();
+  if (plan.sleep && sleepers.anyone_slow(bodies)) room_for_sleepers();
   skipped_frames = counted;
 }
 

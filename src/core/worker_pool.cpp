@@ -99,7 +99,7 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
   const auto threads = static_cast<std::size_t>(threads_);
   std::size_t finished = 0;
   const bool traced = home != 0 && tracer_ != nullptr && tracer_->on();
-  const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
+  Tracer::Clock::time_point begin;
   const char* stage = "";
   for (std::size_t step = 0; step < threads; ++step) {
     Share& share = shares_[(home + step) % threads];
@@ -117,7 +117,10 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
                                             std::memory_order_acquire)) {
         continue;
       }
-      if (traced && finished == 0) stage = tracer_->stage();
+      if (traced && finished == 0) {
+        stage = tracer_->stage();
+        begin = Tracer::Clock::now();
+      }
       for (std::uint32_t n = number; n < number + claimed; ++n) call(context, n);
       finished += claimed;
       next = share.next.load(std::memory_order_acquire);

@@ -194,6 +194,7 @@ struct World::Impl {
             bodies.spin.empty() ? 0.0f : bodies.spin[slot]};
   }
   float speed_of(std::size_t slot) const { return motion_of(slot).fastest(); }
+  void room_for_sleepers();
   void choose_sleepers(double dt);
   template <class May>
   void keep_joined_awake(Column<std::uint8_t>& state, const May& may);

@@ -44,11 +44,17 @@ void Profile::add(const StepReport& report, const std::vector<TraceEvent>& spans
   ++frames_;
 
   double waited_ns = 0;  // of the first thread, in the stage whose span comes next
+  const char* last = nullptr;  // spans of one stage follow each other: its name is looked up once
+  auto at = kStageNames.end();
   for (const TraceEvent& span : spans) {
     const auto length_ns = static_cast<double>(span.end_ns - span.begin_ns);
-    if (std::string_view(span.name) == "wait") waited_ns += length_ns;
     const auto thread = static_cast<std::size_t>(span.thread);
-    const auto at = std::find(kStageNames.begin(), kStageNames.end(), std::string_view(span.name));
+    if (std::string_view(span.name) == "wait") {
+      waited_ns += length_ns;
+      continue;
+    }
+    if (span.name != last) at = std::find(kStageNames.begin(), kStageNames.end(), std::string_view(span.name));
+    last = span.name;
     if (thread >= busy_ns_.size() || at == kStageNames.end()) continue;
     double& busy = busy_ns_[thread][static_cast<std::size_t>(at - kStageNames.begin())];
     busy += length_ns;
