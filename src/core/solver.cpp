@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "softness.h"
 #include "tasks.h"
@@ -52,6 +54,14 @@ void set_softness(double h, double frequency, float& soft, float& rate) {
   soft = static_cast<float>(1 / (h * omega * a1));
   rate = static_cast<float>(omega / a1);
 }
+
+// All ones where x >= least > 0, else 0. Of bits, so that compilers make no branch of it: which contacts press is
+// hard to guess.
+std::uint32_t mask_from(float x, float least) {
+  const auto from = std::bit_cast<std::uint32_t>(least), inf = 0x7F800000u;
+  return 0u - static_cast<std::uint32_t>(std::bit_cast<std::uint32_t>(x) - from <= inf - from);
+}
+constexpr float kTiniest = std::numeric_limits<float>::min();  // x >= it: x > 0, since denormals are zero
 
 // What resting bodies are pressed with, m/s^2: gravity, or, in fields, the bodies' mean acceleration if
 // that is more. Impacts slower than this makes in a substep are none.
@@ -548,33 +558,39 @@ void Solver::find_loaded(const PairTable& table) {
 // something (or fully elastic).
 void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c,
                           WorkerPool& pool) {
-  touched_.resize(
-      std::max<std::size_t>(touched_.size(), b.dummies() + 2 * table.strips.size() + 8));
+  const auto strips = static_cast<std::uint32_t>(table.strips.size());
+  const std::uint32_t bodies = b.dummies() + 2 * strips + 8;
+  constexpr std::uint32_t kLine = 64;  // bytes: a strip's own, where it marks nobody
+  touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
   const auto touch = [&](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
   };
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
+    const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
     for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      if (c.impulse[k] > 0) {
-        touch(c.body[2 * k]);
-        touch(c.body[2 * k + 1]);
-      }
+      const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
+      touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
+      touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
     }
     for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) {
-      if (c.s_impulse[k] > 0) touch(c.s_body[k]);
+      touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
     }
   });
+  // 0: may be settled; resting is 0 or 1
+  const auto mark = [](float e, std::uint32_t resting) {
+    const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
+  };
   pool.run(table.strips.size(), [&](std::size_t index) {
     const Strip& s = table.strips[index];
     for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      const bool resting = touched_[c.body[2 * k]] != 0 || touched_[c.body[2 * k + 1]] != 0;
-      c.impact[k] = c.e[k] > 0 && (c.e[k] >= 1 || !resting) ? 0.0f : 1.0f;
+      const std::uint32_t resting = touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]];
+      c.impact[k] = mark(c.e[k], resting);
     }
     for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) {
-      const bool resting = touched_[c.s_body[k]] != 0;
-      c.s_impact[k] = c.s_e[k] > 0 && (c.s_e[k] >= 1 || !resting) ? 0.0f : 1.0f;
+      c.s_impact[k] = mark(c.s_e[k], touched_[c.s_body[k]]);
     }
   });
 }
@@ -588,9 +604,8 @@ void Solver::sum_up(const PairTable& table, const ContactStore& c, int substeps,
     std::uint64_t closed = 0;
     for (std::size_t l = std::size_t{s.block_begin} * 8; l < std::size_t{s.block_end} * 8; ++l) {
       closed += std::signbit(c.impulse[l]) ? 0 : 1;  // -0 marks an open contact
-      if (c.impulse[l] > 0) {
-        sum += static_cast<double>(c.impulse[l]) * static_cast<double>(c.rsum[l]);
-      }
+      const std::uint32_t pressing = std::bit_cast<std::uint32_t>(c.impulse[l]) & mask_from(c.impulse[l], kTiniest);
+      sum += static_cast<double>(std::bit_cast<float>(pressing)) * static_cast<double>(c.rsum[l]);
     }
     for (std::size_t l = std::size_t{s.single_begin} * 8; l < std::size_t{s.single_end} * 8; ++l) {
       closed += std::signbit(c.s_impulse[l]) ? 0 : 1;
