@@ -439,6 +439,10 @@ TEST(CApi, AGovernedRunReplaysFromItsReports) {
   EXPECT_TRUE(less);
   EXPECT_EQ(psim_world_state_hash(cut.world), psim_world_state_hash(again.world));
   EXPECT_EQ(psim_world_replay(again.world, {4, 8, 1, 1, 0}, nullptr), PSIM_ERROR_ARGUMENT);
+  psim_step_report limited;
+  psim_step_report_init(&limited);
+  ASSERT_EQ(psim_world_replay(again.world, {4, 3 * PSIM_STEP_SWEEP, 1, 1, 0}, &limited), PSIM_OK);
+  EXPECT_EQ(limited.detail.flags, 3 * PSIM_STEP_SWEEP);
 }
 
 // A job system on threads of its own, with the same bits as without.

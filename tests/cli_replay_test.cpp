@@ -47,6 +47,49 @@ TEST_F(CliReplay, ARecordingReplaysElsewhere) {
                             state_line(run) + "\n");
 }
 
+TEST_F(CliReplay, AGovernedRunReplaysFromItsLogAndCountsWhatWasCut) {
+  const std::string log = folder_.file("log.csv"), metrics = folder_.file("m.csv");
+  const Words scene = {"--scene", "rough-pile", "--particles", "400", "--frames", "60"};
+  const auto with = [&](Words more) {
+    more.insert(more.begin(), scene.begin(), scene.end());
+    return run_psim(more);
+  };
+  const Words cut = {"--governor", "on", "--budget", "0.02", "--governor-log", log, "--metrics", metrics};
+  const Outcome run = with(cut);
+  ASSERT_EQ(run.status, 0) << run.err;
+  int few = 0;
+  const auto last = [](const std::string& row) { return row.substr(row.rfind(',') + 1); };
+  const auto rows = lines_of(read_file(log));
+  ASSERT_EQ(rows.size(), 61u);
+  EXPECT_EQ(rows[0], "frame,solves,substeps,frames,horizon,pieces,wakes,sweeps");
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    few += last(rows[k]) != "0";
+    EXPECT_EQ(last(lines_of(read_file(metrics))[k]), last(rows[k]));
+  }
+  EXPECT_GT(few, 0);
+  const std::string said = std::to_string(few).append(" frames with few sweeps over impacts, time of ");
+  EXPECT_NE(run.out.find(said), std::string::npos) << run.out;
+  EXPECT_EQ(state_line(with({"--governor-replay", log, "--isa", "scalar", "--threads", "3"})), state_line(run));
+}
+
+// Before there was a limit on sweeps.
+TEST_F(CliReplay, AnOldGovernorsLogIsReadWithAllSweeps) {
+  const std::string old = folder_.write("old.csv",
+                                        "frame,solves,substeps,frames,horizon,pieces,wakes\n"
+                                        "1,1,2,1,1,0,0\n2,1,2,1,1,0,0\n");
+  const std::string same = folder_.write("new.csv",
+                                         "frame,solves,substeps,frames,horizon,pieces,wakes,sweeps\n"
+                                         "1,1,2,1,1,0,0,0\n2,1,2,1,1,0,0,0\n");
+  EXPECT_EQ(state_line(pile({"--frames", "2", "--governor-replay", old})),
+            state_line(pile({"--frames", "2", "--governor-replay", same})));
+  const std::string wrong = folder_.write("wrong.csv",
+                                          "frame,solves,substeps,frames,horizon,pieces,wakes,sweeps\n"
+                                          "1,1,2,1,1,0,0\n");
+  expect_refused({"--governor-replay", wrong}, "--governor-replay " + wrong +
+                                                   ": line 2: must be frame,solves,substeps,frames,horizon,pieces,"
+                                                   "wakes,sweeps");
+}
+
 TEST_F(CliReplay, OneLineSaysWhatIsWrong) {
   ASSERT_EQ(pile({"--frames", "5", "--save", state_, "--record", recording_}).status, 0);
   expect_refused({"--replay", state_}, "--replay " + state_ + ": it is no recording of psim");

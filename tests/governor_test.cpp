@@ -62,6 +62,38 @@ TEST(Governor, WaitsAFrameWhereThatLosesLessTime) {
   EXPECT_TRUE(governor.choose(work, one, 1, 1, 4).solves) << "nothing is lost";
 }
 
+WorkCounts bouncing_work() {
+  WorkCounts work = heap_work();
+  work.lanes = 30000;
+  work.sweeps = 9;
+  return work;
+}
+
+TEST(Governor, SweepsOverImpactsGoOnlyWhereTimeWouldBeLost) {
+  const WorkCounts work = bouncing_work(), few = with_sweeps(work, Governor::kFewSweeps);
+  const Governor any = with_budget(1);
+  ASSERT_LT(any.substep_ns(few), 0.7 * any.substep_ns(work));
+  const double fits = any.rest_ns(work) + 1.05 * any.substep_ns(work);
+  const double fits_few = any.rest_ns(work) + 0.95 * any.substep_ns(work);
+  EXPECT_EQ(any.choose(work, fits, 1, 1, 4).sweeps, 0);
+  EXPECT_EQ(any.choose(work, fits_few, 1, 1, 4).sweeps, Governor::kFewSweeps);
+  EXPECT_TRUE(any.choose(work, fits_few, 1, 1, 4).solves);
+  EXPECT_EQ(any.choose(heap_work(), any.rest_ns(work), 1, 1, 4).sweeps, 0) << "there are none";
+}
+
+TEST(Governor, FewSweepsMakeUpForMoreFrames) {
+  const WorkCounts work = bouncing_work(), few = with_sweeps(work, Governor::kFewSweeps);
+  const Governor any = with_budget(1);
+  const double left = any.rest_ns(work) + 2.1 * any.substep_ns(few);
+  ASSERT_LT(left, any.rest_ns(work) + 2 * any.substep_ns(work));
+  const double share = any.room_ns() / 1e6;
+  const Governor governor = with_budget((left + 2 * any.costs().step) / share / 1e6);
+  const Governor::Choice choice = governor.choose(work, left, 2, 2, 4);
+  EXPECT_TRUE(choice.solves);
+  EXPECT_EQ(choice.frames, 2);
+  EXPECT_EQ(choice.sweeps, Governor::kFewSweeps);
+}
+
 TEST(Governor, ListsServeNoFewerFramesTheLessThereIsOfThem) {
   int last = Governor::kMostFrames;
   for (double ms = 0.3; ms < 10; ms *= 1.05) {
@@ -99,7 +131,7 @@ TEST(Governor, MeasuresCostsAboveZero) {
 struct Cut {
   std::uint64_t hash = 0;
   int elapsed = 0, made_up = 0;  // frames
-  int waits = 0, fewer = 0;
+  int waits = 0, fewer = 0, few_sweeps = 0;
   std::vector<StepDetail> details;
 };
 
@@ -123,6 +155,7 @@ Cut governed(std::unique_ptr<World> world, double budget_ms, int frames) {
     const StepReport report = world->step();
     cut.details.push_back(report.detail);
     cut.waits += report.detail.waits();
+    cut.few_sweeps += report.detail.sweeps != 0;
     cut.fewer += !report.detail.waits() && report.detail.substeps < 4;
     if (!report.detail.waits()) {
       cut.made_up += report.detail.frames;
@@ -150,6 +183,51 @@ TEST(Governor, ACutRunReplaysBitForBitOnEveryIsaAndThreadCount) {
     EXPECT_GT(cut.fewer, 10) << restitution;
     expect_replays(cut, [&](Isa isa, int threads) { return falling(isa, threads, restitution); });
   }
+}
+
+// Sweeps over impacts too: discs that bounce, thrown together.
+std::unique_ptr<World> colliding(Isa isa, int threads) {
+  auto world = make(walled({0, 0, 60, 60}, {0, -kG}, material(0.8)), isa, threads);
+  add(*world, lattice(1500, {0, 0, 60, 55}, 0.6, 0.5, material(0.8)));
+  for (std::uint32_t k = 0; k < 1500; ++k) {
+    world->set_velocity(world->id_of(k), {k % 2 == 0 ? 20.0 : -20.0, k % 3 == 0 ? 20.0 : -20.0}, 0);
+  }
+  return world;
+}
+
+TEST(Governor, ARunWithFewSweepsReplaysBitForBitOnEveryIsaAndThreadCount) {
+  const Cut cut = governed(colliding(best_isa(), 1), 0.12, 150);
+  EXPECT_GT(cut.few_sweeps, 10);
+  expect_replays(cut, colliding);
+  auto with_all = colliding(best_isa(), 1);
+  for (StepDetail detail : cut.details) {
+    detail.sweeps = 0;
+    with_all->replay(detail);
+  }
+  EXPECT_NE(with_all->state_hash(), cut.hash) << "the log's sweeps are not heeded";
+}
+
+TEST(Governor, SweepsAreNotCutWithoutNeed) {
+  EXPECT_EQ(governed(colliding(best_isa(), 1), 100, 60).few_sweeps, 0);
+  EXPECT_EQ(governed(falling(best_isa(), 1, 0), 0.03, 100).few_sweeps, 0) << "nothing bounces";
+}
+
+TEST(Governor, ALimitThatNoSubstepReachesChangesNothing) {
+  std::vector<std::uint64_t> hashes;
+  for (const int sweeps : {0, 15, 1}) {
+    auto world = colliding(best_isa(), 1);
+    StepDetail detail;
+    detail.sweeps = static_cast<std::uint8_t>(sweeps);
+    for (int k = 0; k < 30; ++k) world->replay(detail);
+    hashes.push_back(world->state_hash());
+  }
+  EXPECT_EQ(hashes[1], hashes[0]);
+  EXPECT_NE(hashes[2], hashes[0]);
+  StepDetail detail;
+  detail.sweeps = 16;
+  auto world = colliding(best_isa(), 1);
+  world->replay(detail);
+  EXPECT_EQ(world->frame(), 0u) << "no governor chooses it";
 }
 
 TEST(Governor, ACutPileOfBoxesReplays) {

@@ -69,6 +69,7 @@ struct StepDetail {
   std::uint32_t pieces = 0;  ///< of the work ahead, done in a frame in which time stands still
   /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
   bool wakes = false;
+  std::uint8_t sweeps = 0;  ///< over impacts in a substep, at most, up to 15; 0: as many as it takes
   /// Whether time stands still in the frame.
   bool waits() const { return !solves; }
   /// All alike.

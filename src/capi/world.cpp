@@ -31,7 +31,8 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;
   const psim::StepDetail& d = from.detail;
-  const int flags = (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0);
+  const int flags =
+      (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0) | d.sweeps * PSIM_STEP_SWEEP;
   r.detail = {d.substeps, static_cast<std::uint8_t>(flags), d.frames, d.horizon, d.pieces};
   r.predicted_ms = from.predicted_ms;
   r.virial = from.virial;
@@ -53,17 +54,18 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
 psim_result replay(const Call& call, psim_step_detail detail, double dt,
                    psim_step_report* report) {
   const auto frames = [](int n) { return n >= 1 && n <= 8; };
+  const int flags = detail.flags % PSIM_STEP_SWEEP, sweeps = detail.flags / PSIM_STEP_SWEEP;
   if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-      detail.flags == PSIM_STEP_WAKES || detail.flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
+      flags == PSIM_STEP_WAKES || flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
     return call.fail(PSIM_ERROR_ARGUMENT,
-                     "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3");
+                     "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3 and a multiple of 16");
   }
   if (!(dt > 0 && dt <= 10)) {
     return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");
   }
   return step(call, report, [&](auto& one) {
-    return one.replay({detail.substeps, (detail.flags & PSIM_STEP_WAITS) == 0, detail.frames,
-                       detail.horizon, detail.pieces, (detail.flags & PSIM_STEP_WAKES) != 0},
+    return one.replay({detail.substeps, (flags & PSIM_STEP_WAITS) == 0, detail.frames, detail.horizon,
+                       detail.pieces, (flags & PSIM_STEP_WAKES) != 0, static_cast<std::uint8_t>(sweeps)},
                       dt);
   });
 }

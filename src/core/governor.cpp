@@ -12,19 +12,29 @@ constexpr double kWorthIt = 0.95;
 constexpr double kParts = 5;
 // Contacts under heavy loads are few a strip.
 constexpr double kSparse = 1.7;
-// Of c.narrow, a lane, once a step: where there is restitution, which contacts impacts are looked for at; where bodies
-// of several sizes fly about, what lies far apart in memory. There contacts that press turn, too.
-constexpr double kMarking = 0.4, kMixed = 1.5, kMixedTouch = 1.4;
+// Of c.narrow, a lane, once a step: with restitution, which contacts impacts are looked for at; where bodies of several
+// sizes fly about, what lies far apart in memory; both.
+constexpr double kMarking = 1.9, kMixed = 1.5, kMixedMarking = 2.4;
+// Of c.touch: contacts that press turn where sizes are mixed, and bounce with restitution; of c.lay_out, where both.
+constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedPressing = 1;
+// Of c.sweep, a lane: the first sweep over impacts, each of the others, which passes over most, and those where bodies
+// of several sizes fly about; what is alike for all, and what goes for those between bodies on which nothing rests.
+struct SweepCost {
+  double any, free;
+};
+constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 1.8};
+constexpr double kSweepStrips = 0.7;  // of c.strip
 
 double n(std::uint64_t count) { return static_cast<double>(count); }
 
-// Bodies in a crowd have as many contacts as they have neighbours.
+// Bodies in a crowd have as many contacts as they have neighbours; large ones among small ones have many.
 constexpr double kNeighbours = 3;  // pairs a body
 
 WorkCounts grown(const WorkCounts& w, const Governor::Growth& by) {
   WorkCounts then = w;
   const double now = std::max(n(w.contacts), 1.0);
-  const double most = std::min(n(w.candidates) * by.candidates, kNeighbours * n(w.bodies)) / now;
+  const double crowd = w.mixed && w.sweeps > 0 ? n(w.candidates) * by.candidates : kNeighbours * n(w.bodies);
+  const double most = std::min(n(w.candidates) * by.candidates, crowd) / now;
   const double contacts = w.candidates == 0 ? 1 : std::max(std::min(by.time, most), 1.0);
   for (std::uint64_t* const count : {&then.candidates, &then.manifolds, &then.looks}) {
     *count = static_cast<std::uint64_t>(n(*count) * by.candidates);
@@ -52,7 +62,8 @@ double Governor::ahead_ns(const WorkCounts& w) const {
 }
 
 double Governor::lay_out(const WorkCounts& w) const {
-  return w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out;
+  const double pressing = w.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
+  return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * pressing);
 }
 
 double Governor::look_ns(const WorkCounts& w) const {
@@ -62,7 +73,8 @@ double Governor::look_ns(const WorkCounts& w) const {
 
 double Governor::rest_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
-  const double a_lane = w.mixed ? kMixed : w.sweeps > 0 ? kMarking : 0;
+  const bool bounces = w.sweeps > 0;
+  const double a_lane = bounces ? (w.mixed ? kMixedMarking : kMarking) : w.mixed ? kMixed : 0;
   return c.narrow * (n(w.contacts) + a_lane * n(w.lanes)) + (w.copies ? c.load_body * n(w.solved) : 0) +
          c.column * n(w.manifolds) + (w.sorted ? c.joint_sorted : c.joint) * n(w.joints) +
          (c.move + (w.stops ? c.stop : 0)) * n(w.bodies) + c.sleep * n(w.sleep_looks) +
@@ -71,8 +83,13 @@ double Governor::rest_ns(const WorkCounts& w) const {
 
 double Governor::substep_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
-  return c.body_pass * n(w.solved) + (c.pass + c.sweep * w.sweeps) * n(w.lanes) +
-         c.touch * (w.mixed ? kMixedTouch : 1) * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
+  const double free = std::max(0.0, 1 - 2 * n(w.touching) / std::max(n(w.lanes), 1.0));
+  const auto cost = [&](const SweepCost& of) { return of.any + of.free * free; };
+  const double sweeps =
+      w.sweeps > 0 ? cost(kFirstSweep) + cost(w.mixed ? kNextMixedSweep : kNextSweep) * (w.sweeps - 1) : 0;
+  return c.body_pass * n(w.solved) + (c.pass + c.sweep * sweeps) * n(w.lanes) +
+         kSweepStrips * c.strip * n(w.strips) * w.sweeps +
+         c.touch * (w.sweeps > 0 ? kBouncing : w.mixed ? kMixedTouch : 1) * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
          c.strip * n(w.strips) + c.shape_pass * n(w.shape_lanes) + c.joint_pass * n(w.joints);
 }
 
@@ -84,39 +101,57 @@ int Governor::fitting(const WorkCounts& w, double ns, int most) const {
   return static_cast<int>(std::floor(room / each));
 }
 
-int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
+Governor::Lists Governor::lists_for(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
   const double room = room_ns() - desc_.costs.step;
   const auto all = [&](const WorkCounts& then, int frames) {
     return ahead_ns(then) + rest_ns(then) + frames * substep_ns(then);
   };
-  double least = all(w, 1);
-  if (least <= room) return 1;
-  int best = 1;
+  Lists best{1, all(w, 1)};
+  if (best.a_frame <= room) return best;
   for (int frames = 2; frames <= kMostFrames; ++frames) {
     const WorkCounts then = growth ? grown(w, growth(frames)) : w;
     if (fitting(then, room, most) < frames) break;  // no substep is longer than a frame
     const double a_frame = all(then, frames) / frames;
-    if (a_frame < kWorthIt * least) best = frames, least = a_frame;
+    if (a_frame < kWorthIt * best.a_frame) best = {frames, a_frame};
     if (a_frame > room) continue;
     const WorkCounts later = growth ? grown(w, growth(frames + 1)) : w;
     const bool spare = frames < kMostFrames && fitting(later, room, most) > frames;
-    return frames + (spare ? 1 : 0);  // one to spare: counts change
+    return {frames + (spare ? 1 : 0), a_frame};  // one to spare: counts change
   }
   return best;
 }
 
-Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon,
-                                  int most) const {
+int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
+  const Lists whole = lists_for(w, most, growth);
+  if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - desc_.costs.step) return whole.frames;
+  const Lists cut = lists_for(with_sweeps(w, kFewSweeps), most, growth);
+  return cut.a_frame < kWorthIt * whole.a_frame ? cut.frames : whole.frames;
+}
+
+Governor::Offer Governor::offer(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
   const double room = room_ns() - desc_.costs.step;
-  int here = fitting(w, left, most);
-  if (left >= room) here = std::max(here, 1);
-  const int next = std::max(fitting(w, room, most), 1);
-  Choice choice;
-  choice.substeps = here;
-  choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
-  const int later = std::min({next, elapsed + 1, horizon});
-  choice.solves = here >= 1 && choice.frames * (elapsed + 1) >= later * elapsed;
-  return choice;
+  const int fits = fitting(w, left, most), next = fitting(w, room, most);
+  const int here = left >= room ? std::max(fits, 1) : fits;
+  Offer of;
+  of.choice.substeps = here;
+  of.choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
+  const int later = std::min({std::max(next, 1), elapsed + 1, horizon});
+  of.choice.solves = here >= 1 && of.choice.frames * (elapsed + 1) >= later * elapsed;
+  if (of.choice.solves) {
+    of.pace = fits == 0 ? 0.0 : 1.0 * of.choice.frames / elapsed;
+  } else {
+    of.pace = next == 0 ? 0.0 : 1.0 * later / (elapsed + 1);
+  }
+  return of;
+}
+
+Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
+  const Offer whole = offer(w, left, elapsed, horizon, most);
+  if (w.sweeps <= kFewSweeps) return whole.choice;
+  Offer cut = offer(with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
+  if (whole.pace > 0 && cut.pace <= whole.pace) return whole.choice;
+  cut.choice.sweeps = kFewSweeps;
+  return cut.choice;
 }
 
 }  // namespace psim

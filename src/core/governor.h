@@ -40,10 +40,19 @@ struct WorkCounts {
   bool stops = false;             ///< fast shapes are stopped
 };
 
+/// The same with no more sweeps over impacts in a substep than this; 0: with as many as it takes.
+inline WorkCounts with_sweeps(WorkCounts work, int most) {
+  if (most != 0 && work.sweeps > most) work.sweeps = most;
+  return work;
+}
+
 class Governor {
  public:
   /// Frames that a step makes up for at most.
   static constexpr int kMostFrames = 8;
+  /// Sweeps over impacts in a substep that has no time for as many as it takes.
+  static constexpr int kFewSweeps = 1;
+  static constexpr int kMostSweeps = 15;  ///< that a detail may ask for
 
   void set(const GovernorDesc& desc) { desc_ = desc; }
   bool on() const { return desc_.on; }
@@ -70,9 +79,11 @@ class Governor {
   struct Choice {
     bool solves = false;  ///< in this frame; else the next one is better
     int substeps = 0, frames = 1;
+    int sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
   };
   /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
-  /// substep is longer than a frame: time that they cannot make up for is lost.
+  /// substep is longer than a frame: time that they cannot make up for is lost. Sweeps over impacts are left out
+  /// where less time is lost then.
   Choice choose(const WorkCounts& work, double left, int elapsed, int horizon,
                 int most_substeps) const;
 
@@ -80,6 +91,16 @@ class Governor {
   /// Of the budget: what is left is for what the model does not know.
   static constexpr double kShare = 0.75;
   int fitting(const WorkCounts& work, double ns, int most) const;
+  struct Lists {
+    int frames = 1;      // that they serve
+    double a_frame = 0;  // ns of a step's work for each of them
+  };
+  Lists lists_for(const WorkCounts& work, int most_substeps, const std::function<Growth(int)>& growth) const;
+  struct Offer {
+    Choice choice;
+    double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
+  };
+  Offer offer(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
 
   GovernorDesc desc_;
 };

@@ -28,7 +28,7 @@ enum class Op : std::uint8_t {
 
 struct RecordHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 2;
+  static constexpr std::uint64_t kFormat = 3;
   std::uint64_t magic = kMagic;
   std::uint64_t format = kFormat;
   std::uint64_t size = 0;   ///< of all, bytes
@@ -47,7 +47,7 @@ void visit(A& a, Vec2& v) {
 }
 template <class A>
 void visit(A& a, StepDetail& d) {
-  numbers(a, d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes);
+  numbers(a, d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
 }
 template <class A>
 void visit(A& a, JointId& id) {

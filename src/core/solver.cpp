@@ -33,6 +33,7 @@ constexpr double kColumnStiffness = 0.34, kFixedColumnStiffness = 4, kColumnPush
 constexpr double kPush = 3;     // m/s, fastest push-out
 constexpr double kSlices = 20;  // slices of a substep for each impact that a body has in it
 constexpr int kMostSlices = 4;
+constexpr double kForgetting = 31.0 / 32;  // of how many it took, in a substep that may not take as many
 constexpr int kSweeps = 6;  // impact sweeps a substep at most; usually the third is idle
 
 void set_soft(ContactParams& p, double h, double frequency) {
@@ -88,7 +89,7 @@ class Solver::Run {
       WorkerPool& pool);
 
   void substep(bool first_of_step);
-  int swept() const { return swept_; }
+  double swept() const { return swept_; }
   double forces_ms() const {
     return std::chrono::duration<double, std::milli>(forces_time_).count();
   }
@@ -144,7 +145,8 @@ class Solver::Run {
   ContactParams pair_, single_, loaded_pair_, loaded_single_;
   std::size_t model_, bounce_;
   bool rough_, turns_;
-  int slices_, loaded_sweeps_;
+  int slices_, loaded_sweeps_, impact_sweeps_;
+  bool limited_ = false;  // there may be fewer sweeps over impacts than it takes
   bool varying_;  // accelerations are taken anew in every substep
   kernels::FieldParams field_;
   void (*accelerate_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
@@ -152,7 +154,7 @@ class Solver::Run {
   // The kick of another integrator than leapfrog, if the world asks for one.
   void (*advance_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
                    std::uint32_t) = nullptr;
-  int swept_ = 0;  // sweeps over impacts so far
+  double swept_ = 0;  // sweeps over impacts so far
   Clock::duration forces_time_{};
 };
 
@@ -184,7 +186,13 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
       turns_(params.turns),
       slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
       loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : HeavyLoads::kSweeps),
+      impact_sweeps_(kSweeps + slices_ - 1),
       varying_(forces != nullptr && forces->varying()) {
+  if (params.most_sweeps != 0 && params.most_sweeps < impact_sweeps_) {
+    limited_ = true;
+    impact_sweeps_ = params.most_sweeps;
+    slices_ = std::min(slices_, std::max(impact_sweeps_ / 2, 1));  // the last ones look for all that is left
+  }
   stream_.h = static_cast<float>(h_);
   stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
   stream_.damp_rest =
@@ -347,9 +355,10 @@ void Solver::Run::impacts() {
       }
     });
   };
-  const int sweeps = kSweeps + slices_ - 1;
+  const int sweeps = impact_sweeps_;
   pair_.sliced = single_.sliced = slices_ > 1;
-  for (int sweep = 0; sweep < sweeps && any.load(); ++sweep, ++swept_) {
+  int sweep = 0;
+  for (; sweep < sweeps && any.load(); ++sweep) {
     any.store(false);
     pair_.first_sweep = single_.first_sweep = sweep == 0;
     pair_.last_sweep = single_.last_sweep = sweep + 1 == sweeps;
@@ -366,6 +375,7 @@ void Solver::Run::impacts() {
     });
     sweep_singles(sweep, false);
   }
+  swept_ += limited_ && sweep == sweeps ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep;
   if (any.load()) {  // too many events: at least nobody leaves through a wall
     single_.last_sweep = false;
     sweep_singles(sweeps, true);
@@ -646,7 +656,7 @@ SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table,
   if (params.model.bounce) mark_impacts(solved, table, contacts, pool);
   Run run(*this, b, solved, table, contacts, manifolds, columns, joints, params, forces, held, k, pool);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
-  if (params.model.bounce) sweeps_ = static_cast<double>(run.swept()) / params.substeps;
+  if (params.model.bounce) sweeps_ = run.swept() / params.substeps;
   solved.store(b, pool);
   sum_up(table, contacts, params.substeps, pool);
   SolverReport report;

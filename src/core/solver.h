@@ -37,6 +37,7 @@ struct SolverParams {
   float warm = 1;                    ///< new substep / old substep
   bool turns = false;                ///< points of bodies turn with them: shapes or joints
   ContactModel model;
+  int most_sweeps = 0;  ///< over impacts in a substep; 0: as many as it takes
 };
 
 /// What the passes of a step did.
@@ -91,7 +92,8 @@ class Solver {
   std::uint64_t closed() const { return closed_; }
   /// A step has no contacts, and is none of the solver's.
   void pass() { closed_ = 0; }
-  /// Sweeps over impacts in a substep of the last run with restitution, mean.
+  /// Sweeps over impacts that a substep of the last run with restitution took, mean, or would have taken: where they
+  /// were limited, as in the runs before, and less and less.
   double sweeps() const { return sweeps_; }
 
  private:

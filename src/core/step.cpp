@@ -477,6 +477,7 @@ void World::Impl::solve(double dt, StepReport& report) {
   p.warm = last_substep > 0 ? static_cast<float>(std::fmin(h / last_substep, kMostWarm)) : 1.0f;
   p.model = plan.model;
   p.turns = plan.turns;
+  p.most_sweeps = report.detail.sweeps;
   if (plan.turns) {
     pool.run(stream_tasks(bodies.blocks()), [&](std::size_t t) {
       const BlockRange r = stream_range(t, bodies.blocks());

@@ -86,7 +86,7 @@ StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_
 StepReport World::replay(const StepDetail& detail, double dt) {
   const auto frames = [](int n) { return n >= 1 && n <= Governor::kMostFrames; };
   if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-      (detail.solves && detail.wakes)) {
+      (detail.solves && detail.wakes) || detail.sweeps > Governor::kMostSweeps) {
     return {};
   }
   return impl_->step(dt, detail, false);
@@ -96,6 +96,8 @@ namespace {
 
 // Frames after which a step that the host makes begin again is done at once, whatever it costs.
 constexpr int kPatience = 3;
+// Bodies of several sizes in cells that are listed are searched for longer.
+constexpr double kListedMixed = 1.7;
 // Manifolds that are made for several frames last less often.
 constexpr double kLongLooks = 1.4;
 // Of a manifold under a heavy load, few of which share a block.
@@ -202,7 +204,7 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
       const BroadPhase::Search s = broad.search_at(piece, loose ? candidates : table);
       const double each = s.large ? 2 * c.strip + (c.pair + 12 * c.test) * s.pairs + 1.75 * c.test * s.others
                                   : c.search + c.test * broad.tests() + c.pair * s.pairs;
-      return each * s.bodies + c.strip;
+      return (counts.mixed && broad.lists_cells() ? kListedMixed : 1) * each * s.bodies + c.strip;
     }
     case Part::near:
       return (counts.fixed ? c.near_fixed + c.near_shape * broad.expected_near(broad.near_at(piece).strip)
@@ -297,7 +299,10 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
     if (detail.solves) {
       detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
       detail.frames = static_cast<std::uint8_t>(choice.frames);
-      spent += governor.rest_ns(counts) + detail.substeps * governor.substep_ns(counts);
+      const bool few = choice.solves ? choice.sweeps != 0 : counts.sweeps > Governor::kFewSweeps;
+      detail.sweeps = few ? Governor::kFewSweeps : 0;
+      spent += governor.rest_ns(counts) +
+               detail.substeps * governor.substep_ns(with_sweeps(counts, detail.sweeps));
       detail.pieces = 0;
     }
   }
@@ -335,7 +340,7 @@ bool World::Impl::fits_again(StepReport& report) const {
   const WorkCounts work = count_work();
   double spent = report.predicted_ms * 1e6;
   if (spent + governor.ahead_ns(work) + governor.rest_ns(work) <= governor.room_ns()) return true;
-  spent -= report.detail.substeps * governor.substep_ns(work);
+  spent -= report.detail.substeps * governor.substep_ns(with_sweeps(work, report.detail.sweeps));
   report.predicted_ms = spent * 1e-6;
   return false;
 }

@@ -44,6 +44,7 @@ void write_metrics_header(AtomicFile& file) {
     file.write(",skipped_");
     for (const char c : name) file.write(std::string_view(c == '.' ? "_" : &c, 1));
   }
+  file.write(",most_sweeps");
   file.write("\n");
 }
 
@@ -71,6 +72,7 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
   for (std::size_t k = 0; k < kSkipNames.size(); ++k) {
     write_field(file, static_cast<std::uint64_t>(report.skipped >> k & 1));
   }
+  write_field(file, static_cast<std::uint64_t>(report.detail.sweeps));
   file.write("\n");
 }
 

@@ -117,7 +117,9 @@ std::string report_json(const RunReport& report) {
   if (report.governed) {
     json["governor"] = {{"frames_cut", report.frames_cut},
                         {"frames_waited", report.frames_waited},
-                        {"substeps_saved", report.substeps_saved}};
+                        {"substeps_saved", report.substeps_saved},
+                        {"frames_few_sweeps", report.frames_few_sweeps},
+                        {"frames_lost", report.frames_lost}};
   }
   json["memory_bytes"] = report.memory_bytes;
   json["state_hash"] = hash_text(report.state_hash);

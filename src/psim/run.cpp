@@ -68,6 +68,12 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   const int done = step.detail.waits() ? 0 : step.detail.substeps;
   if (step.awake == 0) return;
   report.frames_waited += step.detail.waits();
+  report.frames_few_sweeps += step.detail.sweeps != 0;
+  ++report.frames_waiting;
+  if (!step.detail.waits()) {
+    report.frames_lost += report.frames_waiting - std::min<std::uint64_t>(report.frames_waiting, step.detail.frames);
+    report.frames_waiting = 0;
+  }
   report.frames_cut += done < report.substeps && !step.detail.waits();
   report.substeps_saved += static_cast<std::uint64_t>(std::max(report.substeps - done, 0));
   if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;

@@ -484,14 +484,16 @@ class Session {
     detail.pieces = static_cast<std::uint32_t>(in_.below(in_.tame ? 40 : 256));
     detail.frames = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(3) : in_.byte() % 10);
     detail.horizon = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(4) : in_.byte() % 10);
+    // Of a byte that was read already: old inputs stay what they are.
+    detail.sweeps = static_cast<std::uint8_t>(detail.pieces % 3 == 0 ? detail.pieces / 3 % (in_.tame ? 16 : 20) : 0);
     std::vector<StepReport> reports;
-    say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d", steps_ + 1, detail.substeps,
-        detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon);
+    say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d sweeps %d", steps_ + 1, detail.substeps,
+        detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon, detail.sweeps);
     const std::uint64_t frame = worlds_.front()->frame();
     for (auto& w : worlds_) reports.push_back(w->replay(detail));
     const auto frames = [](int n) { return n >= 1 && n <= 8; };
     if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-        (detail.solves && detail.wakes)) {
+        (detail.solves && detail.wakes) || detail.sweeps > 15) {
       return require(worlds_.front()->frame() == frame,
                      "replay: a detail that no governor chooses");
     }

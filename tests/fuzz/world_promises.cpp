@@ -142,7 +142,7 @@ std::string report_answer(const StepReport& r) {
        {r.pairs, r.contacts, std::uint64_t{r.colours}, r.awake, r.asleep, std::uint64_t{r.fast},
         std::uint64_t{r.stopped}, std::uint64_t{r.escaped}, std::uint64_t{r.quarantined},
         std::uint64_t{d.substeps}, std::uint64_t{d.solves}, std::uint64_t{d.frames},
-        std::uint64_t{d.horizon}, std::uint64_t{d.pieces}, std::uint64_t{d.wakes}}) {
+        std::uint64_t{d.horizon}, std::uint64_t{d.pieces}, std::uint64_t{d.wakes}, std::uint64_t{d.sweeps}}) {
     answer += std::to_string(n) + " ";
   }
   return answer + text(r.predicted_ms) + " " + text(r.virial);
