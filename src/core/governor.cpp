@@ -22,7 +22,7 @@ constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedPressing = 1;
 struct SweepCost {
   double any, free;
 };
-constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 1.8};
+constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 2};
 constexpr double kSweepStrips = 0.7;  // of c.strip
 
 double n(std::uint64_t count) { return static_cast<double>(count); }

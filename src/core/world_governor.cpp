@@ -97,7 +97,7 @@ namespace {
 // Frames after which a step that the host makes begin again is done at once, whatever it costs.
 constexpr int kPatience = 3;
 // Bodies of several sizes in cells that are listed are searched for longer.
-constexpr double kListedMixed = 1.7;
+constexpr double kListedMixed = 2;
 // Manifolds that are made for several frames last less often.
 constexpr double kLongLooks = 1.4;
 // Of a manifold under a heavy load, few of which share a block.
