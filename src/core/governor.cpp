@@ -25,6 +25,9 @@ struct SweepCost {
 constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 2};
 constexpr double kSweepStrips = 0.7;  // of c.strip
 
+// Of c.sort, a body: how fast bodies move is asked of a few in a strip, of all where masses differ.
+constexpr double kSpeeds = 0.1, kUnevenSpeeds = 2.4;
+
 double n(std::uint64_t count) { return static_cast<double>(count); }
 
 // Bodies in a crowd have as many contacts as they have neighbours; large ones among small ones have many.
@@ -55,7 +58,7 @@ double Governor::ahead_ns(const WorkCounts& w) const {
   const double found = n(loose ? w.candidates : w.contacts + w.manifolds);
   return (c.check + c.sort + c.search + (w.fixed ? c.near_fixed : c.near)) * n(w.bodies) +
          c.pair * found + c.test * w.tests + (w.fixed ? c.near_shape * n(w.near) : 0) +
-         (loose ? c.select * n(w.candidates) + c.pack * (n(w.contacts) + n(w.bodies)) : 0) +
+         (loose ? speeds_ns(w) + c.select * n(w.candidates) + c.pack * (n(w.contacts) + n(w.bodies)) : 0) +
          ((w.loads ? c.load * w.visits : 0) + c.colour + lay_out(w)) * n(w.contacts) +
          (c.group + c.stand) * n(w.manifolds) + look_ns(w) + c.cell * n(w.cells) +
          kParts * c.strip * n(w.strips);
@@ -64,6 +67,10 @@ double Governor::ahead_ns(const WorkCounts& w) const {
 double Governor::lay_out(const WorkCounts& w) const {
   const double pressing = w.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
   return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * pressing);
+}
+
+double Governor::speeds_ns(const WorkCounts& w) const {
+  return (w.uneven ? kUnevenSpeeds : kSpeeds) * desc_.costs.sort * n(w.bodies);
 }
 
 double Governor::look_ns(const WorkCounts& w) const {

@@ -36,6 +36,7 @@ struct WorkCounts {
   bool loads = false;             ///< some bodies may carry much heavier ones
   bool rough = false;             ///< friction
   bool mixed = false;             ///< bodies of several sizes fly about
+  bool uneven = false;            ///< masses differ
   bool copies = false;            ///< the solver has copies of the bodies
   bool stops = false;             ///< fast shapes are stopped
 };
@@ -67,6 +68,8 @@ class Governor {
   double substep_ns(const WorkCounts& work) const;
   double look_ns(const WorkCounts& work) const;
   double lay_out(const WorkCounts& work) const;  ///< of a contact of discs
+  /// How fast bodies move in their strips, before a step selects.
+  double speeds_ns(const WorkCounts& work) const;
 
   /// How many times as many candidates lists for more frames have as those that were counted, and how many times as
   /// long a step contacts are selected for: so many more are there, unless most candidates are contacts already.

@@ -97,7 +97,7 @@ namespace {
 // Frames after which a step that the host makes begin again is done at once, whatever it costs.
 constexpr int kPatience = 3;
 // Bodies of several sizes in cells that are listed are searched for longer.
-constexpr double kListedMixed = 2;
+constexpr double kListedMixed = 2.2;
 // Manifolds that are made for several frames last less often.
 constexpr double kLongLooks = 1.4;
 // Of a manifold under a heavy load, few of which share a block.
@@ -148,6 +148,7 @@ WorkCounts World::Impl::count_work() const {
   work.loads = plan.loads;
   work.rough = plan.model.model == kernels::Model::rough;
   work.mixed = loose && plan.radii;
+  work.uneven = plan.uneven;
   work.copies = solved.compact();
   work.stops = plan.continuous;
   work.flights = continuous.looked();
@@ -212,7 +213,7 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
                  n(broad.near_at(piece).end - broad.near_at(piece).begin) +
              c.strip;
     case Part::select:
-      return c.select * pairs(candidates.strips[piece]) + c.strip;
+      return (piece == 0 ? governor.speeds_ns(counts) : 0) + c.select * pairs(candidates.strips[piece]) + c.strip;
     case Part::pack:
       return c.pack * (pairs(table.strips[piece]) + 0.3 * strip_bodies(piece)) + c.strip;
     case Part::group:
