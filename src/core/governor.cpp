@@ -15,8 +15,9 @@ constexpr double kSparse = 1.7;
 // Of c.narrow, a lane, once a step: with restitution, which contacts impacts are looked for at; where bodies of several
 // sizes fly about, what lies far apart in memory; both.
 constexpr double kMarking = 1.9, kMixed = 1.5, kMixedMarking = 2.4;
-// Of c.touch: contacts that press turn where sizes are mixed, and bounce with restitution; of c.lay_out, where both.
-constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedPressing = 1;
+// Of c.touch: contacts that press turn where sizes are mixed, and bounce with restitution; of c.lay_out and of
+// c.select, where both.
+constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedPressing = 1, kMixedSelect = 2;
 // Of c.sweep, a lane: the first sweep over impacts, each of the others, which passes over most, and those where bodies
 // of several sizes fly about; what is alike for all, and what goes for those between bodies on which nothing rests.
 struct SweepCost {
@@ -26,7 +27,7 @@ constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMi
 constexpr double kSweepStrips = 0.7;  // of c.strip
 
 // Of c.sort, a body: how fast bodies move is asked of a few in a strip, of all where masses differ.
-constexpr double kSpeeds = 0.1, kUnevenSpeeds = 2.4;
+constexpr double kSpeeds = 0.1, kUnevenSpeeds = 0.36;
 
 double n(std::uint64_t count) { return static_cast<double>(count); }
 
@@ -58,15 +59,20 @@ double Governor::ahead_ns(const WorkCounts& w) const {
   const double found = n(loose ? w.candidates : w.contacts + w.manifolds);
   return (c.check + c.sort + c.search + (w.fixed ? c.near_fixed : c.near)) * n(w.bodies) +
          c.pair * found + c.test * w.tests + (w.fixed ? c.near_shape * n(w.near) : 0) +
-         (loose ? speeds_ns(w) + c.select * n(w.candidates) + c.pack * (n(w.contacts) + n(w.bodies)) : 0) +
+         (loose ? speeds_ns(w) + select(w) * n(w.candidates) + c.pack * (n(w.contacts) + n(w.bodies)) : 0) +
          ((w.loads ? c.load * w.visits : 0) + c.colour + lay_out(w)) * n(w.contacts) +
          (c.group + c.stand) * n(w.manifolds) + look_ns(w) + c.cell * n(w.cells) +
          kParts * c.strip * n(w.strips);
 }
 
+double Governor::crowded(const WorkCounts& w) {
+  return w.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
+}
+
+double Governor::select(const WorkCounts& w) const { return desc_.costs.select * (1 + kMixedSelect * crowded(w)); }
+
 double Governor::lay_out(const WorkCounts& w) const {
-  const double pressing = w.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
-  return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * pressing);
+  return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * crowded(w));
 }
 
 double Governor::speeds_ns(const WorkCounts& w) const {

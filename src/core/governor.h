@@ -67,7 +67,10 @@ class Governor {
   double rest_ns(const WorkCounts& work) const;
   double substep_ns(const WorkCounts& work) const;
   double look_ns(const WorkCounts& work) const;
+  /// The share of contacts that press, where bodies of several sizes bounce; else 0.
+  static double crowded(const WorkCounts& work);
   double lay_out(const WorkCounts& work) const;  ///< of a contact of discs
+  double select(const WorkCounts& work) const;   ///< of a candidate
   /// How fast bodies move in their strips, before a step selects.
   double speeds_ns(const WorkCounts& work) const;
 

@@ -96,8 +96,8 @@ namespace {
 
 // Frames after which a step that the host makes begin again is done at once, whatever it costs.
 constexpr int kPatience = 3;
-// Bodies of several sizes in cells that are listed are searched for longer.
-constexpr double kListedMixed = 2.2;
+// Bodies of several sizes that press each other are searched for longer in cells that are listed.
+constexpr double kListedCrowd = 3.2;
 // Manifolds that are made for several frames last less often.
 constexpr double kLongLooks = 1.4;
 // Of a manifold under a heavy load, few of which share a block.
@@ -205,7 +205,8 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
       const BroadPhase::Search s = broad.search_at(piece, loose ? candidates : table);
       const double each = s.large ? 2 * c.strip + (c.pair + 12 * c.test) * s.pairs + 1.75 * c.test * s.others
                                   : c.search + c.test * broad.tests() + c.pair * s.pairs;
-      return (counts.mixed && broad.lists_cells() ? kListedMixed : 1) * each * s.bodies + c.strip;
+      const double longer = broad.lists_cells() ? 1 + kListedCrowd * Governor::crowded(counts) : 1;
+      return longer * each * s.bodies + c.strip;
     }
     case Part::near:
       return (counts.fixed ? c.near_fixed + c.near_shape * broad.expected_near(broad.near_at(piece).strip)
@@ -213,7 +214,7 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
                  n(broad.near_at(piece).end - broad.near_at(piece).begin) +
              c.strip;
     case Part::select:
-      return (piece == 0 ? governor.speeds_ns(counts) : 0) + c.select * pairs(candidates.strips[piece]) + c.strip;
+      return (piece == 0 ? governor.speeds_ns(counts) : 0) + governor.select(counts) * pairs(candidates.strips[piece]) + c.strip;
     case Part::pack:
       return c.pack * (pairs(table.strips[piece]) + 0.3 * strip_bodies(piece)) + c.strip;
     case Part::group:
