@@ -275,7 +275,7 @@ TEST(Governor, WhatSubstepsCannotMakeUpForIsLost) {
 
 TEST(Governor, BodiesMayComeAndGoWhileTimeStandsStill) {
   auto world = falling(best_isa(), 1, 0);
-  govern(*world, 0.15);
+  govern(*world, 0.1);
   int changes = 0;
   for (int k = 0; k < 200; ++k) {
     if (world->step().detail.waits() && k % 3 == 0) {
