@@ -98,6 +98,7 @@ class Sleepers {
 
   static constexpr std::uint64_t kWatchFrames = 8;
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< that fall asleep in one step
+  static constexpr std::uint32_t kRoomAhead = 4096;   ///< of these, that there is room for before the first sleep
   static constexpr std::size_t kMostAbove = 4096;     ///< that wake at once because something was taken away
   static constexpr double kRestTime = 0.5, kLooseTime = 4;             ///< s in the rest ball
   static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< m

@@ -38,13 +38,13 @@ void World::Impl::rest(double dt, StepReport& report) {
   if (steps % (2 * Sleepers::kWatchFrames) == 0) choose_sleepers(dt);
 }
 
-// For the first that fall asleep: as many as there are, or do so in one step. O(bodies) with shapes.
+// For the first that fall asleep, as many as there are or kRoomAhead. O(bodies) with shapes.
 void World::Impl::room_for_sleepers() {
   if (!sleepers.empty() || sleepers.has_room(bodies)) return;
-  const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kMostAtOnce);
+  const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kRoomAhead);
   std::uint32_t pieces = plan.shapes ? 0 : most, hulls = 0;
   std::size_t longest = 1;
-  for (std::uint32_t i = 0; plan.shapes && i < bodies.count && pieces < Sleepers::kMostAtOnce; ++i) {
+  for (std::uint32_t i = 0; plan.shapes && i < bodies.count && pieces < Sleepers::kRoomAhead; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const Make& make = bodies.make(bodies.id[i]);
     std::uint32_t mine = make.hull_count == 0 ? 1 : 0;
