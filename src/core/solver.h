@@ -4,9 +4,9 @@
 // In: contacts with normals and gaps. In and out: velocities, displacements, impulses.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
-#include <algorithm>
 #include <vector>
 
 #include "body_store.h"
@@ -61,16 +61,24 @@ struct SweepMemory {
   }
   /// A pair's bodies lie in its strip and the next one; the last strip's anywhere.
   bool asks_pairs(std::size_t strip, int sweep) const {
-    const std::size_t small = pairs.size() - 1;
-    if (sweep == 0 || strip == small) return true;
-    const std::size_t next = strip + 1 < small ? strip + 1 : 0, before = strip == 0 ? small - 1 : strip - 1;
-    return std::max({pairs[strip], pairs[next], pairs[before], pairs[small], single[strip], single[next]}) + 1 >= sweep;
+    const std::size_t large = pairs.size() - 1;
+    if (sweep == 0 || strip == large) return true;
+    const std::size_t next = neighbour(strip, strip + 1 == large, 1);
+    return std::max({pairs[strip], pairs[next], pairs[before(strip)], pairs[large], single[strip], single[next]}) + 1 >= sweep;
   }
   bool asks_single(std::size_t strip, int sweep) const {
-    const std::size_t small = pairs.size() - 1;
-    if (sweep == 0 || strip == small) return true;
-    const std::size_t before = strip == 0 ? small - 1 : strip - 1;
-    return std::max({pairs[strip], pairs[before], pairs[small], single[strip]}) + 1 >= sweep;
+    const std::size_t large = pairs.size() - 1;
+    if (sweep == 0 || strip == large) return true;
+    return std::max({pairs[strip], pairs[before(strip)], pairs[large], single[strip]}) + 1 >= sweep;
+  }
+
+ private:
+  std::size_t before(std::size_t strip) const { return neighbour(strip, strip == 0, pairs.size() - 2); }
+  // Across a seam the last strip meets the first. There are seams only where the number of strips is even: an odd
+  // one's ends are of one phase, and may not look at each other.
+  std::size_t neighbour(std::size_t strip, bool at_end, std::size_t by) const {
+    const std::size_t strips = pairs.size() - 1;
+    return at_end && strips % 2 == 1 ? strip : (strip + by) % strips;
   }
 };
 
