@@ -129,8 +129,8 @@ TEST(CliReport, JsonHasItsKeys) {
   EXPECT_EQ(keys(report["bodies"]),
             (std::vector<std::string>{"asleep", "awake", "dynamic", "static", "total"}));
   EXPECT_EQ(keys(report["ledger"]),
-            (std::vector<std::string>{"asleep_mean", "fast_frames", "fast_mean", "lists_kept_frames",
-                                      "pairs_reused_mean", "stages", "substeps_saved"}));
+            (std::vector<std::string>{"asleep_mean", "bodies_renewed", "fast_frames", "fast_mean",
+                                      "lists_kept_frames", "lists_renewed_frames", "pairs_reused_mean", "stages", "substeps_saved"}));
   for (const auto& [stage, frames] : report["ledger"]["stages"].items()) {
     EXPECT_EQ(frames["run"].get<int>() + frames["skipped"].get<int>(), 4) << stage;
   }

@@ -50,6 +50,7 @@ struct StepReport {
   std::uint64_t asleep = 0;    ///< dynamic bodies that were not
   std::uint64_t pairs_reused = 0;  ///< of the pairs, those whose contacts lay as they were
   bool rebuilt = false;            ///< neighbour lists were rebuilt in this step
+  std::uint32_t renewed = 0;       ///< bodies whose lists alone were made anew
   std::uint32_t skipped = 0;       ///< a bit for each of kSkipNames that had nothing to do
   std::uint32_t fast = 0;          ///< shapes and bullets so fast for their size that their way was looked at
   std::uint32_t stopped = 0;       ///< of those, shapes put back on their way, out of fixed geometry

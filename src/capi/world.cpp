@@ -27,6 +27,7 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.stopped = from.stopped;
   r.skipped = from.skipped;
   r.fast = from.fast;
+  r.renewed = from.renewed;
   r.escaped = from.escaped;
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;

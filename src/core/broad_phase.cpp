@@ -441,6 +441,7 @@ void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table, bo
     b.reach[i] = b.count < kSmallWorld ? pad_reach_ : b.reach[b.count - 1];
   }
   table.body_count = b.count;
+  table.renewed_begin = PairTable::kNoneRenewed;
   table.first.reserve(std::size_t{b.count} + 1);
   cut_strips(b, table);
   const std::size_t strips = table.strips.size();
@@ -487,6 +488,7 @@ void BroadPhase::select(BodyStore& b, float time, const std::vector<float>& slac
     picked_owner_.reserve(candidates.owner.capacity());
     picked_other_.reserve(candidates.other.capacity());
     table.body_count = candidates.body_count;
+    table.renewed_begin = PairTable::kNoneRenewed;
     table.large_begin = candidates.large_begin;
     table.strips.assign(candidates.strips.begin(), candidates.strips.end());
     make_singles(table, table.strips.size());

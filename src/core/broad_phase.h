@@ -154,6 +154,22 @@ class BroadPhase {
   /// Bodies that one is looked at with, about.
   double tests() const;
 
+  /// Whether the bodies' box is wider than high, at the last build.
+  bool wide() const {
+    const auto way = [&](int axis) { return static_cast<double>(all_.extent[axis + 2]) - all_.extent[axis]; };
+    return way(0) * lattice_->pitch_x() > way(1) * lattice_->pitch_y();
+  }
+  /// Of the last build.
+  const kernels::ReachParams& margin() const { return params_.margin; }
+  const Lattice& lattice() const { return *lattice_; }
+  /// Bodies that lie in the cells of the last build or are large, within reach of a body at `built`; perhaps itself.
+  /// False if the list is full.
+  bool around(const BodyStore& bodies, const kernels::KernelTable& k, std::uint32_t body, std::uint32_t large_begin,
+              kernels::PairList& list) const;
+  /// Walls and fixed shapes within a body's reach, appended to `out`.
+  void near_body(const BodyStore& bodies, const StaticShapes& shapes, std::uint32_t body,
+                 std::vector<std::uint32_t>& found, std::vector<SinglePair>& out) const;
+
   /// Bodies a square metre around a body, on average over bodies, at the last build; 0 before the
   /// first.
   double density() const { return density_; }
@@ -208,6 +224,7 @@ class BroadPhase {
   void note_pairs(const PairTable& table);
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
   void cut_near(const PairTable& table);
+  double common_way() const;
   void find_singles(const BodyStore& bodies, const StaticShapes& shapes, const Near& piece, PairTable& table) const;
   kernels::PairRow view(const BodyStore& bodies) const;
   kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;

@@ -144,6 +144,13 @@ bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
   return true;
 }
 
+bool BroadPhase::around(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t i, std::uint32_t large_begin,
+                        kernels::PairList& list) const {
+  if (list.count + kBlock > list.capacity) return false;
+  if (large_begin != 0 && !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) return false;
+  return k.find_near(view(b), i, large_begin, b.count, list);
+}
+
 // Once all were searched: the pairs of the large bodies' group lie side by side.
 void BroadPhase::join_large(PairTable& table) {
   Strip& s = table.strips.back();
@@ -397,6 +404,31 @@ void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) c
   for (const SinglePair& pair : table.singles[index]) mark(pair.body);
 }
 
+void BroadPhase::near_body(const BodyStore& b, const StaticShapes& shapes, std::uint32_t i,
+                           std::vector<std::uint32_t>& found, std::vector<SinglePair>& out) const {
+  const BroadPhaseParams& p = params_;
+  const double reach = static_cast<double>(b.reach[i]) + common_way();
+  const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
+  if (p.walls) {
+    const double x = at[0] * lattice_->pitch_x(), y = at[1] * lattice_->pitch_y();
+    if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
+    if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
+    if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
+    if (y + reach > p.bounds.ymax) out.push_back({i, kWallTop, 0});
+  }
+  if (shapes.any()) {
+    found.clear();
+    shapes.near(at[0], at[1], static_cast<float>(reach), found);
+    for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
+  }
+}
+
+// What stands still moves against the common velocity too.
+double BroadPhase::common_way() const {
+  const double x = static_cast<double>(params_.margin.common_x), y = static_cast<double>(params_.margin.common_y);
+  return std::sqrt(x * x + y * y) * static_cast<double>(params_.margin.time);
+}
+
 // Walls: only bodies in rows and columns that a wall can reach are looked at,
 // of listed cells those that the longest reach would let touch one. Fixed
 // shapes: every body asks their grid.
@@ -407,29 +439,8 @@ void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, co
   std::vector<SinglePair>& out = table.singles[index];
   if (piece.first) out.clear();
   const Strip& s = table.strips[index];
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
-  // What stands still moves against the common velocity too.
-  const double common_x = static_cast<double>(p.margin.common_x),
-               common_y = static_cast<double>(p.margin.common_y);
-  const double extra =
-      std::sqrt(common_x * common_x + common_y * common_y) * static_cast<double>(p.margin.time);
-  std::vector<std::uint32_t>& found = table.found[index];
-  const auto look = [&](std::uint32_t i) {
-    const double reach = static_cast<double>(b.reach[i]) + extra;
-    const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
-    if (p.walls) {
-      const double x = at[0] * px, y = at[1] * py;
-      if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
-      if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
-      if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
-      if (y + reach > p.bounds.ymax) out.push_back({i, kWallTop, 0});
-    }
-    if (shapes.any()) {
-      found.clear();
-      shapes.near(at[0], at[1], static_cast<float>(reach), found);
-      for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
-    }
-  };
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), extra = common_way();
+  const auto look = [&](std::uint32_t i) { near_body(b, shapes, i, table.found[index], out); };
   const bool large_group = index + 1 == table.strips.size();
   if (large_group || fixed_) {
     for (std::uint32_t i = piece.begin; i < piece.end; ++i) look(i);

@@ -20,13 +20,8 @@ constexpr std::uint32_t kNoLane = 0xFFFFFFFFu;
 
 std::uint32_t find_pair(const PairTable& old, std::uint32_t a, std::uint32_t b) {
   if (a >= old.body_count || b >= old.body_count) return kNoLane;
-  for (std::uint32_t p = old.pairs_of_begin(a), end = old.pairs_of_end(a); p < end; ++p) {
-    if (old.other[p] == b) return old.contact[p];
-  }
-  for (std::uint32_t p = old.pairs_of_begin(b), end = old.pairs_of_end(b); p < end; ++p) {
-    if (old.other[p] == a) return old.contact[p];
-  }
-  return kNoLane;
+  const std::uint32_t pair = old.find(a, b);
+  return pair == PairTable::kNoPair ? kNoLane : old.contact[pair];
 }
 
 std::uint32_t find_single(const PairTable& old, std::uint32_t body, std::uint32_t shape) {
@@ -221,44 +216,98 @@ void ContactStore::pad_pair(std::size_t lane, std::uint32_t dummy) {
   mu[lane] = qa[lane] = qb[lane] = tmass[lane] = friction[lane] = 0;
 }
 
-void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const PairTable& old,
-                                 const std::uint32_t* from, const TouchMemory& recent,
-                                 std::size_t index) {
+// The lanes of a strip's pairs, in order: each(pair, lane) with all set but what it carries.
+template <class Each>
+void ContactStore::place_pairs(const BodyStore& b, PairTable& table, std::size_t index, const Each& each) {
   const Strip& s = table.strips[index];
-  if (s.pair_begin == s.pair_end) return;
   const Counts& counts = counts_[index];
   // Dummies: two a strip, beyond the last block of bodies.
   const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
   Counts next = Layout(counts, s.block_begin, s.loaded).begin;
   pad(counts, next, [&](std::uint32_t lane) { pad_pair(lane, dummy); });
-  const bool rough = model_.model == Model::rough, plain = model_.model == Model::plain;
-  const bool carry = old.body_count != 0;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const std::uint32_t i = table.owner[p], j = table.other[p];
     const std::uint32_t c = colour_[p];
     const std::uint32_t at = next[c];
     next[c] += c < kColours ? 1 : kBlock;
     table.contact[p] = at;
-    fill_pair(b, i, j, at);
+    fill_pair(b, table.owner[p], table.other[p], at);
+    each(p, at);
+  }
+}
+
+void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const PairTable& old,
+                                 const std::uint32_t* from, const TouchMemory& recent,
+                                 std::size_t index) {
+  const bool rough = model_.model == Model::rough, plain = model_.model == Model::plain;
+  const bool carry = old.body_count != 0;
+  place_pairs(b, table, index, [&](std::uint32_t p, std::uint32_t at) {
+    const std::uint32_t i = table.owner[p], j = table.other[p];
     const std::uint32_t before =
         !carry ? kNoLane
                : (from != nullptr ? find_pair(old, from[i], from[j]) : find_pair(old, i, j));
     const float l = before == kNoLane ? 0.0f : old_impulse_[before];
     impulse[at] = l > 0 ? l : 0.0f;
     if (rough) friction[at] = before == kNoLane ? 0.0f : old_friction_[before];
-    if (before != kNoLane || recent.empty()) continue;
+    if (before != kNoLane || recent.empty()) return;
     if (const Touch* touch = recent.find(TouchKey::bodies(b.id[i], b.id[j]))) {
       const float unit = touch->times(plain, b.surface(b.id[i]).mass);
       impulse[at] = unit * touch->impulse[0];
       if (rough) friction[at] = unit * touch->friction[0];
     }
+  });
+}
+
+void ContactStore::lift(const PairTable& table) {
+  const Strip& s = table.strips.back();
+  const bool rough = model_.model == Model::rough;
+  lifted_.clear();
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const std::uint32_t at = table.contact[p];
+    lifted_.push_back({table.owner[p], table.other[p], impulse[at], rough ? friction[at] : 0.0f});
   }
 }
 
-void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shapes,
-                                   const Material& wall, PairTable& table, const PairTable& old,
-                                   const std::uint32_t* from, const TouchMemory& recent,
-                                   std::size_t index) {
+// The strip's own pairs are those of before, then come those of renewed bodies in order.
+void ContactStore::lay_out_renewed(const BodyStore& b, PairTable& table) {
+  const bool rough = model_.model == Model::rough;
+  auto before = lifted_.cbegin();
+  place_pairs(b, table, table.strips.size() - 1, [&](std::uint32_t p, std::uint32_t at) {
+    const std::uint32_t i = table.owner[p], j = table.other[p];
+    if (p >= table.renewed_begin) {
+      while (before != lifted_.cend() && (before->owner != i ? before->owner < i : before->other < j)) ++before;
+    }
+    const bool known = before != lifted_.cend() && before->owner == i && before->other == j;
+    const float l = known ? before->impulse : 0.0f;
+    impulse[at] = l > 0 ? l : 0.0f;
+    if (rough) friction[at] = known ? before->friction : 0.0f;
+    if (known) ++before;
+  });
+}
+
+void ContactStore::renew(const BodyStore& b, const StaticShapes& shapes, const Material& wall, bool singles,
+                         PairTable& table, WorkerPool& pool) {
+  const std::size_t last = table.strips.size() - 1;
+  colour_.reserve_loosely(table.pair_room);
+  table.strips[last].loaded = loads_->any() && is_loaded(table, last);
+  colour_strip(table, last);
+  if (singles) swap_singles();
+  place_strips(table);
+  make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{single_blocks_} * kBlock);
+  lay_out_renewed(b, table);
+  if (singles) {
+    const TouchMemory none;
+    pool.run(table.strips.size(), [&](std::size_t strip) {
+      lay_out_singles(b, shapes, wall, table, none, strip, [](const SinglePair& pair) { return pair.contact; });
+    });
+  }
+  ++builds_;
+}
+
+// before(single): the lane that it had, or kNoLane.
+template <class Before>
+void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shapes, const Material& wall,
+                                   PairTable& table, const TouchMemory& recent, std::size_t index,
+                                   const Before& lane_before) {
   std::vector<SinglePair>& list = table.singles[index];
   if (list.empty()) return;
   const Strip& s = table.strips[index];
@@ -290,6 +339,7 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
     const std::uint32_t c = single_class(s, pair.body, sequence);
     const std::uint32_t at = next[c];
     next[c] += c < kColours ? 1 : kBlock;
+    const std::uint32_t before = lane_before(pair);
     pair.contact = at;
     s_body[at] = numbers_->number(pair.body);
     s_shape[at] = pair.shape;
@@ -309,8 +359,6 @@ void ContactStore::lay_out_singles(const BodyStore& b, const StaticShapes& shape
       const float wt = info.inv_mass + info.spin_gain;
       s_tmass[at] = wt > 0 ? 1 / wt : 0;
     }
-    const std::uint32_t before =
-        find_single(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
     const float l = before == kNoLane ? 0.0f : old_s_impulse_[before];
     s_impulse[at] = l > 0 ? l : 0.0f;
     // The side that a pressed contact was on: the narrow phase keeps to it.
@@ -447,10 +495,14 @@ void ContactStore::place_strips(PairTable& table) {
 
 void ContactStore::swap_impulses() {
   old_impulse_.swap(impulse);
+  old_friction_.swap(friction);
+  swap_singles();
+}
+
+void ContactStore::swap_singles() {
   old_s_impulse_.swap(s_impulse);
   old_s_nx_.swap(s_nx);
   old_s_ny_.swap(s_ny);
-  old_friction_.swap(friction);
   old_s_friction_.swap(s_friction);
 }
 
@@ -483,7 +535,9 @@ void ContactStore::lay_out(const BodyStore& b, const StaticShapes& shapes, const
   }
   pool.run(end - begin, [&](std::size_t n) {
     lay_out_strip(b, table, old, from, recent, begin + n);
-    lay_out_singles(b, shapes, wall, table, old, from, recent, begin + n);
+    lay_out_singles(b, shapes, wall, table, recent, begin + n, [&](const SinglePair& pair) {
+      return find_single(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
+    });
   });
 }
 

@@ -52,6 +52,12 @@ class ContactStore {
   void lay_out(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall, PairTable& table,
                const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
                std::size_t begin, std::size_t end, WorkerPool& pool);
+  /// The last strip has other pairs, in renew() (renewal.h): first lift() takes what they carry, then renew() colours
+  /// them and lays them out with it. `singles`: so are contacts with fixed shapes, which carry what
+  /// SinglePair::contact says that they did. All others stay. O(pairs of the strip + strips + singles).
+  void lift(const PairTable& table);
+  void renew(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall, bool singles, PairTable& table,
+             WorkerPool& pool);
   /// Impulses as the old table says, or as the new one does, as far as they are laid out: until accept() or
   /// give_up() there are both.
   void turn_back();
@@ -109,11 +115,15 @@ class ContactStore {
   void colour_strip(const PairTable& table, std::size_t strip);
   void place_strips(PairTable& table);
   void swap_impulses();
+  void swap_singles();
   void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old,
                      const std::uint32_t* from, const TouchMemory& recent, std::size_t strip);
-  void lay_out_singles(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall,
-                       PairTable& table, const PairTable& old, const std::uint32_t* from,
-                       const TouchMemory& recent, std::size_t strip);
+  void lay_out_renewed(const BodyStore& bodies, PairTable& table);
+  template <class Each>
+  void place_pairs(const BodyStore& bodies, PairTable& table, std::size_t strip, const Each& each);
+  template <class Before>
+  void lay_out_singles(const BodyStore& bodies, const StaticShapes& shapes, const Material& wall, PairTable& table,
+                       const TouchMemory& recent, std::size_t strip, const Before& before);
   void fill_pair(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, std::size_t lane);
   void pad_pair(std::size_t lane, std::uint32_t dummy);
   template <class Each>
@@ -133,6 +143,11 @@ class ContactStore {
   Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
   std::uint32_t pair_blocks_ = 0, single_blocks_ = 0, colours_ = 0;
   std::uint64_t pair_count_ = 0, single_count_ = 0, loaded_blocks_ = 0, builds_ = 0;
+  struct Lifted {  // of a pair of the last strip
+    std::uint32_t owner = 0, other = 0;
+    float impulse = 0, friction = 0;
+  };
+  std::vector<Lifted> lifted_;
   bool laying_ = false;  // the impulses of the last step are in the old columns
 };
 

@@ -33,6 +33,8 @@ int ratio_class(float wa, float wb) {
 
 }  // namespace
 
+bool HeavyLoads::heavy(std::uint32_t a, std::uint32_t b) const { return ratio_class(inv_mass_[a], inv_mass_[b]) >= 0; }
+
 void HeavyLoads::begin(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
   any_ = false;
   inv_mass_.reserve(b.count);

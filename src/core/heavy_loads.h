@@ -46,6 +46,8 @@ class HeavyLoads {
   /// How often a pair was looked at in the costliest of the last searches, one that fades.
   double visits() const { return visits_; }
   void set_visits(double visits) { visits_ = visits; }
+  /// Whether one of two bodies is so much heavier that it counts. Bodies lie as they did at the last search.
+  bool heavy(std::uint32_t a, std::uint32_t b) const;
   /// Whether a body's contacts need it.
   bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
 

@@ -278,6 +278,15 @@ void Image::broad(A& a, BroadPhase& b) {
   if constexpr (A::kLoading) c.sorted_ = 0;
 }
 
+// Where renewed bodies were when all lists were made; where they are looked for now, bodies() has.
+template <class A>
+void Image::renewal(A& a, ListRenewal& r, std::size_t slots) {
+  list(a, r.renewed_, [&](ListRenewal::Renewed& x) { numbers(a, x.slot, x.x, x.y, x.reach); });
+  short_list(a, r.linked_);
+  a.value(r.time_);
+  if constexpr (A::kLoading) r.mark_.reserve(slots);
+}
+
 template <class A>
 void Image::contacts(A& a, ContactStore& c) {
   numbers(a, c.model_.model, c.model_.bounce, c.pair_blocks_, c.single_blocks_, c.colours_, c.pair_count_,
@@ -417,6 +426,7 @@ void Image::events(A& a, EventList& e) {
   template void Image::bodies(A&, BodyStore&, bool);                  \
   template void Image::shapes(A&, StaticShapes&);                     \
   template void Image::broad(A&, BroadPhase&);                        \
+  template void Image::renewal(A&, ListRenewal&, std::size_t);                     \
   template void Image::contacts(A&, ContactStore&);                   \
   template void Image::manifolds(A&, Manifolds&, std::size_t);        \
   template void Image::joints(A&, JointStore&);                       \

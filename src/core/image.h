@@ -46,6 +46,8 @@ struct Image {
   template <class A>
   static void broad(A& a, BroadPhase& b);
   template <class A>
+  static void renewal(A& a, ListRenewal& r, std::size_t slots);
+  template <class A>
   static void contacts(A& a, ContactStore& c);
   template <class A>
   static void manifolds(A& a, Manifolds& m, std::size_t slots);

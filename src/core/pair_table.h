@@ -3,9 +3,11 @@
 //
 // A strip is some whole rows of the grid: a run of slots. Its pairs reach into itself and the first
 // row of the next strip, so all even strips, then all odd strips, can be worked on side by side.
-// Bodies too large for the grid form one last group, worked on alone.
+// Bodies too large for the grid form one last group, worked on alone. Behind its pairs lie those of renewed bodies
+// (renewal.cpp), by owner and partner, that no strip has; the lower slot owns them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -44,8 +46,9 @@ struct PairTable {
   std::uint32_t body_count = 0;
   std::uint32_t large_begin = 0;
   std::uint32_t pair_room = 0;  ///< pairs and gaps: past the last strip's pairs
+  std::uint32_t renewed_begin = kNoneRenewed;  ///< first pair of renewed bodies, to the end of the last strip's
 
-  static constexpr std::uint32_t kStripStart = 0x80000000u;
+  static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu;
 
   void swap(PairTable& o) {
     first.swap(o.first);
@@ -58,6 +61,7 @@ struct PairTable {
     std::swap(body_count, o.body_count);
     std::swap(large_begin, o.large_begin);
     std::swap(pair_room, o.pair_room);
+    std::swap(renewed_begin, o.renewed_begin);
   }
 
   /// Makes room for so many pairs, gaps counted.
@@ -78,7 +82,34 @@ struct PairTable {
   std::uint32_t pairs_of_begin(std::uint32_t body) const { return first[body] & ~kStripStart; }
   std::uint32_t pairs_of_end(std::uint32_t body) const {
     const std::uint32_t next = first[std::size_t{body} + 1];
-    return (next & kStripStart) != 0 ? strips[strip_of(body)].pair_end : next;
+    return (next & kStripStart) != 0 ? std::min(strips[strip_of(body)].pair_end, renewed_begin) : next;
+  }
+  /// Pair (a, b), whichever owns it; kNoPair: there is none. O(log strips + log renewed pairs).
+  static constexpr std::uint32_t kNoPair = 0xFFFFFFFFu;
+  std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t pair = find_listed(a, b);
+    if (pair != kNoPair || renewed_begin == kNoneRenewed) return pair;
+    return find_renewed(std::min(a, b), std::max(a, b));
+  }
+  /// As the last build left them.
+  std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {
+    for (std::uint32_t p = pairs_of_begin(a), end = pairs_of_end(a); p < end; ++p) {
+      if (other[p] == b) return p;
+    }
+    for (std::uint32_t p = pairs_of_begin(b), end = pairs_of_end(b); p < end; ++p) {
+      if (other[p] == a) return p;
+    }
+    return kNoPair;
+  }
+  std::uint32_t find_renewed(std::uint32_t low, std::uint32_t high) const {
+    const std::uint32_t end = strips.back().pair_end;
+    std::uint32_t from = renewed_begin, to = end;
+    while (from < to) {
+      const std::uint32_t middle = from + (to - from) / 2;
+      const bool before = owner[middle] != low ? owner[middle] < low : other[middle] < high;
+      (before ? from : to) = before ? middle + 1 : middle;
+    }
+    return from < end && owner[from] == low && other[from] == high ? from : kNoPair;
   }
   /// The strip that owns a body. O(log strips).
   std::size_t strip_of(std::uint32_t body) const {

@@ -44,6 +44,11 @@ struct Saved {
   std::vector<std::uint8_t> of_body;  ///< by slot: pairs that it owns; kMany: see the next of `many`
   Refilled<std::uint32_t> other;
   std::vector<std::uint32_t> many, s_body, s_shape;
+  struct Pair {
+    std::uint32_t owner = 0, other = 0;
+    float impulse = 0, friction = 0, gap = 0;
+  };
+  std::vector<Pair> renewed;  ///< those that are no strip's (renewal.h)
   std::vector<float> dead_radii;
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many; of lists that last, the first
   // Scratch of saving.
@@ -60,6 +65,7 @@ struct Saved {
   void clear_names() {
     of_body.clear();
     other.clear();
+    renewed.clear();
     for (auto* c : {&many, &s_body, &s_shape, &strip_pairs, &strip_singles}) c->clear();
   }
   bool missing = false;       ///< the lists of a restored state are

@@ -354,6 +354,7 @@ void World::Impl::measure_bodies(const Span& span) {
   const Vec2 c = lattice.centre();
   p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x,
               desc.bounds.ymax - c.y};
+  renewal.forget();
   broad.measure(bodies, shapes, p, kernels, pool);
   ahead.built = true;
 }

@@ -2,6 +2,7 @@
 // (docs/governor.md):
 //
 //   check    do the lists serve?                                 one piece
+//   renew    lists that last: bodies that used up their margin     one piece
 //   measure  how the lists are made, how far bodies reach        one piece
 //   count    the cells of bodies                                 one piece
 //   move     bodies in cell order                                a piece 4,096 bodies
@@ -28,6 +29,12 @@
 #include "world_impl.h"
 
 namespace psim {
+namespace {
+
+// Frames of its motion that a renewed body has room for: few want many partners, many want it seldom.
+constexpr double kRenewedFrames = 2.5;
+
+}  // namespace
 
 // What was made for this step is thrown away: all is as the last one left it, but bodies may lie in another order,
 // which the broad phase knows.
@@ -77,6 +84,7 @@ void World::Impl::accept_work() {
 // if it is much faster now.
 void World::Impl::pushed(std::uint32_t id, const Motion& before) {
   if (ahead.part == Part::check) return;
+  renewal.doubt();
   if (ahead.built && !ahead.sorted) return spoil_lists();  // it may be copied already
   const std::uint32_t slot = bodies.info[id].slot;
   const double gain = static_cast<double>(speed_of(slot) - before.fastest());
@@ -110,6 +118,7 @@ bool World::Impl::contacts_stand() const {
 std::size_t World::Impl::pieces() const {
   switch (ahead.part) {
     case Part::check:
+    case Part::renew:
     case Part::measure:
     case Part::count:
     case Part::group:
@@ -172,6 +181,9 @@ void World::Impl::work(const Span& span, StepReport& report, std::size_t end) {
   switch (ahead.part) {
     case Part::check:
       check_lists(span);
+      break;
+    case Part::renew:
+      renew_lists(span, report);
       break;
     case Part::measure:
       measure_bodies(span);
@@ -255,11 +267,16 @@ void World::Impl::finish_part(StepReport& report) {
     case Part::check:
       if (lists_stale) {
         next = Part::measure;
+      } else if (!loose && renewal.any()) {
+        next = Part::renew;
       } else {
         ++skipped_frames[1];
         if (!loose) ++skipped_frames[3];
         next = after_check();
       }
+      break;
+    case Part::renew:
+      next = lists_stale ? Part::measure : after_check();
       break;
     case Part::measure:
       next = Part::count;
@@ -334,9 +351,32 @@ void World::Impl::check_lists(const Span& span) {
   bodies.pad_tail();
   ahead.built = ahead.laid = false;
   if (!lists_stale) {
-    lists_stale = once || !lists_serve(loose ? span.step : span.frame);
+    lists_stale = once || !(may_renew() ? renewal.find(bodies, lattice, static_cast<float>(kMarginFrames * span.frame),
+                                                       kernels, pool)
+                                        : lists_serve(loose ? span.step : span.frame));
   }
   ahead.laid = lists_stale || loose;
+}
+
+// Whether lists can be made anew for a few bodies: of discs that all may collide.
+bool World::Impl::may_renew() const {
+  return !loose && !sorts_out() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count &&
+         !solved.compact();
+}
+
+// Lists of those bodies that used up their margin; of all, if they are too many.
+void World::Impl::renew_lists(const Span& span, StepReport& report) {
+  if (!renewal.known()) lists_stale = !renewal.find(bodies, lattice, renewal.time(), kernels, pool);
+  if (!lists_stale) {
+    contacts.lift(table);
+    kernels::ReachParams margin = broad.margin();
+    margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
+    lists_stale = !renewal.renew(broad, bodies, shapes, plan.loads ? &loads : nullptr, margin, kernels, pool, table);
+  }
+  ahead.laid = lists_stale;
+  if (lists_stale) return;
+  contacts.renew(bodies, shapes, desc.wall, renewal.singles_changed(), table, pool);
+  report.renewed = renewal.count();
 }
 
 // Colouring, what comes before the colours: which bodies the solver has.

@@ -62,7 +62,7 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
 World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
     : desc(d), options(o), kernels(kernels_of(o.isa)),
       lattice(d.bounds, d.boundary == Boundary::periodic), bodies(memory), shapes(memory, lattice),
-      broad(memory, lattice), table(memory), old_table(memory), candidates(memory),
+      broad(memory, lattice), renewal(memory), table(memory), old_table(memory), candidates(memory),
       solved(memory), loads(memory), contacts(memory), manifolds(memory), joints(memory), sleepers(memory), pool(o.threads) {
   pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap

@@ -191,6 +191,8 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
     case Part::check:
       return c.check * n(bodies.count) +
              (sleepers.woke ? c.sleep * n(counts.contacts + 6 * counts.manifolds) : 0);
+    case Part::renew:
+      return 2 * c.search * n(renewal.count()) + c.check * n(bodies.count);
     case Part::measure:
       return 0.2 * c.sort * n(bodies.count);
     case Part::count:
@@ -321,6 +323,7 @@ void World::Impl::spare_room() {
   for (PairTable* of : {&table, &old_table, &candidates}) of->spare(bodies.count, pairs);
   const std::size_t all = kernels::round_up_block(bodies.count) + 2 * table.strips.size() + kFewStrips;
   broad.spare(bodies.count, all, pairs);
+  if (bodies.count >= BroadPhase::kSmallWorld) renewal.spare(bodies.count);
   for (Column<float>* of : {&bodies.vel, &bodies.disp, &bodies.vel0}) of->reserve(2 * all);
   bodies.pos.reserve(2 * all);
   if (plan.shapes && !table.strips.empty()) {

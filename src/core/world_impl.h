@@ -30,6 +30,7 @@
 #include "strip_speeds.h"
 #include "tasks.h"
 #include "trace.h"
+#include "renewal.h"
 #include "saved.h"
 #include "worker_pool.h"
 
@@ -40,7 +41,7 @@ inline constexpr std::size_t kSkipCount = kSkipNames.size();
 
 /// The work of a step before its substeps, in order (step_work.cpp).
 enum class Part : std::uint8_t {
-  check, measure, count, move, search, near, select, pack, group, loads, gather, sort_out, keep, colour, lay_out,
+  check, renew, measure, count, move, search, near, select, pack, group, loads, gather, sort_out, keep, colour, lay_out,
   look, stand, done
 };
 
@@ -81,6 +82,7 @@ struct World::Impl {
   std::vector<FixedBody> fixed;
   std::vector<BodyState> frozen;
   BroadPhase broad;
+  ListRenewal renewal;
   StripSpeeds speeds;
   std::vector<float> slack;  // m, by strip: what impacts within a step may do to gaps
   PairTable table, old_table;  // what the contacts are made from
@@ -220,6 +222,7 @@ struct World::Impl {
   void keep_pairs();
   void keep_singles();
   void take_pairs();
+  void take_renewed();
   bool restore(std::span<const std::byte> state, std::string& error);
   /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
   /// Before anything changes.
@@ -293,6 +296,8 @@ struct World::Impl {
   void finish_work(const Span& span, StepReport& report);
   bool lists_serve(double dt);
   void check_lists(const Span& span);
+  bool may_renew() const;
+  void renew_lists(const Span& span, StepReport& report);
   void choose_solved();
 
   // world_governor.cpp

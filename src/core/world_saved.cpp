@@ -42,6 +42,7 @@ void World::Impl::image(A& a, bool& lists) {
   list(a, saved.dead_radii, [&](float& r) { a.value(r); });
   Image::shapes(a, shapes);
   Image::broad(a, broad);
+  if (lists && !loose) Image::renewal(a, renewal, bodies.count);
   Image::contacts(a, contacts);
   Image::solved(a, solved);
   Image::counts(a, solver, loads, continuous);
@@ -58,6 +59,7 @@ void World::Impl::image(A& a, bool& lists) {
     a.vector(s.other);
     a.vector(s.s_body);
     a.vector(s.s_shape);
+    list(a, s.renewed, [&](Saved::Pair& p) { numbers(a, p.owner, p.other, p.impulse, p.friction, p.gap); });
   }
   for (auto* c : {&s.impulse, &s.friction, &s.gap, &s.s_impulse, &s.s_friction, &s.s_nx, &s.s_ny, &s.s_gap}) {
     a.vector(*c);
@@ -104,6 +106,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   table.body_count = old_table.body_count = 0;
   table.strips.clear();
   candidates.strips.clear();
+  renewal.forget();
   bool lists = false;
   image(loader, lists);
   const WorkerPool::Awake awake(pool);

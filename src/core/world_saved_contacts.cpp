@@ -99,7 +99,7 @@ void World::Impl::keep_pairs() {
     float *const to_impulse = s.impulse.data(), *const to_friction = s.friction.data(),
                  *const to_gap = s.gap.data();
     std::uint8_t* const of_body = s.of_body.data();
-    const std::uint32_t every = all ? 1 : 0, end = strip.pair_end;
+    const std::uint32_t every = all ? 1 : 0, end = std::min(strip.pair_end, table.renewed_begin);
     std::uint32_t to = s.strip_room[k], owner = kNoSlot, count = 0;
     for (std::uint32_t p = strip.pair_begin; p < end; ++p) {
       const std::uint32_t lane = contact[p];
@@ -137,6 +137,11 @@ void World::Impl::keep_pairs() {
   }
   s.make_room(kept, 0, rough, gaps);
   s.other.resize(kept);
+  for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
+    const std::uint32_t lane = table.contact[p];
+    s.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
+                         rough ? contacts.friction[lane] : 0.0f, gaps ? contacts.gap[lane] : 0.0f});
+  }
 }
 
 void World::Impl::keep_singles() {
@@ -215,6 +220,28 @@ void World::Impl::take_pairs() {
     }
   });
   table.mark_strips();
+  take_renewed();
+}
+
+// Pairs that are no strip's, behind those of the strips.
+void World::Impl::take_renewed() {
+  table.renewed_begin = PairTable::kNoneRenewed;
+  if (saved.renewed.empty()) return;
+  table.renewed_begin = table.pair_room;
+  std::uint32_t p = table.pair_room;
+  table.pair_room = table.strips.back().pair_end = p + static_cast<std::uint32_t>(saved.renewed.size());
+  for (auto* column : {&table.owner, &table.other, &table.contact}) column->reserve(table.pair_room);
+  for (auto* column : {&contacts.impulse, &contacts.gap}) column->reserve(table.pair_room);
+  if (contacts.rough()) contacts.friction.reserve(table.pair_room);
+  for (const Saved::Pair& pair : saved.renewed) {
+    table.owner[p] = pair.owner;
+    table.other[p] = pair.other;
+    contacts.impulse[p] = pair.impulse;
+    contacts.gap[p] = pair.gap;
+    if (contacts.rough()) contacts.friction[p] = pair.friction;
+    table.contact[p] = p;
+    ++p;
+  }
 }
 
 void World::Impl::make_lists_again() {
@@ -224,6 +251,7 @@ void World::Impl::make_lists_again() {
     broad.build_again(bodies, shapes, kernels, pool, candidates);
     return;
   }
+  renewal.turn_back(bodies);
   broad.build_again(bodies, shapes, kernels, pool, table);
   lists_stale = impulses_valid = true;
   old_table.body_count = 0;
@@ -237,6 +265,11 @@ void World::Impl::make_lists_again() {
   StepReport ignored;
   while (ahead.part != after_contacts()) work({}, ignored, pieces());
   accept_work();
+  if (renewal.renewed() != 0) {
+    contacts.lift(table);
+    renewal.renew_again(broad, bodies, shapes, kernels, pool, table);
+    contacts.renew(bodies, shapes, desc.wall, renewal.singles_changed(), table, pool);
+  }
   ahead = now;
   saved.done.swap(done);
   loads.set_visits(visits);

@@ -44,7 +44,7 @@ void write_metrics_header(AtomicFile& file) {
     file.write(",skipped_");
     for (const char c : name) file.write(std::string_view(c == '.' ? "_" : &c, 1));
   }
-  file.write(",most_sweeps");
+  file.write(",most_sweeps,renewed");
   file.write("\n");
 }
 
@@ -73,6 +73,7 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms,
     write_field(file, static_cast<std::uint64_t>(report.skipped >> k & 1));
   }
   write_field(file, static_cast<std::uint64_t>(report.detail.sweeps));
+  write_field(file, static_cast<std::uint64_t>(report.renewed));
   file.write("\n");
 }
 

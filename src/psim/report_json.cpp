@@ -85,6 +85,8 @@ std::string report_json(const RunReport& report) {
   }
   json["ledger"] = {{"asleep_mean", report.per_frame(report.asleep_sum)},
                     {"lists_kept_frames", report.lists_kept},
+                    {"lists_renewed_frames", report.frames_renewed},
+                    {"bodies_renewed", report.renewed_sum},
                     {"pairs_reused_mean", report.per_frame(report.reused_sum)},
                     {"fast_frames", report.fast_frames},
                     {"fast_mean", report.per_frame(report.fast_sum)},

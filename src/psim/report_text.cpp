@@ -27,6 +27,13 @@ std::string skipped_text(const RunReport& report) {
   return text + fmt::format(" of {} frames", report.frame_ms.count());
 }
 
+// Frames in which lists were kept for most bodies.
+std::string renewed_text(const RunReport& report) {
+  if (report.frames_renewed == 0) return "";
+  const double mean = static_cast<double>(report.renewed_sum) / static_cast<double>(report.frames_renewed);
+  return fmt::format(" ({} of them but for {} bodies)", report.frames_renewed, grouped_mean(mean));
+}
+
 }  // namespace
 
 std::string report_text(const RunReport& report) {
@@ -72,10 +79,10 @@ std::string report_text(const RunReport& report) {
   if (report.profile) text += profile_text(*report.profile);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
   fmt::format_to(out,
-                 "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames, pairs reused {:.1f} %, "
+                 "Ledger: asleep {} of {} bodies (mean), lists kept in {} of {} frames{}, pairs reused {:.1f} %, "
                  "nobody fast in {}, {} substeps saved\n",
                  grouped_mean(report.per_frame(report.asleep_sum)), grouped(report.bodies_dynamic),
-                 report.lists_kept, frame.count(), percent(report.reused_sum, report.pairs_sum),
+                 report.lists_kept, frame.count(), renewed_text(report), percent(report.reused_sum, report.pairs_sum),
                  frame.count() - report.fast_frames, grouped(report.substeps_saved));
   if (report.governed) {
     fmt::format_to(out,

@@ -62,6 +62,8 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   report.asleep_sum += static_cast<double>(step.asleep);
   report.reused_sum += static_cast<double>(step.pairs_reused);
   report.lists_kept += step.rebuilt ? 0 : 1;
+  report.frames_renewed += step.renewed != 0;
+  report.renewed_sum += step.renewed;
   report.fast_frames += step.fast != 0;
   report.fast_sum += step.fast;
   for (std::size_t k = 0; k < kSkipNames.size(); ++k) report.frames_skipped[k] += step.skipped >> k & 1;

@@ -43,6 +43,8 @@ struct RunReport {
   // The ledger of what was left out.
   double asleep_sum = 0, reused_sum = 0;           ///< bodies, pairs; over all frames
   std::uint64_t lists_kept = 0;                    ///< frames
+  std::uint64_t frames_renewed = 0;                ///< in which lists of some bodies alone were made anew
+  std::uint64_t renewed_sum = 0;                   ///< bodies, summed over them
   std::uint64_t fast_frames = 0;                   ///< in which a body's way was looked at
   double fast_sum = 0;                             ///< bodies, over all frames
   std::array<std::uint64_t, kSkipNames.size()> frames_skipped{};

@@ -32,6 +32,8 @@ typedef struct psim_step_report {
   psim_step_detail detail;  ///< how much of it was done
   uint32_t skipped;         ///< a bit for each psim_skip_name that had nothing to do
   uint32_t fast;            ///< shapes and bullets so fast for their size that their way was looked at
+  uint32_t renewed;         ///< bodies whose lists alone were made anew
+  uint32_t reserved;        ///< 0
 } psim_step_report;
 
 /// Sets the defaults.
