@@ -47,6 +47,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   settle_lists();
   freeze_doubtful(report);
   replan();
+  detailed = !choose;
   report.detail = given;
   if (given.frames == 0) report.detail.frames = 1;
   if (plan.publish && placed) publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
@@ -346,7 +347,7 @@ void World::Impl::measure_bodies(const Span& span) {
   p.ahead = lists.ahead;
   p.outer = changed ? lists.outer : 0;
   p.sample = governor.on();
-  if (!changed && (governor.on() || span.step > span.frame)) p.growth = std::clamp(growth, 1.0, 4.0);
+  if (!changed && (detailed || governor.on() || span.step > span.frame)) p.growth = std::clamp(growth, 1.0, 4.0);
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = plan.radii;

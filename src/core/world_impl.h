@@ -127,6 +127,7 @@ struct World::Impl {
   Ahead ahead;                  // what was done of the present step
   Governor governor;
   int substeps = 4;             // of this step
+  bool detailed = false;        // this step goes by a detail: in pieces as they were with a governor
   bool kept_contacts = false;   // no list was made in this step
   std::uint64_t steps = 0;      // that did not wait
   bool forces_stale = true;
