@@ -54,9 +54,18 @@ class ArchiveCopies {
                        std::min(kPiece, bytes - at)});
     }
   }
-  void run(WorkerPool& pool) {
-    pool.run(list_.size(), [&](std::size_t k) { std::memcpy(list_[k].to, list_[k].from, list_[k].bytes); });
+  /// And as many jobs more, job(0) ... on whatever thread comes to them.
+  template <class Job>
+  void run(WorkerPool& pool, std::size_t jobs, const Job& job) {
+    pool.run(jobs + list_.size(), [&](std::size_t k) {
+      if (k < jobs) return job(k);
+      const Copy& copy = list_[k - jobs];
+      std::memcpy(copy.to, copy.from, copy.bytes);
+    });
     list_.clear();
+  }
+  void run(WorkerPool& pool) {
+    run(pool, 0, [](std::size_t) {});
   }
 
  private:
@@ -69,6 +78,23 @@ class ArchiveCopies {
 };
 
 inline constexpr std::size_t kArchiveAlign = 64;
+
+/// A column that is written where it lies in the bytes, and read there.
+template <class T>
+struct InPlace {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::size_t count = 0;
+  std::byte* to = nullptr;          ///< while they are written: aligned to a cache line of them
+  const std::byte* from = nullptr;  ///< while they are read: not aligned
+
+  T* room(std::size_t i) const { return reinterpret_cast<T*>(to) + i; }
+  T operator[](std::size_t i) const {
+    T value;
+    std::memcpy(&value, from + i * sizeof(T), sizeof value);
+    return value;
+  }
+  std::size_t bytes() const { return count * sizeof(T); }
+};
 
 class Saver {
  public:
@@ -92,13 +118,21 @@ class Saver {
   void vector(List& v) {
     long_run(v.data(), v.size());
   }
+  /// Whoever has it writes it in a job of finish().
+  template <class T>
+  void in_place(InPlace<T>& c) {
+    put(static_cast<std::uint64_t>(c.count));
+    if (c.count != 0) runs_.push_back({nullptr, c.bytes(), &c.to});
+  }
   std::size_t count(std::size_t n) {
     put(static_cast<std::uint64_t>(n));
     return n;
   }
   bool ok() const { return true; }
 
-  void finish(std::vector<std::byte>& out, WorkerPool& pool) {
+  /// job(0) ... job(jobs - 1) write what lies in place.
+  template <class Job>
+  void finish(std::vector<std::byte>& out, WorkerPool& pool, std::size_t jobs, const Job& job) {
     ArchiveHeader header;
     header.first = first_.size();
     header.hash = hash_of(first_.data(), first_.size());
@@ -115,11 +149,15 @@ class Saver {
     };
     pad();
     for (const Run& run : runs_) {
-      copies_.add(out.data() + at, run.from, run.bytes);
+      if (run.place != nullptr) {
+        *run.place = out.data() + at;
+      } else {
+        copies_.add(out.data() + at, run.from, run.bytes);
+      }
       at += run.bytes;
       pad();
     }
-    copies_.run(pool);
+    copies_.run(pool, jobs, job);
   }
   /// What was written but for columns.
   std::span<const std::byte> first() const { return first_; }
@@ -134,6 +172,7 @@ class Saver {
   struct Run {
     const void* from = nullptr;
     std::size_t bytes = 0;
+    std::byte** place = nullptr;  // of what is written there
   };
   template <class T>
   void put(T v) {
@@ -145,7 +184,7 @@ class Saver {
   void long_run(const T* from, std::size_t n) {
     static_assert(std::is_trivially_copyable_v<T>);
     put(static_cast<std::uint64_t>(n));
-    if (n != 0) runs_.push_back({from, n * sizeof(T)});
+    if (n != 0) runs_.push_back({from, n * sizeof(T), nullptr});
   }
 
   std::vector<std::byte> first_;
@@ -204,6 +243,13 @@ class Loader {
     v.resize(n);
     if (n != 0) take(v.data(), n * sizeof(T));
   }
+  /// Where it lies in the bytes, for as long as they are there.
+  template <class T>
+  void in_place(InPlace<T>& c) {
+    c.count = length(sizeof(T));
+    c.from = c.count != 0 ? bytes_.data() + run_ : nullptr;
+    run_ = Saver::round_up(run_ + c.bytes());
+  }
   /// Of a list whose elements take at least a byte each.
   std::size_t count(std::size_t) {
     const auto n = get<std::uint64_t>();
@@ -217,6 +263,12 @@ class Loader {
   const std::string& error() const { return error_; }
   void fail(const std::string& error) {
     if (error_.empty()) error_ = error;
+  }
+  /// Copies wait for finish().
+  ArchiveCopies& copies() { return copies_; }
+  template <class Job>
+  void finish(WorkerPool& pool, std::size_t jobs, const Job& job) {
+    copies_.run(pool, jobs, job);
   }
   void finish(WorkerPool& pool) { copies_.run(pool); }
 

@@ -284,7 +284,12 @@ void Image::renewal(A& a, ListRenewal& r, std::size_t slots) {
   list(a, r.renewed_, [&](ListRenewal::Renewed& x) { numbers(a, x.slot, x.x, x.y, x.reach); });
   short_list(a, r.linked_);
   a.value(r.time_);
-  if constexpr (A::kLoading) r.mark_.reserve(slots);
+  if constexpr (A::kLoading) {
+    r.mark_.reserve(slots);
+    const auto there = [&](const ListRenewal::Renewed& x) { return x.slot < slots; };
+    const bool linked = std::all_of(r.linked_.begin(), r.linked_.end(), [&](std::uint32_t s) { return s < slots; });
+    if (!linked || !std::all_of(r.renewed_.begin(), r.renewed_.end(), there)) r.forget_all();
+  }
 }
 
 template <class A>

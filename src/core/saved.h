@@ -2,10 +2,11 @@
 //
 // Lists that last are not saved: they are made again from where the bodies were when they were made, and
 // impulses go to the same pairs. That waits until somebody needs the lists. Where lists are for one step, or
-// are to be made anew, the pairs that carry something are saved instead. What was made of a step that is under way
+// are to be made anew, who is a pair is saved, too. What was made of a step that is under way
 // over frames is made again from a list of what was done.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -36,38 +37,37 @@ class Refilled {
   std::size_t size_ = 0;
 };
 
+/// What contacts carry: of pairs of discs, then of singles.
+template <template <class> class List>
+struct Carried {
+  List<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
+  static constexpr std::size_t kOfPairs = 3;
+  std::array<List<float>*, 8> all() { return {&impulse, &friction, &gap, &s_impulse, &s_friction, &s_nx, &s_ny, &s_gap}; }
+};
+
 struct Saved {
-  // By pair and single of lists that last, or by saved ones.
-  Refilled<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
-  // Pairs and singles, where lists do not last.
+  Carried<Refilled> kept;  ///< of lists that last, until they are made again
+  /// Contacts in the bytes of a state, while it is written or read. Where lists do not last they have names:
+  struct InBytes : Carried<InPlace> {
+    InPlace<std::uint8_t> of_body;     ///< by slot: pairs that it owns; kMany: see the next of `many`
+    InPlace<std::uint32_t> many;       ///< by strip: room for as many as can be
+    InPlace<std::uint16_t> near;       ///< by pair: the partner, counted from the strip's first body
+    InPlace<std::uint32_t> far;        ///< or its slot, in strips where that takes more than 16 bits
+    InPlace<std::uint32_t> s_body, s_shape;
+  };
   static constexpr std::uint8_t kMany = 255;
-  std::vector<std::uint8_t> of_body;  ///< by slot: pairs that it owns; kMany: see the next of `many`
-  Refilled<std::uint32_t> other;
-  std::vector<std::uint32_t> many, s_body, s_shape;
+  struct Lengths {
+    std::uint32_t pairs = 0, singles = 0, near = 0, far = 0, many = 0;
+  };
+  InBytes bytes;
   struct Pair {
     std::uint32_t owner = 0, other = 0;
     float impulse = 0, friction = 0, gap = 0;
   };
-  std::vector<Pair> renewed;  ///< those that are no strip's (renewal.h)
+  std::vector<Pair> renewed;  ///< of lists that do not last: those that are no strip's (renewal.h)
   std::vector<float> dead_radii;
-  std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many; of lists that last, the first
-  // Scratch of saving.
-  std::vector<std::vector<std::uint32_t>> strip_many;
-  std::vector<std::uint32_t> strip_room;
-  /// Of so many contacts; what they carry keeps its memory and is written over.
-  void make_room(std::size_t pairs, std::size_t singles, bool rough, bool gaps) {
-    for (auto* c : {&impulse, &friction, &gap}) c->resize(pairs);
-    for (auto* c : {&s_impulse, &s_friction, &s_nx, &s_ny, &s_gap}) c->resize(singles);
-    if (!rough) friction.clear(), s_friction.clear();
-    if (!gaps) gap.clear(), s_gap.clear();
-  }
-  /// Forgets the contacts of before, but for what make_room sizes.
-  void clear_names() {
-    of_body.clear();
-    other.clear();
-    renewed.clear();
-    for (auto* c : {&many, &s_body, &s_shape, &strip_pairs, &strip_singles}) c->clear();
-  }
+  std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many
+  std::vector<std::uint32_t> first_pair, first_single, first_partner, first_many;  ///< and where they begin
   bool missing = false;       ///< the lists of a restored state are
   bool undone = false;        ///< so is the work of its step that was under way over frames
   /// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies

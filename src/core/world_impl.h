@@ -1,6 +1,7 @@
 // The parts of a world. Each stage takes what it needs of them; none takes the world.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -217,13 +218,19 @@ struct World::Impl {
   // world_saved.cpp, world_saved_contacts.cpp
   template <class A>
   void image(A& archive, bool& lists);
-  void keep_contacts(bool lasting);
+  std::array<Column<float>*, 8> carried();
+  bool partners_are_near(std::size_t strip) const;
+  Saved::Lengths place_contacts();
+  void count_carried(bool lasting);
   template <class Each>
-  void each_lane(const Each& each);
-  void keep_pairs();
-  void keep_singles();
-  void take_pairs();
+  void each_lane(std::size_t strip, std::size_t column, const Each& each) const;
+  void write_carried(std::size_t strip);
+  void write_names(std::size_t strip);
+  void keep_carried(Loader& loader);
+  void keep_renewed();
+  void take_pairs(Loader& loader);
   void take_renewed();
+  void read_names(std::size_t strip);
   bool restore(std::span<const std::byte> state, std::string& error);
   /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
   /// Before anything changes.

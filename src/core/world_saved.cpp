@@ -49,21 +49,20 @@ void World::Impl::image(A& a, bool& lists) {
   Image::joints(a, joints);
   Image::sleepers(a, sleepers, bodies.id_count);
   Image::events(a, events);
-  Saved& s = saved;
-  list(a, s.strip_pairs, [&](std::uint32_t& n) { a.value(n); });
-  list(a, s.strip_singles, [&](std::uint32_t& n) { a.value(n); });
+  Saved::InBytes& s = saved.bytes;
+  list(a, saved.strip_pairs, [&](std::uint32_t& n) { a.value(n); });
+  list(a, saved.strip_singles, [&](std::uint32_t& n) { a.value(n); });
   if (!lists || loose) {
     Image::table(a, table);
-    a.vector(s.of_body);
-    list(a, s.many, [&](std::uint32_t& n) { a.value(n); });
-    a.vector(s.other);
-    a.vector(s.s_body);
-    a.vector(s.s_shape);
-    list(a, s.renewed, [&](Saved::Pair& p) { numbers(a, p.owner, p.other, p.impulse, p.friction, p.gap); });
+    a.in_place(s.of_body);
+    a.in_place(s.many);
+    a.in_place(s.near);
+    a.in_place(s.far);
+    a.in_place(s.s_body);
+    a.in_place(s.s_shape);
+    list(a, saved.renewed, [&](Saved::Pair& p) { numbers(a, p.owner, p.other, p.impulse, p.friction, p.gap); });
   }
-  for (auto* c : {&s.impulse, &s.friction, &s.gap, &s.s_impulse, &s.s_friction, &s.s_nx, &s.s_ny, &s.s_gap}) {
-    a.vector(*c);
-  }
+  for (InPlace<float>* c : s.all()) a.in_place(*c);
 }
 
 void World::save(std::vector<std::byte>& out) {
@@ -77,14 +76,19 @@ void World::save(std::vector<std::byte>& out) {
   const bool stale = w.lists_stale;
   w.lists_stale = stale || w.ahead.built;
   bool lists = !w.lists_stale && !w.once && w.bodies.count != 0 && w.bodies.dead == 0 && w.table.body_count != 0;
-  w.keep_contacts(lists && !w.loose);
+  const bool lasting = lists && !w.loose;
+  w.count_carried(lasting);
   if (w.plan.shapes) w.manifolds.keep_impulses(w.pool);
   Saver& saver = w.saved.saver;
   saver.clear();
   Image::visit(saver, w.desc);
   w.image(saver, lists);
   Image::manifolds(saver, w.manifolds, w.bodies.count);
-  saver.finish(out, w.pool);
+  saver.finish(out, w.pool, w.table.body_count != 0 ? w.table.strips.size() : 0,
+               [&](std::size_t strip) {
+                 w.write_carried(strip);
+                 if (!lasting) w.write_names(strip);
+               });
   w.lists_stale = stale;
   w.turn_back();
 }
@@ -103,6 +107,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   desc = read;
   const bool snapshots = traits.snapshots;
   saved.missing = false;
+  saved.bytes = {};
   table.body_count = old_table.body_count = 0;
   table.strips.clear();
   candidates.strips.clear();
@@ -110,7 +115,12 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   bool lists = false;
   image(loader, lists);
   const WorkerPool::Awake awake(pool);
-  loader.finish(pool);
+  if (lists && !loose) {
+    keep_carried(loader);
+  } else {
+    take_pairs(loader);
+  }
+  saved.bytes = {};
   traits.snapshots = plan.publish = snapshots;
   forces.reset();
   if (plan_stale) {  // its columns are there, and wait for the next plan
@@ -133,7 +143,6 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   saved.undone = ahead.part > Part::count;
   saved.bare = true;
   saved.builds = contacts.builds();
-  if (!lists || loose) take_pairs();
   // Manifolds are made anew with the lists, and then put back as they were.
   if (lists && sorts_out()) make_lists_again();
   Image::manifolds(loader, manifolds, bodies.count);

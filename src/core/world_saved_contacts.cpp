@@ -1,224 +1,218 @@
-// What contacts carry, out of a world into a saved state and back (saved.h).
+// What contacts carry, out of a world into the bytes of a saved state and back (saved.h). Every strip writes its own
+// where it lies in the bytes, and reads it there.
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include "float_settings.h"
 #include "image.h"
+#include "invariant.h"
 
 namespace psim {
 
 namespace {
 
-// A body's count past what a byte holds.
-void count_many(std::vector<std::uint32_t>& many, std::uint32_t count, bool another) {
-  if (!another) return;
-  if (count == Saved::kMany) many.push_back(count);
-  many.back() = count;
+// Where what strips have so much of begins, and the sum.
+std::uint32_t place(std::vector<std::uint32_t>& first, const std::vector<std::uint32_t>& counts) {
+  first.resize(counts.size());
+  std::uint32_t sum = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) first[k] = std::exchange(sum, sum + counts[k]);
+  return sum;
+}
+
+// Pairs by body, up to what a byte holds; `many` has, in turn, what more there is.
+void count_pairs(const PairTable& table, const Strip& strip, std::uint8_t* of_body, std::uint32_t* many) {
+  if (strip.body_begin == strip.body_end) return;
+  const std::uint32_t* const first = table.first.data();
+  const std::uint32_t last = strip.body_end - 1;
+  const auto count = [&](std::uint32_t i) {  // the first body's is marked
+    return (i == last ? std::min(strip.pair_end, table.renewed_begin) : first[i + 1]) - (first[i] & ~PairTable::kStripStart);
+  };
+  const auto put = [&](std::uint32_t i, std::uint32_t n) {
+    of_body[i] = static_cast<std::uint8_t>(std::min(static_cast<std::int32_t>(n), std::int32_t{Saved::kMany}));
+    return n;
+  };
+  std::uint32_t any = put(strip.body_begin, count(strip.body_begin)) | put(last, count(last));
+  for (std::uint32_t i = strip.body_begin + 1; i < last; ++i) any |= put(i, first[i + 1] - first[i]);
+  for (std::uint32_t i = strip.body_begin; any >= Saved::kMany && i < strip.body_end; ++i) {
+    if (of_body[i] == Saved::kMany) *many++ = count(i);
+  }
+}
+
+// Pairs of a strip's bodies, all in all.
+std::uint32_t count_of(const Saved::InBytes& b, const Strip& strip, std::size_t many) {
+  const auto* const of_body = reinterpret_cast<const std::uint8_t*>(b.of_body.from);
+  std::uint32_t sum = 0, top = 0;
+  for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) sum += of_body[i];
+  if (sum >= Saved::kMany) top = static_cast<std::uint32_t>(std::count(of_body + strip.body_begin, of_body + strip.body_end, Saved::kMany));
+  for (; top != 0 && many < b.many.count; --top) sum += b.many[many++] - Saved::kMany;
+  return sum;
 }
 
 }  // namespace
 
-// each(a number of a contact, what is kept of it): in lists that last, in their order.
-template <class Each>
-void World::Impl::each_lane(const Each& each) {
-  Saved& s = saved;
-  const auto visit = [&](Column<float>& column, Refilled<float>& kept, std::size_t lane,
-                         std::size_t at) {
-    if (!kept.empty()) each(column[lane], kept[at]);
-  };
-  pool.run(table.strips.size(), [&](std::size_t k) {
-    const Strip& strip = table.strips[k];
-    std::size_t at = s.strip_pairs[k];
-    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p, ++at) {
-      const std::size_t lane = table.contact[p];
-      visit(contacts.impulse, s.impulse, lane, at);
-      visit(contacts.friction, s.friction, lane, at);
-      visit(contacts.gap, s.gap, lane, at);
-    }
-    at = s.strip_singles[k];
-    for (const SinglePair& single : table.singles[k]) {
-      visit(contacts.s_impulse, s.s_impulse, single.contact, at);
-      visit(contacts.s_friction, s.s_friction, single.contact, at);
-      visit(contacts.s_nx, s.s_nx, single.contact, at);
-      visit(contacts.s_ny, s.s_ny, single.contact, at);
-      visit(contacts.s_gap, s.s_gap, single.contact, at++);
-    }
-  });
+// Columns of what contacts carry, as Carried has them.
+std::array<Column<float>*, 8> World::Impl::carried() {
+  ContactStore& c = contacts;
+  return {&c.impulse, &c.friction, &c.gap, &c.s_impulse, &c.s_friction, &c.s_nx, &c.s_ny, &c.s_gap};
 }
 
-// Copies what contacts carry. `lasting`: the lists will be made again, in the same order.
-void World::Impl::keep_contacts(bool lasting) {
+// Whether 16 bits name the partners of a strip's bodies: they lie in it and the next one, but for those across a
+// periodic world's seam and those of large bodies.
+bool World::Impl::partners_are_near(std::size_t index) const {
+  const std::size_t large = table.strips.size() - 1, next = index + 1;
+  if (index == large || (next == large && desc.boundary == Boundary::periodic)) return false;
+  return table.strips[next == large ? index : next].body_end - table.strips[index].body_begin <= 1u << 16;
+}
+
+// Where each strip has its contacts in the bytes. In all: what the bytes have of each.
+Saved::Lengths World::Impl::place_contacts() {
   Saved& s = saved;
-  s.clear_names();
-  if (lasting) {
-    std::size_t pairs = 0, singles = 0;
-    for (std::size_t k = 0; k < table.strips.size(); ++k) {
-      s.strip_pairs.push_back(static_cast<std::uint32_t>(pairs));  // where it begins
-      s.strip_singles.push_back(static_cast<std::uint32_t>(singles));
-      pairs += table.strips[k].pair_end - table.strips[k].pair_begin;
-      singles += table.singles[k].size();
-    }
-    s.make_room(pairs, singles, contacts.rough(), !sleepers.empty());
-    each_lane([](float& lane, float& kept) { kept = lane; });
-    return;
+  Saved::Lengths all;
+  all.pairs = place(s.first_pair, s.strip_pairs);
+  all.singles = place(s.first_single, s.strip_singles);
+  s.first_partner.resize(s.strip_pairs.size());
+  s.first_many.resize(s.strip_pairs.size());
+  for (std::size_t k = 0; k < table.strips.size(); ++k) {
+    std::uint32_t& partners = partners_are_near(k) ? all.near : all.far;
+    s.first_partner[k] = std::exchange(partners, partners + s.strip_pairs[k]);
+    s.first_many[k] = std::exchange(all.many, all.many + s.strip_pairs[k] / Saved::kMany);
   }
-  s.of_body.assign(table.body_count, 0);
+  return all;
+}
+
+// How many are saved of each strip: none if what they carry is of no use. `lasting`: lists will be made again, in the
+// same order.
+void World::Impl::count_carried(bool lasting) {
+  Saved& s = saved;
+  const bool any = lasting || (impulses_valid && table.body_count != 0);
   s.strip_pairs.assign(table.strips.size(), 0);
   s.strip_singles.assign(table.strips.size(), 0);
-  if (!impulses_valid || table.body_count == 0) {
-    s.make_room(0, 0, false, false);
-    return;
+  for (std::size_t k = 0; k < table.strips.size() && any; ++k) {
+    const std::uint32_t end = table.strips[k].pair_end;
+    s.strip_pairs[k] = (lasting ? end : std::min(end, table.renewed_begin)) - table.strips[k].pair_begin;
+    s.strip_singles[k] = static_cast<std::uint32_t>(table.singles[k].size());
   }
-  keep_pairs();
-  keep_singles();
+  const Saved::Lengths all = place_contacts();
+  const bool rough = contacts.rough(), gaps = !sleepers.empty();
+  Saved::InBytes& b = s.bytes = {};
+  for (InPlace<float>* c : {&b.impulse, &b.friction, &b.gap}) c->count = all.pairs;
+  for (InPlace<float>* c : {&b.s_impulse, &b.s_friction, &b.s_nx, &b.s_ny, &b.s_gap}) c->count = all.singles;
+  if (!rough) b.friction.count = b.s_friction.count = 0;
+  if (!gaps) b.gap.count = b.s_gap.count = 0;
+  s.renewed.clear();
+  if (lasting) return;
+  if (any) keep_renewed();
+  b.of_body.count = table.body_count;
+  b.near.count = all.near;
+  b.far.count = all.far;
+  b.many.count = all.many;
+  b.s_body.count = b.s_shape.count = all.singles;
 }
 
-// The pairs that carry something: every strip writes its own where it would if all were kept, then the gaps close.
-void World::Impl::keep_pairs() {
-  Saved& s = saved;
-  const bool rough = contacts.rough(), gaps = !sleepers.empty();
-  const bool all = gaps || !sleepers.recent.empty();  // even one without an impulse is known
-  std::uint32_t room = 0;
-  s.strip_room.clear();
-  for (const Strip& strip : table.strips) {  // whose pairs need not lie in this order in the table
-    s.strip_room.push_back(room);
-    room += strip.pair_end - strip.pair_begin;
-  }
-  s.make_room(room, 0, rough, gaps);
-  s.other.resize(room);
-  s.strip_many.resize(std::max(s.strip_many.size(), table.strips.size()));
-  pool.run(table.strips.size(), [&](std::size_t k) {
-    const Strip& strip = table.strips[k];
-    // By pointers of its own: the bytes that it writes might else be any of them.
-    const std::uint32_t* const contact = table.contact.data();
-    const std::uint32_t* const other = table.other.data();
-    const std::uint32_t* const owners = table.owner.data();
-    const float* const impulses = contacts.impulse.data();
-    const float* const frictions = rough ? contacts.friction.data() : nullptr;
-    const float* const depths = gaps ? contacts.gap.data() : nullptr;
-    std::uint32_t* const to_other = s.other.data();
-    float *const to_impulse = s.impulse.data(), *const to_friction = s.friction.data(),
-                 *const to_gap = s.gap.data();
-    std::uint8_t* const of_body = s.of_body.data();
-    const std::uint32_t every = all ? 1 : 0, end = std::min(strip.pair_end, table.renewed_begin);
-    std::uint32_t to = s.strip_room[k], owner = kNoSlot, count = 0;
-    for (std::uint32_t p = strip.pair_begin; p < end; ++p) {
-      const std::uint32_t lane = contact[p];
-      const float impulse = impulses[lane], friction = frictions ? frictions[lane] : 0.0f;
-      to_other[to] = other[p];
-      to_impulse[to] = impulse;
-      if (frictions) to_friction[to] = friction;
-      if (depths) to_gap[to] = depths[lane];
-      // Without branches: whether a contact pressed cannot be foreseen.
-      const std::uint32_t one = every | static_cast<std::uint32_t>(impulse > 0) |
-                                static_cast<std::uint32_t>(friction != 0);
-      to += one;
-      count = (count & (0u - static_cast<std::uint32_t>(owners[p] == owner))) + one;
-      owner = owners[p];
-      of_body[owner] = static_cast<std::uint8_t>(std::min<std::uint32_t>(count, Saved::kMany));
-      if (count >= Saved::kMany) count_many(s.strip_many[k], count, one != 0);
-    }
-    s.strip_pairs[k] = to - s.strip_room[k];
-  });
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < table.strips.size(); ++k) {
-    const auto close = [&](auto& column) {
-      const auto from = column.begin() + s.strip_room[k];
-      std::copy(from, from + s.strip_pairs[k], column.begin() + kept);
-    };
-    if (kept != s.strip_room[k]) {
-      close(s.other);
-      close(s.impulse);
-      if (rough) close(s.friction);
-      if (gaps) close(s.gap);
-    }
-    kept += s.strip_pairs[k];
-    s.many.insert(s.many.end(), s.strip_many[k].begin(), s.strip_many[k].end());
-    s.strip_many[k].clear();
-  }
-  s.make_room(kept, 0, rough, gaps);
-  s.other.resize(kept);
+void World::Impl::keep_renewed() {
+  const bool rough = contacts.rough();
   for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
     const std::uint32_t lane = table.contact[p];
-    s.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
-                         rough ? contacts.friction[lane] : 0.0f, gaps ? contacts.gap[lane] : 0.0f});
+    saved.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
+                             rough ? contacts.friction[lane] : 0.0f, sleepers.empty() ? 0.0f : contacts.gap[lane]});
   }
 }
 
-void World::Impl::keep_singles() {
-  Saved& s = saved;
-  const bool rough = contacts.rough(), gaps = !sleepers.empty();
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < table.strips.size(); ++k) n += table.singles[k].size();
-  s.make_room(s.other.size(), n, rough, gaps);
-  std::size_t at = 0;
-  for (std::size_t k = 0; k < table.strips.size(); ++k) {
-    s.strip_singles[k] = static_cast<std::uint32_t>(table.singles[k].size());
-    for (const SinglePair& single : table.singles[k]) {
-      const std::uint32_t lane = single.contact;
-      s.s_body.push_back(single.body);
-      s.s_shape.push_back(single.shape);
-      s.s_impulse[at] = contacts.s_impulse[lane];
-      s.s_nx[at] = contacts.s_nx[lane];
-      s.s_ny[at] = contacts.s_ny[lane];
-      if (rough) s.s_friction[at] = contacts.s_friction[lane];
-      if (gaps) s.s_gap[at] = contacts.s_gap[lane];
-      ++at;
-    }
+// each(lane): of the pairs or singles of a strip, in order; by the number of what they carry.
+template <class Each>
+void World::Impl::each_lane(std::size_t strip, std::size_t column, const Each& each) const {
+  if (column < Carried<InPlace>::kOfPairs) {
+    const std::uint32_t* const contact = table.contact.data();
+    const std::uint32_t begin = table.strips[strip].pair_begin;
+    const std::uint32_t end = std::min(begin + saved.strip_pairs[strip], table.strips[strip].pair_end);
+    for (std::uint32_t p = begin; p < end; ++p) each(contact[p]);
+  } else {
+    for (const SinglePair& single : table.singles[strip]) each(single.contact);
   }
+}
+
+void World::Impl::write_carried(std::size_t index) {
+  const auto columns = carried();
+  const auto bytes = saved.bytes.all();
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (bytes[c]->count == 0) continue;
+    float* to = bytes[c]->room((c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single)[index]);
+    each_lane(index, c, [&to, lanes = std::as_const(*columns[c]).data()](std::size_t lane) { *to++ = lanes[lane]; });
+  }
+}
+
+// Pairs by body, and their partners; singles.
+void World::Impl::write_names(std::size_t index) {
+  const Saved::InBytes& b = saved.bytes;
+  const Strip& strip = table.strips[index];
+  const std::uint32_t pairs = saved.strip_pairs[index], pair_begin = strip.pair_begin, first = strip.body_begin;
+  std::uint32_t* const many = b.many.room(saved.first_many[index]);
+  std::fill_n(many, pairs / Saved::kMany, 0u);
+  if (pairs == 0) {
+    std::fill(b.of_body.room(first), b.of_body.room(strip.body_end), std::uint8_t{0});
+  } else {
+    count_pairs(table, strip, b.of_body.room(0), many);
+  }
+  const std::uint32_t* const other = table.other.data() + pair_begin;
+  if (partners_are_near(index)) {
+    std::uint16_t* const to = b.near.room(saved.first_partner[index]);
+    for (std::uint32_t k = 0; k < pairs; ++k) to[k] = static_cast<std::uint16_t>(other[k] - first);
+    PSIM_ASSERT(std::all_of(other, other + pairs, [&](std::uint32_t o) { return o - first < 1u << 16; }));
+  } else {
+    std::copy_n(other, pairs, b.far.room(saved.first_partner[index]));
+  }
+  for (std::uint32_t k = 0, at = saved.first_single[index]; k < saved.strip_singles[index]; ++k, ++at) {
+    *b.s_body.room(at) = table.singles[index][k].body;
+    *b.s_shape.room(at) = table.singles[index][k].shape;
+  }
+}
+
+// Lists will be made again: what their contacts carry waits.
+void World::Impl::keep_carried(Loader& loader) {
+  const auto bytes = saved.bytes.all();
+  const auto kept = saved.kept.all();
+  for (std::size_t c = 0; c < kept.size(); ++c) {
+    kept[c]->resize(bytes[c]->count);
+    loader.copies().add(kept[c]->data(), bytes[c]->from, bytes[c]->bytes());
+  }
+  loader.finish(pool);
 }
 
 // The saved pairs become the table that impulses are carried from.
-void World::Impl::take_pairs() {
-  const Saved& s = saved;
-  ArchiveCopies copies;
-  const auto put = [&copies](auto& to, const auto& from) {
-    to.reserve(from.size() + 1);  // even of none: the column is there
-    copies.add(to.data(), from.data(), from.size() * sizeof from[0]);
-  };
-  put(contacts.impulse, s.impulse);
-  put(contacts.gap, s.gap.empty() ? s.impulse : s.gap);
-  put(contacts.s_impulse, s.s_impulse);
-  put(contacts.s_nx, s.s_nx);
-  put(contacts.s_ny, s.s_ny);
-  put(contacts.s_gap, s.s_gap.empty() ? s.s_impulse : s.s_gap);
-  if (contacts.rough()) {
-    put(contacts.friction, s.friction);
-    put(contacts.s_friction, s.s_friction);
+void World::Impl::take_pairs(Loader& loader) {
+  const Saved::InBytes& b = saved.bytes;
+  const auto columns = carried();
+  const auto bytes = saved.bytes.all();
+  const std::size_t strips = table.strips.size();
+  bool sound = saved.strip_pairs.size() == strips && saved.strip_singles.size() == strips;
+  const Saved::Lengths all = sound ? place_contacts() : Saved::Lengths();
+  sound = sound && b.of_body.count == table.body_count && b.many.count == all.many && b.near.count == all.near &&
+          b.far.count == all.far && b.s_body.count == all.singles && b.s_shape.count == all.singles;
+  const auto length = [&](std::size_t c) { return c < Carried<InPlace>::kOfPairs ? all.pairs : all.singles; };
+  for (std::size_t c = 0; c < columns.size(); ++c) sound = sound && (bytes[c]->count == 0 || bytes[c]->count == length(c));
+  if (!sound) {
+    loader.fail("it is damaged");
+    table.body_count = 0;
+    table.strips.clear();
+    return;
   }
-  put(table.other, s.other);
-  copies.run(pool);
-  const auto n = static_cast<std::uint32_t>(s.other.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if ((bytes[c] == &b.friction || bytes[c] == &b.s_friction) && !contacts.rough()) continue;
+    columns[c]->reserve(length(c) + 1);  // even of none: the column is there
+    loader.copies().add(columns[c]->data(), bytes[c]->from, bytes[c]->bytes());
+  }
   table.first.reserve(std::size_t{table.body_count} + 1);
-  table.owner.reserve(n);
-  table.contact.reserve(n);
+  for (Column<std::uint32_t>* c : {&table.owner, &table.other, &table.contact}) c->reserve(all.pairs + 1);
+  table.pair_room = all.pairs;
   table.singles.resize(std::max(table.singles.size(), table.strips.size()));
   table.found.resize(table.singles.size());
-  table.pair_room = n;
-  std::uint32_t pairs = 0, single = 0;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
-    Strip& strip = table.strips[k];
-    strip.pair_begin = pairs;
-    strip.pair_end = pairs += s.strip_pairs[k];
+    table.strips[k].pair_begin = saved.first_pair[k];
+    table.strips[k].pair_end = saved.first_pair[k] + saved.strip_pairs[k];
     table.singles[k].clear();
-    for (std::uint32_t end = single + s.strip_singles[k]; single < end; ++single) {
-      table.singles[k].push_back({s.s_body[single], s.s_shape[single], single});
-    }
   }
-  pool.run(table.strips.size(), [&](std::size_t k) {
-    const Strip& strip = table.strips[k];
-    const std::uint8_t* const of_body = s.of_body.data();
-    auto many = s.many.begin();
-    if (many != s.many.end()) many += std::count(of_body, of_body + strip.body_begin, Saved::kMany);
-    std::uint32_t p = strip.pair_begin;
-    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
-      table.first[i] = p;
-      const std::uint32_t count = of_body[i] < Saved::kMany ? of_body[i] : *many++;
-      for (const std::uint32_t end = p + count; p < end; ++p) {
-        table.owner[p] = i;
-        table.contact[p] = p;
-      }
-    }
-  });
+  loader.finish(pool, table.body_count != 0 ? table.strips.size() : 0, [&](std::size_t k) { read_names(k); });
   table.mark_strips();
   take_renewed();
 }
@@ -226,7 +220,8 @@ void World::Impl::take_pairs() {
 // Pairs that are no strip's, behind those of the strips.
 void World::Impl::take_renewed() {
   table.renewed_begin = PairTable::kNoneRenewed;
-  if (saved.renewed.empty()) return;
+  const auto sound = [&](const Saved::Pair& p) { return p.owner < p.other && p.other < table.body_count; };
+  if (saved.renewed.empty() || !std::all_of(saved.renewed.begin(), saved.renewed.end(), sound)) return;
   table.renewed_begin = table.pair_room;
   std::uint32_t p = table.pair_room;
   table.pair_room = table.strips.back().pair_end = p + static_cast<std::uint32_t>(saved.renewed.size());
@@ -241,6 +236,41 @@ void World::Impl::take_renewed() {
     if (contacts.rough()) contacts.friction[p] = pair.friction;
     table.contact[p] = p;
     ++p;
+  }
+}
+
+void World::Impl::read_names(std::size_t index) {
+  const Saved::InBytes b = saved.bytes;
+  const Strip strip = table.strips[index];
+  std::uint32_t *const first = table.first.data(), *const owner = table.owner.data(), *const other = table.other.data();
+  const auto* const of_body = reinterpret_cast<const std::uint8_t*>(b.of_body.from);
+  std::size_t partner = saved.first_partner[index], many = saved.first_many[index];
+  if (partners_are_near(index)) {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) other[p] = strip.body_begin + b.near[partner++];
+  } else {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) other[p] = b.far[partner++];
+  }
+  std::iota(table.contact.data() + strip.pair_begin, table.contact.data() + strip.pair_end, strip.pair_begin);
+  std::uint32_t p = strip.pair_begin;
+  if (count_of(b, strip, many) != strip.pair_end - p) {  // other bytes than were saved
+    table.strips[index].pair_end = p;
+    std::fill(first + strip.body_begin, first + strip.body_end, p);
+    return;
+  }
+  constexpr std::uint32_t kFew = 4;  // so many are written, whatever their number
+  for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
+    first[i] = p;
+    std::uint32_t n = of_body[i];
+    if (n <= kFew && p + kFew <= strip.pair_end) {
+      std::fill_n(owner + p, kFew, i);
+    } else {
+      if (n == Saved::kMany) n = b.many[many++];
+      std::fill_n(owner + p, n, i);
+    }
+    p += n;
+  }
+  for (std::uint32_t k = 0, at = saved.first_single[index]; k < saved.strip_singles[index]; ++k, ++at) {
+    table.singles[index].push_back({b.s_body[at], b.s_shape[at], at});
   }
 }
 
@@ -274,7 +304,21 @@ void World::Impl::make_lists_again() {
   saved.done.swap(done);
   loads.set_visits(visits);
   contacts.set_builds(saved.builds);
-  each_lane([](float& lane, float& kept) { lane = kept; });
+  const std::uint32_t pairs = place(saved.first_pair, saved.strip_pairs);
+  const std::uint32_t singles = place(saved.first_single, saved.strip_singles);
+  const auto columns = carried();
+  const auto kept = saved.kept.all();
+  if (saved.strip_pairs.size() != table.strips.size() || saved.kept.impulse.size() != pairs ||
+      saved.kept.s_impulse.size() != singles) {
+    return;  // other bytes than were saved
+  }
+  pool.run(table.strips.size(), [&](std::size_t k) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (kept[c]->empty()) continue;
+      const float* from = kept[c]->data() + (c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single)[k];
+      each_lane(k, c, [&, lanes = columns[c]->data()](std::size_t lane) { lanes[lane] = *from++; });
+    }
+  });
 }
 
 }  // namespace psim
