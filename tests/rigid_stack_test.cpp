@@ -355,5 +355,53 @@ TEST(RigidImpact, OnEdgeComesToRestOnASide) {
   }
 }
 
+// ---- two points of one contact that say the same -----------------------------------------------------
+
+/// What the ground bears after `frames`, in weights of the bodies: the least and the most of the next `looks`.
+std::pair<double, double> borne(World& world, double mass, int frames, int looks) {
+  run(world, frames);
+  double least = 1e9, most = 0;
+  for (int k = 0; k < looks; ++k) {
+    world.step();
+    double impulse = 0;
+    for (const Contact& c : world.contacts()) {
+      if (c.b == kNoBody) impulse += c.impulse * c.normal.y * -60;
+    }
+    least = std::min(least, impulse / (mass * kG));
+    most = std::max(most, impulse / (mass * kG));
+  }
+  return {least, most};
+}
+
+TEST(RigidTwins, BoxesThatDoNotTurnStandStill) {
+  for (const double mass : {0.3, 1.0, 2.7, 13.1}) {
+    auto world = make(walled({0, 0, 10, 20}, {0, -kG}, kGrip));
+    world->set_sleeping(false);
+    for (int k = 0; k < 3; ++k) {
+      BodyDesc body = box({5.013, 0.5 + k}, 1, 1, kGrip, mass);
+      body.fixed_rotation = true;
+      add(*world, body);
+    }
+    const auto [least, most] = borne(*world, 3 * mass, 200, 100);
+    EXPECT_NEAR(least, 1, 1e-3) << mass;
+    EXPECT_NEAR(most, 1, 1e-3) << mass;
+    for (const double vy : world->published().vy) EXPECT_LT(std::abs(vy), 1e-5) << mass;
+  }
+}
+
+TEST(RigidTwins, AFootOfTwoMillimetresBearsItsBody) {
+  for (const double mass : {0.3, 1.0, 2.7, 13.1}) {
+    auto world = make(walled({0, 0, 10, 20}, {0, -kG}, kGrip));
+    world->set_sleeping(false);
+    BodyDesc body = polygon({{-0.001, -0.5}, {0.001, -0.5}, {0.4, 0}, {0, 0.5}, {-0.4, 0}}, {5.013, 0.5}, kGrip);
+    body.mass = mass;
+    const BodyId id = add(*world, body);
+    const auto [least, most] = borne(*world, mass, 5, 10);
+    EXPECT_NEAR(least, 1, 1e-2) << mass;
+    EXPECT_NEAR(most, 1, 1e-2) << mass;
+    EXPECT_LT(std::abs(state(*world, id).vy), 1e-3) << mass;
+  }
+}
+
 }  // namespace
 }  // namespace psim::test

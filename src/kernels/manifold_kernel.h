@@ -14,6 +14,10 @@
 namespace psim::kernels {
 namespace {
 
+// Points whose matrix has a determinant below this share of its diagonal's product are close to each other, and how
+// much of K_12 holds the difference of their changes back in the relax pass.
+constexpr float kClose = 0.01f, kHeld = 0.02f;
+
 /// Motion of the two bodies of some lanes.
 template <class L>
 struct TwoBodies {
@@ -76,10 +80,16 @@ template <class L>
   const auto only1 = L::div(L::negate(q1), a11), only2 = L::div(L::negate(q2), a22);
   const auto both_hold =
       L::both(sound, L::both(L::less_equal(zero, both1), L::less_equal(zero, both2)));
-  const auto holds1 = L::both(L::less_equal(zero, only1),
-                              L::less_equal(zero, L::add(L::mul(a12, only1), q2)));
-  const auto holds2 = L::both(L::less_equal(zero, only2),
-                              L::less_equal(zero, L::add(L::mul(a12, only2), q1)));
+  // What is left at the other point: not less than nothing, or, of points that all but coincide, more than otherwise.
+  const auto left2 = L::add(L::mul(a12, only1), q2), left1 = L::add(L::mul(a12, only2), q1);
+  constexpr std::uint32_t kAll = (1u << L::width) - 1;
+  auto enough1 = zero, enough2 = zero;
+  if (L::bits(sound) != kAll) [[unlikely]] {
+    enough1 = L::select(sound, zero, L::min(left1, zero));
+    enough2 = L::select(sound, zero, L::min(left2, zero));
+  }
+  const auto holds1 = L::both(L::less_equal(zero, only1), L::less_equal(enough1, left2));
+  const auto holds2 = L::both(L::less_equal(zero, only2), L::less_equal(enough2, left1));
   l1 = L::select(both_hold, both1, L::select(holds1, only1, zero));
   l2 = L::select(both_hold, both2,
                  L::select(holds1, zero, L::select(holds2, only2, zero)));
@@ -266,12 +276,20 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       const auto k11 = L::add(w, L::add(L::mul(ga, L::mul(at1, at1)), L::mul(gb, L::mul(bt1, bt1))));
       const auto k22 = L::add(w, L::add(L::mul(ga, L::mul(at2, at2)), L::mul(gb, L::mul(bt2, bt2))));
       const auto k12 = L::add(w, L::add(L::mul(ga, L::mul(at1, at2)), L::mul(gb, L::mul(bt1, bt2))));
+      // Close to each other, two points share what there is as they did: of the changes, their difference is held back.
+      const auto close = L::less(L::sub(L::mul(k11, k22), L::mul(k12, k12)), L::mul(L::set1(kClose), L::mul(k11, k22)));
+      auto a11 = k11, a12 = k12, a22 = k22;
+      if (L::bits(close)) [[unlikely]] {
+        const auto some = L::both(close, L::mul(L::set1(kHeld), k12));
+        const auto held = L::select_sign(l1, zero, L::select_sign(l2, zero, some));
+        a11 = L::add(k11, held), a12 = L::sub(k12, held), a22 = L::add(k22, held);
+      }
       // An open point takes no part: far from closing.
       const auto far = L::set1(1e30f);
-      const auto q1 = L::select_sign(l1, far, L::sub(vn1, L::add(L::mul(k11, l1), L::mul(k12, l2))));
-      const auto q2 = L::select_sign(l2, far, L::sub(vn2, L::add(L::mul(k12, l1), L::mul(k22, l2))));
+      const auto q1 = L::select_sign(l1, far, L::sub(vn1, L::add(L::mul(a11, l1), L::mul(a12, l2))));
+      const auto q2 = L::select_sign(l2, far, L::sub(vn2, L::add(L::mul(a12, l1), L::mul(a22, l2))));
       typename L::F n1, n2;
-      solve_two<L>(k11, k12, k22, q1, q2, n1, n2);
+      solve_two<L>(a11, a12, a22, q1, q2, n1, n2);
       n1 = L::select_sign(l1, l1, L::max(n1, zero));
       n2 = L::select_sign(l2, l2, L::max(n2, zero));
       const auto d1 = L::sub(n1, l1), d2 = L::sub(n2, l2);
