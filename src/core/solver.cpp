@@ -18,14 +18,17 @@ using kernels::StreamParams;
 using Clock = std::chrono::steady_clock;
 
 // Contact stiffness: frequency kStiffness / h, damping ratio kDamping. The highest at which one
-// solve pass a substep stays quiet in deep piles (docs/decisions/003-contact-scheme.md).
+// solve pass a substep stays quiet in deep piles; damped so that high ones do not swing for seconds
+// (docs/decisions/003-contact-scheme.md).
 constexpr double kStiffness = 0.2;
-constexpr double kDamping = 10;
+constexpr double kDamping = 15;
 // Under heavy loads: stiffer, and as many more sweeps a pass as that needs to converge (HeavyLoads::kSweeps).
 constexpr double kLoadedStiffness = 0.9;
+constexpr double kLoadedDamping = 10;
 // Between bodies that are not discs: weight goes down by half-reactions (manifold_layout.cpp), which
 // makes stiffer contacts quiet (docs/decisions/007-manifolds.md).
 constexpr double kManifoldStiffness = 0.25;
+constexpr double kManifoldDamping = 10;
 constexpr double kLoadedManifoldStiffness = 0.9;
 constexpr double kBouncingStiffness = 0.16;  // with restitution, where there are no half-reactions
 // In columns, which are solved exactly: stiff, but pushed out gently.
@@ -36,10 +39,10 @@ constexpr int kMostSlices = 4;
 constexpr double kForgetting = 31.0 / 32;  // of how many it took, in a substep that may not take as many
 constexpr int kSweeps = 6;  // impact sweeps a substep at most; usually the third is idle
 
-void set_soft(ContactParams& p, double h, double frequency) {
+void set_soft(ContactParams& p, double h, double frequency, double damping) {
   constexpr double kPi = 3.14159265358979323846;
   const double omega = 2 * kPi * frequency;
-  const double a1 = 2 * kDamping + h * omega;
+  const double a1 = 2 * damping + h * omega;
   const double a2 = h * omega * a1;
   const double a3 = 1 / (1 + a2);
   p.soft_rate = static_cast<float>(a2 * a3 * omega / a1);
@@ -51,7 +54,7 @@ void set_soft(ContactParams& p, double h, double frequency) {
 void set_softness(double h, double frequency, float& soft, float& rate) {
   constexpr double kPi = 3.14159265358979323846;
   const double omega = 2 * kPi * frequency;
-  const double a1 = 2 * kDamping + h * omega;
+  const double a1 = 2 * kManifoldDamping + h * omega;
   soft = static_cast<float>(1 / (h * omega * a1));
   rate = static_cast<float>(omega / a1);
 }
@@ -219,10 +222,11 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
   pair_.gravity_x = static_cast<float>(params.gravity.x);
   pair_.gravity_y = static_cast<float>(params.gravity.y);
   single_ = loaded_pair_ = loaded_single_ = pair_;
-  set_soft(pair_, h_, kStiffness / params.stiff_substep);
-  set_soft(single_, h_, kFixedStiffness * kStiffness / params.stiff_substep);
-  set_soft(loaded_pair_, h_, kLoadedStiffness / params.stiff_substep);
-  set_soft(loaded_single_, h_, kFixedStiffness * kLoadedStiffness / params.stiff_substep);
+  const double stiff = kStiffness / params.stiff_substep, loaded = kLoadedStiffness / params.stiff_substep;
+  set_soft(pair_, h_, stiff, kDamping);
+  set_soft(single_, h_, kFixedStiffness * stiff, kDamping);
+  set_soft(loaded_pair_, h_, loaded, kLoadedDamping);
+  set_soft(loaded_single_, h_, kFixedStiffness * loaded, kLoadedDamping);
 
   if (forces) field_ = forces->params(h_);
   const bool drag = field_.quadratic != 0;
