@@ -90,7 +90,7 @@ const Case kCases[] = {
        }
        return world;
      },
-     5e-3, 0.2},  // some hexagons stand as they would not by themselves (docs/sleeping.md)
+     2.5e-3, 0.1},  // some hexagons stand as they would not by themselves (docs/sleeping.md)
     {"OverlapRecovery", 8, [] { return built_in("overlap_recovery"); }},
     {"HighMassRatio", 8, [] { return built_in("high_mass_ratio_3"); }},
     {"Bridge", 50,
