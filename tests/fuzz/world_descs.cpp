@@ -1,0 +1,116 @@
+#include "world_descs.h"
+
+#include <cmath>
+
+namespace psim::fuzz {
+namespace {
+
+Field field(ByteSource& in) {
+  if (in.chance(100)) return DragField{in.number(0, 2), in.number(0, 0.5)};
+  WellField well;
+  well.position = in.vec2(-kHalf, kHalf);
+  well.strength = in.number(-200, 200);
+  well.softening = in.number(0.2, 2);
+  well.exponent = one_of(in, {2.0, 1.0, 0.0, 2.5});
+  well.range = in.chance(128) ? 0 : in.number(0, 20);
+  return well;
+}
+
+}  // namespace
+
+WorldDesc world(ByteSource& in) {
+  WorldDesc d;
+  d.boundary = one_of(in, {Boundary::walls, Boundary::periodic, Boundary::open});
+  const double half = one_of(in, {kHalf, 30.0, 500.0, 1e6});
+  d.bounds = {-half, -half, half, one_of(in, {half, 2 * half})};
+  if (!in.tame && in.chance(10)) {
+    const Vec2 low = in.vec2(-kHalf, 0), high = in.vec2(0, kHalf);
+    d.bounds = {low.x, low.y, high.x, high.y};
+  }
+  d.gravity = one_of(in, {Vec2{0, -9.81}, Vec2{0, 0}, Vec2{3, 40}});
+  if (in.chance(10)) d.gravity = in.vec2(-50, 50);
+  if (in.chance(30)) d.linear_damping = in.number(0, 3);
+  d.wall = material(in);
+  while (in.chance(40) && d.fields.size() < 3) d.fields.push_back(field(in));
+  d.dt = one_of(in, {1.0 / 60, 1.0 / 60, 1.0 / 30, 1.0 / 240});
+  if (!in.tame && in.chance(10)) d.dt = in.number(1e-4, 0.2);
+  d.substeps = one_of(in, {4, 4, 1, 8});
+  if (!in.tame && in.chance(10)) d.substeps = in.byte() - 2;
+  d.integrator = one_of(in, kAllIntegrators);
+  if (in.chance(20)) d.restitution_threshold = in.number(0, 2);
+  d.sleeping = !in.chance(64);
+  return d;
+}
+
+Material material(ByteSource& in) {
+  Material m;
+  m.density = in.number(0.2, 5);
+  m.restitution = in.chance(128) ? 0 : in.number(0, 1);
+  m.friction = in.chance(128) ? 0 : in.number(0, 1.5);
+  return m;
+}
+
+Shape shape(ByteSource& in) {
+  const double size = one_of(in, {0.5, 0.5, 0.2, 1.0, 3.0});
+  switch (in.below(8)) {
+    case 0:
+      return SegmentShape{in.vec2(-size, size), in.vec2(-size, size)};
+    case 1: {
+      ChainShape chain;
+      const std::size_t n = in.below(9);
+      for (std::size_t k = 0; k < n; ++k) chain.vertices.push_back(in.vec2(-2 * size, 2 * size));
+      chain.loop = in.chance(100);
+      return chain;
+    }
+    case 2:
+      return BoxShape{in.number(0.1, size), in.number(0.1, size),
+                      in.chance(50) ? in.number(0, 0.3) : 0};
+    case 3: {
+      PolygonShape polygon;
+      const std::size_t n = in.below(11);
+      const double phase = in.uniform(0, 6), r = in.number(0.2, size);
+      for (std::size_t k = 0; k < n; ++k) {
+        const double a =
+            phase + 6.283185307179586 * static_cast<double>(k) / static_cast<double>(n);
+        polygon.vertices.push_back({r * std::cos(a), r * std::sin(a)});
+      }
+      if (n > 0 && in.chance(30)) polygon.vertices[in.below(n)] = in.vec2(-size, size);
+      if (in.chance(40)) polygon.radius = in.number(0, 0.2);
+      return polygon;
+    }
+    case 4:
+      return CapsuleShape{in.vec2(-size, size), in.vec2(-size, size), in.number(0.05, size)};
+    default:
+      return DiscShape{in.number(0.1, size)};
+  }
+}
+
+Filter filter(ByteSource& in) {
+  Filter f;
+  if (!in.chance(20)) return f;
+  f.category = 1u << in.below(8);
+  f.mask = in.byte();
+  f.group = static_cast<std::int32_t>(in.below(5)) - 2;
+  return f;
+}
+
+BodyDesc body(ByteSource& in) {
+  BodyDesc d;
+  d.type = one_of(in, {BodyType::dynamic_body, BodyType::dynamic_body, BodyType::dynamic_body,
+                        BodyType::static_body, BodyType::kinematic_body});
+  d.shape = in.chance(128) ? Shape(DiscShape{in.number(0.1, 0.6)}) : shape(in);
+  d.position = in.vec2(-kHalf, kHalf);
+  if (in.chance(80)) d.angle = in.number(-4, 4);
+  if (in.chance(128)) d.velocity = in.vec2(-20, 20);
+  if (in.chance(40)) d.angular_velocity = in.number(-20, 20);
+  if (in.chance(80)) d.material = material(in);
+  if (in.chance(30)) d.mass = in.number(0, 100);
+  if (in.chance(20)) d.gravity_scale = in.number(-1, 2);
+  d.fixed_rotation = in.chance(10);
+  d.bullet = in.chance(16);
+  d.sensor = in.chance(16);
+  d.filter = filter(in);
+  return d;
+}
+
+}  // namespace psim::fuzz

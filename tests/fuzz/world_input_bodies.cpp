@@ -1,0 +1,199 @@
+// Bodies and joints come, go and are moved.
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "world_descs.h"
+#include "world_session.h"
+
+namespace psim::fuzz {
+namespace {
+
+constexpr std::size_t kMostBodies = 120, kMostJoints = 80;
+
+}  // namespace
+
+void Session::add_body() {
+  if (bodies_.size() >= kMostBodies) return;
+  const BodyDesc d = body(in_);
+  const BodyId id = same<BodyId>("add_body", [&](World& w) {
+    std::string error;
+    const BodyId got = w.add_body(d, error);
+    require((got == kNoBody) != error.empty(), "add_body: an id or an error");
+    if (got == kNoBody) refused(error);
+    return got;
+  });
+  say("body %u type %d shape %zu at %g %g angle %g velocity %g %g %g mass %g density %g "
+      "restitution %g friction %g "
+      "scale %g%s%s%s filter %x %x %d",
+      id.index, static_cast<int>(d.type), d.shape.index(), d.position.x, d.position.y, d.angle,
+      d.velocity.x, d.velocity.y, d.angular_velocity, d.mass, d.material.density,
+      d.material.restitution, d.material.friction, d.gravity_scale,
+      d.fixed_rotation ? " upright" : "", d.bullet ? " bullet" : "", d.sensor ? " sensor" : "",
+      d.filter.category, d.filter.mask, d.filter.group);
+  if (id != kNoBody) live(id);
+}
+
+void Session::add_discs() {
+  const std::size_t n = in_.below(30);
+  if (bodies_.size() + n > kMostBodies) return;
+  std::vector<double> x, y, radius{in_.number(0.1, 0.6)}, vx, more;
+  const Vec2 at = in_.vec2(-kHalf, kHalf / 2);
+  for (std::size_t k = 0; k < n; ++k) {
+    x.push_back(at.x + 0.7 * static_cast<double>(k % 5));
+    y.push_back(at.y + 0.7 * static_cast<double>(k / 5));
+  }
+  if (in_.chance(60)) {
+    while (radius.size() < n) radius.push_back(in_.number(0.1, 0.5));
+  }
+  if (in_.chance(60)) vx.assign(n, in_.number(-5, 5));
+  if (in_.chance(16)) more.assign(in_.below(30), in_.number(-5, 5));
+  DiscBatch batch;
+  batch.x = x;
+  batch.y = y;
+  batch.radius = radius;
+  batch.vx = vx;
+  batch.angular_velocity = more;
+  batch.type = in_.chance(200) ? BodyType::dynamic_body
+                               : one_of(in_, {BodyType::static_body, BodyType::kinematic_body});
+  if (in_.chance(60)) batch.material = material(in_);
+  if (in_.chance(30)) batch.mass = in_.number(0, 20);
+  if (in_.chance(20)) batch.gravity_scale = in_.number(-1, 2);
+  batch.bullet = in_.chance(10);
+  batch.filter = filter(in_);
+  say("discs %zu at %g %g radius %g vx %g type %d mass %g bullet %d", n, at.x, at.y, radius[0],
+      vx.empty() ? 0 : vx[0], static_cast<int>(batch.type), batch.mass, batch.bullet);
+  const auto before = worlds_.front()->body_count();
+  const std::size_t added = same<std::size_t>("add_discs", [&](World& w) {
+    std::string error;
+    std::uint32_t first = 0;
+    const std::size_t got = w.add_discs(batch, first, error);
+    require(got == (error.empty() ? n : 0),
+            "add_discs: all or none, and then an error: " + error);
+    if (!error.empty()) refused(error);
+    return got;
+  });
+  require(worlds_.front()->body_count() == before + added, "add_discs: the count");
+  const PublishedState s = worlds_.front()->published();
+  for (const std::uint32_t index : s.id) live(worlds_.front()->id_of(index));
+}
+
+void Session::live(BodyId id) {
+  if (std::find(bodies_.begin(), bodies_.end(), id) == bodies_.end()) bodies_.push_back(id);
+}
+
+// One that lives, one that is gone, or nonsense.
+BodyId Session::some_body() {
+  if (bodies_.empty() || in_.chance(8)) {
+    if (!dead_.empty() && in_.chance(160))
+      return dead_[in_.below(std::min<std::size_t>(dead_.size(), 256))];
+    return {static_cast<std::uint32_t>(in_.byte()) << (in_.below(4) * 8), in_.byte()};
+  }
+  return bodies_[in_.below(std::min<std::size_t>(bodies_.size(), 256))];
+}
+
+void Session::remove_body() {
+  const BodyId id = some_body();
+  const bool lives = is_live(id);
+  say("remove %u", id.index);
+  require(same<bool>("remove_body", [&](World& w) { return w.remove_body(id); }) == lives,
+          "remove_body: true for the living");
+  if (lives) bury(id);
+}
+
+void Session::bury(BodyId id) {
+  std::erase(bodies_, id);
+  dead_.push_back(id);
+  broken_.erase(id.index);
+  require(!worlds_.front()->is_valid(id), "a removed body is valid");
+}
+
+bool Session::is_live(BodyId id) const {
+  return std::find(bodies_.begin(), bodies_.end(), id) != bodies_.end();
+}
+
+void Session::move_body() {
+  const BodyId id = some_body();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const bool breaks = in_.chance(6);
+  const Vec2 v = breaks ? Vec2{nan, 0} : in_.vec2(-kHalf, kHalf);
+  const double turn = in_.chance(100) ? in_.number(-10, 10) : 0;
+  const Vec2 at = in_.vec2(-kHalf, kHalf);
+  const std::size_t which = in_.below(5);
+  say("move %u by %zu: %g %g turn %g at %g %g", id.index, which, v.x, v.y, turn, at.x, at.y);
+  const bool moved = same<bool>("moving a body", [&](World& w) {
+    switch (which) {
+      case 0:
+        return w.set_transform(id, v, turn);
+      case 1:
+        return w.set_velocity(id, v, turn);
+      case 2:
+        return w.apply_impulse(id, v);
+      case 3:
+        return w.apply_impulse_at(id, v, at);
+      default:
+        return w.apply_angular_impulse(id, breaks ? nan : turn);
+    }
+  });
+  require(!moved || is_live(id), "a body that is not there was moved");
+  if (moved && breaks) broken_.insert(id.index);
+  if (moved && breaks && which == 4) maybe_broken_ = true;  // one that cannot turn takes no harm
+}
+
+void Session::add_joint() {
+  if (joints_.size() >= kMostJoints) return;
+  JointDesc d;
+  d.type = static_cast<JointType>(in_.below(6));
+  d.a = some_body();
+  d.b = some_body();
+  d.anchor_a = in_.chance(128) ? Vec2{} : in_.vec2(-1, 1);
+  d.anchor_b = in_.chance(128) ? Vec2{} : in_.vec2(-1, 1);
+  if (in_.chance(80)) d.length = in_.number(0, 4);
+  if (in_.chance(80)) d.stiffness = in_.number(0, 500);
+  if (in_.chance(80)) d.damping = in_.number(0, 20);
+  if (in_.chance(80)) d.axis = in_.vec2(-1, 1);
+  if (in_.chance(30)) d.reference = in_.number(-3, 3);
+  if (in_.chance(60)) d.lower = in_.number(-2, 0);
+  if (in_.chance(60)) d.upper = in_.number(0, 2);
+  if (in_.chance(60)) d.motor_speed = in_.number(-10, 10), d.motor_limit = in_.number(0, 200);
+  d.collide = in_.chance(60);
+  const JointId id = same<JointId>("add_joint", [&](World& w) {
+    std::string error;
+    const JointId got = w.add_joint(d, error);
+    require((got == kNoJoint) != error.empty(), "add_joint: an id or an error");
+    if (got == kNoJoint) refused(error);
+    return got;
+  });
+  say("joint %u type %d of %u and %u%s", id.index, static_cast<int>(d.type), d.a.index, d.b.index,
+      d.collide ? " colliding" : "");
+  if (id == kNoJoint) return;
+  require(is_live(d.a) && is_live(d.b), "a joint on a body that is not there");
+  joints_.push_back(id);
+  jointed_ = true;
+}
+
+JointId Session::some_joint() {
+  if (joints_.empty() || in_.chance(16)) return {in_.byte(), in_.byte()};
+  return joints_[in_.below(joints_.size())];
+}
+
+void Session::touch_joint() {
+  const JointId id = some_joint();
+  const std::size_t which = in_.below(3);
+  const double speed = in_.number(-10, 10), limit = in_.number(0, 100);
+  const bool valid = worlds_.front()->is_valid_joint(id);
+  say("change joint %u by %zu", id.index, which);
+  const bool did = same<bool>("changing a joint", [&](World& w) {
+    if (which == 0) return w.remove_joint(id);
+    if (which == 1) return w.set_motor(id, speed, limit);
+    const auto state = w.joint(id);
+    if (state) require(w.is_valid(state->a) && w.is_valid(state->b), "a joint of no bodies");
+    return state.has_value();
+  });
+  require(!did || valid, "a joint that is not there was changed");
+  require(which == 1 || did == valid, "a joint that is there was refused");
+  if (which == 0 && did) std::erase(joints_, id);
+}
+
+}  // namespace psim::fuzz

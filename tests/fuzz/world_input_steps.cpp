@@ -1,0 +1,163 @@
+// Steps, what must hold after them, and settings of running worlds.
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "world_descs.h"
+#include "world_promises.h"
+#include "world_session.h"
+
+namespace psim::fuzz {
+namespace {
+
+// From the last job to the first.
+JobSystem job_system() {
+  return {[](std::size_t count, const std::function<void(std::size_t)>& job) {
+            for (std::size_t k = count; k > 0; --k) job(k - 1);
+          },
+          2};
+}
+
+}  // namespace
+
+void Session::step(double dt) {
+  std::vector<StepReport> reports;
+  say("step %d of %g s", steps_ + 1, dt);
+  const std::uint64_t frame = worlds_.front()->frame();
+  for (auto& w : worlds_) reports.push_back(w->step(dt));
+  if (worlds_.front()->frame() == frame)
+    return require(!(dt >= 1e-300 && dt <= 10), "step: a dt that is refused");
+  require(dt > 0 && dt <= 10, "step: a dt that is accepted");
+  stepped(reports);
+}
+
+void Session::stepped(const std::vector<StepReport>& reports) {
+  ++steps_;
+  const StepReport& report = reports.front();
+  World& world = *worlds_.front();
+  for (std::size_t k = 1; k < worlds_.size(); ++k) {
+    require(worlds_[k]->state_hash() == world.state_hash(), "two variants differ");
+    const std::string one = report_answer(report), other = report_answer(reports[k]);
+    require(one == other, "the reports of two variants differ: " + one + " and " + other);
+    const std::string told = events_answer(world), told_too = events_answer(*worlds_[k]);
+    require(told == told_too, "the events of two variants differ: " + told + " and " + told_too);
+  }
+  if (talks_) say_fastest(world);
+  std::vector<BodyId> gone;
+  for (const BodyId id : bodies_) {
+    if (!world.is_valid(id)) gone.push_back(id);
+  }
+  require(gone.size() == report.escaped, "escaped bodies are those that are gone");
+  require(gone.empty() || open_, "bodies escaped from a closed world");
+  for (const BodyId id : gone) bury(id);
+  // Joints that contradict each other can throw bodies out of all numbers.
+  if (in_.tame && !maybe_broken_ && !jointed_) {
+    require(report.quarantined == broken_.size(), "quarantined: those that were broken");
+  }
+  broken_.clear();
+  maybe_broken_ = false;
+  look();
+}
+
+void Session::say_fastest(World& world) const {
+  BodyState fastest;
+  for (const BodyId id : bodies_) {
+    const auto s = world.body(id);
+    if (s && std::hypot(s->vx, s->vy) >= std::hypot(fastest.vx, fastest.vy)) fastest = *s;
+  }
+  say("  fastest: body %u at %g %g angle %g velocity %g %g %g", fastest.id.index, fastest.x,
+      fastest.y, fastest.angle, fastest.vx, fastest.vy, fastest.omega);
+}
+
+void Session::look() {
+  World& world = *worlds_.front();
+  require(world.body_count() == bodies_.size(), "body_count");
+  std::erase_if(joints_, [&](JointId id) { return !world.is_valid_joint(id); });
+  require(world.joint_count() == joints_.size(), "joint_count");
+  for (auto& w : worlds_) {
+    const std::string fault = broken_promise(*w);
+    require(fault.empty(), fault);
+  }
+}
+
+void Session::replay() {
+  StepDetail detail;
+  detail.substeps = static_cast<std::uint8_t>(in_.below(in_.tame ? 9 : 256));
+  detail.solves = in_.chance(128);
+  detail.wakes = in_.chance(in_.tame ? 0 : 16);
+  detail.pieces = static_cast<std::uint32_t>(in_.below(in_.tame ? 40 : 256));
+  detail.frames = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(3) : in_.byte() % 10);
+  detail.horizon = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(4) : in_.byte() % 10);
+  // Of a byte that was read already: old inputs stay what they are.
+  detail.sweeps = static_cast<std::uint8_t>(detail.pieces % 3 == 0 ? detail.pieces / 3 % (in_.tame ? 16 : 20) : 0);
+  std::vector<StepReport> reports;
+  say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d sweeps %d", steps_ + 1, detail.substeps,
+      detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon, detail.sweeps);
+  const std::uint64_t frame = worlds_.front()->frame();
+  for (auto& w : worlds_) reports.push_back(w->replay(detail));
+  const auto frames = [](int n) { return n >= 1 && n <= 8; };
+  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+      (detail.solves && detail.wakes) || detail.sweeps > 15) {
+    return require(worlds_.front()->frame() == frame,
+                   "replay: a detail that no governor chooses");
+  }
+  stepped(reports);
+}
+
+void Session::govern() {
+  GovernorDesc d;
+  d.on = in_.chance(200);
+  d.budget_ms = one_of(in_, {16.0, 0.01, 0.05, 1.0});
+  if (in_.chance(60)) d.budget_ms = in_.number(0, 20);
+  if (in_.chance(60)) d.costs.pass = in_.number(0, 1000);
+  if (in_.chance(30)) d.costs.joint_pass = in_.number(0, 1000);
+  say("governor %d budget %g pass %g joint %g", d.on, d.budget_ms, d.costs.pass,
+      d.costs.joint_pass);
+  const bool sane = d.budget_ms > 0 && std::isfinite(d.costs.pass) && d.costs.pass >= 0 &&
+                    std::isfinite(d.costs.joint_pass) && d.costs.joint_pass >= 0;
+  for (auto& w : worlds_) require(w->set_governor(d) == sane, "set_governor");
+  if (sane) governor_ = d;
+}
+
+void Session::change_options() {
+  const std::size_t which = in_.below(8);
+  const bool on = in_.chance(128);
+  const Vec2 gravity = in_.vec2(-20, 20);
+  const EventOptions events{in_.chance(200), in_.chance(200),
+                            in_.chance(100) ? in_.number(0, 5) : 1, in_.chance(200)};
+  const BodyId id = some_body();
+  say("option %zu: %d, gravity %g %g, body %u", which, on, gravity.x, gravity.y, id.index);
+  for (std::size_t k = 0; k < worlds_.size(); ++k) {
+    World& w = *worlds_[k];
+    switch (which) {
+      case 0:
+        require(w.set_gravity(gravity) == (std::isfinite(gravity.x) && std::isfinite(gravity.y)),
+                "set_gravity");
+        break;
+      case 1:
+        w.set_sleeping(on);
+        break;
+      case 2:
+        require(w.wake(id) == is_live(id), "wake");
+        break;
+      case 3:
+        require(w.why_awake(id).find('\n') == std::string::npos, "why_awake: one line");
+        break;
+      case 4:
+        w.set_event_options(events);
+        break;
+      case 5:
+        w.enable_snapshots(snapshots_ = on);
+        require(w.set_skin(gravity.x) == (gravity.x >= 0.25 && gravity.x <= 4), "set_skin");
+        break;
+      case 6:
+        if (k == 0) w.set_job_system(on ? job_system() : JobSystem{});
+        break;
+      default:
+        if (k == 0) on ? w.start_trace() : void(w.take_trace());
+    }
+  }
+}
+
+}  // namespace psim::fuzz
