@@ -1,21 +1,17 @@
 #include "solver.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
-#include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "softness.h"
+#include "solver_run.h"
 #include "tasks.h"
 
 namespace psim {
 namespace {
 
 using kernels::ContactParams;
-using kernels::StreamParams;
-using Clock = std::chrono::steady_clock;
 
 // Contact stiffness: frequency kStiffness / h, damping ratio kDamping. The highest at which one
 // solve pass a substep stays quiet in deep piles; damped so that high ones do not swing for seconds
@@ -36,7 +32,6 @@ constexpr double kColumnStiffness = 0.34, kFixedColumnStiffness = 4, kColumnPush
 constexpr double kPush = 3;     // m/s, fastest push-out
 constexpr double kSlices = 20;  // slices of a substep for each impact that a body has in it
 constexpr int kMostSlices = 4;
-constexpr double kForgetting = 31.0 / 32;  // of how many it took, in a substep that may not take as many
 constexpr int kSweeps = 6;  // impact sweeps a substep at most; usually the third is idle
 
 void set_soft(ContactParams& p, double h, double frequency, double damping) {
@@ -59,107 +54,7 @@ void set_softness(double h, double frequency, float& soft, float& rate) {
   rate = static_cast<float>(omega / a1);
 }
 
-// All ones where x >= least > 0, else 0. Of bits, so that compilers make no branch of it: which contacts press is
-// hard to guess.
-std::uint32_t mask_from(float x, float least) {
-  const auto from = std::bit_cast<std::uint32_t>(least), inf = 0x7F800000u;
-  return 0u - static_cast<std::uint32_t>(std::bit_cast<std::uint32_t>(x) - from <= inf - from);
-}
-constexpr float kTiniest = std::numeric_limits<float>::min();  // x >= it: x > 0, since denormals are zero
-
-// What resting bodies are pressed with, m/s^2: gravity, or, in fields, the bodies' mean acceleration if
-// that is more. Impacts slower than this makes in a substep are none.
-double pressing(const BodyStore& b, double gravity) {
-  if (b.acc.empty() || b.count == 0) return gravity;
-  const std::uint32_t stride = std::max(1u, b.count / 1024);
-  double sum = 0, samples = 0;
-  for (std::size_t i = 0; i < b.count; i += stride, samples += 1) {
-    const double x = static_cast<double>(b.acc[2 * i]), y = static_cast<double>(b.acc[2 * i + 1]);
-    sum += std::sqrt(x * x + y * y);
-  }
-  return std::fmax(gravity, sum / samples);
-}
-
 }  // namespace
-
-// What a step's substeps work on, and their stages in the order of a substep.
-class Solver::Run {
- public:
-  Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
-      ContactStore& contacts, Manifolds& manifolds, Columns& columns,
-                 JointStore& joints, const SolverParams& params,
-      const Forces* forces, const HeldBodies& held, const kernels::KernelTable& k,
-      WorkerPool& pool);
-
-  void substep(bool first_of_step);
-  double swept() const { return swept_; }
-  double forces_ms() const {
-    return std::chrono::duration<double, std::milli>(forces_time_).count();
-  }
-
- private:
-  template <class Each>
-  void for_pairs(const Each& each);
-  template <class Each>
-  void for_singles(const Each& each);
-  template <class Pairs, class Singles>
-  void for_loaded(const Pairs& pairs, const Singles& singles);
-  template <class Each>
-  void go_over_manifolds(bool fixed, bool loaded, const Each& each);
-  template <class Each>
-  [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
-    if (manifolds_.any()) go_over_manifolds(fixed, loaded, each);
-  }
-  template <class Each>
-  void for_bodies(const Each& each);
-  template <class Kernel>
-  void force(Kernel kernel);
-
-  void set_floors();
-  void impacts();
-  void kick(bool first);
-  void hold();
-  void warm(bool first_of_step);
-  void solve();
-  void drift();
-  void carry_held();
-  void relax();
-  void spend();
-
-  Solver& solver_;
-  BodyStore& bodies_;
-  SolverBodies& solved_;
-  const PairTable& table_;
-  Manifolds& manifolds_;
-  Columns& columns_;
-  JointStore& joints_;
-  const bool joined_ = !joints_.empty();
-  const HeldBodies& held_;
-  const kernels::KernelTable& k_;
-  WorkerPool& pool_;
-  const kernels::BodyView view_;
-  const kernels::ContactView pairs_;
-  const kernels::SingleView singles_;
-
-  double h_;          // s
-  double gravity_;    // m/s^2
-  double threshold_;  // m/s
-  StreamParams stream_, drift_;
-  ContactParams pair_, single_, loaded_pair_, loaded_single_;
-  std::size_t model_, bounce_;
-  bool rough_, turns_;
-  int slices_, loaded_sweeps_, impact_sweeps_;
-  bool limited_ = false;  // there may be fewer sweeps over impacts than it takes
-  bool varying_;  // accelerations are taken anew in every substep
-  kernels::FieldParams field_;
-  void (*accelerate_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
-                      std::uint32_t);
-  // The kick of another integrator than leapfrog, if the world asks for one.
-  void (*advance_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t,
-                   std::uint32_t) = nullptr;
-  double swept_ = 0;  // sweeps over impacts so far
-  Clock::duration forces_time_{};
-};
 
 Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
                  ContactStore& contacts, Manifolds& manifolds, Columns& columns,
@@ -258,132 +153,11 @@ void Solver::Run::substep(bool first_of_step) {
   if (bounce_) spend();
 }
 
-// Even strips, then odd ones, then the large bodies' group: no two jobs of a phase share a body.
-template <class Each>
-void Solver::Run::for_pairs(const Each& each) {
-  const std::size_t strips = table_.strips.size() - 1;
-  for (std::size_t parity = 0; parity < 2; ++parity) {
-    pool_.run((strips + 1 - parity) / 2, [&](std::size_t k) {
-      const Strip& s = table_.strips[2 * k + parity];
-      if (s.block_begin != s.block_end) each(2 * k + parity, s);
-    });
-  }
-  const Strip& large = table_.strips.back();
-  if (large.block_begin != large.block_end) each(strips, large);
-}
-
-// Contacts with fixed shapes have the last word of every pass.
-template <class Each>
-void Solver::Run::for_singles(const Each& each) {
-  pool_.run(table_.strips.size(), [&](std::size_t k) {
-    const Strip& s = table_.strips[k];
-    if (s.single_begin != s.single_end) each(k, s);
-  });
-}
-
-// One sweep over contacts under heavy loads: pairs as in for_pairs, then singles.
-template <class Pairs, class Singles>
-void Solver::Run::for_loaded(const Pairs& pairs, const Singles& singles) {
-  const std::vector<std::uint32_t>& loaded = solver_.loaded_;
-  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
-    pool_.run(end - begin, [&](std::size_t k) { each(table_.strips[loaded[begin + k]]); });
-  };
-  run(0, solver_.loaded_odd_, pairs);
-  run(solver_.loaded_odd_, solver_.loaded_large_, pairs);
-  run(solver_.loaded_large_, loaded.size(), pairs);
-  run(0, loaded.size(), singles);
-}
-
-// Manifolds between moving bodies as for_pairs; those with a fixed side as for_singles, unless some of
-// those sides are kinematic: then the other one may lie in the next strip.
-template <class Each>
-void Solver::Run::go_over_manifolds(bool fixed, bool loaded, const Each& each) {
-  const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
-  const auto one = [&](std::size_t index) {
-    Manifolds::StripBlocks& s = manifolds_.strip(index);
-    const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
-    if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
-  };
-  const std::size_t strips = table_.strips.size() - 1;
-  if (fixed && held_.empty()) {
-    pool_.run(strips + 1, one);
-    return;
-  }
-  for (std::size_t parity = 0; parity < 2; ++parity) {
-    pool_.run((strips + 1 - parity) / 2, [&](std::size_t k) { one(2 * k + parity); });
-  }
-  one(strips);
-}
-
-template <class Each>
-void Solver::Run::for_bodies(const Each& each) {
-  const std::uint32_t blocks = solved_.blocks();
-  pool_.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
-    each(r.begin, r.end);
-  });
-}
-
 template <class Kernel>
 void Solver::Run::force(Kernel kernel) {
   const Clock::time_point start = Clock::now();
   for_bodies([&](std::uint32_t begin, std::uint32_t end) { kernel(view_, field_, begin, end); });
   forces_time_ += Clock::now() - start;
-}
-
-void Solver::Run::set_floors() {
-  const double pressed = pressing(bodies_, gravity_);
-  for (ContactParams* p : {&pair_, &single_, &loaded_pair_, &loaded_single_}) {
-    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold_));
-    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold_));
-  }
-}
-
-// Collisions at their time, sweep after sweep until one finds none. Where bodies have more than one
-// a substep, the first sweeps take them slice by slice of its time.
-void Solver::Run::impacts() {
-  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
-    std::fill(view_.event_time + std::size_t{begin} * 8, view_.event_time + std::size_t{end} * 8,
-              0.0f);
-  });
-  std::atomic<bool> any{true};
-  SweepMemory& memory = solver_.sweep_memory_;
-  memory.start(table_.strips.size());
-  const auto sweep_singles = [&](int sweep, bool all) {
-    for_singles([&](std::size_t strip, const Strip& s) {
-      if (!all && !memory.asks_single(strip, sweep)) return;
-      if (k_.sweep_single[model_](view_, singles_, single_, s.single_begin, s.single_end,
-                                  &solver_.virial_[strip])) {
-        memory.single[strip] = sweep;
-        any.store(true, std::memory_order_relaxed);
-      }
-    });
-  };
-  const int sweeps = impact_sweeps_;
-  pair_.sliced = single_.sliced = slices_ > 1;
-  int sweep = 0;
-  for (; sweep < sweeps && any.load(); ++sweep) {
-    any.store(false);
-    pair_.first_sweep = single_.first_sweep = sweep == 0;
-    pair_.last_sweep = single_.last_sweep = sweep + 1 == sweeps;
-    pair_.due = single_.due = sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) /
-                                                        static_cast<float>(slices_)
-                                                  : 1e30f;
-    for_pairs([&](std::size_t strip, const Strip& s) {
-      if (!memory.asks_pairs(strip, sweep)) return;
-      if (k_.sweep[model_](view_, pairs_, pair_, s.block_begin, s.block_end,
-                           &solver_.virial_[strip])) {
-        memory.pairs[strip] = sweep;
-        any.store(true, std::memory_order_relaxed);
-      }
-    });
-    sweep_singles(sweep, false);
-  }
-  swept_ += limited_ && sweep == sweeps ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep;
-  if (any.load()) {  // too many events: at least nobody leaves through a wall
-    single_.last_sweep = false;
-    sweep_singles(sweeps, true);
-  }
 }
 
 // Gravity; in later substeps of a frame also what contacts did in the one before.
@@ -539,22 +313,6 @@ void Solver::Run::relax() {
   });
 }
 
-void Solver::Run::spend() {
-  for_pairs([&](std::size_t, const Strip& s) {
-    k_.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end);
-  });
-  for (const bool fixed : {false, true}) {
-    for (const bool loaded : {false, true}) {
-      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-        k_.spend_manifolds[fixed](view_, blocks, begin, end);
-      });
-    }
-  }
-  for_singles([&](std::size_t, const Strip& s) {
-    k_.spend_single[model_](view_, singles_, single_, s.single_begin, s.single_end);
-  });
-}
-
 // Strips with contacts under heavy loads: even ones, odd ones, the large bodies' group.
 void Solver::find_loaded(const PairTable& table) {
   loaded_.clear();
@@ -566,47 +324,6 @@ void Solver::find_loaded(const PairTable& table) {
     (parity == 0 ? loaded_odd_ : loaded_large_) = loaded_.size();
   }
   if (table.strips[strips].loaded) loaded_.push_back(static_cast<std::uint32_t>(strips));
-}
-
-// Which contacts the impact sweeps may settle: with restitution, and none of the bodies resting on
-// something (or fully elastic).
-void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c,
-                          WorkerPool& pool) {
-  const auto strips = static_cast<std::uint32_t>(table.strips.size());
-  const std::uint32_t bodies = b.dummies() + 2 * strips + 8;
-  constexpr std::uint32_t kLine = 64;  // bytes: a strip's own, where it marks nobody
-  touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
-  std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
-  const auto touch = [&](std::uint32_t slot) {
-    std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
-  };
-  pool.run(table.strips.size(), [&](std::size_t index) {
-    const Strip& s = table.strips[index];
-    const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
-    for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
-      touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
-      touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
-    }
-    for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) {
-      touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
-    }
-  });
-  // 0: may be settled; resting is 0 or 1
-  const auto mark = [](float e, std::uint32_t resting) {
-    const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
-  };
-  pool.run(table.strips.size(), [&](std::size_t index) {
-    const Strip& s = table.strips[index];
-    for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      const std::uint32_t resting = touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]];
-      c.impact[k] = mark(c.e[k], resting);
-    }
-    for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) {
-      c.s_impact[k] = mark(c.s_e[k], touched_[c.s_body[k]]);
-    }
-  });
 }
 
 // Closed contacts, and the sum of impulse times distance. Impulses are those of the last substep; a
