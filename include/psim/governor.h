@@ -60,6 +60,10 @@ struct GovernorDesc {
 
 /// How much of a step was or is to be done in a frame.
 struct StepDetail {
+  static constexpr std::uint8_t kMostSubsteps = 64;  ///< of `substeps`
+  static constexpr std::uint8_t kMostFrames = 8;     ///< of `frames` and `horizon`, which are at least 1
+  static constexpr std::uint8_t kMostSweeps = 15;    ///< of `sweeps`
+
   std::uint8_t substeps = 0;  ///< 0: as the world's description has it
   /// Whether the step ends in this frame. Else time stands still: the work ahead of the substeps is spread
   /// over several frames.
@@ -69,7 +73,7 @@ struct StepDetail {
   std::uint32_t pieces = 0;  ///< of the work ahead, done in a frame in which time stands still
   /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
   bool wakes = false;
-  std::uint8_t sweeps = 0;  ///< over impacts in a substep, at most, up to 15; 0: as many as it takes
+  std::uint8_t sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
   /// Whether time stands still in the frame.
   bool waits() const { return !solves; }
   /// All alike.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <string>
 
 #include "convert.h"
 #include "structs.h"
@@ -54,12 +55,15 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
 
 psim_result replay(const Call& call, psim_step_detail detail, double dt,
                    psim_step_report* report) {
-  const auto frames = [](int n) { return n >= 1 && n <= 8; };
+  using D = psim::StepDetail;
+  static_assert(sizeof detail.flags == 1 && 255 / PSIM_STEP_SWEEP == D::kMostSweeps);
+  const auto frames = [](int n) { return n >= 1 && n <= D::kMostFrames; };
   const int flags = detail.flags % PSIM_STEP_SWEEP, sweeps = detail.flags / PSIM_STEP_SWEEP;
-  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
+  if (detail.substeps > D::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
       flags == PSIM_STEP_WAKES || flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
     return call.fail(PSIM_ERROR_ARGUMENT,
-                     "substeps must be 0 to 64, frames and horizon 1 to 8, flags 0, 1 or 3 and a multiple of 16");
+                     "substeps must be 0 to " + std::to_string(D::kMostSubsteps) + ", frames and horizon 1 to " +
+                         std::to_string(D::kMostFrames) + ", flags 0, 1 or 3 and a multiple of 16");
   }
   if (!(dt > 0 && dt <= 10)) {
     return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");

@@ -50,10 +50,9 @@ inline WorkCounts with_sweeps(WorkCounts work, int most) {
 class Governor {
  public:
   /// Frames that a step makes up for at most.
-  static constexpr int kMostFrames = 8;
+  static constexpr int kMostFrames = StepDetail::kMostFrames;
   /// Sweeps over impacts in a substep that has no time for as many as it takes.
   static constexpr int kFewSweeps = 1;
-  static constexpr int kMostSweeps = 15;  ///< that a detail may ask for
 
   void set(const GovernorDesc& desc) { desc_ = desc; }
   bool on() const { return desc_.on; }

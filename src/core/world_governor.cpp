@@ -84,9 +84,9 @@ bool World::set_governor(const GovernorDesc& desc) {
 StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_->desc.dt); }
 
 StepReport World::replay(const StepDetail& detail, double dt) {
-  const auto frames = [](int n) { return n >= 1 && n <= Governor::kMostFrames; };
-  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-      (detail.solves && detail.wakes) || detail.sweeps > Governor::kMostSweeps) {
+  const auto frames = [](int n) { return n >= 1 && n <= StepDetail::kMostFrames; };
+  if (detail.substeps > StepDetail::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
+      (detail.solves && detail.wakes) || detail.sweeps > StepDetail::kMostSweeps) {
     return {};
   }
   return impl_->step(dt, detail, false);

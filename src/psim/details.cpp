@@ -55,11 +55,12 @@ std::vector<StepDetail> read_details(const std::string& path) {
       throw refuse(at, "must be " + columns);
     }
     if (frame != details.size() + 1) throw refuse(at, "is out of order: frames count from 1");
-    if (solves > 1 || substeps > 64 || frames < 1 || frames > 8 || horizon < 1 || horizon > 8 || wakes > 1 ||
-        solves + wakes > 1 || sweeps > 15) {
-      throw refuse(at,
-                   "has solves 0 or 1, substeps 0 to 64, frames 1 to 8, horizon 1 to 8, sweeps 0 to 15 and wakes 0 or, "
-                   "without solves, 1");
+    using D = StepDetail;
+    if (solves > 1 || substeps > D::kMostSubsteps || frames < 1 || frames > D::kMostFrames || horizon < 1 ||
+        horizon > D::kMostFrames || wakes > 1 || solves + wakes > 1 || sweeps > D::kMostSweeps) {
+      throw refuse(at, fmt::format("has solves 0 or 1, substeps 0 to {}, frames 1 to {}, horizon 1 to {}, sweeps 0 to {} "
+                                   "and wakes 0 or, without solves, 1",
+                                   +D::kMostSubsteps, +D::kMostFrames, +D::kMostFrames, +D::kMostSweeps));
     }
     details.push_back({static_cast<std::uint8_t>(substeps), solves == 1, static_cast<std::uint8_t>(frames),
                        static_cast<std::uint8_t>(horizon), pieces, wakes == 1, static_cast<std::uint8_t>(sweeps)});
