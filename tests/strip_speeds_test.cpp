@@ -75,6 +75,13 @@ TEST_F(StripSpeedsTest, ACommonFallIsNoSpeed) {
   EXPECT_TRUE(std::isinf(speeds.at(kStrips)));  // of the large bodies' group nothing is known
 }
 
+TEST_F(StripSpeedsTest, BytesAreThoseOfTheStrips) {
+  EXPECT_EQ(speeds.bytes(), 0u);
+  measure(false);
+  EXPECT_GE(speeds.bytes(), 100u * kStrips);
+  EXPECT_LE(speeds.bytes(), 200u * (kStrips + 1));
+}
+
 TEST_F(StripSpeedsTest, NeighboursCountAndOthersDoNot) {
   for (std::uint32_t k = 0; k < kEach; ++k) push(2 * kEach + k, 3, 0);  // strip 2 stands still
   const std::vector<double> found = measure(false);

@@ -17,6 +17,8 @@ struct SweepMemory {
     pairs.assign(strips, kNever);
     single.assign(strips, kNever);
   }
+  std::size_t bytes() const { return (pairs.capacity() + single.capacity()) * sizeof(int); }
+
   /// A pair's bodies lie in its strip and the next one; the last strip's anywhere.
   bool asks_pairs(std::size_t strip, int sweep) const {
     const std::size_t large = pairs.size() - 1;

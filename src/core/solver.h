@@ -71,6 +71,17 @@ class Solver {
   /// were limited, as in the runs before, and less and less.
   double sweeps() const { return sweeps_; }
 
+  /// What is there for impacts alone, given back by forget_impacts; and everything.
+  std::size_t impact_bytes() const { return touched_.capacity() + sweep_memory_.bytes(); }
+  std::size_t bytes() const {
+    return impact_bytes() + loaded_.capacity() * sizeof(std::uint32_t) + held_at_.capacity() * sizeof(float) +
+           virial_.capacity() * sizeof(double) + closed_by_strip_.capacity() * sizeof(std::uint64_t);
+  }
+  void forget_impacts() {
+    touched_ = {};
+    sweep_memory_ = {};
+  }
+
  private:
   class Run;
   void find_loaded(const PairTable& table);

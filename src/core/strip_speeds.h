@@ -29,6 +29,11 @@ class StripSpeeds {
   /// centre of mass, or that of the fastest large body about, if it is more. Infinite for the large bodies' group.
   double at(std::size_t strip) const { return speed_[strip]; }
 
+  std::size_t bytes() const {
+    return stirs_.capacity() * sizeof(Stir) +
+           (low_.capacity() + high_.capacity()) * sizeof(std::int64_t) + speed_.capacity() * sizeof(double);
+  }
+
  private:
   struct Sum {
     double weight = 0, x = 0, y = 0, square = 0;

@@ -83,7 +83,10 @@ void World::Impl::apply_plan() {
   if (left(&Plan::publish)) publisher.release();
   if (left(&Plan::events)) events = EventList();
   if (!plan.scales) bodies.pull.release();
-  if (!plan.restitution) bodies.event_time.release();
+  if (!plan.restitution) {
+    bodies.event_time.release();
+    solver.forget_impacts();
+  }
   forces_stale = true;
   applied = plan;
 }
@@ -113,7 +116,7 @@ std::vector<PlanEntry> World::plan() const {
   count("forces.integrator", sum(b.bend, b.disp_rest));
   count("broad_phase.mixed_radii", w.broad.sorter().radii_bytes());
   count("solver.restitution", sum(b.event_time, c.e, c.impact, c.start, c.s_e, c.s_impact, c.s_start) +
-                                  w.solved.impact_bytes());
+                                  w.solved.impact_bytes() + w.solver.impact_bytes());
   // Contacts with friction have masses, too.
   count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses",
         sum(c.mass, c.wa, c.wb, c.s_mass, c.s_wb));
