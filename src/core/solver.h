@@ -78,7 +78,7 @@ class Solver {
            virial_.capacity() * sizeof(double) + closed_by_strip_.capacity() * sizeof(std::uint64_t);
   }
   void forget_impacts() {
-    touched_ = {};
+    touched_ = std::vector<std::uint8_t>();
     sweep_memory_ = {};
   }
 
