@@ -225,8 +225,12 @@ TEST(CApi, StateSnapshotsAndDiagnosticsCanBeRead) {
   const psim_trace_event* trace = nullptr;
   ASSERT_EQ(psim_world_start_trace(c.world), PSIM_OK);
   ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_stop_trace(c.world), PSIM_OK);
   ASSERT_EQ(psim_world_take_trace(c.world, &trace, &count), PSIM_OK);
   EXPECT_GT(count, 0u);
+  ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_take_trace(c.world, &trace, &count), PSIM_OK);
+  EXPECT_EQ(count, 0u);
   const psim_lane_use* use = nullptr;
   ASSERT_EQ(psim_world_count_lane_use(c.world), PSIM_OK);
   for (int k = 0; k < 16; ++k) ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);

@@ -79,6 +79,15 @@ TEST(CliReport, ProfileNamesTheBottleneckAndTheThreads) {
   EXPECT_GE(profile["imbalance"], 1);
 }
 
+// Of a long run an eighth of the frames has spans: what threads did is told of those alone.
+TEST(CliReport, ProfileOfALongRunIsThatOfTheFramesLookedAt) {
+  const Json profile = json_report({"--scene", "pile", "--particles", "400", "--frames", "600", "--sleep", "off",
+                                    "--threads", "2", "--profile"})["profile"];
+  EXPECT_GT(profile["threads_busy"], 0.15);  // over all frames it were 1 / 8 at most
+  EXPECT_LE(profile["threads_busy"], 1);
+  EXPECT_GT(profile["stages"]["solver"]["threads_busy"], 0.15);
+}
+
 TEST(CliReport, ProfileHasRecentTimesAndTheUseOfLanes) {
   const std::vector<std::string> words = {"--scene", "pile", "--particles", "3000", "--frames", "20", "--threads", "1", "--profile"};
   const Json profile = json_report(words)["profile"];

@@ -115,6 +115,28 @@ TEST(Traces, HoldEveryStageOfEveryStep) {
   EXPECT_NE(std::find(names.begin(), names.end(), "solver"), names.end());
 }
 
+TEST(Traces, StopAndGoOn) {
+  auto world = pile(500, {}, best_isa(), 2);
+  const auto of_solver = [&] {
+    std::vector<TraceEvent> spans = world->take_trace();
+    std::erase_if(spans, [](const TraceEvent& e) { return e.thread != 0 || std::string_view(e.name) != "solver"; });
+    return spans;
+  };
+  world->start_trace();
+  run(*world, 3);
+  world->stop_trace();
+  run(*world, 4);
+  const auto before = of_solver();
+  EXPECT_EQ(before.size(), 3u);
+  run(*world, 2);
+  EXPECT_TRUE(world->take_trace().empty());
+  world->start_trace();
+  run(*world, 2);
+  const auto after = of_solver();
+  ASSERT_EQ(after.size(), 2u);
+  EXPECT_GT(after[0].begin_ns, before.back().end_ns);  // of one clock, from the first start on
+}
+
 TEST(Skipped, CountsFramesOfWhatWasLeftOut) {
   auto world = pile(20);
   run(*world, 10);

@@ -267,6 +267,8 @@ class PSIM_API World {
 
   /// Starts recording stage spans, on the first thread also its waits for the others ("wait").
   void start_trace();
+  /// Steps record nothing until the next start_trace; what was recorded stays to be taken.
+  void stop_trace();
   /// Returns and clears what was recorded.
   std::vector<TraceEvent> take_trace();
 

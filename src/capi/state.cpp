@@ -164,6 +164,13 @@ psim_result psim_world_start_trace(psim_world* world) {
   });
 }
 
+psim_result psim_world_stop_trace(psim_world* world) {
+  return guarded(world, __func__, [](psim::World& w, const Call&) -> psim_result {
+    w.stop_trace();
+    return PSIM_OK;
+  });
+}
+
 psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events,
                                   size_t* count) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {

@@ -1,6 +1,7 @@
 // Records which stage ran when on which thread, if someone asked. Off: one branch a stage.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <vector>
@@ -17,11 +18,13 @@ class Tracer {
   using Clock = std::chrono::steady_clock;
 
   void start(int threads) {
-    if (!on_) origin_ = Clock::now();
-    on_ = true;
+    if (tracks_.empty()) origin_ = Clock::now();
     tracks_.resize(static_cast<std::size_t>(threads));
+    on_.store(true, std::memory_order_relaxed);
   }
-  bool on() const { return on_; }
+  /// What was recorded stays to be taken.
+  void stop() { on_.store(false, std::memory_order_relaxed); }
+  bool on() const { return on_.load(std::memory_order_relaxed); }
 
   /// The time now, from which on the next stage counts.
   Clock::time_point begin() { return stage_end_ = Clock::now(); }
@@ -56,7 +59,7 @@ class Tracer {
   std::int64_t ns(Clock::time_point t) const {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(t - origin_).count();
   }
-  bool on_ = false;
+  std::atomic<bool> on_ = false;  // a late worker may look between two steps
   const char* stage_ = "";
   Clock::time_point origin_, stage_end_;
   std::vector<Track> tracks_;

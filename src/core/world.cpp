@@ -131,6 +131,7 @@ const Snapshot* World::latest_snapshot() { return impl_->publisher.latest(); }
 void World::set_job_system(JobSystem jobs) { impl_->pool.set_job_system(std::move(jobs)); }
 
 void World::start_trace() { impl_->tracer.start(impl_->options.threads); }
+void World::stop_trace() { impl_->tracer.stop(); }
 std::vector<TraceEvent> World::take_trace() { return impl_->tracer.take(); }
 
 // The columns of a disc in a gas, with room for lists (docs/memory.md).

@@ -28,9 +28,19 @@ std::vector<double> column(const Rows& rows, std::size_t count, std::size_t stag
 
 }  // namespace
 
-void Profile::add(const StepReport& report, const std::vector<TraceEvent>& spans) {
+Profile::Profile(int threads, std::uint64_t frames)
+    : recent_(kRecent),
+      every_(static_cast<std::uint32_t>(std::clamp<std::uint64_t>(frames / kFewestLooks, 1, kEvery))),
+      busy_ns_(static_cast<std::size_t>(threads)) {}
+
+// At no fixed distance: what steps do at one, such as making lists, would be seen always or never.
+bool Profile::looks_at(std::uint64_t frame) const {
+  const auto mixed = static_cast<std::uint32_t>(frame * 0x9E3779B97F4A7C15u >> 32);
+  return busy_ns_.size() > 1 && mixed % every_ == 0;
+}
+
+void Profile::add(const StepReport& report, const std::vector<TraceEvent>* spans) {
   for (std::size_t i = 0; i < kStageCount; ++i) sum_ms_[i] += report.stage_ms[i];
-  total_ms_ += report.total_ms;
   recent_[next_recent_] = report.stage_ms;
   next_recent_ = next_recent_ + 1 == kRecent ? 0 : next_recent_ + 1;
   if ((frames_ & (stride_ - 1)) == 0) {
@@ -42,11 +52,15 @@ void Profile::add(const StepReport& report, const std::vector<TraceEvent>& spans
     if ((frames_ & (stride_ - 1)) == 0) kept_.push_back(report.stage_ms);
   }
   ++frames_;
+  if (spans == nullptr && busy_ns_.size() > 1) return;
+  for (std::size_t i = 0; i < kStageCount; ++i) looked_ms_[i] += report.stage_ms[i];
+  looked_total_ms_ += report.total_ms;
+  if (spans == nullptr) return;
 
   double waited_ns = 0;  // of the first thread, in the stage whose span comes next
   const char* last = nullptr;  // spans of one stage follow each other: its name is looked up once
   auto at = kStageNames.end();
-  for (const TraceEvent& span : spans) {
+  for (const TraceEvent& span : *spans) {
     const auto length_ns = static_cast<double>(span.end_ns - span.begin_ns);
     const auto thread = static_cast<std::size_t>(span.thread);
     if (std::string_view(span.name) == "wait") {
@@ -72,14 +86,15 @@ std::vector<Profile::Row> Profile::rows() const {
     if (!(sum_ms_[i] > 0)) continue;
     double busy = 0;
     for (const Stages& thread : busy_ns_) busy += thread[i];
-    if (busy_ns_.size() == 1) busy = sum_ms_[i] * 1e6;
+    if (busy_ns_.size() == 1) busy = looked_ms_[i] * 1e6;
+    const double looked_ns = looked_ms_[i] * 1e6 * static_cast<double>(busy_ns_.size());
     const std::vector<double> last = column(recent_, recent, i);
     Row row;
     row.stage = kStageNames[i];
     row.mean_ms = sum_ms_[i] / static_cast<double>(frames_);
     row.p99_ms = p99_of(column(kept_, kept_.size(), i));
     row.share = sum_ms_[i] / all;
-    row.busy = std::clamp(busy / (sum_ms_[i] * 1e6 * static_cast<double>(busy_ns_.size())), 0.0, 1.0);
+    row.busy = looked_ns > 0 ? std::clamp(busy / looked_ns, 0.0, 1.0) : 0;
     row.recent_mean_ms = std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(recent);
     row.recent_p99_ms = p99_of(last);
     rows.push_back(row);
@@ -91,14 +106,14 @@ std::vector<Profile::Row> Profile::rows() const {
 
 double Profile::busy_ns(std::size_t thread) const {
   const Stages& stages = busy_ns_[thread];
-  return busy_ns_.size() == 1 ? 1e6 * std::accumulate(sum_ms_.begin(), sum_ms_.end(), 0.0)
+  return busy_ns_.size() == 1 ? 1e6 * std::accumulate(looked_ms_.begin(), looked_ms_.end(), 0.0)
                               : std::accumulate(stages.begin(), stages.end(), 0.0);
 }
 
 double Profile::busy() const {
   double sum = 0;
   for (std::size_t thread = 0; thread < busy_ns_.size(); ++thread) sum += busy_ns(thread);
-  const double wall = total_ms_ * 1e6 * static_cast<double>(busy_ns_.size());
+  const double wall = looked_total_ms_ * 1e6 * static_cast<double>(busy_ns_.size());
   return wall > 0 ? std::min(sum / wall, 1.0) : 0;
 }
 

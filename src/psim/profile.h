@@ -1,5 +1,5 @@
-// Where the time of a run went: by stage and by thread, from the steps' reports and the spans that the world
-// records. Costs 10 ns a frame on one thread; with more, the spans (docs/performance.md).
+// Where the time of a run went: by stage and by thread, from the steps' reports and, with more than one thread, the
+// spans that the world records in some of the frames. What it costs: docs/performance.md.
 #pragma once
 
 #include <array>
@@ -17,12 +17,15 @@ namespace psim::cli {
 class Profile {
  public:
   static constexpr std::size_t kRecent = 240;         ///< frames of the rolling figures
+  static constexpr std::uint32_t kEvery = 8, kFewestLooks = 64;
   static constexpr std::size_t kMostKept = 1 << 14;   ///< frames that percentiles are from, at most: see Samples
 
-  explicit Profile(int threads) : recent_(kRecent), busy_ns_(static_cast<std::size_t>(threads)) {}
+  Profile(int threads, std::uint64_t frames);
 
-  /// One frame: its report and, with more than one thread, the spans that they recorded.
-  void add(const StepReport& report, const std::vector<TraceEvent>& spans);
+  /// Whether threads are to record the spans of the frame: all frames of a short run, one in kEvery of a long one.
+  bool looks_at(std::uint64_t frame) const;
+  /// One frame: its report and, if they were recorded, its spans.
+  void add(const StepReport& report, const std::vector<TraceEvent>* spans);
 
   struct Row {
     std::string_view stage;
@@ -48,8 +51,11 @@ class Profile {
   std::vector<Stages> recent_;
   std::uint64_t frames_ = 0, stride_ = 1;
   std::size_t next_recent_ = 0;
-  std::vector<Stages> busy_ns_;  // by thread; of one alone the stages' own time
-  double total_ms_ = 0;
+  std::uint32_t every_;
+  // Of the frames with spans: the stages' own time, and by thread what of it it was busy.
+  Stages looked_ms_{};
+  std::vector<Stages> busy_ns_;
+  double looked_total_ms_ = 0;
 };
 
 /// As lines of the report.

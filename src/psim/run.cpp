@@ -114,6 +114,8 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   if (film != nullptr) film->after(0, world);
   Progress progress(one_line(report.scene), report.frames_wanted);
   for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
+    const bool looked_at = report.profile && report.profile->looks_at(frame);
+    if (looked_at) world.start_trace();
     const Clock::time_point begin = Clock::now();
     const StepReport step = one_step(frame);
     const Clock::time_point end = Clock::now();
@@ -128,12 +130,11 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
       write_trajectory_rows(*files.trajectory, frame, world.published());
     }
     if (film != nullptr) film->after(frame, world);
-    if (trace || report.profile) {
-      std::vector<TraceEvent> spans;
-      if (trace || world.threads() > 1) spans = world.take_trace();
-      if (trace) trace->frame(frame, begin, end, step, spans);
-      if (report.profile) report.profile->add(step, spans);
-    }
+    std::vector<TraceEvent> spans;
+    if (trace || looked_at) spans = world.take_trace();
+    if (looked_at && !trace) world.stop_trace();
+    if (trace) trace->frame(frame, begin, end, step, spans);
+    if (report.profile) report.profile->add(step, looked_at ? &spans : nullptr);
     progress.update(frame, end);
   }
   if (trace) trace->finish();
@@ -206,8 +207,7 @@ int run_scene(const Options& options) {
 
   RunReport report = begin_report(options, scene, *world);
   if (options.profile) {
-    report.profile.emplace(world->threads());
-    if (world->threads() > 1) world->start_trace();
+    report.profile.emplace(world->threads(), report.frames_wanted);
     world->count_lane_use();
   }
   report.governed = options.governor || !replayed.empty();

@@ -150,6 +150,9 @@ PSIM_API psim_result psim_world_skipped(psim_world* world, const psim_skip_entry
 /// Starts recording spans of stages.
 PSIM_API psim_result psim_world_start_trace(psim_world* world);
 
+/// Steps record nothing until the next psim_world_start_trace; what was recorded stays to be taken.
+PSIM_API psim_result psim_world_stop_trace(psim_world* world);
+
 /// What was recorded since the last call, `*count` spans; they stay until the next call of this
 /// function.
 PSIM_API psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events,
