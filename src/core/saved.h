@@ -42,7 +42,9 @@ template <template <class> class List>
 struct Carried {
   List<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
   static constexpr std::size_t kOfPairs = 3;
-  std::array<List<float>*, 8> all() { return {&impulse, &friction, &gap, &s_impulse, &s_friction, &s_nx, &s_ny, &s_gap}; }
+  std::array<List<float>*, 8> all() {
+    return {&impulse, &friction, &gap, &s_impulse, &s_friction, &s_nx, &s_ny, &s_gap};
+  }
 };
 
 struct Saved {
@@ -64,7 +66,7 @@ struct Saved {
     std::uint32_t owner = 0, other = 0;
     float impulse = 0, friction = 0, gap = 0;
   };
-  std::vector<Pair> renewed;  ///< of lists that do not last: those that are no strip's (renewal.h)
+  std::vector<Pair> renewed;  ///< those that are no strip's (renewal.h), where lists do not last
   std::vector<float> dead_radii;
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many
   std::vector<std::uint32_t> first_pair, first_single, first_partner, first_many;  ///< and where they begin

@@ -227,10 +227,9 @@ struct World::Impl {
   void write_carried(std::size_t strip);
   void write_names(std::size_t strip);
   void keep_carried(Loader& loader);
-  void keep_renewed();
   void take_pairs(Loader& loader);
-  void take_renewed();
   void read_names(std::size_t strip);
+  void take_renewed();
   bool restore(std::span<const std::byte> state, std::string& error);
   /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
   /// Before anything changes.

@@ -26,7 +26,7 @@ void count_pairs(const PairTable& table, const Strip& strip, std::uint8_t* of_bo
   const std::uint32_t* const first = table.first.data();
   const std::uint32_t last = strip.body_end - 1;
   const auto count = [&](std::uint32_t i) {  // the first body's is marked
-    return (i == last ? std::min(strip.pair_end, table.renewed_begin) : first[i + 1]) - (first[i] & ~PairTable::kStripStart);
+    return (i == last ? strip.pair_end : first[i + 1]) - (first[i] & ~PairTable::kStripStart);
   };
   const auto put = [&](std::uint32_t i, std::uint32_t n) {
     of_body[i] = static_cast<std::uint8_t>(std::min(static_cast<std::int32_t>(n), std::int32_t{Saved::kMany}));
@@ -44,7 +44,10 @@ std::uint32_t count_of(const Saved::InBytes& b, const Strip& strip, std::size_t 
   const auto* const of_body = reinterpret_cast<const std::uint8_t*>(b.of_body.from);
   std::uint32_t sum = 0, top = 0;
   for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) sum += of_body[i];
-  if (sum >= Saved::kMany) top = static_cast<std::uint32_t>(std::count(of_body + strip.body_begin, of_body + strip.body_end, Saved::kMany));
+  if (sum >= Saved::kMany) {
+    const auto many_of = std::count(of_body + strip.body_begin, of_body + strip.body_end, Saved::kMany);
+    top = static_cast<std::uint32_t>(many_of);
+  }
   for (; top != 0 && many < b.many.count; --top) sum += b.many[many++] - Saved::kMany;
   return sum;
 }
@@ -89,8 +92,8 @@ void World::Impl::count_carried(bool lasting) {
   s.strip_pairs.assign(table.strips.size(), 0);
   s.strip_singles.assign(table.strips.size(), 0);
   for (std::size_t k = 0; k < table.strips.size() && any; ++k) {
-    const std::uint32_t end = table.strips[k].pair_end;
-    s.strip_pairs[k] = (lasting ? end : std::min(end, table.renewed_begin)) - table.strips[k].pair_begin;
+    const Strip& strip = table.strips[k];
+    s.strip_pairs[k] = (lasting ? strip.pair_end : std::min(strip.pair_end, table.renewed_begin)) - strip.pair_begin;
     s.strip_singles[k] = static_cast<std::uint32_t>(table.singles[k].size());
   }
   const Saved::Lengths all = place_contacts();
@@ -102,21 +105,16 @@ void World::Impl::count_carried(bool lasting) {
   if (!gaps) b.gap.count = b.s_gap.count = 0;
   s.renewed.clear();
   if (lasting) return;
-  if (any) keep_renewed();
+  for (std::uint32_t p = table.renewed_begin; any && p < table.strips.back().pair_end; ++p) {
+    const std::uint32_t lane = table.contact[p];
+    s.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
+                         rough ? contacts.friction[lane] : 0.0f, gaps ? contacts.gap[lane] : 0.0f});
+  }
   b.of_body.count = table.body_count;
   b.near.count = all.near;
   b.far.count = all.far;
   b.many.count = all.many;
   b.s_body.count = b.s_shape.count = all.singles;
-}
-
-void World::Impl::keep_renewed() {
-  const bool rough = contacts.rough();
-  for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
-    const std::uint32_t lane = table.contact[p];
-    saved.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
-                             rough ? contacts.friction[lane] : 0.0f, sleepers.empty() ? 0.0f : contacts.gap[lane]});
-  }
 }
 
 // each(lane): of the pairs or singles of a strip, in order; by the number of what they carry.
@@ -137,16 +135,19 @@ void World::Impl::write_carried(std::size_t index) {
   const auto bytes = saved.bytes.all();
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (bytes[c]->count == 0) continue;
-    float* to = bytes[c]->room((c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single)[index]);
-    each_lane(index, c, [&to, lanes = std::as_const(*columns[c]).data()](std::size_t lane) { *to++ = lanes[lane]; });
+    const auto& first = c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single;
+    const float* const lanes = columns[c]->data();
+    float* to = bytes[c]->room(first[index]);
+    each_lane(index, c, [&](std::size_t lane) { *to++ = lanes[lane]; });
   }
 }
 
 // Pairs by body, and their partners; singles.
 void World::Impl::write_names(std::size_t index) {
   const Saved::InBytes& b = saved.bytes;
-  const Strip& strip = table.strips[index];
+  Strip strip = table.strips[index];
   const std::uint32_t pairs = saved.strip_pairs[index], pair_begin = strip.pair_begin, first = strip.body_begin;
+  strip.pair_end = pair_begin + pairs;
   std::uint32_t* const many = b.many.room(saved.first_many[index]);
   std::fill_n(many, pairs / Saved::kMany, 0u);
   if (pairs == 0) {
@@ -190,7 +191,10 @@ void World::Impl::take_pairs(Loader& loader) {
   sound = sound && b.of_body.count == table.body_count && b.many.count == all.many && b.near.count == all.near &&
           b.far.count == all.far && b.s_body.count == all.singles && b.s_shape.count == all.singles;
   const auto length = [&](std::size_t c) { return c < Carried<InPlace>::kOfPairs ? all.pairs : all.singles; };
-  for (std::size_t c = 0; c < columns.size(); ++c) sound = sound && (bytes[c]->count == 0 || bytes[c]->count == length(c));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    sound = sound && (bytes[c]->count == 0 || bytes[c]->count == length(c));
+  }
+  table.renewed_begin = PairTable::kNoneRenewed;
   if (!sound) {
     loader.fail("it is damaged");
     table.body_count = 0;
@@ -217,28 +221,6 @@ void World::Impl::take_pairs(Loader& loader) {
   take_renewed();
 }
 
-// Pairs that are no strip's, behind those of the strips.
-void World::Impl::take_renewed() {
-  table.renewed_begin = PairTable::kNoneRenewed;
-  const auto sound = [&](const Saved::Pair& p) { return p.owner < p.other && p.other < table.body_count; };
-  if (saved.renewed.empty() || !std::all_of(saved.renewed.begin(), saved.renewed.end(), sound)) return;
-  table.renewed_begin = table.pair_room;
-  std::uint32_t p = table.pair_room;
-  table.pair_room = table.strips.back().pair_end = p + static_cast<std::uint32_t>(saved.renewed.size());
-  for (auto* column : {&table.owner, &table.other, &table.contact}) column->reserve(table.pair_room);
-  for (auto* column : {&contacts.impulse, &contacts.gap}) column->reserve(table.pair_room);
-  if (contacts.rough()) contacts.friction.reserve(table.pair_room);
-  for (const Saved::Pair& pair : saved.renewed) {
-    table.owner[p] = pair.owner;
-    table.other[p] = pair.other;
-    contacts.impulse[p] = pair.impulse;
-    contacts.gap[p] = pair.gap;
-    if (contacts.rough()) contacts.friction[p] = pair.friction;
-    table.contact[p] = p;
-    ++p;
-  }
-}
-
 void World::Impl::read_names(std::size_t index) {
   const Saved::InBytes b = saved.bytes;
   const Strip strip = table.strips[index];
@@ -261,6 +243,7 @@ void World::Impl::read_names(std::size_t index) {
   for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
     first[i] = p;
     std::uint32_t n = of_body[i];
+    if (n == 0) continue;
     if (n <= kFew && p + kFew <= strip.pair_end) {
       std::fill_n(owner + p, kFew, i);
     } else {
@@ -271,6 +254,27 @@ void World::Impl::read_names(std::size_t index) {
   }
   for (std::uint32_t k = 0, at = saved.first_single[index]; k < saved.strip_singles[index]; ++k, ++at) {
     table.singles[index].push_back({b.s_body[at], b.s_shape[at], at});
+  }
+}
+
+// Pairs that are no strip's, behind those of the strips.
+void World::Impl::take_renewed() {
+  const auto sound = [&](const Saved::Pair& p) { return p.owner < p.other && p.other < table.body_count; };
+  if (saved.renewed.empty() || !std::all_of(saved.renewed.begin(), saved.renewed.end(), sound)) return;
+  table.renewed_begin = table.pair_room;
+  std::uint32_t p = table.pair_room;
+  table.pair_room = table.strips.back().pair_end = p + static_cast<std::uint32_t>(saved.renewed.size());
+  for (auto* column : {&table.owner, &table.other, &table.contact}) column->reserve(table.pair_room);
+  for (auto* column : {&contacts.impulse, &contacts.gap}) column->reserve(table.pair_room);
+  if (contacts.rough()) contacts.friction.reserve(table.pair_room);
+  for (const Saved::Pair& pair : saved.renewed) {
+    table.owner[p] = pair.owner;
+    table.other[p] = pair.other;
+    contacts.impulse[p] = pair.impulse;
+    contacts.gap[p] = pair.gap;
+    if (contacts.rough()) contacts.friction[p] = pair.friction;
+    table.contact[p] = p;
+    ++p;
   }
 }
 
@@ -315,7 +319,8 @@ void World::Impl::make_lists_again() {
   pool.run(table.strips.size(), [&](std::size_t k) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (kept[c]->empty()) continue;
-      const float* from = kept[c]->data() + (c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single)[k];
+      const auto& first = c < Carried<InPlace>::kOfPairs ? saved.first_pair : saved.first_single;
+      const float* from = kept[c]->data() + first[k];
       each_lane(k, c, [&, lanes = columns[c]->data()](std::size_t lane) { lanes[lane] = *from++; });
     }
   });
