@@ -24,7 +24,7 @@ TEST(StressSteps, OfAnyLengthGainNoEnergyAndLoseNobody) {
       const Landing landing = land(dt, 0.6 * friction, friction);
       EXPECT_TRUE(landing.whole) << dt;
       EXPECT_LT(landing.energy_gain, 1e-9) << dt;
-      EXPECT_LT(landing.speed, dt < 0.15 ? 3e-6 : 0.07) << dt;
+      EXPECT_LT(landing.speed, dt < 0.15 ? 3e-4 : 0.07) << dt;
       EXPECT_LT(landing.overlap, dt < 0.15 ? 0.27 : 1.9) << dt;
     }
   }
@@ -47,7 +47,7 @@ TEST(StressSteps, OfVeryUnevenLengthGainNoEnergy) {
 }
 
 TEST(StressSteps, OneOfAnotherLengthShakesAPileWithinBounds) {
-  EXPECT_LT(speed_after_another_step(1.0 / 60), 1e-6);
+  EXPECT_LT(speed_after_another_step(1.0 / 60), 3e-6);
   EXPECT_LT(speed_after_another_step(1.0 / 240), 0.014);
   EXPECT_LT(speed_after_another_step(1e-3), 0.55);
   EXPECT_LT(speed_after_another_step(1e-6), 0.75);
