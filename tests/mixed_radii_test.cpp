@@ -1,4 +1,6 @@
 // No pair is lost, whatever the radii and wherever the grid's cells fall: against brute force.
+#include <set>
+
 #include "support.h"
 
 namespace psim::test {
@@ -78,6 +80,43 @@ TEST(MixedRadii, EveryOverlapFromOneToFiftyIsFelt) {
     }
     SCOPED_TRACE(seed);
     expect_exactly_overlaps_are_felt(unbounded(500, {0, 0}), discs);
+  }
+}
+
+TEST(MixedRadii, EveryOverlapWithManyMiddlingOnesIsFelt) {
+  // More large ones than are compared each with each; the small ones lie on them.
+  for (const bool wraps : {false, true}) {
+    Random random(11);
+    Discs discs;
+    for (int k = 0; k < 1000; ++k) {
+      ASSERT_TRUE(place(discs, random, {1, 1, 299, 199}, log_uniform(random, 0.5, 1.5), 0.3));
+    }
+    for (int k = 0; k < 6000; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), 0.03);
+    SCOPED_TRACE(wraps ? "periodic" : "open");
+    expect_exactly_overlaps_are_felt(wraps ? periodic(300, 200) : unbounded(500, {0, 0}), discs);
+  }
+}
+
+TEST(MixedRadii, CandidatesOfManyMiddlingOnesHoldEveryDeepOverlap) {
+  for (const bool wraps : {false, true}) {
+    Random random(12);
+    Discs discs;
+    for (int k = 0; k < 1500; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), log_uniform(random, 1, 3));
+    for (int k = 0; k < 4000; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), 0.03);
+    auto world = make(wraps ? periodic(300, 200) : unbounded(500, {0, 0}));
+    add(*world, discs);
+    const reference::Periods periods = wraps ? reference::Periods{300, 200} : reference::Periods{};
+    const auto touching = reference::pairs_closer_than(discs.x, discs.y, discs.radius, 0, periods);
+    world->step();
+    std::set<std::pair<std::uint32_t, std::uint32_t>> listed;
+    for (const Contact& c : world->contacts()) listed.insert({c.a.index, c.b.index});
+    std::size_t deep = 0;
+    for (const auto& p : touching) {
+      if (p.gap > -0.5) continue;  // some of the others are apart after the step
+      ++deep;
+      ASSERT_TRUE(listed.contains({p.a, p.b})) << p.a << " " << p.b << " " << p.gap;
+    }
+    EXPECT_GT(deep, 1000u);
   }
 }
 

@@ -47,9 +47,15 @@ TEST(SparseWorld, CloudsThatComeFromFarMeet) {
   const Discs discs = two_clouds(400, {4000, 0}, 0, material(1), {1000, 0});
   add(*world, discs);
   const double before = world->diagnostics().kinetic;
-  std::uint64_t contacts = 0;
-  for (int k = 0; k < 180; ++k) contacts += world->step().contacts;
-  EXPECT_GT(contacts, 100u);
+  for (int k = 0; k < 180; ++k) world->step();
+  const PublishedState s = world->published();
+  double along = 0, across = 0;
+  for (std::size_t k = 0; k < s.vx.size(); ++k) {
+    along += s.vx[k] * s.vx[k];
+    across += s.vy[k] * s.vy[k];
+  }
+  // The event-driven reference says 0.90 after its 12,748 collisions. Here two or three frames see them all.
+  EXPECT_NEAR(across / (along + across), 0.9, 0.12);
   EXPECT_NEAR(world->diagnostics().kinetic / before, 1, 0.02);
   EXPECT_LT(relative_momentum(*world), 1e-4);
   // And nobody is inside of another when they have passed.

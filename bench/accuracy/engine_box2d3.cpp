@@ -132,7 +132,7 @@ class Box2d3Simulation : public Simulation {
     b2BodyDef def = b2DefaultBodyDef();
     def.type = kTypes[static_cast<std::size_t>(desc.type)];
     def.position = to_box2d(desc.position);
-    def.rotation = b2MakeRot(static_cast<float>(desc.angle));
+    def.rotation = {static_cast<float>(std::cos(desc.angle)), static_cast<float>(std::sin(desc.angle))};
     def.linearVelocity = to_box2d(desc.velocity);
     def.angularVelocity = static_cast<float>(desc.angular_velocity);
     def.linearDamping = static_cast<float>(linear_damping(model_->scene.world));
@@ -216,7 +216,10 @@ class Box2d3Simulation : public Simulation {
     }
   }
 
-  double angle_of(std::size_t k) const { return b2Rot_GetAngle(b2Body_GetRotation(bodies_[k])); }
+  double angle_of(std::size_t k) const {
+    const b2Rot q = b2Body_GetRotation(bodies_[k]);  // exactly: b2MakeRot and b2Rot_GetAngle approximate
+    return std::atan2(static_cast<double>(q.s), static_cast<double>(q.c));
+  }
 
   // It keeps a direction, not an angle; within a step nothing turns by half a circle.
   void follow_angles() {

@@ -63,26 +63,14 @@ bool BroadPhase::lists_serve(BodyStore& b, float time, const kernels::KernelTabl
 
 namespace {
 
-// Of reaches: a quarter of an octave each, from the largest down.
-constexpr std::size_t kBins = 96;
-constexpr double kBin = 1.189207115002721;
+// Of reaches: a quarter of an octave each, by a float's highest bits.
+constexpr int kBinShift = 21;
+constexpr std::size_t kBins = std::size_t{1} << (31 - kBinShift);
 
-constexpr std::array<double, kBins> bin_ends() {
-  std::array<double, kBins> ends{};
-  double end = 1;
-  for (double& e : ends) e = end *= kBin;
-  ends.back() = 1e300;
-  return ends;
-}
+std::size_t bin_of(float reach) { return (std::bit_cast<std::uint32_t>(reach) & 0x7FFFFFFFu) >> kBinShift; }
 
-std::size_t bin_of(double ratio) {
-  static constexpr std::array<double, kBins> kEnds = bin_ends();
-  const auto bits = std::bit_cast<std::uint64_t>(ratio);
-  const auto octave = static_cast<std::int64_t>(bits >> 52) - 1023;
-  const std::int64_t quarter = 4 * octave + static_cast<std::int64_t>(bits >> 50 & 3);  // one too few, perhaps
-  std::size_t bin = static_cast<std::size_t>(std::clamp<std::int64_t>(quarter - 1, 0, kBins - 1));
-  while (bin + 1 < kBins && ratio >= kEnds[bin]) ++bin;
-  return bin;
+double bin_end(std::size_t bin) {
+  return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>((bin + 1) << kBinShift)));
 }
 
 }  // namespace
@@ -91,29 +79,32 @@ std::size_t bin_of(double ratio) {
 // candidates: within the cells, and of each large body against the bodies under its box and the
 // other large ones. `area` is what the bodies are spread over.
 double BroadPhase::choose_reach(const BodyStore& b, double most, double area) const {
+  constexpr double kPair = 0.6, kFound = 500, kRow = 48;  // tests: of two large bodies; to find one's cells; of a row
   const double n = b.count;
   if (!(18 * most * most * n / area > kFewCandidates && n > 64)) return most;
-  std::array<double, kBins> count{};
+  std::array<std::uint32_t, kBins> count{};
   for (std::uint32_t i = 0; i < b.count; ++i) {
-    if (b.id[i] == kNoSlot) continue;
-    count[bin_of(most / static_cast<double>(b.reach[i]))] += 1;
+    if (b.id[i] != kNoSlot) ++count[bin_of(b.reach[i])];
   }
-  double best = 1e300, above = 0, large_area = 0, limit = most;
-  double chosen = limit;
-  for (const double here : count) {
-    const double small = n - above;
+  double best = 1e300, above = 0, large_area = 0, large_reach = 0;
+  double chosen = most;
+  for (std::size_t bin = bin_of(static_cast<float>(most)) + 1; bin-- > 0;) {
+    if (count[bin] == 0) continue;
+    const double limit = std::min(bin_end(bin), most), small = n - above;
+    const double large = above < LargeCells::kLeast ? kPair * above * above : kFound * above;
     const double cost = small * 18 * limit * limit * small / area +
                         (large_area + above * 4 * limit * limit) * small / area * 1.5 +
-                        above * above / 16 + above * 8;
+                        kRow * (large_reach / limit + 2 * above) + large;
     if (cost < best) {
       best = cost;
       chosen = limit;
     }
+    const double here = count[bin];
     above += here;
     large_area += here * 8 * limit * limit;
-    limit /= kBin;
+    large_reach += here * limit;
   }
-  return chosen < most ? chosen * 1.0001 : most;
+  return chosen;
 }
 
 void BroadPhase::set_reach(double reach, float most) {
@@ -460,6 +451,7 @@ void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table, bo
     for (double& pairs : pairs_a_piece_) pairs *= params_.growth;
   }
   cut_large(table);
+  large_cells_.build(b.built.data(), b.reach.data(), table.large_begin, b.count, *lattice_);
   pending_.resize(strips - 1 + large_pieces_.size());
   std::iota(pending_.begin(), pending_.end(), 0u);
   full_.assign(pending_.size(), 0);

@@ -15,6 +15,7 @@
 #include "body_store.h"
 #include "grid_sort.h"
 #include "kernel_table.h"
+#include "large_cells.h"
 #include "pair_table.h"
 #include "static_shapes.h"
 #include "tasks.h"
@@ -48,7 +49,7 @@ class BroadPhase {
   static constexpr std::uint32_t kNearPiece = 32;
 
   BroadPhase(MemoryMeter& meter, const Lattice& lattice)
-      : sort_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
+      : sort_(meter), large_cells_(meter), picked_owner_(meter), picked_other_(meter), lattice_(&lattice) {}
 
   /// True if the lists can serve a step of `time` seconds more.
   bool lists_serve(BodyStore& bodies, float time, const kernels::KernelTable& k, WorkerPool& pool);
@@ -241,6 +242,7 @@ class BroadPhase {
   };
 
   GridSort sort_;
+  LargeCells large_cells_;  // of bodies that are not in the grid, if there are many
   float pad_reach_ = 0, next_pad_reach_ = 0;  // m: of padding beyond the bodies, in these lists and the next
   std::vector<Measure> measures_;
   Measure all_;

@@ -138,7 +138,7 @@ bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k,
         !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) {
       return false;
     }
-    if (!k.find_near(v, i, i + 1, b.count, list)) return false;
+    if (!(large_cells_.any() ? large_cells_.find(i, k, list) : k.find_near(v, i, i + 1, b.count, list))) return false;
   }
   s.pair_end = list.count;
   return true;
@@ -255,7 +255,7 @@ BroadPhase::Search BroadPhase::search_at(std::size_t search, const PairTable& ta
   }
   const LargePiece& p = large_pieces_[unit - strips];
   return {static_cast<double>(p.body_end - p.body_begin), expected_of_large(unit - strips), true,
-          static_cast<double>(table.body_count - p.body_begin)};
+          large_cells_.any() ? large_cells_.tests() : static_cast<double>(table.body_count - p.body_begin)};
 }
 
 // Every search writes its pairs into room of its own; those whose room was too

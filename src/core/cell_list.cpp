@@ -91,6 +91,10 @@ void CellList::cut_chunks(std::uint32_t n) {
   }
 }
 
+std::uint32_t CellList::room_of_moved() const {
+  return std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved);
+}
+
 void CellList::name_bodies(const BodyStore& b, float large, Chunk& chunk) {
   const Axis ra = axis_[row_axis_], ca = axis_[1 - row_axis_];
   const std::int32_t* const row_at = b.built.data() + row_axis_;
@@ -175,8 +179,7 @@ void CellList::find_moved(const std::uint32_t* keys, std::uint32_t room, std::si
 // these are in order.
 bool CellList::merge_moved(const BodyStore& b, float large, const std::uint32_t* keys,
                            WorkerPool& pool) {
-  const std::uint32_t room = std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved);
-  moved_.reserve(chunks_.size() * room);
+  const std::uint32_t room = room_of_moved();
   pool.run(chunks_.size(), [&](std::size_t c) {
     name_bodies(b, large, chunks_[c]);
     find_moved(keys, room, c);
@@ -230,6 +233,7 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
   spare_name_.reserve(padded);
   start_.reserve(4 * padded);
   cut_chunks(n);
+  moved_.reserve(chunks_.size() * room_of_moved());
   bool merged = false;
   if (sorted_ != 0 && patience_ == 0) {
     merged = merge_moved(b, large, keys, pool);
@@ -370,6 +374,24 @@ std::uint32_t CellList::find(std::uint64_t row, std::uint64_t column) const {
   const std::uint64_t* const end = name_.data() + cells_;
   return static_cast<std::uint32_t>(std::lower_bound(name_.data(), end, row * stride_ + column) -
                                     name_.data());
+}
+
+// Steps of twice the length each, away from the guess, until the cell lies between two of them.
+std::uint32_t CellList::find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
+  const std::uint64_t name = row * stride_ + column;
+  const std::uint64_t* const names = name_.data();
+  std::uint32_t low = std::min(guess, cells_), high = low;  // names[low - 1] < name <= names[high], once found
+  for (std::uint32_t step = 1; low > 0 && names[low - 1] >= name; step *= 2) {
+    high = low - 1;
+    low = high - std::min(high, step - 1);
+  }
+  if (high == low) {
+    for (std::uint32_t step = 1; high < cells_ && names[high] < name; step *= 2) {
+      low = high + 1;
+      high = std::min(cells_, low + step - 1);
+    }
+  }
+  return static_cast<std::uint32_t>(std::lower_bound(names + low, names + high, name) - names);
 }
 
 // The cells of an axis within `half` steps of a place: up to two runs in a

@@ -70,6 +70,8 @@ class CellList {
   /// The first cell of those in a row, from a column on; if there is none, the
   /// first beyond. O(log cells).
   std::uint32_t find(std::uint64_t row, std::uint64_t column) const;
+  /// The same; quick where it is near `guess`.
+  std::uint32_t find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const;
 
   /// each(body, past the last): runs of bodies that may lie in the box `half`
   /// lattice steps wide each way about a place. Ends when one returns false,
@@ -80,12 +82,21 @@ class CellList {
     span(row_axis_, place[row_axis_], half[row_axis_], rows);
     span(1 - row_axis_, place[1 - row_axis_], half[1 - row_axis_], columns);
     for (const Range& r : rows) {
-      for (std::uint32_t c = find(r.first, 0); c < cells_ && row(c) < r.end;
-           c = find(row(c) + 1, 0)) {
-        for (const Range& k : columns) {
-          const std::uint32_t from = first(find(row(c), k.first)), to = first(find(row(c), k.end));
+      // Rows are much alike: from where something lay in one follows about where it lies in the next.
+      std::uint32_t row_cells = 0, offset[2] = {0, 0};
+      for (std::uint32_t c = find(r.first, 0); c < cells_;) {
+        const std::uint64_t here = row(c);
+        if (here >= r.end) break;
+        for (int k = 0; k < 2; ++k) {
+          if (columns[k].first == columns[k].end) continue;
+          const std::uint32_t begin = find_about(here, columns[k].first, c + offset[k]);
+          offset[k] = begin - c;
+          const std::uint32_t from = first(begin), to = first(find_about(here, columns[k].end, begin));
           if (from < to && !each(from, to)) return false;
         }
+        const std::uint32_t next = find_about(here + 1, 0, c + row_cells);
+        row_cells = next - c;
+        c = next;
       }
     }
     return true;
@@ -120,6 +131,8 @@ class CellList {
   void name_bodies(const BodyStore& bodies, float large, Chunk& chunk);
   bool merge_moved(const BodyStore& bodies, float large, const std::uint32_t* keys,
                    WorkerPool& pool);
+  /// Of a chunk.
+  std::uint32_t room_of_moved() const;
   void find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t chunk);
   void sort_by_digit(int shift, int bits, WorkerPool& pool);
   void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys,

@@ -1,0 +1,161 @@
+#include "large_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+constexpr std::size_t kExponents = 256;  // of floats
+constexpr std::uint64_t kMostCells = std::uint64_t{1} << 30;
+constexpr double kRowTests = 24;  // what a row of cells costs beside its candidates, in tests
+
+std::size_t exponent(float reach) { return std::bit_cast<std::uint32_t>(reach) >> 23 & 0xFF; }
+
+}  // namespace
+
+void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t begin, std::uint32_t end,
+                       const Lattice& lattice) {
+  levels_.clear();
+  if (end - begin < kLeast) {
+    if (begin == end) release();
+    return;
+  }
+  const std::size_t n = end - begin;
+  begin_ = begin;
+  const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
+  for (int k = 0; k < 2; ++k) pitch_[k] = static_cast<float>(pitch[k]);
+  std::array<std::uint32_t, kExponents> bodies{};
+  std::array<float, kExponents> most{};
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t e = exponent(reach[i]);
+    ++bodies[e];
+    most[e] = std::max(most[e], reach[i]);
+  }
+  std::array<std::size_t, kExponents> level_of{};
+  std::uint32_t place = 0, bucket = 0;
+  for (std::size_t e = 0; e < kExponents; ++e) {
+    if (bodies[e] == 0) continue;
+    Level level;
+    level.most = most[e];
+    level.begin = place;
+    level.end = place += bodies[e];
+    level.bucket = bucket;
+    level.mask = std::bit_ceil(bodies[e]) - 1;
+    bucket += level.mask + 1;
+    for (int k = 0; k < 2; ++k) {
+      const double cells = std::floor(0x1p32 / (2 * static_cast<double>(most[e]) / pitch[k] + 1));
+      level.axis[k].per = cells >= 1 ? std::min(static_cast<std::uint64_t>(cells), kMostCells) : 1;
+      level.axis[k].pitch = pitch[k];
+    }
+    level_of[e] = levels_.size();
+    levels_.push_back(level);
+  }
+  at_.reserve(2 * n);
+  reach_.reserve(n);
+  slot_.reserve(n);
+  place_.reserve(n);
+  start_.reserve(std::size_t{bucket} + 1);
+  std::fill_n(start_.data(), std::size_t{bucket} + 1, 0u);
+  // Each body's bucket, and how many are in it; then where its bodies end, going down as they come.
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = begin + k;
+    const Level& level = levels_[level_of[exponent(reach[i])]];
+    const std::uint32_t mine = level.bucket + bucket_of(level, cell_at(level.axis[0], at[2 * i]),
+                                                        cell_at(level.axis[1], at[2 * i + 1]));
+    place_[k] = mine;
+    ++start_[mine];
+  }
+  std::uint32_t sum = 0;
+  for (std::size_t s = 0; s <= bucket; ++s) start_[s] = sum += start_[s];
+  for (std::size_t k = n; k-- > 0;) {
+    const std::size_t i = begin + k;
+    const std::uint32_t p = --start_[place_[k]];
+    place_[k] = p;
+    slot_[p] = static_cast<std::uint32_t>(i);
+    at_[2 * std::size_t{p}] = at[2 * i];
+    at_[2 * std::size_t{p} + 1] = at[2 * i + 1];
+    reach_[p] = reach[i];
+  }
+}
+
+void LargeCells::release() {
+  levels_.clear();
+  at_.release();
+  reach_.release();
+  slot_.release();
+  place_.release();
+  start_.release();
+}
+
+double LargeCells::tests() const {
+  constexpr double kLevel = 250;  // ns of a few rows are those of so many tests
+  return kLevel * static_cast<double>(levels_.size());
+}
+
+// The cells within `reach` of a place, and one step more: distances are rounded.
+LargeCells::Span LargeCells::span(const Axis& a, std::int32_t at, double reach) {
+  const double half = std::ceil(reach / a.pitch * 1.00001) + 1;
+  if (!(half < 0x1p31)) return {0, a.per};
+  const auto steps = static_cast<std::uint64_t>(half);
+  const std::uint64_t from = static_cast<std::uint32_t>(wrap_sub(at, static_cast<std::int32_t>(steps)));
+  const std::uint64_t first = from * a.per >> 32, last = (from + 2 * steps) * a.per >> 32;
+  return {first, std::min(last - first + 1, a.per)};
+}
+
+bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::PairList& list) const {
+  const std::uint32_t from = list.count, me = place_[i - begin_];
+  kernels::PairRow row;
+  row.pos = at_.data();
+  row.reach = reach_.data();
+  row.pitch_x = pitch_[0];
+  row.pitch_y = pitch_[1];
+  bool room = true;
+  const auto among = [&](std::uint32_t begin, std::uint32_t end) {
+    if (room && begin != end) room = k.find_near(row, me, begin, end, list);
+  };
+  for (const Level& level : levels_) {
+    const double reach = static_cast<double>(reach_[me]) + static_cast<double>(level.most);
+    const Span columns = span(level.axis[0], at_[2 * std::size_t{me}], reach);
+    const Span rows = span(level.axis[1], at_[2 * std::size_t{me} + 1], reach);
+    const std::uint32_t* const start = start_.data() + level.bucket;
+    const double all = level.end - level.begin;
+    if (static_cast<double>(columns.cells) > level.mask ||
+        static_cast<double>(rows.cells) * (static_cast<double>(columns.cells) + kRowTests) > all) {
+      among(level.begin, level.end);
+      continue;
+    }
+    // Cells [column, column + n) of a row, none beyond the seam.
+    const auto run = [&](std::uint64_t column, std::uint64_t n, std::uint64_t at) {
+      if (n == 0) return;
+      const std::uint32_t first = bucket_of(level, column, at), last = first + static_cast<std::uint32_t>(n) - 1;
+      among(start[first], start[std::min(last, level.mask) + 1]);
+      if (last > level.mask) among(start[0], start[last - level.mask]);
+    };
+    for (std::uint64_t r = 0; r < rows.cells; ++r) {
+      const std::uint64_t at = (rows.first + r) % level.axis[1].per;
+      const std::uint64_t before = std::min(columns.cells, level.axis[0].per - columns.first);
+      run(columns.first, before, at);
+      run(0, columns.cells - before, at);
+    }
+  }
+  if (!room) {
+    std::fill(list.owner + from, list.owner + list.capacity, i);
+    return false;
+  }
+  std::uint32_t* const begin = list.other + from;
+  std::uint32_t* end = begin;
+  for (const std::uint32_t* p = begin; p != list.other + list.count; ++p) {
+    const std::uint32_t slot = slot_[*p];
+    if (slot > i) *end++ = slot;
+  }
+  std::sort(begin, end);
+  end = std::unique(begin, end);  // buckets may be shared by rows
+  list.count = static_cast<std::uint32_t>(end - list.other);
+  std::fill(list.owner + from, list.owner + list.count, i);
+  return true;
+}
+
+}  // namespace psim

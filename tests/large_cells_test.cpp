@@ -1,0 +1,151 @@
+// Large bodies find one another: exactly those that a comparison of each with each finds, in the same order, whatever
+// their sizes, wherever they lie, on every ISA.
+#include "large_cells.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "kernel_select.h"
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+struct Crowd {
+  std::vector<std::int32_t> at;
+  std::vector<float> reach;
+  std::uint32_t size() const { return static_cast<std::uint32_t>(reach.size()); }
+};
+
+struct Kind {
+  const char* name;
+  double smallest, largest;  // reaches, log-uniform, m
+  double width;              // of the square that they lie in, m
+  bool periodic, clustered;
+};
+
+class LargeCellsOf : public testing::TestWithParam<Kind> {};
+
+constexpr double kWorld = 2000;  // m
+
+Lattice lattice_of(const Kind& kind) {
+  return Lattice({-kWorld / 2, -kWorld / 2, kWorld / 2, kWorld / 2}, kind.periodic);
+}
+
+Crowd crowd_of(const Kind& kind, std::uint32_t bodies, Random& random) {
+  const Lattice lattice = lattice_of(kind);
+  Crowd crowd;
+  Vec2 middle;
+  for (std::uint32_t i = 0; i < bodies; ++i) {
+    if (kind.clustered && i % 50 == 0) {
+      middle = {random.uniform(-0.5, 0.5) * 0.9 * kWorld, random.uniform(-0.5, 0.5) * 0.9 * kWorld};
+    }
+    Vec2 p{random.uniform(-0.5, 0.5) * kind.width, random.uniform(-0.5, 0.5) * kind.width};
+    if (kind.clustered) p = {middle.x + p.x, middle.y + p.y};
+    const LatticePoint place = lattice.to_lattice(p);
+    crowd.at.insert(crowd.at.end(), {place.x, place.y});
+    crowd.reach.push_back(static_cast<float>(
+        kind.smallest * std::exp(random.uniform(0, std::log(kind.largest / kind.smallest)))));
+  }
+  // Lanes may be read behind the last body.
+  crowd.at.resize(crowd.at.size() + 2 * kernels::kReadPad);
+  return crowd;
+}
+
+struct Pairs {
+  explicit Pairs(std::size_t room) : owner(room + kernels::kReadPad), other(room + kernels::kReadPad) {
+    list.owner = owner.data();
+    list.other = other.data();
+    list.capacity = static_cast<std::uint32_t>(room);
+  }
+  std::vector<std::uint32_t> owner, other;
+  kernels::PairList list;
+};
+
+TEST_P(LargeCellsOf, FindWhatEachWithEachFinds) {
+  const Kind& kind = GetParam();
+  const Lattice lattice = lattice_of(kind);
+  std::size_t found = 0;
+  for (const std::uint32_t begin : {0u, 37u}) {
+    Random random(begin + 5);
+    Crowd crowd = crowd_of(kind, LargeCells::kLeast + 300, random);
+    const std::uint32_t n = crowd.size();
+    crowd.reach.resize(n + kernels::kReadPad);
+    MemoryMeter meter;
+    LargeCells cells(meter);
+    cells.build(crowd.at.data(), crowd.reach.data(), begin, n, lattice);
+    ASSERT_TRUE(cells.any());
+    EXPECT_GT(cells.tests(), 0);
+    kernels::PairRow row;
+    row.pos = crowd.at.data();
+    row.reach = crowd.reach.data();
+    row.pitch_x = static_cast<float>(lattice.pitch_x());
+    row.pitch_y = static_cast<float>(lattice.pitch_y());
+    for (const Isa isa : available_isas()) {
+      const kernels::KernelTable& k = kernels_of(isa);
+      for (std::uint32_t i = begin; i < n; ++i) {
+        Pairs all(n + 8), mine(3 * std::size_t{n} + 8);
+        ASSERT_TRUE(k.find_near(row, i, i + 1, n, all.list));
+        ASSERT_TRUE(cells.find(i, k, mine.list));
+        ASSERT_EQ(mine.list.count, all.list.count) << i;
+        found += all.list.count;
+        for (std::uint32_t p = 0; p < all.list.count; ++p) {
+          ASSERT_EQ(mine.other[p], all.other[p]) << i;
+          ASSERT_EQ(mine.owner[p], i);
+        }
+      }
+    }
+  }
+  EXPECT_GT(found, 500u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, LargeCellsOf,
+    testing::Values(Kind{"Alike", 1, 1.01, 80, false, false}, Kind{"OneToFifty", 0.2, 10, 300, false, false},
+                    Kind{"OneToTenThousand", 0.02, 200, 1000, false, false},
+                    Kind{"Clusters", 0.5, 2, 12, false, true}, Kind{"AllOverThePlane", 5, 40, kWorld, false, false},
+                    Kind{"AcrossTheSeam", 5, 40, kWorld, true, false},
+                    Kind{"PeriodicGiants", 1, 900, kWorld, true, false}, Kind{"OnePlace", 1, 50, 1e-6, false, false}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(LargeCells, AFullListSaysSoAndTheOwnersTellHowFarItCame) {
+  const Kind kind{"", 1, 4, 60, false, false};
+  Random random(3);
+  Crowd crowd = crowd_of(kind, LargeCells::kLeast, random);
+  const std::uint32_t n = crowd.size();
+  crowd.reach.resize(n + kernels::kReadPad);
+  MemoryMeter meter;
+  LargeCells cells(meter);
+  cells.build(crowd.at.data(), crowd.reach.data(), 0, n, lattice_of(kind));
+  ASSERT_TRUE(cells.any());
+  for (const Isa isa : available_isas()) {
+    Pairs some(200);
+    std::uint32_t i = 0;
+    while (i < n && cells.find(i, kernels_of(isa), some.list)) ++i;
+    ASSERT_GT(i, 0u);
+    ASSERT_LT(i, n);
+    EXPECT_EQ(some.owner[some.list.capacity - 1], i) << isa_name(isa);
+  }
+}
+
+TEST(LargeCells, FewAreNotWorthIt) {
+  const Kind kind{"", 1, 4, 60, false, false};
+  Random random(3);
+  Crowd crowd = crowd_of(kind, LargeCells::kLeast, random);
+  const std::uint32_t n = crowd.size();
+  crowd.reach.resize(n + kernels::kReadPad);
+  MemoryMeter meter;
+  LargeCells cells(meter);
+  cells.build(crowd.at.data(), crowd.reach.data(), 1, n, lattice_of(kind));
+  EXPECT_FALSE(cells.any());
+  EXPECT_EQ(meter.bytes, 0u);
+  cells.build(crowd.at.data(), crowd.reach.data(), 0, n, lattice_of(kind));
+  EXPECT_TRUE(cells.any());
+  EXPECT_GT(meter.bytes, 0u);
+  cells.build(crowd.at.data(), crowd.reach.data(), n, n, lattice_of(kind));
+  EXPECT_FALSE(cells.any());
+  EXPECT_EQ(meter.bytes, 0u);
+}
+
+}  // namespace
+}  // namespace psim::test
