@@ -38,6 +38,19 @@ TEST_F(CliReplay, ARestoredRunEndsWhereTheWholeOneDoes) {
   EXPECT_EQ(state_line(pile({"--frames", "40", "--restore", state_, "--isa", "scalar", "--threads", "3"})), whole);
 }
 
+// Shapes, columns, joints, fields, and lists for one step.
+TEST_F(CliReplay, ARestoredRunOfAnySceneEndsWhereTheWholeOneDoes) {
+  for (const char* const scene : {"tumbler", "card_house", "stack_100", "high_mass_ratio_1", "bridge", "orbits", "galton"}) {
+    const auto run = [&](Words more) {
+      more.insert(more.begin(), {"--scene", scene});
+      return run_psim(more);
+    };
+    const std::string whole = state_line(run({"--frames", "45", "--threads", "2"}));
+    ASSERT_EQ(run({"--frames", "30", "--save", state_}).status, 0) << scene;
+    EXPECT_EQ(state_line(run({"--frames", "15", "--restore", state_})), whole) << scene;
+  }
+}
+
 TEST_F(CliReplay, ARecordingReplaysElsewhere) {
   const Outcome run = pile({"--frames", "70", "--record", recording_});
   ASSERT_EQ(run.status, 0) << run.err;

@@ -189,8 +189,8 @@ class PSIM_API World {
   /// changes the world. O(bodies) a call.
   std::span<const std::uint32_t> strips();
 
-  /// Sorts the bodies and makes the lists and arrays of a step without taking one, so that the first
-  /// step costs no more than the later ones: for the end of loading. Changes no result.
+  /// Makes the arrays of a step without taking one, so that the first step allocates no more than later ones: for
+  /// the end of loading. Changes no result; after the first step it does nothing.
   void prepare();
 
   /// Advances by desc.dt. Deterministic: the same calls give the same bits on every ISA and any

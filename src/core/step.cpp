@@ -141,19 +141,29 @@ void World::Impl::advance(double dt, const Span& span, bool choose, StepReport& 
   if (report.awake != 0) count_contacts(report);
 }
 
+// The work of a first step, for the room that it takes; then all is put back as it was, since the host may still change
+// anything before that step.
 void World::Impl::prepare() {
-  if (bodies.count == bodies.dead || !doubtful.empty()) return;
+  if (frame != 0 || bodies.count == bodies.dead || !doubtful.empty()) return;
+  std::vector<std::byte> before;
+  save(before);
   const FloatSettings settings;
   const auto counted = skipped_frames;
+  const auto lanes_counted = lanes;
   StepReport ignored;
-  const WorkerPool::Awake awake(pool);
-  settle_lists();
-  replan();
-  tracer.begin();
-  refresh_lists(desc.dt, {desc.dt, desc.dt}, ignored);
-  if (governor.on()) spare_room();
-  if (plan.sleep && sleepers.anyone_slow(bodies)) room_for_sleepers();
+  {
+    const WorkerPool::Awake awake(pool);
+    settle_lists();
+    replan();
+    tracer.begin();
+    refresh_lists(desc.dt, {desc.dt, desc.dt}, ignored);
+    if (governor.on()) spare_room();
+    if (plan.sleep && sleepers.anyone_slow(bodies)) room_for_sleepers();
+  }
   skipped_frames = counted;
+  lanes = lanes_counted;
+  std::string error;
+  restore(before, error);
 }
 
 // How the lists of a build should be made.

@@ -267,6 +267,7 @@ struct World::Impl {
 
   // step.cpp
   void prepare();
+  void save(std::vector<std::byte>& out);
   std::uint32_t settle_skips(const std::array<std::uint64_t, kSkipCount>& before, bool rebuilt);
   StepReport step(double dt);
   StepReport step(double dt, const StepDetail& detail, bool choose);

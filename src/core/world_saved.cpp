@@ -65,32 +65,33 @@ void World::Impl::image(A& a, bool& lists) {
   for (InPlace<float>* c : s.all()) a.in_place(*c);
 }
 
-void World::save(std::vector<std::byte>& out) {
-  Impl& w = *impl_;
-  const WorkerPool::Awake awake(w.pool);
-  w.settle_lists();
-  w.saved.origin.clear();
-  if (w.ahead.sorted || w.broad.has_moved_on()) w.broad.copy_origin(w.saved.origin);
-  w.turn_back();
-  w.saved.candidates = w.count_work().candidates;
-  const bool stale = w.lists_stale;
-  w.lists_stale = stale || w.ahead.built;
-  bool lists = !w.lists_stale && !w.once && w.bodies.count != 0 && w.bodies.dead == 0 && w.table.body_count != 0;
-  const bool lasting = lists && !w.loose;
-  w.count_carried(lasting);
-  if (w.plan.shapes) w.manifolds.keep_impulses(w.pool);
-  Saver& saver = w.saved.saver;
+void World::save(std::vector<std::byte>& out) { impl_->save(out); }
+
+void World::Impl::save(std::vector<std::byte>& out) {
+  const WorkerPool::Awake awake(pool);
+  settle_lists();
+  saved.origin.clear();
+  if (ahead.sorted || broad.has_moved_on()) broad.copy_origin(saved.origin);
+  turn_back();
+  saved.candidates = count_work().candidates;
+  const bool stale = lists_stale;
+  lists_stale = stale || ahead.built;
+  bool lists = !lists_stale && !once && bodies.count != 0 && bodies.dead == 0 && table.body_count != 0;
+  const bool lasting = lists && !loose;
+  count_carried(lasting);
+  if (plan.shapes) manifolds.keep_impulses(pool);
+  Saver& saver = saved.saver;
   saver.clear();
-  Image::visit(saver, w.desc);
-  w.image(saver, lists);
-  Image::manifolds(saver, w.manifolds, w.bodies.count);
-  saver.finish(out, w.pool, w.table.body_count != 0 ? w.table.strips.size() : 0,
+  Image::visit(saver, desc);
+  image(saver, lists);
+  Image::manifolds(saver, manifolds, bodies.count);
+  saver.finish(out, pool, table.body_count != 0 ? table.strips.size() : 0,
                [&](std::size_t strip) {
-                 w.write_carried(strip);
-                 if (!lasting) w.write_names(strip);
+                 write_carried(strip);
+                 if (!lasting) write_names(strip);
                });
-  w.lists_stale = stale;
-  w.turn_back();
+  lists_stale = stale;
+  turn_back();
 }
 
 bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }

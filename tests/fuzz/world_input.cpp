@@ -92,7 +92,7 @@ void Session::call() {
     case 13:
       if (in_.chance(20)) {
         say("%s", "prepare");
-        for (auto& w : worlds_) w->prepare();
+        worlds_.back()->prepare();  // of two the other does without
       } else if (in_.chance(80)) {
         go_back();
       }
