@@ -122,6 +122,7 @@ std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const {
 }
 
 void World::enable_snapshots(bool on) {
+  impl_->settle_lists();
   impl_->traits.snapshots = on;
   impl_->placed = true;
 }

@@ -77,6 +77,7 @@ bool World::set_governor(const GovernorDesc& desc) {
     if (!(cost >= 0) || !std::isfinite(cost)) return false;
   }
   if (!(desc.budget_ms > 0)) return false;
+  impl_->settle_lists();
   impl_->governor.set(desc);
   return true;
 }

@@ -232,13 +232,17 @@ struct World::Impl {
   void take_renewed();
   bool restore(std::span<const std::byte> state, std::string& error);
   /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
-  /// Before anything changes.
+  /// After prepare(): all as it was. Before anything changes.
   void settle_lists() {
+    if (prepared()) unprepare();
     if (saved.missing) make_lists_again();
     if (saved.undone) work_again();
   }
   void make_lists_again();
   void work_again();
+  bool prepared() const { return !unprepared.empty(); }
+  void unprepare();
+  std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
 
   // world_joints.cpp
   void count_joints();

@@ -203,6 +203,7 @@ EventSource World::Impl::event_source() {
 }
 
 void World::set_event_options(const EventOptions& options) {
+  impl_->settle_lists();
   impl_->events.set_options(options);
   impl_->traits.events = impl_->events.on();
 }

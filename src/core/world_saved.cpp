@@ -105,6 +105,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   error = loader.error();
   if (error.empty()) error = differs(read, desc);
   if (!error.empty()) return false;
+  unprepared = {};
   desc = read;
   const bool snapshots = traits.snapshots;
   saved.missing = false;
