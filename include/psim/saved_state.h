@@ -17,11 +17,11 @@ PSIM_API std::vector<std::byte> pack_state(std::span<const std::byte> state);
 PSIM_API bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state,
                            std::string& error);
 
-/// Writes a packed state to a file: beside it first, then in its place, so that there is never half of one.
+/// Writes a packed state to a file, as write_bytes (psim/recording.h) does: there is never half of one.
 /// False and one line in `error` if that fails; what was there before is still there then.
 PSIM_API bool write_state(const std::string& path, std::span<const std::byte> state,
                           std::string& error);
-/// Reads one.
+/// Reads one, from a file or a pipe.
 PSIM_API bool read_state(const std::string& path, std::vector<std::byte>& state,
                          std::string& error);
 

@@ -1,11 +1,15 @@
 #include "psim/saved_state.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 
 #include "archive.h"
+#include "output_file.h"
 #include "psim/recording.h"
 
 namespace psim {
@@ -19,10 +23,12 @@ struct PackHeader {
   std::uint64_t hash = 0;  ///< of the state
 };
 
-struct Close {
-  void operator()(std::FILE* f) const { std::fclose(f); }
+struct Descriptor {
+  int number = -1;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
 };
-using File = std::unique_ptr<std::FILE, Close>;
 
 std::string because() { return std::strerror(errno); }
 
@@ -64,37 +70,41 @@ bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& sta
 
 bool write_bytes(const std::string& path, std::span<const std::byte> bytes, std::string& error) {
   error.clear();
-  const std::string beside = path + ".part";
-  {
-    File file(std::fopen(beside.c_str(), "wb"));
-    if (!file) {
-      error = path + ": " + because();
-      return false;
-    }
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() ||
-        std::fflush(file.get()) != 0 || std::fclose(file.release()) != 0) {
-      error = path + ": " + because();
-    }
-  }
-  if (error.empty() && std::rename(beside.c_str(), path.c_str()) != 0) error = path + ": " + because();
-  if (!error.empty()) std::remove(beside.c_str());
-  return error.empty();
+  OutputFile file(path);
+  file.write(bytes.data(), bytes.size());
+  if (file.commit(true)) return true;
+  error = path + ": " + std::strerror(file.error());
+  return false;
 }
 
 bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::string& error) {
+  constexpr std::size_t kPiece = 1 << 20, kMostOfAPipe = std::size_t{4} << 30;
   error.clear();
   bytes.clear();
-  File file(std::fopen(path.c_str(), "rb"));
-  if (!file) {
-    error = path + ": " + because();
+  const auto refuse = [&](const std::string& why) {
+    error = path + ": " + why;
+    bytes.clear();
     return false;
+  };
+  struct stat what = {};
+  if (::stat(path.c_str(), &what) != 0) return refuse(because());  // before it is opened, which a device may notice
+  if (S_ISDIR(what.st_mode)) return refuse(std::strerror(EISDIR));
+  if (!S_ISREG(what.st_mode) && !S_ISFIFO(what.st_mode)) return refuse("is a device; a file or a pipe is read");
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.number < 0) return refuse(because());
+  std::size_t size = 0;
+  if (S_ISREG(what.st_mode)) bytes.reserve(static_cast<std::size_t>(what.st_size) + 1);
+  for (;;) {
+    if (size == bytes.size()) bytes.resize(std::max(bytes.capacity(), size + kPiece));
+    const ssize_t n = ::read(file.number, bytes.data() + size, bytes.size() - size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return refuse(because());
+    if (n == 0) break;
+    size += static_cast<std::size_t>(n);
+    if (S_ISFIFO(what.st_mode) && size > kMostOfAPipe) return refuse("more than 4 GiB through a pipe");
   }
-  std::vector<std::byte> piece(1 << 20);
-  for (std::size_t n; (n = std::fread(piece.data(), 1, piece.size(), file.get())) != 0;) {
-    bytes.insert(bytes.end(), piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(n));
-  }
-  if (std::ferror(file.get()) != 0) error = path + ": " + because();
-  return error.empty();
+  bytes.resize(size);
+  return true;
 }
 
 bool write_state(const std::string& path, std::span<const std::byte> state, std::string& error) {

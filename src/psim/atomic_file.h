@@ -1,17 +1,21 @@
-// An output file that is either complete or not there at all.
-//
-// The constructor proves that the file can be written, before a long run begins. The data goes to a
-// nameless file in the same directory (O_TMPFILE; on file systems without it, to a temporary name)
-// and takes its name by rename in commit(). A process that is killed in between leaves the old file
-// as it was. Devices, pipes and psim's own stdout cannot be replaced and are written straight.
+// An output file that is either complete or not there at all (src/core/output_file.h), for options: what is wrong with
+// it is the user's to put right.
 #pragma once
 
 #include <charconv>
 #include <concepts>
+#include <memory>
 #include <string>
 #include <string_view>
 
+namespace psim {
+class OutputFile;
+}
+
 namespace psim::cli {
+
+/// Whether a file outlasts a power cut as soon as it has its name.
+enum class Durable : bool { no, yes };
 
 class AtomicFile {
  public:
@@ -36,34 +40,25 @@ class AtomicFile {
 
   /// Gives the file its name. Throws UserError if anything could not be written; then the old file,
   /// if there was one, is untouched.
-  void commit();
+  void commit(Durable durable = Durable::yes);
 
   /// For another program that writes the file in our place: the open file, and a path that means it where that
   /// descriptor has the number `there`.
-  int descriptor() const { return fd_; }
+  int descriptor() const;
   std::string path_for_program(int there) const;
 
   /// Option and path as the user wrote them.
   const std::string& label() const { return label_; }
 
-  /// Where the data goes in the end, links resolved.
-  const std::string& target() const { return target_; }
-
  private:
-  void open();
   void flush();
-  void name_the_file();
-  [[noreturn]] void refuse(int error) const;
+  [[noreturn]] void refuse() const;
 
   static constexpr std::size_t kFlushBytes = 1 << 18;
 
   std::string label_;
-  std::string target_;     // path with links resolved
-  std::string temporary_;  // name to unlink; empty while the file is nameless or written straight
   std::string buffer_;
-  int fd_ = -1;
-  bool straight_ = false;
-  int write_error_ = 0;  // errno of the first write that failed
+  std::unique_ptr<OutputFile> file_;
 };
 
 }  // namespace psim::cli

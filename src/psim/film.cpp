@@ -87,7 +87,7 @@ std::string Film::frame_path(std::uint64_t picture) const {
 void Film::write_frame_file() {
   AtomicFile file("--frames-dir", frame_path(written_));
   write_png(file, size_.width, size_.height, rgb_);
-  file.commit();
+  file.commit(Durable::no);  // the next one follows soon
 }
 
 // A film that was longer leaves frames that would be taken for this one's.
