@@ -202,12 +202,14 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   psim_replay* replay = nullptr;
   ASSERT_EQ(psim_replay_open(recording.data(), recording.size(), &options, &replay, error, sizeof error), PSIM_OK) << error;
   EXPECT_EQ(psim_replay_steps_in_all(replay), frame - 10);
+  EXPECT_EQ(psim_replay_complete(replay), 0);
   psim_result result = PSIM_OK;
   while ((result = psim_replay_next(replay)) == PSIM_OK) {
   }
   EXPECT_EQ(result, PSIM_NOTHING);
   EXPECT_EQ(psim_replay_steps(replay), frame - 10);
   EXPECT_EQ(psim_replay_differs_at(replay), 0u);
+  EXPECT_EQ(psim_replay_complete(replay), 1);
   EXPECT_GE(psim_replay_hashes(replay), (frame - 10) / 5);
   EXPECT_EQ(psim_world_state_hash(psim_replay_world(replay)), hash);
   EXPECT_EQ(psim_world_threads(psim_replay_world(replay)), 2);
@@ -224,6 +226,7 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   EXPECT_EQ(psim_replay_world(nullptr), nullptr);
   EXPECT_EQ(psim_replay_steps(nullptr) + psim_replay_steps_in_all(nullptr) + psim_replay_hashes(nullptr) +
                 psim_replay_differs_at(nullptr), 0u);
+  EXPECT_EQ(psim_replay_complete(nullptr), 0);
 }
 
 }  // namespace

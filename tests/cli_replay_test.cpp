@@ -1,5 +1,7 @@
 // --save and --restore, --record and --replay, the way a user types them.
 #include "cli_runner.h"
+#include "forged.h"
+#include "psim/recording.h"
 
 namespace psim::test {
 namespace {
@@ -118,10 +120,54 @@ TEST_F(CliReplay, OneLineSaysWhatIsWrong) {
                  "--state: belongs to a run, and nothing is run for a report here");
   expect_refused({"--scene", "rough-pile", "--restore", state_, "--save", state_},
                  "--save " + state_ + ": is the file of --restore too");
+  for (const char* name : {"--governor", "--governor=off"}) {
+    Words words = {"--replay", recording_, name};
+    if (words.back() == "--governor") words.push_back("on");
+    expect_refused(words, "--governor: the recording of --replay says it");
+  }
+  expect_refused({"--replay", recording_, "--budget", "3"},
+                 "--budget: belongs to a run, and a replay has none to keep");
+  expect_refused({"--scene", "rough-pile", "--restore", state_, "--seed", "3"},
+                 "--seed: the state of --restore says it");
+  for (const char* option : {"--replay", "--restore"}) {
+    expect_refused({option, "/dev/null"}, std::string(option) + " /dev/null: is a device; a file or a pipe is read");
+  }
   std::string cut = read_file(recording_);
   cut.resize(cut.size() / 2);
   const std::string half = folder_.write("half.record", cut);
   expect_refused({"--replay", half}, "--replay " + half + ": it is cut short");
+}
+
+TEST_F(CliReplay, ARecordingThatBreaksOffIsDamaged) {
+  ASSERT_EQ(pile({"--frames", "5", "--record", recording_}).status, 0);
+  std::vector<std::byte> bytes;
+  std::string error;
+  ASSERT_TRUE(read_bytes(recording_, bytes, error)) << error;
+  using Log = std::vector<std::byte>;
+  const auto replay = [&](const auto& change) {
+    const std::string name = folder_.file("forged.record");
+    ASSERT_TRUE(write_bytes(name, forged(bytes, change), error)) << error;
+    const Outcome run = run_psim({"--replay", name});
+    test::expect_refused(run, {"--replay " + name + ": it is damaged: it says 5 steps and breaks off after "});
+  };
+  replay([](Log& log, std::uint64_t&) { log[0] = std::byte{99}; });
+  replay([](Log& log, std::uint64_t&) { log.clear(); });
+  replay([](Log& log, std::uint64_t&) { log.resize(log.size() - kBytesOfAHash); });
+  replay([](Log& log, std::uint64_t&) { log.resize(log.size() - 20); });
+}
+
+TEST_F(CliReplay, AnInterruptedReplayHasNotComparedAll) {
+  const std::string scene = folder_.write("small.json", kSmallScene);
+  ASSERT_EQ(run_psim({"--scene", scene, "--sleep", "off", "--frames", "200000", "--record", recording_}).status, 0);
+  Process psim(PSIM_PROGRAM, {"--replay", recording_, "--threads", "1"});
+  ASSERT_TRUE(psim.waits_for(SIGINT));
+  psim.signal(SIGINT);
+  const Outcome outcome = psim.wait();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  EXPECT_TRUE(outcome.err.starts_with("psim: interrupted after step ")) << outcome.err;
+  EXPECT_TRUE(outcome.err.ends_with(" of 200000\n")) << outcome.err;
 }
 
 }  // namespace

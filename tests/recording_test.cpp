@@ -1,4 +1,5 @@
 // A recording replays with the same bits, and says where a run was another.
+#include "forged.h"
 #include "rigid_support.h"
 
 namespace psim::test {
@@ -84,7 +85,10 @@ TEST(Recording, ReplaysWithTheSameBits) {
       auto replay = Replay::open(bytes, options, error);
       ASSERT_NE(replay, nullptr) << error;
       EXPECT_EQ(replay->steps_in_all(), 150u);
-      while (replay->next()) ASSERT_EQ(replay->differs_at(), 0u);
+      while (replay->next()) {
+        ASSERT_EQ(replay->differs_at(), 0u);
+        ASSERT_EQ(replay->complete(), replay->steps() == 150);
+      }
       EXPECT_EQ(replay->steps(), 150u);
       EXPECT_EQ(replay->hashes(), 150u / 7 + 1);
       EXPECT_EQ(replay->world().state_hash(), hash);
@@ -92,7 +96,7 @@ TEST(Recording, ReplaysWithTheSameBits) {
   }
 }
 
-TEST(Recording, NamesTheFirstStepThatWasAnother) {
+TEST(Recording, NamesTheFirstHashThatWasAnother) {
   const Bytes bytes = record(5, nullptr, true);  // a push in frame 77 went past the recorder
   std::string error;
   auto replay = Replay::open(bytes, {}, error);
@@ -100,6 +104,54 @@ TEST(Recording, NamesTheFirstStepThatWasAnother) {
   while (replay->next()) {
   }
   EXPECT_EQ(replay->differs_at(), 80u);
+}
+
+TEST(Recording, NamesTheStepIfEachHasAHash) {
+  const Bytes bytes = record(1, nullptr, true);  // frame 77 is the 78th
+  std::string error;
+  auto replay = Replay::open(bytes, {}, error);
+  ASSERT_NE(replay, nullptr) << error;
+  while (replay->next()) {
+  }
+  EXPECT_EQ(replay->differs_at(), 78u);
+}
+
+// As the headers and docs/saved-states.md say.
+TEST(Recording, TakesAsManyBytesAsItSays) {
+  auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
+  add(*world, disc({5, 5}));
+  Bytes state;
+  world->save(state);
+  Recorder recorder(*world, 4);
+  EXPECT_EQ(recorder.recording().size(), sizeof(RecordingHeader) + state.size() + kBytesOfAHash);
+  for (int k = 0; k < 10; ++k) recorder.step();
+  EXPECT_EQ(recorder.recording().size(),
+            sizeof(RecordingHeader) + state.size() + 10 * kBytesOfAStep + 3 * kBytesOfAHash);
+}
+
+TEST(Recording, IsCompleteOnlyAtItsEnd) {
+  const Bytes bytes = record(50);
+  using Log = std::vector<std::byte>;
+  const auto run = [&](const Bytes& recording) {
+    std::string error;
+    auto replay = Replay::open(recording, {}, error);
+    EXPECT_NE(replay, nullptr) << error;
+    while (replay->next()) {
+    }
+    return replay->complete();
+  };
+  EXPECT_TRUE(run(bytes));
+  EXPECT_TRUE(run(forged(bytes, [](Log&, std::uint64_t&) {})));
+  EXPECT_FALSE(run(forged(bytes, [](Log&, std::uint64_t& steps) { ++steps; })));
+  EXPECT_FALSE(run(forged(bytes, [](Log&, std::uint64_t& steps) { --steps; })));
+  EXPECT_FALSE(run(forged(bytes, [](Log& log, std::uint64_t&) { log.clear(); })));
+  EXPECT_FALSE(run(forged(bytes, [](Log& log, std::uint64_t&) { log.insert(log.begin(), std::byte{99}); })));
+  EXPECT_FALSE(run(forged(bytes, [](Log& log, std::uint64_t&) { log.push_back(std::byte{99}); })));
+  // Step 150 has a hash of its own, and then the one at the end.
+  for (std::size_t cut = 1; cut < kBytesOfAStep + 2 * kBytesOfAHash; ++cut) {
+    const bool is_all = cut == kBytesOfAHash;
+    EXPECT_EQ(run(forged(bytes, [&](Log& log, std::uint64_t&) { log.resize(log.size() - cut); })), is_all) << cut;
+  }
 }
 
 TEST(Recording, OfAGovernedRunReplaysItsCuts) {

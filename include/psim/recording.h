@@ -1,5 +1,5 @@
 // A run written down: the state that it began with, what the host did in between, and hashes now and then. Replayed it
-// gives the same bits on every ISA and number of threads, and says where it does not.
+// gives the same bits on every ISA and number of threads, or says at which hash it does not.
 #pragma once
 
 #include <cstddef>
@@ -50,7 +50,8 @@ class PSIM_API Recorder {
   /// The same by another dt, seconds.
   StepReport replay(const StepDetail& detail, double dt);
 
-  /// The recording up to now, with a checksum over every byte: 24 bytes a step and what the host did.
+  /// The recording up to now, with a checksum over every byte: the starting state and 48 bytes,
+  /// 19 a step, 9 a hash, and what the host did.
   std::vector<std::byte> recording() const;
 
  private:
@@ -74,8 +75,13 @@ class PSIM_API Replay {
   std::uint64_t steps() const;         ///< done
   std::uint64_t steps_in_all() const;  ///< in the recording
   std::uint64_t hashes() const;        ///< that were compared
-  /// The first step after which the state was another than recorded; 0: none yet.
+  /// The first step with a hash after which the state was another than recorded; 0: none yet. The first step that was
+  /// another is this one or one since the hash before it: Recorder's `every` says how many those can be. 1 also if the
+  /// state that it began with is another.
   std::uint64_t differs_at() const;
+  /// True once all was run, as many steps as the recording says, and the last state was compared. If next() is false
+  /// and this too, the recording is damaged.
+  bool complete() const;
 
  private:
   struct PSIM_LOCAL State;
@@ -83,11 +89,14 @@ class PSIM_API Replay {
   std::unique_ptr<State> state_;
 };
 
-/// Files of recordings and packed states, written beside first and then put in place. False and one line in `error`
-/// that names the file.
+/// Files of recordings and packed states. A file is written beside `path` under no name or one that nobody has, brought
+/// to the disk, and then takes its name: whoever reads gets the old one or the new one, several that write disturb
+/// nobody, and nothing is left of one that fails. It keeps the mode of the file that it replaces; behind a symbolic
+/// link the file is replaced, not the link. Devices and pipes are written as they are. A file that the caller may not
+/// write is refused, as is one in a folder that he may not write. False and one line in `error` that names the file.
 PSIM_API bool write_bytes(const std::string& path, std::span<const std::byte> bytes,
                           std::string& error);
-/// Reads one.
+/// Reads a file, or a pipe up to its end, which may have 4 GiB; devices and folders are refused.
 PSIM_API bool read_bytes(const std::string& path, std::vector<std::byte>& bytes,
                          std::string& error);
 

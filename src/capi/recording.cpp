@@ -102,6 +102,10 @@ uint64_t psim_replay_hashes(const psim_replay* replay) {
   return replay != nullptr ? replay->replay->hashes() : 0;
 }
 
+int32_t psim_replay_complete(const psim_replay* replay) {
+  return replay != nullptr && replay->replay->complete() ? 1 : 0;
+}
+
 uint64_t psim_replay_differs_at(const psim_replay* replay) {
   return replay != nullptr ? replay->replay->differs_at() : 0;
 }

@@ -285,6 +285,7 @@ struct Replay::State {
   std::unique_ptr<World> world;
   std::optional<Loader> log;
   std::uint64_t steps = 0, in_all = 0, hashes = 0, differs = 0;
+  bool compared = false;  // the present state
 
   template <class T>
   T get() {
@@ -294,7 +295,9 @@ struct Replay::State {
   }
   void check() {
     const auto hash = get<std::uint64_t>();
+    if (!log->ok()) return;
     ++hashes;
+    compared = true;
     if (differs == 0 && hash != world->state_hash()) differs = std::max<std::uint64_t>(steps, 1);
   }
   bool perform(Op op);
@@ -304,10 +307,12 @@ struct Replay::State {
 bool Replay::State::perform(Op op) {
   World& w = *world;
   std::string error;
+  compared = false;
   switch (op) {
     case Op::step: {
       const auto dt = get<double>();
       const auto detail = get<StepDetail>();
+      if (!log->ok()) return false;
       w.replay(detail, dt);
       ++steps;
       return false;
@@ -411,13 +416,18 @@ bool Replay::next() {
     s.log->value(op);
     if (s.perform(op)) continue;
     // Hashes after a step belong to it.
-    while (!s.log->at_end() && s.log->peek() == static_cast<std::byte>(Op::hash)) {
+    while (s.log->ok() && !s.log->at_end() && s.log->peek() == static_cast<std::byte>(Op::hash)) {
       s.log->value(op);
       s.check();
     }
     break;
   }
   return s.steps != before;
+}
+
+bool Replay::complete() const {
+  const State& s = *state_;
+  return s.log->ok() && s.log->at_end() && s.compared && s.steps == s.in_all;
 }
 
 World& Replay::world() { return *state_->world; }

@@ -185,12 +185,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   options.restore = typed.restore;
   options.record = typed.record;
   options.replay = typed.replay;
-  for (const char* name : {"--dt", "--substeps", "--integrator", "--sleep", "--skin", "--target-error", "--target-ms"}) {
+  for (const char* name :
+       {"--seed", "--dt", "--substeps", "--integrator", "--sleep", "--skin", "--target-error", "--target-ms"}) {
     if (given("--restore") && given(name)) throw UserError(fmt::format("{}: the state of --restore says it", name));
   }
-  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator", "--sleep", "--skin"}) {
+  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator", "--sleep",
+                           "--skin", "--governor"}) {
     if (given("--replay") && given(name)) throw UserError(fmt::format("{}: the recording of --replay says it", name));
   }
+  if (given("--replay") && given("--budget")) throw UserError("--budget: belongs to a run, and a replay has none to keep");
   options.budget_ms = number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9,
                                      "must be a number of milliseconds above 0")
                           .value_or(options.budget_ms);

@@ -49,12 +49,17 @@ int replay_recording(const Options& options) {
   }
   const std::string name = one_line(options.replay);
   if (replay->differs_at() != 0) {
-    print_out(fmt::format("{}: differs from the recording at step {} of {}\n", name, replay->differs_at(),
+    print_out(fmt::format("{}: the state after step {} of {} is another than recorded\n", name, replay->differs_at(),
                           replay->steps_in_all()));
     return 1;
   }
-  if (replay->steps() < replay->steps_in_all()) {
+  if (!replay->complete()) {
+    if (!interrupted()) {
+      throw UserError(fmt::format("--replay {}: it is damaged: it says {} steps and breaks off after {}", name,
+                                  replay->steps_in_all(), replay->steps()));
+    }
     fmt::print(stderr, "psim: interrupted after step {} of {}\n", replay->steps(), replay->steps_in_all());
+    return 1;
   }
   print_out(fmt::format("{}: {} steps on {} x {} threads, {} hashes, all as recorded\nState {:#018x}\n", name,
                         replay->steps(), isa_name(options.isa), options.threads, replay->hashes(),

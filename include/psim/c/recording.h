@@ -1,6 +1,6 @@
 /// @file
 /// C API: a run written down, and run again (docs/saved-states.md). Replayed it gives the same bits on every
-/// instruction set and number of threads, or says from which step on it does not.
+/// instruction set and number of threads, or says at which hash it does not.
 #pragma once
 
 #include "psim/c/desc.h"
@@ -14,7 +14,7 @@ typedef struct psim_replay psim_replay;
 
 /// From the world's present state on, writes down every change that calls of this API make to it and every step,
 /// with a hash of the state after every `every` steps, at least 1. A recording that was under way is gone.
-/// psim_world_restore is refused meanwhile. 24 bytes a step and what the caller did.
+/// psim_world_restore is refused meanwhile. 19 bytes a step, 9 a hash, and what the caller did.
 PSIM_API psim_result psim_world_record(psim_world* world, uint64_t every);
 
 /// The recording up to now, with a checksum, `*size` bytes at `*recording`, which stay until the next call of this
@@ -51,8 +51,13 @@ PSIM_API uint64_t psim_replay_steps_in_all(const psim_replay* replay);
 /// Hashes that were compared; 0 for NULL.
 PSIM_API uint64_t psim_replay_hashes(const psim_replay* replay);
 
-/// The first step after which the state was another than recorded; 0: none yet, or NULL.
+/// The first step with a hash after which the state was another than recorded; 0: none yet, or NULL. The first step that
+/// was another is this one or one since the hash before it. 1 also if the state that it began with is another.
 PSIM_API uint64_t psim_replay_differs_at(const psim_replay* replay);
+
+/// 1 once all was run, as many steps as the recording says, and the last state was compared; else 0, as for NULL. If
+/// psim_replay_next gives PSIM_NOTHING and this is 0, the recording is damaged.
+PSIM_API int32_t psim_replay_complete(const psim_replay* replay);
 
 #ifdef __cplusplus
 }
