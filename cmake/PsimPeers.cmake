@@ -8,9 +8,10 @@ psim_target_defaults(psim_peers)
 target_include_directories(psim_peers PUBLIC bench/peers)
 target_link_libraries(psim_peers PUBLIC psim_accuracy)
 
-add_executable(peers bench/peers/main.cpp)
+add_executable(peers bench/peers/main.cpp src/psim/atomic_file.cpp src/psim/text.cpp)
 psim_target_defaults(peers)
-target_link_libraries(peers PRIVATE psim_peers CLI11::CLI11)
+target_include_directories(peers PRIVATE src/psim)
+target_link_libraries(peers PRIVATE psim_peers CLI11::CLI11 fmt::fmt)
 target_compile_definitions(peers PRIVATE
   "PSIM_PEERS_PLOT=\"${PROJECT_SOURCE_DIR}/tools/plot-peers\"")
 

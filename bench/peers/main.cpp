@@ -5,7 +5,8 @@
 //   peers --scenes stack,gas --engines psim,box2d  some of it
 //   peers --scenes scenes/dam.json                 a scene file
 //   peers --csv peers.csv --plot peers.png         everything, with a row a point and a picture
-// The table goes to stdout, talk to stderr. Exit 2 if asked wrongly.
+// The table goes to stdout, talk to stderr. Exit 2 if asked wrongly. The file of --csv takes its name at the end: a run
+// that is interrupted leaves the old one.
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -13,15 +14,19 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <fstream>
+#include <filesystem>
 #include <iostream>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "atomic_file.h"
 #include "comparison.h"
 #include "engines.h"
 #include "report.h"
+#include "user_error.h"
 
 extern char** environ;
 
@@ -182,24 +187,53 @@ void plot(const Options& options) {
   }
 }
 
+bool is_same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(fs::absolute(a), ignored) == fs::weakly_canonical(fs::absolute(b), ignored);
+}
+
+// What can be wrong with them is told before the run.
+void check_outputs(const Options& options) {
+  const auto refuse_scene = [&](const std::string& option, const std::string& path) {
+    for (const std::string& scene : options.scenes) {
+      if (scene.ends_with(".json") && is_same_file(path, scene)) {
+        throw std::invalid_argument(option + " " + path + ": is the file of --scenes too");
+      }
+    }
+  };
+  if (!options.csv.empty()) refuse_scene("--csv", options.csv);
+  if (options.plot.empty()) return;
+  refuse_scene("--plot", options.plot);
+  if (!options.plot.ends_with(".png") && !options.plot.ends_with(".svg")) {
+    throw std::invalid_argument("--plot " + options.plot + ": must end in .png or .svg");
+  }
+  if (is_same_file(options.plot, options.csv)) {
+    throw std::invalid_argument("--plot " + options.plot + ": is the file of --csv too");
+  }
+  psim::cli::AtomicFile("--plot", options.plot);
+}
+
 int run_all(const Options& options) {
   const std::vector<Comparison> scenes = chosen_scenes(options.scenes);
   const std::vector<Engine> engines = chosen_engines(options.engines);
   const std::vector<Entry> entries = entries_of(engines, options.quick);
-  std::ofstream csv;
-  if (!options.csv.empty()) {
-    csv.open(options.csv);
-    if (!csv) throw std::invalid_argument("--csv: cannot write " + options.csv);
-    write_header(csv);
-  }
+  check_outputs(options);
+  std::optional<psim::cli::AtomicFile> csv;
+  if (!options.csv.empty()) csv.emplace("--csv", options.csv);
+  std::ostringstream rows_written;
+  write_header(rows_written);
   for (const Comparison& of : scenes) {
     const std::vector<Row> rows = compare(of, entries, options);
     print_scene(std::cout, rows);
     std::cout.flush();
-    for (const Row& row : rows) write_row(csv, row);
-    csv.flush();
+    for (const Row& row : rows) write_row(rows_written, row);
   }
-  if (csv.is_open() && !csv) throw std::runtime_error("--csv: cannot write " + options.csv);
+  if (csv) {
+    csv->write(rows_written.view());
+    csv->commit();
+  }
   if (!options.plot.empty()) plot(options);
   return std::cout ? 0 : 1;
 }
@@ -237,6 +271,8 @@ int main(int argc, char** argv) {
     if (options.list) return list(options), 0;
     return run_all(options);
   } catch (const std::invalid_argument& e) {
+    return std::fprintf(stderr, "peers: %s\n", e.what()), 2;
+  } catch (const psim::cli::UserError& e) {
     return std::fprintf(stderr, "peers: %s\n", e.what()), 2;
   } catch (const std::exception& e) {
     return std::fprintf(stderr, "peers: %s\n", e.what()), 1;

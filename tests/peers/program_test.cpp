@@ -134,6 +134,37 @@ TEST(Peers, RefusesWhatItDoesNotKnow) {
   expect_refusal({"--nonesuch"}, {"--nonesuch"});
 }
 
+TEST(Peers, WritesOverNoScene) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("rod.json", kRod), link = folder.file("link.csv"), csv = folder.file("a.csv");
+  std::filesystem::create_symlink("rod.json", link);
+  const std::vector<std::string> run = {"--quick", "--engines", "psim", "--scenes", scene};
+  const auto refused = [&](std::vector<std::string> more, const std::vector<std::string>& words) {
+    more.insert(more.begin(), run.begin(), run.end());
+    expect_refusal(more, words);
+  };
+  refused({"--csv", scene}, {"--csv " + scene, "--scenes"});
+  refused({"--csv", link}, {"--csv " + link, "--scenes"});
+  refused({"--csv", csv, "--plot", scene}, {"--plot " + scene, "--scenes"});
+  refused({"--csv", csv, "--plot", csv}, {"--plot"});
+  refused({"--csv", folder.file("a.png"), "--plot", folder.file("./a.png")}, {"--plot", "--csv"});
+  refused({"--csv", csv, "--plot", folder.file("no/such.png")}, {"--plot", "No such file"});
+  refused({"--csv", csv, "--plot", folder.file("a.txt")}, {"--plot", ".png or .svg"});
+  EXPECT_EQ(read_file(scene), kRod);
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"link.csv", "rod.json"}));
+}
+
+TEST(Peers, ARunThatIsInterruptedLeavesTheOldFile) {
+  const ScratchFolder folder;
+  const std::string file = folder.write("peers.csv", "old");
+  Process peers(PSIM_PEERS, {"--repeats", "99", "--engines", "psim", "--scenes", "stack,gas", "--csv", file});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  peers.signal(SIGINT);
+  EXPECT_EQ(peers.wait().status, -SIGINT);
+  EXPECT_EQ(read_file(file), "old");
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"peers.csv"});
+}
+
 TEST(PeersTables, AreMadeFromTheRows) {
   const ScratchFolder folder;
   const std::string rows =
