@@ -384,6 +384,40 @@ TEST(SavedState, KeepsContactsOfASuddenCrowd) {
   EXPECT_GT(most, 1000u);
 }
 
+// As the headers and docs/saved-states.md say: what a host chose after the save is gone, its settings are not.
+TEST(SavedState, WhatStepsTellComesBackAndTheDeepestOverlapWaits) {
+  auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
+  for (int k = 0; k < 8; ++k) add(*world, disc({1.0 + k, 0.45}));
+  world->set_sleeping(false);
+  world->step();
+  const double deepest = world->diagnostics().max_penetration;
+  ASSERT_GT(deepest, 0.01);
+  Bytes before, after;
+  world->save(before);
+  world->set_event_options({.contacts = true, .hits = false, .hit_speed = 1, .sensors = false});
+  world->save(after);
+  std::string error;
+  BodyId last;
+  for (const Bytes* state : {&before, &after}) {
+    ASSERT_TRUE(world->restore(*state, error)) << error;
+    EXPECT_EQ(world->diagnostics().max_penetration, deepest);
+    std::size_t told = 0;
+    for (int k = 0; k < 3; ++k) {
+      last = add(*world, disc({1.5 + k, 9.6}));  // touches the top
+      world->step();
+      told += world->events().begin.size();
+    }
+    EXPECT_EQ(told > 0, state == &after);
+    EXPECT_GT(world->diagnostics().max_penetration, 0.01);
+  }
+  ASSERT_TRUE(world->remove_body(last));  // so that pairs are saved
+  world->save(after);
+  ASSERT_TRUE(world->restore(after, error)) << error;
+  EXPECT_EQ(world->diagnostics().max_penetration, 0);
+  world->step();
+  EXPECT_GT(world->diagnostics().max_penetration, 0.01);
+}
+
 TEST(SavedState, FilesThatWereCutOrDamagedAreRefused) {
   auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
   for (int k = 0; k < 50; ++k) add(*world, disc({1 + 0.15 * k, 5}, {}, 0.07));

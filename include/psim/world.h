@@ -207,7 +207,9 @@ class PSIM_API World {
   void save(std::vector<std::byte>& out);
   /// Goes back to a saved state; its world had the same bounds and boundary. False and one line in `error` if
   /// it had not, or the bytes are none of a state: then nothing changed. Settings of the host stay: governor,
-  /// job system, snapshots, trace. Bytes must be as `save` wrote them; those that were in a file or on a wire
+  /// job system, snapshots, trace. All else is as it was saved, what steps tell, too: set_event_options of after the
+  /// save has no effect any more. Where lists did not last, Diagnostics::max_penetration knows of sleepers alone until
+  /// the next step (docs/saved-states.md). Bytes must be as `save` wrote them; those that were in a file or on a wire
   /// come through `unpack_state` (psim/saved_state.h).
   bool restore(std::span<const std::byte> state, std::string& error);
   /// A world in a saved state.

@@ -18,7 +18,9 @@ extern "C" {
 PSIM_API psim_result psim_world_save(psim_world* world, const void** state, size_t* size);
 
 /// Goes back to a saved state of a world with the same bounds and boundary; else PSIM_ERROR_ARGUMENT,
-/// and nothing changed. Settings stay: governor, job system, snapshots, trace. The bytes must be as
+/// and nothing changed. Settings stay: governor, job system, snapshots, trace. All else is as it was saved,
+/// what steps tell, too: psim_world_set_event_options of after the save has no effect any more. Where lists did not
+/// last, max_penetration of psim_world_diagnostics knows of sleepers alone until the next step. The bytes must be as
 /// psim_world_save wrote them; those of a file or a wire come through psim_unpack_state.
 PSIM_API psim_result psim_world_restore(psim_world* world, const void* state, size_t size);
 
@@ -36,12 +38,14 @@ PSIM_API psim_result psim_unpack_state(const void* packed, size_t packed_size, v
                                        size_t capacity, size_t* size, char* error,
                                        size_t error_capacity);
 
-/// Writes a packed state to a file, which is either the whole one or what was there before.
-/// PSIM_ERROR_ARGUMENT if it cannot be written.
+/// Writes a packed state to a file, which is either the whole one or what was there before: written beside under a
+/// name of its own, brought to the disk, then renamed. It keeps the old file's mode; the file behind a symbolic link is
+/// replaced, not the link; devices and pipes are written as they are. PSIM_ERROR_ARGUMENT if it cannot be written, or
+/// the caller may not write it or its folder.
 PSIM_API psim_result psim_write_state(const char* path, const void* state, size_t state_size,
                                       char* error, size_t error_capacity);
 
-/// Reads one and unpacks it. PSIM_ERROR_ARGUMENT if it cannot be read, is cut or damaged.
+/// Reads one and unpacks it. PSIM_ERROR_ARGUMENT if it cannot be read, is a device, is cut or damaged.
 PSIM_API psim_result psim_read_state(const char* path, void* state, size_t capacity, size_t* size,
                                      char* error, size_t error_capacity);
 
