@@ -26,7 +26,8 @@ std::string name_of(const std::string& path) { return path.substr(path.find_last
 
 // Nothing if there is no such path; errno says why.
 std::string real_path(const std::string& path) {
-  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
+  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr),
+                                                         &std::free);
   return real ? std::string(real.get()) : std::string();
 }
 
@@ -130,7 +131,8 @@ void OutputFile::open_beside(bool exists) {
 
 void OutputFile::keep_owner_and_mode(const struct stat& old) {
   mode_t mode = old.st_mode & kPermissions;
-  if (::fchown(fd_, old.st_uid, old.st_gid) != 0 && ::fchown(fd_, static_cast<uid_t>(-1), old.st_gid) != 0) {
+  if (::fchown(fd_, old.st_uid, old.st_gid) != 0 &&
+      ::fchown(fd_, static_cast<uid_t>(-1), old.st_gid) != 0) {
     mode &= ~kGroup;  // it would be another group's
   }
   ::fchmod(fd_, mode);
@@ -163,7 +165,8 @@ bool OutputFile::give_name(bool to_disk) {
     int error = EEXIST;
     for (int k = 0; error == EEXIST && k < kMostNames; ++k) {
       const std::string name = name_beside();
-      const int linked = ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
+      const int linked =
+          ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
       error = linked == 0 ? 0 : errno;
       if (error == 0) temporary_ = name;
     }
@@ -176,7 +179,8 @@ bool OutputFile::give_name(bool to_disk) {
   temporary_.clear();
   if (error_ != 0 || !to_disk) return error_ == 0;
   const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder >= 0) {  // the file is in its place: that its name may be lost in a power cut fails nobody
+  if (folder >=
+      0) {  // the file is in its place: that its name may be lost in a power cut fails nobody
     ::fsync(folder);
     ::close(folder);
   }

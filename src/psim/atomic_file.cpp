@@ -11,7 +11,8 @@
 namespace psim::cli {
 
 AtomicFile::AtomicFile(std::string_view option, const std::string& path)
-    : label_(fmt::format("{} {}", option, one_line(path))), file_(std::make_unique<OutputFile>(path)) {
+    : label_(fmt::format("{} {}", option, one_line(path))),
+      file_(std::make_unique<OutputFile>(path)) {
   if (file_->error() != 0) refuse();
 }
 
