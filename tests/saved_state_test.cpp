@@ -268,14 +268,16 @@ TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
   constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
   std::string error;
   const auto scene = make_builtin("pile", kDiscs, 1, error);
-  auto world = build_world(*scene, {}, error);
-  world->set_sleeping(false);
-  Bytes state;
-  for (int frame = 0; frame < 500; ++frame) {  // falling, landing, at rest
-    world->step();
-    if (frame % 5 != 0) continue;
-    world->save(state);
-    EXPECT_LE(state.size(), 64u * kDiscs) << frame;
+  for (const bool sleeping : {false, true}) {
+    const auto world = build_world(*scene, {}, error);
+    world->set_sleeping(sleeping);
+    Bytes state;
+    for (int frame = 0; frame < 500; ++frame) {  // falling, landing, at rest; watched, but awake
+      if (world->step().asleep != 0) break;
+      if (frame % 5 != 0) continue;
+      world->save(state);
+      EXPECT_LE(state.size(), 64u * kDiscs) << frame;
+    }
   }
 }
 
@@ -301,7 +303,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   bad = state;
   bad[8] = std::byte{99};
   EXPECT_FALSE(world->restore(bad, error));
-  EXPECT_EQ(error, "its format is 99, this psim reads 7");
+  EXPECT_EQ(error, "its format is 99, this psim reads 8");
   bad = state;
   bad[200] ^= std::byte{1};
   EXPECT_FALSE(world->restore(bad, error));

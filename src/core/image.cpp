@@ -398,7 +398,7 @@ void Image::sleepers(A& a, Sleepers& s, std::size_t ids) {
   // Nobody is watched: what was known does not count.
   const std::size_t known = s.watching_ || !s.list.empty() ? ids : 0;
   if constexpr (!A::kLoading) s.rest_.reserve(known);
-  static_assert(sizeof(Sleepers::Rest) == 20);
+  static_assert(sizeof(Sleepers::Rest) == 10);
   if constexpr (A::kLoading) {
     if (!s.rest_.empty()) std::fill_n(s.rest_.data(), s.rest_.capacity(), Sleepers::Rest{});
   }

@@ -1,6 +1,7 @@
 #include "sleepers.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -74,14 +75,54 @@ bool Sleepers::anyone_slow(const BodyStore& b) const {
   return slow > 0 && slow * kFewSlow >= seen;
 }
 
+namespace {
+
+struct Ball {
+  float far = 0;  // m
+  bool smooth = false;
+  int shift[2] = {};  // a unit of its middle: 2^shift lattice steps
+
+  Ball(const Surface& surface, const Lattice& lattice, bool wide) : smooth(wide && surface.friction == 0) {
+    far = wide ? Sleepers::wide_ball(surface.radius, smooth) : Sleepers::ball(surface.radius);
+    const double unit = static_cast<double>(far) / 64;
+    shift[0] = of(unit / lattice.pitch_x());
+    shift[1] = of(unit / lattice.pitch_y());
+  }
+
+  static int of(double steps) {  // the exponent
+    return std::clamp(static_cast<int>(std::bit_cast<std::uint64_t>(steps) >> 52) - 1023, 0, 16);
+  }
+  std::uint16_t at(std::int32_t place, int axis) const {
+    return static_cast<std::uint16_t>(static_cast<std::uint32_t>(place) >> shift[axis]);
+  }
+  // From the middle, m.
+  double off(std::int32_t place, std::uint16_t middle, int axis, double pitch) const {
+    const auto units = static_cast<std::int16_t>(static_cast<std::uint16_t>(at(place, axis) - middle));
+    return units * (static_cast<double>(1 << shift[axis]) * pitch);
+  }
+};
+
+}  // namespace
+
 bool Sleepers::left_ball(const BodyStore& b, const Lattice& lattice, std::size_t i, bool wide) const {
   const Rest& rest = rest_[b.id[i]];
-  const auto x = static_cast<float>(wrap_sub(b.pos[2 * i], rest.x[wide]) * lattice.pitch_x());
-  const auto y = static_cast<float>(wrap_sub(b.pos[2 * i + 1], rest.y[wide]) * lattice.pitch_y());
-  const bool smooth = wide && b.surface(b.id[i]).friction == 0;
-  const float far = wide ? wide_ball(b.radius[i], smooth) : ball(b.radius[i]);
-  if (x * x + y * y > far * far) return true;
-  return !b.spin.empty() && std::fabs(b.spin[i]) > far * static_cast<float>(1 / (smooth ? kLooseTime : kRestTime));
+  const Ball ball(b.surface(b.id[i]), lattice, wide);
+  const auto x = static_cast<float>(ball.off(b.pos[2 * i], rest.x[wide], 0, lattice.pitch_x()));
+  const auto y = static_cast<float>(ball.off(b.pos[2 * i + 1], rest.y[wide], 1, lattice.pitch_y()));
+  if (x * x + y * y > ball.far * ball.far) return true;
+  return !b.spin.empty() &&
+         std::fabs(b.spin[i]) > ball.far * static_cast<float>(1 / (ball.smooth ? kLooseTime : kRestTime));
+}
+
+// Both balls about a place.
+Sleepers::Rest Sleepers::rest_at(const Surface& surface, const Lattice& lattice, std::int32_t x, std::int32_t y) {
+  Rest rest;
+  for (const bool wide : {false, true}) {
+    const Ball ball(surface, lattice, wide);
+    rest.x[wide] = ball.at(x, 0);
+    rest.y[wide] = ball.at(y, 1);
+  }
+  return rest;
 }
 
 bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& pool) {
@@ -98,8 +139,9 @@ bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& poo
       Rest& rest = rest_[b.id[i]];
       for (const bool wide : {false, true}) {
         if (!before || left_ball(b, lattice, i, wide)) {
-          rest.x[wide] = b.pos[2 * i];
-          rest.y[wide] = b.pos[2 * i + 1];
+          const Rest here = rest_at(b.surface(b.id[i]), lattice, b.pos[2 * i], b.pos[2 * i + 1]);
+          rest.x[wide] = here.x[wide];
+          rest.y[wide] = here.y[wide];
           rest.calm[wide] = 0;
         } else if (rest.calm[wide] != 255) {
           ++rest.calm[wide];
@@ -132,9 +174,10 @@ std::uint32_t Sleepers::needed(double dt, bool loose) {
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
 }
 
-void Sleepers::mark_woken(std::uint32_t id, std::int32_t x, std::int32_t y) {
+void Sleepers::mark_woken(const BodyStore& b, const Lattice& lattice, std::uint32_t id, std::int32_t x, std::int32_t y) {
   rest_.reserve(std::size_t{id} + 1);
-  rest_[id] = {{x, x}, {y, y}, {1, 1}};
+  rest_[id] = rest_at(b.surface(id), lattice, x, y);
+  rest_[id].calm[0] = rest_[id].calm[1] = 1;
 }
 
 bool Sleepers::moves(const BodyStore& b, const Lattice& lattice, std::size_t slot, bool loose) const {

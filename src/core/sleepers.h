@@ -148,7 +148,7 @@ class Sleepers {
     if (id < rest_.capacity()) rest_[id].calm[0] = rest_[id].calm[1] = 0;
   }
   /// It woke where it slept: it wakes others only once it leaves its ball.
-  void mark_woken(std::uint32_t id, std::int32_t x, std::int32_t y);
+  void mark_woken(const BodyStore& bodies, const Lattice& lattice, std::uint32_t id, std::int32_t x, std::int32_t y);
   /// Whether a body moves so that it wakes one that sleeps (`loose`ly): it left a ball, or did so of late.
   bool moves(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool loose) const;
 
@@ -164,10 +164,13 @@ class Sleepers {
   static constexpr std::size_t kTouchesOfBody = 6;  // of equal discs, packed
   bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
 
-  struct Rest {  // for both balls
-    std::int32_t x[2] = {}, y[2] = {};  // lattice: the middle
-    std::uint8_t calm[2] = {};          // watches in it
+  // For both balls. A middle is in units of at least a 128th of the ball, modulo 2^16 of them: a body that moved on by
+  // whole rounds of these, 256 balls at least, from one look to the next is taken for one that stayed.
+  struct Rest {
+    std::uint16_t x[2] = {}, y[2] = {};
+    std::uint8_t calm[2] = {};  // watches in it
   };
+  static Rest rest_at(const Surface& surface, const Lattice& lattice, std::int32_t x, std::int32_t y);
   Column<Rest> rest_;            // by id
   Column<std::uint8_t> state_;   // by slot: scratch of choosing
   std::vector<Touch> kept_;      // scratch of tidy

@@ -46,7 +46,7 @@ void World::Impl::wake_one(std::uint32_t id) {
     bodies.spin[slot] = 0;
     bodies.angle[slot] = s.angle;
   }
-  sleepers.mark_woken(id, s.at.x, s.at.y);
+  sleepers.mark_woken(bodies, lattice, id, s.at.x, s.at.y);
   sleepers.woke = sleepers.changed = true;
   spoil_lists();
   queries.forget_sleeping();
