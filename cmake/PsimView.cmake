@@ -21,7 +21,7 @@ if(NOT TARGET SDL2::SDL2 OR NOT PSIM_IMGUI_INCLUDE OR NOT PSIM_IMGUI_LIBRARY)
 endif()
 
 # What needs no window, and what is psim's own: for the program and its tests.
-set(_view_model body_columns camera catalogue history input_script sim_thread simulation
+set(_view_model body_columns camera catalogue frame_log history input_script sim_thread simulation
                 simulation_tools)
 list(TRANSFORM _view_model REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/view/\\1.cpp")
 add_library(psim_view_model STATIC ${_view_model})

@@ -34,6 +34,8 @@ void BodyColumns::set(const Snapshot& snapshot, std::shared_ptr<const Catalogue>
   const std::size_t n = snapshot.id.size();
   looks_.resize(n);
   for (std::size_t row = 0; row < n; ++row) looks_[row] = catalogue_->look(snapshot.id[row]);
+  hidden_ = static_cast<std::size_t>(
+      std::ranges::count_if(looks_, [this](std::uint32_t look) { return catalogue_->hidden(look); }));
   line_rows_.clear();
   if (catalogue_->has_lines()) {
     for (std::size_t row = 0; row < n; ++row) {

@@ -28,6 +28,8 @@ class BodyColumns {
   /// Strips, or colours of the solver, by id; those beyond it have none.
   void set_groups(const std::vector<float>& by_id);
 
+  /// Rows that are not hidden.
+  std::size_t seen() const { return size() - hidden_; }
   std::size_t size() const { return snapshot_ != nullptr ? snapshot_->id.size() : 0; }
   const Snapshot* snapshot() const { return snapshot_; }
   const std::shared_ptr<const Catalogue>& catalogue() const { return catalogue_; }
@@ -58,6 +60,7 @@ class BodyColumns {
   const Snapshot* snapshot_ = nullptr;
   std::shared_ptr<const Catalogue> catalogue_;
   std::vector<std::uint32_t> looks_;  // by row
+  std::size_t hidden_ = 0;
   std::vector<std::uint32_t> line_rows_;
   std::vector<float> sample_;
   std::vector<float> forces_, groups_;  // by row

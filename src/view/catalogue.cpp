@@ -58,6 +58,15 @@ Catalogue::Catalogue(const Scene& scene) {
   }
 }
 
+void Catalogue::hide(std::uint32_t id) {
+  set(id, {}, BodyType::static_body);
+  if (hidden_kind_ == kKindMask) {
+    hidden_kind_ = static_cast<std::uint32_t>(kinds_.size());
+    kinds_.push_back({});
+  }
+  looks_[id] = hidden_kind_ | kStaticBit;  // static: in no scale of colours, without a trail
+}
+
 void Catalogue::set(std::uint32_t id, const BodyDesc& body, BodyType type) {
   if (id >= looks_.size()) {
     looks_.resize(id + 1);

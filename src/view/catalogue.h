@@ -31,12 +31,15 @@ class Catalogue {
 
   /// Notes a body that was added later; an id that was in use before is taken over.
   void set(std::uint32_t id, const BodyDesc& body, BodyType type);
+  /// Nothing is drawn of a body.
+  void hide(std::uint32_t id);
 
   /// Kind and bits of a body.
   std::uint32_t look(std::uint32_t id) const { return id < looks_.size() ? looks_[id] : 0; }
   const std::vector<std::uint32_t>& looks() const { return looks_; }
   const std::vector<Kind>& kinds() const { return kinds_; }
   const Kind& kind(std::uint32_t id) const { return kinds_[look(id) & kKindMask]; }
+  bool hidden(std::uint32_t look) const { return (look & kKindMask) == hidden_kind_; }
   /// kg; `disc_radius` is used for discs only.
   double mass(std::uint32_t id, double disc_radius) const;
   bool has_areas() const { return has_areas_; }  ///< any kind but discs and lines
@@ -49,6 +52,7 @@ class Catalogue {
   std::unordered_map<std::string, std::uint32_t> known_;  // bytes of a shape -> kind
   std::vector<std::uint32_t> looks_;                      // by id
   std::vector<float> density_, mass_;  // by id: kg/m^2, kg where the description says so, else 0
+  std::uint32_t hidden_kind_ = kKindMask;  // without points, once there is one
   bool has_areas_ = false, has_lines_ = false;
 };
 

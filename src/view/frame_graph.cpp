@@ -17,15 +17,19 @@ constexpr std::array<ImU32, cli::kPhaseCount> kColours = {
     IM_COL32(204, 121, 167, 255), IM_COL32(150, 150, 150, 255)};
 constexpr std::array<const char*, cli::kPhaseCount> kWords = {"broad", "narrow", "constraints",
                                                               "integration", "publish"};
-constexpr ImU32 kBudget = IM_COL32(255, 90, 90, 255), kGround = IM_COL32(0, 0, 0, 90);
+constexpr ImU32 kBudget = IM_COL32(255, 90, 90, 255), kGround = IM_COL32(0, 0, 0, 90),
+                kShown = IM_COL32(255, 255, 255, 255);
 
 }  // namespace
 
-void draw_frame_graph(const std::deque<StepReport>& steps, double budget_ms) {
+void draw_frame_graph(const FrameLog& log, std::uint64_t shown, double budget_ms) {
   constexpr float kHeight = 80;
   constexpr double kAboveBudget = 1.25, kLeastShare = 0.25;
   double most = kLeastShare * budget_ms;
-  for (const StepReport& step : steps) most = std::max(most, step.total_ms);
+  const auto frames = graph_frames(log);
+  for (const FrameValues& values : frames) {
+    if (values.step) most = std::max(most, values.step->total_ms);
+  }
   // The budget's line is in the graph once a step comes near it.
   const double top = most > 0.6 * budget_ms ? std::max(most, kAboveBudget * budget_ms) : 1.2 * most;
 
@@ -35,10 +39,13 @@ void draw_frame_graph(const std::deque<StepReport>& steps, double budget_ms) {
   const auto height_of = [&](double ms) { return static_cast<float>(ms / top) * kHeight; };
   draw->AddRectFilled(at, {at.x + width, at.y + kHeight}, kGround);
   const float bar = width / 240;
-  float x = at.x + width - bar * static_cast<float>(steps.size());
+  float x = at.x + width - bar * static_cast<float>(frames.size());
   std::array<double, cli::kPhaseCount> last{};
-  for (const StepReport& step : steps) {
-    last = cli::phase_ms(step);
+  for (const FrameValues& values : frames) {
+    last = values.step ? cli::phase_ms(*values.step) : std::array<double, cli::kPhaseCount>{};
+    if (values.frame == shown && &values != &log.frames().back()) {
+      draw->AddLine({x, at.y}, {x, at.y + kHeight}, kShown, 1);
+    }
     float y = at.y + kHeight;
     for (std::size_t k = 0; k < last.size(); ++k) {
       const float up = std::max(y - height_of(last[k]), at.y);

@@ -49,6 +49,7 @@ std::string read_line(const std::vector<std::string>& words, ScriptLine& line) {
     case ScriptAction::shot:
       if (!needs(1)) return fmt::format("{} takes one word", name);
       line.word = words[2];
+      if (line.action == ScriptAction::shot && !line.word.ends_with(".png")) return "shot takes a name that ends in .png";
       return "";
     case ScriptAction::move:
       if (needs(2) && read(words[2], line.x) && read(words[3], line.y)) return "";

@@ -35,7 +35,7 @@ int run(const ViewOptions& options) {
   View view(options, std::make_unique<Simulation>(cli::choose_scene(options.settings),
                                                   options.settings.isa, options.settings.threads));
   view.run();
-  if (options.stats || !options.shot.empty()) print_times(view.times());
+  if (options.stats) print_times(view.times());
   return 0;
 }
 

@@ -38,15 +38,18 @@ bool slider(const char* label, double& value, double low, double high, const cha
 
 }  // namespace
 
-void Panels::show(const Status& status, const FrameTimes& times, std::size_t frames_kept) {
-  note_steps(status);
+void Panels::show(const Status& status, const ShownFrame& shown, const FrameTimes& times,
+                  std::size_t frames_kept) {
+  log_.note(status);
   if (state_.panels) {
     ImGui::SetNextWindowPos({10, 10}, ImGuiCond_Once);
     ImGui::SetNextWindowSize({kWidth, 0}, ImGuiCond_Always);
     ImGui::Begin("psim", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PushItemWidth(0.58f * kWidth);
-    show_run(status, times, frames_kept);
-    show_frame_graph(1000 * status.world->desc().dt);
+    show_run(status, shown, times, frames_kept);
+    if (ImGui::CollapsingHeader("frame time", ImGuiTreeNodeFlags_DefaultOpen)) {
+      draw_frame_graph(log_, shown.frame, 1000 * status.world->desc().dt);
+    }
     show_tools();
     show_look(status);
     show_settings(status);
@@ -57,13 +60,30 @@ void Panels::show(const Status& status, const FrameTimes& times, std::size_t fra
   choose_collected();
 }
 
-void Panels::note_steps(const Status& status) {
-  constexpr std::size_t kKept = 240;
-  for (const StepReport& step : status.steps) steps_.push_back(step);
-  while (steps_.size() > kKept) steps_.pop_front();
+// All of it of the frame that is shown.
+void Panels::show_counts(const Status& status, const ShownFrame& shown, const FrameTimes& times) {
+  const FrameValues* const values = log_.find(shown.frame);
+  const StepReport* const step = values != nullptr && values->step ? &*values->step : nullptr;
+  const auto count = [step](std::uint64_t StepReport::*which) {
+    return step != nullptr ? cli::grouped(step->*which) : "-";
+  };
+  text(fmt::format("{} bodies, {} awake, {} joints", cli::grouped(shown.bodies),
+                   count(&StepReport::awake), cli::grouped(status.joints->size())));
+  text(fmt::format("{} pairs, {} contacts", count(&StepReport::pairs), count(&StepReport::contacts)));
+  const double seconds = static_cast<double>(shown.frame) * status.world->desc().dt;
+  text(fmt::format("frame {}, {:.2f} s{}", shown.frame, seconds,
+                   state_.back > 0 ? fmt::format(", {} back", status.frame - shown.frame) : ""));
+  const FrameValues* const hashed = log_.hashed(shown.frame);
+  text(hashed == nullptr ? "hash -"
+                         : fmt::format("hash {}{}", cli::hash_text(*hashed->hash),
+                                       hashed == values ? "" : fmt::format(" ({})", hashed->frame)));
+  text(fmt::format("step {} ms, picture {:.2f} ms, {:.0f} fps",
+                   step != nullptr ? fmt::format("{:.2f}", step->total_ms) : "-", times.last_ms,
+                   times.interval_ms > 0 ? 1000 / times.interval_ms : 0));
 }
 
-void Panels::show_run(const Status& status, const FrameTimes& times, std::size_t frames_kept) {
+void Panels::show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times,
+                      std::size_t frames_kept) {
   const std::string name = status.scene->name;
   if (ImGui::BeginCombo("scene", name.c_str())) {
     for (std::size_t k = 0; k < tools_.scenes().size(); ++k) {
@@ -73,19 +93,7 @@ void Panels::show_run(const Status& status, const FrameTimes& times, std::size_t
     }
     ImGui::EndCombo();
   }
-  const StepReport last = steps_.empty() ? StepReport{} : steps_.back();
-  text(fmt::format("{} bodies, {} awake, {} joints", cli::grouped(status.bodies),
-                   cli::grouped(last.awake), cli::grouped(status.joints->size())));
-  text(fmt::format("{} pairs, {} contacts", cli::grouped(last.pairs), cli::grouped(last.contacts)));
-  const double shown = static_cast<double>(status.frame) - static_cast<double>(state_.back);
-  text(state_.back > 0
-           ? fmt::format("frame {:.0f}, {} back", shown, state_.back)
-           : fmt::format("frame {:.0f}, {:.2f} s", shown, shown * status.world->desc().dt));
-  text(fmt::format(
-      "hash {}{}", cli::hash_text(status.hash),
-      status.hash_frame == status.frame ? "" : fmt::format(" ({})", status.hash_frame)));
-  text(fmt::format("step {:.2f} ms, picture {:.2f} ms, {:.0f} fps", last.total_ms, times.last_ms,
-                   times.interval_ms > 0 ? 1000 / times.interval_ms : 0));
+  show_counts(status, shown, times);
   if (ImGui::Button(status.paused ? "run" : "pause")) tools_.toggle_pause(status.paused);
   ImGui::SameLine();
   if (ImGui::Button("<")) tools_.step_back(frames_kept);
@@ -104,11 +112,6 @@ void Panels::show_run(const Status& status, const FrameTimes& times, std::size_t
     ImGui::TextDisabled("%s", status.message.c_str());
     ImGui::PopTextWrapPos();
   }
-}
-
-void Panels::show_frame_graph(double budget_ms) {
-  if (!ImGui::CollapsingHeader("frame time", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  draw_frame_graph(steps_, budget_ms);
 }
 
 void Panels::show_look(const Status&) {
@@ -137,8 +140,12 @@ void Panels::show_settings(const Status& status) {
   const bool skin_set = slider("skin", draft_.skin, 0.25, 4, "x %.2f", skin_held, ImGuiSliderFlags_Logarithmic);
   if (skin_held || skin_set) sim_.post([skin = draft_.skin](Simulation& s) { s.set_skin(skin); });
   held = held || skin_held;
-  const auto made = std::ranges::count_if(steps_, [](const StepReport& step) { return step.rebuilt; });
-  text(fmt::format("lists made in {} of {} steps", made, steps_.size()));
+  std::size_t steps = 0, made = 0;
+  for (const FrameValues& values : graph_frames(log_)) {
+    steps += values.step ? 1 : 0;
+    made += values.step && values.step->rebuilt ? 1 : 0;
+  }
+  text(fmt::format("lists made in {} of {} steps", made, steps));
 
   ImGui::TextDisabled("these make a new world from this state:");
   ImGui::SliderInt("substeps", &draft_.substeps, 1, 16);
@@ -188,7 +195,9 @@ void Panels::show_tools() {
 }
 
 void Panels::show_help() {
-  ImGui::SetNextWindowPos({kWidth + 30, 10}, ImGuiCond_Appearing);
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({window.x - 10, window.y - 10}, ImGuiCond_Appearing, {1, 1});
+  ImGui::SetNextWindowBgAlpha(0.55f);
   ImGui::Begin("keys", &state_.help, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::TextUnformatted(
       "left button     the tool: 1 grab, 2 spawn, 3 explode, 4 well, 5 wall, 6 erase\n"

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 
+#include "frame_log.h"
 #include "frame_times.h"
 #include "sim_thread.h"
 #include "tools.h"
@@ -12,18 +12,24 @@
 
 namespace psim::view {
 
+/// The frame of the picture: the newest, or one looked back at.
+struct ShownFrame {
+  std::uint64_t frame = 0, bodies = 0;
+};
+
 class Panels {
  public:
   Panels(SimThread& sim, ViewState& state, Tools& tools)
       : sim_(sim), state_(state), tools_(tools) {}
 
   /// Called every frame between begin_panels and draw_panels of the window.
-  void show(const Status& status, const FrameTimes& times, std::size_t frames_kept);
+  void show(const Status& status, const ShownFrame& shown, const FrameTimes& times,
+            std::size_t frames_kept);
 
  private:
-  void note_steps(const Status& status);
-  void show_run(const Status& status, const FrameTimes& times, std::size_t frames_kept);
-  void show_frame_graph(double budget_ms);
+  void show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times,
+                std::size_t frames_kept);
+  void show_counts(const Status& status, const ShownFrame& shown, const FrameTimes& times);
   void show_look(const Status& status);
   void show_settings(const Status& status);
   void show_tools();
@@ -33,7 +39,7 @@ class Panels {
   SimThread& sim_;
   ViewState& state_;
   Tools& tools_;
-  std::deque<StepReport> steps_;  // the newest last
+  FrameLog log_;
   Settings draft_;                // of the sliders while one is held
   bool editing_ = false;
   Collect collected_;

@@ -108,7 +108,7 @@ void SimThread::run() {
     simulation_->tell(fresh);
     const std::lock_guard lock(mutex_);
     constexpr std::size_t kMostUnread = 1024;  // of a window that nobody looks at
-    if (status_.steps.size() < kMostUnread) {
+    if (status_.run_serial == fresh.run_serial && status_.steps.size() < kMostUnread) {
       fresh.steps.insert(fresh.steps.begin(), status_.steps.begin(), status_.steps.end());
     }
     status_ = std::move(fresh);

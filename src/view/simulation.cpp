@@ -57,6 +57,7 @@ Scene Simulation::configured() const {
 void Simulation::make(bool keep_state) {
   const Scene scene = configured();
   cli::check_memory(scene);
+  if (world_) let_go();
   std::shared_ptr<World> fresh = cli::make_world(scene, settings_.isa, settings_.threads);
   auto looks = std::make_shared<Catalogue>(scene);
   if (keep_state && world_) {
@@ -64,9 +65,11 @@ void Simulation::make(bool keep_state) {
     frames_before_ += world_->frame();
   } else {
     added_.clear();
+    reports_.clear();
     frames_before_ = 0;
+    ++run_serial_;
   }
-  grab_.reset();
+  hash_frame_ = kNoFrame;
   hits_.clear();
   world_ = std::move(fresh);
   catalogue_ = std::move(looks);
@@ -186,7 +189,7 @@ void Simulation::set_collect(const Collect& collect) {
 }
 
 void Simulation::step() {
-  if (grab_) pull();
+  if (grab_) lead();
   reports_.push_back(world_->step());
   if (steps_left_ > 0) --steps_left_;
   changed_ = false;
@@ -281,12 +284,14 @@ void Simulation::tell(Status& status) {
   }
   status.settings = settings_;
   status.scene_serial = scene_serial_;
+  status.run_serial = run_serial_;
   status.world_serial = world_serial_;
   status.paused = paused;
   status.speed = speed;
   status.message = message_;
   status.frame = frame();
-  status.bodies = world_->body_count();
+  status.first_frame = frames_before_;
+  status.bodies = world_->body_count() - (grab_ ? 1 : 0);
   status.hash = hash_;
   status.hash_frame = hash_frame_;
   status.steps.insert(status.steps.end(), reports_.begin(), reports_.end());

@@ -54,6 +54,8 @@ struct TouchLists {
   std::vector<HitEvent> hits;  ///< of the last step
 };
 
+inline constexpr std::uint64_t kNoFrame = ~std::uint64_t{0};
+
 /// What the view knows of the simulation. Everything pointed to stays as it is.
 struct Status {
   std::shared_ptr<World> world;  ///< for latest_snapshot and constants only
@@ -64,13 +66,15 @@ struct Status {
   std::shared_ptr<const TouchLists> touches;
   Settings settings;
   std::uint64_t scene_serial = 0;  ///< counts scenes loaded
-  std::uint64_t world_serial = 0;  ///< counts restarts and rebuilt worlds, too
+  std::uint64_t run_serial = 0;    ///< counts restarts, too: frames begin at 0
+  std::uint64_t world_serial = 0;  ///< counts rebuilt worlds, too
   bool paused = false;
   double speed = 1;  ///< simulated seconds a second
   std::string message;
   std::uint64_t frame = 0, bodies = 0;
-  std::uint64_t hash = 0, hash_frame = 0;
-  std::vector<StepReport> steps;  ///< since the status before
+  std::uint64_t first_frame = 0;  ///< of the world: what its snapshots count from
+  std::uint64_t hash = 0, hash_frame = kNoFrame;
+  std::vector<StepReport> steps;  ///< since the status before; the last one led to `frame`
 };
 
 enum class SpawnShape : std::uint8_t { disc, box, polygon, capsule };
@@ -112,10 +116,12 @@ class Simulation {
   double speed = 1;
 
  private:
+  // Two springs from a body to an unseen kinematic one, which goes after the pointer.
   struct Grab {
-    BodyId body;
-    Vec2 arm;  // metres, body frame
-    Vec2 target;
+    BodyId body, anchor;
+    Vec2 arm;        // metres, body frame
+    Vec2 target;     // metres: the pointer
+    double stretch;  // metres: how far the anchor goes ahead of the body
   };
   struct Added {
     BodyId id;
@@ -127,7 +133,9 @@ class Simulation {
   void carry_over(World& old, World& fresh, Catalogue& looks);
   void add(BodyDesc desc);
   void forget_joints_of(std::uint32_t id);
-  void pull();
+  void lead();
+  Vec2 way(Vec2 from, Vec2 to) const;
+  Vec2 inside(Vec2 place) const;
   std::shared_ptr<const TouchLists> take_touches();
   void take_contacts(TouchLists& touches);
   std::shared_ptr<const Snapshot> take_still() const;
@@ -146,9 +154,9 @@ class Simulation {
   std::vector<HitEvent> hits_;
   std::vector<StepReport> reports_;
   std::string message_;
-  std::uint64_t scene_serial_ = 0, world_serial_ = 0, steps_left_ = 0, spawned_ = 0;
+  std::uint64_t scene_serial_ = 0, run_serial_ = 0, world_serial_ = 0, steps_left_ = 0, spawned_ = 0;
   std::uint64_t frames_before_ = 0;  // of the worlds that this one goes on from
-  std::uint64_t hash_ = 0, hash_frame_ = 0;
+  std::uint64_t hash_ = 0, hash_frame_ = kNoFrame;
   bool changed_ = true;  // since the last step, so that the latest snapshot is out of date
 };
 

@@ -46,40 +46,99 @@ double Simulation::mass_of(const BodyState& state) const {
   return catalogue_->mass(state.id.index, state.radius);
 }
 
+// The springs end far from the anchor at right angles and are as long as that is far: together one soft
+// pin that is damped whichever way the body moves. A single spring of length 0 would let it circle.
 void Simulation::grab(Vec2 at, double reach) {
+  constexpr double kFrequency = 25;    // rad/s
+  constexpr double kMostPull = 1000;   // m/s^2
+  constexpr double kSpringLength = 100;  // times the stretch: nearly parallel wherever the body is
   let_go();
   const auto hit = world_->closest(at, reach, kMovable);
   if (!hit) return;
   const auto body = world_->body(hit->body);
   if (!body || body->type != BodyType::dynamic_body) return;
+  BodyDesc desc;
+  desc.type = BodyType::kinematic_body;
+  desc.shape = DiscShape{body->radius};  // of a size that the world has: lists follow the smallest
+  desc.position = inside(hit->point);
+  desc.filter = {.category = 0, .mask = 0};
+  std::string error;
+  const BodyId anchor = world_->add_body(desc, error);
+  if (anchor == kNoBody) {
+    message_ = error;
+    return;
+  }
+  forget_joints_of(anchor.index);
+  catalogue_->hide(anchor.index);
+  told_catalogue_.reset();
   const double c = std::cos(body->angle), s = std::sin(body->angle);
-  const double dx = hit->point.x - body->x, dy = hit->point.y - body->y;
-  grab_ = Grab{hit->body, {c * dx + s * dy, c * dy - s * dx}, at};
+  const Vec2 d = way({body->x, body->y}, hit->point);
+  grab_ = Grab{hit->body, anchor, {c * d.x + s * d.y, c * d.y - s * d.x}, at,
+               std::max(kMostPull / (kFrequency * kFrequency), body->radius)};
+  changed_ = true;
+  const double mass = mass_of(*body), far = kSpringLength * grab_->stretch;
+  for (const Vec2 end : {Vec2{far, 0}, Vec2{0, far}}) {
+    JointDesc spring;
+    spring.type = JointType::spring;
+    spring.a = anchor;
+    spring.b = hit->body;
+    spring.anchor_a = end;
+    spring.anchor_b = grab_->arm;
+    spring.length = far;
+    spring.stiffness = mass * kFrequency * kFrequency;
+    spring.damping = 2 * mass * kFrequency;
+    spring.collide = true;
+    if (world_->add_joint(spring, error) != kNoJoint) continue;
+    message_ = error;
+    return let_go();
+  }
 }
 
 void Simulation::drag(Vec2 to) {
   if (grab_) grab_->target = to;
 }
 
-void Simulation::let_go() { grab_.reset(); }
+void Simulation::let_go() {
+  if (!grab_) return;
+  world_->remove_body(grab_->anchor);  // and the springs
+  grab_.reset();
+  changed_ = true;
+}
 
-// A soft spring: the grabbed point is steered to be at the target in kFrames frames. Its arm makes
-// it lighter than the body, so a share of the impulse suffices and never overshoots.
-void Simulation::pull() {
-  constexpr double kFrames = 6, kShare = 0.3;
-  const auto body = world_->body(grab_->body);
-  if (!body) return let_go();
+// From one place to another, by the short way over a seam.
+Vec2 Simulation::way(Vec2 from, Vec2 to) const {
+  Vec2 d{to.x - from.x, to.y - from.y};
+  if (world_->desc().boundary != Boundary::periodic) return d;
+  const Bounds& b = world_->desc().bounds;
+  d.x = std::remainder(d.x, b.xmax - b.xmin);
+  d.y = std::remainder(d.y, b.ymax - b.ymin);
+  return d;
+}
+
+// The nearest place of the world: a body that leaves an open one is taken out.
+Vec2 Simulation::inside(Vec2 place) const {
+  constexpr double kMargin = 1e-6;
+  const Bounds& b = world_->desc().bounds;
+  const double x = kMargin * (b.xmax - b.xmin), y = kMargin * (b.ymax - b.ymin);
+  return {std::clamp(place.x, b.xmin + x, b.xmax - x), std::clamp(place.y, b.ymin + y, b.ymax - y)};
+}
+
+// Before every step: the anchor goes after the pointer, but no further from the body than `stretch`,
+// which bounds the pull on one that cannot follow.
+void Simulation::lead() {
+  constexpr double kRate = 12;  // 1/s
+  const auto body = world_->body(grab_->body), anchor = world_->body(grab_->anchor);
+  if (!body || !anchor) return let_go();
   world_->wake(grab_->body);
+  const Vec2 place{anchor->x, anchor->y};
   const Vec2 held = to_world(grab_->arm, {body->x, body->y}, body->angle);
-  const double rx = held.x - body->x, ry = held.y - body->y;
-  const double vx = body->vx - body->omega * ry, vy = body->vy + body->omega * rx;
-  const double rate = 1 / (kFrames * dt());
-  const Vec2& g = settings_.gravity;
-  const double m = mass_of(*body);
-  world_->apply_impulse_at(grab_->body,
-                           {m * (kShare * ((grab_->target.x - held.x) * rate - vx) - g.x * dt()),
-                            m * (kShare * ((grab_->target.y - held.y) * rate - vy) - g.y * dt())},
-                           held);
+  const Vec2 rest = way(place, inside(grab_->target));
+  const double share = std::min(kRate * dt(), 1.0);
+  Vec2 ahead = way(held, {place.x + share * rest.x, place.y + share * rest.y});
+  const double far = std::hypot(ahead.x, ahead.y);
+  if (far > grab_->stretch) ahead = {ahead.x * grab_->stretch / far, ahead.y * grab_->stretch / far};
+  const Vec2 step = way(place, inside({held.x + ahead.x, held.y + ahead.y}));
+  world_->set_velocity(grab_->anchor, {step.x / dt(), step.y / dt()}, 0);
 }
 
 void Simulation::add(BodyDesc desc) {

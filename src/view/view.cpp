@@ -164,7 +164,11 @@ void View::draw() {
   renderer_.upload(bodies_, state_.colouring);
   renderer_.upload(overlays_.below, overlays_.above);
   const double upload = watch.lap_ms();
-  panels_.show(status_, times_, history_.size());
+  const ShownFrame shown =
+      state_.back == 0 || shown_ == nullptr
+          ? ShownFrame{status_.frame, status_.bodies}
+          : ShownFrame{status_.first_frame + shown_->frame, bodies_.seen()};
+  panels_.show(status_, shown, times_, history_.size());
   ImGui::Render();
   const double panels = watch.lap_ms();
 

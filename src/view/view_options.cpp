@@ -64,7 +64,7 @@ std::optional<ViewOptions> parse_view_options(int argc, const char* const* argv)
   cli::add_value(app, "--after", after, "N", "View", "frames before that (60)");
   cli::add_value(app, "--play", options.play, "FILE", "View", "keys and pointer from a file");
   cli::add_value(app, "--size", size, "WxH", "View", "of the window, pixels (1280x800)");
-  app.add_flag("--stats", options.stats, "times of a picture, at the end")->group("View");
+  app.add_flag("--stats", options.stats, "what a picture costs, on stderr at the end")->group("View");
   app.add_flag("--version", options.version, "version")->group("View");
   try {
     app.parse(argc, argv);
@@ -87,6 +87,7 @@ std::optional<ViewOptions> parse_view_options(int argc, const char* const* argv)
       cli::refuse(name, "", "needs a file name");
     }
   }
+  if (!options.shot.empty()) cli::require_ending("--shot", options.shot, ".png");
   options.after =
       cli::number<std::uint64_t>("--after", after, app.count("--after") > 0, 1, 1'000'000'000,
                                  "must be a whole number of frames, 1 to 1000000000");

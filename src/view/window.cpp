@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <string_view>
 
 #include "gl.h"
@@ -22,8 +23,18 @@ namespace {
 
 [[noreturn]] void refuse(const char* what) {
   throw cli::UserError(
-      fmt::format("{}: {}; where there is no display: xvfb-run -a psim-view --shot FILE.png", what,
+      fmt::format("{}: {}; without a display there are pictures only: psim-view --shot FILE.png, or by xvfb-run -a", what,
                   cli::one_line(SDL_GetError())));
+}
+
+// Where there is no display SDL would try Wayland, whose library then complains on stderr. Pictures need
+// none. SDL_VIDEODRIVER of the user's wins.
+void choose_driver(bool in_step) {
+  for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"}) {
+    const char* const value = std::getenv(name);
+    if (value != nullptr && *value != 0) return;
+  }
+  SDL_SetHint(SDL_HINT_VIDEODRIVER, in_step ? "offscreen" : "x11");
 }
 
 int button_of(Uint8 button) {
@@ -40,6 +51,7 @@ bool goes_on(SDL_Keycode key) {
 Window::Window(int width, int height, bool in_step)
     : width_(width), height_(height), in_step_(in_step) {
   SDL_SetMainReady();
+  choose_driver(in_step);
   if (SDL_Init(SDL_INIT_VIDEO) != 0) refuse("no window");
   const std::string_view driver = SDL_GetCurrentVideoDriver();
   if (!in_step && (driver == "offscreen" || driver == "dummy")) {
@@ -73,6 +85,8 @@ void Window::begin_imgui() {
   style.FramePadding = {4, 2};  // all panels fit into 800 pixels
   style.ItemSpacing = {8, 3};
   style.Colors[ImGuiCol_WindowBg].w = 0.88f;
+  style.Colors[ImGuiCol_SliderGrab].w = 0.35f;  // the number under the knob can be read
+  style.Colors[ImGuiCol_SliderGrabActive].w = 0.45f;
   ImGui_ImplSDL2_InitForOpenGL(window_, context_);
   ImGui_ImplOpenGL3_Init("#version 330");
 }

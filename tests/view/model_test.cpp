@@ -8,6 +8,7 @@
 #include "body_columns.h"
 #include "camera.h"
 #include "catalogue.h"
+#include "frame_log.h"
 #include "history.h"
 #include "input_script.h"
 #include "sim_thread.h"
@@ -87,7 +88,8 @@ TEST(ViewScript, LinesAreReadInOrder) {
 TEST(ViewScript, MistakesAreNamedWithTheirLine) {
   for (const char* text :
        {"1 key A\nx key A", "1 key A\n2 jump", "1 key A\n2 down up", "1 key A\n2 move 3",
-        "1 key A\n2 wheel a", "1 key A\n2 quit now", "5 key A\n4 key B", "1 key A\n2 key"}) {
+        "1 key A\n2 wheel a", "1 key A\n2 quit now", "5 key A\n4 key B", "1 key A\n2 key",
+        "1 key A\n2 shot a.jpg"}) {
     try {
       parse_script(text, "file");
       ADD_FAILURE() << text;
@@ -131,6 +133,88 @@ TEST(ViewSimulation, GrabbedBodyFollowsThePointer) {
     simulation.let_go();
     for (int frame = 0; frame < 120; ++frame) simulation.step();
     EXPECT_LT(body(simulation, index)->y, -8);
+  }
+}
+
+// Two springs to an unseen body hold it: nothing of that is seen, counted or left behind.
+TEST(ViewSimulation, GrabIsAJointThatGoesWithTheHand) {
+  Simulation simulation = make_simulation();
+  const Status before = told(simulation);
+  simulation.grab({0, -9}, 0.1);
+  simulation.drag({0, 0});
+  simulation.step();
+  Status status = told(simulation);
+  EXPECT_EQ(status.world->joint_count(), 2u);
+  EXPECT_EQ(status.bodies, 4u);
+  EXPECT_TRUE(status.joints->empty());
+  ASSERT_NE(status.world->latest_snapshot(), nullptr);
+  BodyColumns columns;
+  columns.set(*status.world->latest_snapshot(), status.catalogue);
+  ASSERT_EQ(columns.size(), 5u);
+  EXPECT_EQ(columns.seen(), 4u);
+  EXPECT_TRUE(status.catalogue->hidden(columns.looks()[4]));
+  EXPECT_TRUE(status.catalogue->kind(4).points.empty());
+  simulation.let_go();
+  EXPECT_EQ(told(simulation).world->joint_count(), 0u);
+  EXPECT_EQ(told(simulation).world->body_count(), 4u);
+  simulation.spawn({10, 10}, SpawnShape::box, 1);  // takes the id over
+  EXPECT_FALSE(told(simulation).catalogue->hidden(told(simulation).catalogue->look(4)));
+
+  for (const int how : {0, 1, 2, 3}) {
+    simulation.grab({-6, -9}, 0.1);
+    EXPECT_EQ(told(simulation).world->joint_count(), 2u);
+    if (how == 0) simulation.set_settings(told(simulation).settings);
+    if (how == 1) simulation.restart();
+    if (how == 2) simulation.load("galton");
+    if (how == 3) {
+      simulation.erase({-6, -9}, 0.1);  // the body that is held, or what holds it
+      simulation.step();
+    }
+    EXPECT_EQ(told(simulation).world->joint_count(), 0u) << how;
+    EXPECT_EQ(told(simulation).world->body_count(), told(simulation).bodies) << how;
+    simulation.drag({0, 0});
+    simulation.step();
+    simulation = make_simulation();
+  }
+}
+
+// A body that is thrown past the pointer comes to rest there and does not go round it.
+TEST(ViewSimulation, GrabbedBodyDoesNotCircleThePointer) {
+  Simulation simulation = make_simulation();
+  simulation.set_gravity({0, 0});
+  simulation.grab({0, -9}, 0.1);
+  simulation.drag({0, 5});
+  for (int frame = 0; frame < 30; ++frame) simulation.step();
+  const Status status = told(simulation);
+  status.world->set_velocity(status.world->id_of(1), {40, 0}, 0);
+  for (int frame = 0; frame < 60; ++frame) simulation.step();
+  const auto now = body(simulation, 1);
+  EXPECT_NEAR(now->x, 0, 0.05);
+  EXPECT_NEAR(now->y, 5, 0.05);
+  EXPECT_LT(std::hypot(now->vx, now->vy), 0.1);
+}
+
+// The pointer is far below the floor and outside of the world.
+TEST(ViewSimulation, GrabbedBodyThatCannotFollowIsPulledWithinBounds) {
+  for (const Boundary boundary : {Boundary::walls, Boundary::open, Boundary::periodic}) {
+    Scene scene = small_scene();
+    scene.world.boundary = boundary;
+    if (boundary != Boundary::walls) scene.world.gravity = {0, 0};
+    Simulation simulation{scene, best_isa(), 1};
+    simulation.grab({0, -9}, 0.1);
+    simulation.drag({0, -500});
+    for (int frame = 0; frame < 120; ++frame) simulation.step();
+    const auto now = body(simulation, 1);
+    if (boundary == Boundary::open) {  // it has left, and nothing holds on to it
+      EXPECT_FALSE(now);
+      EXPECT_EQ(told(simulation).world->body_count(), 3u);
+      EXPECT_EQ(told(simulation).bodies, 3u);
+      continue;
+    }
+    ASSERT_TRUE(now);
+    if (boundary == Boundary::walls) EXPECT_NEAR(now->y, -9, 0.1);
+    if (boundary == Boundary::periodic) EXPECT_NEAR(std::remainder(now->y + 10, 40), 0, 0.1);  // on the seam
+    EXPECT_LT(std::hypot(now->vx, now->vy), 0.5);
   }
 }
 
@@ -331,6 +415,62 @@ TEST(ViewSimulation, SceneThatIsNotThereChangesNothing) {
   EXPECT_NE(told(simulation).message.find("no-such-scene"), std::string::npos);
   simulation.load("galton");
   EXPECT_GT(told(simulation).world_serial, serial);
+}
+
+// Values of a frame are those of its own step; a restart and a new scene begin with none.
+TEST(ViewFrameLog, KnowsEveryFrameOfTheRun) {
+  Simulation simulation = make_simulation();
+  FrameLog log;
+  Status status;
+  const auto note = [&] {
+    status.steps.clear();
+    simulation.tell(status);
+    log.note(status);
+  };
+  note();
+  ASSERT_EQ(log.frames().size(), 1u);
+  EXPECT_FALSE(log.frames().front().step);
+  std::vector<std::uint64_t> hashes{status.hash};
+  for (int frame = 1; frame <= 9; ++frame) {
+    simulation.step();
+    if (frame == 5) continue;  // two steps in one status
+    note();
+    hashes.push_back(status.hash);
+  }
+  ASSERT_EQ(log.frames().size(), 10u);
+  ASSERT_NE(log.find(7), nullptr);
+  EXPECT_EQ(log.find(7)->frame, 7u);
+  EXPECT_EQ(log.find(7)->hash, hashes[6]);
+  EXPECT_EQ(log.find(5)->hash, std::nullopt);
+  EXPECT_EQ(log.hashed(5)->frame, 4u);
+  EXPECT_EQ(log.find(10), nullptr);
+  EXPECT_GT(log.find(5)->step->awake, 0u);
+  simulation.set_settings(told(simulation).settings);  // the run goes on
+  simulation.step();
+  note();
+  EXPECT_EQ(log.frames().size(), 11u);
+  simulation.step();
+  simulation.restart();
+  note();
+  EXPECT_EQ(log.frames().size(), 1u);
+  EXPECT_EQ(log.hashed(100)->frame, 0u);
+  EXPECT_EQ(log.hashed(100)->hash, hashes[0]);
+  simulation.step();
+  note();
+  simulation.load("galton");
+  note();
+  EXPECT_EQ(log.frames().size(), 1u);
+  EXPECT_EQ(status.hash_frame, 0u);
+}
+
+TEST(ViewThread, StepsOfAnOldRunAreNotTold) {
+  SimThread thread(std::make_unique<Simulation>(small_scene(), best_isa(), 1), true);
+  for (int k = 0; k < 3; ++k) thread.advance();
+  thread.post([](Simulation& s) { s.restart(); });
+  thread.advance();
+  const Status status = thread.status();
+  EXPECT_EQ(status.frame, 1u);
+  EXPECT_EQ(status.steps.size(), 1u);
 }
 
 TEST(ViewThread, LockstepTakesOneStepACallAndNoneInAPause) {

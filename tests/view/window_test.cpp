@@ -104,7 +104,7 @@ TEST_F(ViewWindow, ShowsBodiesWhereTheyAre) {
   NEEDS_A_SCREEN();
   const std::string shot = scratch_.file("a.png");
   const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " +
-                                   script("") + " --after 5 --shot " + shot);
+                                   script("") + " --after 5 --stats --shot " + shot);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_NE(outcome.err.find("5 pictures"), std::string::npos) << outcome.err;
@@ -231,6 +231,19 @@ TEST_F(ViewWindow, PanelsScenesAndOverlaysCanBeShown) {
   EXPECT_GT(Picture(shot).painted(160, 200, 100), 1000);  // a panel full of words
 }
 
+TEST_F(ViewWindow, PictureNeedsNoDisplayAndSaysNothing) {
+  const std::string shot = scratch_.file("i.png");
+  const Outcome outcome =
+      Process("/bin/sh", {"-c", "unset DISPLAY WAYLAND_DISPLAY XDG_RUNTIME_DIR SDL_VIDEODRIVER; exec " PSIM_PROGRAM
+                                " hourglass --threads 1 --size 400x300 --after 2 --shot " +
+                                    shot})
+          .wait();
+  if (outcome.status != 0) GTEST_SKIP() << "SDL or OpenGL cannot draw without a display here: " << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(Picture(shot).width, 400);
+}
+
 TEST_F(ViewWindow, MistakesAreOneLineAndStatusTwo) {
   const auto refused = [](std::vector<std::string> arguments, const std::string& word) {
     const Outcome outcome = run_psim(std::move(arguments));
@@ -248,6 +261,7 @@ TEST_F(ViewWindow, MistakesAreOneLineAndStatusTwo) {
   refused({"pile", "--scene", "galton"}, "a scene already");
   refused({"no-such-scene", "--after", "1"}, "no-such-scene");
   refused({"--shot", "/no/such/folder/a.png"}, "cannot be written");
+  refused({"--shot", scratch_.file("a.jpg")}, "must end in .png");
   refused({"--play", scratch_.file("none"), "--after", "1"}, "cannot be read");
   refused({"--play", scratch_.write("bad", "1 jump\n"), "--after", "1"}, "bad:1: ");
 }
