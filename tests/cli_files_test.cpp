@@ -124,9 +124,9 @@ TEST_F(CliFiles, TraceHasNamedThreadsAndEveryFrame) {
 TEST_F(CliFiles, WhatCannotBeWrittenIsRefusedBeforeTheRun) {
   for (const char* option : {"--state", "--metrics", "--trajectory", "--image", "--trace"}) {
     SCOPED_TRACE(option);
-    expect_refused(run({option, folder_.file("none/x")}), {option, "none/x", "No such file"});
+    expect_refused(run({option, folder_.file("none/x.png")}), {option, "none/x.png", "No such file"});
     expect_refused(run({option, folder_.file("")}), {option, "directory"});
-    expect_refused(run({option, folder_.file(std::string(300, 'x'))}), {option, "too long"});
+    expect_refused(run({option, folder_.file(std::string(300, 'x') + ".png")}), {option, "too long"});
   }
   EXPECT_EQ(folder_.names(), Words{"small.json"});
 }

@@ -104,6 +104,7 @@ void check_outputs(const CLI::App& app, Mode mode) {
     if (option->count() == 0) continue;
     if (option->as<std::string>().empty()) refuse(name, "", "needs a file name");
   }
+  if (app.count("--image") > 0) require_ending("--image", app.get_option("--image")->as<std::string>(), ".png");
   if (app.count("--every") > 0 && app.count("--trajectory") == 0 && app.count("--frames-dir") == 0 &&
       app.count("--video") == 0) {
     throw UserError("--every: has a meaning only with --trajectory, --frames-dir or --video");

@@ -87,6 +87,7 @@ PictureOptions read_pictures(const CLI::App& app, const TypedPictures& typed,
       refuse(name, "", name[2] == 'v' ? "needs a file name" : "needs a directory");
     }
   }
+  if (given("--video")) require_ending("--video", typed.video, ".mp4");
   PictureOptions options;
   options.frames_dir = typed.frames_dir;
   options.video = typed.video;

@@ -35,6 +35,17 @@ void refuse(std::string_view option, std::string_view text, std::string_view rig
   throw UserError(fmt::format("{} {}: {}", option, text.empty() ? "''" : one_line(text), right));
 }
 
+void require_ending(std::string_view option, const std::string& file, std::string_view ending) {
+  if (file.ends_with('/') || file.starts_with("/dev/")) return;
+  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
+  const std::string_view name = std::string_view(file).substr(file.rfind('/') + 1);
+  if (name.size() > ending.size() &&
+      std::ranges::equal(name.substr(name.size() - ending.size()), ending, same)) {
+    return;
+  }
+  refuse(option, file, fmt::format("must end in {}, the only format that is written", ending));
+}
+
 std::optional<bool> on_off(std::string_view option, const std::string& text, bool given) {
   if (!given) return std::nullopt;
   if (text != "on" && text != "off") refuse(option, text, "must be on or off");

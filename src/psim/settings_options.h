@@ -32,6 +32,10 @@ void read_settings(const CLI::App& app, const TypedSettings& typed, Options& opt
 /// Throws UserError "OPTION VALUE: what would be right".
 [[noreturn]] void refuse(std::string_view option, std::string_view text, std::string_view right);
 
+/// Throws UserError unless a file's name ends in `ending`, as ".png", in small or capital letters. Directories
+/// and devices are left to who opens them.
+void require_ending(std::string_view option, const std::string& file, std::string_view ending);
+
 /// Throws UserError about the first word that is no option of `app`.
 void refuse_leftovers(const CLI::App& app);
 
