@@ -34,7 +34,7 @@ class JsonSchema {
     const auto violated_if = [&](bool bad) { return bad ? at + ": " + keyword : std::string(); };
     const auto number = [&] { return value.get<double>(); };
     if (keyword == "$schema" || keyword == "$defs" || keyword == "title" ||
-        keyword == "description") {
+        keyword == "description" || keyword == "default" || keyword == "x-default") {
       return {};
     }
     if (keyword == "$ref") {

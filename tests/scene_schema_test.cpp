@@ -264,5 +264,72 @@ TEST(SceneSchema, BothJudgeDamagedDocumentsAlike) {
   EXPECT_GT(judged, 1000u);
 }
 
+// What a schema calls the default of a key is what the parser takes where the key is missing.
+TEST(SceneSchema, DefaultsAreTheParsers) {
+  const std::string world = R"({"psim": 1, "name": "n", "world": {"bounds": [0, 0, 9, 9]})";
+  const std::string pair = R"(, "bodies": [{"shape": {"disc": {"radius": 1}}, "position": [2, 2]},
+      {"shape": {"disc": {"radius": 1}}, "position": [6, 6]}])";
+  const auto body = [&](const std::string& shape) {
+    return world + R"(, "bodies": [{"type": "static", "shape": {)" + shape + R"(}, "position": [5, 5]}]})";
+  };
+  const auto joint = [&](const std::string& keys) {
+    return world + pair + R"(, "joints": [{"a": 0, "b": 1, )" + keys + "}]}";
+  };
+  const auto group = [&](const std::string& keys) { return world + R"(, "groups": [{)" + keys + "}]}"; };
+  const std::string placed = R"("layout": "lattice", "count": 4, "region": [1, 1, 8, 8], "radius": 0.5)";
+  struct Section {
+    const char* keys;      // where the schema has them
+    const char* at;        // where a document has them
+    std::string document;  // with none of them
+  };
+  const Section sections[] = {
+      {"/properties", "", world + "}"},
+      {"/$defs/world/properties", "/world", world + "}"},
+      {"/$defs/step/properties", "/step", world + R"(, "step": {}})"},
+      {"/$defs/material/properties", "/materials/a", world + R"(, "materials": {"a": {}, "wall": {"friction": 1}}})"},
+      {"/$defs/body/properties", "/bodies/0", world + pair + "}"},
+      {"/$defs/box/properties/box/properties", "/bodies/0/shape/box", body(R"("box": {"size": [1, 1]})")},
+      {"/$defs/polygon/properties/polygon/properties", "/bodies/0/shape/polygon",
+       body(R"("polygon": {"vertices": [[0, 0], [1, 0], [0, 1]]})")},
+      {"/$defs/chain/properties/chain/properties", "/bodies/0/shape/chain",
+       body(R"("chain": {"vertices": [[0, 0], [1, 0], [0, 1]]})")},
+      {"/$defs/placed_group/properties", "/groups/0", group(placed)},
+      {"/$defs/listed_group/properties", "/groups/0", group(R"("layout": "explicit", "x": [1], "y": [1], "radius": 1)")},
+      {"/$defs/rod_links/properties", "/groups/0/links", group(placed + R"(, "links": {})")},
+      {"/$defs/spring_links/properties", "/groups/0/links",
+       group(placed + R"(, "links": {"type": "spring", "stiffness": 1})")},
+      {"/$defs/rod/properties", "/joints/0", joint(R"("type": "rope")")},
+      {"/$defs/spring/properties", "/joints/0", joint(R"("type": "spring", "stiffness": 1)")},
+      {"/$defs/revolute/properties", "/joints/0", joint(R"("type": "revolute")")},
+      {"/$defs/prismatic/properties", "/joints/0", joint(R"("type": "prismatic")")},
+      {"/$defs/weld/properties", "/joints/0", joint(R"("type": "weld")")},
+      {"/$defs/well/properties", "/fields/0",
+       world + R"(, "fields": [{"type": "well", "position": [1, 1], "strength": 1}]})"},
+      {"/$defs/drag/properties", "/fields/0", world + R"(, "fields": [{"type": "drag"}]})"}};
+  const auto read = [](const Json& document) {
+    std::string error;
+    const auto scene = parse_scene(document.dump(), "f", error);
+    EXPECT_TRUE(scene) << error << "\n" << document;
+    return scene ? scene_to_json(*scene) : std::string();
+  };
+  std::ifstream file(PSIM_SOURCE_DIR "/docs/scene.schema.json");
+  const Json root = Json::parse(file);
+  std::size_t held = 0;
+  for (const Section& section : sections) {
+    const Json plain = Json::parse(section.document);
+    const std::string expected = read(plain);
+    for (const auto& [key, rule] : root.at(Json::json_pointer(section.keys)).items()) {
+      if (!rule.contains("default")) continue;
+      Json said = plain;
+      Json& object = said.at(Json::json_pointer(section.at));
+      if (object.contains(key)) continue;
+      object[key] = rule["default"];
+      EXPECT_EQ(read(said), expected) << section.keys << '/' << key << " is " << rule["default"];
+      ++held;
+    }
+  }
+  EXPECT_GT(held, 80u);
+}
+
 }  // namespace
 }  // namespace psim
