@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
-"""psim from Python with nothing but the standard library: python_ctypes.py [path of libpsim.so]."""
+"""psim from Python with nothing but the standard library: python_ctypes.py [FILE of libpsim.so]."""
 import ctypes as c
 import sys
 
-psim = c.CDLL(sys.argv[1] if len(sys.argv) > 1 else "libpsim.so.0.1")
+LIBRARY = sys.argv[1] if len(sys.argv) > 1 else "libpsim.so.0.1"
+try:
+    psim = c.CDLL(LIBRARY)
+except OSError as error:
+    sys.exit(f"{error}; name the library: python_ctypes.py build/release/libpsim.so (or set LD_LIBRARY_PATH)")
 
 
 class Column(c.Structure):

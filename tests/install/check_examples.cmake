@@ -51,3 +51,8 @@ example("the ball is at \\(.*\\)\n(the wall is [0-7]\\.[0-9] m high|nothing is l
 file(GLOB_RECURSE shared "${scratch}/prefix/*/libpsim.so")
 example("psim [0-9.]+: 1000 discs fell [34]\\.[0-9]+ m in a second"
         "${PYTHON}" "${EXAMPLES_DIR}/python_ctypes.py" "${shared}")
+execute_process(COMMAND "${PYTHON}" "${EXAMPLES_DIR}/python_ctypes.py" none/libpsim.so
+  RESULT_VARIABLE status ERROR_VARIABLE said OUTPUT_QUIET)
+if(status EQUAL 0 OR NOT said MATCHES "^none/libpsim.so: [^\n]*; name the library: [^\n]*\n$")
+  message(FATAL_ERROR "python_ctypes.py without its library: ${status}, ${said}")
+endif()
