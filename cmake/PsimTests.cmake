@@ -84,7 +84,7 @@ endif()
 if(TARGET psim_core)
   add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp)
   psim_target_defaults(soak)
-  target_link_libraries(soak PRIVATE psim_internal)
+  target_link_libraries(soak PRIVATE psim_scene)
 endif()
 
 # Functions of features that a scene does not have take no instructions. Label `slow`.
