@@ -212,8 +212,12 @@ TEST(ViewSimulation, GrabbedBodyThatCannotFollowIsPulledWithinBounds) {
       continue;
     }
     ASSERT_TRUE(now);
-    if (boundary == Boundary::walls) EXPECT_NEAR(now->y, -9, 0.1);
-    if (boundary == Boundary::periodic) EXPECT_NEAR(std::remainder(now->y + 10, 40), 0, 0.1);  // on the seam
+    if (boundary == Boundary::walls) {
+      EXPECT_NEAR(now->y, -9, 0.1);
+    }
+    if (boundary == Boundary::periodic) {
+      EXPECT_NEAR(std::remainder(now->y + 10, 40), 0, 0.1);  // on the seam
+    }
     EXPECT_LT(std::hypot(now->vx, now->vy), 0.5);
   }
 }
