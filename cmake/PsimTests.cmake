@@ -193,7 +193,7 @@ if(TARGET psim-view)
   add_executable(psim_view_tests ${_view_tests})
   psim_target_defaults(psim_view_tests)
   target_include_directories(psim_view_tests PRIVATE tests)
-  target_link_libraries(psim_view_tests PRIVATE psim_view_model GTest::gtest GTest::gtest_main)
+  target_link_libraries(psim_view_tests PRIVATE psim_view_model PNG::PNG GTest::gtest GTest::gtest_main)
   target_compile_definitions(psim_view_tests PRIVATE
     "PSIM_PROGRAM=\"$<TARGET_FILE:psim-view>\"")
   add_dependencies(psim_view_tests psim-view)

@@ -30,7 +30,7 @@ foreach(_shared atomic_file png_write samples scene_choice settings_options text
 endforeach()
 psim_target_defaults(psim_view_model)
 target_include_directories(psim_view_model PUBLIC src/view src/psim src/scene)
-target_link_libraries(psim_view_model PUBLIC psim_scene CLI11::CLI11 fmt::fmt PNG::PNG)
+target_link_libraries(psim_view_model PUBLIC psim_scene CLI11::CLI11 fmt::fmt Libdeflate::Libdeflate)
 
 file(GLOB _view_sources CONFIGURE_DEPENDS src/view/*.cpp)
 list(REMOVE_ITEM _view_sources ${_view_model})

@@ -35,6 +35,19 @@ TEST(FuzzCorpus, EveryInputIsServedOrRefused) {
   }
 }
 
+// Of another format they would all be refused at once, and the fuzzer would begin with nothing.
+TEST(FuzzCorpus, SavedWorldsAreOfThisFormat) {
+  for (const char* const name : {"world-0", "world-1", "world-2"}) {
+    const std::string bytes = read_file(std::string(PSIM_SOURCE_DIR "/tests/fuzz/corpus/saved/") + name);
+    std::string error;
+    std::vector<std::byte> state;
+    ASSERT_TRUE(unpack_state(std::as_bytes(std::span(bytes)), state, error)) << name << ": " << error;
+    const auto world = World::from_state(state, {}, error);
+    ASSERT_TRUE(world) << name << ": " << error;
+    EXPECT_GT(world->body_count(), 3u);
+  }
+}
+
 std::vector<std::uint8_t> random_calls(std::uint64_t seed) {
   Random random(seed);
   std::vector<std::uint8_t> calls(200 + random.below(1800));

@@ -17,16 +17,17 @@ psim_install_fuzzer() {
 # build/fuzz/corpus for the next run. An input may take PSIM_FUZZ_TIMEOUT seconds (20): more beside other work. 1 if it
 # found a fault: it says where the input lies.
 psim_fuzz_one() {
-  local input="$1" share="$2" home="$psim_root/build/fuzz" dictionary="" log status=0
+  local input="$1" share="$2" home="$psim_root/build/fuzz" dictionary="" longest=4096 log status=0
   case $input in
     scene | rube) dictionary="-dict=$psim_root/tests/fuzz/$input.dict" ;;
+    saved) longest=32768 ;;
     state | details) dictionary="-dict=$psim_root/tests/fuzz/csv.dict" ;;
   esac
   mkdir -p "$home/corpus/$input"
   log="$home/fuzz_$input.log"
   # shellcheck disable=SC2086  # no dictionary, no word
   UBSAN_OPTIONS=print_stacktrace=1 "$home/fuzz_$input" -max_total_time="$share" -timeout="${PSIM_FUZZ_TIMEOUT:-20}" \
-    -rss_limit_mb=2048 -seed="${PSIM_FUZZ_SEED:-0}" -max_len=4096 -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
+    -rss_limit_mb=2048 -seed="${PSIM_FUZZ_SEED:-0}" -max_len="$longest" -print_final_stats=1 -artifact_prefix="$home/findings/$input-" \
     $dictionary "$home/corpus/$input" "$psim_root/tests/fuzz/corpus/$input" \
     >"$log" 2>&1 || status=$?
   if ((status == 0)); then

@@ -10,7 +10,6 @@
 
 // Named on valgrind's command line.
 extern "C" [[gnu::noinline]] void counted_steps(psim::World& world, int frames) {
-  world.prepare();
   for (int k = 0; k < frames; ++k) world.step();
 }
 
