@@ -103,7 +103,7 @@ void Image::visit(A& a, ManifoldPair& p) {
   for (ManifoldPoint& q : m.point) numbers(a, q.ax, q.ay, q.bx, q.by, q.gap, q.feature);
   numbers(a, p.base_x, p.base_y, p.base_dx, p.base_dy, p.turn_a.c, p.turn_a.s, p.turn_b.c, p.turn_b.s, p.margin);
   for (int k = 0; k < 2; ++k) numbers(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
-  numbers(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.lasting, p.changed, p.column, p.was_column,
+  numbers(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.column, p.was_column,
           p.rest_frames, p.recalled, p.colour, p.balanced);
 }
 
@@ -339,6 +339,8 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
           m.laid_, m.looks_, m.new_pairs_);
   if constexpr (A::kLoading) {
     m.old_pairs_.clear();
+    m.own_end_ = std::min(m.own_end_, static_cast<std::uint32_t>(m.pairs_.size()));
+    m.indexed_ = false;
     m.cut();
     m.owner_.resize(m.pairs_.size());
     for (std::size_t k = 0; k < m.pairs_.size(); ++k) m.owner_[k] = m.pairs_[k].owner;

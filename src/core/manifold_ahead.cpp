@@ -174,7 +174,7 @@ void Manifolds::see_fixed(const BodyStore& b, const ManifoldParams& params, std:
   const float inner = b.make(b.id[slot]).inner, near = kStep * inner;
   for (std::uint32_t k = begin; k < end; ++k) {
     ManifoldPair& pair = pairs_[k];
-    if (pair.manifold.count == 0 || wall(pair)) continue;
+    if (pair.manifold.count == 0 || pair.moved || wall(pair)) continue;
     const Manifold& m = pair.manifold;
     Hull piece;
     for (std::uint32_t o = begin; o < end && !pair.ghost; ++o) {

@@ -67,6 +67,8 @@ void Manifolds::keep_impulses(WorkerPool& pool) {
 
 void Manifolds::forget() {
   accept();
+  own_end_ = 0;
+  indexed_ = false;
   pairs_.clear();
   owner_.clear();
   begin_.clear();
@@ -77,6 +79,8 @@ void Manifolds::forget() {
 
 void Manifolds::clear() {
   accept();
+  own_end_ = 0;
+  indexed_ = false;
   pairs_.clear();
   old_pairs_.clear();
   owner_.clear();
@@ -91,7 +95,7 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(pairs_, old_pairs_, begin_, first_, owner_, entries_, found_, ghosts_, strips_, special_, stale_, shaped_);
+  drop(pairs_, old_pairs_, renewed_, before_, begin_, first_, owner_, entries_, found_, ghosts_, strips_, special_, stale_, shaped_);
   kind_.release();
   rotor_.release();
   inner_.release();
@@ -280,7 +284,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 }
 
 std::size_t Manifolds::bytes() const {
-  std::size_t sum = (pairs_.capacity() + old_pairs_.capacity()) * sizeof(ManifoldPair) +
+  std::size_t sum = (pairs_.capacity() + old_pairs_.capacity() + before_.capacity()) * sizeof(ManifoldPair) +
+                    renewed_.capacity() * sizeof(Renewed) +
                     (first_.capacity() + owner_.capacity() + shaped_.capacity()) * sizeof(std::uint32_t) +
                     entries_.capacity() * sizeof(Entry);
   for (const StripBlocks& s : strips_) {

@@ -17,19 +17,18 @@ bool Manifolds::collide_at_all(const BodyStore& b, const Joined* joined, std::ui
   return joined == nullptr || !(*joined)(id, other);
 }
 
-// Sorts the pairs of the last lists by owner. O(pairs + ids).
-void Manifolds::index_old_pairs(std::uint32_t ids) {
+// Sorts the first pairs, which owner_ is of, by owner. O(pairs + ids).
+void Manifolds::index(const std::vector<ManifoldPair>& pairs, std::size_t count, std::uint32_t ids) {
   const std::size_t all = std::max<std::size_t>(first_.size(), std::size_t{ids} + 2);
   first_.assign(all, 0);
-  for (const std::uint32_t owner : owner_) ++first_[owner + 2];
+  for (std::size_t k = 0; k < count; ++k) ++first_[owner_[k] + 2];
   for (std::size_t k = 2; k < all; ++k) first_[k] += first_[k - 1];
-  entries_.resize(owner_.size());
-  for (std::uint32_t k = 0; k < owner_.size(); ++k) {
-    entries_[first_[owner_[k] + 1]++] = {old_pairs_[k].mark(), k};
+  entries_.resize(count);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    entries_[first_[owner_[k] + 1]++] = {pairs[k].mark(), k};
   }
 }
 
-// Where a pair was in the last lists.
 // The large bodies' group may have most pairs, of a drum that all lie in.
 void Manifolds::cut() {
   constexpr std::uint32_t kPairs = 512;  // a piece
@@ -70,11 +69,14 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   }
 }
 
-std::uint32_t Manifolds::recall(const PairName& pair) const {
+// Where a pair is among those of the index.
+std::uint32_t Manifolds::recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
   if (entries_.empty() || pair.owner + 1 >= first_.size()) return PairName::kNone;
   const std::uint32_t mark = pair.mark();
   for (std::uint32_t k = first_[pair.owner]; k < first_[pair.owner + 1]; ++k) {
-    if (entries_[k].mark == mark && old_pairs_[entries_[k].pair].same(pair)) return entries_[k].pair;
+    if (entries_[k].mark != mark) continue;
+    const PairName& known = pairs[entries_[k].pair];
+    if (known.same(pair) && !known.moved) return entries_[k].pair;
   }
   return PairName::kNone;
 }
@@ -118,6 +120,72 @@ void Manifolds::take_recalled(ManifoldPair& pair) {
   pair.balanced = ManifoldPair::kUnbalanced;
 }
 
+// What becomes of a pair of the lists: two discs stay in them.
+Manifolds::Fate Manifolds::fate(const BodyStore& b, const Joined* joined, std::uint32_t i, std::uint32_t j) const {
+  if ((kind_[i] | kind_[j]) == 0 && joined == nullptr) return Fate::stays;
+  if (!collide_at_all(b, joined, i, j)) return Fate::goes;
+  return ((kind_[i] | kind_[j]) & kShape) == 0 ? Fate::stays : Fate::manifold;
+}
+
+// And of a body near something fixed.
+Manifolds::Fate Manifolds::fate(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
+                                const SinglePair& single) const {
+  const std::uint8_t kind = kind_[single.body];
+  const bool wall = single.shape >= kWallLeft, shape = (kind & kShape) != 0;
+  const auto joined_to = [&] { return joined != nullptr && (*joined)(b.id[single.body], shapes[single.shape].owner); };
+  if (wall ? kind == kDisc : kind == kDisc && !shapes[single.shape].whole) {
+    if (!wall && any_filter_ && !meet(Filter{}, b.make(shapes[single.shape].owner).filter)) return Fate::goes;
+    return !wall && joined_to() ? Fate::goes : Fate::stays;
+  }
+  if ((kind & (kHeld | kSensor)) != 0 && shape) return Fate::goes;
+  if (!wall) {
+    const StaticShape& piece = shapes[single.shape];
+    if (shape ? piece.face : piece.whole) return Fate::goes;
+    if (any_filter_ && !meet(b.make(b.id[single.body]).filter, b.make(piece.owner).filter)) return Fate::goes;
+    if (joined_to()) return Fate::goes;
+  }
+  if ((kind & kSensor) != 0) return Fate::goes;
+  return shape ? Fate::manifold : Fate::stays;
+}
+
+// The manifold of a pair's first parts. In place: a copy of what was just written would wait for it.
+void Manifolds::name(const BodyStore& b, std::uint32_t i, std::uint32_t j, PairName& pair) const {
+  const bool swap = (kind_[i] & kHeld) != (kind_[j] & kHeld) ? (kind_[j] & kHeld) != 0 : b.id[j] < b.id[i];
+  pair.a = swap ? j : i;
+  pair.b = swap ? i : j;
+  pair.id_a = b.id[pair.a];
+  pair.id_b = b.id[pair.b];
+  pair.fixed_a = (kind_[pair.a] & kHeld) != 0;
+  pair.owner = b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
+}
+
+void Manifolds::name(const BodyStore& b, const StaticShapes& shapes, const SinglePair& single, PairName& pair) {
+  pair.b = single.body;
+  pair.id_b = b.id[single.body];
+  pair.shape = single.shape;
+  pair.id_a = single.shape >= kWallLeft ? PairName::kNone : shapes[single.shape].owner;
+  pair.fixed_a = true;
+  // What hits a wall of sleepers may have hundreds of such pairs, each of those has few.
+  const bool sleeper = pair.shape < kWallLeft && shapes[pair.shape].asleep;
+  pair.owner = sleeper ? pair.id_a : pair.id_b;
+}
+
+// And those of its other parts: each(name).
+template <class Each>
+void Manifolds::each_other_part(const BodyStore& b, const PairName& pair, const Each& each) const {
+  const auto parts = [&](std::uint32_t slot) {
+    return kind_[slot] & kShape ? std::max(1u, b.make(b.id[slot]).hull_count) : 1u;
+  };
+  const std::uint32_t parts_a = pair.a == PairName::kNone ? 1 : parts(pair.a), parts_b = parts(pair.b);
+  if (parts_a * parts_b == 1) return;
+  PairName other = pair;
+  for (std::uint32_t k = 1; k < parts_a * parts_b; ++k) {
+    other.part_a = static_cast<std::uint16_t>(k / parts_b);
+    other.part_b = static_cast<std::uint16_t>(k % parts_b);
+    each(other);
+  }
+}
+
 // Pairs of one strip: two discs stay in the list, closed up; the rest is found.
 void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
                                PairTable& table, std::size_t index) {
@@ -125,25 +193,12 @@ void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& shapes, c
   Found& out = found_[index];
   out.pairs.clear();
   out.before.clear();
-  const auto parts = [&](std::uint32_t slot) {
-    return kind_[slot] & kShape ? std::max(1u, b.make(b.id[slot]).hull_count) : 1u;
-  };
-  const auto add = [&](PairName pair) {
-    const bool fixed = pair.a == PairName::kNone;
-    // What hits a wall of sleepers may have hundreds of such pairs, each of those has few.
-    const bool sleeper = fixed && pair.shape < kWallLeft && shapes[pair.shape].asleep;
-    const bool of_b = fixed ? !sleeper : b.radius[pair.b] <= b.radius[pair.a];
-    pair.owner = of_b ? pair.id_b : pair.id_a;
-    const std::uint32_t parts_a = fixed ? 1 : parts(pair.a);
-    const std::uint32_t parts_b = parts(pair.b);
-    for (std::uint32_t pa = 0; pa < parts_a; ++pa) {
-      for (std::uint32_t pb = 0; pb < parts_b; ++pb) {
-        pair.part_a = static_cast<std::uint16_t>(pa);
-        pair.part_b = static_cast<std::uint16_t>(pb);
-        out.pairs.push_back(pair);
-        out.before.push_back(recall(pair));
-      }
-    }
+  const auto recall_all = [&] {  // the last pair's first parts are there
+    out.before.push_back(recall(out.pairs.back(), old_pairs_));
+    each_other_part(b, out.pairs.back(), [&](const PairName& part) {
+      out.pairs.push_back(part);
+      out.before.push_back(recall(part, old_pairs_));
+    });
   };
   // A strip's pairs reach into itself and the next one; those of the large bodies anywhere.
   const std::size_t last = table.strips.size() - 1, next = index + 1 < last ? index + 1 : 0;
@@ -154,26 +209,18 @@ void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& shapes, c
     table.first[i] = kept | mark;
     for (; p < s.pair_end && table.owner[p] == i; ++p) {
       const std::uint32_t j = table.other[p];
-      if ((kind_[i] | kind_[j]) == 0 && joined == nullptr) {
-        table.owner[kept] = i;
-        table.other[kept++] = j;
-        continue;
+      switch (fate(b, joined, i, j)) {
+        case Fate::stays:
+          table.owner[kept] = i;
+          table.other[kept++] = j;
+          break;
+        case Fate::manifold:
+          name(b, i, j, out.pairs.emplace_back());
+          recall_all();
+          break;
+        case Fate::goes:
+          break;
       }
-      if (!collide_at_all(b, joined, i, j)) continue;
-      if (((kind_[i] | kind_[j]) & kShape) == 0) {
-        table.owner[kept] = i;
-        table.other[kept++] = j;
-        continue;
-      }
-      PairName pair;
-      const bool swap = (kind_[i] & kHeld) != (kind_[j] & kHeld) ? (kind_[j] & kHeld) != 0
-                                                                : b.id[j] < b.id[i];
-      pair.a = swap ? j : i;
-      pair.b = swap ? i : j;
-      pair.id_a = b.id[pair.a];
-      pair.id_b = b.id[pair.b];
-      pair.fixed_a = (kind_[pair.a] & kHeld) != 0;
-      add(pair);
     }
   }
   s.pair_end = kept;
@@ -181,40 +228,17 @@ void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& shapes, c
   std::vector<SinglePair>& singles = table.singles[index];
   std::size_t stay = 0;
   for (const SinglePair& single : singles) {
-    const std::uint8_t kind = kind_[single.body];
-    const bool wall = single.shape >= kWallLeft;
-    if (wall ? kind == kDisc : kind == kDisc && !shapes[single.shape].whole) {
-      if (!wall && any_filter_) {
-        const Filter& theirs = b.make(shapes[single.shape].owner).filter;
-        if (!meet(Filter{}, theirs)) continue;
-      }
-      if (!wall && joined != nullptr && (*joined)(b.id[single.body], shapes[single.shape].owner)) {
-        continue;
-      }
-      singles[stay++] = single;
-      continue;
+    switch (fate(b, shapes, joined, single)) {
+      case Fate::stays:
+        singles[stay++] = single;
+        break;
+      case Fate::manifold:
+        name(b, shapes, single, out.pairs.emplace_back());
+        recall_all();
+        break;
+      case Fate::goes:
+        break;
     }
-    if ((kind & (kHeld | kSensor)) != 0 && (kind & kShape) != 0) continue;
-    if (!wall) {
-      const StaticShape& shape = shapes[single.shape];
-      if ((kind & kShape) != 0 ? shape.face : shape.whole) continue;
-      if (any_filter_ && !meet(b.make(b.id[single.body]).filter, b.make(shape.owner).filter)) {
-        continue;
-      }
-      if (joined != nullptr && (*joined)(b.id[single.body], shape.owner)) continue;
-    }
-    if ((kind & kSensor) != 0) continue;
-    if ((kind & kShape) == 0) {
-      singles[stay++] = single;
-      continue;
-    }
-    PairName pair;
-    pair.b = single.body;
-    pair.id_b = b.id[single.body];
-    pair.shape = single.shape;
-    pair.id_a = wall ? ManifoldPair::kNone : shapes[single.shape].owner;
-    pair.fixed_a = true;
-    add(pair);
   }
   singles.resize(stay);
 }
@@ -253,7 +277,8 @@ void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTab
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
-  index_old_pairs(b.id_count);
+  index(old_pairs_, old_pairs_.size(), b.id_count);
+  indexed_ = false;
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
     const std::uint8_t* const begin = kind_.data() + table.strips[s].body_begin;
@@ -280,6 +305,7 @@ void Manifolds::place_pairs(std::size_t strips) {
     pairs_.clear();
     pairs_.reserve(begin_[strips] + begin_[strips] / 2);
   }
+  own_end_ = begin_[strips];
   cut();
   pairs_.resize(begin_[strips]);
   owner_.resize(begin_[strips]);
@@ -308,6 +334,100 @@ void Manifolds::keep(const BodyStore& b, const StaticShapes& shapes, const Touch
     }
   });
   if (end + 1 == begin_.size()) collecting_ = false;
+}
+
+// ---- Lists made anew body by body (renewal.h). Manifolds that no strip has lie behind the last strip's own, from
+// own_end_: of two bodies by the lower slot and the higher one, then of one and fixed pieces by its slot.
+
+namespace {
+
+constexpr std::uint64_t kFixedPieces = std::uint64_t{1} << 63;
+
+std::uint64_t rank(const PairName& p) {
+  if (p.a == PairName::kNone) return kFixedPieces | p.b;
+  return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
+}
+
+}  // namespace
+
+void Manifolds::sort_out_renewed(const BodyStore& b, const StaticShapes& shapes, const Joined* joined,
+                                 std::vector<std::uint64_t>& pairs, std::vector<SinglePair>& singles, WorkerPool& pool) {
+  keep_impulses(pool);
+  if (!indexed_) index(pairs_, own_end_, b.id_count);
+  indexed_ = true;
+  renewed_.clear();
+  std::erase_if(pairs, [&](std::uint64_t pair) {
+    const auto i = static_cast<std::uint32_t>(pair >> 32), j = static_cast<std::uint32_t>(pair);
+    const Fate what = fate(b, joined, i, j);
+    if (what != Fate::manifold) return what == Fate::goes;
+    const auto put = [&](const PairName& part) {
+      if (recall(part, pairs_) == PairName::kNone) renewed_.push_back({part, PairName::kNone});
+    };
+    PairName pair_name;
+    name(b, i, j, pair_name);
+    put(pair_name);
+    each_other_part(b, pair_name, put);
+    return true;
+  });
+  // Which of a body's fixed pieces count is found out from all of them (see_fixed): they stay together.
+  std::erase_if(singles, [&](const SinglePair& single) {
+    const Fate what = fate(b, shapes, joined, single);
+    if (what != Fate::manifold) return what == Fate::goes;
+    const auto put = [&](const PairName& part) { renewed_.push_back({part, recall(part, pairs_)}); };
+    PairName pair_name;
+    name(b, shapes, single, pair_name);
+    put(pair_name);
+    each_other_part(b, pair_name, put);
+    return true;
+  });
+}
+
+void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
+  const std::size_t last = begin_.size() - 2;
+  before_.assign(pairs_.begin() + own_end_, pairs_.end());
+  pairs_.resize(own_end_);
+  auto kept = before_.cbegin(), known = before_.cbegin();
+  const auto keep_up_to = [&](std::uint64_t end) {
+    for (; kept != before_.cend() && rank(*kept) < end; ++kept) {
+      if (!found(kept->b) && (kept->a == PairName::kNone || !found(kept->a))) pairs_.push_back(*kept);
+    }
+  };
+  for (const Renewed& pair : renewed_) {
+    const std::uint64_t at = rank(pair);
+    keep_up_to(at);
+    while (known != before_.cend() && rank(*known) < at) ++known;
+    auto mine = known;
+    while (mine != before_.cend() && rank(*mine) == at && !mine->same(pair)) ++mine;
+    const bool in_strip = pair.before != PairName::kNone;
+    if (mine != before_.cend() && rank(*mine) == at) {
+      pairs_.push_back(*mine);
+    } else if (in_strip) {
+      pairs_.push_back(pairs_[pair.before]);
+      pairs_.back().lane = PairName::kNone;
+    } else {
+      pairs_.emplace_back();
+      ++new_pairs_;
+    }
+    if (in_strip) {
+      pairs_[pair.before].moved = true;
+      pairs_[pair.before].active = pairs_[pair.before].ahead = false;
+    }
+    static_cast<PairName&>(pairs_.back()) = pair;
+  }
+  keep_up_to(~std::uint64_t{0});
+  begin_[last + 1] = static_cast<std::uint32_t>(pairs_.size());
+  owner_.resize(pairs_.size());
+  // What lies in the blocks stays there until they are laid out.
+  StripBlocks& strip = strips_[last];
+  strip.active.clear();
+  strip.laid.clear();
+  for (std::uint32_t k = begin_[last]; k < pairs_.size(); ++k) {
+    owner_[k] = pairs_[k].owner;
+    if (pairs_[k].active) strip.active.push_back(k);
+    if (pairs_[k].lane != PairName::kNone) strip.laid.push_back(k);
+  }
+  stale_[last] = 1;
+  cut();
 }
 
 void Manifolds::remember(WorkerPool& pool) {

@@ -228,6 +228,7 @@ std::uint32_t Manifolds::look(const BodyStore& b, const ManifoldParams& params, 
   Waiting waiting[CollideBatch::kKinds];
   for (std::uint32_t k = begin; k < end; ++k) {
     ManifoldPair& pair = pairs_[k];
+    if (pair.moved) continue;
     pair.column = ManifoldPair::kLoose;
     if (pair.rest_frames != 0) --pair.rest_frames;
     if (pair.balanced > 0) fade(*params.shapes, pair);

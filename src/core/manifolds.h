@@ -45,6 +45,7 @@ struct PairName {
   std::uint32_t owner = kNone;         ///< id: the smaller body, that has few such pairs
   std::uint16_t part_a = 0, part_b = 0;
   bool fixed_a = false;                ///< A is static or kinematic
+  bool moved = false;                  ///< it is a renewed body's, which has it anew behind the last strip's
 
   bool same(const PairName& o) const {
     return id_a == o.id_a && id_b == o.id_b && shape == o.shape && part_a == o.part_a &&
@@ -157,6 +158,15 @@ class Manifolds {
   void keep(const BodyStore& bodies, const StaticShapes& shapes, const TouchMemory& recent,
             std::size_t begin, std::size_t end, WorkerPool& pool);
 
+  /// Lists were made anew for some bodies, `found`, by slot: of what they are near now (renewal.h), pairs of slots
+  /// and singles, leaves those that are a matter of discs and takes note of those that are manifolds.
+  /// O(pairs of `found`), and once O(pairs).
+  void sort_out_renewed(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined,
+                        std::vector<std::uint64_t>& pairs, std::vector<SinglePair>& singles, WorkerPool& pool);
+  /// They take the place of what those bodies had when they were found before. O(manifolds of renewed bodies).
+  void put_renewed(const std::function<bool(std::uint32_t)>& found);
+  std::uint32_t renewed() const { return static_cast<std::uint32_t>(pairs_.size()) - own_end_; }
+
   /// Makes room for so many pairs to come.
   void spare(std::size_t pairs, std::size_t strips);
   /// Keeps the pairs as they are before a refresh that may be given up.
@@ -267,14 +277,21 @@ class Manifolds {
   void place_pairs(std::size_t strips);
   bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a,
                       std::uint32_t b) const;
-  void index_old_pairs(std::uint32_t ids);
+  void index(const std::vector<ManifoldPair>& pairs, std::size_t count, std::uint32_t ids);
+  enum class Fate { stays, manifold, goes };
+  Fate fate(const BodyStore& bodies, const Joined* joined, std::uint32_t a, std::uint32_t b) const;
+  Fate fate(const BodyStore& bodies, const StaticShapes& shapes, const Joined* joined, const SinglePair& single) const;
+  void name(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, PairName& pair) const;
+  static void name(const BodyStore& bodies, const StaticShapes& shapes, const SinglePair& single, PairName& pair);
+  template <class Each>
+  void each_other_part(const BodyStore& bodies, const PairName& pair, const Each& each) const;
   static void recall_touch(const BodyStore& bodies, const StaticShapes& shapes,
                            const TouchMemory& recent, ManifoldPair& pair);
   static void take_recalled(ManifoldPair& pair);
   static void fade(const StaticShapes& shapes, ManifoldPair& pair);
   static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,
                       std::uint32_t lane);
-  std::uint32_t recall(const PairName& pair) const;
+  std::uint32_t recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
   struct Stand;    // manifold_look.h
   struct Waiting;
   void swap_pairs();
@@ -310,6 +327,13 @@ class Manifolds {
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> begin_;  // by strip: first of its pairs
   std::vector<Cut> cuts_;             // of the strips' pairs, in order
+  std::uint32_t own_end_ = 0;         // first pair of renewed bodies that no strip has
+  struct Renewed : PairName {
+    std::uint32_t before = kNone;     // where its strip has it
+  };
+  std::vector<Renewed> renewed_;      // those that were found now
+  std::vector<ManifoldPair> before_;  // and those that there were
+  bool indexed_ = false;              // the index is of the strips' pairs
   // The pairs of the last lists by owner: entries of id k are [first_[k], first_[k + 1]).
   struct Entry {
     std::uint32_t mark = 0, pair = 0;

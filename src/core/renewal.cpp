@@ -85,6 +85,7 @@ void ListRenewal::spare(std::size_t bodies) {
     s.other.resize(s.owner.size());
     s.pairs.reserve(kPairsABody * kJob);
   }
+  shapes_.reserve(kSeen);
   near_.reserve(kSeen);
   singles_.reserve(kSeen);
 }
@@ -195,9 +196,6 @@ void ListRenewal::search(const BroadPhase& broad, const BodyStore& b, const kern
 // Pairs of renewed bodies from now on: those of before that have nothing to do with the ones that were found, and
 // what those have now.
 void ListRenewal::join(const PairTable& table) {
-  fresh_.clear();
-  for (const Scratch& s : scratch_) fresh_.insert(fresh_.end(), s.pairs.begin(), s.pairs.end());
-  std::sort(fresh_.begin(), fresh_.end());
   pairs_.clear();
   auto next = fresh_.begin();
   if (table.renewed_begin != PairTable::kNoneRenewed) {
@@ -218,7 +216,7 @@ void ListRenewal::link(BodyStore& b, std::uint32_t slot) {
 }
 
 // Behind the last strip's own, which go behind all others first.
-void ListRenewal::put_pairs(BodyStore& b, PairTable& table) {
+void ListRenewal::put_pairs(PairTable& table) {
   Strip& last = table.strips.back();
   if (table.renewed_begin == PairTable::kNoneRenewed) {
     const std::uint32_t own = last.pair_end - last.pair_begin, from = last.pair_begin;
@@ -246,20 +244,16 @@ void ListRenewal::put_pairs(BodyStore& b, PairTable& table) {
     table.owner[p] = static_cast<std::uint32_t>(pair >> 32);
     table.other[p++] = static_cast<std::uint32_t>(pair);
   }
-  for (const std::uint64_t pair : fresh_) {
-    link(b, static_cast<std::uint32_t>(pair >> 32));
-    link(b, static_cast<std::uint32_t>(pair));
-  }
 }
 
 // Fixed shapes near the bodies that were found take the place of those of before, with their contacts.
-void ListRenewal::put_singles(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
-                              PairTable& table) {
+void ListRenewal::put_singles(PairTable& table) {
   singles_changed_ = false;
+  auto near = near_.cbegin();
   for (const std::uint32_t slot : found_) {
     std::vector<SinglePair>& list = table.singles[table.strip_of(slot)];
     singles_.clear();
-    broad.near_body(b, shapes, slot, near_, singles_);
+    for (; near != near_.cend() && near->body == slot; ++near) singles_.push_back(*near);
     const auto begin =
         std::lower_bound(list.begin(), list.end(), slot,
                          [](const SinglePair& s, std::uint32_t body) { return s.body < body; });
@@ -275,7 +269,6 @@ void ListRenewal::put_singles(const BroadPhase& broad, BodyStore& b, const Stati
     }
     if (same) continue;
     singles_changed_ = true;
-    if (!singles_.empty()) link(b, slot);
     const std::ptrdiff_t at = begin - list.begin();
     const auto more = static_cast<std::ptrdiff_t>(singles_.size()) - (end - begin);
     if (more > 0) {
@@ -287,8 +280,8 @@ void ListRenewal::put_singles(const BroadPhase& broad, BodyStore& b, const Stati
   }
 }
 
-void ListRenewal::look(const BroadPhase& broad, const BodyStore& b, const kernels::KernelTable& k,
-                       WorkerPool& pool, const PairTable& table) {
+void ListRenewal::search_all(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
+                             const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table) {
   sort_places(broad, b);
   const std::size_t jobs = (found_.size() + kJob - 1) / kJob;
   scratch_.resize(std::max(scratch_.size(), jobs));
@@ -298,12 +291,21 @@ void ListRenewal::look(const BroadPhase& broad, const BodyStore& b, const kernel
       search(broad, b, k, table, found_[n], scratch_[job]);
     }
   });
-  join(table);
+  fresh_.clear();
+  for (const Scratch& s : scratch_) fresh_.insert(fresh_.end(), s.pairs.begin(), s.pairs.end());
+  std::sort(fresh_.begin(), fresh_.end());
+  for (const std::uint64_t pair : fresh_) {
+    link(b, static_cast<std::uint32_t>(pair >> 32));
+    link(b, static_cast<std::uint32_t>(pair));
+  }
+  near_.clear();
+  for (const std::uint32_t slot : found_) broad.near_body(b, shapes, slot, shapes_, near_);
+  for (const SinglePair& single : near_) link(b, single.body);
 }
 
-bool ListRenewal::renew(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
-                        const HeavyLoads* loads, const kernels::ReachParams& margin,
-                        const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
+bool ListRenewal::look(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
+                       const HeavyLoads* loads, const kernels::ReachParams& margin,
+                       const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table) {
   known_ = false;
   admit(b);
   for (const std::uint32_t slot : found_) {
@@ -311,18 +313,23 @@ bool ListRenewal::renew(const BroadPhase& broad, BodyStore& b, const StaticShape
     place(b, slot, b.pos[2 * std::size_t{slot}], b.pos[2 * std::size_t{slot} + 1],
           b.radius[slot] + (margin.skin + std::sqrt(u * u + v * v) * margin.time));
   }
-  look(broad, b, k, pool, table);
+  search_all(broad, b, shapes, k, pool, table);
+  return loads == nullptr || std::none_of(fresh_.begin(), fresh_.end(), [&](std::uint64_t pair) {
+    return loads->heavy(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
+  });
+}
+
+bool ListRenewal::put(BodyStore& b, PairTable& table) {
+  join(table);
   if (pairs_.size() > kPairsABody * (b.count / kShare)) return false;
-  for (const std::uint64_t pair : fresh_) {
-    if (loads != nullptr &&
-        loads->heavy(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair))) {
-      return false;
-    }
-  }
-  put_pairs(b, table);
-  put_singles(broad, b, shapes, table);
-  for (const std::uint32_t slot : found_) mark_[slot] = kRenewed;
+  put_pairs(table);
+  put_singles(table);
   return true;
+}
+
+void ListRenewal::finish() {
+  for (const std::uint32_t slot : found_) mark_[slot] = kRenewed;
+  found_.clear();
 }
 
 // Leaves where they were looked for last in `renewed_`.
@@ -335,9 +342,8 @@ void ListRenewal::turn_back(BodyStore& b) {
   }
 }
 
-void ListRenewal::renew_again(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
-                              const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
-  if (renewed_.empty()) return;
+void ListRenewal::look_again(const BroadPhase& broad, BodyStore& b, const StaticShapes& shapes,
+                             const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table) {
   turn_back(b);
   spare(b.count);
   found_.clear();
@@ -347,15 +353,11 @@ void ListRenewal::renew_again(const BroadPhase& broad, BodyStore& b, const Stati
     found_.push_back(r.slot);
     mark_[r.slot] = kFound;
   }
-  look(broad, b, k, pool, table);
   std::vector<std::uint32_t> linked;
   linked.swap(linked_);
-  put_pairs(b, table);
-  put_singles(broad, b, shapes, table);
+  search_all(broad, b, shapes, k, pool, table);
   linked_.swap(linked);
   for (const std::uint32_t slot : linked_) b.linked[slot] = 0xFF;
-  for (const std::uint32_t slot : found_) mark_[slot] = kRenewed;
-  found_.clear();
 }
 
 std::size_t ListRenewal::bytes() const {
@@ -363,7 +365,8 @@ std::size_t ListRenewal::bytes() const {
                     renewed_.capacity() * sizeof renewed_[0] +
                     linked_.capacity() * sizeof linked_[0] +
                     places_.capacity() * sizeof places_[0] +
-                    (pairs_.capacity() + fresh_.capacity()) * sizeof pairs_[0];
+                    (pairs_.capacity() + fresh_.capacity()) * sizeof pairs_[0] +
+                    (near_.capacity() + singles_.capacity()) * sizeof near_[0];
   for (const Scratch& s : scratch_) {
     sum += (s.owner.capacity() + s.other.capacity()) * sizeof s.owner[0] +
            s.pairs.capacity() * sizeof s.pairs[0];

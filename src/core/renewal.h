@@ -42,12 +42,21 @@ class ListRenewal {
   float time() const { return time_; }
   bool known() const { return known_; }
 
-  /// Looks for those that were found with margins of skin + |v| `margin.time`. `table` has their pairs then. False,
-  /// and all lists must be made again, if those are too many, or one of two bodies in them is much heavier.
-  /// O(found log renewed + pairs of renewed bodies).
-  bool renew(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
-             const HeavyLoads* loads, const kernels::ReachParams& margin,
-             const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
+  /// Looks for those that were found with margins of skin + |v| `margin.time`: pairs() and near() are theirs then.
+  /// False, and all lists must be made again, if one of two bodies in them is much heavier. O(found log renewed).
+  bool look(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
+            const HeavyLoads* loads, const kernels::ReachParams& margin,
+            const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
+  bool found(std::uint32_t slot) const { return mark_[slot] == kFound; }
+  /// Pairs that no strip has, lower slot << 32 | higher one, ascending; fixed shapes near bodies, by body. What is not
+  /// for the table is taken out by its owner.
+  std::vector<std::uint64_t>& pairs() { return fresh_; }
+  std::vector<SinglePair>& near() { return near_; }
+  /// `table` has them then, as pairs of renewed bodies. False, and all lists must be made again, if those are too many.
+  /// O(pairs of renewed bodies).
+  bool put(BodyStore& bodies, PairTable& table);
+  /// Those that were found are done.
+  void finish();
   /// Whether a body is near other fixed shapes than before, or in another order.
   bool singles_changed() const { return singles_changed_; }
   std::uint32_t renewed() const { return static_cast<std::uint32_t>(renewed_.size()); }
@@ -60,8 +69,8 @@ class ListRenewal {
   /// After a saved state came back: bodies as the lists were made by, then, once those are there, what was renewed.
   void turn_back(BodyStore& bodies);
   void forget_all();  ///< in bytes that make no sense
-  void renew_again(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
-                   const kernels::KernelTable& k, WorkerPool& pool, PairTable& table);
+  void look_again(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
+                  const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
 
   std::size_t bytes() const;
 
@@ -87,12 +96,11 @@ class ListRenewal {
   void search(const BroadPhase& broad, const BodyStore& bodies, const kernels::KernelTable& k,
               const PairTable& table, std::uint32_t slot, Scratch& s) const;
   void join(const PairTable& table);
-  void put_pairs(BodyStore& bodies, PairTable& table);
-  void put_singles(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
-                   PairTable& table);
+  void put_pairs(PairTable& table);
+  void put_singles(PairTable& table);
   void link(BodyStore& bodies, std::uint32_t slot);
-  void look(const BroadPhase& broad, const BodyStore& bodies, const kernels::KernelTable& k,
-            WorkerPool& pool, const PairTable& table);
+  void search_all(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes, const kernels::KernelTable& k,
+                  WorkerPool& pool, const PairTable& table);
 
   std::vector<std::uint32_t> found_;          // slots, ascending
   std::vector<Renewed> renewed_;              // by slot, ascending
@@ -102,8 +110,8 @@ class ListRenewal {
   std::vector<std::uint64_t> pairs_, fresh_;  // lower slot << 32 | higher one, ascending
   std::vector<Scratch> scratch_;
   std::vector<std::vector<std::uint32_t>> stale_;  // by job of find()
-  std::vector<SinglePair> singles_;
-  std::vector<std::uint32_t> near_;
+  std::vector<SinglePair> near_, singles_;  // of all that were found, of one
+  std::vector<std::uint32_t> shapes_;
   float time_ = 0, most_ = 0;  // s; m: largest reach of a renewed body
   bool known_ = false, singles_changed_ = false;
 };

@@ -358,25 +358,39 @@ void World::Impl::check_lists(const Span& span) {
   ahead.laid = lists_stale || loose;
 }
 
-// Whether lists can be made anew for a few bodies: of discs that all may collide.
+// Whether lists can be made anew for a few bodies.
 bool World::Impl::may_renew() const {
-  return !loose && !sorts_out() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count &&
-         !solved.compact();
+  return !loose && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count && !solved.compact();
 }
 
 // Lists of those bodies that used up their margin; of all, if they are too many.
 void World::Impl::renew_lists(const Span& span, StepReport& report) {
   if (!renewal.known()) lists_stale = !renewal.find(bodies, lattice, renewal.time(), kernels, pool);
+  const std::uint32_t found = renewal.count();
   if (!lists_stale) {
     contacts.lift(table);
     kernels::ReachParams margin = broad.margin();
     margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
-    lists_stale = !renewal.renew(broad, bodies, shapes, plan.loads ? &loads : nullptr, margin, kernels, pool, table);
+    lists_stale =
+        !renewal.look(broad, bodies, shapes, plan.loads ? &loads : nullptr, margin, kernels, pool, table) || !put_renewed();
   }
   ahead.laid = lists_stale;
   if (lists_stale) return;
+  report.renewed = found;
+}
+
+// What they are near now comes into the lists. False if all lists must be made again.
+bool World::Impl::put_renewed() {
+  if (sorts_out()) {
+    const Joined joined = [this](std::uint32_t a, std::uint32_t b) { return joints.joined(a, b); };
+    manifolds.sort_out_renewed(bodies, shapes, joints.any_exclusions() ? &joined : nullptr, renewal.pairs(),
+                               renewal.near(), pool);
+  }
+  if (!renewal.put(bodies, table)) return false;
+  if (sorts_out()) manifolds.put_renewed([this](std::uint32_t slot) { return renewal.found(slot); });
+  renewal.finish();
   contacts.renew(bodies, shapes, desc.wall, renewal.singles_changed(), table, pool);
-  report.renewed = renewal.count();
+  return true;
 }
 
 // Colouring, what comes before the colours: which bodies the solver has.

@@ -310,6 +310,7 @@ struct World::Impl {
   void check_lists(const Span& span);
   bool may_renew() const;
   void renew_lists(const Span& span, StepReport& report);
+  bool put_renewed();
   void choose_solved();
 
   // world_governor.cpp

@@ -301,8 +301,8 @@ void World::Impl::make_lists_again() {
   accept_work();
   if (renewal.renewed() != 0) {
     contacts.lift(table);
-    renewal.renew_again(broad, bodies, shapes, kernels, pool, table);
-    contacts.renew(bodies, shapes, desc.wall, renewal.singles_changed(), table, pool);
+    renewal.look_again(broad, bodies, shapes, kernels, pool, table);
+    put_renewed();
   }
   ahead = now;
   saved.done.swap(done);
