@@ -1,7 +1,8 @@
-// Random worlds of discs in which hosts push, add, remove and change things: one goes straight on, the other is saved
+// Random worlds of discs, and of other shapes, filters and joints among them, in which hosts push, add, remove and change things: one goes straight on, the other is saved
 // and restored now and then, into a fresh world, too; with a governor the other replays what the first one chose.
 #include <random>
 
+#include "joint_support.h"
 #include "rigid_support.h"
 
 namespace psim::test {
@@ -9,7 +10,9 @@ namespace {
 
 class RandomWorld {
  public:
-  explicit RandomWorld(unsigned seed) : seed_(seed), random_(seed) {
+  enum class Kind { discs, any };
+
+  RandomWorld(unsigned seed, Kind kind) : seed_(seed), random_(seed) {
     bodies_ = 512 + below(1200);
     wide_ = uniform(15, 60);
     spacing_ = uniform(1.05, 1.6);
@@ -33,6 +36,9 @@ class RandomWorld {
     governed_ = chance(4);
     budget_ms_ = uniform(0.05, 0.6);
     settling_ = static_cast<int>(below(200));
+    shaped_ = kind == Kind::any;
+    filtered_ = shaped_ && chance(3);
+    joined_ = shaped_ && chance(3);
   }
 
   /// Frames whose bits, pieces and renewed bodies were compared; stops at the first that differs.
@@ -87,20 +93,55 @@ class RandomWorld {
       return std::uniform_real_distribution<double>(a, b)(random);
     };
     auto world = make(desc_, best_isa(), threads);
+    std::vector<BodyId> bodies;
     const auto columns = static_cast<unsigned>((wide_ - 1) / spacing_);
     for (unsigned k = 0; k < bodies_; ++k) {
       const Vec2 at{0.6 + spacing_ * (k % columns) + uniform(-0.02, 0.02),
                     2.6 + spacing_ * (k / columns) + uniform(-0.02, 0.02)};
       const double radius = mixed_ && random() % 300 != 0 ? uniform(0.2, 0.5) : 0.5;
       const double density = heavy_ && random() % 20 == 0 ? 100 : 1;
-      add(*world, disc(at, {uniform(-0.1, 0.1), uniform(-0.1, 0.1)}, radius,
-                       material(seed_ % 3 == 0 ? 0 : 0.3, seed_ % 2 == 0 ? 0 : 0.5, density)));
+      const Vec2 velocity{uniform(-0.1, 0.1), uniform(-0.1, 0.1)};
+      const Material stuff = material(seed_ % 3 == 0 ? 0 : 0.3, seed_ % 2 == 0 ? 0 : 0.5, density);
+      BodyDesc body = disc(at, velocity, radius, stuff);
+      if (shaped_ && random() % 3 != 0) body = moving(shape(random, at, 0.9 * radius, stuff), velocity, uniform(-1, 1));
+      if (filtered_ && random() % 4 == 0) body.filter = {2, random() % 2 == 0 ? 1u : ~0u, 0};
+      bodies.push_back(add(*world, body));
+      if (!joined_ || k % columns == 0 || random() % 10 != 0) continue;
+      JointDesc joint = between(JointType::distance, bodies[k - 1], bodies[k]);
+      joint.collide = random() % 3 == 0;
+      std::string error;
+      world->add_joint(joint, error);
+      EXPECT_EQ(error, "");
+    }
+    if (shaped_ && fixed_) {
+      std::vector<Vec2> bumps;
+      for (double x = wide_ - 0.2; x > 0; x -= 0.7) bumps.push_back({x, 0.3 + uniform(0, 0.3)});
+      add(*world, chain(bumps));
     }
     for (double x = 1; fixed_ && x < wide_ - 1; x += 4) add(*world, static_disc({x, 1}, 0.6));
     if (fixed_) add(*world, segment({0.2, 0.4}, {wide_ - 0.2, 0.4}));
     if (desc_.boundary == Boundary::open) add(*world, segment({-5, 0.1}, {wide_ + 5, 0.1}));
     if (held_) add(*world, kinematic(disc({wide_ / 2, 3}, {0.5, 0}, 0.4)));
     return world;
+  }
+
+  // Within `radius` of its place.
+  static BodyDesc shape(std::mt19937& random, Vec2 at, double radius, const Material& stuff) {
+    switch (random() % 5) {
+      case 0:
+        return polygon(regular(3 + static_cast<int>(random() % 6), radius), at, stuff);
+      case 1:
+        return capsule(at, radius, 0.5 * radius, stuff);
+      case 2:
+        return fixed_turn(box(at, 1.2 * radius, 0.8 * radius, stuff));
+      default:
+        return box(at, 1.4 * radius, 1.4 * radius, stuff);
+    }
+  }
+
+  static BodyDesc fixed_turn(BodyDesc body) {
+    body.fixed_rotation = true;
+    return body;
   }
 
   // What a host does between two frames, to both.
@@ -129,14 +170,15 @@ class RandomWorld {
   WorldDesc desc_;
   unsigned bodies_ = 0;
   double wide_ = 0, spacing_ = 0, budget_ms_ = 0;
-  bool mixed_ = false, heavy_ = false, fixed_ = false, held_ = false, governed_ = false;
+  bool mixed_ = false, heavy_ = false, fixed_ = false, held_ = false, governed_ = false,
+       shaped_ = false, filtered_ = false, joined_ = false;
   int settling_ = 0;
 };
 
-void go(unsigned from, unsigned to) {
+void go(RandomWorld::Kind kind, unsigned from, unsigned to) {
   std::uint64_t renewed = 0, waits = 0;
   for (unsigned seed = from; seed < to && !testing::Test::HasFatalFailure(); ++seed) {
-    RandomWorld world(seed);
+    RandomWorld world(seed, kind);
     world.go(60);
     renewed += world.renewed;
     waits += world.waits;
@@ -145,9 +187,13 @@ void go(unsigned from, unsigned to) {
   EXPECT_GT(waits, (to - from) / 2);
 }
 
-TEST(RenewalRandom, WorldsGoOnAfterRestores) { go(0, 12); }
+using Kind = RandomWorld::Kind;
 
-TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(100, 1100); }
+TEST(RenewalRandom, WorldsGoOnAfterRestores) { go(Kind::discs, 0, 12); }
+TEST(RenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(Kind::any, 0, 12); }
+
+TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(Kind::discs, 100, 1100); }
+TEST(SlowRenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(Kind::any, 2000, 2500); }
 
 }  // namespace
 }  // namespace psim::test
