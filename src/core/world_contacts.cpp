@@ -125,7 +125,7 @@ void World::Impl::find_contacts() {
   const std::vector<ManifoldPair>& all = std::as_const(manifolds).pairs();
   const auto put_manifold = [&](std::size_t strip, const StripColours& colours, std::size_t at) {
     const ManifoldPair& pair = all[at];
-    if (!begun && pair.lane == PairName::kNone) return;
+    if (begun ? pair.moved : pair.lane == PairName::kNone) return;
     if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
     if (pair.a == kNoSlot && !writer.stands(pair.shape)) return;
     for (int point = 0; point < pair.manifold.count; ++point) {
