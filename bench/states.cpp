@@ -1,6 +1,7 @@
 // World::save and World::restore, Save/<state>/<threads> and Restore/<state>/<threads>: 100,000 equal
 // discs of a pile that may not sleep, while they fall (20 frames), as they land (250, 400: pairs are saved by name;
-// 700: and where lists were made) and at rest (1,500), when lists last. Reported besides:
+// 700: and where lists were made) and at rest (1,500), when lists last; and of the same pile that may sleep, once at least
+// half of it or all does (half_asleep, asleep). Reported besides:
 //   bytes_per_disc     of the saved state
 //   of_memcpy          time / that of a memcpy of as many bytes, measured in the same process
 #include <benchmark/benchmark.h>
@@ -26,19 +27,24 @@ constexpr std::uint64_t kDiscs = 100'000;
 struct Moment {
   const char* name;
   int frames;
+  double asleep;  // the share that sleeps then, or earlier; 0: nobody may
 };
-constexpr Moment kMoments[] = {{"falling", 20}, {"landing", 250}, {"landed", 400}, {"settling", 700}, {"at_rest", 1500}};
+constexpr Moment kMoments[] = {{"falling", 20, 0},    {"landing", 250, 0},  {"landed", 400, 0},         {"settling", 700, 0},
+                               {"at_rest", 1500, 0}, {"half_asleep", 5000, 0.5}, {"asleep", 5000, 1}};
 
-// The pile after so many frames, made once a process. Null, with `error`, if it cannot be made.
-World* pile_after(int frames, int threads, std::string& error) {
-  static std::map<std::pair<int, int>, std::unique_ptr<World>> worlds;
-  std::unique_ptr<World>& world = worlds[{frames, threads}];
+// The pile then, made once a process. Null, with `error`, if it cannot be made.
+World* pile_at(const Moment& moment, int threads, std::string& error) {
+  static std::map<std::pair<const char*, int>, std::unique_ptr<World>> worlds;
+  std::unique_ptr<World>& world = worlds[{moment.name, threads}];
   if (world) return world.get();
   auto scene = make_builtin("pile", kDiscs, 1, error);
   if (!scene) return nullptr;
-  scene->world.sleeping = false;
+  scene->world.sleeping = moment.asleep > 0;
   world = build_world(*scene, {best_isa(), threads}, error);
-  for (int i = 0; world && i < frames; ++i) world->step();
+  const double enough = moment.asleep > 0 ? moment.asleep * kDiscs : 2.0 * kDiscs;
+  for (int i = 0; world && i < moment.frames; ++i) {
+    if (static_cast<double>(world->step().asleep) >= enough) break;
+  }
   return world.get();
 }
 
@@ -59,7 +65,7 @@ double memcpy_seconds(const std::vector<std::byte>& bytes) {
 
 void run_state(benchmark::State& state, const Moment& moment, int threads, bool restoring) {
   std::string error;
-  World* const world = pile_after(moment.frames, threads, error);
+  World* const world = pile_at(moment, threads, error);
   if (world == nullptr) {
     state.SkipWithError(error.c_str());
     return;

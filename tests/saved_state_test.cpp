@@ -281,6 +281,91 @@ TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
   }
 }
 
+// Asleep, and on the way there: some sleep, others are watched.
+TEST(SavedState, OfADiscOfASleepingPileTakesAtMost64Bytes) {
+  constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
+  struct Pile {
+    const char* name;
+    std::size_t bytes, asleep;  // a disc, while some sleep and once all do
+  };
+  for (const Pile& pile : {Pile{"pile", 64, 50}, Pile{"rough-pile", 88, 64}}) {
+    std::string error;
+    const auto scene = make_builtin(pile.name, kDiscs, 1, error);
+    ASSERT_TRUE(scene) << error;
+    const auto world = build_world(*scene, {best_isa(), 2}, error);
+    ASSERT_TRUE(world) << error;
+    Bytes state;
+    std::uint64_t asleep = 0;
+    bool half = false;
+    for (int frame = 0; frame < 3000 && asleep < kDiscs; ++frame) {
+      const std::uint64_t now = world->step().asleep;
+      const bool look = now != asleep || frame % 16 == 0;
+      asleep = now;
+      if (asleep == 0 || !look) continue;
+      half = half || (10 * asleep > 3 * kDiscs && 10 * asleep < 7 * kDiscs);
+      world->save(state);
+      EXPECT_LE(state.size(), pile.bytes * kDiscs) << pile.name << ", frame " << frame << ", " << asleep << " asleep";
+    }
+    ASSERT_EQ(asleep, kDiscs) << pile.name;
+    EXPECT_TRUE(half) << pile.name;
+    EXPECT_LE(state.size(), pile.asleep * kDiscs) << pile.name;
+  }
+}
+
+// More sleepers than are packed together, of discs and boxes that touch each other.
+std::unique_ptr<World> long_row() {
+  constexpr int kBodies = 9000;
+  auto world = make(walled({0, 0, kBodies + 10.0, 30}, {0, -kG}, kGrip));
+  for (int k = 0; k < kBodies; ++k) {
+    const Vec2 at{1 + 0.999 * k, 0.4995};
+    add(*world, k % 50 == 7 ? box(at, 1, 1, kGrip) : disc(at, {}, 0.5, kGrip));
+  }
+  return world;
+}
+
+// Of what sleeps only what is another is restored; what is saved is made anew only where it changed.
+TEST(SavedState, RollsBackOverSleepAndWaking) {
+  const int end = kSanitized ? 120 : 400;
+  auto straight = long_row(), world = long_row();
+  Random random(5);
+  Bytes state, later, whole;
+  std::string error;
+  std::uint64_t most = 0;
+  for (int frame = 0; frame < end; ++frame) {
+    if (frame % 60 == 59) {
+      for (World* w : {straight.get(), world.get()}) add(*w, disc({20.0 * frame + 3, 4}, {0, -8}, 0.5, kGrip));
+    }
+    if (frame % 9 == 4) {  // somebody else's future
+      world->save(state);
+      for (int k = 0; k < 3; ++k) {
+        const auto id = static_cast<std::uint32_t>(random.below(8000));
+        if (random.chance(0.3)) {
+          world->remove_body(world->id_of(id));
+          add(*world, disc({random.uniform(5, 8000), 5}, {}, 0.4, kGrip));
+        } else {
+          world->apply_impulse(world->id_of(id), {0.5, 3});
+        }
+      }
+      for (int k = 0; k < static_cast<int>(random.below(20)); ++k) world->step();
+      world->save(later);
+      if (random.chance(0.5)) {
+        ASSERT_TRUE(world->restore(state, error)) << error;
+        ASSERT_TRUE(world->restore(later, error)) << error;
+      }
+      ASSERT_TRUE(world->restore(state, error)) << error;
+    }
+    const Told told = step(*straight);
+    ASSERT_EQ(step(*world), told) << frame;
+    most = std::max(most, told.asleep);
+  }
+  EXPECT_GT(most, 8192u);
+  straight->save(whole);  // for the first time
+  world->save(state);
+  EXPECT_TRUE(state == whole);
+  EXPECT_EQ(world->contacts().size(), straight->contacts().size());
+  expect_resumes(*world, 5, "the row");
+}
+
 // ---- what is refused ------------------------------------------------------------------------------------
 
 TEST(SavedState, RefusesWhatIsNone) {
@@ -303,7 +388,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   bad = state;
   bad[8] = std::byte{99};
   EXPECT_FALSE(world->restore(bad, error));
-  EXPECT_EQ(error, "its format is 99, this psim reads 8");
+  EXPECT_EQ(error, "its format is 99, this psim reads 9");
   bad = state;
   bad[200] ^= std::byte{1};
   EXPECT_FALSE(world->restore(bad, error));

@@ -36,7 +36,7 @@ std::uint64_t hash_of(const std::byte* data, std::size_t size);
 
 struct ArchiveHeader {
   static constexpr std::uint64_t kMagic = 0x31305653'6D697370u;  // "psimSV01"
-  static constexpr std::uint32_t kFormat = 8;
+  static constexpr std::uint32_t kFormat = 9;
   std::uint64_t magic = kMagic;
   std::uint32_t format = kFormat;
   std::uint32_t spare = 0;

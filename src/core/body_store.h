@@ -65,7 +65,7 @@ class SurfaceTable {
 
  public:
   const Surface& operator[](std::uint32_t i) const { return list_[i].surface; }
-  std::size_t bytes() const { return list_.capacity() * sizeof(Entry); }
+  std::size_t bytes() const { return (list_.capacity() + before_.capacity()) * sizeof(Entry); }
 
   /// The heaviest dynamic body over the lightest; 1 if there is none. O(surfaces).
   double mass_ratio() const {
@@ -103,6 +103,7 @@ class SurfaceTable {
     std::uint32_t users = 0;
   };
   std::vector<Entry> list_;
+  std::vector<Entry> before_;  // a state is restored: those until then
   std::vector<std::uint32_t> free_;
   std::uint32_t last_ = 0;
 };
@@ -145,6 +146,7 @@ class BodyStore {
   std::vector<std::uint32_t> free_ids;
   std::vector<AlikeBodies> roster;  ///< as of the last saved state
   bool roster_changed = true;       ///< since then: a body's place, generation or surface
+  bool alike = false;               ///< a state is restored: bodies' places and surfaces are as they were
 
   std::uint32_t count = 0;  ///< slots in use, dead ones (id == kNoSlot) included until a rebuild
   std::uint32_t dead = 0;

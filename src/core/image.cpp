@@ -107,18 +107,6 @@ void Image::visit(A& a, ManifoldPair& p) {
           p.rest_frames, p.recalled, p.colour, p.balanced);
 }
 
-template <class A>
-void Image::visit(A& a, Touch& t) {
-  numbers(a, t.key, t.impulse[0], t.impulse[1], t.friction[0], t.friction[1], t.points, t.per_mass);
-}
-
-template <class A>
-void Image::visit(A& a, StaticShape& s) {
-  visit(a, s.p);
-  visit(a, s.q);
-  numbers(a, s.radius, s.restitution, s.friction, s.owner, s.hull, s.segment, s.face, s.whole, s.alive, s.asleep);
-}
-
 // ---- bodies ------------------------------------------------------------------------------------
 
 namespace {
@@ -130,7 +118,7 @@ void find_roster(BodyStore& b) {
   out.clear();
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
-    const bool listed = info.place != Place::moving && info.place != Place::none;
+    const bool listed = info.place != Place::moving && info.place != Place::none && info.place != Place::asleep;
     if (!out.empty()) {
       AlikeBodies& last = out.back();
       if (last.generation == info.generation && last.surface == info.surface && last.place == info.place &&
@@ -143,15 +131,19 @@ void find_roster(BodyStore& b) {
   }
 }
 
+// Where they sleep, the packs of sleepers say.
 void take_roster(const std::vector<AlikeBodies>& roster, BodyStore& b) {
   b.slots_stale = true;
-  if (!b.roster_changed && roster == b.roster) return;
+  b.alike = !b.roster_changed && roster == b.roster;
+  if (b.alike) return;
   b.roster = roster;
   b.roster_changed = false;
   std::uint32_t id = 0;
   for (const AlikeBodies& run : roster) {
     for (std::uint32_t k = 0; k < run.count && id < b.id_count; ++k, ++id) {
-      b.info[id] = {run.slot == kNoSlot ? kNoSlot : run.slot + k, run.generation, run.surface, run.place};
+      const bool stays = run.place == Place::asleep && b.info[id].place == Place::asleep;
+      const std::uint32_t slot = stays ? b.info[id].slot : run.slot == kNoSlot ? kNoSlot : run.slot + k;
+      b.info[id] = {slot, run.generation, run.surface, run.place};
     }
   }
 }
@@ -199,18 +191,31 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
     a.column(b.built, 2 * n);
     a.column(b.reach, n);
   }
-  list(a, b.surfaces.list_, [&](SurfaceTable::Entry& e) {
+  SurfaceTable& surfaces = b.surfaces;
+  if constexpr (A::kLoading) surfaces.list_.swap(surfaces.before_);
+  list(a, surfaces.list_, [&](SurfaceTable::Entry& e) {
     visit(a, e.surface);
     a.value(e.users);
   });
+  if constexpr (A::kLoading) {
+    const auto same = [](const SurfaceTable::Entry& one, const SurfaceTable::Entry& other) {
+      return one.surface == other.surface;
+    };
+    b.alike = b.alike && std::ranges::equal(surfaces.list_, surfaces.before_, same);
+  }
   short_list(a, b.surfaces.free_);
   a.value(b.surfaces.last_);
+  const std::vector<MakeTable::Entry> makes = A::kLoading ? b.makes.list_ : std::vector<MakeTable::Entry>{};
   list(a, b.makes.list_, [&](MakeTable::Entry& e) {
     visit(a, e.make);
     a.value(e.users);
   });
   short_list(a, b.makes.free_);
   a.value(b.makes.last_);
+  if constexpr (A::kLoading) {
+    const auto same = [](const MakeTable::Entry& one, const MakeTable::Entry& other) { return one.make == other.make; };
+    b.alike = b.alike && std::ranges::equal(b.makes.list_, makes, same);
+  }
   ShapeTable& h = b.hulls;
   list(a, h.hulls_, [&](Hull& hull) { visit(a, hull); });
   list(a, h.sets_, [&](ShapeTable::Set& s) { numbers(a, s.first, s.count, s.users); });
@@ -225,32 +230,6 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
       h.by_hash_.emplace(ShapeTable::hash({first, first + s.count}), k);
       h.by_first_[s.first] = k;
     }
-  }
-}
-
-template <class A>
-void Image::shapes(A& a, StaticShapes& s) {
-  if constexpr (A::kLoading) {
-    for (std::uint32_t k = 0; k < s.count_; ++k) {
-      if (s.shapes_[k].alive && s.shapes_[k].asleep) s.sleepers_.remove(k);
-    }
-  }
-  numbers(a, s.count_, s.alive_, s.whole_wanted_);
-  if constexpr (A::kLoading) s.shapes_.reserve(s.count_);
-  for (std::uint32_t k = 0; k < s.count_ && a.ok(); ++k) visit(a, s.shapes_[k]);
-  for (auto& runs : s.runs_) short_list(a, runs);
-  list(a, s.left_, [&](auto& run) { numbers(a, run.first, run.second); });
-  list(a, s.hulls_, [&](Hull& hull) { visit(a, hull); });
-  short_list(a, s.free_hulls_);
-  if constexpr (A::kLoading) {
-    for (std::uint32_t k = 0; k < s.count_ && a.ok(); ++k) {
-      if (s.shapes_[k].alive && s.shapes_[k].asleep) s.enter(s.sleepers_, k);
-    }
-  }
-  // When its grid was made decides whose numbers may be had again.
-  a.value(s.dirty_);
-  if constexpr (A::kLoading) {
-    if (!s.dirty_ && a.ok()) s.make_grid();
   }
 }
 
@@ -383,31 +362,6 @@ void Image::joints(A& a, JointStore& j) {
 }
 
 template <class A>
-void Image::sleepers(A& a, Sleepers& s, std::size_t ids) {
-  list(a, s.list, [&](Sleeper& x) {
-    visit(a, x.at);
-    numbers(a, x.angle, x.id, x.first_shape, x.shapes, x.first_touch, x.touches, x.depth, x.group, x.loose);
-  });
-  list(a, s.touches, [&](Touch& t) { visit(a, t); });
-  list(a, s.recent.list_, [&](Touch& t) { visit(a, t); });
-  if constexpr (A::kLoading) {
-    std::vector<Touch> touches;
-    touches.swap(s.recent.list_);
-    std::fill(s.recent.slot_.begin(), s.recent.slot_.end(), kNoSlot);
-    for (const Touch& t : touches) s.recent.add(t);
-  }
-  numbers(a, s.woke, s.changed, s.watching_);
-  // Nobody is watched: what was known does not count.
-  const std::size_t known = s.watching_ || !s.list.empty() ? ids : 0;
-  if constexpr (!A::kLoading) s.rest_.reserve(known);
-  static_assert(sizeof(Sleepers::Rest) == 10);
-  if constexpr (A::kLoading) {
-    if (!s.rest_.empty()) std::fill_n(s.rest_.data(), s.rest_.capacity(), Sleepers::Rest{});
-  }
-  a.column(s.rest_, known);
-}
-
-template <class A>
 void Image::events(A& a, EventList& e) {
   numbers(a, e.options_.contacts, e.options_.hits, e.options_.hit_speed, e.options_.sensors, e.left_, e.build_);
   list(a, e.removed_, [&](BodyId& id) { visit(a, id); });
@@ -430,14 +384,13 @@ void Image::events(A& a, EventList& e) {
   template void Image::visit(A&, Plan&);                              \
   template void Image::visit(A&, JointDesc&);                         \
   template void Image::visit(A&, Surface&);                           \
+  template void Image::visit(A&, Hull&);                              \
   template void Image::bodies(A&, BodyStore&, bool);                  \
-  template void Image::shapes(A&, StaticShapes&);                     \
   template void Image::broad(A&, BroadPhase&);                        \
   template void Image::renewal(A&, ListRenewal&, std::size_t);                     \
   template void Image::contacts(A&, ContactStore&);                   \
   template void Image::manifolds(A&, Manifolds&, std::size_t);        \
   template void Image::joints(A&, JointStore&);                       \
-  template void Image::sleepers(A&, Sleepers&, std::size_t);          \
   template void Image::events(A&, EventList&);                        \
   template void Image::table(A&, PairTable&);                         \
   template void Image::counts(A&, Solver&, HeavyLoads&, Continuous&); \

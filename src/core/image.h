@@ -34,15 +34,16 @@ struct Image {
   template <class A>
   static void visit(A& a, ManifoldPair& p);
   template <class A>
-  static void visit(A& a, Touch& t);
-  template <class A>
   static void visit(A& a, StaticShape& s);
 
   // Parts of a world.
   template <class A>
   static void bodies(A& a, BodyStore& b, bool lists);
   template <class A>
-  static void shapes(A& a, StaticShapes& s);
+  static void standing(A& a, StaticShapes& s);
+  /// After the bodies.
+  template <class A>
+  static void shapes(A& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
   template <class A>
   static void broad(A& a, BroadPhase& b);
   template <class A>
@@ -54,7 +55,7 @@ struct Image {
   template <class A>
   static void joints(A& a, JointStore& j);
   template <class A>
-  static void sleepers(A& a, Sleepers& s, std::size_t ids);
+  static void sleepers(A& a, Sleepers& s, const BodyStore& b);
   template <class A>
   static void events(A& a, EventList& e);
   template <class A>
@@ -65,5 +66,10 @@ struct Image {
   template <class A>
   static void counts(A& a, Solver& s, HeavyLoads& l, Continuous& c);
 };
+
+template <>
+void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
+template <>
+void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
 
 }  // namespace psim

@@ -37,13 +37,13 @@ class Refilled {
   std::size_t size_ = 0;
 };
 
-/// What contacts carry: of pairs of discs, then of singles.
+/// What contacts carry: of pairs of discs, then of singles. A single's gap says whether a sleeper is about to be met.
 template <template <class> class List>
 struct Carried {
-  List<float> impulse, friction, gap, s_impulse, s_friction, s_nx, s_ny, s_gap;
-  static constexpr std::size_t kOfPairs = 3;
-  std::array<List<float>*, 8> all() {
-    return {&impulse, &friction, &gap, &s_impulse, &s_friction, &s_nx, &s_ny, &s_gap};
+  List<float> impulse, friction, s_impulse, s_friction, s_nx, s_ny, s_gap;
+  static constexpr std::size_t kOfPairs = 2;
+  std::array<List<float>*, 7> all() {
+    return {&impulse, &friction, &s_impulse, &s_friction, &s_nx, &s_ny, &s_gap};
   }
 };
 
@@ -64,7 +64,7 @@ struct Saved {
   InBytes bytes;
   struct Pair {
     std::uint32_t owner = 0, other = 0;
-    float impulse = 0, friction = 0, gap = 0;
+    float impulse = 0, friction = 0;
   };
   std::vector<Pair> renewed;  ///< those that are no strip's (renewal.h), where lists do not last
   std::vector<float> dead_radii;

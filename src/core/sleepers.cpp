@@ -198,9 +198,18 @@ void Sleepers::tidy() {
   touches.swap(kept_);
 }
 
+void Sleepers::pack(const BodyStore& bodies, WorkerPool& pool) {
+  packs_.resize((list.size() + SleeperPack::kEach - 1) / SleeperPack::kEach);
+  pool.run(packs_.size(), [&](std::size_t k) {
+    if (!packs_[k].stale) return;
+    pack_sleepers(*this, bodies, k * SleeperPack::kEach, packs_[k].bytes);
+    packs_[k].stale = false;
+  });
+}
+
 void Sleepers::release() {
   const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(list, touches, queue, found, number, roots, wakeful, pieces, kept_);
+  drop(list, touches, queue, found, number, roots, wakeful, pieces, kept_, packs_, rests_, recent_);
   if (recent.empty()) recent = TouchMemory();
   rest_.release();
   state_.release();
@@ -210,7 +219,9 @@ void Sleepers::release() {
 
 std::size_t Sleepers::bytes() const {
   const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
-  return of(list, touches, queue, found, number, roots, wakeful, pieces, kept_) + recent.bytes();
+  std::size_t packed = 0;
+  for (const SleeperPack& pack : packs_) packed += pack.bytes.capacity();
+  return of(list, touches, queue, found, number, roots, wakeful, pieces, kept_, packs_, rests_, recent_) + recent.bytes() + packed;
 }
 
 }  // namespace psim

@@ -18,6 +18,7 @@
 #include "body_store.h"
 #include "column.h"
 #include "lattice.h"
+#include "sleeper_pack.h"
 #include "static_shapes.h"
 #include "tasks.h"
 #include "worker_pool.h"
@@ -83,6 +84,18 @@ struct Sleeper {
   std::uint32_t group = kNoSlot;  ///< of a column: they wake together
   bool loose = false;         ///< it crept: what creeps beside it does not wake it
 };
+
+/// What a plain disc is while it sleeps.
+inline StaticShape lone_piece(const LatticePoint& at, std::uint32_t id, const Surface& surface) {
+  StaticShape piece;
+  piece.p = at;
+  piece.radius = surface.radius;
+  piece.restitution = surface.restitution;
+  piece.friction = surface.friction;
+  piece.owner = id;
+  piece.lone = true;
+  return piece;
+}
 
 /// Someone to wake, with `rings` rings of neighbours, or with all that may rest on it.
 struct Waking {
@@ -155,6 +168,12 @@ class Sleepers {
   Column<std::uint8_t>& state() { return state_; }
   /// Drops runs of touches that nobody has any more.
   void tidy();
+  /// Of the list's k-th something is not as it was.
+  void spoil_pack(std::size_t k) {
+    if (k / SleeperPack::kEach < packs_.size()) packs_[k / SleeperPack::kEach].stale = true;
+  }
+  /// Makes the stale packs anew: for saving.
+  void pack(const BodyStore& bodies, WorkerPool& pool);
   std::size_t bytes() const;
   std::size_t column_bytes() const { return rest_.bytes() + state_.bytes(); }
   /// Nobody sleeps or may: gives the memory back, but for what contacts are to take over.
@@ -174,6 +193,9 @@ class Sleepers {
   Column<Rest> rest_;            // by id
   Column<std::uint8_t> state_;   // by slot: scratch of choosing
   std::vector<Touch> kept_;      // scratch of tidy
+  std::vector<SleeperPack> packs_;  // of the last saved state
+  std::vector<Rest> rests_;         // scratch of saving: of those awake
+  std::vector<std::byte> recent_;   // and of `recent`
   bool watching_ = false;
   std::uint32_t room_of_ = 0;    // bodies
 };

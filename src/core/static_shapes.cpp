@@ -30,7 +30,7 @@ void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hul
 std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
   shapes_.reserve(std::size_t{count_} + 1);
   put(count_, shape, hull);
-  dirty_ = true;
+  dirty_ = saved_stale_ = true;
   return count_++;
 }
 
@@ -40,6 +40,7 @@ std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
   if (again) {
     first = runs_[count].back();
     runs_[count].pop_back();
+    saved_stale_ = true;
   } else {
     shapes_.reserve(std::size_t{count_} + count);
     count_ += count;
@@ -48,6 +49,7 @@ std::uint32_t StaticShapes::lay_down(const Piece* pieces, std::uint32_t count) {
     const StaticShape& piece = pieces[k].shape;
     put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
     shapes_[first + k].asleep = true;
+    if (!piece.lone) saved_stale_ = true;
     enter(sleepers_, first + k);
   }
   return first;
@@ -81,6 +83,7 @@ void StaticShapes::take_up(std::uint32_t first, std::uint32_t count) {
     --alive_;
   }
   left_.emplace_back(first, count);
+  saved_stale_ = true;
 }
 
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
@@ -89,7 +92,7 @@ void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
     if (shapes_[i].whole) free_hulls_.push_back(shapes_[i].hull);
     --alive_;
   }
-  dirty_ = true;
+  dirty_ = saved_stale_ = true;
 }
 
 namespace {
@@ -191,6 +194,7 @@ void StaticShapes::cells_of(double xmin, double xmax, double ymin, double ymax,
 }
 
 void StaticShapes::build_grid() {
+  if (!left_.empty()) saved_stale_ = true;
   for (const auto& [first, count] : left_) {
     if (count <= kLongestRun) runs_[count].push_back(first);
   }

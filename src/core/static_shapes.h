@@ -30,6 +30,7 @@ struct StaticShape {
   bool whole = false;        ///< a polygon about p: shapes with corners only
   bool alive = true;
   bool asleep = false;       ///< of a body that sleeps: it may leave at any time
+  bool lone = false;         ///< a plain disc that sleeps: its Sleeper and its Surface say all else
 };
 
 /// A shape on its way into the grids.
@@ -110,6 +111,9 @@ class StaticShapes {
   const Lattice* lattice_;
   std::uint32_t count_ = 0;
   std::size_t alive_ = 0;
+  // All but lone pieces, as the last saved state has them.
+  std::vector<std::byte> saved_;
+  bool saved_stale_ = true;
   bool dirty_ = false;
   // Grid, in metres from the lattice centre.
   double origin_x_ = 0, origin_y_ = 0, cell_ = 1;

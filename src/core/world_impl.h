@@ -218,7 +218,7 @@ struct World::Impl {
   // world_saved.cpp, world_saved_contacts.cpp
   template <class A>
   void image(A& archive, bool& lists);
-  std::array<Column<float>*, 8> carried();
+  std::array<Column<float>*, 7> carried();
   bool partners_are_near(std::size_t strip) const;
   Saved::Lengths place_contacts();
   void count_carried(bool lasting);

@@ -40,14 +40,14 @@ void World::Impl::image(A& a, bool& lists) {
   Image::bodies(a, bodies, lists || ahead.built);
   if constexpr (!A::kLoading) saved.dead_radii = bodies.dead_radii();
   list(a, saved.dead_radii, [&](float& r) { a.value(r); });
-  Image::shapes(a, shapes);
+  Image::shapes(a, shapes, sleepers, bodies);
   Image::broad(a, broad);
   if (lists && !loose) Image::renewal(a, renewal, bodies.count);
   Image::contacts(a, contacts);
   Image::solved(a, solved);
   Image::counts(a, solver, loads, continuous);
   Image::joints(a, joints);
-  Image::sleepers(a, sleepers, bodies.id_count);
+  Image::sleepers(a, sleepers, bodies);
   Image::events(a, events);
   Saved::InBytes& s = saved.bytes;
   list(a, saved.strip_pairs, [&](std::uint32_t& n) { a.value(n); });
@@ -60,7 +60,7 @@ void World::Impl::image(A& a, bool& lists) {
     a.in_place(s.far);
     a.in_place(s.s_body);
     a.in_place(s.s_shape);
-    list(a, saved.renewed, [&](Saved::Pair& p) { numbers(a, p.owner, p.other, p.impulse, p.friction, p.gap); });
+    list(a, saved.renewed, [&](Saved::Pair& p) { numbers(a, p.owner, p.other, p.impulse, p.friction); });
   }
   for (InPlace<float>* c : s.all()) a.in_place(*c);
 }
@@ -80,6 +80,7 @@ void World::Impl::save(std::vector<std::byte>& out) {
   const bool lasting = lists && !loose;
   count_carried(lasting);
   if (plan.shapes) manifolds.keep_impulses(pool);
+  sleepers.pack(bodies, pool);
   Saver& saver = saved.saver;
   saver.clear();
   Image::visit(saver, desc);

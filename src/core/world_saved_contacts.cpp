@@ -55,9 +55,9 @@ std::uint32_t count_of(const Saved::InBytes& b, const Strip& strip, std::size_t 
 }  // namespace
 
 // Columns of what contacts carry, as Carried has them.
-std::array<Column<float>*, 8> World::Impl::carried() {
+std::array<Column<float>*, 7> World::Impl::carried() {
   ContactStore& c = contacts;
-  return {&c.impulse, &c.friction, &c.gap, &c.s_impulse, &c.s_friction, &c.s_nx, &c.s_ny, &c.s_gap};
+  return {&c.impulse, &c.friction, &c.s_impulse, &c.s_friction, &c.s_nx, &c.s_ny, &c.s_gap};
 }
 
 // Whether 16 bits name the partners of a strip's bodies: they lie in it and the next one, but for those across a
@@ -99,16 +99,16 @@ void World::Impl::count_carried(bool lasting) {
   const Saved::Lengths all = place_contacts();
   const bool rough = contacts.rough(), gaps = !sleepers.empty();
   Saved::InBytes& b = s.bytes = {};
-  for (InPlace<float>* c : {&b.impulse, &b.friction, &b.gap}) c->count = all.pairs;
+  for (InPlace<float>* c : {&b.impulse, &b.friction}) c->count = all.pairs;
   for (InPlace<float>* c : {&b.s_impulse, &b.s_friction, &b.s_nx, &b.s_ny, &b.s_gap}) c->count = all.singles;
   if (!rough) b.friction.count = b.s_friction.count = 0;
-  if (!gaps) b.gap.count = b.s_gap.count = 0;
+  if (!gaps) b.s_gap.count = 0;
   s.renewed.clear();
   if (lasting) return;
   for (std::uint32_t p = table.renewed_begin; any && p < table.strips.back().pair_end; ++p) {
     const std::uint32_t lane = table.contact[p];
     s.renewed.push_back({table.owner[p], table.other[p], contacts.impulse[lane],
-                         rough ? contacts.friction[lane] : 0.0f, gaps ? contacts.gap[lane] : 0.0f});
+                         rough ? contacts.friction[lane] : 0.0f});
   }
   b.of_body.count = table.body_count;
   b.near.count = all.near;
@@ -206,6 +206,7 @@ void World::Impl::take_pairs(Loader& loader) {
     columns[c]->reserve(length(c) + 1);  // even of none: the column is there
     loader.copies().add(columns[c]->data(), bytes[c]->from, bytes[c]->bytes());
   }
+  contacts.gap.reserve(all.pairs + 1);
   table.first.reserve(std::size_t{table.body_count} + 1);
   for (Column<std::uint32_t>* c : {&table.owner, &table.other, &table.contact}) c->reserve(all.pairs + 1);
   table.pair_room = all.pairs;
@@ -271,7 +272,6 @@ void World::Impl::take_renewed() {
     table.owner[p] = pair.owner;
     table.other[p] = pair.other;
     contacts.impulse[p] = pair.impulse;
-    contacts.gap[p] = pair.gap;
     if (contacts.rough()) contacts.friction[p] = pair.friction;
     table.contact[p] = p;
     ++p;

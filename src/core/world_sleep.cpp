@@ -267,9 +267,7 @@ void World::Impl::lie_down(std::uint32_t k) {
   std::vector<Piece>& list = sleepers.pieces;
   if (make.hull_count == 0) {
     list.resize(1);
-    list[0].shape = StaticShape{};
-    list[0].shape.p = s.at;
-    list[0].shape.radius = surface.radius;
+    list[0].shape = lone_piece(s.at, s.id, surface);
   } else {
     Pieces pieces(lattice.to_world(s.at.x, s.at.y, s.at.dx, s.at.dy), s.angle, lattice, list);
     for (std::uint32_t h = 0; h < make.hull_count; ++h) pieces.solid(bodies.hulls[make.first_hull + h]);
@@ -281,6 +279,7 @@ void World::Impl::lie_down(std::uint32_t k) {
   }
   s.shapes = static_cast<std::uint32_t>(list.size());
   s.first_shape = shapes.lay_down(list.data(), s.shapes);
+  sleepers.spoil_pack(k);
 }
 
 }  // namespace psim

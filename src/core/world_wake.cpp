@@ -23,6 +23,8 @@ void World::Impl::wake_one(std::uint32_t id) {
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
   sleepers.list.pop_back();
+  sleepers.spoil_pack(k);
+  sleepers.spoil_pack(sleepers.list.size());
   --bodies.asleep;
   shapes.take_up(s.first_shape, s.shapes);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) {

@@ -1,0 +1,255 @@
+// Fixed geometry and what sleeps, of which it is a part meanwhile (image.h).
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "image.h"
+
+namespace psim {
+namespace {
+
+template <class T>
+bool same_bytes(const InPlace<std::byte>& a, const T& b) {
+  return a.count == b.size() && (a.count == 0 || std::memcmp(a.from, b.data(), a.count) == 0);
+}
+
+std::span<const std::byte> span_of(const InPlace<std::byte>& c) { return {c.from, c.count}; }
+
+// What nobody has.
+StaticShape gone() {
+  StaticShape shape;
+  shape.alive = false;
+  shape.asleep = true;
+  return shape;
+}
+
+bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+template <class A>
+void Image::visit(A& a, StaticShape& s) {
+  visit(a, s.p);
+  visit(a, s.q);
+  numbers(a, s.radius, s.restitution, s.friction, s.owner, s.hull, s.segment, s.face, s.whole,
+          s.alive, s.asleep);
+}
+
+// What lone pieces and numbers that nobody has leave.
+template <class A>
+void Image::standing(A& a, StaticShapes& s) {
+  const auto others = [&](const auto& each) {
+    for (std::uint32_t k = 0; k < s.count_; ++k) {
+      const StaticShape& shape = s.shapes_[k];
+      if (shape.alive ? !shape.lone : !shape.asleep) each(k);
+    }
+    for (const auto& [first, count] : s.left_) {  // contacts may still name them
+      for (std::uint32_t k = first; k < first + count; ++k) each(k);
+    }
+  };
+  std::size_t n = 0;
+  if constexpr (!A::kLoading) others([&](std::uint32_t) { ++n; });
+  n = a.count(n);
+  if constexpr (A::kLoading) {
+    for (; n > 0 && a.ok(); --n) {
+      std::uint32_t k = 0;
+      a.value(k);
+      if (k >= s.count_) return a.fail("it is damaged");
+      visit(a, s.shapes_[k]);
+    }
+  } else {
+    others([&](std::uint32_t k) {
+      a.value(k);
+      visit(a, s.shapes_[k]);
+    });
+  }
+  for (auto& runs : s.runs_) list(a, runs, [&](std::uint32_t& number) { a.value(number); });
+  list(a, s.left_, [&](auto& run) { numbers(a, run.first, run.second); });
+  list(a, s.hulls_, [&](Hull& hull) { visit(a, hull); });
+  list(a, s.free_hulls_, [&](std::uint32_t& number) { a.value(number); });
+}
+
+template <>
+void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore&) {
+  if (s.saved_stale_) {
+    Saver numbers;
+    standing(numbers, s);
+    s.saved_.assign(numbers.first().begin(), numbers.first().end());
+    s.saved_stale_ = false;
+  }
+  numbers(a, s.count_, s.alive_, s.whole_wanted_, s.dirty_);
+  a.vector(s.saved_);
+  a.count(sleepers.packs_.size());
+  for (SleeperPack& pack : sleepers.packs_) a.vector(pack.bytes);
+}
+
+// What is there already, the same bytes, stays as it is.
+template <>
+void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b) {
+  const std::uint32_t had = s.count_;
+  const bool was_dirty = s.dirty_;
+  numbers(a, s.count_, s.alive_, s.whole_wanted_, s.dirty_);
+  InPlace<std::byte> others;
+  a.in_place(others);
+  std::vector<InPlace<std::byte>> packs(a.count(0));
+  std::size_t asleep = 0;
+  for (InPlace<std::byte>& pack : packs) {
+    a.in_place(pack);
+    if (asleep % SleeperPack::kEach != 0) a.fail("it is damaged");
+    asleep += count_in_pack(span_of(pack));
+  }
+  if (asleep > SleeperPack::kEach * packs.size()) a.fail("it is damaged");
+  if (!a.ok()) return;
+  const bool same_others = !s.saved_stale_ && same_bytes(others, s.saved_);
+  const auto each_of_pack = [&](std::size_t pack, const auto& each) {
+    const std::size_t begin = pack * SleeperPack::kEach;
+    for (std::size_t k = begin; k < std::min(begin + SleeperPack::kEach, sleepers.list.size()); ++k)
+      each(sleepers.list[k]);
+  };
+  std::vector<bool> same(std::max(packs.size(), sleepers.list.size() / SleeperPack::kEach + 1));
+  for (std::size_t k = 0; k < std::min(packs.size(), sleepers.packs_.size()); ++k) {
+    same[k] = !sleepers.packs_[k].stale && same_bytes(packs[k], sleepers.packs_[k].bytes);
+    if (!same[k] || b.alike) continue;
+    each_of_pack(k, [&](const Sleeper& x) {
+      const StaticShape& piece = s.shapes_[x.first_shape];
+      const Surface& surface = b.surface(x.id);
+      same[k] = same[k] && piece.lone == (b.makes[surface.make].hull_count == 0) &&
+                same_bits(piece.radius, surface.radius) &&
+                same_bits(piece.restitution, surface.restitution) &&
+                same_bits(piece.friction, surface.friction);
+    });
+  }
+  // Out with what changes.
+  for (std::uint32_t k = 0; k < had && !same_others; ++k) {
+    if (s.shapes_[k].lone && s.shapes_[k].alive) continue;
+    if (s.shapes_[k].alive && s.shapes_[k].asleep) s.sleepers_.remove(k);
+    s.shapes_[k] = gone();
+  }
+  // Lone pieces of packs that change are dead until they prove to be where they were.
+  std::vector<std::uint32_t> dead, fresh;  // numbers; by place in the list
+  for (std::size_t k = 0; k < same.size(); ++k) {
+    if (same[k]) continue;
+    each_of_pack(k, [&](const Sleeper& x) {
+      if (!s.shapes_[x.first_shape].lone) return;
+      s.shapes_[x.first_shape].alive = false;
+      dead.push_back(x.first_shape);
+    });
+  }
+  s.shapes_.reserve(s.count_);
+  for (std::uint32_t k = had; k < s.count_; ++k) s.shapes_[k] = gone();
+  sleepers.list.resize(asleep);
+  sleepers.packs_.resize(packs.size());
+  if (std::find(same.begin(), same.end(), true) == same.end()) {
+    std::size_t touches = 0;
+    for (const InPlace<std::byte>& pack : packs) touches += touches_in_pack(span_of(pack));
+    sleepers.touches.clear();
+    sleepers.touches.reserve(touches);
+  }
+  for (std::size_t k = 0; k < packs.size(); ++k) {
+    if (same[k]) continue;
+    SleeperPack& pack = sleepers.packs_[k];
+    pack.stale = true;
+    pack.bytes.assign(packs[k].from, packs[k].from + packs[k].count);
+    if (!unpack_sleepers(pack.bytes, k * SleeperPack::kEach, sleepers, b))
+      return a.fail("it is damaged");
+    pack.stale = false;
+    each_of_pack(k, [&](const Sleeper& x) {
+      const Surface& surface = b.surface(x.id);
+      if (b.makes[surface.make].hull_count != 0) return;
+      if (x.first_shape >= s.count_) return a.fail("it is damaged");
+      StaticShape& piece = s.shapes_[x.first_shape];
+      const bool lies = !piece.alive && piece.lone &&
+                        std::memcmp(&piece.p, &x.at, sizeof x.at) == 0 &&
+                        same_bits(piece.radius, surface.radius);
+      if (!lies) return fresh.push_back(static_cast<std::uint32_t>(&x - sleepers.list.data()));
+      piece = lone_piece(x.at, x.id, surface);
+      piece.asleep = true;
+    });
+    if (!a.ok()) return;
+  }
+  for (const std::uint32_t k : dead) {
+    if (s.shapes_[k].alive) continue;
+    s.sleepers_.remove(k);
+    s.shapes_[k] = gone();
+  }
+  if (!same_others) {
+    s.saved_stale_ = true;
+    Loader numbers = Loader::of_numbers(span_of(others));
+    standing(numbers, s);
+    if (!numbers.ok() || !numbers.at_end()) return a.fail("it is damaged");
+    for (std::uint32_t k = 0; k < s.count_; ++k) {
+      if (s.shapes_[k].alive && s.shapes_[k].asleep && !s.shapes_[k].lone) s.enter(s.sleepers_, k);
+    }
+    s.saved_.assign(others.from, others.from + others.count);
+    s.saved_stale_ = false;
+  }
+  if (asleep != 0 && fresh.size() == asleep) s.sleepers_.make_room(s.count_, 2 * asleep);
+  for (const std::uint32_t k : fresh) {
+    const Sleeper& x = sleepers.list[k];
+    StaticShape& piece = s.shapes_[x.first_shape];
+    if (piece.alive) return a.fail("it is damaged");
+    piece = lone_piece(x.at, x.id, b.surface(x.id));
+    piece.asleep = true;
+    s.enter(s.sleepers_, x.first_shape);
+  }
+  if (std::find(same.begin(), same.end(), false) != same.end()) sleepers.tidy();
+  // When its grid was made decides whose numbers may be had again.
+  if (!s.dirty_ && (was_dirty || !same_others)) s.make_grid();
+}
+
+template <class A>
+void Image::sleepers(A& a, Sleepers& s, const BodyStore& b) {
+  if constexpr (A::kLoading) {
+    InPlace<std::byte> recent;
+    a.in_place(recent);
+    if (!a.ok() || !unpack_recent(span_of(recent), s, b)) return a.fail("it is damaged");
+  } else {
+    pack_recent(s, b, s.recent_);
+    a.vector(s.recent_);
+  }
+  numbers(a, s.woke, s.changed, s.watching_);
+  // Of who sleeps nothing is known, and nobody is watched: what was known does not count.
+  using Rest = Sleepers::Rest;
+  static_assert(sizeof(Rest) == 10);
+  const auto each_run = [&](const auto& each) {
+    std::size_t id = 0;
+    for (const AlikeBodies& run : b.roster) {
+      if (run.place != Place::asleep) each(id, std::min<std::size_t>(run.count, b.id_count - id));
+      id += std::min<std::size_t>(run.count, b.id_count - id);
+    }
+  };
+  std::size_t awake = 0;
+  each_run([&](std::size_t, std::size_t n) { awake += n; });
+  const std::size_t known = s.watching_ || !s.list.empty() ? awake : 0;
+  if constexpr (A::kLoading) {
+    const std::size_t kept =
+        known != 0 || awake == 0 ? std::min<std::size_t>(b.id_count, s.rest_.capacity()) : 0;
+    std::fill_n(s.rest_.data() + kept, s.rest_.capacity() - kept, Rest{});
+    InPlace<Rest> rests;
+    a.in_place(rests);
+    if (rests.count == 0) return;
+    if (rests.count != known) return a.fail("it is damaged");
+    s.rest_.reserve(b.id_count);
+    const std::byte* from = rests.from;
+    each_run([&](std::size_t id, std::size_t n) {
+      if (awake == b.id_count) {
+        a.copies().add(s.rest_.data() + id, from, n * sizeof(Rest));
+      } else {
+        std::memcpy(s.rest_.data() + id, from, n * sizeof(Rest));
+      }
+      from += n * sizeof(Rest);
+    });
+  } else {
+    s.rest_.reserve(known != 0 ? b.id_count : 0);
+    if (known == 0 || awake == b.id_count) return a.column(s.rest_, known);
+    s.rests_.resize(awake);
+    Rest* to = s.rests_.data();
+    each_run([&](std::size_t id, std::size_t n) { to = std::copy_n(s.rest_.data() + id, n, to); });
+    a.vector(s.rests_);
+  }
+}
+
+template void Image::sleepers(Saver&, Sleepers&, const BodyStore&);
+template void Image::sleepers(Loader&, Sleepers&, const BodyStore&);
+
+}  // namespace psim
