@@ -269,14 +269,10 @@ struct World::Impl {
   void remove_escaped(StepReport& report);
   void bring_back();
 
-  // step.cpp
+  // world_prepare.cpp
   void prepare();
-  void save(std::vector<std::byte>& out);
-  std::uint32_t settle_skips(const std::array<std::uint64_t, kSkipCount>& before, bool rebuilt);
-  StepReport step(double dt);
-  StepReport step(double dt, const StepDetail& detail, bool choose);
-  void advance(double dt, const Span& span, bool choose, StepReport& report);
-  void refresh_lists(double dt, const Span& span, StepReport& report);
+
+  // list_plan.cpp
   struct ListPlan;
   double impact_slack(double speed, double close, double dt) const;
   void measure_speeds(double dt);
@@ -284,6 +280,14 @@ struct World::Impl {
   ListPlan plan_lists(double dt) const;
   void measure_bodies(const Span& span);
   void move_bodies(std::size_t begin, std::size_t end);
+
+  // step.cpp
+  void save(std::vector<std::byte>& out);
+  std::uint32_t settle_skips(const std::array<std::uint64_t, kSkipCount>& before, bool rebuilt);
+  StepReport step(double dt);
+  StepReport step(double dt, const StepDetail& detail, bool choose);
+  void advance(double dt, const Span& span, bool choose, StepReport& report);
+  void refresh_lists(double dt, const Span& span, StepReport& report);
   bool sorts_out() const;
   double next_stiff_substep(double h) const;
   ManifoldParams manifold_params(double dt) const;
