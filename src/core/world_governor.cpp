@@ -193,7 +193,8 @@ double World::Impl::piece_ns(const WorkCounts& counts, std::size_t piece) const 
       return c.check * n(bodies.count) +
              (sleepers.woke ? c.sleep * n(counts.contacts + 6 * counts.manifolds) : 0);
     case Part::renew:
-      return 2 * c.search * n(renewal.count()) + c.check * n(bodies.count);
+      return 2 * c.search * n(renewal.count()) + c.check * n(bodies.count) +
+             (sorts_out() ? 0.25 * c.group * n(counts.manifolds) : 0);
     case Part::measure:
       return 0.2 * c.sort * n(bodies.count);
     case Part::count:
