@@ -1,5 +1,6 @@
 # What fuzzers and the tests of their corpus share, and with PSIM_FUZZ the fuzzers themselves:
-# fuzz_scene, fuzz_rube, fuzz_state, fuzz_details, fuzz_saved, fuzz_world. docs/hardening.md says how to run them.
+# fuzz_scene, fuzz_rube, fuzz_state, fuzz_details, fuzz_saved, fuzz_recording, fuzz_world.
+# docs/hardening.md says how to run them.
 file(GLOB _fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cpp)
 list(FILTER _fuzz_sources EXCLUDE REGEX "/libfuzzer_main\\.cpp$")
 foreach(_part state_file state_comparison details csv atomic_file text)
@@ -16,7 +17,7 @@ if(PSIM_FUZZ)
                         "`cmake --preset fuzz` has both")
   endif()
   add_custom_target(fuzzers)
-  foreach(_input scene rube state details saved world)
+  foreach(_input scene rube state details saved recording world)
     add_executable(fuzz_${_input} tests/fuzz/libfuzzer_main.cpp)
     psim_target_defaults(fuzz_${_input})
     target_compile_definitions(fuzz_${_input} PRIVATE PSIM_FUZZ_INPUT=${_input}_input)

@@ -20,7 +20,8 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 TEST(FuzzCorpus, EveryInputIsServedOrRefused) {
   const std::vector<std::pair<std::string, Input>> inputs = {
       {"scene", fuzz::scene_input},     {"rube", fuzz::rube_input},   {"state", fuzz::state_input},
-      {"details", fuzz::details_input}, {"saved", fuzz::saved_input}, {"world", fuzz::world_input}};
+      {"details", fuzz::details_input}, {"saved", fuzz::saved_input}, {"recording", fuzz::recording_input},
+      {"world", fuzz::world_input}};
   for (const auto& [name, play] : inputs) {
     std::vector<std::filesystem::path> files;
     for (const auto& file :

@@ -1,4 +1,5 @@
 // A short run of the soak; the long one is the program `soak` (docs/hardening.md).
+#include "soak/memory_trend.h"
 #include "soak/soak_world.h"
 
 #include "support.h"
@@ -24,6 +25,32 @@ TEST(Soak, HasTheSameBitsOnAnyNumberOfThreads) {
     ASSERT_TRUE(one.step() && three.step()) << one.fault();
     ASSERT_EQ(one.world().state_hash(), three.world().state_hash()) << frame;
   }
+}
+
+// In use beside memory_bytes, kB, as a soak shows it: up and down, and where it leaks so many bytes a step, up.
+std::vector<std::size_t> uncounted(std::size_t minutes, std::size_t bytes_a_step) {
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < minutes; ++k) out.push_back(400'000 + 9000 * (k * 7 % 5) + 3600 * k * bytes_a_step);
+  return out;
+}
+
+TEST(SoakMemory, ALeakOfAFewBytesAStepIsFound) {
+  for (const std::size_t minutes : {24u, 60u, 480u}) {
+    EXPECT_FALSE(soak::uncounted_trend(uncounted(minutes, 0)).grows) << minutes;
+    EXPECT_TRUE(soak::uncounted_trend(uncounted(minutes, minutes < 60 ? 3 : 1)).grows) << minutes;
+  }
+}
+
+TEST(SoakMemory, ListsThatGrowOnAreFoundAndRoomThatIsTakenOnceIsNot) {
+  std::vector<std::size_t> steady, once, grows;
+  for (std::size_t k = 0; k < 60; ++k) {
+    steady.push_back(1'286'000 + (k > 30 ? 27'000 : 0));
+    once.push_back(k < 10 ? 685'000 : 1'115'000);
+    grows.push_back(k < 40 ? 1'060'000 : 1'260'000);  // 19 %
+  }
+  EXPECT_FALSE(soak::counted_trend(steady).grows);
+  EXPECT_FALSE(soak::counted_trend(once).grows);
+  EXPECT_TRUE(soak::counted_trend(grows).grows);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 # To be sourced after setup.sh, by tools/test: builds the fuzzers and runs them.
 # shellcheck disable=SC2154  # psim_root and psim_packages are of setup.sh
 
-psim_fuzz_inputs=(scene rube state details saved world)
+psim_fuzz_inputs=(scene rube state details saved recording world)
 
 # clang and its libFuzzer, which is a package of its own where clang only recommends it.
 psim_install_fuzzer() {
@@ -20,8 +20,8 @@ psim_fuzz_one() {
   local input="$1" share="$2" home="$psim_root/build/fuzz" dictionary="" longest=4096 log status=0
   case $input in
     scene | rube) dictionary="-dict=$psim_root/tests/fuzz/$input.dict" ;;
-    saved) longest=32768 ;;
     state | details) dictionary="-dict=$psim_root/tests/fuzz/csv.dict" ;;
+    saved | recording) longest=32768 ;;
   esac
   mkdir -p "$home/corpus/$input"
   log="$home/fuzz_$input.log"

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -30,6 +31,10 @@ static_assert(std::endian::native == std::endian::little, "saved states are litt
 
 template <class T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// The last value of an enum in the bytes (image.h).
+template <class E>
+inline constexpr std::uint64_t kLastOf = ~std::uint64_t{0};
 
 /// 64-bit hash of bytes: finds damage, no defence against forgery.
 std::uint64_t hash_of(const std::byte* data, std::size_t size);
@@ -66,6 +71,11 @@ class ArchiveCopies {
   }
   void run(WorkerPool& pool) {
     run(pool, 0, [](std::size_t) {});
+  }
+  /// On this thread.
+  void run() {
+    for (const Copy& copy : list_) std::memcpy(copy.to, copy.from, copy.bytes);
+    list_.clear();
   }
 
  private:
@@ -129,6 +139,9 @@ class Saver {
     return n;
   }
   bool ok() const { return true; }
+  static constexpr bool dry() { return false; }
+  void require(bool) {}
+  bool fits(std::uint64_t) const { return true; }
 
   /// job(0) ... job(jobs - 1) write what lies in place.
   template <class Job>
@@ -196,8 +209,8 @@ class Loader {
  public:
   static constexpr bool kLoading = true;
 
-  /// Looks at the header; what is wrong comes back as a line.
-  explicit Loader(std::span<const std::byte> bytes) : bytes_(bytes) {
+  /// Looks at the header; what is wrong comes back as a line. `dry`: columns stay where they are, to be looked at.
+  explicit Loader(std::span<const std::byte> bytes, bool dry = false) : bytes_(bytes), dry_(dry) {
     if (bytes.size() < sizeof header_) {
       fail("it is cut short");
       return;
@@ -213,10 +226,16 @@ class Loader {
     } else if (hash_of(bytes.data() + sizeof header_, header_.first) != header_.hash) {
       fail("it is damaged");
     }
-    at_ = sizeof header_;
-    end_ = at_ + (error_.empty() ? header_.first : 0);
-    run_ = Saver::round_up(end_);
+    end_ = sizeof header_ + (error_.empty() ? header_.first : 0);
+    begin();
   }
+  /// Once more from the first number on, no longer dry.
+  void begin_again() {
+    dry_ = false;
+    begin();
+  }
+  bool dry() const { return dry_; }
+  std::size_t first_bytes() const { return header_.first; }
 
   /// Of numbers alone, without a header: Saver::first.
   static Loader of_numbers(std::span<const std::byte> bytes) { return Loader(bytes, bytes.size()); }
@@ -227,21 +246,41 @@ class Loader {
       v = get<std::uint8_t>() != 0;
     } else {
       v = get<T>();
+      if constexpr (std::is_floating_point_v<T>) require(!std::isnan(v));
+      if constexpr (std::is_enum_v<T>) {
+        if constexpr (kLastOf<T> != ~std::uint64_t{0}) require(static_cast<std::uint64_t>(v) <= kLastOf<T>);
+      }
     }
   }
   template <class T>
-  void column(Column<T>& c, std::size_t) {
+  void column(Column<T>& c, std::size_t wanted) {
     const std::size_t n = length(sizeof(T));
-    if (n == 0) return;
+    require(n == wanted);
+    if (n == 0 || !ok()) return;
+    if (dry_) {
+      seen_.push_back({&c, bytes_.data() + run_});
+      run_ = Saver::round_up(run_ + n * sizeof(T));
+      return;
+    }
     c.reserve(n);
     take(c.data(), n * sizeof(T));
+  }
+  /// A column that was seen in a dry run.
+  template <class T>
+  InPlace<T> seen(const Column<T>& c, std::size_t n) const {
+    for (const Seen& s : seen_) {
+      if (s.column == &c) return {n, nullptr, s.from};
+    }
+    return {};
   }
   template <class List>
   void vector(List& v) {
     using T = typename List::value_type;
     const std::size_t n = length(sizeof(T));
     v.resize(n);
-    if (n != 0) take(v.data(), n * sizeof(T));
+    if (n == 0) return;
+    take(v.data(), n * sizeof(T));
+    if (dry_) copies_.run();
   }
   /// Where it lies in the bytes, for as long as they are there.
   template <class T>
@@ -261,6 +300,16 @@ class Loader {
   std::byte peek() const { return bytes_[at_]; }
   bool ok() const { return error_.empty(); }
   const std::string& error() const { return error_; }
+  void require(bool sound) {
+    if (!sound) fail("it is damaged");
+  }
+  /// Whether so many things of a byte or more can be in the bytes at all.
+  bool fits(std::uint64_t n) {
+    require(n <= bytes_.size());
+    return ok();
+  }
+  /// All was read.
+  void end() { require(at_ == end_ && run_ == bytes_.size()); }
   void fail(const std::string& error) {
     if (error_.empty()) error_ = error;
   }
@@ -273,8 +322,17 @@ class Loader {
   void finish(WorkerPool& pool) { copies_.run(pool); }
 
  private:
+  struct Seen {
+    const void* column = nullptr;
+    const std::byte* from = nullptr;
+  };
+
   Loader(std::span<const std::byte> bytes, std::size_t end) : bytes_(bytes), end_(end), run_(end) {}
 
+  void begin() {
+    at_ = sizeof header_;
+    run_ = Saver::round_up(end_);
+  }
   template <class T>
   T get() {
     T v{};
@@ -302,6 +360,8 @@ class Loader {
   std::size_t at_ = 0, end_ = 0, run_ = 0;
   std::string error_;
   ArchiveCopies copies_;
+  std::vector<Seen> seen_;
+  bool dry_ = false;
 };
 
 /// Every number in turn.
@@ -318,7 +378,10 @@ void list(A& a, std::vector<T>& v, const Each& each) {
     v.clear();
     v.resize(n);
   }
-  for (T& element : v) each(element);
+  for (T& element : v) {
+    if (!a.ok()) return;
+    each(element);
+  }
 }
 
 template <class A, class T>

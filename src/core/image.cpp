@@ -9,6 +9,7 @@ template <class A, class V, std::size_t... I>
 void alternative(A& a, V& v, std::index_sequence<I...>) {
   auto which = static_cast<std::uint32_t>(v.index());
   a.value(which);
+  a.require(which < sizeof...(I));
   if constexpr (A::kLoading) {
     ((which == I ? static_cast<void>(v.template emplace<I>()) : void()), ...);
   }
@@ -158,7 +159,9 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
   if constexpr (!A::kLoading) find_roster(b);
   list(a, A::kLoading ? loaded : b.roster,
        [&](AlikeBodies& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
-  if constexpr (A::kLoading) {
+  if (!a.fits(b.id_count) || !a.fits(b.count)) return;
+  if (a.dry()) b.roster.swap(loaded);
+  if (A::kLoading && !a.dry()) {
     b.info.reserve(b.id_count);
     for (std::uint32_t id = b.id_count; id < ids; ++id)
       b.info[id] = BodyInfo{};  // as if never used
@@ -174,7 +177,7 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
   // What only some worlds have.
   bool turns = !b.spin.empty(), rests = !b.vel_rest.empty(), offsets = !b.disp_rest.empty();
   numbers(a, turns, rests, offsets);
-  if constexpr (A::kLoading) {
+  if (A::kLoading && !a.dry()) {
     if (turns) b.add_rotation();
     if (rests) b.add_rests(offsets);
     if (!rests) b.vel_rest.release();
@@ -225,7 +228,7 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
     h.by_first_.clear();
     for (std::uint32_t k = 0; k < h.sets_.size(); ++k) {
       const ShapeTable::Set& s = h.sets_[k];
-      if (s.users == 0) continue;
+      if (s.users == 0 || a.dry()) continue;
       const auto first = h.hulls_.begin() + s.first;
       h.by_hash_.emplace(ShapeTable::hash({first, first + s.count}), k);
       h.by_first_[s.first] = k;
@@ -263,12 +266,9 @@ void Image::renewal(A& a, ListRenewal& r, std::size_t slots) {
   list(a, r.renewed_, [&](ListRenewal::Renewed& x) { numbers(a, x.slot, x.x, x.y, x.reach); });
   short_list(a, r.linked_);
   a.value(r.time_);
-  if constexpr (A::kLoading) {
-    r.mark_.reserve(slots);
-    const auto there = [&](const ListRenewal::Renewed& x) { return x.slot < slots; };
-    const bool linked = std::all_of(r.linked_.begin(), r.linked_.end(), [&](std::uint32_t s) { return s < slots; });
-    if (!linked || !std::all_of(r.renewed_.begin(), r.renewed_.end(), there)) r.forget_all();
-  }
+  a.require(std::all_of(r.renewed_.begin(), r.renewed_.end(), [&](const auto& x) { return x.slot < slots; }));
+  a.require(std::all_of(r.linked_.begin(), r.linked_.end(), [&](std::uint32_t slot) { return slot < slots; }));
+  if (A::kLoading && !a.dry()) r.mark_.reserve(slots);
 }
 
 template <class A>
@@ -316,7 +316,7 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
   if (kinds) a.column(m.kind_, slots);
   numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.pass_blocks_,
           m.laid_, m.looks_, m.new_pairs_);
-  if constexpr (A::kLoading) {
+  if (A::kLoading && !a.dry()) {
     m.old_pairs_.clear();
     m.own_end_ = std::min(m.own_end_, static_cast<std::uint32_t>(m.pairs_.size()));
     m.indexed_ = false;
@@ -352,7 +352,7 @@ void Image::joints(A& a, JointStore& j) {
   list(a, j.jobs_, [&](auto& r) { numbers(a, r.begin, r.end); });
   list(a, j.phases_, [&](auto& r) { numbers(a, r.begin, r.end); });
   a.value(j.total_blocks_);
-  if constexpr (A::kLoading) {
+  if (A::kLoading && !a.dry()) {
     j.exclusions_.clear();
     j.exclusive_.clear();
     for (const JointStore::Joint& joint : j.joints_) {

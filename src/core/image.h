@@ -7,6 +7,25 @@
 
 namespace psim {
 
+template <>
+inline constexpr std::uint64_t kLastOf<BodyType> = 2;
+template <>
+inline constexpr std::uint64_t kLastOf<Boundary> = 2;
+template <>
+inline constexpr std::uint64_t kLastOf<Integrator> = 3;
+template <>
+inline constexpr std::uint64_t kLastOf<JointType> = 5;
+template <>
+inline constexpr std::uint64_t kLastOf<kernels::JointKind> = 5;
+template <>
+inline constexpr std::uint64_t kLastOf<kernels::Model> = 2;
+template <>
+inline constexpr std::uint64_t kLastOf<Place> = 4;
+template <>
+inline constexpr std::uint64_t kLastOf<Part> = static_cast<std::uint64_t>(Part::done);
+template <>
+inline constexpr std::uint64_t kLastOf<ManifoldPair::Column> = 2;
+
 struct Image {
   // Descriptions and short things.
   template <class A>
@@ -54,6 +73,10 @@ struct Image {
   static void manifolds(A& a, Manifolds& m, std::size_t slots);
   template <class A>
   static void joints(A& a, JointStore& j);
+  /// Whether what a dry run read agrees with itself (image_check.cpp), so that nothing that is made of it reads or
+  /// writes where it must not. What is not so is told to the loader. `lists`: they last.
+  template <class W>
+  static void check(Loader& a, const W& world, bool lists);
   template <class A>
   static void sleepers(A& a, Sleepers& s, const BodyStore& b);
   template <class A>
@@ -65,6 +88,10 @@ struct Image {
   /// What the governor counts of the last step, and no other part has.
   template <class A>
   static void counts(A& a, Solver& s, HeavyLoads& l, Continuous& c);
+
+ private:
+  template <class W>
+  struct Check;
 };
 
 template <>

@@ -100,11 +100,6 @@ void ListRenewal::forget() {
   known_ = false;
 }
 
-void ListRenewal::forget_all() {
-  renewed_.clear();
-  forget();
-}
-
 // Where a body is looked for. Padding goes with the last one.
 void ListRenewal::place(BodyStore& b, std::uint32_t slot, std::int32_t x, std::int32_t y,
                         float reach) {

@@ -68,7 +68,6 @@ class ListRenewal {
   void forget();
   /// After a saved state came back: bodies as the lists were made by, then, once those are there, what was renewed.
   void turn_back(BodyStore& bodies);
-  void forget_all();  ///< in bytes that make no sense
   void look_again(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& shapes,
                   const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
 

@@ -12,7 +12,8 @@ namespace {
 
 bool is_skin(double factor) { return factor >= 0.25 && factor <= 4; }
 
-// One line of what is wrong with the description, or empty.
+}  // namespace
+
 std::string check(const WorldDesc& d, const RunOptions& o) {
   const Bounds& b = d.bounds;
   const auto finite = [](double v) { return std::isfinite(v); };
@@ -56,8 +57,6 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   }
   return {};
 }
-
-}  // namespace
 
 World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
     : desc(d), options(o), kernels(kernels_of(o.isa)),

@@ -68,6 +68,9 @@ struct Span {
 /// omega r, m/s, within what floats can square.
 float surface_speed(double omega, float radius);
 
+/// One line of what is wrong with a description, or empty.
+std::string check(const WorldDesc& desc, const RunOptions& options);
+
 struct World::Impl {
   static constexpr double kMarginFrames = 1.25;  // of motion that the lists' margin adds
 
@@ -125,6 +128,7 @@ struct World::Impl {
   bool plan_stale = true;
   bool lists_stale = true;
   Saved saved;
+  std::unique_ptr<Impl> probe;  // what a state that comes back is read into first
   Ahead ahead;                  // what was done of the present step
   Governor governor;
   int substeps = 4;             // of this step

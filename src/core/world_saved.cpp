@@ -100,13 +100,28 @@ bool World::restore(std::span<const std::byte> state, std::string& error) { retu
 bool World::Impl::restore(std::span<const std::byte> state, std::string& error) {
   const FloatSettings settings;  // as in a step: what is made here is what a step would make
   error.clear();
-  Loader loader(state);
+  Loader loader(state, true);
   WorldDesc read;
   Image::visit(loader, read);
   error = loader.error();
   if (error.empty()) error = differs(read, desc);
+  if (error.empty()) error = check(read, options);
+  if (!error.empty()) return false;
+  // All of it is read and looked at before anything changes.
+  if (!probe) probe = std::make_unique<Impl>(read, RunOptions{options.isa, 1});
+  probe->desc = read;
+  bool lists = false;
+  probe->image(loader, lists);
+  Image::manifolds(loader, probe->manifolds, probe->bodies.count);
+  loader.end();
+  if (loader.ok()) Image::check(loader, *probe, lists);
+  constexpr std::size_t kSmall = 1 << 16;  // bytes: more memory is given back
+  if (loader.first_bytes() > kSmall) probe.reset();
+  error = loader.error();
   if (!error.empty()) return false;
   unprepared = {};
+  loader.begin_again();
+  Image::visit(loader, read);
   desc = read;
   const bool snapshots = traits.snapshots;
   saved.missing = false;
@@ -115,7 +130,6 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   table.strips.clear();
   candidates.strips.clear();
   renewal.forget();
-  bool lists = false;
   image(loader, lists);
   const WorkerPool::Awake awake(pool);
   if (lists && !loose) {

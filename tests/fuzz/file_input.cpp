@@ -13,7 +13,6 @@
 #include "state_comparison.h"
 #include "state_file.h"
 #include "user_error.h"
-#include "world_promises.h"
 
 namespace psim::fuzz {
 namespace {
@@ -74,16 +73,6 @@ std::string state_input(Bytes bytes) {
     return one_line(error.what());
   }
   return {};
-}
-
-std::string saved_input(Bytes bytes) {
-  std::string error;
-  std::vector<std::byte> state;
-  if (!unpack_state(std::as_bytes(bytes), state, error)) return one_line(error);
-  const auto world = World::from_state(state, {}, error);
-  if (!world) return one_line(error);
-  for (int k = 0; k < 3; ++k) world->step();
-  return broken_promise(*world);
 }
 
 std::string details_input(Bytes bytes) {

@@ -25,8 +25,12 @@ std::string state_input(Bytes text);
 /// A governor's log; what is read is replayed.
 std::string details_input(Bytes text);
 
-/// A packed state, as it comes from a file or a wire: refused in one line, or a world goes on from it.
+/// A packed state, as it comes from a file or a wire: refused in one line, and a world that it was offered to is as
+/// before, or a world goes on from it. Then the same with checksums put right.
 std::string saved_input(Bytes packed);
+
+/// A recording: refused in one line, or replayed. Then the same with checksums put right.
+std::string recording_input(Bytes recording);
 
 /// Calls of the public interface, legal and illegal, on one world or on two that run by different
 /// options and must agree. After each step all that the headers promise is looked at.
