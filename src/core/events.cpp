@@ -163,7 +163,7 @@ void EventList::name_lanes(const EventSource& source) {
 void EventList::compare_pairs(const EventSource& source) {
   const ContactStore& c = source.contacts;
   const std::uint32_t blocks = source.stepped ? c.pair_blocks() : 0;
-  if (source.stepped && build_ == c.builds() && !left_) {
+  if (source.stepped && build_ == c.builds() && !left_ && touching_.size() == blocks) {
     for (std::size_t k = 0; k < blocks; ++k) {
       const unsigned closed = closed_bits(c.impulse.data() + k * kBlock);
       unsigned changed = closed ^ touching_[k];

@@ -43,6 +43,7 @@ struct Traits {
   bool snapshots = false;
   bool events = false;                ///< the host asked for some
   bool sleeping = true;               ///< bodies may
+  friend bool operator==(const Traits&, const Traits&) = default;
 };
 
 struct Plan {

@@ -164,6 +164,10 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   if (lists && sorts_out()) make_lists_again();
   Image::manifolds(loader, manifolds, bodies.count);
   loader.finish(pool);
+  if (lists && manifolds.strip_count() > 0 && manifolds.strip_count() != table.strips.size()) {
+    manifolds.clear();  // of other bytes than were saved
+    lists_stale = true;
+  }
   columns.forget();
   placed = true;
   queries.forget_moving();

@@ -248,7 +248,8 @@ void World::Impl::read_names(std::size_t index) {
     if (n <= kFew && p + kFew <= strip.pair_end) {
       std::fill_n(owner + p, kFew, i);
     } else {
-      if (n == Saved::kMany) n = b.many[many++];
+      if (n == Saved::kMany) n = many < b.many.count ? b.many[many++] : 0;
+      n = std::min(n, strip.pair_end - p);
       std::fill_n(owner + p, n, i);
     }
     p += n;
