@@ -135,6 +135,13 @@ void Image::Check<W>::pairs() {
   for (const U32 n : s.strip_pairs) all += n;
   for (const U32 n : s.strip_singles) singles += n;
   require(s.strip_pairs.size() == s.strip_singles.size() && all <= 0x7FFFFFFFu && singles <= 0x7FFFFFFFu && a.fits(all) && a.fits(singles));
+  const Carried<InPlace>& carried = s.bytes;
+  for (const InPlace<float>* c : {&carried.impulse, &carried.friction, &carried.gap}) {
+    require(c->count == 0 || c->count == all);
+  }
+  for (const InPlace<float>* c : {&carried.s_impulse, &carried.s_friction, &carried.s_nx, &carried.s_ny, &carried.s_gap}) {
+    require(c->count == 0 || c->count == singles);
+  }
   if (lists && !w.loose) return;
   const PairTable& t = w.table;
   require(t.strips.size() == s.strip_pairs.size() && a.fits(t.body_count) && t.large_begin <= t.body_count);
@@ -180,11 +187,6 @@ void Image::Check<W>::names() {
   }
   require(b.of_body.count == t.body_count && b.many.count == all.many && b.near.count == all.near && b.far.count == all.far);
   require(b.s_body.count == all.singles && b.s_shape.count == all.singles);
-  const Carried<InPlace>& c = b;
-  for (const InPlace<float>* one : {&c.impulse, &c.friction, &c.gap}) require(one->count == 0 || one->count == all.pairs);
-  for (const InPlace<float>* one : {&c.s_impulse, &c.s_friction, &c.s_nx, &c.s_ny, &c.s_gap}) {
-    require(one->count == 0 || one->count == all.singles);
-  }
   if (!ok()) return;
   if (all.far != 0) require(largest<U32>(b.far.from, all.far, w.options.isa) < t.body_count);
   if (all.singles != 0) require(largest<U32>(b.s_body.from, all.singles, w.options.isa) < t.body_count);

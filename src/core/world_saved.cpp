@@ -164,9 +164,10 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   if (lists && sorts_out()) make_lists_again();
   Image::manifolds(loader, manifolds, bodies.count);
   loader.finish(pool);
-  if (lists && manifolds.strip_count() > 0 && manifolds.strip_count() != table.strips.size()) {
-    manifolds.clear();  // of other bytes than were saved
-    lists_stale = true;
+  if (lists && !loose && sorts_out() && !manifolds.fit(table.strips.size())) {  // other bytes than were saved
+    spoil_lists();
+    manifolds.clear();
+    saved.undone = false;
   }
   columns.forget();
   placed = true;

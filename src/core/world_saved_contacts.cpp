@@ -126,7 +126,9 @@ void World::Impl::each_lane(std::size_t strip, std::size_t column, const Each& e
     const std::uint32_t end = std::min(begin + saved.strip_pairs[strip], table.strips[strip].pair_end);
     for (std::uint32_t p = begin; p < end; ++p) each(contact[p]);
   } else {
-    for (const SinglePair& single : table.singles[strip]) each(single.contact);
+    const std::vector<SinglePair>& singles = table.singles[strip];
+    const std::size_t n = std::min<std::size_t>(singles.size(), saved.strip_singles[strip]);
+    for (std::size_t k = 0; k < n; ++k) each(singles[k].contact);
   }
 }
 
