@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "fuzz/world_promises.h"
+#include "psim/scene.h"
 #include "psim/saved_state.h"
 #include "rigid_support.h"
 #include "sanitized.h"
@@ -88,6 +89,64 @@ TEST(SavedDamage, AStateWithoutItsEndChangesNothing) {
     EXPECT_EQ(other->state_hash(), before);
   }
   run(*other, 5);
+}
+
+std::unique_ptr<World> scene_world(const BuiltinScene& of, int threads) {
+  std::string error;
+  const auto scene = make_builtin(of.name, of.sized ? std::min<std::uint64_t>(of.default_particles, 120) : of.default_particles, 1, error);
+  if (!scene || scene->body_count() > 2500) return nullptr;
+  RunOptions options;
+  options.threads = threads;
+  auto world = build_world(*scene, options, error);
+  EXPECT_NE(world, nullptr) << of.name << ": " << error;
+  return world;
+}
+
+TEST(SavedDamage, TheStateOfAnySceneAtAnyMomentIsSound) {
+  int states = 0;
+  for (const BuiltinScene& of : builtin_scenes()) {
+    const auto world = scene_world(of, 1 + states % 2);
+    if (!world) continue;
+    world->set_event_options({true, true, 1, true});
+    Bytes state;
+    std::string error;
+    for (int frame = 0; frame < (kSanitized ? 40 : 130); ++frame) {
+      if (frame < 4 || frame % 13 == 0) {
+        world->save(state);
+        ASSERT_NE(World::from_state(state, {}, error), nullptr) << of.name << ", frame " << frame << ": " << error;
+        ++states;
+      }
+      world->step();
+    }
+  }
+  EXPECT_GT(states, 100);
+}
+
+TEST(SavedDamage, WrongNumbersOfScenesAreRefusedOrServed) {
+  Random random(7);
+  int served = 0, refused = 0;
+  for (const BuiltinScene& of : builtin_scenes()) {
+    const auto world = scene_world(of, 1);
+    if (!world) continue;
+    run(*world, 30);
+    Bytes state;
+    world->save(state);
+    const std::uint64_t first = number_at(state, kFirst);
+    for (int k = 0; k < (kSanitized ? 5 : 25); ++k) {
+      Bytes bad = state;
+      const std::size_t at = kHeader + random.below((k % 4 == 0 ? bad.size() - kHeader : first) - 4);
+      const std::uint32_t values[] = {0, 1, 0x7FFFFFFF, 0xFFFFFFFF, 0x7F800000, static_cast<std::uint32_t>(random.below(1000))};
+      std::memcpy(bad.data() + at, &values[random.below(6)], 4);
+      std::string error;
+      const auto other = World::from_state(repaired(bad), {}, error);
+      ++(other ? served : refused);
+      if (!other) continue;
+      run(*other, 3);
+      ASSERT_EQ(fuzz::broken_promise(*other), "") << of.name << ", byte " << at;
+    }
+  }
+  EXPECT_GT(served, 50);
+  EXPECT_GT(refused, 50);
 }
 
 TEST(SavedDamage, NumbersThatAreWrongAreRefusedOrServed) {

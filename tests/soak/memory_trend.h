@@ -31,7 +31,7 @@ inline MemoryTrend memory_trend(const std::vector<std::size_t>& samples, double 
 /// each minute of the soak between the two middles.
 inline MemoryTrend uncounted_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0, 48 << 10); }
 
-/// Of memory_bytes: arrays grow when they meet a new most, ever more seldom.
-inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0.06, 32 << 10); }
+/// Of memory_bytes: arrays grow by half when they meet a new most, ever more seldom.
+inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0.25, 32 << 10); }
 
 }  // namespace psim::soak
