@@ -92,6 +92,7 @@ struct Image::Check {
   void shapes();
   void broad();
   void grid();
+  void axes();
   void cells();
   void pairs();
   void names();

@@ -79,7 +79,11 @@ void Image::Check<W>::broad() {
     require(std::all_of(list->begin(), list->end(), [](double x) { return x >= 0 && x <= kMost; }));
   }
   require(b.pairs_a_large_ <= kMost);
-  if (!lists && !w.ahead.built) return;
+  const CellList& c = b.sort_.listed_;
+  const bool there = lists || w.ahead.built;
+  require(c.row_axis_ == 0 || c.row_axis_ == 1);
+  if (ok() && (c.stays_ || (there && b.listed_))) axes();
+  if (!ok() || !there) return;
   if (b.listed_) {
     cells();
   } else {
@@ -103,27 +107,33 @@ void Image::Check<W>::grid() {
   require(g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2);
 }
 
+// Cells may stay for the lists to come.
+template <class W>
+void Image::Check<W>::axes() {
+  const CellList& c = w.broad.sort_.listed_;
+  for (const CellList::Axis& x : c.axis_) {
+    require(x.per >= 1 && x.per <= std::uint64_t{1} << 32 && x.cells >= 1 && x.cells <= x.per + 1);
+    if (!ok()) return;
+    require(x.width == 0x1p32 / static_cast<double>(x.per) && (!c.periodic_ || x.cells == x.per));
+  }
+  require(c.rows_ == c.axis_[c.row_axis_].cells && c.stride_ == c.axis_[1 - c.row_axis_].cells + 1);
+  require(c.slot_bits_ >= 0 && c.slot_bits_ <= 32);
+  require(static_cast<double>(c.rows_ + 1) * static_cast<double>(c.stride_) < std::ldexp(1.0, 64 - c.slot_bits_));
+}
+
 template <class W>
 void Image::Check<W>::cells() {
   const CellList& c = w.broad.sort_.listed_;
-  require((c.row_axis_ == 0 || c.row_axis_ == 1) && c.periodic_ == (w.desc.boundary == Boundary::periodic));
-  if (!ok()) return;
+  require(c.periodic_ == (w.desc.boundary == Boundary::periodic) && slots() < std::uint64_t{1} << c.slot_bits_);
   const auto built = a.seen(w.bodies.built, 2 * std::size_t{slots()});
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     const CellList::Axis& x = c.axis_[axis];
-    require(x.per >= 1 && x.per <= std::uint64_t{1} << 32 && x.cells >= 1 && x.cells <= x.per + 1);
-    if (!ok()) return;
-    require(x.width == 0x1p32 / static_cast<double>(x.per));
-    if (c.periodic_) require(x.cells == x.per);
     std::uint64_t most = 0;  // steps from the low side
     for (std::size_t k = 0; k < slots(); ++k) {
-      most = std::max(most, std::uint64_t{static_cast<U32>(wrap_sub(built[2 * k + static_cast<std::size_t>(axis)], x.low))});
+      most = std::max(most, std::uint64_t{static_cast<U32>(wrap_sub(built[2 * k + axis], x.low))});
     }
     require((most * x.per) >> 32 < x.cells);
   }
-  require(c.rows_ == c.axis_[c.row_axis_].cells && c.stride_ == c.axis_[1 - c.row_axis_].cells + 1);
-  require(c.slot_bits_ >= 0 && c.slot_bits_ <= 32 && slots() < std::uint64_t{1} << c.slot_bits_);
-  require(static_cast<double>(c.rows_ + 1) * static_cast<double>(c.stride_) < std::ldexp(1.0, 64 - c.slot_bits_));
 }
 
 template <class W>
@@ -196,6 +206,7 @@ void Image::Check<W>::names() {
 template void Image::Check<World::Impl>::shapes();
 template void Image::Check<World::Impl>::broad();
 template void Image::Check<World::Impl>::grid();
+template void Image::Check<World::Impl>::axes();
 template void Image::Check<World::Impl>::cells();
 template void Image::Check<World::Impl>::pairs();
 template void Image::Check<World::Impl>::names();
