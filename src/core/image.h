@@ -73,10 +73,10 @@ struct Image {
   static void manifolds(A& a, Manifolds& m, std::size_t slots);
   template <class A>
   static void joints(A& a, JointStore& j);
-  /// Whether what a dry run read agrees with itself (image_check.cpp), so that nothing that is made of it reads or
-  /// writes where it must not. What is not so is told to the loader. `lists`: they last.
+  /// Whether what a dry run read agrees with itself (image_check.h), so that nothing that is made of it reads or
+  /// writes where it must not. What is not so is told to the loader. `lists`: they last. What sleeps in `now` is sound.
   template <class W>
-  static void check(Loader& a, const W& world, bool lists);
+  static void check(Loader& a, W& seen, const W& now, bool lists);
   template <class A>
   static void sleepers(A& a, Sleepers& s, const BodyStore& b);
   template <class A>
@@ -92,6 +92,8 @@ struct Image {
  private:
   template <class W>
   struct Check;
+  template <class W>
+  static bool unpack(Loader& a, W& seen, const W& now);
 };
 
 template <>

@@ -26,11 +26,11 @@ void Image::Check<W>::events() {
 }
 
 template <class W>
-void Image::check(Loader& a, const W& world, bool lists) {
-  Check<W> check{a, world, lists};
+void Image::check(Loader& a, W& seen, const W& now, bool lists) {
+  Check<W> check{a, seen, now, lists};
   check.all();
 }
 
-template void Image::check(Loader&, const World::Impl&, bool);
+template void Image::check(Loader&, World::Impl&, const World::Impl&, bool);
 
 }  // namespace psim

@@ -21,11 +21,13 @@ struct Image::Check {
   using U32 = std::uint32_t;
 
   Loader& a;
-  const W& w;
+  W& w;
+  const W& now;
   bool lists;
   std::vector<std::uint64_t> of_place = std::vector<std::uint64_t>(kLastOf<Place> + 1);
   std::vector<U32> first_of_run = {};  // ids
   InPlace<U32> slot_ids = {};
+  bool as_before = false;  // fixed geometry and what sleeps are those of `now`
 
   bool ok() const { return a.ok(); }
   void require(bool sound) { a.require(sound); }
@@ -45,6 +47,7 @@ struct Image::Check {
   const Surface& surface_of(U32 id) const { return w.bodies.surfaces[run_of(id)->surface]; }
   const Make& make_of(U32 id) const { return w.bodies.makes[surface_of(id).make]; }
   bool is_shape(U32 shape) const { return shape < w.shapes.count_ || (shape >= kWallLeft && shape <= kWallTop); }
+  const StaticShape& shape(U32 number) const { return (as_before ? now : w).shapes.shapes_[number]; }
   // Whether bodies lie as contacts were laid out by.
   bool stands() const { return !w.ahead.sorted && w.saved.origin.empty(); }
   bool is_body(U32 id) const { return place_of(id) != Place::none; }
@@ -74,11 +77,12 @@ struct Image::Check {
 
   void all() {
     const auto each = [&](auto... part) { ((ok() ? (this->*part)() : void()), ...); };
-    each(&Check::settings, &Check::tables, &Check::roster, &Check::columns, &Check::others, &Check::traits,
+    each(&Check::settings, &Check::tables, &Check::roster, &Check::unpack, &Check::columns, &Check::others, &Check::traits,
          &Check::shapes, &Check::broad, &Check::pairs, &Check::manifolds, &Check::joints, &Check::sleepers,
          &Check::events);
   }
   void settings();
+  void unpack() { as_before = Image::unpack(a, w, now); }
   // Who is there.
   void tables();
   void hull(const Hull& h) {
@@ -99,7 +103,7 @@ struct Image::Check {
   // Contacts of shapes.
   void manifolds();
   void fixed_side(const PairName& pair);
-  void strip(std::size_t index);
+  void strip(std::size_t index, bool spread);
   // Joints.
   void joints();
   void joint(std::size_t k, std::size_t& alive);

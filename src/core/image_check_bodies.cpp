@@ -154,7 +154,7 @@ void Image::Check<W>::roster() {
   require(b.dead <= b.count && count(Place::moving) == b.count - b.dead);
   require(count(Place::fixed) == b.fixed && count(Place::fixed) == w.fixed.size());
   require(count(Place::frozen) == w.frozen.size() && count(Place::none) == b.free_ids.size());
-  require(count(Place::asleep) == b.asleep && count(Place::asleep) == w.sleepers.list.size());
+  require(count(Place::asleep) == b.asleep);
   require(b.moving == count(Place::moving) + b.asleep && b.living == ids() - b.free_ids.size());
   require(b.kinematic == 0 || b.kinematic == kinematic);
   if (!ok() || b.free_ids.empty()) return;
@@ -180,7 +180,6 @@ template <class W>
 void Image::Check<W>::others() {
   listed(Place::fixed, w.fixed, [](const FixedBody& f) { return f.id; });
   listed(Place::frozen, w.frozen, [](const BodyState& s) { return s.id.index; });
-  listed(Place::asleep, w.sleepers.list, [](const Sleeper& s) { return s.id; });
   for (const BodyId& id : w.doubtful) require(id.index < ids());
   for (const auto& h : w.held) {
     require(place_of(h.first) == Place::moving && surface_of(h.first).type == BodyType::kinematic_body);

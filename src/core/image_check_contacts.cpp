@@ -8,7 +8,7 @@ void Image::Check<W>::manifolds() {
   const Manifolds& m = w.manifolds;
   const std::size_t strips = m.strips_.size(), pairs = m.pairs_.size();
   // While work is spread over frames these are of several steps, and are made anew before anyone reads them.
-  const bool spread = w.ahead.built || (w.ahead.part != Part::check && !lists);
+  const bool spread = w.ahead.built || w.ahead.part != Part::check;
   require(spread || (m.begin_.empty() ? pairs == 0 : m.begin_.front() == 0 && m.begin_.back() == pairs));
   require(m.begin_.size() <= strips + 1);
   require(std::is_sorted(m.begin_.begin(), m.begin_.end()));
@@ -37,7 +37,7 @@ void Image::Check<W>::manifolds() {
   }
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < strips && ok(); ++k) {
-    if (!spread) strip(k);
+    if (!spread || lists) strip(k, spread);
     points += m.strips_[k].points;
   }
   require(m.points_ == 0 || (m.points_ <= points && w.plan.shapes));
@@ -47,20 +47,20 @@ void Image::Check<W>::manifolds() {
 template <class W>
 void Image::Check<W>::fixed_side(const PairName& p) {
   require(p.fixed_a);
-  if (p.shape < kWallLeft) require(w.shapes.shapes_[p.shape].alive && w.shapes.shapes_[p.shape].owner == p.id_a);
+  if (p.shape < kWallLeft) require(shape(p.shape).alive && shape(p.shape).owner == p.id_a);
 }
 
 // Those behind the last strip that has pairs are of lists of before: cleared before anyone reads them.
 template <class W>
-void Image::Check<W>::strip(std::size_t index) {
+void Image::Check<W>::strip(std::size_t index, bool spread) {
   const Manifolds& m = w.manifolds;
   const Manifolds::StripBlocks& s = m.strips_[index];
   const auto blocks = static_cast<U32>(s.blocks.size());
   require(std::is_sorted(std::begin(s.end), std::end(s.end)) && s.end[3] <= blocks);
   if (index + 1 < m.begin_.size()) {
-    const U32 begin = m.begin_[index], end = m.begin_[index + 1];
+    const U32 begin = m.begin_[index], end = std::min(m.begin_[index + 1], static_cast<U32>(m.pairs_.size()));
     for (const auto* list : {&s.active, &s.laid}) {
-      require(std::all_of(list->begin(), list->end(), [&](U32 k) { return k >= begin && k < end; }));
+      require(std::all_of(list->begin(), list->end(), [&](U32 k) { return k >= begin && (k < end || spread); }));
     }
     for (U32 k = begin; k < end; ++k) {
       const U32 lane = m.pairs_[k].lane;
@@ -162,6 +162,9 @@ void Image::Check<W>::chains(std::size_t alive) {
 template <class W>
 void Image::Check<W>::sleepers() {
   const Sleepers& s = w.sleepers;
+  const bool known = s.watching_ || w.bodies.asleep != 0;
+  require(s.seen_.rests == 0 || (known && s.seen_.rests == ids() - w.bodies.asleep));
+  if (as_before) return;
   for (const Sleeper& x : s.list) {
     require(x.touches <= s.touches.size() && x.first_touch <= s.touches.size() - x.touches);
     require(x.shapes <= w.shapes.count_ && x.first_shape <= w.shapes.count_ - x.shapes);
@@ -183,7 +186,7 @@ void Image::Check<W>::sleepers() {
 
 template void Image::Check<World::Impl>::manifolds();
 template void Image::Check<World::Impl>::fixed_side(const PairName&);
-template void Image::Check<World::Impl>::strip(std::size_t);
+template void Image::Check<World::Impl>::strip(std::size_t, bool);
 template void Image::Check<World::Impl>::joints();
 template void Image::Check<World::Impl>::joint(std::size_t, std::size_t&);
 template void Image::Check<World::Impl>::chains(std::size_t);

@@ -100,6 +100,10 @@ void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b)
   }
   if (asleep > SleeperPack::kEach * packs.size()) a.fail("it is damaged");
   if (!a.ok()) return;
+  if (a.dry()) {
+    sleepers.seen_ = {others, {}, std::move(packs)};
+    return;
+  }
   const bool same_others = !s.saved_stale_ && same_bytes(others, s.saved_);
   const auto each_of_pack = [&](std::size_t pack, const auto& each) {
     const std::size_t begin = pack * SleeperPack::kEach;
@@ -202,6 +206,14 @@ void Image::sleepers(A& a, Sleepers& s, const BodyStore& b) {
   if constexpr (A::kLoading) {
     InPlace<std::byte> recent;
     a.in_place(recent);
+    s.seen_.recent = recent;
+    if (a.dry()) {
+      numbers(a, s.woke, s.changed, s.watching_);
+      InPlace<Sleepers::Rest> rests;
+      a.in_place(rests);
+      s.seen_.rests = rests.count;
+      return;
+    }
     if (!a.ok() || !unpack_recent(span_of(recent), s, b)) return a.fail("it is damaged");
   } else {
     pack_recent(s, b, s.recent_);
@@ -249,6 +261,62 @@ void Image::sleepers(A& a, Sleepers& s, const BodyStore& b) {
   }
 }
 
+// What a dry run saw, into a world that nobody else looks at. Nothing is read that is in `now` already, byte for byte:
+// true.
+template <class W>
+bool Image::unpack(Loader& a, W& seen, const W& now) {
+  BodyStore& b = seen.bodies;
+  StaticShapes& s = seen.shapes;
+  Sleepers& sleepers = seen.sleepers;
+  const auto& packs = sleepers.seen_.packs;
+  const auto alike = [](const auto& one, const auto& other, auto what) {
+    return std::ranges::equal(one, other, [what](const auto& x, const auto& y) { return x.*what == y.*what; });
+  };
+  const auto as_before = [&] {
+    if (now.bodies.roster_changed || now.shapes.saved_stale_ || sleepers.seen_.recent.count != 0) return false;
+    if (packs.size() != now.sleepers.packs_.size() || s.count_ != now.shapes.count_ || s.alive_ != now.shapes.alive_) return false;
+    for (std::size_t k = 0; k < packs.size(); ++k) {
+      const SleeperPack& pack = now.sleepers.packs_[k];
+      if (pack.stale || !same_bytes(packs[k], pack.bytes)) return false;
+    }
+    return same_bytes(sleepers.seen_.others, now.shapes.saved_) && b.roster == now.bodies.roster &&
+           alike(b.surfaces.list_, now.bodies.surfaces.list_, &SurfaceTable::Entry::surface) &&
+           alike(b.makes.list_, now.bodies.makes.list_, &MakeTable::Entry::make);
+  };
+  if (as_before()) return true;
+  if (!a.fits(s.count_ / 16)) return false;
+  b.info.reserve(b.id_count);
+  std::uint32_t id = 0;
+  for (const AlikeBodies& run : b.roster) {
+    for (std::uint32_t k = 0; k < run.count; ++k, ++id) b.info[id] = {kNoSlot, run.generation, run.surface, run.place};
+  }
+  sleepers.list.assign(b.asleep, Sleeper{});
+  sleepers.touches.clear();
+  std::size_t first = 0;
+  for (const InPlace<std::byte>& pack : packs) {
+    a.require(unpack_sleepers(span_of(pack), first, sleepers, b));
+    first += count_in_pack(span_of(pack));
+  }
+  a.require(first == sleepers.list.size());
+  s.shapes_.reserve(s.count_);
+  std::fill_n(s.shapes_.data(), s.count_, gone());
+  Loader numbers = Loader::of_numbers(span_of(sleepers.seen_.others));
+  if (a.ok()) standing(numbers, s);
+  a.require(numbers.ok() && numbers.at_end());
+  for (std::size_t k = 0; k < sleepers.list.size() && a.ok(); ++k) {
+    const Sleeper& x = sleepers.list[k];
+    a.require(b.info[x.id].slot == k);
+    if (b.make(x.id).hull_count != 0) continue;
+    a.require(x.shapes == 1 && x.first_shape < s.count_ && !s.shapes_[x.first_shape].alive);
+    if (!a.ok()) break;
+    s.shapes_[x.first_shape] = lone_piece(x.at, x.id, b.surface(x.id));
+    s.shapes_[x.first_shape].asleep = true;
+  }
+  a.require(a.ok() && unpack_recent(span_of(sleepers.seen_.recent), sleepers, b));
+  return false;
+}
+
+template bool Image::unpack(Loader&, World::Impl&, const World::Impl&);
 template void Image::sleepers(Saver&, Sleepers&, const BodyStore&);
 template void Image::sleepers(Loader&, Sleepers&, const BodyStore&);
 

@@ -77,6 +77,21 @@ void Manifolds::forget() {
   std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
 
+bool Manifolds::fit(std::size_t strips) {
+  const std::size_t pairs = pairs_.size();
+  if (strips == 0 || strip_count() != strips || strips_.size() < strips || stale_.size() < strips ||
+      special_.size() < strips || begin_[strips - 1] > own_end_ || own_end_ > pairs) {
+    return false;
+  }
+  if (begin_.back() == pairs) return true;
+  begin_.back() = static_cast<std::uint32_t>(pairs);
+  for (StripBlocks& s : strips_) {
+    for (auto* list : {&s.active, &s.laid}) std::erase_if(*list, [pairs](std::uint32_t k) { return k >= pairs; });
+  }
+  cut();
+  return true;
+}
+
 void Manifolds::clear() {
   accept();
   own_end_ = 0;

@@ -165,11 +165,9 @@ class Manifolds {
                         std::vector<std::uint64_t>& pairs, std::vector<SinglePair>& singles, WorkerPool& pool);
   /// They take the place of what those bodies had when they were found before. O(manifolds of renewed bodies).
   void put_renewed(const std::function<bool(std::uint32_t)>& found);
-  /// Whether pairs that came back from a saved state are those of so many strips, as they were made again.
-  bool fit(std::size_t strips) const {
-    return strip_count() == strips && strips != 0 && begin_.back() == pairs_.size() && begin_[strips - 1] <= own_end_ &&
-           strips_.size() >= strips && stale_.size() >= strips && special_.size() >= strips;
-  }
+  /// Whether pairs that came back from a saved state are those of so many strips, as they were made again. In the
+  /// middle of a step there may have been more of the last one, which are not there yet.
+  bool fit(std::size_t strips);
   std::uint32_t renewed() const { return static_cast<std::uint32_t>(pairs_.size()) - own_end_; }
 
   /// Makes room for so many pairs to come.

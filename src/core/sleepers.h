@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "archive.h"
 #include "body_store.h"
 #include "column.h"
 #include "lattice.h"
@@ -196,6 +197,11 @@ class Sleepers {
   std::vector<SleeperPack> packs_;  // of the last saved state
   std::vector<Rest> rests_;         // scratch of saving: of those awake
   std::vector<std::byte> recent_;   // and of `recent`
+  struct Seen {                     // in a dry run: where they lie in the bytes
+    InPlace<std::byte> others, recent;
+    std::vector<InPlace<std::byte>> packs;
+    std::size_t rests = 0;
+  } seen_;
   bool watching_ = false;
   std::uint32_t room_of_ = 0;    // bodies
 };

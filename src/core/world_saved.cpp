@@ -114,7 +114,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   probe->image(loader, lists);
   Image::manifolds(loader, probe->manifolds, probe->bodies.count);
   loader.end();
-  if (loader.ok()) Image::check(loader, *probe, lists);
+  if (loader.ok()) Image::check(loader, *probe, *this, lists);
   constexpr std::size_t kSmall = 1 << 16;  // bytes: more memory is given back
   if (loader.first_bytes() > kSmall) probe.reset();
   error = loader.error();
