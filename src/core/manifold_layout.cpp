@@ -83,11 +83,9 @@ bool Manifolds::fit(std::size_t strips) {
       special_.size() < strips || begin_[strips - 1] > own_end_ || own_end_ > pairs) {
     return false;
   }
+  for (StripBlocks& s : strips_) std::erase_if(s.laid, [pairs](std::uint32_t k) { return k >= pairs; });
   if (begin_.back() == pairs) return true;
   begin_.back() = static_cast<std::uint32_t>(pairs);
-  for (StripBlocks& s : strips_) {
-    for (auto* list : {&s.active, &s.laid}) std::erase_if(*list, [pairs](std::uint32_t k) { return k >= pairs; });
-  }
   cut();
   return true;
 }
