@@ -26,6 +26,9 @@ inline constexpr std::uint64_t kLastOf<Part> = static_cast<std::uint64_t>(Part::
 template <>
 inline constexpr std::uint64_t kLastOf<ManifoldPair::Column> = 2;
 
+/// As in sleeper_pack.h, but of those who sleep in `sleepers` into `out`.
+bool unpack_recent(std::span<const std::byte> pack, const Sleepers& sleepers, const BodyStore& bodies, TouchMemory& out);
+
 struct Image {
   // Descriptions and short things.
   template <class A>

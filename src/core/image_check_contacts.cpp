@@ -166,7 +166,14 @@ void Image::Check<W>::sleepers() {
   const Sleepers& s = w.sleepers;
   const bool known = s.watching_ || w.bodies.asleep != 0;
   require(s.seen_.rests == 0 || (known && s.seen_.rests == ids() - w.bodies.asleep));
+  const auto sound = [&](const std::vector<Touch>& touches) {
+    return std::all_of(touches.begin(), touches.end(), [&](const Touch& t) {
+      return t.first() < ids() && t.points <= 2 && (t.of_fixed() || t.second() < ids());
+    });
+  };
+  require(sound(s.recent.list_));
   if (as_before) return;
+  require(sound(s.touches));
   for (const Sleeper& x : s.list) {
     require(x.touches <= s.touches.size() && x.first_touch <= s.touches.size() - x.touches);
     require(x.shapes <= w.shapes.count_ && x.first_shape <= w.shapes.count_ - x.shapes);
@@ -179,11 +186,6 @@ void Image::Check<W>::sleepers() {
   for (const Sleeper& x : s.list) pieces += x.shapes;
   for (U32 k = 0; k < w.shapes.count_; ++k) asleep += w.shapes.shapes_[k].alive && w.shapes.shapes_[k].asleep ? 1 : 0;
   require(pieces == asleep);
-  for (const auto* touches : {&s.touches, &s.recent.list_}) {
-    for (const Touch& t : *touches) {
-      require(t.first() < ids() && t.points <= 2 && (t.of_fixed() || t.second() < ids()));
-    }
-  }
 }
 
 template void Image::Check<World::Impl>::manifolds();

@@ -273,7 +273,7 @@ bool Image::unpack(Loader& a, W& seen, const W& now) {
     return std::ranges::equal(one, other, [what](const auto& x, const auto& y) { return x.*what == y.*what; });
   };
   const auto as_before = [&] {
-    if (now.bodies.roster_changed || now.shapes.saved_stale_ || sleepers.seen_.recent.count != 0) return false;
+    if (now.bodies.roster_changed || now.shapes.saved_stale_) return false;
     if (packs.size() != now.sleepers.packs_.size() || s.count_ != now.shapes.count_ || s.alive_ != now.shapes.alive_) return false;
     for (std::size_t k = 0; k < packs.size(); ++k) {
       const SleeperPack& pack = now.sleepers.packs_[k];
@@ -281,7 +281,8 @@ bool Image::unpack(Loader& a, W& seen, const W& now) {
     }
     return same_bytes(sleepers.seen_.others, now.shapes.saved_) && b.roster == now.bodies.roster &&
            alike(b.surfaces.list_, now.bodies.surfaces.list_, &SurfaceTable::Entry::surface) &&
-           alike(b.makes.list_, now.bodies.makes.list_, &MakeTable::Entry::make);
+           alike(b.makes.list_, now.bodies.makes.list_, &MakeTable::Entry::make) &&
+           unpack_recent(span_of(sleepers.seen_.recent), now.sleepers, now.bodies, sleepers.recent);
   };
   if (as_before()) return true;
   if (!a.fits(s.count_ / 16)) return false;

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "archive.h"
+#include "image.h"
 #include "invariant.h"
 #include "sleepers.h"
 
@@ -393,8 +393,8 @@ void pack_recent(const Sleepers& sleepers, const BodyStore& bodies, std::vector<
   put_loads(w, told, counts.flags);
 }
 
-bool unpack_recent(std::span<const std::byte> pack, Sleepers& sleepers, const BodyStore& bodies) {
-  sleepers.recent.clear();
+bool unpack_recent(std::span<const std::byte> pack, const Sleepers& sleepers, const BodyStore& bodies, TouchMemory& out) {
+  out.clear();
   if (pack.empty()) return true;
   Reader r(pack);
   const InPlace<PackCounts> head = r.column<PackCounts>(1);
@@ -413,9 +413,13 @@ bool unpack_recent(std::span<const std::byte> pack, Sleepers& sleepers, const Bo
     } else if (!loads.take(t)) {
       return false;
     }
-    sleepers.recent.add(t);
+    out.add(t);
   }
   return true;
+}
+
+bool unpack_recent(std::span<const std::byte> pack, Sleepers& sleepers, const BodyStore& bodies) {
+  return unpack_recent(pack, sleepers, bodies, sleepers.recent);
 }
 
 }  // namespace psim
