@@ -1,6 +1,8 @@
-// Pictures of 1920 x 1080 pixels on one thread, as `psim --image` and films draw them:
+// Pictures of 1920 x 1080 pixels, as `psim --image` and films draw them:
 //   Draw/<scene>/<bodies>   a world's bodies painted and turned into 8-bit sRGB
 //   Png/<scene>/<bodies>    that picture compressed
+//   File/<scene>/<bodies>   both; CPU is the time of all threads together
+// The last number is that of threads.
 // Worlds stand as they begin: a pile fills the height of the picture with discs 2 % of their size apart.
 #include <benchmark/benchmark.h>
 
@@ -34,7 +36,7 @@ struct Picture {
   cli::Moment moment;
 };
 
-void draw(benchmark::State& state, const char* scene, std::uint64_t bodies, bool compress) {
+void draw(benchmark::State& state, const char* scene, std::uint64_t bodies, char what, int threads) {
   Picture picture(scene, bodies);
   picture.stir();
   const cli::Painter painter(picture.scene, cli::Colouring::speed);
@@ -44,16 +46,13 @@ void draw(benchmark::State& state, const char* scene, std::uint64_t bodies, bool
   const auto paint = [&] {
     const cli::Brightest bright = cli::brightest(picture.scene, picture.moment, painter.shapes());
     painter.paint(canvas, cli::PictureCamera(view, kWidth, kHeight), picture.moment, bright);
-    canvas.to_srgb(rgb);
+    canvas.to_srgb(rgb, threads);
   };
   paint();
   cli::AtomicFile nowhere("bench", "/dev/null");
   for (auto _ : state) {
-    if (compress) {
-      cli::write_png(nowhere, kWidth, kHeight, rgb);
-    } else {
-      paint();
-    }
+    if (what != 'P') paint();
+    if (what != 'D') cli::write_png(nowhere, kWidth, kHeight, rgb, threads);
     benchmark::DoNotOptimize(rgb.data());
   }
   state.counters["bodies"] = static_cast<double>(picture.moment.size());
@@ -66,6 +65,7 @@ void register_pictures() {
     const char* what;
     const char* scene;
     std::uint64_t bodies;
+    int threads = 1;
   };
   for (const Line& line : {Line{"Draw", "discs", 100'000},
                            {"Draw", "pile", 10'000},
@@ -74,13 +74,14 @@ void register_pictures() {
                            {"Draw", "many_pyramids", 22'000},
                            {"Draw", "rain", 11'000},
                            {"Png", "pile", 100'000},
-                           {"Png", "many_pyramids", 22'000}}) {
-    const bool compress = line.what[0] == 'P';
+                           {"Png", "many_pyramids", 22'000},
+                           {"File", "pile", 100'000},
+                           {"File", "pile", 100'000, 2}}) {
     const std::string name =
-        std::string(line.what) + "/" + line.scene + "/" + std::to_string(line.bodies);
-    benchmark::RegisterBenchmark(name.c_str(), [line, compress](benchmark::State& s) {
-      draw(s, line.scene, line.bodies, compress);
-    })->Unit(benchmark::kMillisecond);
+        std::string(line.what) + "/" + line.scene + "/" + std::to_string(line.bodies) + "/" + std::to_string(line.threads);
+    benchmark::RegisterBenchmark(name.c_str(), [line](benchmark::State& s) {
+      draw(s, line.scene, line.bodies, line.what[0], line.threads);
+    })->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
   }
 }
 

@@ -6,8 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
+#include <thread>
 #include <utility>
 #include <vector>
+
+#include "../src/psim/parallel.h"
 
 namespace psim::cli {
 namespace {
@@ -140,6 +144,58 @@ TEST(Canvas, TinyShapesKeepTheirBrightness) {
     const std::vector<Point> thin = {{10, 20}, {40, 22}, {40, 22 + side}, {10, 20 + side}};
     EXPECT_NEAR(convex_light(thin, 0), 30 * side, 0.3 * side) << side;
     EXPECT_NEAR(convex_light(square(side, 30.2, 30.6, 0.3), 0), side * side, 0.01 * side * side);
+  }
+}
+
+// A page of everything, of several bands, with figures over many of them.
+void paint_page(Canvas& canvas) {
+  std::mt19937 random(4);
+  const auto number = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
+  const auto colour = [&] { return from_srgb(static_cast<std::uint32_t>(random() & 0xFFFFFF)); };
+  canvas.clear(from_srgb(0x101820));
+  canvas.background_rect(20.4, 30.6, 250.2, 170.3, from_srgb(0x404040));
+  for (int k = 0; k < 400; ++k) {
+    const double x = number(-40, 340), y = number(-40, 240), size = std::exp(number(-2, 4.5));
+    const float opacity = k % 7 == 0 ? 0.3f : 1;
+    if (k % 4 == 0) canvas.disc(x, y, size, colour(), opacity);
+    if (k % 4 == 1) canvas.convex(square(size, x, y, number(0, 3)), k % 8 < 4 ? 0 : number(0, size), colour(), opacity);
+    if (k % 4 == 2) canvas.line({x, y}, {number(0, 300), number(0, 200)}, number(0.3, 6), colour());
+    if (k % 4 == 3) canvas.ring(x, y, size, number(0.5, 20), colour());
+  }
+}
+
+TEST(Canvas, ThreadsDoNotShow) {
+  std::vector<std::uint8_t> one, some;
+  Canvas canvas(300, 200);
+  for (int again = 0; again < 2; ++again) {
+    paint_page(canvas);
+    canvas.to_srgb(one);
+    for (const int threads : {1, 2, 3, 16}) {
+      Canvas fresh(300, 200);
+      paint_page(fresh);
+      fresh.to_srgb(some, threads);
+      EXPECT_EQ(some, one) << threads;
+      canvas.to_srgb(some, threads);
+      EXPECT_EQ(some, one) << threads;
+    }
+    canvas.clear(Colour{});
+    canvas.disc(10, 10, 30, kWhite);
+    canvas.to_srgb(some);  // nothing of it stays
+  }
+}
+
+TEST(ShareOut, EveryJobOnceOnNoMoreThreadsThanAsked) {
+  for (const int threads : {1, 2, 5}) {
+    std::vector<int> done(100);
+    std::vector<std::thread::id> worker_is(static_cast<std::size_t>(threads));
+    share_out(done.size(), threads, [&](std::size_t job, std::size_t worker) {
+      ++done[job];
+      worker_is.at(worker) = std::this_thread::get_id();
+    });
+    EXPECT_EQ(done, std::vector<int>(100, 1));
+    if (threads == 1) {
+      EXPECT_EQ(worker_is[0], std::this_thread::get_id());
+    }
   }
 }
 

@@ -1,4 +1,6 @@
 // Pictures and films as the program writes them.
+#include <libdeflate.h>
+
 #include <cstdio>
 
 #include "cli_runner.h"
@@ -96,6 +98,36 @@ TEST_F(CliPictures, FramesOfALongerFilmBeforeArePointedOut) {
   EXPECT_EQ(shorter.status, 0);
   EXPECT_NE(shorter.err.find("frame_000003.png and what follows"), std::string::npos)
       << shorter.err;
+}
+
+// Every chunk's checksum, and zlib's of the pixels (which its format keeps at the end).
+TEST_F(CliPictures, ChecksumsAreRightAndThreadsDoNotShow) {
+  const auto image = [&](const char* threads) {
+    EXPECT_EQ(run({"--image", folder_.file("i.png"), "--image-size", "700x900", "--threads", threads}).status, 0);
+    return read_file(folder_.file("i.png"));
+  };
+  const std::string png = image("1");
+  EXPECT_EQ(image("2"), png);
+  const auto number = [&png](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(png.at(at + i));
+    return value;
+  };
+  std::string kinds;
+  for (std::size_t at = 8; at < png.size();) {
+    const std::size_t size = number(at);
+    kinds += png.substr(at + 4, 4) + ' ';
+    EXPECT_EQ(number(at + 8 + size), libdeflate_crc32(0, png.data() + at + 4, size + 4)) << kinds;
+    if (kinds.ends_with("IDAT ")) {
+      std::vector<char> pixels(900 * (3 * 700 + 1));
+      libdeflate_decompressor* const reader = libdeflate_alloc_decompressor();
+      EXPECT_EQ(libdeflate_zlib_decompress(reader, png.data() + at + 8, size, pixels.data(), pixels.size(), nullptr),
+                LIBDEFLATE_SUCCESS);
+      libdeflate_free_decompressor(reader);
+    }
+    at += size + 12;
+  }
+  EXPECT_EQ(kinds, "IHDR sRGB IDAT IEND ");
 }
 
 TEST_F(CliPictures, SizeViewAndColourOfAnImage) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -48,6 +49,30 @@ double sampled(int x, int y, const Inside& inside) {
     }
   }
   return hits / static_cast<double>(kSamples * kSamples);
+}
+
+// A figure's rows do not depend on which of them are made.
+TEST(Coverage, SomeRowsAreThoseOfTheWhole) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> place(-12, kSide + 12);
+  Coverage whole, some;
+  for (int figure = 0; figure < 200; ++figure) {
+    std::vector<Point> loop;
+    for (int k = 0; k < 3 + figure % 5; ++k) loop.push_back({place(random), place(random)});
+    const PixelBox box{figure % 3, 2, kSide - figure % 4, kSide - 1};
+    const int first = 2 + figure % 20, end = first + 1 + figure % 17;
+    whole.begin(box);
+    some.begin(box, first, end);
+    whole.polygon(loop);
+    some.polygon(loop);
+    for (int y = box.top; y < box.bottom; ++y) {
+      const Coverage::Row all = whole.take_row(y);
+      if (y < first || y >= end) continue;
+      const Coverage::Row row = some.take_row(y);
+      EXPECT_EQ(row.left, all.left);
+      EXPECT_TRUE(std::ranges::equal(row.shares, all.shares)) << figure << ' ' << y;
+    }
+  }
 }
 
 bool is_within(const std::vector<Point>& convex, double x, double y) {

@@ -7,15 +7,17 @@
 namespace psim::cli {
 
 PixelBox pixel_box(double x0, double y0, double x1, double y1, int width, int height) {
-  // Clamped as doubles: a figure far outside must not overflow an int.
-  const auto whole = [](double v, int most) {
-    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(most)));
+  // Clamped as doubles: a figure far outside must not overflow an int. What is clamped is not negative: cutting its
+  // fraction off is rounding down.
+  const auto down = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(most))); };
+  const auto up = [&](double v, int most) {
+    const int whole = down(v, most);
+    return whole < most && v > whole ? whole + 1 : whole;
   };
-  return {whole(std::floor(x0), width), whole(std::floor(y0), height), whole(std::ceil(x1), width),
-          whole(std::ceil(y1), height)};
+  return {down(x0, width), down(y0, height), up(x1, width), up(y1, height)};
 }
 
-void Coverage::begin(const PixelBox& box) {
+void Coverage::begin(const PixelBox& box, int first, int end) {
   columns_ = static_cast<std::size_t>(box.right - box.left);
   stride_ = columns_ + 2;
   left_ = box.left;
@@ -23,33 +25,34 @@ void Coverage::begin(const PixelBox& box) {
   width_ = box.right - box.left;
   height_ = box.bottom - box.top;
   left_column_ = box.left;
-  top_row_ = box.top;
-  const std::size_t cells = stride_ * static_cast<std::size_t>(box.bottom - box.top);
-  if (cells_.size() < cells) cells_.resize(cells);
-  const auto rows = static_cast<std::size_t>(box.bottom - box.top);
+  first_row_ = first;
+  skipped_ = first - box.top;
+  end_ = end - box.top;
+  const auto rows = static_cast<std::size_t>(end - first);
+  if (cells_.size() < stride_ * rows) cells_.resize(stride_ * rows);
   if (touched_.size() < rows) touched_.resize(rows, kUntouched);
   if (row_.size() < columns_) row_.resize(columns_);
 }
 
 void Coverage::polygon(std::span<const Point> corners, Point centre, double scale) {
   if (corners.empty()) return;
-  const Point shift = {centre.x - left_, centre.y - top_};
-  const auto place = [&](const Point& p) {
-    return Point{shift.x + scale * p.x, shift.y + scale * p.y};
+  using Pair = double __attribute__((vector_size(16)));  // x and y in one register; a type of g++ and clang++
+  const Pair shift = {centre.x - left_, centre.y - top_}, most = {width_, height_}, none = {};
+  const auto place = [&](const Point& p) { return shift + scale * Pair{p.x, p.y}; };
+  const auto is_inside = [&](Pair p) {
+    const auto good = (p >= none) & (p <= most);
+    return (good[0] & good[1]) != 0;
   };
-  const auto is_inside = [this](const Point& p) {
-    return p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_;
-  };
-  Point from = place(corners.back());
+  Pair from = place(corners.back());
   bool was_inside = is_inside(from);
   for (const Point& corner : corners) {
-    const Point to = place(corner);
+    const Pair to = place(corner);
     const bool inside = is_inside(to);
     if (was_inside && inside) {
-      add(static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(to.x),
-          static_cast<float>(to.y));
+      add(static_cast<float>(from[0]), static_cast<float>(from[1]), static_cast<float>(to[0]),
+          static_cast<float>(to[1]));
     } else {
-      add_clipped(from, to);
+      add_clipped({from[0], from[1]}, {to[0], to[1]});
     }
     from = to;
     was_inside = inside;
@@ -59,21 +62,27 @@ void Coverage::polygon(std::span<const Point> corners, Point centre, double scal
 // A piece of an edge within one row, from x0 to x1, `height` rows high (signed). With
 //   I(x) = 0 left of the piece, (x - low)^2 / (2 (high - low)) along it, x - (low + high) / 2 right of it,
 // the share of pixel i on the piece's right is I(i+1) - I(i), and the cells get its differences.
-void Coverage::add_in_row(std::size_t row, float x0, float x1, float height) {
+inline void Coverage::add_in_row(int box_row, float x0, float x1, float height) {
+  const auto row = static_cast<std::size_t>(box_row - skipped_);
   const float low = std::min(x0, x1), high = std::max(x0, x1);
   const int first = static_cast<int>(low), last = static_cast<int>(high);
-  touched_[row] = {std::min(touched_[row].first, first), std::max(touched_[row].last, last + 1)};
-  float* const cells = cells_.data() + row * stride_;
+  Touched& touched = touched_[row];
+  if (first < touched.first) touched.first = first;
+  if (last >= touched.last) touched.last = last + 1;
+  float* const cells = cells_.data() + row * stride_ + first;
   if (first == last) {
     const float left_of = height * ((low + high) * 0.5f - static_cast<float>(first));
-    cells[first] += height - left_of;
-    cells[first + 1] += left_of;
+    cells[0] += height - left_of;
+    cells[1] += left_of;
     return;
   }
   const float scale = 0.5f / (high - low);
-  float before = 0, integral = 0;  // the last pixel's share, I at its right side
-  for (int i = first; i < last; ++i) {
-    const float reach = static_cast<float>(i + 1) - low;
+  float reach = static_cast<float>(first + 1) - low;
+  float integral = reach * reach * scale, before = integral;  // I at a pixel's right side, that pixel's share
+  cells[0] += height * integral;
+  const int pixels = last - first;
+  for (int i = 1; i < pixels; ++i) {
+    reach = static_cast<float>(first + i + 1) - low;
     const float next = reach * reach * scale;
     const float share = next - integral;
     cells[i] += height * (share - before);
@@ -81,8 +90,8 @@ void Coverage::add_in_row(std::size_t row, float x0, float x1, float height) {
     before = share;
   }
   const float share = static_cast<float>(last + 1) - (low + high) * 0.5f - integral;
-  cells[last] += height * (share - before);
-  cells[last + 1] += height * (1 - share);
+  cells[pixels] += height * (share - before);
+  cells[pixels + 1] += height * (1 - share);
 }
 
 void Coverage::add(float x0, float y0, float x1, float y1) {
@@ -93,22 +102,26 @@ void Coverage::add(float x0, float y0, float x1, float y1) {
     std::swap(y0, y1);
     sign = -1;
   }
-  auto row = static_cast<std::size_t>(y0);
-  float next_row = static_cast<float>(row + 1);
-  if (y1 <= next_row) {
-    add_in_row(row, x0, x1, sign * (y1 - y0));
+  int row = static_cast<int>(y0);
+  if (y1 <= static_cast<float>(row + 1)) {
+    if (row >= skipped_ && row < end_) add_in_row(row, x0, x1, sign * (y1 - y0));
     return;
   }
   const float slope = (x1 - x0) / (y1 - y0);
   const float low = std::min(x0, x1), high = std::max(x0, x1);
+  const auto at = [&](float bottom) { return std::clamp(x0 + slope * (bottom - y0), low, high); };
   float x = x0, y = y0;
-  while (y < y1) {
-    const float bottom = std::min(next_row, y1);
-    const float next = bottom == y1 ? x1 : std::clamp(x0 + slope * (bottom - y0), low, high);
-    add_in_row(row++, x, next, sign * (bottom - y));
+  if (row < skipped_) {
+    row = skipped_;
+    y = static_cast<float>(row);
+    if (y < y1) x = at(y);
+  }
+  for (; y < y1 && row < end_; ++row) {
+    const float bottom = std::min(static_cast<float>(row + 1), y1);
+    const float next = bottom == y1 ? x1 : at(bottom);
+    add_in_row(row, x, next, sign * (bottom - y));
     x = next;
     y = bottom;
-    next_row += 1;
   }
 }
 
@@ -144,7 +157,7 @@ void Coverage::add_clipped(Point from, Point to) {
 }
 
 Coverage::Row Coverage::take_row(int y) {
-  const auto row = static_cast<std::size_t>(y - top_row_);
+  const auto row = static_cast<std::size_t>(y - first_row_);
   const Touched touched = touched_[row];
   if (touched.last < 0) return {left_column_, {}};
   touched_[row] = kUntouched;

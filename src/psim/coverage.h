@@ -32,8 +32,9 @@ PixelBox pixel_box(double x0, double y0, double x1, double y1, int width, int he
 class Coverage {
  public:
   /// Begins a figure. What lies outside of the box is cut off. Every row of the one before must have
-  /// been taken.
-  void begin(const PixelBox& box);
+  /// been taken. Of the box's rows only those from `first` to before `end` are made; they are the same as with all.
+  void begin(const PixelBox& box, int first, int end);
+  void begin(const PixelBox& box) { begin(box, box.top, box.bottom); }
 
   /// Adds a loop with the corners centre + scale * corner. A convex one may go either way round; a hole goes
   /// the other way round than what it is in.
@@ -56,10 +57,12 @@ class Coverage {
 
   void add(float x0, float y0, float x1, float y1);
   void add_clipped(Point from, Point to);
-  void add_in_row(std::size_t row, float x0, float x1, float height);
+  void add_in_row(int box_row, float x0, float x1, float height);
 
   double left_ = 0, top_ = 0, width_ = 0, height_ = 0;  // of the box
-  int left_column_ = 0, top_row_ = 0;
+  int left_column_ = 0, first_row_ = 0;
+  int skipped_ = 0;  // rows of the box above the first that is made
+  int end_ = 0;      // of those made, in rows of the box
   std::size_t columns_ = 0;   // of the box
   std::size_t stride_ = 0;    // two cells more: an edge may stand on the right side
   std::vector<float> cells_;  // differences; all zero between figures

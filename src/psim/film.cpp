@@ -31,9 +31,10 @@ void require_directory(const std::string& path) {
 
 }  // namespace
 
-Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video)
+Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video, int threads)
     : options_(options),
       scene_(scene),
+      threads_(threads),
       painter_(scene, options.colouring),
       view_(scene, painter_.shapes()),
       size_(options.size.value_or(kFilmSize)),
@@ -69,7 +70,7 @@ void Film::draw(const Moment& moment) {
   bright_->force += kFollow * (now.force - bright_->force);
   const Bounds view = options_.view ? *options_.view : view_.follow(moment);
   painter_.paint(canvas_, PictureCamera(view, size_.width, size_.height), moment, *bright_);
-  canvas_.to_srgb(rgb_);
+  canvas_.to_srgb(rgb_, threads_);
   try {
     if (!options_.frames_dir.empty()) write_frame_file();
     if (video_) video_->add(rgb_);
@@ -86,7 +87,7 @@ std::string Film::frame_path(std::uint64_t picture) const {
 
 void Film::write_frame_file() {
   AtomicFile file("--frames-dir", frame_path(written_));
-  write_png(file, size_.width, size_.height, rgb_);
+  write_png(file, size_.width, size_.height, rgb_, threads_);
   file.commit(Durable::no);  // the next one follows soon
 }
 

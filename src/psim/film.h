@@ -15,8 +15,9 @@ namespace psim::cli {
 class Film {
  public:
   /// Finds out whether the pictures can be written, before the run: throws UserError. `video` is the open
-  /// file of --video, if it was given. All arguments are used as long as the film lives.
-  Film(const PictureOptions& options, const Scene& scene, AtomicFile* video);
+  /// file of --video, if it was given. All arguments are used as long as the film lives. The pictures do not depend on
+  /// the threads.
+  Film(const PictureOptions& options, const Scene& scene, AtomicFile* video, int threads);
 
   /// Draws what is due once `frame` is done; frame 0 is the start. What cannot be written ends the
   /// film and not the run; finish() says so.
@@ -34,6 +35,7 @@ class Film {
 
   const PictureOptions& options_;
   const Scene& scene_;
+  int threads_;
   Painter painter_;
   FilmView view_;
   std::optional<FilmClock> clock_;  // since the first frame: a restored world has a dt of its own

@@ -9,7 +9,7 @@
 namespace psim::cli {
 
 void write_image(AtomicFile& file, const Scene& scene, const Moment& moment,
-                 const PictureOptions& options) {
+                 const PictureOptions& options, int threads) {
   constexpr int kLongSide = 1600;  // pixels
   const Painter painter(scene, options.colouring);
   const Bounds view = options.view.value_or(view_of_all(scene, moment, painter.shapes()));
@@ -18,8 +18,8 @@ void write_image(AtomicFile& file, const Scene& scene, const Moment& moment,
   painter.paint(canvas, PictureCamera(view, size.width, size.height), moment,
                 brightest(scene, moment, painter.shapes()));
   std::vector<std::uint8_t> rgb;
-  canvas.to_srgb(rgb);
-  write_png(file, size.width, size.height, rgb);
+  canvas.to_srgb(rgb, threads);
+  write_png(file, size.width, size.height, rgb, threads);
 }
 
 }  // namespace psim::cli

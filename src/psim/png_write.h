@@ -8,8 +8,8 @@
 
 namespace psim::cli {
 
-/// `rgb` holds height rows from the top, 3 * width bytes each. Level 1 of libdeflate without filters: about
-/// 10 ns a pixel of a crowded picture.
-void write_png(AtomicFile& file, int width, int height, std::span<const std::uint8_t> rgb);
+/// `rgb` holds height rows from the top, 3 * width bytes each; less than 2^31 bytes in all. Without filters, packed in parts
+/// of rows (pixel_packer.h): the same file on any number of threads.
+void write_png(AtomicFile& file, int width, int height, std::span<const std::uint8_t> rgb, int threads = 1);
 
 }  // namespace psim::cli

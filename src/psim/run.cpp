@@ -156,7 +156,7 @@ void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& p
   if (files.image) {
     Moment moment;
     take_moment(world, moment, pictures.colouring);
-    write_image(*files.image, scene, moment, pictures);
+    write_image(*files.image, scene, moment, pictures, world.threads());
   }
   for (std::optional<AtomicFile>* file :
        {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace,
@@ -191,7 +191,7 @@ int run_scene(const Options& options) {
   OutputFiles files(options);
   std::optional<Film> film;
   if (options.pictures.is_film()) {
-    film.emplace(options.pictures, scene, files.video ? &*files.video : nullptr);
+    film.emplace(options.pictures, scene, files.video ? &*files.video : nullptr, options.threads);
   }
   Film* const pictures = film ? &*film : nullptr;
   const auto world = options.restore.empty() ? make_world(scene, options.isa, options.threads)
