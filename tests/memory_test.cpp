@@ -41,6 +41,16 @@ TEST(Memory, TheEstimateIsAnUpperOne) {
   EXPECT_GT(estimate_memory_bytes(10000000), estimate_memory_bytes(1000000));
 }
 
+// Until the first step a prepared world keeps its state of before, and then gives it back: `x = {}` would keep the room.
+TEST(Memory, WhatPreparingKeepsCountsUntilTheFirstStep) {
+  const std::size_t n = 20000;
+  auto world = pile(n, {}, best_isa(), 2);
+  world->prepare();
+  const std::size_t prepared = world->memory_bytes();
+  world->step();
+  EXPECT_GE(prepared, world->memory_bytes() + 20 * n);
+}
+
 TEST(Memory, DoesNotGrowWithTime) {
   auto world = gas_in_walls(2000, 0.2, material(1));
   run(*world, 120);

@@ -40,7 +40,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   const auto skips = skipped_frames;
   const WorkerPool::Awake awake(pool);
   report.rebuilt = prepared() && choose && !governor.on() && dt == desc.dt;
-  if (report.rebuilt) unprepared = {};
+  if (report.rebuilt) unprepared = std::vector<std::byte>();
   settle_lists();
   freeze_doubtful(report);
   replan();

@@ -119,7 +119,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   if (loader.first_bytes() > kSmall) probe.reset();
   error = loader.error();
   if (!error.empty()) return false;
-  unprepared = {};
+  unprepared = std::vector<std::byte>();
   loader.begin_again();
   Image::visit(loader, read);
   desc = read;

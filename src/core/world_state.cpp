@@ -123,7 +123,7 @@ std::size_t World::memory_bytes() const {
   const Impl& w = *impl_;
   return w.memory.bytes + w.bodies.surfaces.bytes() + w.bodies.hulls.bytes() + w.bodies.makes.bytes() +
          w.manifolds.bytes() + w.columns.bytes() + w.joints.bytes() + w.publisher.bytes() + w.queries.bytes() + w.events.bytes() + w.touching.bytes() + w.sleepers.bytes() + w.fixed.capacity() * sizeof(FixedBody) +
-         w.renewal.bytes() + w.speeds.bytes() + w.slack.capacity() * sizeof(float) + w.solver.bytes() +
+         w.renewal.bytes() + w.speeds.bytes() + w.slack.capacity() * sizeof(float) + w.solver.bytes() + w.unprepared.capacity() +
          w.out_id.capacity() * (4 + 1 + 7 * 8) + sizeof(Impl);
 }
 
