@@ -8,9 +8,9 @@ psim_target_defaults(psim_accuracy)
 target_include_directories(psim_accuracy PUBLIC bench/accuracy tests/reference PRIVATE src/scene)
 target_link_libraries(psim_accuracy PUBLIC psim_scene)
 
-add_executable(accuracy bench/accuracy/main.cpp)
+add_executable(accuracy bench/accuracy/main.cpp src/psim/atomic_file.cpp src/psim/text.cpp)
 psim_target_defaults(accuracy)
-target_link_libraries(accuracy PRIVATE psim_accuracy CLI11::CLI11)
+target_link_libraries(accuracy PRIVATE psim_accuracy CLI11::CLI11 fmt::fmt)
 # Where --calibrate writes, and what psim is built with.
 target_compile_definitions(accuracy PRIVATE
   "PSIM_CALIBRATION_FILE=\"${PROJECT_SOURCE_DIR}/docs/data/calibration.csv\"")

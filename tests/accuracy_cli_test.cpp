@@ -175,6 +175,24 @@ TEST(Accuracy, CalibrationStandsAlone) {
   EXPECT_TRUE(folder.names().empty());
 }
 
+// All cases with discs take minutes.
+TEST(Accuracy, AnInterruptedRunLeavesTheOldFile) {
+  const ScratchFolder folder;
+  const std::string file = folder.write("rows.csv", "old");
+  const auto result = Process("/usr/bin/env", {"timeout", "-s", "KILL", "0.3", PSIM_ACCURACY, "--kind", "discs",
+                                               "--engine", "psim", "--output", file})
+                          .wait();
+  EXPECT_NE(result.status, 0);
+  EXPECT_EQ(read_file(file), "old");
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(Accuracy, WhatCannotBeWrittenIsToldBeforeTheRun) {
+  const auto result = run_accuracy({"--kind", "discs", "--output", "/nowhere/rows.csv"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("--output /nowhere/rows.csv"), std::string::npos) << result.err;
+}
+
 TEST(Accuracy, RefusesWhatItDoesNotKnow) {
   for (const char* option : {"--case", "--engine"}) {
     const auto result = run_accuracy({option, "nonesuch"});

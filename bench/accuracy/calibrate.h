@@ -8,7 +8,7 @@
 
 namespace psim::accuracy {
 
-/// Writes it as CSV when all is measured. Throws std::runtime_error if the file cannot be written.
-void calibrate(const std::string& file, Effort effort);
+/// As CSV.
+std::string calibrate(Effort effort);
 
 }  // namespace psim::accuracy

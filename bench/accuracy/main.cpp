@@ -15,9 +15,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "../../src/psim/atomic_file.h"
 #include "calibrate.h"
 #include "case.h"
 #include "csv.h"
@@ -137,7 +140,10 @@ int run(const Options& options) {
     if (options.stress || !options.cases.empty() || !options.engines.empty()) {
       throw std::invalid_argument("--calibrate: stands alone, or with --quick and --output");
     }
-    calibrate(options.output.empty() ? PSIM_CALIBRATION_FILE : options.output, options.effort());
+    const std::string path = options.output.empty() ? PSIM_CALIBRATION_FILE : options.output;
+    psim::cli::AtomicFile table("--output", path);
+    table.write(calibrate(options.effort()));
+    table.commit();
     return 0;
   }
   keep_kind(options.kind, cases);
@@ -146,18 +152,22 @@ int run(const Options& options) {
   drop_absent(options.engines, engines);
   if (!options.scenes.empty()) return write_scenes(cases, options.scenes), 0;
 
-  std::ofstream file;
-  if (!options.output.empty()) {
-    file.open(options.output);
-    if (!file) throw std::invalid_argument("cannot write " + options.output);
-  }
+  std::optional<psim::cli::AtomicFile> file;
+  if (!options.output.empty()) file.emplace("--output", options.output);
+  std::ostringstream rows;
+  const auto keep_rows = [&] {
+    if (!file) return;
+    file->write(rows.view());
+    file->commit();
+  };
   if (options.stress) {
     const int missed =
-        report_stress(engines, options.effort(), std::cout, file.is_open() ? &file : nullptr);
+        report_stress(engines, options.effort(), std::cout, file ? &rows : nullptr);
+    keep_rows();
     if (missed > 0) std::fprintf(stderr, "accuracy: psim misses %d limits\n", missed);
-    return missed == 0 && file && std::cout ? 0 : 1;
+    return missed == 0 && std::cout ? 0 : 1;
   }
-  std::ostream& out = options.output.empty() ? std::cout : file;
+  std::ostream& out = file ? static_cast<std::ostream&>(rows) : std::cout;
   write_header(out);
   bool good = true;
   for (const Case& of : cases) {
@@ -167,6 +177,7 @@ int run(const Options& options) {
       good = false;
     }
   }
+  keep_rows();
   return good && out ? 0 : 1;
 }
 
@@ -188,7 +199,7 @@ int main(int argc, char** argv) {
   app.add_flag("--calibrate", options.calibrate,
                "measures what psim --target-error and --target-ms choose from, into "
                "docs/data/calibration.csv or --output");
-  app.add_option("--output", options.output, "CSV file instead of stdout");
+  app.add_option("--output", options.output, "CSV file instead of stdout; complete or not there");
   app.add_option("--write-scenes", options.scenes,
                  "writes the cases' scene files into this folder and ends");
   try {
