@@ -108,15 +108,24 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"PeriodicGiants", 1, 900, kWorld, true, false}, Kind{"OnePlace", 1, 50, 1e-6, false, false}),
     [](const auto& test) { return test.param.name; });
 
-TEST(LargeCells, AFullListSaysSoAndTheOwnersTellHowFarItCame) {
-  const Kind kind{"", 1, 4, 60, false, false};
-  Random random(3);
+// As few bodies as cells are made for.
+struct Least {
+  Least() { crowd.reach.resize(n + kernels::kReadPad); }
+  void build(LargeCells& cells, std::uint32_t begin) const {
+    cells.build(crowd.at.data(), crowd.reach.data(), begin, n, lattice_of(kind));
+  }
+  Kind kind{"", 1, 4, 60, false, false};
+  Random random{3};
   Crowd crowd = crowd_of(kind, LargeCells::kLeast, random);
-  const std::uint32_t n = crowd.size();
-  crowd.reach.resize(n + kernels::kReadPad);
+  std::uint32_t n = crowd.size();
+};
+
+TEST(LargeCells, AFullListSaysSoAndTheOwnersTellHowFarItCame) {
+  const Least least;
+  const std::uint32_t n = least.n;
   MemoryMeter meter;
   LargeCells cells(meter);
-  cells.build(crowd.at.data(), crowd.reach.data(), 0, n, lattice_of(kind));
+  least.build(cells, 0);
   ASSERT_TRUE(cells.any());
   for (const Isa isa : available_isas()) {
     Pairs some(200);
@@ -129,20 +138,16 @@ TEST(LargeCells, AFullListSaysSoAndTheOwnersTellHowFarItCame) {
 }
 
 TEST(LargeCells, FewAreNotWorthIt) {
-  const Kind kind{"", 1, 4, 60, false, false};
-  Random random(3);
-  Crowd crowd = crowd_of(kind, LargeCells::kLeast, random);
-  const std::uint32_t n = crowd.size();
-  crowd.reach.resize(n + kernels::kReadPad);
+  const Least least;
   MemoryMeter meter;
   LargeCells cells(meter);
-  cells.build(crowd.at.data(), crowd.reach.data(), 1, n, lattice_of(kind));
+  least.build(cells, 1);
   EXPECT_FALSE(cells.any());
   EXPECT_EQ(meter.bytes, 0u);
-  cells.build(crowd.at.data(), crowd.reach.data(), 0, n, lattice_of(kind));
+  least.build(cells, 0);
   EXPECT_TRUE(cells.any());
   EXPECT_GT(meter.bytes, 0u);
-  cells.build(crowd.at.data(), crowd.reach.data(), n, n, lattice_of(kind));
+  least.build(cells, least.n);
   EXPECT_FALSE(cells.any());
   EXPECT_EQ(meter.bytes, 0u);
 }

@@ -1,0 +1,92 @@
+// A kernel on every instruction set against the scalar one, bit by bit over whole columns:
+// what a kernel must not touch is compared like what it computes. One thing may differ: which NaN a
+// NaN is, because the compiler may swap the operands of a sum. Two NaNs count as equal.
+#pragma once
+
+#include "kernel_support.h"
+
+namespace psim::test::exact {
+
+inline std::vector<Isa> wide_isas() {
+  std::vector<Isa> isas;
+  for (const Isa isa : available_isas()) {
+    if (isa != Isa::scalar) isas.push_back(isa);
+  }
+  return isas;
+}
+
+inline bool same_float(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) ||
+         (std::isnan(a) && std::isnan(b));
+}
+
+/// Index of the first difference, or the size.
+inline std::size_t difference(const std::vector<float>& a, const std::vector<float>& b) {
+  if (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0) return a.size();
+  std::size_t i = 0;
+  while (i < a.size() && same_float(a[i], b[i])) ++i;
+  return i;
+}
+
+/// All that a kernel can read or write, and what it returned.
+struct State {
+  Bodies b;
+  Contacts c;
+  std::vector<std::uint32_t> key;
+  std::vector<std::int32_t> low_high;
+  bool flag = false;
+  float value = 0;
+  double virial = 0;
+};
+
+template <class Columns>
+bool same_columns(const Columns& a, const Columns& b, const char* isa) {
+  const auto fa = a.floats(), fb = b.floats();
+  for (std::size_t f = 0; f < fa.size(); ++f) {
+    const std::size_t at = difference(*fa[f].second, *fb[f].second);
+    if (at == fa[f].second->size()) continue;
+    ADD_FAILURE() << isa << ": " << fa[f].first << "[" << at << "] = " << (*fb[f].second)[at]
+                  << ", scalar " << (*fa[f].second)[at];
+    return false;
+  }
+  return true;
+}
+
+inline bool same_state(const State& scalar, const State& wide, const char* isa) {
+  EXPECT_EQ(scalar.b.pos, wide.b.pos) << isa;
+  EXPECT_EQ(scalar.b.built, wide.b.built) << isa;
+  EXPECT_EQ(scalar.b.linked, wide.b.linked) << isa;
+  EXPECT_EQ(scalar.c.body, wide.c.body) << isa;
+  EXPECT_EQ(scalar.key, wide.key) << isa;
+  EXPECT_EQ(scalar.low_high, wide.low_high) << isa;
+  EXPECT_EQ(scalar.flag, wide.flag) << isa;
+  // Of a maximum, the sign of a zero may depend on the order.
+  EXPECT_TRUE(scalar.value == wide.value || same_float(scalar.value, wide.value))
+      << isa << ": returned " << wide.value << ", scalar " << scalar.value;
+  EXPECT_TRUE(scalar.virial == wide.virial || (std::isnan(scalar.virial) && std::isnan(wide.virial)))
+      << isa << ": virial " << wide.virial << ", scalar " << scalar.virial;
+  return same_columns(scalar.b, wide.b, isa) && same_columns(scalar.c, wide.c, isa) &&
+         !::testing::Test::HasFailure();
+}
+
+/// Runs a kernel on copies of the state, one for each instruction set. Returns what scalar made.
+template <class Run>
+State compare(const State& initial, const Run& run) {
+  State scalar = initial;
+  run(kernels_of(Isa::scalar), scalar);
+  for (const Isa isa : wide_isas()) {
+    State wide = initial;
+    run(kernels_of(isa), wide);
+    if (!same_state(scalar, wide, isa_name(isa).data())) break;
+  }
+  return scalar;
+}
+
+class KernelExact : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (wide_isas().empty()) GTEST_SKIP() << "this CPU has the scalar variant only";
+  }
+};
+
+}  // namespace psim::test::exact
