@@ -23,7 +23,7 @@ if(_test_sources AND TARGET psim_scene)
   psim_target_defaults(psim_tests)
   target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
   target_link_libraries(psim_tests PRIVATE psim_scene psim_fuzz_inputs nlohmann_json::nlohmann_json
-                                           Libdeflate::Libdeflate
+                                           Isal::Isal PNG::PNG ZLIB::ZLIB
                                            GTest::gtest GTest::gtest_main)
   # A quarter to a half of the time of compilation; what is tested keeps the preset's optimisation.
   if(PSIM_SANITIZE)
@@ -59,8 +59,9 @@ if(_test_sources AND TARGET psim_scene)
     list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
   endforeach()
   target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
-  # What draws, less what writes files: the program's own sources.
-  foreach(_part band canvas coverage film_clock huffman moment outline painter picture_view pixel_packer scene_shapes)
+  # What draws: the program's own sources.
+  foreach(_part atomic_file band canvas coverage film_clock moment outline painter picture_view png_write
+                scene_shapes)
     target_sources(psim_tests PRIVATE src/psim/${_part}.cpp)
   endforeach()
   target_include_directories(psim_tests PRIVATE bench/accuracy)
