@@ -141,6 +141,7 @@ class Saver {
   bool ok() const { return true; }
   static constexpr bool dry() { return false; }
   void require(bool) {}
+  void refuse_nan(bool) {}
   bool fits(std::uint64_t) const { return true; }
 
   /// job(0) ... job(jobs - 1) write what lies in place.
@@ -246,7 +247,7 @@ class Loader {
       v = get<std::uint8_t>() != 0;
     } else {
       v = get<T>();
-      if constexpr (std::is_floating_point_v<T>) require(!std::isnan(v));
+      if constexpr (std::is_floating_point_v<T>) require(!refuses_nan_ || !std::isnan(v));
       if constexpr (std::is_enum_v<T>) {
         if constexpr (kLastOf<T> != ~std::uint64_t{0}) require(static_cast<std::uint64_t>(v) <= kLastOf<T>);
       }
@@ -303,6 +304,8 @@ class Loader {
   void require(bool sound) {
     if (!sound) fail("it is damaged");
   }
+  /// From now on. What contacts and events tell of a body whose host gave it NaN may be NaN; sizes may not.
+  void refuse_nan(bool on) { refuses_nan_ = on; }
   /// Whether so many things of a byte or more can be in the bytes at all.
   bool fits(std::uint64_t n) {
     require(n <= bytes_.size());
@@ -361,6 +364,7 @@ class Loader {
   std::string error_;
   ArchiveCopies copies_;
   std::vector<Seen> seen_;
+  bool refuses_nan_ = false;
   bool dry_ = false;
 };
 

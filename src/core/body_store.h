@@ -28,6 +28,13 @@ inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
 
 enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep };
 
+/// Of restitution or friction. What a step would take for 0 (FloatSettings) is 0, so that whoever counts bodies by it
+/// gets the same inside and outside of one.
+inline float coefficient(double value) {
+  const auto as_float = static_cast<float>(value);
+  return as_float < std::numeric_limits<float>::min() ? 0.0f : as_float;
+}
+
 /// What bodies of one make share: a million equal discs have one Surface.
 struct Surface {
   float inv_mass = 0;       ///< 1/kg; 0 = kinematic or static

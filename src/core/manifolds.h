@@ -215,7 +215,17 @@ class Manifolds {
   std::uint32_t colours() const { return colours_; }
   const std::vector<ManifoldPair>& pairs() const { return pairs_; }
   std::span<const ManifoldPair> pairs_of(std::size_t strip) const {
-    return {pairs_.data() + begin_[strip], pairs_.data() + begin_[strip + 1]};
+    const auto at = [&](std::size_t k) { return pairs_.data() + std::min<std::size_t>(begin_[k], pairs_.size()); };
+    return {at(strip), at(strip + 1)};
+  }
+  /// Whether the strips have all pairs, and no others: not where a collection was given up.
+  bool by_strip() const { return !begin_.empty() && begin_.back() == pairs_.size(); }
+  /// Whether a pair lies in its lane of a strip's blocks.
+  bool lies(std::size_t strip, const ManifoldPair& pair) const {
+    if (pair.lane == PairName::kNone || strip >= strips_.size()) return false;
+    const std::vector<kernels::ManifoldBlock>& blocks = strips_[strip].blocks;
+    const std::size_t at = pair.lane / kernels::kBlock;
+    return at < blocks.size() && blocks[at].body[2 * (pair.lane % kernels::kBlock) + 1] == pair.b;
   }
   /// How many these are, or will be while they are collected.
   std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }

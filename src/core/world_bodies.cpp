@@ -49,8 +49,8 @@ Surface disc_surface(BodyType type, double radius, double mass, const Material& 
   Surface info;
   info.type = type;
   info.radius = static_cast<float>(radius);
-  info.restitution = static_cast<float>(m.restitution);
-  info.friction = static_cast<float>(m.friction);
+  info.restitution = coefficient(m.restitution);
+  info.friction = coefficient(m.friction);
   if (type == BodyType::dynamic_body) {
     info.mass = static_cast<float>(mass);
     info.inv_mass = static_cast<float>(1 / mass);

@@ -123,13 +123,14 @@ void World::Impl::find_contacts() {
                                      static_cast<std::uint8_t>(point), colour});
   };
   const std::vector<ManifoldPair>& all = std::as_const(manifolds).pairs();
+  const bool by_strip = !begun && plan.shapes && manifolds.by_strip();
   const auto put_manifold = [&](std::size_t strip, const StripColours& colours, std::size_t at) {
     const ManifoldPair& pair = all[at];
     if (begun ? pair.moved : pair.lane == PairName::kNone) return;
     if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
     if (pair.a == kNoSlot && !writer.stands(pair.shape)) return;
     for (int point = 0; point < pair.manifold.count; ++point) {
-      if (begun ? pair.impulse[point] > 0 : manifold_closed(strip, pair, point)) {
+      if (begun || !manifolds.lies(strip, pair) ? pair.impulse[point] > 0 : manifold_closed(strip, pair, point)) {
         put(strip, pair.id_a, pair.id_b, Ref::kManifold, at, colours.of_manifold(pair), point);
       }
     }
@@ -157,12 +158,12 @@ void World::Impl::find_contacts() {
       }
       put(index, id, writer.owner(single.shape), Ref::kSingle, k, colours.of_single(s, single, sequence));
     }
-    if (begun || !plan.shapes || index >= manifolds.strip_count()) return;
+    if (!by_strip || index >= manifolds.strip_count()) return;
     const std::span<const ManifoldPair> mine = std::as_const(manifolds).pairs_of(index);
     const auto first = static_cast<std::size_t>(mine.data() - all.data());
     for (std::size_t k = 0; k < mine.size(); ++k) put_manifold(index, colours, first + k);
   });
-  if (!begun || !plan.shapes) return;
+  if (by_strip || !plan.shapes) return;
   const StripColours unknown(*this, 0);
   for (std::size_t k = 0; k < all.size(); ++k) put_manifold(0, unknown, k);  // strips are of the next step
 }
@@ -284,7 +285,7 @@ void World::Impl::write_contacts() {
         case Ref::kManifold: {
           const ManifoldPair& pair = std::as_const(manifolds).pairs()[ref.at];
           float impulse = pair.impulse[ref.point], friction = pair.friction[ref.point];
-          if (!t.begun) {
+          if (!t.begun && manifolds.lies(ref.strip, pair)) {
             const kernels::ManifoldBlock& c = manifolds.strip(ref.strip).blocks[pair.lane / kBlock];
             impulse = c.point[ref.point].impulse[pair.lane % kBlock];
             friction = c.point[ref.point].friction[pair.lane % kBlock];

@@ -71,8 +71,8 @@ BodyId World::Impl::add_fixed(const BodyDesc& d, std::string& error) {
   surface.type = BodyType::static_body;
   surface.make = made & MakeTable::kMost;
   surface.radius = radius;
-  surface.restitution = static_cast<float>(d.material.restitution);
-  surface.friction = static_cast<float>(d.material.friction);
+  surface.restitution = coefficient(d.material.restitution);
+  surface.friction = coefficient(d.material.friction);
   BodyInfo& info = bodies.info[id];
   const std::uint32_t generation = info.generation;
   info.surface = bodies.surfaces.acquire(surface);

@@ -37,11 +37,13 @@ void World::Impl::image(A& a, bool& lists) {
     numbers(a, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type);
   });
   a.vector(saved.origin);
+  a.refuse_nan(true);
   Image::bodies(a, bodies, lists || ahead.built);
   if constexpr (!A::kLoading) saved.dead_radii = bodies.dead_radii();
   list(a, saved.dead_radii, [&](float& r) { a.value(r); });
   Image::shapes(a, shapes, sleepers, bodies);
   Image::broad(a, broad);
+  a.refuse_nan(false);
   if (lists && !loose) Image::renewal(a, renewal, bodies.count);
   Image::contacts(a, contacts);
   Image::solved(a, solved);
