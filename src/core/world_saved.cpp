@@ -31,7 +31,9 @@ void World::Impl::image(A& a, bool& lists) {
   list(a, doubtful, [&](BodyId& id) { Image::visit(a, id); });
   list(a, held, [&](auto& h) { numbers(a, h.first, h.second.x, h.second.y); });
   list(a, bullets, [&](std::uint32_t& id) { a.value(id); });
+  a.refuse_nan(true);
   list(a, fixed, [&](FixedBody& f) { numbers(a, f.x, f.y, f.angle, f.radius, f.id, f.first_shape); });
+  a.refuse_nan(false);
   list(a, frozen, [&](BodyState& s) {
     Image::visit(a, s.id);
     numbers(a, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type);
