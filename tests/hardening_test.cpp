@@ -316,5 +316,23 @@ TEST(Hardening, TheFirstBodyThatTurnsMayBeLookedAtBeforeTheNextStep) {
   EXPECT_TRUE(all_finite(*world));
 }
 
+// A step takes such numbers for 0, and whoever counted bodies by them outside of one did not.
+TEST(Hardening, RestitutionAndFrictionTooSmallForAFloatAreNone) {
+  WorldDesc desc = walled({0, 0, 20, 20});
+  auto tiny = make(desc), none = make(desc);
+  for (World* world : {tiny.get(), none.get()}) {
+    const Material m = world == tiny.get() ? material(1e-40, 1e-42) : Material{};
+    BodyDesc floor = box({5, 1});
+    floor.type = BodyType::static_body;
+    floor.material = m;
+    add(*world, floor);
+    add(*world, disc({5, 5}, {}, 0.5, m));
+    run(*world, 1);
+  }
+  const std::vector<PlanEntry> has = tiny->plan(), wanted = none->plan();
+  ASSERT_EQ(has.size(), wanted.size());
+  for (std::size_t k = 0; k < has.size(); ++k) EXPECT_EQ(has[k].needed, wanted[k].needed) << has[k].stage;
+}
+
 }  // namespace
 }  // namespace psim::test
