@@ -10,7 +10,6 @@ void Image::Check<W>::manifolds() {
   // While work is spread over frames these are of several steps, and are made anew before anyone reads them.
   const bool spread = w.ahead.built || w.ahead.part != Part::check;
   const bool exact = !spread && !w.lists_stale;
-  require(!m.laid_ || m.begin_.empty());  // impulses are with the pairs
   require(!exact || (m.begin_.empty() ? pairs == 0 : m.begin_.front() == 0 && m.begin_.back() == pairs));
   require(m.begin_.size() <= strips + 1);
   require(std::is_sorted(m.begin_.begin(), m.begin_.end()));
@@ -68,7 +67,7 @@ void Image::Check<W>::strip(std::size_t index, bool spread) {
     }
     for (U32 k = begin; k < end; ++k) {
       const U32 lane = m.pairs_[k].lane;
-      require(lane == PairName::kNone || lane / kernels::kBlock < blocks || spread || w.lists_stale);
+      require(lane == PairName::kNone || lane / kernels::kBlock < blocks || ((spread || w.lists_stale) && !m.laid_));
     }
   }
   if (w.lists_stale) return;
