@@ -284,6 +284,7 @@ TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
 // Asleep, and on the way there: some sleep, others are watched.
 TEST(SavedState, OfADiscOfASleepingPileTakesAtMost64Bytes) {
   constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
+  constexpr std::size_t kOfWorld = kSanitized ? 16'384 : 0;  // strips and walls count for more among few discs
   struct Pile {
     const char* name;
     std::size_t bytes, asleep;  // a disc, while some sleep and once all do
@@ -304,7 +305,7 @@ TEST(SavedState, OfADiscOfASleepingPileTakesAtMost64Bytes) {
       if (asleep == 0 || !look) continue;
       half = half || (10 * asleep > 3 * kDiscs && 10 * asleep < 7 * kDiscs);
       world->save(state);
-      EXPECT_LE(state.size(), pile.bytes * kDiscs) << pile.name << ", frame " << frame << ", " << asleep << " asleep";
+      EXPECT_LE(state.size(), pile.bytes * kDiscs + kOfWorld) << pile.name << ", frame " << frame << ", " << asleep << " asleep";
     }
     ASSERT_EQ(asleep, kDiscs) << pile.name;
     EXPECT_TRUE(half) << pile.name;

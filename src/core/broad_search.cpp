@@ -187,8 +187,9 @@ bool BroadPhase::search_box(const BodyStore& b, const kernels::KernelTable& k, s
                        std::int32_t n, bool periodic, std::int64_t out[2]) {
     const double c = static_cast<double>(wrap_sub(at, mid)) * static_cast<double>(scale) +
                      static_cast<double>(offset);
-    out[0] = static_cast<std::int64_t>(std::floor(c - cells - 0.01));
-    out[1] = static_cast<std::int64_t>(std::floor(c + cells + 0.01));
+    const auto whole = [](double x) { return static_cast<std::int64_t>(std::clamp(std::floor(x), -0x1p40, 0x1p40)); };
+    out[0] = whole(c - cells - 0.01);
+    out[1] = whole(c + cells + 0.01);
     if (!periodic) {
       out[0] = std::clamp<std::int64_t>(out[0], 0, n - 1);
       out[1] = std::clamp<std::int64_t>(out[1], 0, n - 1);
