@@ -115,6 +115,23 @@ TEST_P(Prepare, ChangesNoResult) {
   }
 }
 
+TEST_P(Prepare, LeavesAGovernorItsChoices) {
+  for (const double budget_ms : {0.001, 0.02, 100.0}) {
+    const auto plain = world_of(GetParam().what, 5), prepared = world_of(GetParam().what, 5);
+    for (World* const world : {plain.get(), prepared.get()}) ASSERT_TRUE(world->set_governor({true, budget_ms, {}}));
+    prepared->prepare();
+    for (int k = 0; k < 40; ++k) {
+      const StepReport a = plain->step(), b = prepared->step();
+      ASSERT_EQ(prepared->state_hash(), plain->state_hash()) << budget_ms << " ms, step " << k;
+      ASSERT_EQ(a.detail, b.detail) << budget_ms << " ms, step " << k;
+      ASSERT_EQ(a.rebuilt, b.rebuilt);
+      if (k == 0) {
+        EXPECT_TRUE(a.detail.solves) << "the first step's lists belong to making ready";
+      }
+    }
+  }
+}
+
 TEST_P(Prepare, IsNothingThatARecordingMustKnow) {
   const auto world = world_of(GetParam().what, 9);
   Recorder recorder(*world, 1);

@@ -28,7 +28,7 @@ struct CostModel {     // the defaults: docs/governor.md
   double lay_out_rough = 18;  ///< the same with friction or restitution
   double keep = 40;           ///< a manifold that is kept as it is: its gaps
   double look = 180;          ///< a manifold that is looked at anew
-  double stand = 24;          ///< a manifold: who stands on whom
+  double stand = 14;          ///< a manifold: who stands on whom
   // Once a step.
   double column = 30;         ///< a manifold: its lane
   double narrow = 2.7;        ///< a contact of discs: its normal, its sums

@@ -189,8 +189,8 @@ class PSIM_API World {
   /// changes the world. O(bodies) a call.
   std::span<const std::uint32_t> strips();
 
-  /// Makes the arrays of a step without taking one, and without a governor the lists of the first step, which then costs
-  /// no more than later ones: for the end of loading, after everything was added. Changes no result: if the world is
+  /// Makes the arrays of a step without taking one, and the lists of the first step, which then costs no more than later
+  /// ones: for the end of loading, after everything was added. Changes no result: if the world is
   /// changed or asked for its contacts before the first step, that step makes the lists again. After the first step it
   /// does nothing.
   void prepare();

@@ -361,8 +361,11 @@ void BroadPhase::cut_near(const PairTable& table) {
 }
 
 double BroadPhase::expected_near(std::size_t strip) const {
+  if (near_a_body_.empty()) return 0;
+  const std::size_t large = near_a_body_.size() - 1;  // the last group: its bodies lie anywhere, near many pieces
+  if (strip == near_pieces_.back().strip) return near_a_body_[large];
   double most = 0;
-  for (std::size_t s = strip == 0 ? 0 : strip - 1; s < std::min(strip + 2, near_a_body_.size()); ++s) {
+  for (std::size_t s = strip == 0 ? 0 : strip - 1; s < std::min(strip + 2, large); ++s) {
     most = std::max(most, near_a_body_[s]);
   }
   return most;

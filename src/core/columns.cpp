@@ -194,9 +194,8 @@ void Columns::add_column(const BodyStore& b, Manifolds& manifolds, std::size_t b
   columns_.push_back({static_cast<std::uint32_t>(links_.size()), static_cast<std::uint32_t>(end - begin), false});
   const bool grounded = manifolds.pairs()[run_[begin].pair].fixed_a;
   for (std::size_t k = begin; k < end; ++k) {
-    ManifoldPair& pair = manifolds.pair(run_[k].pair);
-    pair.column = grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving;
-    run_[k].closed = static_cast<double>(kClosed * b.make(pair.id_b).inner);
+    manifolds.set_column(run_[k].pair, grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving);
+    run_[k].closed = static_cast<double>(kClosed * b.make(manifolds.pairs()[run_[k].pair].id_b).inner);
     links_.push_back(run_[k]);
   }
 }

@@ -17,7 +17,9 @@ constexpr double kSparse = 1.7;
 constexpr double kMarking = 1.9, kMixed = 1.5, kMixedMarking = 2.4;
 // Of c.touch: contacts that press turn where sizes are mixed, and bounce with restitution; of c.lay_out and of
 // c.select, where both.
-constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedPressing = 1, kMixedSelect = 2;
+constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedBouncing = 5, kMixedPressing = 1, kMixedSelect = 2;
+// Of c.lay_out, where some of the contacts may be under heavy loads.
+constexpr double kLoads = 1.4;
 // Of c.sweep, a lane: the first sweep over impacts, each of the others, which passes over most, and those where bodies
 // of several sizes fly about; what is alike for all, and what goes for those between bodies on which nothing rests.
 struct SweepCost {
@@ -28,6 +30,9 @@ constexpr double kSweepStrips = 0.7;  // of c.strip
 
 // Of c.sort, a body: how fast bodies move is asked of a few in a strip, of all where masses differ.
 constexpr double kSpeeds = 0.1, kUnevenSpeeds = 0.36;
+
+// Of c.column: of a manifold that stays in its lane.
+constexpr double kSoftening = 0.1;
 
 double n(std::uint64_t count) { return static_cast<double>(count); }
 
@@ -40,7 +45,7 @@ WorkCounts grown(const WorkCounts& w, const Governor::Growth& by) {
   const double crowd = w.mixed && w.sweeps > 0 ? n(w.candidates) * by.candidates : kNeighbours * n(w.bodies);
   const double most = std::min(n(w.candidates) * by.candidates, crowd) / now;
   const double contacts = w.candidates == 0 ? 1 : std::max(std::min(by.time, most), 1.0);
-  for (std::uint64_t* const count : {&then.candidates, &then.manifolds, &then.looks}) {
+  for (std::uint64_t* const count : {&then.candidates, &then.manifolds, &then.looks, &then.writes}) {
     *count = static_cast<std::uint64_t>(n(*count) * by.candidates);
   }
   for (std::uint64_t* const count : {&then.contacts, &then.lanes, &then.solved}) {
@@ -72,7 +77,8 @@ double Governor::crowded(const WorkCounts& w) {
 double Governor::select(const WorkCounts& w) const { return desc_.costs.select * (1 + kMixedSelect * crowded(w)); }
 
 double Governor::lay_out(const WorkCounts& w) const {
-  return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * crowded(w));
+  return (w.rough || w.sweeps > 0 ? desc_.costs.lay_out_rough : desc_.costs.lay_out) * (1 + kMixedPressing * crowded(w)) *
+         (w.loads ? kLoads : 1);
 }
 
 double Governor::speeds_ns(const WorkCounts& w) const {
@@ -89,7 +95,7 @@ double Governor::rest_ns(const WorkCounts& w) const {
   const bool bounces = w.sweeps > 0;
   const double a_lane = bounces ? (w.mixed ? kMixedMarking : kMarking) : w.mixed ? kMixed : 0;
   return c.narrow * (n(w.contacts) + a_lane * n(w.lanes)) + (w.copies ? c.load_body * n(w.solved) : 0) +
-         c.column * n(w.manifolds) + (w.sorted ? c.joint_sorted : c.joint) * n(w.joints) +
+         c.column * (n(w.writes) + kSoftening * n(w.manifolds)) + (w.sorted ? c.joint_sorted : c.joint) * n(w.joints) +
          (c.move + (w.stops ? c.stop : 0)) * n(w.bodies) + c.sleep * n(w.sleep_looks) +
          (w.stops ? c.flight * n(w.flights) : 0);
 }
@@ -102,7 +108,7 @@ double Governor::substep_ns(const WorkCounts& w) const {
       w.sweeps > 0 ? cost(kFirstSweep) + cost(w.mixed ? kNextMixedSweep : kNextSweep) * (w.sweeps - 1) : 0;
   return c.body_pass * n(w.solved) + (c.pass + c.sweep * sweeps) * n(w.lanes) +
          kSweepStrips * c.strip * n(w.strips) * w.sweeps +
-         c.touch * (w.sweeps > 0 ? kBouncing : w.mixed ? kMixedTouch : 1) * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
+         c.touch * (w.sweeps > 0 ? w.mixed ? kMixedBouncing : kBouncing : w.mixed ? kMixedTouch : 1) * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
          c.strip * n(w.strips) + c.shape_pass * n(w.shape_lanes) + c.joint_pass * n(w.joints);
 }
 

@@ -22,6 +22,7 @@ struct WorkCounts {
       0;              ///< contacts that press, manifolds among them, at the end of the last step
   double sweeps = 0;  ///< over impacts, in a substep
   std::uint64_t shape_lanes = 0;  ///< of manifolds
+  std::uint64_t writes = 0;       ///< manifolds that are written into lanes
   std::uint64_t strips = 0;
   std::uint64_t cells = 0;   ///< of the grid
   double visits = 1;         ///< of a contact, when it is found who carries much heavier bodies

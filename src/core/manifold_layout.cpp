@@ -186,6 +186,46 @@ void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const Manifold
   pair.was_column = pair.column;
 }
 
+// What every step takes from a pair: finish_strip.
+void Manifolds::write_gaps(StripBlocks& strip, const ManifoldPair& pair) const {
+  if (pair.lane / kBlock >= strip.blocks.size()) return;
+  ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+  for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[pair.lane % kBlock] = pair.gap[k] + pair.offset[k];
+}
+
+// The lanes have the right pairs, and another stiffness.
+void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
+  std::uint32_t at = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const bool fixed = k / 2 != 0, loaded = k % 2 != 0;
+    const std::size_t kind = (fixed ? 1u : 0u) + (loaded ? 2u : 0u);
+    const float soft = params.soft[kind], rate = params.rate[kind];
+    const float bouncing_soft = loaded ? soft : params.bouncing_soft[fixed];
+    const float bouncing_rate = loaded ? rate : params.bouncing_rate[fixed];
+    for (; at < strip.end[k]; ++at) {
+      ManifoldBlock& c = strip.blocks[at];
+      for (std::uint32_t l = 0; l < kBlock; ++l) {
+        const bool there = c.rate[l] != 0, bounces = c.e[l] > 0;
+        c.soft[l] = !there ? 0.0f : bounces ? bouncing_soft : soft;
+        c.rate[l] = !there ? 0.0f : bounces ? bouncing_rate : rate;
+      }
+    }
+  }
+  for (const std::uint32_t k : strip.rewrite) {
+    const ManifoldPair& pair = pairs_[k];
+    if (pair.column == ManifoldPair::kLoose) continue;
+    ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+    c.soft[pair.lane % kBlock] = params.column_soft[pair.column == ManifoldPair::kOnFixed];
+    c.rate[pair.lane % kBlock] = params.column_rate[pair.column == ManifoldPair::kOnFixed];
+  }
+}
+
+void Manifolds::set_column(std::uint32_t k, ManifoldPair::Column column) {
+  ManifoldPair& pair = pairs_[k];
+  pair.column = column;
+  if (pair.was_column == ManifoldPair::kLoose) strips_[strip_of(k)].rewrite.push_back(k);
+}
+
 // Offsets with which a pair's impulses are in balance with its gaps: rate s = -soft K l, K the inverse
 // mass at the point.
 void Manifolds::balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
@@ -206,21 +246,21 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   const auto each = [&](const auto& visit) {
     for (const std::uint32_t k : strip.active) visit(pairs_[k]);
   };
+  const auto rewritten = [&](const auto& visit) {
+    for (const std::uint32_t k : strip.rewrite) visit(pairs_[k]);
+  };
   if (loads.any() && stale_[index] == 0) {  // a column's contacts are no loads
-    each([&](const ManifoldPair& pair) {
+    rewritten([&](const ManifoldPair& pair) {
       if (pair.column != pair.was_column) stale_[index] = 1;
     });
   }
   if (stale_[index] == 0) {
-    each([&](ManifoldPair& pair) {
-      if (pair.changed || pair.column != pair.was_column || params.changed) {
-        fill(b, loads, params, dummy, index, pair);
-        return;
-      }
-      ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
-      const std::uint32_t l = pair.lane % kBlock;
-      for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] = pair.gap[k] + pair.offset[k];
+    const auto write = [&](ManifoldPair& pair) { fill(b, loads, params, dummy, index, pair); };
+    if (params.changed && params.asleep) return each(write);  // what lies on sleepers is balanced anew
+    rewritten([&](ManifoldPair& pair) {
+      if (pair.changed || pair.column != pair.was_column) write(pair);
     });
+    if (params.changed) soften(strip, params);
     return;
   }
   stale_[index] = 0;
@@ -235,6 +275,7 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   for (const std::uint32_t k : strip.laid) pairs_[k].lane = ManifoldPair::kNone;
   if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
   strip.laid = strip.active;
+  strip.rewrite.reserve(strip.laid.capacity());
   each([&](const ManifoldPair& pair) { any[class_of(pair)] = true; });
   strip.points = 0;
   for (std::uint32_t k = 0; k < 4; ++k) {
@@ -286,6 +327,24 @@ void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const
   });
 }
 
+std::uint64_t Manifolds::expected_lanes() const {
+  constexpr std::uint64_t kEmpty = 2 * kBlock;  // at the ends of a strip's colours
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    const StripBlocks& strip = strips_[s];
+    if (!strip.active.empty()) sum += stale_[s] != 0 ? strip.active.size() + kEmpty : kBlock * std::uint64_t{strip.end[3]};
+  }
+  return sum;
+}
+
+std::uint64_t Manifolds::expected_writes() const {
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    sum += stale_[s] != 0 ? strips_[s].active.size() : strips_[s].rewrite.size();
+  }
+  return sum;
+}
+
 std::uint64_t Manifolds::closed(std::size_t index) const {
   std::uint64_t sum = 0;
   for (const ManifoldBlock& block : strips_[index].blocks) {
@@ -303,7 +362,7 @@ std::size_t Manifolds::bytes() const {
                     entries_.capacity() * sizeof(Entry);
   for (const StripBlocks& s : strips_) {
     sum += s.blocks.capacity() * sizeof(ManifoldBlock) +
-           (s.active.capacity() + s.laid.capacity()) * sizeof(std::uint32_t);
+           (s.active.capacity() + s.laid.capacity() + s.rewrite.capacity()) * sizeof(std::uint32_t);
   }
   for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
   return sum;

@@ -276,12 +276,18 @@ void Manifolds::finish_strip(const BodyStore& b, const ManifoldParams& params, s
     }
     k = end;
   }
-  std::vector<std::uint32_t>& active = strips_[index].active;
-  active.clear();
+  StripBlocks& strip = strips_[index];
+  const bool laid = !stale;
+  strip.active.clear();
+  strip.rewrite.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
-    ManifoldPair& pair = pairs_[k];
+    const ManifoldPair& pair = pairs_[k];
     stale |= pair.active != (pair.lane != PairName::kNone);
-    if (pair.active) active.push_back(k);
+    if (!pair.active) continue;
+    strip.active.push_back(k);
+    if (!laid) continue;
+    if (!pair.changed) write_gaps(strip, pair);
+    if (pair.changed || pair.was_column != ManifoldPair::kLoose) strip.rewrite.push_back(k);
   }
   stale_[index] = stale;
 }

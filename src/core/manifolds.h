@@ -3,9 +3,9 @@
 //
 //   collect   when lists change (begin_collect, sort_out, keep): takes pairs with such a body out of the discs' lists, keeping what is
 //             known of pairs that were there before; drops pairs that a filter or a joint forbids
-//   refresh   every step: normals, arms and gaps
-//   lay_out   every step, after the columns were found: colours and blocks where the touching pairs
-//             changed
+//   refresh   every step: normals, arms and gaps; gaps of what lies in lanes already go there
+//   lay_out   every step, after the columns were found: what else changed goes into the lanes; colours and
+//             blocks where the touching pairs did
 //
 // A manifold is kept as it is, with its normal and arms frozen in world axes, until its bodies have
 // moved against each other by a share of their size or turned: only the gaps are taken anew. That is
@@ -110,6 +110,7 @@ struct ManifoldParams {
   Material wall;
   float warm = 1;
   bool changed = false;  ///< of the settings below, since the last step
+  bool asleep = false;   ///< some body is
   // Compliance and push-out rate of contacts: between moving bodies, with fixed ones, and the same
   // under heavy loads.
   float soft[4] = {}, rate[4] = {};
@@ -131,6 +132,7 @@ class Manifolds {
     std::vector<kernels::ManifoldBlock> blocks;
     std::vector<std::uint32_t> active;  // pairs that have a lane, in this step
     std::vector<std::uint32_t> laid;    // pairs that have one in the blocks
+    std::vector<std::uint32_t> rewrite; // active ones whose lane may hold what is not so any more, but for gaps
     // Ends of: pairs, pairs under heavy loads, pairs with a fixed side, those under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
@@ -208,6 +210,10 @@ class Manifolds {
   bool loaded() const { return loaded_; }
   /// Blocks that a pass of the solver goes through.
   std::uint64_t pass_blocks() const { return pass_blocks_; }
+  /// Lanes of a pass once the pairs that were looked at are laid out, about; and how many of the pairs are written
+  /// into lanes for that.
+  std::uint64_t expected_lanes() const;
+  std::uint64_t expected_writes() const;
   std::uint64_t pair_count() const { return collecting_ ? old_pairs_.size() : pairs_.size(); }
   /// How many manifolds the next refresh will look at anew: as many as the last one, and new pairs.
   std::uint64_t expected_looks() const { return looks_ + new_pairs_; }
@@ -230,6 +236,8 @@ class Manifolds {
   /// How many these are, or will be while they are collected.
   std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }
   ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
+  /// A pair that was looked at is in a column, or in another kind of one.
+  void set_column(std::uint32_t k, ManifoldPair::Column column);
   /// Pairs of a strip that are contacts in this step.
   const std::vector<std::uint32_t>& active_of(std::size_t strip) const {
     return strips_[strip].active;
@@ -332,6 +340,8 @@ class Manifolds {
                Rotor qa, const Hull& b, float dx, float dy, float mx, float my, float inner) const;
   void see_fixed(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin,
                  std::uint32_t end, std::vector<std::uint64_t>& ghosts);
+  void write_gaps(StripBlocks& strip, const ManifoldPair& pair) const;
+  void soften(StripBlocks& strip, const ManifoldParams& params) const;
   void lay_out_strip(const BodyStore& bodies, const HeavyLoads& loads,
                      const ManifoldParams& params, std::uint32_t dummies, std::size_t strip);
   void fill(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,

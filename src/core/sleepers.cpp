@@ -1,6 +1,7 @@
 #include "sleepers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <type_traits>
@@ -75,18 +76,22 @@ bool Sleepers::anyone_slow(const BodyStore& b) const {
   return slow > 0 && slow * kFewSlow >= seen;
 }
 
-namespace {
+struct Sleepers::Ball {
+  float far = 0;        // m
+  float most_spin = 0;  // m/s: of the rim
+  int shift[2] = {};    // a unit of its middle: 2^shift lattice steps
+  double unit[2] = {};  // and m
 
-struct Ball {
-  float far = 0;  // m
-  bool smooth = false;
-  int shift[2] = {};  // a unit of its middle: 2^shift lattice steps
-
-  Ball(const Surface& surface, const Lattice& lattice, bool wide) : smooth(wide && surface.friction == 0) {
+  Ball(const Surface& surface, const Lattice& lattice, bool wide) {
+    const bool smooth = wide && surface.friction == 0;
     far = wide ? Sleepers::wide_ball(surface.radius, smooth) : Sleepers::ball(surface.radius);
-    const double unit = static_cast<double>(far) / 64;
-    shift[0] = of(unit / lattice.pitch_x());
-    shift[1] = of(unit / lattice.pitch_y());
+    most_spin = far * static_cast<float>(1 / (smooth ? kLooseTime : kRestTime));
+    const double size = static_cast<double>(far) / 64;
+    const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
+    for (const int axis : {0, 1}) {
+      shift[axis] = of(size / pitch[axis]);
+      unit[axis] = static_cast<double>(1 << shift[axis]) * pitch[axis];
+    }
   }
 
   static int of(double steps) {  // the exponent
@@ -96,26 +101,27 @@ struct Ball {
     return static_cast<std::uint16_t>(static_cast<std::uint32_t>(place) >> shift[axis]);
   }
   // From the middle, m.
-  double off(std::int32_t place, std::uint16_t middle, int axis, double pitch) const {
-    const auto units = static_cast<std::int16_t>(static_cast<std::uint16_t>(at(place, axis) - middle));
-    return units * (static_cast<double>(1 << shift[axis]) * pitch);
+  float off(std::int32_t place, std::uint16_t middle, int axis) const {
+    const auto units =
+        static_cast<std::int16_t>(static_cast<std::uint16_t>(at(place, axis) - middle));
+    return static_cast<float>(units * unit[axis]);
+  }
+  // Whether the i-th body is not in it, or turns too fast.
+  bool left(const BodyStore& b, std::size_t i, const Rest& rest, bool wide) const {
+    const float x = off(b.pos[2 * i], rest.x[wide], 0), y = off(b.pos[2 * i + 1], rest.y[wide], 1);
+    if (x * x + y * y > far * far) return true;
+    return !b.spin.empty() && std::fabs(b.spin[i]) > most_spin;
   }
 };
 
-}  // namespace
-
-bool Sleepers::left_ball(const BodyStore& b, const Lattice& lattice, std::size_t i, bool wide) const {
-  const Rest& rest = rest_[b.id[i]];
-  const Ball ball(b.surface(b.id[i]), lattice, wide);
-  const auto x = static_cast<float>(ball.off(b.pos[2 * i], rest.x[wide], 0, lattice.pitch_x()));
-  const auto y = static_cast<float>(ball.off(b.pos[2 * i + 1], rest.y[wide], 1, lattice.pitch_y()));
-  if (x * x + y * y > ball.far * ball.far) return true;
-  return !b.spin.empty() &&
-         std::fabs(b.spin[i]) > ball.far * static_cast<float>(1 / (ball.smooth ? kLooseTime : kRestTime));
+bool Sleepers::left_ball(const BodyStore& b, const Lattice& lattice, std::size_t i,
+                         bool wide) const {
+  return Ball(b.surface(b.id[i]), lattice, wide).left(b, i, rest_[b.id[i]], wide);
 }
 
 // Both balls about a place.
-Sleepers::Rest Sleepers::rest_at(const Surface& surface, const Lattice& lattice, std::int32_t x, std::int32_t y) {
+Sleepers::Rest Sleepers::rest_at(const Surface& surface, const Lattice& lattice, std::int32_t x,
+                                 std::int32_t y) {
   Rest rest;
   for (const bool wide : {false, true}) {
     const Ball ball(surface, lattice, wide);
@@ -134,14 +140,21 @@ bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& poo
   pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count);
+    const Surface* last = nullptr;  // many in a row are alike
+    std::array<Ball, 2> balls{Ball(Surface{}, lattice, false), Ball(Surface{}, lattice, true)};
     for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < end; ++i) {
       if (b.id[i] == kNoSlot) continue;
+      const Surface& surface = b.surface(b.id[i]);
+      if (last != &surface) {
+        last = &surface;
+        balls = {Ball(surface, lattice, false), Ball(surface, lattice, true)};
+      }
       Rest& rest = rest_[b.id[i]];
       for (const bool wide : {false, true}) {
-        if (!before || left_ball(b, lattice, i, wide)) {
-          const Rest here = rest_at(b.surface(b.id[i]), lattice, b.pos[2 * i], b.pos[2 * i + 1]);
-          rest.x[wide] = here.x[wide];
-          rest.y[wide] = here.y[wide];
+        const Ball& ball = balls[wide];
+        if (!before || ball.left(b, i, rest, wide)) {
+          rest.x[wide] = ball.at(b.pos[2 * i], 0);
+          rest.y[wide] = ball.at(b.pos[2 * i + 1], 1);
           rest.calm[wide] = 0;
         } else if (rest.calm[wide] != 255) {
           ++rest.calm[wide];

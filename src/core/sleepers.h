@@ -182,6 +182,7 @@ class Sleepers {
 
  private:
   static constexpr std::size_t kTouchesOfBody = 6;  // of equal discs, packed
+  struct Ball;
   bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
 
   // For both balls. A middle is in units of at least a 128th of the ball, modulo 2^16 of them: a body that moved on by

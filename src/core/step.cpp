@@ -39,7 +39,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   const std::uint64_t growths = memory.growths;
   const auto skips = skipped_frames;
   const WorkerPool::Awake awake(pool);
-  report.rebuilt = prepared() && choose && !governor.on() && dt == desc.dt;
+  report.rebuilt = prepared() && choose && dt == desc.dt;
   if (report.rebuilt) unprepared = std::vector<std::byte>();
   settle_lists();
   freeze_doubtful(report);
@@ -179,8 +179,10 @@ void World::Impl::lay_out_manifolds(double dt) {
   const double h = dt / substeps;
   ManifoldParams p = manifold_params(dt);
   Solver::manifold_softness(h, next_stiff_substep(h), p);
-  p.changed = !std::equal(p.soft, p.soft + 4, manifold_soft.begin());
-  std::copy(p.soft, p.soft + 4, manifold_soft.begin());
+  const std::array<float, 4> soft{p.soft[0], p.rate[0], p.soft[2], p.rate[2]};  // the others follow from these
+  p.changed = soft != manifold_soft;
+  manifold_soft = soft;
+  p.asleep = !sleepers.empty();
   lanes.vector += manifolds.batches().used;
   lanes.scalar += manifolds.batches().alone;
   manifolds.lay_out(bodies, loads, p, solved.dummies(), pool);

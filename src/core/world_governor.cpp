@@ -135,6 +135,8 @@ WorkCounts World::Impl::count_work() const {
   work.lanes = kernels::kBlock * contacts.pass_blocks();
   work.loaded_lanes = kernels::kBlock * contacts.loaded_blocks();
   work.shape_lanes = std::max(kernels::kBlock * manifolds.pass_blocks(), loaded_shape_lanes());
+  if (ahead.part == Part::done) work.shape_lanes = std::max(work.shape_lanes, manifolds.expected_lanes());
+  work.writes = ahead.part == Part::done ? manifolds.expected_writes() : lists_stale || ahead.built ? work.manifolds : work.looks;
   work.touching = solver.closed();
   work.sweeps = plan.restitution ? solver.sweeps() : 0;
   work.strips = table.strips.size();
@@ -260,9 +262,10 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
   const int elapsed = ahead.waits + 1;
   if (bodies.count == bodies.dead) return;
   const int most = std::min(desc.substeps, 255);
+  const bool first = frame == 0;  // its lists belong to making ready (World::prepare)
   if (ahead.part == Part::check) {
     const auto growth = [this](int frames) { return list_growth(frames); };
-    ahead.horizon = static_cast<std::uint8_t>(governor.horizon(count_work(), most, growth));
+    ahead.horizon = static_cast<std::uint8_t>(first ? 1 : governor.horizon(count_work(), most, growth));
   }
   detail.horizon = ahead.horizon;
   const Span span{dt, dt * detail.horizon};
@@ -270,6 +273,7 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
   const double room = governor.room_ns();
   double spent = governor.costs().step;
   const double base = spent;
+  if (first) finish_work(span, report);
   while (ahead.part != Part::done) {
     const std::size_t all = pieces();
     const WorkCounts counts = count_work();
@@ -301,7 +305,7 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
     const Governor::Choice choice = governor.choose(counts, room - spent, elapsed, horizon, most);
     // Manifolds that were not kept as they were before they were looked at cannot wait.
     const bool looked = plan.shapes && !loose && !ahead.built && !ahead.spread;
-    detail.solves = choice.solves || late || looked;
+    detail.solves = choice.solves || late || looked || first;
     if (detail.solves) {
       detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
       detail.frames = static_cast<std::uint8_t>(choice.frames);
@@ -425,7 +429,7 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
     return shares;
   };
   // What the heaps cost by the default model on the machine that it was made on.
-  constexpr double kBuild = 0.79, kRest = 1.05, kPass = 0.74, kGroup = 1.1, kLook = 0.5,
+  constexpr double kBuild = 0.79, kRest = 1.05, kPass = 0.74, kGroup = 1.1, kLook = 0.73,
                    kShapePass = 0.91;
   Shares discs = measure(bodies, false);
   if (discs.pass == 0) return model;

@@ -139,7 +139,7 @@ struct World::Impl {
   bool placed = true;           // the host added or moved bodies since the last step
   bool impulses_valid = false;  // the table's impulses belong to the present model
   double last_substep = 0;
-  std::array<float, 4> manifold_soft{};
+  std::array<float, 4> manifold_soft{};  // as their lanes have it: compliance and rate, alone and under heavy loads
   double stiff_substep = 0;  // s, that contact stiffness is for: follows the substep slowly
   std::vector<BodyId> doubtful;  // given NaN or infinity: frozen in the next step
   HeldBodies held;

@@ -30,12 +30,16 @@ void World::Impl::prepare() {
   lanes = lanes_counted;
   std::string error;
   restore(before, error);
-  if (governor.on()) return;  // it will choose what is done when
   const WorkerPool::Awake awake(pool);
   replan();
   tracer.begin();
   finish_work(span, ignored);
+  if (plan.shapes) {  // a step with as many substeps leaves them as they lie
+    substeps = desc.substeps;
+    lay_out_manifolds(desc.dt);
+  }
   skipped_frames = counted;
+  lanes = lanes_counted;
   unprepared = std::move(before);
 }
 

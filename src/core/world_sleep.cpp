@@ -78,7 +78,11 @@ void World::Impl::choose_sleepers(double dt) {
                        (bodies.spin.empty() || bodies.spin[i] == 0);
     if (still) state[i] |= kBorne;
   }
-  if (calm == 0) return;
+  // New lists for a few are not worth it, unless nobody else comes along.
+  const std::uint32_t awake = bodies.count - bodies.dead;
+  const bool patient = awake > 256 && steps % (16 * Sleepers::kWatchFrames) != 0;
+  const auto few = [&](std::size_t n) { return n == 0 || (patient && n < awake / 32); };
+  if (few(calm)) return;
   const auto bear = [&](std::uint32_t i) { state[i] |= (state[i] & kBorne) != 0 ? kBorneTwice : kBorne; };
   each_contact([&](const Met& met) {
     if (met.bears) {
@@ -112,12 +116,9 @@ void World::Impl::choose_sleepers(double dt) {
     if (!all) visit([&](std::uint32_t slot) { state[slot] |= kDisturbed | kLooselyDisturbed; });
   });
   if (!joints.empty()) keep_joined_awake(state, may);
-  const std::uint32_t awake = bodies.count - bodies.dead;
-  std::uint32_t chosen = 0;
+  std::size_t chosen = 0;
   for (std::uint32_t i = 0; i < bodies.count; ++i) chosen += may(i);
-  // New lists for a few are not worth it, unless nobody else comes along.
-  const bool patient = steps % (16 * Sleepers::kWatchFrames) != 0;
-  if (chosen == 0 || (awake > 256 && chosen < awake / 32 && patient)) return;
+  if (few(chosen)) return;
   std::uint32_t pieces = 0;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if (!may(i)) continue;
