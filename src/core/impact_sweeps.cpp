@@ -110,25 +110,54 @@ void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore&
   const auto touch = [&](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
   };
-  pool.run(table.strips.size(), [&](std::size_t index) {
+  const auto any_presses = [](const float* impulse) {
+    std::uint32_t any = 0;
+    for (std::size_t l = 0; l < 8; ++l) any |= mask_from(impulse[l], kTiniest);
+    return any != 0;
+  };
+  pressing_.assign(strips, 0);
+  pool.run(strips, [&](std::size_t index) {
     const Strip& s = table.strips[index];
     const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
-    for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
-      touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
-      touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
+    bool pressing = false;
+    for (std::size_t block = s.block_begin; block < s.block_end; ++block) {
+      if (!any_presses(&c.impulse[8 * block])) continue;
+      pressing = true;
+      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
+        const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
+        touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
+        touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
+      }
     }
-    for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) {
-      touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
+    for (std::size_t block = s.single_begin; block < s.single_end; ++block) {
+      if (!any_presses(&c.s_impulse[8 * block])) continue;
+      pressing = true;
+      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
+        touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
+      }
     }
+    pressing_[index] = pressing;
   });
+  // Whether somebody of a strip's contacts may rest: those of its bodies are its own, its neighbours' or the large
+  // bodies', which are the last strip's; a periodic world's first strip is beside the last of the grid.
+  const auto may_rest = [&](std::size_t index) {
+    const std::size_t large = strips - 1;
+    if (pressing_[index] != 0 || pressing_[large] != 0) return true;
+    if (index == large) return std::any_of(pressing_.begin(), pressing_.end(), [](std::uint8_t p) { return p != 0; });
+    return pressing_[index == 0 ? large - 1 : index - 1] != 0 || pressing_[index + 1 == large ? 0 : index + 1] != 0;
+  };
   // 0: may be settled; resting is 0 or 1
   const auto mark = [](float e, std::uint32_t resting) {
     const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
   };
-  pool.run(table.strips.size(), [&](std::size_t index) {
+  pool.run(strips, [&](std::size_t index) {
     const Strip& s = table.strips[index];
+    if (!may_rest(index)) {
+      for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) c.impact[k] = mark(c.e[k], 0);
+      for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) c.s_impact[k] = mark(c.s_e[k], 0);
+      return;
+    }
     for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
       const std::uint32_t resting = touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]];
       c.impact[k] = mark(c.e[k], resting);

@@ -72,13 +72,13 @@ class Solver {
   double sweeps() const { return sweeps_; }
 
   /// What is there for impacts alone, given back by forget_impacts; and everything.
-  std::size_t impact_bytes() const { return touched_.capacity() + sweep_memory_.bytes(); }
+  std::size_t impact_bytes() const { return touched_.capacity() + pressing_.capacity() + sweep_memory_.bytes(); }
   std::size_t bytes() const {
     return impact_bytes() + loaded_.capacity() * sizeof(std::uint32_t) + held_at_.capacity() * sizeof(float) +
            virial_.capacity() * sizeof(double) + closed_by_strip_.capacity() * sizeof(std::uint64_t);
   }
   void forget_impacts() {
-    touched_ = std::vector<std::uint8_t>();
+    touched_ = pressing_ = std::vector<std::uint8_t>();
     sweep_memory_ = {};
   }
 
@@ -90,6 +90,7 @@ class Solver {
   void sum_up(const PairTable& table, const ContactStore& contacts, int substeps, WorkerPool& pool);
 
   std::vector<std::uint8_t> touched_;              // by slot: carries a contact
+  std::vector<std::uint8_t> pressing_;             // by strip: some of its contacts press
   std::vector<std::uint32_t> loaded_;              // strips with contacts under heavy loads
   std::size_t loaded_odd_ = 0, loaded_large_ = 0;  // where the odd ones and the large group begin
   std::vector<float> held_at_;  // where the held bodies were before a drift, m, records
