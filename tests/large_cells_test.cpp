@@ -1,5 +1,5 @@
-// Large bodies find one another: exactly those that a comparison of each with each finds, in the same order, whatever
-// their sizes, wherever they lie, on every ISA.
+// Large bodies find one another, and others find them: exactly those that a comparison of each with each finds, in the same
+// order, whatever their sizes, wherever they lie, on every ISA.
 #include "large_cells.h"
 
 #include <cmath>
@@ -99,6 +99,46 @@ TEST_P(LargeCellsOf, FindWhatEachWithEachFinds) {
   EXPECT_GT(found, 500u);
 }
 
+// Who asks may be small or large and lie anywhere.
+TEST_P(LargeCellsOf, AreFoundFromAnywhere) {
+  const Kind& kind = GetParam();
+  const Lattice lattice = lattice_of(kind);
+  constexpr std::uint32_t kBegin = 37, kGuests = 300;
+  Random random(11);
+  Crowd crowd = crowd_of(kind, LargeCells::kLeast + 300 + kGuests, random);
+  const std::uint32_t all = crowd.size(), n = all - kGuests;
+  crowd.reach.resize(all + kernels::kReadPad);
+  for (std::uint32_t i = n; i < all; ++i) {
+    if (i % 3 != 0) crowd.reach[i] *= static_cast<float>(random.uniform(0.01, 1));
+    if (i % 5 != 0) continue;
+    crowd.at[2 * std::size_t{i}] = crowd.at[2 * std::size_t{i - n}];  // as one of those that are asked for
+    crowd.at[2 * std::size_t{i} + 1] = crowd.at[2 * std::size_t{i - n} + 1];
+  }
+  MemoryMeter meter;
+  LargeCells cells(meter);
+  cells.build(crowd.at.data(), crowd.reach.data(), kBegin, n, lattice);
+  kernels::PairRow row;
+  row.pos = crowd.at.data();
+  row.reach = crowd.reach.data();
+  row.pitch_x = static_cast<float>(lattice.pitch_x());
+  row.pitch_y = static_cast<float>(lattice.pitch_y());
+  std::size_t found = 0;
+  for (const Isa isa : available_isas()) {
+    for (std::uint32_t i = n; i < all; ++i) {
+      Pairs theirs(n + 8), mine(3 * std::size_t{n} + 8);
+      mine.list.count = 2;  // it appends
+      mine.other[0] = mine.other[1] = 5;
+      ASSERT_TRUE(kernels_of(isa).find_near(row, i, kBegin, n, theirs.list));
+      ASSERT_TRUE(cells.around(crowd.at.data() + 2 * std::size_t{i}, crowd.reach[i], mine.list));
+      ASSERT_EQ(mine.list.count, theirs.list.count + 2) << i;
+      ASSERT_EQ(mine.other[1], 5u);
+      ASSERT_TRUE(std::equal(theirs.other.data(), theirs.other.data() + theirs.list.count, mine.other.data() + 2)) << i;
+      found += theirs.list.count;
+    }
+  }
+  EXPECT_GT(found, 100u);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Kinds, LargeCellsOf,
     testing::Values(Kind{"Alike", 1, 1.01, 80, false, false}, Kind{"OneToFifty", 0.2, 10, 300, false, false},
@@ -135,6 +175,25 @@ TEST(LargeCells, AFullListSaysSoAndTheOwnersTellHowFarItCame) {
     ASSERT_LT(i, n);
     EXPECT_EQ(some.owner[some.list.capacity - 1], i) << isa_name(isa);
   }
+}
+
+TEST(LargeCells, AListWithoutRoomForWhoIsAroundSaysSo) {
+  const Least least;
+  MemoryMeter meter;
+  LargeCells cells(meter);
+  least.build(cells, 0);
+  const auto around = [&](std::size_t room, std::uint32_t had) {
+    Pairs some(room);
+    some.list.count = had;
+    const bool all = cells.around(least.crowd.at.data(), 1e4f, some.list);
+    EXPECT_EQ(some.list.count, all ? had + least.n : had);
+    EXPECT_EQ(some.other[room], 0u);
+    return all;
+  };
+  EXPECT_FALSE(around(200, 0));
+  EXPECT_FALSE(around(200, 200));
+  EXPECT_FALSE(around(least.n + 20, 30));
+  EXPECT_TRUE(around(3 * std::size_t{least.n}, 30));
 }
 
 TEST(LargeCells, FewAreNotWorthIt) {

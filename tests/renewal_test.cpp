@@ -248,6 +248,53 @@ TEST(RenewalImpulses, StayWhereFixedShapesGetNewContacts) {
   EXPECT_LT(fastest[1], 1.5 * fastest[0] + 0.001);
 }
 
+// A pile of discs so large beside the others that they have cells of their own, thrown about on top of it.
+TEST(RenewalLarge, SeeWhateverTouches) {
+  constexpr std::uint32_t kLarge = 1000, kSmall = 5000;
+  constexpr double kRadius = 2, kFew = 0.1;
+  WorldDesc desc = walled({0, 0, 220, 200});
+  desc.sleeping = false;
+  auto world = make(desc);
+  for (std::uint32_t k = 0; k < kLarge; ++k) {
+    const std::uint32_t row = k / 50, column = k % 50;
+    add(*world, disc({kRadius * (1 + 2 * column + row % 2) - 0.05, kRadius * (1 + std::sqrt(3.0) * row)}, {}, kRadius));
+  }
+  for (std::uint32_t k = 0; k < kSmall; ++k) {
+    add(*world, disc({202 + kFew * (1 + 2 * (k % 88)), kFew * (1 + 2 * (k / 88))}, {}, kFew));
+  }
+  add(*world, segment({201.9, 0}, {201.9, 200}));
+  run(*world, 30);
+  std::mt19937 random(5);
+  std::uint64_t renewed = 0;
+  for (int frame = 0; frame < 90; ++frame) {
+    for (int k = 0; frame % 10 == 0 && k < 6; ++k) {
+      const auto top = static_cast<std::uint32_t>(kLarge - 1 - random() % 50);
+      world->set_velocity(id(top), {static_cast<double>(random() % 17) - 8, 6}, 0);
+    }
+    const StepReport report = world->step();
+    if (report.renewed == 0) continue;
+    renewed += report.renewed;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> named;
+    for (const Contact& c : world->contacts()) named.emplace_back(c.a.index, c.b.index);
+    const PublishedState s = world->published();
+    std::vector<std::size_t> large;
+    for (std::size_t i = 0; i < s.id.size(); ++i) {
+      if (s.id[i] < kLarge) large.push_back(i);
+    }
+    ASSERT_EQ(large.size(), kLarge);
+    for (const std::size_t i : large) {
+      for (const std::size_t j : large) {
+        if (s.id[j] <= s.id[i] || std::fabs(s.x[j] - s.x[i]) > 2 * kRadius) continue;
+        const double depth = 2 * kRadius - std::hypot(s.x[j] - s.x[i], s.y[j] - s.y[i]);
+        if (depth < 0.03) continue;
+        EXPECT_TRUE(std::ranges::binary_search(named, std::pair(s.id[i], s.id[j])))
+            << "frame " << frame << ": " << s.id[i] << " and " << s.id[j] << ", " << depth;
+      }
+    }
+  }
+  EXPECT_GT(renewed, 100u);
+}
+
 // Boxes and hexagons among discs, in a heap and alone on bumpy ground: whoever overlaps is known to, of the moving and the fixed.
 TEST(RenewalShapes, SeeWhateverTouches) {
   constexpr std::uint32_t kHeap = 800, kCount = kHeap + 20;

@@ -147,6 +147,7 @@ bool BroadPhase::around(const BodyStore& b, const kernels::KernelTable& k, std::
                         kernels::PairList& list) const {
   if (list.count + kBlock > list.capacity) return false;
   if (large_begin != 0 && !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) return false;
+  if (large_cells_.any()) return large_cells_.around(b.built.data() + 2 * std::size_t{i}, b.reach[i], list);
   return k.find_near(view(b), i, large_begin, b.count, list);
 }
 

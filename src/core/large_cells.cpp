@@ -105,21 +105,11 @@ LargeCells::Span LargeCells::span(const Axis& a, std::int32_t at, double reach) 
   return {first, std::min(last - first + 1, a.per)};
 }
 
-bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::PairList& list) const {
-  const std::uint32_t from = list.count, me = place_[i - begin_];
-  kernels::PairRow row;
-  row.pos = at_.data();
-  row.reach = reach_.data();
-  row.pitch_x = pitch_[0];
-  row.pitch_y = pitch_[1];
-  bool room = true;
-  const auto among = [&](std::uint32_t begin, std::uint32_t end) {
-    if (room && begin != end) room = k.find_near(row, me, begin, end, list);
-  };
+template <class Among>
+void LargeCells::each_run(const std::int32_t* at, float reach, const Among& among) const {
   for (const Level& level : levels_) {
-    const double reach = static_cast<double>(reach_[me]) + static_cast<double>(level.most);
-    const Span columns = span(level.axis[0], at_[2 * std::size_t{me}], reach);
-    const Span rows = span(level.axis[1], at_[2 * std::size_t{me} + 1], reach);
+    const double both = static_cast<double>(reach) + static_cast<double>(level.most);
+    const Span columns = span(level.axis[0], at[0], both), rows = span(level.axis[1], at[1], both);
     const std::uint32_t* const start = start_.data() + level.bucket;
     const double all = level.end - level.begin;
     if (static_cast<double>(columns.cells) > level.mask ||
@@ -128,19 +118,32 @@ bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::P
       continue;
     }
     // Cells [column, column + n) of a row, none beyond the seam.
-    const auto run = [&](std::uint64_t column, std::uint64_t n, std::uint64_t at) {
+    const auto run = [&](std::uint64_t column, std::uint64_t n, std::uint64_t row) {
       if (n == 0) return;
-      const std::uint32_t first = bucket_of(level, column, at), last = first + static_cast<std::uint32_t>(n) - 1;
+      const std::uint32_t first = bucket_of(level, column, row), last = first + static_cast<std::uint32_t>(n) - 1;
       among(start[first], start[std::min(last, level.mask) + 1]);
       if (last > level.mask) among(start[0], start[last - level.mask]);
     };
     for (std::uint64_t r = 0; r < rows.cells; ++r) {
-      const std::uint64_t at = (rows.first + r) % level.axis[1].per;
+      const std::uint64_t row = (rows.first + r) % level.axis[1].per;
       const std::uint64_t before = std::min(columns.cells, level.axis[0].per - columns.first);
-      run(columns.first, before, at);
-      run(0, columns.cells - before, at);
+      run(columns.first, before, row);
+      run(0, columns.cells - before, row);
     }
   }
+}
+
+bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::PairList& list) const {
+  const std::uint32_t from = list.count, me = place_[i - begin_];
+  kernels::PairRow row;
+  row.pos = at_.data();
+  row.reach = reach_.data();
+  row.pitch_x = pitch_[0];
+  row.pitch_y = pitch_[1];
+  bool room = true;
+  each_run(at_.data() + 2 * std::size_t{me}, reach_[me], [&](std::uint32_t begin, std::uint32_t end) {
+    if (room && begin != end) room = k.find_near(row, me, begin, end, list);
+  });
   if (!room) {
     std::fill(list.owner + from, list.owner + list.capacity, i);
     return false;
@@ -155,6 +158,28 @@ bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::P
   end = std::unique(begin, end);  // buckets may be shared by rows
   list.count = static_cast<std::uint32_t>(end - list.other);
   std::fill(list.owner + from, list.owner + list.count, i);
+  return true;
+}
+
+// Few bodies ask, and each sees few: one by one, as pair_kernel.h compares.
+bool LargeCells::around(const std::int32_t* at, float reach, kernels::PairList& list) const {
+  if (list.count + kernels::kBlock > list.capacity) return false;
+  std::uint32_t* const begin = list.other + list.count;
+  std::uint32_t* const last = list.other + list.capacity - 1;
+  std::uint32_t* end = begin;
+  each_run(at, reach, [&](std::uint32_t from, std::uint32_t to) {
+    for (std::size_t p = from; p < to; ++p) {
+      const float dx = static_cast<float>(wrap_sub(at_[2 * p], at[0])) * pitch_[0];
+      const float dy = static_cast<float>(wrap_sub(at_[2 * p + 1], at[1])) * pitch_[1];
+      const float sum = reach + reach_[p];
+      *end = slot_[p];
+      if (dx * dx + dy * dy < sum * sum && end != last) ++end;
+    }
+  });
+  if (end == last) return false;
+  std::sort(begin, end);
+  end = std::unique(begin, end);  // buckets may be shared by rows
+  list.count = static_cast<std::uint32_t>(end - list.other);
   return true;
 }
 

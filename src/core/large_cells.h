@@ -33,6 +33,9 @@ class LargeCells {
   /// Appends the bodies behind slot i that are within reach of it, in order of slots. False if the list is full; all of
   /// it from its present count on is then of no use, but for the owners.
   bool find(std::uint32_t i, const kernels::KernelTable& k, kernels::PairList& list) const;
+  /// Appends those that lie where they were, within reach of a body that may lie anywhere: as `other`, in order of slots.
+  /// False if the list is full.
+  bool around(const std::int32_t* at, float reach, kernels::PairList& list) const;
 
  private:
   struct Axis {
@@ -53,6 +56,9 @@ class LargeCells {
     return (std::uint64_t{static_cast<std::uint32_t>(at)} * a.per) >> 32;
   }
   static Span span(const Axis& a, std::int32_t at, double reach);
+  /// among(first place, end) of bodies that may be within reach of one at `at`; a place may come twice.
+  template <class Among>
+  void each_run(const std::int32_t* at, float reach, const Among& among) const;
   static std::uint32_t bucket_of(const Level& level, std::uint64_t column, std::uint64_t row) {
     return (static_cast<std::uint32_t>(column) + static_cast<std::uint32_t>(row) * 0x9E3779B1u) & level.mask;
   }
