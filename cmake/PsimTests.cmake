@@ -60,7 +60,7 @@ if(_test_sources AND TARGET psim_scene)
   endforeach()
   target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
   # What draws: the program's own sources.
-  foreach(_part atomic_file band canvas coverage film_clock moment outline painter picture_view png_write same_rows
+  foreach(_part atomic_file band canvas coverage film_clock moment outline painter picture_view png_write
                 scene_shapes)
     target_sources(psim_tests PRIVATE src/psim/${_part}.cpp)
   endforeach()

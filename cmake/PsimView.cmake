@@ -25,7 +25,7 @@ set(_view_model body_columns camera catalogue frame_log history input_script sim
                 simulation_tools)
 list(TRANSFORM _view_model REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/view/\\1.cpp")
 add_library(psim_view_model STATIC ${_view_model})
-foreach(_shared atomic_file png_write same_rows samples scene_choice settings_options text)
+foreach(_shared atomic_file png_write samples scene_choice settings_options text)
   target_sources(psim_view_model PRIVATE src/psim/${_shared}.cpp)
 endforeach()
 psim_target_defaults(psim_view_model)

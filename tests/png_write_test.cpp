@@ -95,24 +95,6 @@ TEST_F(PngWrite, RepeatsOfEveryDistanceComeBack) {
   }
 }
 
-// Of every width that leaves another rest of a match: noise, rows alike, noise, rows alike.
-TEST_F(PngWrite, RowsLikeTheOneAboveComeBackAndAreSmall) {
-  std::mt19937 random(3);
-  for (int width = 1; width <= 90; ++width) {
-    const int alike = 70'000 / (3 * width), noisy = 3;
-    const Size size{width, 2 * (noisy + alike)};
-    std::vector<std::uint32_t> row(static_cast<std::size_t>(width));
-    const Bytes rgb = picture(size, [&](std::size_t k) {
-      const std::size_t y = k / row.size() % static_cast<std::size_t>(noisy + alike);
-      std::uint32_t& pixel = row[k % row.size()];
-      if (y <= static_cast<std::size_t>(noisy)) pixel = static_cast<std::uint32_t>(random());
-      return pixel;
-    });
-    const auto drawn = static_cast<std::size_t>(2 * 3 * width * (noisy + 1)), bits = static_cast<std::size_t>(2 * 22 * alike);
-    EXPECT_LT(expect_back(size, rgb), drawn + bits / 8 + 800);
-  }
-}
-
 [[gnu::target("xsave")]] bool upper_halves_in_use() { return (_xgetbv(1) & 4) != 0; }
 
 // They would slow down whatever SSE code comes next.

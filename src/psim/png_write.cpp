@@ -5,20 +5,17 @@
 #include <isa-l/igzip_lib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "parallel.h"
-#include "same_rows.h"
 
 namespace psim::cli {
 namespace {
 
-// docs/pictures.md: of a part; of rows like the one above that are worth one.
-constexpr std::size_t kPartBytes = 1 << 18, kSameBytes = 1 << 15;
+constexpr std::size_t kPartBytes = 1 << 18;  // docs/pictures.md
 constexpr std::uint8_t kNoFilter = 0;
 
 const std::uint8_t* bytes_of(std::string_view text) {
@@ -74,65 +71,31 @@ struct Worker {
   }
 };
 
-struct Part {  // some rows of the picture
-  std::size_t first, rows;
-  bool same;  // each like the one above
-};
-
-std::vector<Part> parts_of(std::size_t row, std::size_t height, const std::uint8_t* rgb) {
-  const std::size_t most = std::max<std::size_t>(1, kPartBytes / (row + 1));
-  std::vector<Part> parts;
-  std::size_t begin = 0;
-  const auto cut_until = [&](std::size_t end) {
-    for (std::size_t y = begin; y < end; y += most)
-      parts.push_back({y, std::min(most, end - y), false});
-  };
-  for (std::size_t y = 1, end; y < height; y = end + 1) {
-    end = y;
-    while (end < height && std::memcmp(rgb + end * row, rgb + (end - 1) * row, row) == 0) ++end;
-    if ((end - y) * row < kSameBytes) continue;
-    cut_until(y);
-    parts.push_back({y, end - y, true});
-    begin = end;
-  }
-  cut_until(height);
-  return parts;
-}
-
-std::vector<std::string> packed(std::span<const Part> parts, std::size_t row,
-                                const std::uint8_t* rgb, int threads) {
-  std::vector<std::string> bytes(parts.size());
+std::vector<std::string> packed(std::size_t width, std::size_t height,
+                                std::span<const std::uint8_t> rgb, int threads) {
+  const std::size_t row = 3 * width, row_bytes = row + 1;
+  const std::size_t part_rows = std::max<std::size_t>(1, kPartBytes / row_bytes);
+  std::vector<std::string> parts((height + part_rows - 1) / part_rows);
   std::vector<Worker> workers(
       std::min<std::size_t>(static_cast<std::size_t>(threads), parts.size()));
   share_out(parts.size(), threads, [&](std::size_t number, std::size_t by) {
-    const Part& part = parts[number];
-    const bool last = number + 1 == parts.size();
-    if (part.same) {
-      bytes[number] = pack_same_rows(row, part.rows, last);
-      return;
-    }
     std::vector<std::uint8_t>& rows = workers[by].rows;
-    rows.resize(part.rows * (row + 1));
-    for (std::size_t y = 0; y < part.rows; ++y) {
-      rows[y * (row + 1)] = kNoFilter;
-      std::copy_n(rgb + (part.first + y) * row, row, rows.data() + y * (row + 1) + 1);
+    const std::size_t first = number * part_rows, count = std::min(part_rows, height - first);
+    rows.resize(count * row_bytes);
+    for (std::size_t y = 0; y < count; ++y) {
+      rows[y * row_bytes] = kNoFilter;
+      std::copy_n(rgb.data() + (first + y) * row, row, rows.data() + y * row_bytes + 1);
     }
-    bytes[number] = workers[by].packed(last);
+    parts[number] = workers[by].packed(number + 1 == parts.size());
   });
-  return bytes;
+  return parts;
 }
 
-std::uint32_t adler_of(std::span<const Part> parts, std::size_t row, const std::uint8_t* rgb) {
+std::uint32_t adler_of_rows(std::size_t width, std::span<const std::uint8_t> rgb) {
   std::uint32_t sum = 1;
-  for (const Part& part : parts) {
-    if (part.same) {
-      sum = adler_of_same_rows(sum, row, part.rows);
-      continue;
-    }
-    for (std::size_t y = part.first; y < part.first + part.rows; ++y) {
-      sum = isal_adler32(sum, &kNoFilter, 1);
-      sum = isal_adler32(sum, rgb + y * row, row);
-    }
+  for (std::size_t at = 0; at < rgb.size(); at += 3 * width) {
+    sum = isal_adler32(sum, &kNoFilter, 1);
+    sum = isal_adler32(sum, rgb.data() + at, 3 * width);
   }
   return sum;
 }
@@ -147,10 +110,8 @@ void write_png(AtomicFile& file, int width, int height, std::span<const std::uin
   using namespace std::string_view_literals;
   using Pieces = std::initializer_list<std::string_view>;
   const auto w = static_cast<std::uint32_t>(width), h = static_cast<std::uint32_t>(height);
-  const std::size_t row = 3 * std::size_t{w};
-  const std::vector<Part> rows = parts_of(row, h, rgb.data());
-  const std::vector<std::string> parts = packed(rows, row, rgb.data(), threads);
-  const std::string sum = big_endian(adler_of(rows, row, rgb.data()));
+  const std::vector<std::string> parts = packed(w, h, rgb, threads);
+  const std::string sum = big_endian(adler_of_rows(w, rgb));
   std::vector<std::string_view> data = {"\x78\x01"sv};  // deflate, 32 KiB, quickly (RFC 1950, 2.2)
   data.insert(data.end(), parts.begin(), parts.end());
   data.push_back(sum);
