@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 
 #include "broad_phase.h"
 
@@ -95,9 +96,34 @@ double BroadPhase::common_way() const {
   return std::sqrt(x * x + y * y) * static_cast<double>(params_.margin.time);
 }
 
+// Whether neither walls nor fixed shapes are near any body of a piece, by the box of them all.
+bool BroadPhase::nothing_near(const BodyStore& b, const StaticShapes& shapes, const Near& piece) const {
+  const std::int32_t* const at = b.built.data();
+  std::int32_t low[2] = {INT32_MAX, INT32_MAX}, high[2] = {INT32_MIN, INT32_MIN};
+  float most = 0;
+  for (std::size_t i = piece.begin; i < piece.end; ++i) {
+    for (const std::size_t axis : {0u, 1u}) {
+      low[axis] = std::min(low[axis], at[2 * i + axis]);
+      high[axis] = std::max(high[axis], at[2 * i + axis]);
+    }
+    most = std::max(most, b.reach[i]);
+  }
+  if (piece.begin == piece.end) return true;
+  const double reach = static_cast<double>(most) + common_way();
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const double xmin = low[0] * px, xmax = high[0] * px, ymin = low[1] * py, ymax = high[1] * py;
+  const BroadPhaseParams& p = params_;
+  if (p.walls && (xmin - reach < p.bounds.xmin || xmax + reach > p.bounds.xmax || ymin - reach < p.bounds.ymin ||
+                  ymax + reach > p.bounds.ymax)) {
+    return false;
+  }
+  const auto r = static_cast<double>(static_cast<float>(reach));  // as they ask
+  return shapes.surely_none(xmin - r, xmax + r, ymin - r, ymax + r);
+}
+
 // Walls: only bodies in rows and columns that a wall can reach are looked at,
 // of listed cells those that the longest reach would let touch one. Fixed
-// shapes: every body asks their grid.
+// shapes: every body asks their grid, if anything lies near its piece.
 void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, const Near& piece,
                               PairTable& table) const {
   const BroadPhaseParams& p = params_;
@@ -109,6 +135,7 @@ void BroadPhase::find_singles(const BodyStore& b, const StaticShapes& shapes, co
   const auto look = [&](std::uint32_t i) { near_body(b, shapes, i, table.found[index], out); };
   const bool large_group = index + 1 == table.strips.size();
   if (large_group || fixed_) {
+    if (fixed_ && nothing_near(b, shapes, piece)) return;
     for (std::uint32_t i = piece.begin; i < piece.end; ++i) look(i);
     return;
   }

@@ -226,6 +226,7 @@ class BroadPhase {
   void link(BodyStore& bodies, const PairTable& table, std::size_t strip) const;
   void cut_near(const PairTable& table);
   double common_way() const;
+  bool nothing_near(const BodyStore& bodies, const StaticShapes& shapes, const Near& piece) const;
   void find_singles(const BodyStore& bodies, const StaticShapes& shapes, const Near& piece, PairTable& table) const;
   kernels::PairRow view(const BodyStore& bodies) const;
   kernels::PairRow row_view(const BodyStore& bodies, std::uint32_t row) const;

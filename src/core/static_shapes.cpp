@@ -294,6 +294,24 @@ bool StaticShapes::beside(const StaticShape& s, double x, double y, double reach
   return std::fabs(ux * (y - py) - uy * (x - px)) > far * (std::fabs(ux) + std::fabs(uy));
 }
 
+bool StaticShapes::surely_none(double xmin, double xmax, double ymin, double ymax) const {
+  constexpr std::int64_t kMostRows = 64;
+  if (!standing_.empty() || !sleepers_.empty()) return false;
+  if (cols_ == 0 || xmax < origin_x_ || ymax < origin_y_ || xmin > origin_x_ + static_cast<double>(cols_) * cell_ ||
+      ymin > origin_y_ + static_cast<double>(rows_) * cell_) {
+    return true;
+  }
+  std::int64_t range[4];
+  cells_of(xmin, xmax, ymin, ymax, range);
+  if (range[3] - range[2] >= kMostRows) return false;
+  for (std::int64_t row = range[2]; row <= range[3]; ++row) {
+    const auto at = static_cast<std::size_t>(row * cols_);
+    const auto begin = at + static_cast<std::size_t>(range[0]), end = at + static_cast<std::size_t>(range[1]) + 1;
+    if (cell_start_[begin] != cell_start_[end]) return false;
+  }
+  return true;
+}
+
 void StaticShapes::near(std::int32_t x, std::int32_t y, float reach,
                         std::vector<std::uint32_t>& out) const {
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();

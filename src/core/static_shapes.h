@@ -89,6 +89,8 @@ class StaticShapes {
   /// Appends the numbers of shapes whose box a square of half width `reach` (m) at (x, y) meets,
   /// each once, ascending.
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
+  /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
+  bool surely_none(double xmin, double xmax, double ymin, double ymax) const;
 
  private:
   void make_grid();
