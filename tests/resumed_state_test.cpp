@@ -140,6 +140,35 @@ TEST(ResumedState, SleepIsForgottenWhereItWasSwitchedOff) {
 }
 
 // A range that is 0 to a step is 0 to what is made when a state comes back.
+// Which joined bodies do not collide comes back, whichever do since.
+TEST(ResumedState, JointsThatLetCollideComeBackAsTheyWere) {
+  for (const bool collide : {false, true}) {
+    auto world = make(walled({-10, -10, 10, 10}, {0, -kG}, kGrip));
+    JointDesc joint;
+    joint.type = JointType::revolute;
+    joint.a = add(*world, moving(box({0, -8}, 1, 1, kGrip), {}));
+    joint.b = add(*world, moving(box({0.9, -8}, 1, 1, kGrip), {}));
+    joint.collide = collide;
+    std::string error;
+    const JointId id = world->add_joint(joint, error);
+    ASSERT_NE(id, kNoJoint) << error;
+    run(*world, 5);
+    const auto copy = copy_of(*world);
+    Bytes state;
+    world->save(state);
+    ASSERT_TRUE(world->remove_joint(id));
+    joint.collide = !collide;
+    ASSERT_NE(world->add_joint(joint, error), kNoJoint) << error;
+    run(*world, 5);
+    ASSERT_TRUE(world->restore(state, error)) << error;
+    for (int frame = 0; frame < 40; ++frame) {
+      world->step();
+      copy->step();
+      ASSERT_EQ(world->state_hash(), copy->state_hash()) << collide << ", frame " << frame;
+    }
+  }
+}
+
 TEST(ResumedState, FieldsAreMadeAsInAStep) {
   WorldDesc desc = unbounded(50, {0, 0});
   WellField well;

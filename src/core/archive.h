@@ -22,6 +22,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "archive_record.h"
 #include "column.h"
 #include "worker_pool.h"
 
@@ -29,19 +30,12 @@ namespace psim {
 
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
-template <class T>
-concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
-
-/// The last value of an enum in the bytes (image.h).
-template <class E>
-inline constexpr std::uint64_t kLastOf = ~std::uint64_t{0};
-
 /// 64-bit hash of bytes: finds damage, no defence against forgery.
 std::uint64_t hash_of(const std::byte* data, std::size_t size);
 
 struct ArchiveHeader {
   static constexpr std::uint64_t kMagic = 0x31305653'6D697370u;  // "psimSV01"
-  static constexpr std::uint32_t kFormat = 9;
+  static constexpr std::uint32_t kFormat = 10;
   std::uint64_t magic = kMagic;
   std::uint32_t format = kFormat;
   std::uint32_t spare = 0;
@@ -138,6 +132,32 @@ class Saver {
     put(static_cast<std::uint64_t>(n));
     return n;
   }
+  /// n things of at most so many bytes.
+  template <class T, class Each>
+  void records(T* things, std::size_t n, std::size_t most, const Each& each) {
+    std::size_t at = first_.size();
+    for (std::size_t k = 0; k < n;) {
+      const std::size_t end = std::min(n, k + kRecords);
+      first_.resize(at + (end - k) * most);
+      RecordWriter to{first_.data() + at};
+      for (; k < end; ++k) each(to, things[k]);
+      at = static_cast<std::size_t>(to.at - first_.data());
+    }
+    first_.resize(at);
+  }
+  /// Numbers of one kind.
+  template <Number T>
+  void values(std::vector<T>& v) {
+    put(static_cast<std::uint64_t>(v.size()));
+    const std::size_t at = first_.size();
+    first_.resize(at + v.size() * sizeof(T));
+    if (!v.empty()) std::memcpy(first_.data() + at, v.data(), v.size() * sizeof(T));
+  }
+  /// A part that is read once: Loader::part.
+  template <class Visit, class Take>
+  void part(const Visit& visit, const Take&) {
+    visit();
+  }
   bool ok() const { return true; }
   static constexpr bool dry() { return false; }
   void require(bool) {}
@@ -201,6 +221,8 @@ class Saver {
     if (n != 0) runs_.push_back({from, n * sizeof(T), nullptr});
   }
 
+  static constexpr std::size_t kRecords = 64;  // that there is room for at a time
+
   std::vector<std::byte> first_;
   std::vector<Run> runs_;
   ArchiveCopies copies_;
@@ -233,6 +255,7 @@ class Loader {
   /// Once more from the first number on, no longer dry.
   void begin_again() {
     dry_ = false;
+    part_ = 0;
     begin();
   }
   bool dry() const { return dry_; }
@@ -290,6 +313,17 @@ class Loader {
     c.from = c.count != 0 ? bytes_.data() + run_ : nullptr;
     run_ = Saver::round_up(run_ + c.bytes());
   }
+  /// Whether they are those of a list. Found out once.
+  template <class List>
+  bool same(const InPlace<std::byte>& c, const List& list) {
+    if (c.count != list.size()) return false;
+    if (c.count == 0) return true;
+    for (const Compared& known : compared_) {
+      if (known.from == c.from && known.with == list.data()) return known.same;
+    }
+    compared_.push_back({c.from, list.data(), std::memcmp(c.from, list.data(), c.count) == 0});
+    return compared_.back().same;
+  }
   /// Of a list whose elements take at least a byte each.
   std::size_t count(std::size_t) {
     const auto n = get<std::uint64_t>();
@@ -303,6 +337,34 @@ class Loader {
   const std::string& error() const { return error_; }
   void require(bool sound) {
     if (!sound) fail("it is damaged");
+  }
+  /// n things of at most so many bytes.
+  template <class T, class Each>
+  void records(T* things, std::size_t n, std::size_t most, const Each& each) {
+    refuses_nan_ ? read_records<true>(things, n, most, each) : read_records<false>(things, n, most, each);
+  }
+  /// Numbers of one kind, of which none is refused.
+  template <Number T>
+  void values(std::vector<T>& v) {
+    static_assert(std::is_integral_v<T> && !std::is_same_v<T, bool>);
+    const auto n = get<std::uint64_t>();
+    require(n <= (end_ - at_) / sizeof(T));
+    v.resize(ok() ? static_cast<std::size_t>(n) : 0);
+    if (v.empty()) return;
+    std::memcpy(v.data(), bytes_.data() + at_, v.size() * sizeof(T));
+    at_ += v.size() * sizeof(T);
+  }
+  /// A part that a dry run reads for good: visit(). The second time it is passed over, and take() has it from there.
+  template <class Visit, class Take>
+  void part(const Visit& visit, const Take& take) {
+    if (dry_) {
+      visit();
+      parts_.push_back({at_, run_});
+      return;
+    }
+    at_ = parts_[part_].at;
+    run_ = parts_[part_++].run;
+    take();
   }
   /// From now on. What contacts and events tell of a body whose host gave it NaN may be NaN; sizes may not.
   void refuse_nan(bool on) { refuses_nan_ = on; }
@@ -329,12 +391,32 @@ class Loader {
     const void* column = nullptr;
     const std::byte* from = nullptr;
   };
+  struct PartEnd {
+    std::size_t at = 0, run = 0;
+  };
+  struct Compared {
+    const std::byte *from = nullptr, *with = nullptr;
+    bool same = false;
+  };
 
   Loader(std::span<const std::byte> bytes, std::size_t end) : bytes_(bytes), end_(end), run_(end) {}
 
   void begin() {
     at_ = sizeof header_;
     run_ = Saver::round_up(end_);
+  }
+  template <bool kRefusesNan, class T, class Each>
+  void read_records(T* things, std::size_t n, std::size_t most, const Each& each) {
+    for (std::size_t k = 0; k < n && ok(); ++k) {
+      if (end_ - at_ < most) {
+        each(*this, things[k]);
+        continue;
+      }
+      RecordReader<kRefusesNan> from{bytes_.data() + at_};
+      each(from, things[k]);
+      at_ = static_cast<std::size_t>(from.at - bytes_.data());
+      require(from.sound);
+    }
   }
   template <class T>
   T get() {
@@ -364,6 +446,9 @@ class Loader {
   std::string error_;
   ArchiveCopies copies_;
   std::vector<Seen> seen_;
+  std::vector<Compared> compared_;
+  std::vector<PartEnd> parts_;
+  std::size_t part_ = 0;
   bool refuses_nan_ = false;
   bool dry_ = false;
 };
@@ -388,12 +473,15 @@ void list(A& a, std::vector<T>& v, const Each& each) {
   }
 }
 
-template <class A, class T>
-void maybe(A& a, std::optional<T>& v) {
-  bool any = v.has_value();
-  a.value(any);
-  if constexpr (A::kLoading) v = any ? std::optional<T>(T{}) : std::nullopt;
-  if (any) a.value(*v);
+/// The same of things that are numbers alone: each(archive, element).
+template <class A, class T, class Each>
+void records(A& a, std::vector<T>& v, const Each& each) {
+  RecordSize most;
+  T any{};
+  each(most, any);
+  const std::size_t n = a.count(v.size());
+  if constexpr (A::kLoading) v.resize(n);
+  a.records(v.data(), n, most.bytes, each);
 }
 
 }  // namespace psim

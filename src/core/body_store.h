@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "column.h"
@@ -153,6 +154,7 @@ class BodyStore {
   std::vector<std::uint32_t> free_ids;
   std::vector<AlikeBodies> roster;  ///< as of the last saved state
   bool roster_changed = true;       ///< since then: a body's place, generation or surface
+  std::optional<std::uint64_t> roster_sum;  ///< of the ids that it has moving (image_check_bodies.cpp)
   bool alike = false;               ///< a state is restored: bodies' places and surfaces are as they were
 
   std::uint32_t count = 0;  ///< slots in use, dead ones (id == kNoSlot) included until a rebuild

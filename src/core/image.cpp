@@ -20,11 +20,6 @@ void visit_vec(A& a, Vec2& v) {
   numbers(a, v.x, v.y);
 }
 
-template <class A, class T>
-void short_list(A& a, std::vector<T>& v) {
-  list(a, v, [&](T& t) { a.value(t); });
-}
-
 }  // namespace
 
 template <class A>
@@ -117,6 +112,7 @@ void find_roster(BodyStore& b) {
   b.roster_changed = false;
   std::vector<AlikeBodies>& out = b.roster;
   out.clear();
+  b.roster_sum.reset();
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
     const bool listed = info.place != Place::moving && info.place != Place::none && info.place != Place::asleep;
@@ -139,6 +135,7 @@ void take_roster(const std::vector<AlikeBodies>& roster, BodyStore& b) {
   if (b.alike) return;
   b.roster = roster;
   b.roster_changed = false;
+  b.roster_sum.reset();
   std::uint32_t id = 0;
   for (const AlikeBodies& run : roster) {
     for (std::uint32_t k = 0; k < run.count && id < b.id_count; ++k, ++id) {
@@ -157,8 +154,8 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
   numbers(a, b.id_count, b.count, b.dead, b.living, b.moving, b.fixed, b.kinematic, b.asleep);
   std::vector<AlikeBodies> loaded;
   if constexpr (!A::kLoading) find_roster(b);
-  list(a, A::kLoading ? loaded : b.roster,
-       [&](AlikeBodies& r) { numbers(a, r.count, r.generation, r.surface, r.slot, r.place); });
+  records(a, A::kLoading ? loaded : b.roster,
+          [](auto& record, AlikeBodies& r) { numbers(record, r.count, r.generation, r.surface, r.slot, r.place); });
   if (!a.fits(b.id_count) || !a.fits(b.count)) return;
   if (a.dry()) b.roster.swap(loaded);
   if (A::kLoading && !a.dry()) {
@@ -196,9 +193,9 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
   }
   SurfaceTable& surfaces = b.surfaces;
   if constexpr (A::kLoading) surfaces.list_.swap(surfaces.before_);
-  list(a, surfaces.list_, [&](SurfaceTable::Entry& e) {
-    visit(a, e.surface);
-    a.value(e.users);
+  records(a, surfaces.list_, [](auto& record, SurfaceTable::Entry& e) {
+    visit(record, e.surface);
+    record.value(e.users);
   });
   if constexpr (A::kLoading) {
     const auto same = [](const SurfaceTable::Entry& one, const SurfaceTable::Entry& other) {
@@ -206,23 +203,24 @@ void Image::bodies(A& a, BodyStore& b, bool lists) {
     };
     b.alike = b.alike && std::ranges::equal(surfaces.list_, surfaces.before_, same);
   }
-  short_list(a, b.surfaces.free_);
+  a.values(b.surfaces.free_);
   a.value(b.surfaces.last_);
-  const std::vector<MakeTable::Entry> makes = A::kLoading ? b.makes.list_ : std::vector<MakeTable::Entry>{};
-  list(a, b.makes.list_, [&](MakeTable::Entry& e) {
-    visit(a, e.make);
-    a.value(e.users);
+  std::vector<MakeTable::Entry> makes;
+  if (A::kLoading && !a.dry()) makes = b.makes.list_;
+  records(a, b.makes.list_, [](auto& record, MakeTable::Entry& e) {
+    visit(record, e.make);
+    record.value(e.users);
   });
-  short_list(a, b.makes.free_);
+  a.values(b.makes.free_);
   a.value(b.makes.last_);
   if constexpr (A::kLoading) {
     const auto same = [](const MakeTable::Entry& one, const MakeTable::Entry& other) { return one.make == other.make; };
     b.alike = b.alike && std::ranges::equal(b.makes.list_, makes, same);
   }
   ShapeTable& h = b.hulls;
-  list(a, h.hulls_, [&](Hull& hull) { visit(a, hull); });
+  records(a, h.hulls_, [](auto& record, Hull& hull) { visit(record, hull); });
   list(a, h.sets_, [&](ShapeTable::Set& s) { numbers(a, s.first, s.count, s.users); });
-  short_list(a, h.free_);
+  a.values(h.free_);
   if constexpr (A::kLoading) {
     h.by_hash_.clear();
     h.by_first_.clear();
@@ -264,7 +262,7 @@ void Image::broad(A& a, BroadPhase& b) {
 template <class A>
 void Image::renewal(A& a, ListRenewal& r, std::size_t slots) {
   list(a, r.renewed_, [&](ListRenewal::Renewed& x) { numbers(a, x.slot, x.x, x.y, x.reach); });
-  short_list(a, r.linked_);
+  a.values(r.linked_);
   a.value(r.time_);
   a.require(std::all_of(r.renewed_.begin(), r.renewed_.end(), [&](const auto& x) { return x.slot < slots; }));
   a.require(std::all_of(r.linked_.begin(), r.linked_.end(), [&](std::uint32_t slot) { return slot < slots; }));
@@ -298,66 +296,117 @@ void Image::table(A& a, PairTable& t) {
 template <class A>
 void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
   static_assert(sizeof(kernels::ManifoldBlock) % (4 * kernels::kBlock) == 0, "a block is made of 4-byte numbers alone");
-  list(a, m.pairs_, [&](ManifoldPair& p) { visit(a, p); });
-  short_list(a, m.begin_);
-  list(a, m.strips_, [&](Manifolds::StripBlocks& s) {
-    a.vector(s.blocks);
-    short_list(a, s.active);
-    short_list(a, s.laid);
-    for (std::uint32_t& end : s.end) a.value(end);
-    numbers(a, s.colours, s.points);
-  });
-  a.vector(m.ghosts_);
-  a.vector(m.special_);
-  a.vector(m.stale_);
-  short_list(a, m.shaped_);
+  const auto all = [&] {
+    records(a, m.pairs_, [](auto& record, ManifoldPair& p) { visit(record, p); });
+    a.values(m.begin_);
+    list(a, m.strips_, [&](Manifolds::StripBlocks& s) {
+      a.vector(s.blocks);
+      a.values(s.active);
+      a.values(s.laid);
+      for (std::uint32_t& end : s.end) a.value(end);
+      numbers(a, s.colours, s.points);
+    });
+    a.vector(m.ghosts_);
+    a.vector(m.special_);
+    a.vector(m.stale_);
+    a.values(m.shaped_);
+  };
+  a.part(all, [] {});
   bool kinds = slots != 0 && m.kind_.capacity() >= slots;
   a.value(kinds);
   if (kinds) a.column(m.kind_, slots);
+  if (A::kLoading && !kinds) m.kind_.release();
   numbers(a, m.points_, m.g_, m.any_filter_, m.loaded_, m.colours_, m.blocks_, m.pass_blocks_,
           m.laid_, m.looks_, m.new_pairs_);
-  if (A::kLoading && !a.dry()) {
-    m.old_pairs_.clear();
-    m.own_end_ = std::min(m.own_end_, static_cast<std::uint32_t>(m.pairs_.size()));
-    m.indexed_ = false;
-    m.cut();
-    m.owner_.resize(m.pairs_.size());
-    for (std::size_t k = 0; k < m.pairs_.size(); ++k) m.owner_[k] = m.pairs_[k].owner;
-    m.rotor_.reserve(2 * slots);
-    m.inner_.reserve(slots);
-    m.used_.reserve(slots);
+}
+
+void Image::take(Manifolds& m, Manifolds& read, std::size_t slots) {
+  m.pairs_.swap(read.pairs_);
+  m.begin_.swap(read.begin_);
+  m.strips_.swap(read.strips_);
+  m.ghosts_.swap(read.ghosts_);
+  m.special_.swap(read.special_);
+  m.stale_.swap(read.stale_);
+  m.shaped_.swap(read.shaped_);
+  if (!read.kind_.empty()) {
+    m.kind_.reserve(slots);
+    std::copy_n(read.kind_.data(), slots, m.kind_.data());
   }
+  m.points_ = read.points_;
+  m.g_ = read.g_;
+  m.any_filter_ = read.any_filter_;
+  m.loaded_ = read.loaded_;
+  m.colours_ = read.colours_;
+  m.blocks_ = read.blocks_;
+  m.pass_blocks_ = read.pass_blocks_;
+  m.laid_ = read.laid_;
+  m.looks_ = read.looks_;
+  m.new_pairs_ = read.new_pairs_;
+  m.old_pairs_.clear();
+  m.own_end_ = std::min(m.own_end_, static_cast<std::uint32_t>(m.pairs_.size()));
+  m.indexed_ = false;
+  m.cut();
+  m.owner_.resize(m.pairs_.size());
+  for (std::size_t k = 0; k < m.pairs_.size(); ++k) m.owner_[k] = m.pairs_[k].owner;
+  m.rotor_.reserve(2 * slots);
+  m.inner_.reserve(slots);
+  m.used_.reserve(slots);
 }
 
 // ---- joints, sleep, events -----------------------------------------------------------------------
 
 template <class A>
-void Image::joints(A& a, JointStore& j) {
+void Image::joints(A& a, JointStore& j, JointStore* read) {
   if constexpr (!A::kLoading) j.save_impulses();
-  list(a, j.joints_, [&](JointStore::Joint& joint) {
-    visit(a, joint.desc);
-    numbers(a, joint.generation, joint.alive, joint.swapped, joint.dormant, joint.kind, joint.next[0], joint.next[1],
-            joint.list, joint.lane, joint.body[0], joint.body[1]);
-    for (float& l : joint.impulse) a.value(l);
-  });
-  short_list(a, j.free_);
-  short_list(a, j.first_);
-  numbers(a, j.count_, j.stale_, j.bodies_stale_, j.h_);
-  short_list(a, j.bodies_);
-  for (std::uint32_t k = 0; k < JointStore::kLists; ++k) {
-    short_list(a, j.lanes_[k]);
-    JointLists::visit(j.lists_, k, [&](auto& blocks) { a.vector(blocks); });
-  }
-  list(a, j.ranges_, [&](auto& r) { numbers(a, r.list, r.begin, r.end); });
-  list(a, j.jobs_, [&](auto& r) { numbers(a, r.begin, r.end); });
-  list(a, j.phases_, [&](auto& r) { numbers(a, r.begin, r.end); });
-  a.value(j.total_blocks_);
-  if (A::kLoading && !a.dry()) {
-    j.exclusions_.clear();
-    j.exclusive_.clear();
-    for (const JointStore::Joint& joint : j.joints_) {
-      if (joint.alive) j.exclude(joint.desc, +1);
+  const auto all = [&] {
+    records(a, j.joints_, [](auto& record, JointStore::Joint& joint) {
+      visit(record, joint.desc);
+      numbers(record, joint.generation, joint.alive, joint.swapped, joint.dormant, joint.kind, joint.next[0],
+              joint.next[1], joint.list, joint.lane, joint.body[0], joint.body[1]);
+      for (float& l : joint.impulse) record.value(l);
+    });
+    a.values(j.free_);
+    a.values(j.first_);
+    numbers(a, j.count_, j.stale_, j.bodies_stale_, j.h_);
+    a.values(j.bodies_);
+    for (std::uint32_t k = 0; k < JointStore::kLists; ++k) {
+      a.values(j.lanes_[k]);
+      JointLists::visit(j.lists_, k, [&](auto& blocks) { a.vector(blocks); });
     }
+    list(a, j.ranges_, [&](auto& r) { numbers(a, r.list, r.begin, r.end); });
+    list(a, j.jobs_, [&](auto& r) { numbers(a, r.begin, r.end); });
+    list(a, j.phases_, [&](auto& r) { numbers(a, r.begin, r.end); });
+    a.value(j.total_blocks_);
+  };
+  a.part(all, [&] { take(j, *read); });
+}
+
+void Image::take(JointStore& j, JointStore& read) {
+  const auto excludes_as = [](const JointStore::Joint& one, const JointStore::Joint& other) {
+    if (!one.alive || !other.alive) return one.alive == other.alive;
+    return one.desc.a.index == other.desc.a.index && one.desc.b.index == other.desc.b.index &&
+           one.desc.collide == other.desc.collide;
+  };
+  const bool same = std::ranges::equal(j.joints_, read.joints_, excludes_as);
+  j.joints_.swap(read.joints_);
+  j.free_.swap(read.free_);
+  j.first_.swap(read.first_);
+  j.bodies_.swap(read.bodies_);
+  for (std::uint32_t k = 0; k < JointStore::kLists; ++k) j.lanes_[k].swap(read.lanes_[k]);
+  std::swap(j.lists_, read.lists_);
+  j.ranges_.swap(read.ranges_);
+  j.jobs_.swap(read.jobs_);
+  j.phases_.swap(read.phases_);
+  j.count_ = read.count_;
+  j.stale_ = read.stale_;
+  j.bodies_stale_ = read.bodies_stale_;
+  j.h_ = read.h_;
+  j.total_blocks_ = read.total_blocks_;
+  if (same) return;
+  j.exclusions_.clear();
+  j.exclusive_.clear();
+  for (const JointStore::Joint& joint : j.joints_) {
+    if (joint.alive) j.exclude(joint.desc, +1);
   }
 }
 
@@ -390,7 +439,7 @@ void Image::events(A& a, EventList& e) {
   template void Image::renewal(A&, ListRenewal&, std::size_t);                     \
   template void Image::contacts(A&, ContactStore&);                   \
   template void Image::manifolds(A&, Manifolds&, std::size_t);        \
-  template void Image::joints(A&, JointStore&);                       \
+  template void Image::joints(A&, JointStore&, JointStore*);          \
   template void Image::events(A&, EventList&);                        \
   template void Image::table(A&, PairTable&);                         \
   template void Image::counts(A&, Solver&, HeavyLoads&, Continuous&); \

@@ -63,9 +63,9 @@ struct Image {
   static void bodies(A& a, BodyStore& b, bool lists);
   template <class A>
   static void standing(A& a, StaticShapes& s);
-  /// After the bodies.
+  /// After the bodies. `read`, here and below: what a dry run has read them into.
   template <class A>
-  static void shapes(A& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
+  static void shapes(A& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b, const Sleepers* read);
   template <class A>
   static void broad(A& a, BroadPhase& b);
   template <class A>
@@ -74,8 +74,10 @@ struct Image {
   static void contacts(A& a, ContactStore& c);
   template <class A>
   static void manifolds(A& a, Manifolds& m, std::size_t slots);
+  /// What was read of them, into those of a world.
+  static void take(Manifolds& m, Manifolds& read, std::size_t slots);
   template <class A>
-  static void joints(A& a, JointStore& j);
+  static void joints(A& a, JointStore& j, JointStore* read);
   /// Whether what a dry run read agrees with itself (image_check.h), so that nothing that is made of it reads or
   /// writes where it must not. What is not so is told to the loader. `lists`: they last. What sleeps in `now` is sound.
   template <class W>
@@ -95,13 +97,14 @@ struct Image {
  private:
   template <class W>
   struct Check;
+  static void take(JointStore& j, JointStore& read);
   template <class W>
-  static bool unpack(Loader& a, W& seen, const W& now);
+  static bool unpack(Loader& a, W& seen, const W& now, bool same_roster);
 };
 
 template <>
-void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
+void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b, const Sleepers* read);
 template <>
-void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b);
+void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b, const Sleepers* read);
 
 }  // namespace psim

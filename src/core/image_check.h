@@ -26,19 +26,29 @@ struct Image::Check {
   bool lists;
   std::vector<std::uint64_t> of_place = std::vector<std::uint64_t>(kLastOf<Place> + 1);
   std::vector<U32> first_of_run = {};  // ids
+  std::vector<U32> run_of_id = {};
   InPlace<U32> slot_ids = {};
-  bool as_before = false;  // fixed geometry and what sleeps are those of `now`
+  bool same_roster = false;  // the bodies that there are are those of `now`
+  bool as_before = false;    // fixed geometry and what sleeps are those of `now`
 
   bool ok() const { return a.ok(); }
   void require(bool sound) { a.require(sound); }
   U32 ids() const { return w.bodies.id_count; }
   U32 slots() const { return w.bodies.count; }
 
-  // Runs of bodies alike hold a range of ids each: found by bisection.
+  // Runs of bodies alike hold a range of ids each: found by bisection, or in a table if many ask.
   const AlikeBodies* run_of(U32 id) const {
     if (id >= ids()) return nullptr;
+    if (!run_of_id.empty()) return &w.bodies.roster[run_of_id[id]];
     const auto at = std::upper_bound(first_of_run.begin(), first_of_run.end(), id);
     return &w.bodies.roster[static_cast<std::size_t>(at - first_of_run.begin()) - 1];
+  }
+  void many_ask(std::size_t how_many) {
+    if (!run_of_id.empty() || how_many < ids() / 8 || first_of_run.size() < 8) return;
+    run_of_id.resize(ids());
+    for (std::size_t k = 0; k < first_of_run.size(); ++k) {
+      std::fill_n(run_of_id.begin() + first_of_run[k], w.bodies.roster[k].count, static_cast<U32>(k));
+    }
   }
   Place place_of(U32 id) const {
     const AlikeBodies* run = run_of(id);
@@ -82,7 +92,7 @@ struct Image::Check {
          &Check::events);
   }
   void settings();
-  void unpack() { as_before = Image::unpack(a, w, now); }
+  void unpack() { as_before = Image::unpack(a, w, now, same_roster); }
   // Who is there.
   void tables();
   void hull(const Hull& h) {

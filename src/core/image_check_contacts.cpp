@@ -15,6 +15,7 @@ void Image::Check<W>::manifolds() {
   require(std::is_sorted(m.begin_.begin(), m.begin_.end()));
   const bool present = !w.lists_stale && w.plan.shapes;
   for (const U32 slot : m.shaped_) require(slot < slots() || !present);
+  many_ask(pairs);
   const U32 bodies = stands() ? slots() : std::max(slots(), w.table.body_count);
   const auto of = [&](U32 slot, U32 id, U32 part) {
     require(is_body(id));
@@ -82,6 +83,7 @@ void Image::Check<W>::joints() {
   const JointStore& j = w.joints;
   const std::size_t all = j.joints_.size();
   std::size_t alive = 0;
+  many_ask(all);
   for (std::size_t k = 0; k < all && ok(); ++k) joint(k, alive);
   require(alive == j.count_);
   free_list(j.free_, all, 0, [&](std::size_t k) { return !j.joints_[k].alive; });

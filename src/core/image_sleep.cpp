@@ -8,12 +8,26 @@
 namespace psim {
 namespace {
 
-template <class T>
-bool same_bytes(const InPlace<std::byte>& a, const T& b) {
-  return a.count == b.size() && (a.count == 0 || std::memcmp(a.from, b.data(), a.count) == 0);
+std::span<const std::byte> span_of(const InPlace<std::byte>& c) { return {c.from, c.count}; }
+
+// Appends the touches of a sleeper: they are its own from now on.
+void take_touches(Sleeper& sleeper, const std::vector<Touch>& from, std::vector<Touch>& to) {
+  const auto begin = from.begin() + sleeper.first_touch;
+  sleeper.first_touch = static_cast<std::uint32_t>(to.size());
+  to.insert(to.end(), begin, begin + sleeper.touches);
 }
 
-std::span<const std::byte> span_of(const InPlace<std::byte>& c) { return {c.from, c.count}; }
+// As unpack_sleepers, of n whose pack is the same here and there.
+bool copy_sleepers(const Sleepers& from, std::size_t first, std::size_t n, Sleepers& sleepers, BodyStore& b) {
+  if (first + n > std::min(from.list.size(), sleepers.list.size())) return false;
+  for (std::size_t k = first; k < first + n; ++k) {
+    Sleeper& s = sleepers.list[k] = from.list[k];
+    if (s.id >= b.id_count || b.info[s.id].place != Place::asleep) return false;
+    b.info[s.id].slot = static_cast<std::uint32_t>(k);
+    take_touches(s, from.touches, sleepers.touches);
+  }
+  return true;
+}
 
 // What nobody has.
 StaticShape gone() {
@@ -70,7 +84,7 @@ void Image::standing(A& a, StaticShapes& s) {
 }
 
 template <>
-void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore&) {
+void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore&, const Sleepers*) {
   if (s.saved_stale_) {
     Saver numbers;
     standing(numbers, s);
@@ -85,7 +99,7 @@ void Image::shapes(Saver& a, StaticShapes& s, Sleepers& sleepers, BodyStore&) {
 
 // What is there already, the same bytes, stays as it is.
 template <>
-void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b) {
+void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b, const Sleepers* read) {
   const std::uint32_t had = s.count_;
   const bool was_dirty = s.dirty_;
   numbers(a, s.count_, s.alive_, s.whole_wanted_, s.dirty_);
@@ -104,7 +118,7 @@ void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b)
     sleepers.seen_ = {others, {}, std::move(packs)};
     return;
   }
-  const bool same_others = !s.saved_stale_ && same_bytes(others, s.saved_);
+  const bool same_others = !s.saved_stale_ && a.same(others, s.saved_);
   const auto each_of_pack = [&](std::size_t pack, const auto& each) {
     const std::size_t begin = pack * SleeperPack::kEach;
     for (std::size_t k = begin; k < std::min(begin + SleeperPack::kEach, sleepers.list.size()); ++k)
@@ -112,7 +126,7 @@ void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b)
   };
   std::vector<bool> same(std::max(packs.size(), sleepers.list.size() / SleeperPack::kEach + 1));
   for (std::size_t k = 0; k < std::min(packs.size(), sleepers.packs_.size()); ++k) {
-    same[k] = !sleepers.packs_[k].stale && same_bytes(packs[k], sleepers.packs_[k].bytes);
+    same[k] = !sleepers.packs_[k].stale && a.same(packs[k], sleepers.packs_[k].bytes);
     if (!same[k] || b.alike) continue;
     each_of_pack(k, [&](const Sleeper& x) {
       const StaticShape& piece = s.shapes_[x.first_shape];
@@ -144,33 +158,31 @@ void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b)
   sleepers.list.resize(asleep);
   sleepers.packs_.resize(packs.size());
   if (std::find(same.begin(), same.end(), true) == same.end()) {
-    std::size_t touches = 0;
-    for (const InPlace<std::byte>& pack : packs) touches += touches_in_pack(span_of(pack));
     sleepers.touches.clear();
-    sleepers.touches.reserve(touches);
+    sleepers.touches.reserve(read->touches.size());
   }
   for (std::size_t k = 0; k < packs.size(); ++k) {
     if (same[k]) continue;
     SleeperPack& pack = sleepers.packs_[k];
-    pack.stale = true;
     pack.bytes.assign(packs[k].from, packs[k].from + packs[k].count);
-    if (!unpack_sleepers(pack.bytes, k * SleeperPack::kEach, sleepers, b))
-      return a.fail("it is damaged");
     pack.stale = false;
-    each_of_pack(k, [&](const Sleeper& x) {
+    each_of_pack(k, [&](Sleeper& x) {
+      const auto at = static_cast<std::uint32_t>(&x - sleepers.list.data());
+      x = read->list[at];
+      take_touches(x, read->touches, sleepers.touches);
+      b.info[x.id].slot = at;
       const Surface& surface = b.surface(x.id);
       if (b.makes[surface.make].hull_count != 0) return;
-      if (x.first_shape >= s.count_) return a.fail("it is damaged");
       StaticShape& piece = s.shapes_[x.first_shape];
       const bool lies = !piece.alive && piece.lone &&
                         std::memcmp(&piece.p, &x.at, sizeof x.at) == 0 &&
                         same_bits(piece.radius, surface.radius);
-      if (!lies) return fresh.push_back(static_cast<std::uint32_t>(&x - sleepers.list.data()));
+      if (!lies) return fresh.push_back(at);
       piece = lone_piece(x.at, x.id, surface);
       piece.asleep = true;
     });
-    if (!a.ok()) return;
   }
+  if (std::find(same.begin(), same.end(), false) != same.end()) sleepers.tidy();
   for (const std::uint32_t k : dead) {
     if (s.shapes_[k].alive) continue;
     s.sleepers_.remove(k);
@@ -196,7 +208,6 @@ void Image::shapes(Loader& a, StaticShapes& s, Sleepers& sleepers, BodyStore& b)
     piece.asleep = true;
     s.enter(s.sleepers_, x.first_shape);
   }
-  if (std::find(same.begin(), same.end(), false) != same.end()) sleepers.tidy();
   // When its grid was made decides whose numbers may be had again.
   if (!s.dirty_ && (was_dirty || !same_others)) s.make_grid();
 }
@@ -264,7 +275,7 @@ void Image::sleepers(A& a, Sleepers& s, const BodyStore& b) {
 // What a dry run saw, into a world that nobody else looks at. Nothing is read that is in `now` already, byte for byte:
 // true.
 template <class W>
-bool Image::unpack(Loader& a, W& seen, const W& now) {
+bool Image::unpack(Loader& a, W& seen, const W& now, bool same_roster) {
   BodyStore& b = seen.bodies;
   StaticShapes& s = seen.shapes;
   Sleepers& sleepers = seen.sleepers;
@@ -273,13 +284,13 @@ bool Image::unpack(Loader& a, W& seen, const W& now) {
     return std::ranges::equal(one, other, [what](const auto& x, const auto& y) { return x.*what == y.*what; });
   };
   const auto as_before = [&] {
-    if (now.bodies.roster_changed || now.shapes.saved_stale_) return false;
+    if (!same_roster || now.shapes.saved_stale_) return false;
     if (packs.size() != now.sleepers.packs_.size() || s.count_ != now.shapes.count_ || s.alive_ != now.shapes.alive_) return false;
     for (std::size_t k = 0; k < packs.size(); ++k) {
       const SleeperPack& pack = now.sleepers.packs_[k];
-      if (pack.stale || !same_bytes(packs[k], pack.bytes)) return false;
+      if (pack.stale || !a.same(packs[k], pack.bytes)) return false;
     }
-    return same_bytes(sleepers.seen_.others, now.shapes.saved_) && b.roster == now.bodies.roster &&
+    return a.same(sleepers.seen_.others, now.shapes.saved_) &&
            alike(b.surfaces.list_, now.bodies.surfaces.list_, &SurfaceTable::Entry::surface) &&
            alike(b.makes.list_, now.bodies.makes.list_, &MakeTable::Entry::make) &&
            unpack_recent(span_of(sleepers.seen_.recent), now.sleepers, now.bodies, sleepers.recent);
@@ -294,9 +305,13 @@ bool Image::unpack(Loader& a, W& seen, const W& now) {
   sleepers.list.assign(b.asleep, Sleeper{});
   sleepers.touches.clear();
   std::size_t first = 0;
-  for (const InPlace<std::byte>& pack : packs) {
-    a.require(unpack_sleepers(span_of(pack), first, sleepers, b));
-    first += count_in_pack(span_of(pack));
+  const std::vector<SleeperPack>& there = now.sleepers.packs_;
+  for (std::size_t k = 0; k < packs.size() && a.ok(); ++k) {
+    const std::size_t n = count_in_pack(span_of(packs[k]));
+    const bool same = k < there.size() && !there[k].stale && a.same(packs[k], there[k].bytes);
+    a.require(same ? copy_sleepers(now.sleepers, first, n, sleepers, b)
+                   : unpack_sleepers(span_of(packs[k]), first, sleepers, b));
+    first += n;
   }
   a.require(first == sleepers.list.size());
   s.shapes_.reserve(s.count_);
@@ -317,7 +332,7 @@ bool Image::unpack(Loader& a, W& seen, const W& now) {
   return false;
 }
 
-template bool Image::unpack(Loader&, World::Impl&, const World::Impl&);
+template bool Image::unpack(Loader&, World::Impl&, const World::Impl&, bool);
 template void Image::sleepers(Saver&, Sleepers&, const BodyStore&);
 template void Image::sleepers(Loader&, Sleepers&, const BodyStore&);
 

@@ -28,7 +28,7 @@ enum class Op : std::uint8_t {
 
 struct RecordHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 3;
+  static constexpr std::uint64_t kFormat = 4;
   std::uint64_t magic = kMagic;
   std::uint64_t format = kFormat;
   std::uint64_t size = 0;   ///< of all, bytes

@@ -2,7 +2,7 @@
 //
 // Lists that last are not saved: they are made again from where the bodies were when they were made, and
 // impulses go to the same pairs. That waits until somebody needs the lists. Where lists are for one step, or
-// are to be made anew, who is a pair is saved, too. What was made of a step that is under way
+// are to be made anew, who is a pair is saved, too, and comes back into a table when somebody needs it. What was made of a step that is under way
 // over frames is made again from a list of what was done.
 #pragma once
 
@@ -56,12 +56,19 @@ struct Saved {
     InPlace<std::uint16_t> near;       ///< by pair: the partner, counted from the strip's first body
     InPlace<std::uint32_t> far;        ///< or its slot, in strips where that takes more than 16 bits
     InPlace<std::uint32_t> s_body, s_shape;
+    /// each(column), of names.
+    template <class Each>
+    void each_name(const Each& each) {
+      each(of_body), each(many), each(near), each(far), each(s_body), each(s_shape);
+    }
   };
   static constexpr std::uint8_t kMany = 255;
   struct Lengths {
     std::uint32_t pairs = 0, singles = 0, near = 0, far = 0, many = 0;
   };
   InBytes bytes;
+  Refilled<std::byte> names;  ///< while they wait, `bytes` lies here
+  bool named = false;         ///< the table's pairs are still names
   struct Pair {
     std::uint32_t owner = 0, other = 0;
     float impulse = 0, friction = 0;
@@ -71,6 +78,8 @@ struct Saved {
   std::vector<std::uint32_t> strip_pairs, strip_singles;  ///< by strip: how many
   std::vector<std::uint32_t> first_pair, first_single, first_partner, first_many;  ///< and where they begin
   bool missing = false;       ///< the lists of a restored state are
+  bool shaped = false;        ///< and manifolds wait for them
+  bool large = false;         ///< in much memory
   bool undone = false;        ///< so is the work of its step that was under way over frames
   /// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies
   /// that the host pushed in between. Done again, it comes out the same.

@@ -275,11 +275,6 @@ PackCounts counts_of(std::span<const std::byte> pack) {
 
 std::uint32_t count_in_pack(std::span<const std::byte> pack) { return counts_of(pack).sleepers; }
 
-std::uint32_t touches_in_pack(std::span<const std::byte> pack) {
-  const PackCounts counts = counts_of(pack);
-  return counts.touches <= pack.size() ? counts.touches : 0;
-}
-
 bool unpack_sleepers(std::span<const std::byte> pack, std::size_t first, Sleepers& sleepers,
                      BodyStore& bodies) {
   Reader r(pack);

@@ -40,9 +40,6 @@ void pack_sleepers(const Sleepers& sleepers, const BodyStore& bodies, std::size_
 /// How many it says that it has.
 std::uint32_t count_in_pack(std::span<const std::byte> pack);
 
-/// And how many touches, if the bytes are sound.
-std::uint32_t touches_in_pack(std::span<const std::byte> pack);
-
 /// Writes them into the list, which is long enough, their touches behind the others, and into BodyInfo where they
 /// are. False if the bytes are not what pack_sleepers writes.
 bool unpack_sleepers(std::span<const std::byte> pack, std::size_t first, Sleepers& sleepers,

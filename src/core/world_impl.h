@@ -128,7 +128,8 @@ struct World::Impl {
   bool plan_stale = true;
   bool lists_stale = true;
   Saved saved;
-  std::unique_ptr<Impl> probe;  // what a state that comes back is read into first
+  std::unique_ptr<Impl> probe;    // what a state that comes back is read into first
+  std::unique_ptr<Impl> waiting;  // and where its manifolds are until its lists are
   Ahead ahead;                  // what was done of the present step
   Governor governor;
   int substeps = 4;             // of this step
@@ -232,14 +233,19 @@ struct World::Impl {
   void write_names(std::size_t strip);
   void keep_carried(Loader& loader);
   void take_pairs(Loader& loader);
+  void make_pairs_again();
   void read_names(std::size_t strip);
   void take_renewed();
   bool restore(std::span<const std::byte> state, std::string& error);
-  /// After a state came back: the lists that it had, if they are still missing, and what was done of its step.
+  void put_manifolds();
+  /// After a state came back: its pairs, the lists that it had, if they are still missing, and what was done of its
+  /// step.
   /// After prepare(): all as it was. Before anything changes.
   void settle_lists() {
     if (prepared()) unprepare();
+    if (saved.named) make_pairs_again();
     if (saved.missing) make_lists_again();
+    if (saved.shaped) put_manifolds();
     if (saved.undone) work_again();
   }
   void make_lists_again();

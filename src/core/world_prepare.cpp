@@ -31,6 +31,7 @@ void World::Impl::prepare() {
   std::string error;
   restore(before, error);
   const WorkerPool::Awake awake(pool);
+  settle_lists();
   replan();
   tracer.begin();
   finish_work(span, ignored);

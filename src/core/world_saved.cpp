@@ -32,7 +32,7 @@ void World::Impl::image(A& a, bool& lists) {
   list(a, held, [&](auto& h) { numbers(a, h.first, h.second.x, h.second.y); });
   list(a, bullets, [&](std::uint32_t& id) { a.value(id); });
   a.refuse_nan(true);
-  list(a, fixed, [&](FixedBody& f) { numbers(a, f.x, f.y, f.angle, f.radius, f.id, f.first_shape); });
+  records(a, fixed, [](auto& record, FixedBody& f) { numbers(record, f.x, f.y, f.angle, f.radius, f.id, f.first_shape); });
   a.refuse_nan(false);
   list(a, frozen, [&](BodyState& s) {
     Image::visit(a, s.id);
@@ -43,14 +43,14 @@ void World::Impl::image(A& a, bool& lists) {
   Image::bodies(a, bodies, lists || ahead.built);
   if constexpr (!A::kLoading) saved.dead_radii = bodies.dead_radii();
   list(a, saved.dead_radii, [&](float& r) { a.value(r); });
-  Image::shapes(a, shapes, sleepers, bodies);
+  Image::shapes(a, shapes, sleepers, bodies, probe ? &probe->sleepers : nullptr);
   Image::broad(a, broad);
   a.refuse_nan(false);
   if (lists && !loose) Image::renewal(a, renewal, bodies.count);
   Image::contacts(a, contacts);
   Image::solved(a, solved);
   Image::counts(a, solver, loads, continuous);
-  Image::joints(a, joints);
+  Image::joints(a, joints, probe ? &probe->joints : nullptr);
   Image::sleepers(a, sleepers, bodies);
   Image::events(a, events);
   Saved::InBytes& s = saved.bytes;
@@ -111,6 +111,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   if (error.empty()) error = differs(read, desc);
   if (error.empty()) error = check(read, options);
   if (!error.empty()) return false;
+  constexpr std::size_t kSmall = 1 << 16;  // bytes: more memory is given back
   // All of it is read and looked at before anything changes.
   if (!probe) probe = std::make_unique<Impl>(read, RunOptions{options.isa, 1});
   probe->desc = read;
@@ -119,29 +120,32 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   Image::manifolds(loader, probe->manifolds, probe->bodies.count);
   loader.end();
   if (loader.ok()) Image::check(loader, *probe, *this, lists);
-  constexpr std::size_t kSmall = 1 << 16;  // bytes: more memory is given back
-  if (loader.first_bytes() > kSmall) probe.reset();
+  const std::optional<std::uint64_t> roster_sum = probe->bodies.roster_sum;
   error = loader.error();
-  if (!error.empty()) return false;
+  if (!error.empty()) {
+    if (loader.first_bytes() > kSmall) probe.reset();
+    return false;
+  }
   unprepared = std::vector<std::byte>();
   loader.begin_again();
   Image::visit(loader, read);
   desc = read;
   const bool snapshots = traits.snapshots;
-  saved.missing = false;
+  if (saved.shaped && saved.large) waiting.reset();
+  saved.missing = saved.named = saved.shaped = false;
   saved.bytes = {};
   table.body_count = old_table.body_count = 0;
   table.strips.clear();
   candidates.strips.clear();
   renewal.forget();
   image(loader, lists);
+  bodies.roster_sum = roster_sum;
   const WorkerPool::Awake awake(pool);
   if (lists && !loose) {
     keep_carried(loader);
   } else {
     take_pairs(loader);
   }
-  saved.bytes = {};
   traits.snapshots = plan.publish = snapshots;
   forces.reset();
   if (plan_stale) {  // its columns are there, and wait for the next plan
@@ -164,15 +168,16 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   saved.undone = ahead.part > Part::count;
   saved.bare = true;
   saved.builds = contacts.builds();
-  // Manifolds are made anew with the lists, and then put back as they were.
-  if (lists && sorts_out()) make_lists_again();
-  Image::manifolds(loader, manifolds, bodies.count);
+  Image::manifolds(loader, probe->manifolds, bodies.count);
   loader.finish(pool);
-  if (lists && !loose && sorts_out() && !manifolds.fit(table.strips.size())) {  // other bytes than were saved
-    spoil_lists();
-    manifolds.clear();
-    saved.undone = false;
+  saved.large = loader.first_bytes() > kSmall;
+  saved.shaped = lists && !loose && sorts_out();
+  if (saved.shaped) {
+    probe.swap(waiting);
+  } else {
+    Image::take(manifolds, probe->manifolds, bodies.count);
   }
+  if (saved.large) probe.reset();
   columns.forget();
   placed = true;
   queries.forget_moving();
@@ -180,6 +185,17 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   queries.forget_fixed();
   error = loader.error();
   return error.empty();
+}
+
+// Manifolds are made anew with lists that last, and then put back as they were.
+void World::Impl::put_manifolds() {
+  saved.shaped = false;
+  Image::take(manifolds, waiting->manifolds, bodies.count);
+  if (saved.large) waiting.reset();
+  if (manifolds.fit(table.strips.size())) return;
+  spoil_lists();  // other bytes than were saved
+  manifolds.clear();
+  saved.undone = false;
 }
 
 // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
@@ -239,18 +255,27 @@ std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const
 
 std::uint64_t hash_of(const std::byte* data, std::size_t size) {
   std::uint64_t hash = 0x9E3779B97F4A7C15u ^ size;
-  const auto mix = [&hash](std::uint64_t v) {
-    hash = (hash ^ v) * 0xD6E8FEB86659FD93u;
-    hash ^= hash >> 32;
+  const auto mix = [](std::uint64_t& to, std::uint64_t v) {
+    to = (to ^ v) * 0xD6E8FEB86659FD93u;
+    to ^= to >> 32;
   };
-  for (; size >= 8; data += 8, size -= 8) {
+  const auto take = [&] {
     std::uint64_t v;
     std::memcpy(&v, data, 8);
-    mix(v);
+    data += 8, size -= 8;
+    return v;
+  };
+  if (size >= 32) {  // four that do not wait for each other
+    std::uint64_t lane[4] = {hash, hash + 1, hash + 2, hash + 3};
+    while (size >= 32) {
+      for (std::uint64_t& l : lane) mix(l, take());
+    }
+    for (const std::uint64_t l : lane) mix(hash, l);
   }
+  while (size >= 8) mix(hash, take());
   std::uint64_t last = 0;
   if (size != 0) std::memcpy(&last, data, size);
-  mix(last);
+  mix(hash, last);
   return hash ^ (hash >> 29);
 }
 

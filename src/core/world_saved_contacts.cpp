@@ -180,9 +180,10 @@ void World::Impl::keep_carried(Loader& loader) {
     loader.copies().add(kept[c]->data(), bytes[c]->from, bytes[c]->bytes());
   }
   loader.finish(pool);
+  saved.bytes = {};
 }
 
-// The saved pairs become the table that impulses are carried from.
+// The saved pairs will become the table that impulses are carried from.
 void World::Impl::take_pairs(Loader& loader) {
   const Saved::InBytes& b = saved.bytes;
   const auto columns = carried();
@@ -199,6 +200,7 @@ void World::Impl::take_pairs(Loader& loader) {
   table.renewed_begin = PairTable::kNoneRenewed;
   if (!sound) {
     loader.fail("it is damaged");
+    saved.bytes = {};
     table.body_count = 0;
     table.strips.clear();
     return;
@@ -209,6 +211,16 @@ void World::Impl::take_pairs(Loader& loader) {
     loader.copies().add(columns[c]->data(), bytes[c]->from, bytes[c]->bytes());
   }
   contacts.gap.reserve(all.pairs + 1);
+  saved.named = true;
+  std::size_t room = 0;
+  saved.bytes.each_name([&](const auto& c) { room += Saver::round_up(c.bytes()); });
+  saved.names.resize(room);
+  std::byte* to = saved.names.data();
+  saved.bytes.each_name([&](auto& c) {
+    loader.copies().add(to, c.from, c.bytes());
+    c.from = to;
+    to += Saver::round_up(c.bytes());
+  });
   table.first.reserve(std::size_t{table.body_count} + 1);
   for (Column<std::uint32_t>* c : {&table.owner, &table.other, &table.contact}) c->reserve(all.pairs + 1);
   table.pair_room = all.pairs;
@@ -219,9 +231,15 @@ void World::Impl::take_pairs(Loader& loader) {
     table.strips[k].pair_end = saved.first_pair[k] + saved.strip_pairs[k];
     table.singles[k].clear();
   }
-  loader.finish(pool, table.body_count != 0 ? table.strips.size() : 0, [&](std::size_t k) { read_names(k); });
+  loader.finish(pool);
+}
+
+void World::Impl::make_pairs_again() {
+  saved.named = false;
+  pool.run(table.body_count != 0 ? table.strips.size() : 0, [&](std::size_t k) { read_names(k); });
   table.mark_strips();
   take_renewed();
+  saved.bytes = {};
 }
 
 void World::Impl::read_names(std::size_t index) {
