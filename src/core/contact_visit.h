@@ -37,7 +37,7 @@ inline void order_points(const ManifoldPair& pair, Touch& touch) {
 // frames makes new ones.
 template <class Each>
 void World::Impl::each_contact(const Each& each) const {
-  PSIM_ASSERT(!saved.missing && !saved.undone);
+  PSIM_ASSERT(!saved.named && !saved.missing && !saved.shaped && !saved.undone);
   if (!contacts_stand()) return;
   const bool rough = contacts.rough();
   Met met;

@@ -320,14 +320,15 @@ void Image::manifolds(A& a, Manifolds& m, std::size_t slots) {
           m.laid_, m.looks_, m.new_pairs_);
 }
 
-void Image::take(Manifolds& m, Manifolds& read, std::size_t slots) {
-  m.pairs_.swap(read.pairs_);
-  m.begin_.swap(read.begin_);
-  m.strips_.swap(read.strips_);
-  m.ghosts_.swap(read.ghosts_);
-  m.special_.swap(read.special_);
-  m.stale_.swap(read.stale_);
-  m.shaped_.swap(read.shaped_);
+void Image::take(Manifolds& m, Manifolds& read, std::size_t slots, bool keep_room) {
+  const auto take = [keep_room](auto& mine, auto& theirs) { keep_room ? void(mine = theirs) : mine.swap(theirs); };
+  take(m.pairs_, read.pairs_);
+  take(m.begin_, read.begin_);
+  take(m.strips_, read.strips_);
+  take(m.ghosts_, read.ghosts_);
+  take(m.special_, read.special_);
+  take(m.stale_, read.stale_);
+  take(m.shaped_, read.shaped_);
   if (!read.kind_.empty()) {
     m.kind_.reserve(slots);
     std::copy_n(read.kind_.data(), slots, m.kind_.data());

@@ -74,8 +74,8 @@ struct Image {
   static void contacts(A& a, ContactStore& c);
   template <class A>
   static void manifolds(A& a, Manifolds& m, std::size_t slots);
-  /// What was read of them, into those of a world.
-  static void take(Manifolds& m, Manifolds& read, std::size_t slots);
+  /// What was read of them, into those of a world; into the memory that they have, or what comes with it.
+  static void take(Manifolds& m, Manifolds& read, std::size_t slots, bool keep_room);
   template <class A>
   static void joints(A& a, JointStore& j, JointStore* read);
   /// Whether what a dry run read agrees with itself (image_check.h), so that nothing that is made of it reads or

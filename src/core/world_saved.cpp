@@ -175,7 +175,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   if (saved.shaped) {
     probe.swap(waiting);
   } else {
-    Image::take(manifolds, probe->manifolds, bodies.count);
+    Image::take(manifolds, probe->manifolds, bodies.count, governor.on());
   }
   if (saved.large) probe.reset();
   columns.forget();
@@ -190,7 +190,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
 // Manifolds are made anew with lists that last, and then put back as they were.
 void World::Impl::put_manifolds() {
   saved.shaped = false;
-  Image::take(manifolds, waiting->manifolds, bodies.count);
+  Image::take(manifolds, waiting->manifolds, bodies.count, governor.on());
   if (saved.large) waiting.reset();
   if (manifolds.fit(table.strips.size())) return;
   spoil_lists();  // other bytes than were saved
