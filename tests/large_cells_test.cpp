@@ -212,4 +212,21 @@ TEST(LargeCells, FewAreNotWorthIt) {
 }
 
 }  // namespace
+TEST(LargeCells, AreNotForSmallBodiesThatLieApartFromLargeOnes) {
+  Discs discs;
+  constexpr std::size_t kLarge = 1000, kSmall = 10000;
+  for (std::size_t k = 0; k < kLarge; ++k) {
+    discs.push(5 + 10 * static_cast<double>(k % 64), 5 + 10 * static_cast<double>(k / 64), 5);
+  }
+  for (std::size_t k = 0; k < kSmall; ++k) {
+    discs.push(650 + 0.2 * static_cast<double>(k % 142), 0.1 + 0.2 * static_cast<double>(k / 142), 0.1);
+  }
+  const auto world = make(walled({0, 0, 700, 300}, {0, -9.81}), best_isa(), 1);
+  add(*world, discs);
+  for (int k = 0; k < 3; ++k) world->step();
+  const auto strips = world->strips();
+  const std::uint32_t last = *std::max_element(strips.begin(), strips.end());
+  EXPECT_LE(std::count(strips.begin(), strips.end(), last), kLarge);
+}
+
 }  // namespace psim::test

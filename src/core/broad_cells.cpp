@@ -35,7 +35,9 @@ double bin_end(std::size_t bin) {
 // The largest reach that cells are made for: that of all but large bodies. It splits by estimated
 // candidates: within the cells, and of each large body against the bodies under its box and the
 // other large ones. `area` is what the bodies are spread over.
+// Many large ones are but a guess that few lie near each of them, and one strip for one thread: they must save more.
 double BroadPhase::choose_reach(const BodyStore& b, double most, double area) const {
+  constexpr double kMany = 0.125, kWorthMany = 0.6;
   constexpr double kPair = 0.6, kFound = 500, kRow = 48;  // tests: of two large bodies; to find one's cells; of a row
   const double n = b.count;
   if (!(18 * most * most * n / area > kFewCandidates && n > 64)) return most;
@@ -52,7 +54,7 @@ double BroadPhase::choose_reach(const BodyStore& b, double most, double area) co
     const double cost = small * 18 * limit * limit * small / area +
                         (large_area + above * 4 * limit * limit) * small / area * 1.5 +
                         kRow * (large_reach / limit + 2 * above) + large;
-    if (cost < best) {
+    if (cost < (above > kMany * n ? kWorthMany * best : best)) {
       best = cost;
       chosen = limit;
     }

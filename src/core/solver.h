@@ -78,7 +78,8 @@ class Solver {
            virial_.capacity() * sizeof(double) + closed_by_strip_.capacity() * sizeof(std::uint64_t);
   }
   void forget_impacts() {
-    touched_ = pressing_ = std::vector<std::uint8_t>();
+    touched_ = std::vector<std::uint8_t>();
+    pressing_ = std::vector<std::uint8_t>();
     sweep_memory_ = {};
   }
 

@@ -277,18 +277,20 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
   while (ahead.part != Part::done) {
     const std::size_t all = pieces();
     const WorkCounts counts = count_work();
-    if (ahead.part == Part::look && ahead.at == 0 && !ahead.built && !loose) {
-      const double rest = governor.look_ns(counts) +
+    const bool looks = !ahead.built && !loose && (ahead.part == Part::look || ahead.part == Part::stand);
+    if (looks && ahead.part == Part::look && ahead.at == 0) {
+      const double rest = (ahead.horizon > 1 ? kLongLooks : 1.0) * governor.look_ns(counts) +
                           governor.costs().stand * static_cast<double>(counts.manifolds) +
                           governor.rest_ns(counts) + governor.substep_ns(counts);
       ahead.spread = elapsed > 1 || spent + rest > room;
       if (ahead.spread)
         spent += 0.6 * governor.costs().keep * static_cast<double>(counts.manifolds);
     }
+    const bool whole = late || (looks && !ahead.spread);  // they were not kept as they were before: they cannot wait
     std::size_t end = ahead.at;
     for (; end < all; ++end) {
       const double cost = piece_ns(counts, end);
-      if (spent + cost > room && spent > base && !late) break;
+      if (spent + cost > room && spent > base && !whole) break;
       spent += cost;
     }
     if (end == ahead.at && all != 0) break;
@@ -303,7 +305,6 @@ void World::Impl::choose_detail(double dt, StepReport& report) {
         !lists_serve(dt * std::min(elapsed, horizon)))
       horizon = 1;
     const Governor::Choice choice = governor.choose(counts, room - spent, elapsed, horizon, most);
-    // Manifolds that were not kept as they were before they were looked at cannot wait.
     const bool looked = plan.shapes && !loose && !ahead.built && !ahead.spread;
     detail.solves = choice.solves || late || looked || first;
     if (detail.solves) {
