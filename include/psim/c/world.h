@@ -70,7 +70,7 @@ PSIM_API psim_result psim_world_replay(psim_world* world, psim_step_detail detai
 PSIM_API psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,
                                           psim_step_report* report);
 
-/// Makes the arrays of a step without taking one, and without a governor the lists of the first step, which then costs no
+/// Makes the arrays of a step without taking one, and the lists of the first step, which then costs no
 /// more than later ones: for the end of loading, after everything was added. Changes no result; after the first step it
 /// does nothing.
 PSIM_API psim_result psim_world_prepare(psim_world* world);
