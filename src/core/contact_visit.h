@@ -33,15 +33,16 @@ inline void order_points(const ManifoldPair& pair, Touch& touch) {
   }
 }
 
-// each(met): every contact of the present lists that has a body on it; none while a step under way over
-// frames makes new ones.
-template <class Each>
-void World::Impl::each_contact(const Each& each) const {
+// each(met): every contact of the present lists that has a body on it, of strips for which wanted(strip) is true; none
+// while a step under way over frames makes new ones.
+template <class Each, class Wanted>
+void World::Impl::each_contact(const Each& each, const Wanted& wanted) const {
   PSIM_ASSERT(!saved.named && !saved.missing && !saved.shaped && !saved.undone);
   if (!contacts_stand()) return;
   const bool rough = contacts.rough();
   Met met;
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
+    if (!wanted(k)) continue;
     const Strip& s = table.strips[k];
     met.shape = kNoSlot;
     met.touch.per_mass = plan.model.model == kernels::Model::plain;

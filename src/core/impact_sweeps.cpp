@@ -138,14 +138,6 @@ void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore&
     }
     pressing_[index] = pressing;
   });
-  // Whether somebody of a strip's contacts may rest: those of its bodies are its own, its neighbours' or the large
-  // bodies', which are the last strip's; a periodic world's first strip is beside the last of the grid.
-  const auto may_rest = [&](std::size_t index) {
-    const std::size_t large = strips - 1;
-    if (pressing_[index] != 0 || pressing_[large] != 0) return true;
-    if (index == large) return std::any_of(pressing_.begin(), pressing_.end(), [](std::uint8_t p) { return p != 0; });
-    return pressing_[index == 0 ? large - 1 : index - 1] != 0 || pressing_[index + 1 == large ? 0 : index + 1] != 0;
-  };
   // 0: may be settled; resting is 0 or 1
   const auto mark = [](float e, std::uint32_t resting) {
     const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
@@ -153,7 +145,7 @@ void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore&
   };
   pool.run(strips, [&](std::size_t index) {
     const Strip& s = table.strips[index];
-    if (!may_rest(index)) {
+    if (!table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {  // nobody of these rests
       for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) c.impact[k] = mark(c.e[k], 0);
       for (std::size_t k = std::size_t{s.single_begin} * 8; k < std::size_t{s.single_end} * 8; ++k) c.s_impact[k] = mark(c.s_e[k], 0);
       return;

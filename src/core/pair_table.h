@@ -72,6 +72,19 @@ struct PairTable {
     contact.reserve(pairs);
   }
 
+  /// Whether any(k) holds for a strip k whose contacts may have a body of those of `strip`'s: itself, its neighbours (in
+  /// a periodic world the grid's first is beside its last), the large bodies'. All are beside those.
+  template <class Any>
+  bool any_beside(std::size_t strip, const Any& any) const {
+    const std::size_t large = strips.size() - 1;
+    if (any(strip) || any(large)) return true;
+    if (strip != large) return any(strip == 0 ? large - 1 : strip - 1) || any(strip + 1 == large ? 0 : strip + 1);
+    for (std::size_t k = 0; k < large; ++k) {
+      if (any(k)) return true;
+    }
+    return false;
+  }
+
   /// The last word on `first`.
   void mark_strips() {
     first[body_count] = kStripStart;

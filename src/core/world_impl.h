@@ -189,8 +189,11 @@ struct World::Impl {
   BodyState state_of(std::uint32_t id) const;
 
   // world_sleep.cpp
-  template <class Each>
-  void each_contact(const Each& each) const;
+  struct EveryStrip {
+    bool operator()(std::size_t) const { return true; }
+  };
+  template <class Each, class Wanted = EveryStrip>
+  void each_contact(const Each& each, const Wanted& wanted = {}) const;
   void rest(double dt, StepReport& report);
   struct Motion {  // m/s
     float vx = 0, vy = 0, spin = 0;

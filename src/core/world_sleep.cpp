@@ -214,6 +214,11 @@ void World::Impl::fall_asleep() {
   });
   // What they bear: counted, then written run by run.
   const auto asleep = [&](std::uint32_t slot) { return slot != kNoSlot && (state[slot] & kChosen) != 0; };
+  const auto any_in = [&](std::size_t strip) {
+    const Strip& s = table.strips[strip];
+    return std::any_of(state.data() + s.body_begin, state.data() + s.body_end, [](std::uint8_t of) { return (of & kChosen) != 0; });
+  };
+  const auto theirs = [&](std::size_t strip) { return table.any_beside(strip, any_in); };
   each_contact([&](const Met& met) {
     for (const std::uint32_t slot : {met.a, met.b}) {
       if (!asleep(slot)) continue;
@@ -221,7 +226,7 @@ void World::Impl::fall_asleep() {
       s.depth = std::fmax(s.depth, -met.gap);
       if (met.bears) ++s.touches;
     }
-  });
+  }, theirs);
   auto next = static_cast<std::uint32_t>(sleepers.touches.size());
   for (std::uint32_t k = first; k < sleepers.list.size(); ++k) {
     Sleeper& s = sleepers.list[k];
@@ -240,7 +245,7 @@ void World::Impl::fall_asleep() {
       sleepers.touches[s.first_touch + s.touches++] = touch;
     }
     if (met.a != kNoSlot && asleep(met.a) != asleep(met.b)) sleepers.recent.add(touch);
-  });
+  }, theirs);
   for (std::uint32_t k = first; k < sleepers.list.size(); ++k) lie_down(k);
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size()) - first;
   bodies.asleep += sleepers.list.size() - first;
