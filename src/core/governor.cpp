@@ -104,11 +104,12 @@ double Governor::substep_ns(const WorkCounts& w) const {
   const CostModel& c = desc_.costs;
   const double free = std::max(0.0, 1 - 2 * n(w.touching) / std::max(n(w.lanes), 1.0));
   const auto cost = [&](const SweepCost& of) { return of.any + of.free * free; };
+  const double pressing = w.sweeps > 0 ? (w.mixed ? kMixedBouncing : kBouncing) : w.mixed ? kMixedTouch : 1;
   const double sweeps =
       w.sweeps > 0 ? cost(kFirstSweep) + cost(w.mixed ? kNextMixedSweep : kNextSweep) * (w.sweeps - 1) : 0;
   return c.body_pass * n(w.solved) + (c.pass + c.sweep * sweeps) * n(w.lanes) +
          kSweepStrips * c.strip * n(w.strips) * w.sweeps +
-         c.touch * (w.sweeps > 0 ? w.mixed ? kMixedBouncing : kBouncing : w.mixed ? kMixedTouch : 1) * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
+         c.touch * pressing * n(w.touching) + kSparse * (c.pass + c.touch) * n(w.loaded_lanes) +
          c.strip * n(w.strips) + c.shape_pass * n(w.shape_lanes) + c.joint_pass * n(w.joints);
 }
 
