@@ -218,7 +218,8 @@ void World::Impl::fall_asleep() {
     const Strip& s = table.strips[strip];
     return std::any_of(state.data() + s.body_begin, state.data() + s.body_end, [](std::uint8_t of) { return (of & kChosen) != 0; });
   };
-  const auto theirs = [&](std::size_t strip) { return table.any_beside(strip, any_in); };
+  const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // asked for every strip
+  const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };
   each_contact([&](const Met& met) {
     for (const std::uint32_t slot : {met.a, met.b}) {
       if (!asleep(slot)) continue;
