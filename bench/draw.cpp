@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "../src/psim/painter.h"
-#include "../src/psim/png_write.h"
+#include "picture/painter.h"
+#include "picture/png_write.h"
 #include "workload.h"
 
 namespace psim::bench {
@@ -77,11 +77,12 @@ void register_pictures() {
                            {"Png", "many_pyramids", 22'000},
                            {"File", "pile", 100'000},
                            {"File", "pile", 100'000, 2}}) {
-    const std::string name =
-        std::string(line.what) + "/" + line.scene + "/" + std::to_string(line.bodies) + "/" + std::to_string(line.threads);
-    benchmark::RegisterBenchmark(name.c_str(), [line](benchmark::State& s) {
-      draw(s, line.scene, line.bodies, line.what[0], line.threads);
-    })->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+    const std::string name = std::string(line.what) + "/" + line.scene + "/" + std::to_string(line.bodies) + "/" +
+                             std::to_string(line.threads);
+    benchmark::RegisterBenchmark(
+        name.c_str(), [line](benchmark::State& s) { draw(s, line.scene, line.bodies, line.what[0], line.threads); })
+        ->Unit(benchmark::kMillisecond)
+        ->MeasureProcessCPUTime();
   }
 }
 

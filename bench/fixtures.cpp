@@ -22,8 +22,8 @@ Placement scene_placement(const char* scene, std::uint32_t n) {
   const auto made = make_builtin(scene, n, 1, error);
   auto placed = made ? place_group(made->groups.front(), error) : std::nullopt;
   if (!placed) throw std::runtime_error(error);
-  Placement p{std::move(placed->x), std::move(placed->y), std::move(placed->vx),
-              std::move(placed->vy), made->world.bounds};
+  Placement p{std::move(placed->x), std::move(placed->y), std::move(placed->vx), std::move(placed->vy),
+              made->world.bounds};
   p.vx.resize(p.x.size());
   p.vy.resize(p.x.size());
   return p;
@@ -33,7 +33,7 @@ Discs::Discs(const Placement& p, std::uint32_t spare) : lattice(p.bounds, false)
   const std::size_t total = kernels::round_up_block(kernels::round_up_block(count) + spare);
   for (Column<std::int32_t>* c : {&pos, &built}) c->reserve(2 * total);
   for (Column<float>* c : {&vel, &vel0, &disp}) c->reserve(2 * total);
-  for (Column<float>* c : {&radius, &reach, &spin, &spin0, &event_time}) c->reserve(total);
+  for (Column<float>* c : {&radius, &reach, &rim_speed, &rim_speed0, &event_time}) c->reserve(total);
   linked.reserve(total);
   for (std::uint32_t i = 0; i < count; ++i) {
     const LatticePoint at = lattice.to_lattice({p.x[i], p.y[i]});
@@ -59,8 +59,8 @@ kernels::BodyView Discs::view() {
   v.vel = vel.data();
   v.vel0 = vel0.data();
   v.disp = disp.data();
-  v.spin = spin.data();
-  v.spin0 = spin0.data();
+  v.rim_speed = rim_speed.data();
+  v.rim_speed0 = rim_speed0.data();
   v.event_time = event_time.data();
   v.linked = linked.data();
   return v;

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "column.h"
-#include "lattice.h"
+#include "base/column.h"
+#include "base/lattice.h"
 #include "psim/types.h"
 #include "views.h"
 
@@ -41,7 +41,7 @@ struct Discs {
   Column<std::int32_t> pos{meter}, built{meter};
   Column<float> vel{meter}, vel0{meter}, disp{meter};
   Column<float> radius{meter}, reach{meter};
-  Column<float> spin{meter}, spin0{meter}, event_time{meter};
+  Column<float> rim_speed{meter}, rim_speed0{meter}, event_time{meter};
   Column<std::uint8_t> linked{meter};
 };
 

@@ -52,8 +52,7 @@ constexpr FrameScene kScenes[] = {
 };
 
 // Two squares of discs in an open world, half of the area of each free, up to 3 m/s an axis.
-std::unique_ptr<World> two_clouds(std::uint64_t bodies, Vec2 apart, RunOptions options,
-                                  std::string& error) {
+std::unique_ptr<World> two_clouds(std::uint64_t bodies, Vec2 apart, RunOptions options, std::string& error) {
   WorldDesc desc;
   desc.bounds = {-2e5, -2e5, 2e5, 2e5};
   desc.boundary = Boundary::open;
@@ -85,8 +84,7 @@ std::unique_ptr<World> two_clouds(std::uint64_t bodies, Vec2 apart, RunOptions o
   return world;
 }
 
-std::unique_ptr<World> warm_world(const FrameScene& scene, Isa isa, int threads,
-                                  std::string& error) {
+std::unique_ptr<World> warm_world(const FrameScene& scene, Isa isa, int threads, std::string& error) {
   std::unique_ptr<World> world;
   if (scene.builtin == nullptr) {
     world = two_clouds(scene.bodies, scene.apart, {isa, threads}, error);
@@ -99,9 +97,7 @@ std::unique_ptr<World> warm_world(const FrameScene& scene, Isa isa, int threads,
   return world;
 }
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 // Seconds a frame with scalar kernels: from the scalar row if it ran before, else measured here.
 double& scalar_frame(const FrameScene& scene, int threads) {
@@ -137,8 +133,7 @@ void run_frames(benchmark::State& state, const FrameScene& scene, Isa isa, int t
   const double frame_s = seconds_since(begin) / static_cast<double>(state.iterations());
   if (isa == Isa::scalar) scalar = frame_s;
   const auto bodies = static_cast<double>(scene.bodies);
-  state.SetItemsProcessed(static_cast<std::int64_t>(scene.bodies) *
-                          static_cast<std::int64_t>(state.iterations()));
+  state.SetItemsProcessed(static_cast<std::int64_t>(scene.bodies) * static_cast<std::int64_t>(state.iterations()));
   state.counters["ns_per_element"] = 1e9 * frame_s / bodies;
   state.counters["contacts"] = contacts / static_cast<double>(state.iterations());
   if (scene.all_isas) state.counters["speedup_vs_scalar"] = scalar / frame_s;
@@ -150,12 +145,11 @@ void register_frames() {
   for (const FrameScene& scene : kScenes) {
     for (const int threads : {1, 2}) {
       for (const Isa isa : kAllIsas) {
-        if (!scene.all_isas && isa != Isa::avx2) continue;
-        const std::string name = std::string("Frame/") + scene.name + "/" +
-                                 std::string(isa_name(isa)) + "/" + std::to_string(threads);
-        benchmark::RegisterBenchmark(
-            name.c_str(),
-            [scene, isa, threads](benchmark::State& s) { run_frames(s, scene, isa, threads); })
+        if (!scene.all_isas && isa != best_isa()) continue;
+        const std::string name =
+            std::string("Frame/") + scene.name + "/" + std::string(isa_name(isa)) + "/" + std::to_string(threads);
+        benchmark::RegisterBenchmark(name.c_str(),
+                                     [scene, isa, threads](benchmark::State& s) { run_frames(s, scene, isa, threads); })
             ->Unit(benchmark::kMillisecond)
             ->UseRealTime()
             ->Iterations(scene.frames);

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "kernel_select.h"
+#include "base/kernel_select.h"
 
 namespace psim::bench {
 namespace {
@@ -19,9 +19,7 @@ std::uint32_t columns_of(std::uint32_t n) {
 }
 
 // Bodies a strip, as in the broad phase.
-std::uint32_t strip_bodies(std::uint32_t n) {
-  return std::clamp<std::uint32_t>(n / 192, 128, 1024);
-}
+std::uint32_t strip_bodies(std::uint32_t n) { return std::clamp<std::uint32_t>(n / 192, 128, 1024); }
 
 Placement hexagonal(std::uint32_t n, double spacing, double speed) {
   const double row_height = spacing * std::sqrt(0.75);
@@ -51,13 +49,11 @@ HexPile::HexPile(std::uint32_t n, double spacing, double speed)
     contact_count += static_cast<std::uint32_t>(strips.back().size());
   }
   lay_out(strips);
-  kernels_of(Isa::scalar)
-      .prepare(view(), contacts(), contact_params(lattice), 0, blocks_of_contacts);
+  kernels_of(Isa::scalar).prepare(view(), contacts(), contact_params(lattice), 0, blocks_of_contacts);
 }
 
 // Every pair once, from the lower body: the one to the right, the two above.
-std::vector<HexPile::Pair> HexPile::pairs_of_rows(std::uint32_t row_begin,
-                                                  std::uint32_t row_end) const {
+std::vector<HexPile::Pair> HexPile::pairs_of_rows(std::uint32_t row_begin, std::uint32_t row_end) const {
   std::vector<Pair> pairs;
   for (std::uint32_t row = row_begin; row < row_end; ++row) {
     for (std::uint32_t column = 0; column < columns_; ++column) {
@@ -79,8 +75,8 @@ std::vector<HexPile::Pair> HexPile::pairs_of_rows(std::uint32_t row_begin,
 void HexPile::lay_out(const std::vector<std::vector<Pair>>& strips) {
   const std::size_t most = contact_count + strips.size() * kMostColours * kBlock;
   body.reserve(2 * most);
-  for (Column<float>* c : {&nx, &ny, &gap, &impulse, &rsum, &mass, &wa, &wb, &mu, &friction, &tmass,
-                           &qa, &qb, &e, &impact, &start}) {
+  for (Column<float>* c :
+       {&nx, &ny, &gap, &impulse, &rsum, &mass, &wa, &wb, &mu, &friction, &tmass, &qa, &qb, &e, &impact, &start}) {
     c->reserve(most);
   }
   std::vector<std::uint32_t> used(count);  // colours of a body's contacts, in the present strip

@@ -23,9 +23,8 @@ struct HexPile : Discs {
   std::uint32_t blocks_of_contacts = 0;
   // By lane; neutral in padding.
   Column<std::uint32_t> body{meter};
-  Column<float> nx{meter}, ny{meter}, gap{meter}, impulse{meter}, rsum{meter}, mass{meter},
-      wa{meter}, wb{meter}, mu{meter}, friction{meter}, tmass{meter}, qa{meter}, qb{meter},
-      e{meter}, impact{meter}, start{meter};
+  Column<float> nx{meter}, ny{meter}, gap{meter}, impulse{meter}, rsum{meter}, mass{meter}, wa{meter}, wb{meter},
+      mu{meter}, friction{meter}, tmass{meter}, qa{meter}, qb{meter}, e{meter}, impact{meter}, start{meter};
 
  private:
   struct Pair {

@@ -19,12 +19,10 @@ using kernels::Model;
 
 // Passes between restarts: some hundred microseconds at least, so that stopping the clock does not
 // show, and few enough for values to stay far from zero.
-int passes_for(std::uint32_t size) {
-  return size <= 1'000 ? 64 : size <= 10'000 ? 32 : size <= 100'000 ? 8 : 2;
-}
+int passes_for(std::uint32_t size) { return size <= 1'000 ? 64 : size <= 10'000 ? 32 : size <= 100'000 ? 8 : 2; }
 
-using ContactPass = void (*)(const KernelTable& k, const BodyView& b, const ContactView& c,
-                             const ContactParams& p, std::uint32_t blocks);
+using ContactPass = void (*)(const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
+                             std::uint32_t blocks);
 
 struct ContactEntry {
   const char* name;
@@ -39,27 +37,33 @@ constexpr auto kRough = static_cast<std::size_t>(Model::rough);
 constexpr ContactEntry kContacts[] = {
     // n and gap written; places, radii read.
     {"NarrowPhase", false, 8 + 16 + 4 + 12,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.prepare(b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.prepare(b, c, p, 0, blocks);
+     }},
     // n; impulse and velocities twice.
     {"WarmStart", false, 8 + 8 + 8 + 32,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.warm[kPlain](b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.warm[kPlain](b, c, p, 0, blocks);
+     }},
     // n, gap, offsets; impulse and velocities twice.
     {"SolveContacts", false, 8 + 12 + 16 + 8 + 32,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.solve[kPlain][0](b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.solve[kPlain][0](b, c, p, 0, blocks);
+     }},
     {"RelaxContacts", false, 8 + 8 + 8 + 32,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.relax[kPlain][0](b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.relax[kPlain][0](b, c, p, 0, blocks);
+     }},
     // And three masses.
     {"SolveRough", true, 8 + 12 + 16 + 8 + 32 + 12,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.solve[kRough][0](b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.solve[kRough][0](b, c, p, 0, blocks);
+     }},
     // And three masses, mu, tmass, two q; friction impulse and two spins twice.
     {"RelaxRough", true, 8 + 8 + 8 + 32 + 12 + 16 + 8 + 16,
-     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p,
-        std::uint32_t blocks) { k.relax[kRough][0](b, c, p, 0, blocks); }},
+     [](const KernelTable& k, const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t blocks) {
+       k.relax[kRough][0](b, c, p, 0, blocks);
+     }},
 };
 
 // Discs in touch: neighbours overlap by a thousandth of a diameter.
@@ -79,9 +83,9 @@ class Contacts : public Workload {
     start_.keep(pile_.impulse, pile_.lanes());
     if (entry.rough) {
       for (std::uint32_t i = 0; i < n; ++i) {
-        pile_.spin[i] = static_cast<float>(random.uniform(-0.01, 0.01));
+        pile_.rim_speed[i] = static_cast<float>(random.uniform(-0.01, 0.01));
       }
-      start_.keep(pile_.spin, n);
+      start_.keep(pile_.rim_speed, n);
       start_.keep(pile_.friction, pile_.lanes());
     }
     elements = pile_.contact_count;
@@ -89,9 +93,7 @@ class Contacts : public Workload {
     passes_a_start = passes_for(n);
   }
 
-  void pass(const KernelTable& k) override {
-    pass_(k, bodies_, contacts_, params_, pile_.blocks_of_contacts);
-  }
+  void pass(const KernelTable& k) override { pass_(k, bodies_, contacts_, params_, pile_.blocks_of_contacts); }
   void restart() override { start_.restore(); }
 
  private:
@@ -140,9 +142,9 @@ class ImpactSweep : public Workload {
 };
 
 // `size` discs in a row on a flat floor, one contact each.
-class Singles : public Workload {
+class Statics : public Workload {
  public:
-  explicit Singles(std::uint32_t n)
+  explicit Statics(std::uint32_t n)
       : discs_(row(n)), params_(contact_params(discs_.lattice)), blocks_(discs_.blocks()) {
     const std::size_t lanes = std::size_t{blocks_} * kernels::kBlock;
     body_.reserve(lanes);
@@ -169,9 +171,7 @@ class Singles : public Workload {
     passes_a_start = 2 * passes_for(n);
   }
 
-  void pass(const KernelTable& k) override {
-    k.solve_single[kPlain][0](bodies_, view_, params_, 0, blocks_);
-  }
+  void pass(const KernelTable& k) override { k.solve_static[kPlain][0](bodies_, view_, params_, 0, blocks_); }
   void restart() override { start_.restore(); }
 
  private:
@@ -192,10 +192,10 @@ class Singles : public Workload {
   ContactParams params_;
   std::uint32_t blocks_;
   Column<std::uint32_t> body_{discs_.meter};
-  Column<float> nx_{discs_.meter}, ny_{discs_.meter}, gap_{discs_.meter}, zero_{discs_.meter},
-      refresh_{discs_.meter}, impulse_{discs_.meter};
+  Column<float> nx_{discs_.meter}, ny_{discs_.meter}, gap_{discs_.meter}, zero_{discs_.meter}, refresh_{discs_.meter},
+      impulse_{discs_.meter};
   BodyView bodies_;
-  kernels::SingleView view_;
+  kernels::StaticContactView view_;
   Saved start_;
 };
 
@@ -206,7 +206,7 @@ void register_contact_kernels() {
     register_kernel(e.name, [e](std::uint32_t n) { return std::make_unique<Contacts>(n, e); });
   }
   register_kernel("ImpactSweep", [](std::uint32_t n) { return std::make_unique<ImpactSweep>(n); });
-  register_kernel("SolveSingles", [](std::uint32_t n) { return std::make_unique<Singles>(n); });
+  register_kernel("SolveSingles", [](std::uint32_t n) { return std::make_unique<Statics>(n); });
 }
 
 }  // namespace psim::bench

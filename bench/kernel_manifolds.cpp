@@ -20,9 +20,7 @@ using kernels::ManifoldBlock;
 constexpr std::uint32_t kRow = 64;
 constexpr float kReach = 0.70710678f;  // m, of a unit box
 
-int passes_for(std::uint32_t size) {
-  return size <= 1'000 ? 64 : size <= 10'000 ? 32 : size <= 100'000 ? 8 : 2;
-}
+int passes_for(std::uint32_t size) { return size <= 1'000 ? 64 : size <= 10'000 ? 32 : size <= 100'000 ? 8 : 2; }
 
 Placement boxes(std::uint32_t n) {
   Random random(1);
@@ -44,7 +42,7 @@ class Manifolds : public Workload {
       : bodies_(boxes(n), 2 * kBlock), relax_(relax), params_(contact_params(bodies_.lattice)) {
     turn_.reserve(2 * (std::size_t{n} + 4 * kBlock));
     view_ = bodies_.view();
-    view_.turn = turn_.data();
+    view_.arm_change = turn_.data();
     // A box above and to the left or right, of even or odd rows: four colours, by halves of a row.
     for (std::uint32_t colour = 0; colour < 4; ++colour) {
       for (std::uint32_t i = 0; i + kRow < n; ++i) {
@@ -60,11 +58,10 @@ class Manifolds : public Workload {
     }
     for (ManifoldBlock& block : blocks_) saved_.push_back(block);
     start_.keep(bodies_.vel, 2 * std::size_t{n});
-    start_.keep(bodies_.spin, n);
+    start_.keep(bodies_.rim_speed, n);
     // A block's floats and slots read; impulses and, in the relax pass, friction written; motion of
     // two bodies read and written.
-    bytes = static_cast<double>(sizeof(ManifoldBlock)) / kBlock + (relax ? 16 : 8) + 2 * 2 * 12 +
-            (relax ? 0 : 32);
+    bytes = static_cast<double>(sizeof(ManifoldBlock)) / kBlock + (relax ? 16 : 8) + 2 * 2 * 12 + (relax ? 0 : 32);
     passes_a_start = passes_for(n);
   }
 
@@ -139,10 +136,8 @@ class Manifolds : public Workload {
 }  // namespace
 
 void register_manifold_kernels() {
-  register_kernel("SolveManifolds",
-                  [](std::uint32_t n) { return std::make_unique<Manifolds>(n, false); });
-  register_kernel("RelaxManifolds",
-                  [](std::uint32_t n) { return std::make_unique<Manifolds>(n, true); });
+  register_kernel("SolveManifolds", [](std::uint32_t n) { return std::make_unique<Manifolds>(n, false); });
+  register_kernel("RelaxManifolds", [](std::uint32_t n) { return std::make_unique<Manifolds>(n, true); });
 }
 
 }  // namespace psim::bench

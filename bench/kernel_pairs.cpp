@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/kernel_select.h"
 #include "fixtures.h"
-#include "kernel_select.h"
 #include "workload.h"
 
 namespace psim::bench {
@@ -33,8 +33,8 @@ class PairSearch : public Workload {
  public:
   PairSearch(const Margin& margin, std::uint32_t n) : discs_(scene_placement(margin.scene, n)) {
     const KernelTable& k = kernels_of(Isa::scalar);
-    const float most = k.reaches(discs_.view(), discs_.radius.data(), {margin.skin, margin.time},
-                                 discs_.reach.data(), 0, discs_.blocks());
+    const float most = k.reaches(discs_.view(), discs_.radius.data(), {margin.skin, margin.time}, discs_.reach.data(),
+                                 0, discs_.blocks());
     choose_grid(k, most);
     sort_by_cell(k);
     first_.reserve(std::size_t{n} + 1);
@@ -104,8 +104,7 @@ class PairSearch : public Workload {
     k.cell_keys(discs_.pos.data(), grid_, key_.data(), 0, discs_.blocks());
     std::vector<std::uint32_t> order(n), keys(key_.data(), key_.data() + n);
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
     const std::vector<std::int32_t> pos(discs_.pos.data(), discs_.pos.data() + 2 * std::size_t{n});
     const std::vector<float> vel(discs_.vel.data(), discs_.vel.data() + 2 * std::size_t{n});
     const std::vector<float> reach(discs_.reach.data(), discs_.reach.data() + n);
@@ -161,9 +160,7 @@ class SelectPairs : public PairSearch {
     bytes = 8 + 2 * (8 + 8 + 4) + 8.0 * chosen_ / pairs_;
   }
 
-  void pass(const KernelTable& k) override {
-    chosen_ = k.select_pairs(discs_.view(), selection_, 0, pairs_);
-  }
+  void pass(const KernelTable& k) override { chosen_ = k.select_pairs(discs_.view(), selection_, 0, pairs_); }
 
  private:
   Column<std::uint32_t> out_owner_{discs_.meter}, out_other_{discs_.meter};
@@ -174,10 +171,8 @@ class SelectPairs : public PairSearch {
 }  // namespace
 
 void register_pair_kernels() {
-  register_kernel("PairSearch",
-                  [](std::uint32_t n) { return std::make_unique<PairSearch>(kPile, n); });
-  register_kernel("PairSearchGas",
-                  [](std::uint32_t n) { return std::make_unique<PairSearch>(kGas, n); });
+  register_kernel("PairSearch", [](std::uint32_t n) { return std::make_unique<PairSearch>(kPile, n); });
+  register_kernel("PairSearchGas", [](std::uint32_t n) { return std::make_unique<PairSearch>(kGas, n); });
   register_kernel("SelectPairs", [](std::uint32_t n) { return std::make_unique<SelectPairs>(n); });
 }
 

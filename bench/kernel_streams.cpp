@@ -25,15 +25,15 @@ struct StreamState : Discs {
     params.kick_x = 0.01f;
     params.kick_y = -0.04f;
     params.smooth_limit2 = 1;
-    for (Column<float>* c : {&acc, &vel_rest, &disp_rest, &bend}) {
+    for (Column<float>* c : {&acc, &vel_remainder, &disp_remainder, &bend}) {
       c->reserve(2 * kernels::round_up_block(n));
     }
     bodies = view();
     in_field = bodies;
     in_field.acc = acc.data();
-    in_field.vel_rest = vel_rest.data();
-    in_field.disp_rest = disp_rest.data();
-    in_field.bend = bend.data();
+    in_field.vel_remainder = vel_remainder.data();
+    in_field.disp_remainder = disp_remainder.data();
+    in_field.drift_correction = bend.data();
     well.strength = 1e-3;  // velocities hardly change
     well.softening2 = 1;
     well.range2 = 1e30;
@@ -54,7 +54,7 @@ struct StreamState : Discs {
   StreamParams params;
   std::uint32_t block_end;
   Column<std::uint32_t> keys{meter};
-  Column<float> acc{meter}, vel_rest{meter}, disp_rest{meter}, bend{meter};
+  Column<float> acc{meter}, vel_remainder{meter}, disp_remainder{meter}, bend{meter};
   BodyView bodies, in_field;
   kernels::WellTerms well;
   kernels::FieldParams field;
@@ -70,8 +70,7 @@ void advance(StreamState& s, const KernelTable& k) {
 
 class Stream : public Workload {
  public:
-  Stream(std::uint32_t n, std::uint8_t linked, double bytes_a_body, StreamPass pass)
-      : state_(n, linked), pass_(pass) {
+  Stream(std::uint32_t n, std::uint8_t linked, double bytes_a_body, StreamPass pass) : state_(n, linked), pass_(pass) {
     elements = n;
     bytes = bytes_a_body;
   }
@@ -98,30 +97,20 @@ constexpr Entry kStreams[] = {
        sink = k.integrate(s.bodies, s.params, 0, s.block_end) ? 1.0f : 0.0f;
      }},
     {"Kick", 0xFF, 9 + 16,
-     [](StreamState& s, const KernelTable& k) {
-       k.kick_first(s.bodies, s.params, 0, s.block_end);
-     }},
+     [](StreamState& s, const KernelTable& k) { k.kick_first(s.bodies, s.params, 0, s.block_end); }},
     {"KickAgain", 0xFF, 17 + 16,
-     [](StreamState& s, const KernelTable& k) {
-       k.kick_again(s.bodies, s.params, 0, s.block_end);
-     }},
-    {"Drift", 0xFF, 25 + 8,
-     [](StreamState& s, const KernelTable& k) { k.drift(s.bodies, s.params, 0, s.block_end); }},
+     [](StreamState& s, const KernelTable& k) { k.kick_again(s.bodies, s.params, 0, s.block_end); }},
+    {"Drift", 0xFF, 25 + 8, [](StreamState& s, const KernelTable& k) { k.drift(s.bodies, s.params, 0, s.block_end); }},
     {"Accelerate", 0xFF, 25 + 8,  // one well of exponent 2, as the next four
-     [](StreamState& s, const KernelTable& k) {
-       k.accelerate[0](s.in_field, s.field, 0, s.block_end);
-     }},
+     [](StreamState& s, const KernelTable& k) { k.accelerate[0](s.in_field, s.field, 0, s.block_end); }},
     {"AdvanceEuler", 0xFF, 41 + 40, advance<kernels::Method::euler>},
     {"AdvanceRk4", 0xFF, 41 + 40, advance<kernels::Method::rk4>},
     {"AdvanceSymplectic4", 0xFF, 41 + 40, advance<kernels::Method::symplectic4>},
     {"DriftBent", 0xFF, 49 + 16,
-     [](StreamState& s, const KernelTable& k) {
-       k.drift_bent(s.in_field, s.field, 0, s.block_end);
-     }},
+     [](StreamState& s, const KernelTable& k) { k.drift_bent(s.in_field, s.field, 0, s.block_end); }},
     {"ListAge", 0, 32,
      [](StreamState& s, const KernelTable& k) {
-       sink = k.list_age(s.bodies, s.built.data(), s.radius.data(), s.reach.data(), s.params, 0.02f,
-                         0, s.block_end);
+       sink = k.list_age(s.bodies, s.built.data(), s.radius.data(), s.reach.data(), s.params, 0.02f, 0, s.block_end);
      }},
     {"Reaches", 0, 12 + 4,
      [](StreamState& s, const KernelTable& k) {
@@ -134,18 +123,14 @@ constexpr Entry kStreams[] = {
        sink = static_cast<float>(low_high[0]);
      }},
     {"CellKeys", 0, 8 + 4,
-     [](StreamState& s, const KernelTable& k) {
-       k.cell_keys(s.pos.data(), s.grid, s.keys.data(), 0, s.block_end);
-     }},
+     [](StreamState& s, const KernelTable& k) { k.cell_keys(s.pos.data(), s.grid, s.keys.data(), 0, s.block_end); }},
 };
 
 }  // namespace
 
 void register_stream_kernels() {
   for (const Entry& e : kStreams) {
-    register_kernel(e.name, [e](std::uint32_t n) {
-      return std::make_unique<Stream>(n, e.linked, e.bytes, e.pass);
-    });
+    register_kernel(e.name, [e](std::uint32_t n) { return std::make_unique<Stream>(n, e.linked, e.bytes, e.pass); });
   }
 }
 

@@ -5,18 +5,18 @@
 //   bench --benchmark_filter=Frame/pile          whole frames of one scene
 // Everything takes some minutes. All options: bench --help.
 #include <benchmark/benchmark.h>
-#include <xmmintrin.h>
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/float_settings.h"
 #include "psim/isa.h"
 #include "psim/version.h"
 #include "workload.h"
 
 int main(int argc, char** argv) {
-  _mm_setcsr(0x9FC0);  // as in a step: velocities that a kernel damps over and over become 0, not denormal
+  const psim::FloatSettings settings;  // velocities that a kernel damps over and over become 0, not denormal
   // Half a second a line, the library's default, would make it a quarter of an hour.
   std::string min_time = "--benchmark_min_time=0.1";
   std::vector<char*> args(argv, argv + argc);

@@ -29,8 +29,9 @@ struct Moment {
   int frames;
   double asleep;  // the share that sleeps then, or earlier; 0: nobody may
 };
-constexpr Moment kMoments[] = {{"falling", 20, 0},    {"landing", 250, 0},  {"landed", 400, 0},         {"settling", 700, 0},
-                               {"at_rest", 1500, 0}, {"half_asleep", 5000, 0.5}, {"asleep", 5000, 1}};
+constexpr Moment kMoments[] = {{"falling", 20, 0},   {"landing", 250, 0},  {"landed", 400, 0},
+                               {"settling", 700, 0}, {"at_rest", 1500, 0}, {"half_asleep", 5000, 0.5},
+                               {"asleep", 5000, 1}};
 
 // The pile then, made once a process. Null, with `error`, if it cannot be made.
 World* pile_at(const Moment& moment, int threads, std::string& error) {
@@ -95,12 +96,11 @@ void register_states() {
   for (const bool restoring : {false, true}) {
     for (const Moment& moment : kMoments) {
       for (const int threads : {1, 2}) {
-        const std::string name = std::string(restoring ? "Restore/" : "Save/") + moment.name + "/" +
-                                 std::to_string(threads);
-        benchmark::RegisterBenchmark(name.c_str(),
-                                     [&moment, threads, restoring](benchmark::State& s) {
-                                       run_state(s, moment, threads, restoring);
-                                     })
+        const std::string name =
+            std::string(restoring ? "Restore/" : "Save/") + moment.name + "/" + std::to_string(threads);
+        benchmark::RegisterBenchmark(
+            name.c_str(),
+            [&moment, threads, restoring](benchmark::State& s) { run_state(s, moment, threads, restoring); })
             ->Unit(benchmark::kMillisecond)
             ->UseRealTime();
       }

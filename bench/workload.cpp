@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "kernel_select.h"
+#include "base/kernel_select.h"
 #include "psim/isa.h"
 
 namespace psim::bench {
@@ -116,8 +116,7 @@ void register_kernel(const std::string& name, const MakeWorkload& make) {
   for (const std::uint32_t size : kSizes) {
     for (const Isa isa : kAllIsas) {
       const std::string full = name + "/" + std::string(isa_name(isa)) + "/" + std::to_string(size);
-      benchmark::RegisterBenchmark(full.c_str(), [key = Key(name, size), make,
-                                                  isa](benchmark::State& s) {
+      benchmark::RegisterBenchmark(full.c_str(), [key = Key(name, size), make, isa](benchmark::State& s) {
         run(s, key, make, isa);
       })->Unit(benchmark::kMicrosecond);
     }

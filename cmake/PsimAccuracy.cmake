@@ -5,12 +5,12 @@ file(GLOB _accuracy_sources CONFIGURE_DEPENDS bench/accuracy/*.cpp)
 list(FILTER _accuracy_sources EXCLUDE REGEX "/(main|engine_(box2d24|box2d3|chipmunk))\\.cpp$")
 add_library(psim_accuracy STATIC ${_accuracy_sources})
 psim_target_defaults(psim_accuracy)
-target_include_directories(psim_accuracy PUBLIC bench/accuracy tests/reference PRIVATE src/scene)
-target_link_libraries(psim_accuracy PUBLIC psim_scene)
+target_include_directories(psim_accuracy PUBLIC bench/accuracy PRIVATE src/scene)
+target_link_libraries(psim_accuracy PUBLIC psim_scene psim_reference)
 
-add_executable(accuracy bench/accuracy/main.cpp src/psim/atomic_file.cpp src/psim/text.cpp)
+add_executable(accuracy bench/accuracy/main.cpp)
 psim_target_defaults(accuracy)
-target_link_libraries(accuracy PRIVATE psim_accuracy CLI11::CLI11 fmt::fmt)
+target_link_libraries(accuracy PRIVATE psim_accuracy psim_parts)
 # Where --calibrate writes, and what psim is built with.
 target_compile_definitions(accuracy PRIVATE
   "PSIM_CALIBRATION_FILE=\"${PROJECT_SOURCE_DIR}/docs/data/calibration.csv\"")

@@ -3,13 +3,10 @@
 # docs/hardening.md says how to run them.
 file(GLOB _fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cpp)
 list(FILTER _fuzz_sources EXCLUDE REGEX "/libfuzzer_main\\.cpp$")
-foreach(_part state_file state_comparison details csv atomic_file text)
-  list(APPEND _fuzz_sources src/psim/${_part}.cpp)
-endforeach()
 add_library(psim_fuzz_inputs STATIC EXCLUDE_FROM_ALL ${_fuzz_sources})
 psim_target_defaults(psim_fuzz_inputs)
-target_include_directories(psim_fuzz_inputs PUBLIC tests/fuzz PRIVATE src/psim)
-target_link_libraries(psim_fuzz_inputs PUBLIC psim_scene PRIVATE fmt::fmt)
+target_include_directories(psim_fuzz_inputs PUBLIC tests/fuzz)
+target_link_libraries(psim_fuzz_inputs PUBLIC psim_scene PRIVATE psim_parts)
 
 if(PSIM_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang" OR NOT PSIM_SANITIZE MATCHES "fuzzer-no-link")

@@ -31,7 +31,10 @@ install(FILES "${PROJECT_BINARY_DIR}/psimConfig.cmake" "${PROJECT_BINARY_DIR}/ps
 # pkg-config --libs links libpsim.so, pkg-config --static --libs names what libpsim.a needs. Where
 # there is only libpsim.a everybody needs it. The file finds its prefix from its own place, so that
 # an installation may be moved.
-set(_static_libs "-lcpu_features -lstdc++ -lm -pthread")
+set(_static_libs "-lstdc++ -lm -pthread")
+if(NOT PSIM_PORTABLE)
+  string(PREPEND _static_libs "-lcpu_features ")
+endif()
 if(TARGET psim_shared)
   set(PSIM_PC_LIBS "")
   set(PSIM_PC_LIBS_PRIVATE "${_static_libs}")

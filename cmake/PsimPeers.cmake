@@ -5,13 +5,12 @@ file(GLOB _peers_sources CONFIGURE_DEPENDS bench/peers/*.cpp)
 list(FILTER _peers_sources EXCLUDE REGEX "/(main|engine_[a-z]+)\\.cpp$")
 add_library(psim_peers STATIC ${_peers_sources})
 psim_target_defaults(psim_peers)
-target_include_directories(psim_peers PUBLIC bench/peers)
+target_include_directories(psim_peers PUBLIC bench/peers PRIVATE tests)
 target_link_libraries(psim_peers PUBLIC psim_accuracy)
 
-add_executable(peers bench/peers/main.cpp src/psim/atomic_file.cpp src/psim/text.cpp)
+add_executable(peers bench/peers/main.cpp)
 psim_target_defaults(peers)
-target_include_directories(peers PRIVATE src/psim)
-target_link_libraries(peers PRIVATE psim_peers CLI11::CLI11 fmt::fmt)
+target_link_libraries(peers PRIVATE psim_peers psim_parts)
 target_compile_definitions(peers PRIVATE
   "PSIM_PEERS_PLOT=\"${PROJECT_SOURCE_DIR}/tools/plot-peers\"")
 

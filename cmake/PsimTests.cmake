@@ -1,15 +1,7 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
 # Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
-# SlowStress), `install`, `docs`, `asm`, `accuracy`, `peers`, `view`.
+# SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
-
-# The oracles stand alone: they must not see the code that they judge.
-file(GLOB _reference_sources CONFIGURE_DEPENDS tests/reference/*.cpp)
-if(_reference_sources)
-  add_library(psim_reference STATIC ${_reference_sources})
-  psim_target_defaults(psim_reference)
-  target_include_directories(psim_reference PUBLIC tests/reference)
-endif()
 
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*_test.cpp)
 if(_test_sources AND TARGET psim_scene)
@@ -21,9 +13,8 @@ if(_test_sources AND TARGET psim_scene)
   endif()
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
-  target_include_directories(psim_tests PRIVATE tests tests/reference src/kernels src/core src/scene)
-  target_link_libraries(psim_tests PRIVATE psim_scene psim_fuzz_inputs nlohmann_json::nlohmann_json
-                                           Isal::Isal PNG::PNG ZLIB::ZLIB
+  target_include_directories(psim_tests PRIVATE tests src/kernels src/core src/scene)
+  target_link_libraries(psim_tests PRIVATE psim_parts psim_reference psim_fuzz_inputs PNG::PNG ZLIB::ZLIB
                                            GTest::gtest GTest::gtest_main)
   # A quarter to a half of the time of compilation; what is tested keeps the preset's optimisation.
   if(PSIM_SANITIZE)
@@ -36,9 +27,6 @@ if(_test_sources AND TARGET psim_scene)
     if(PSIM_PRECOMPILE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # false alarms in + of strings, only with these
       target_compile_options(psim_tests PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
     endif()
-  endif()
-  if(TARGET psim_reference)
-    target_link_libraries(psim_tests PRIVATE psim_reference)
   endif()
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
   target_compile_definitions(psim_tests PRIVATE
@@ -59,11 +47,6 @@ if(_test_sources AND TARGET psim_scene)
     list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
   endforeach()
   target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
-  # What draws: the program's own sources.
-  foreach(_part atomic_file band canvas coverage film_clock moment outline painter picture_view png_write
-                scene_shapes)
-    target_sources(psim_tests PRIVATE src/psim/${_part}.cpp)
-  endforeach()
   target_include_directories(psim_tests PRIVATE bench/accuracy)
 
   # `ctest -L` and `-LE` take regular expressions: `slow-stress` is found by `slow` and by `stress`.
@@ -80,6 +63,37 @@ if(_test_sources AND TARGET psim_scene)
   psim_suites(psim_slow_tests "Slow*:*/Slow*-SlowStress*" 1800 slow)
   psim_suites(psim_stress_tests "Stress*" 600 stress)
   psim_suites(psim_slow_stress_tests "SlowStress*" 1800 slow-stress)
+endif()
+
+# The worker pool alone: small, so that the thread sanitizer's build of it takes seconds.
+add_executable(psim_pool_tests tests/pool/worker_pool_test.cpp src/core/base/worker_pool.cpp
+               src/core/base/machine.cpp)
+psim_target_defaults(psim_pool_tests)
+target_include_directories(psim_pool_tests PRIVATE include src/core src/kernels)
+target_link_libraries(psim_pool_tests PRIVATE GTest::gtest GTest::gtest_main Threads::Threads
+                      CpuFeatures::cpu_features)
+gtest_discover_tests(psim_pool_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+
+# The table of a step's parts in docs/step.md is the one that the step runs by.
+add_executable(step-table tests/step_table/main.cpp)
+psim_target_defaults(step-table)
+target_include_directories(step-table PRIVATE src/kernels src/core)
+target_link_libraries(step-table PRIVATE psim_core)
+add_test(NAME StepTableIsCurrent COMMAND step-table check "${PROJECT_SOURCE_DIR}/docs/step.md")
+set_tests_properties(StepTableIsCurrent PROPERTIES LABELS docs TIMEOUT 60)
+
+# State hashes of the built-in scenes, frame by frame, on every ISA and thread count.
+if(TARGET psim_scene)
+  add_executable(golden tests/golden/main.cpp)
+  psim_target_defaults(golden)
+  target_link_libraries(golden PRIVATE psim_scene)
+  foreach(_isa scalar sse avx2)
+    foreach(_threads 1 2 3)
+      add_test(NAME Golden.${_isa}.${_threads}
+        COMMAND golden check "${PROJECT_SOURCE_DIR}/tests/golden/small.csv" --isa ${_isa} --threads ${_threads})
+      set_tests_properties(Golden.${_isa}.${_threads} PROPERTIES LABELS golden TIMEOUT 600)
+    endforeach()
+  endforeach()
 endif()
 
 # An hour of game time in a world that changes; by hand, no test of ctest (docs/hardening.md).
@@ -138,6 +152,12 @@ endif()
 add_test(NAME CApiInC99 COMMAND psim_c99)
 set_tests_properties(CApiInC99 PROPERTIES TIMEOUT 60)
 
+# The public headers, as a host with many warnings compiles them: each alone, by every compiler at hand.
+add_test(NAME PublicHeadersAreSilent
+  COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/install/check_headers.py" "${PROJECT_SOURCE_DIR}/include"
+          "${CMAKE_C_COMPILER}" "${CMAKE_CXX_COMPILER}" gcc g++ clang clang++)
+set_tests_properties(PublicHeadersAreSilent PROPERTIES LABELS install TIMEOUT 300)
+
 # What the compiler made of the kernels, and what an installation is good for. Neither means
 # anything in a sanitizer build.
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
@@ -178,6 +198,23 @@ if(Python3_FOUND)
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/scene-reference" --check)
   set_tests_properties(SceneReferenceIsCurrent PROPERTIES LABELS docs TIMEOUT 60)
 endif()
+
+# Who includes whom, sizes of files and folders, and the layout of the code. Label `rooms`.
+if(Python3_FOUND)
+  add_test(NAME Rooms COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/rooms" --quiet)
+  set_tests_properties(Rooms PROPERTIES LABELS rooms TIMEOUT 60)
+endif()
+find_program(PSIM_CLANG_FORMAT clang-format)
+set(_clang_format "none")
+if(PSIM_CLANG_FORMAT)
+  execute_process(COMMAND "${PSIM_CLANG_FORMAT}" --version OUTPUT_VARIABLE _clang_format)
+endif()
+if(_clang_format MATCHES "version 14\\.")
+  add_test(NAME Layout COMMAND "${PROJECT_SOURCE_DIR}/tools/format" --check)
+else()
+  add_test(NAME Layout COMMAND ${CMAKE_COMMAND} -E echo "clang-format 14 is not installed: the layout is not tested")
+endif()
+set_tests_properties(Layout PROPERTIES LABELS rooms TIMEOUT 120 SKIP_REGULAR_EXPRESSION "layout is not tested")
 
 if(TARGET psim_kernels AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
   add_test(NAME AsmInspect

@@ -41,8 +41,7 @@ int main() {
     const double t = static_cast<double>(world->frame()) / 60;
     for (const psim::HitEvent& hit : events.hits) {
       if (hit.a != floor_id) continue;
-      std::printf("%.2f s: the floor was hit at x = %.1f with %.1f m/s\n", t, hit.point.x,
-                  hit.speed);
+      std::printf("%.2f s: the floor was hit at x = %.1f with %.1f m/s\n", t, hit.point.x, hit.speed);
     }
     for (const psim::TouchEvent& touch : events.sensor_begin) {
       if (touch.a == goal_id && touch.b == ball_id) std::printf("%.2f s: goal!\n", t);

@@ -68,10 +68,9 @@ std::uint64_t hash_of_a_pile(psim::JobSystem jobs) {
 int main() {
   Pool pool(3);
   const std::uint64_t alone = hash_of_a_pile({});
-  const std::uint64_t pooled = hash_of_a_pile(
-      {.parallel_for = [&](std::size_t n, const Pool::Job& job) { pool.run(n, job); },
-       .workers = 4});
-  std::printf("%016llx on one thread\n%016llx on the pool\n",
-              static_cast<unsigned long long>(alone), static_cast<unsigned long long>(pooled));
+  const std::uint64_t pooled =
+      hash_of_a_pile({.parallel_for = [&](std::size_t n, const Pool::Job& job) { pool.run(n, job); }, .workers = 4});
+  std::printf("%016llx on one thread\n%016llx on the pool\n", static_cast<unsigned long long>(alone),
+              static_cast<unsigned long long>(pooled));
   return alone == pooled ? 0 : 1;
 }

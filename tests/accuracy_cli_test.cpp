@@ -11,9 +11,7 @@
 namespace psim::test {
 namespace {
 
-Outcome run_accuracy(std::vector<std::string> arguments) {
-  return Process(PSIM_ACCURACY, std::move(arguments)).wait();
-}
+Outcome run_accuracy(std::vector<std::string> arguments) { return Process(PSIM_ACCURACY, std::move(arguments)).wait(); }
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -27,9 +25,7 @@ TEST(Accuracy, WritesOneTidyRowAPoint) {
   ASSERT_EQ(result.status, 0) << result.err;
   const auto lines = lines_of(result.out);
   ASSERT_GT(lines.size(), 3u);
-  EXPECT_EQ(
-      lines[0],
-      "case,engine,setting,h,iterations,seconds_per_sim_second,row_visits,error,unit,reference");
+  EXPECT_EQ(lines[0], "case,engine,setting,h,iterations,seconds_per_sim_second,row_visits,error,unit,reference");
   int defaults = 0;
   for (std::size_t k = 1; k < lines.size(); ++k) {
     const auto fields = fields_of(lines[k]);
@@ -56,11 +52,10 @@ TEST(Accuracy, ListsEnginesAndCasesAndRunsNothing) {
 TEST(Accuracy, ListsCasesOfBoxesAndJoints) {
   const auto result = run_accuracy({"--list"});
   EXPECT_EQ(result.status, 0);
-  for (const char* name :
-       {"stack-20-height", "stack-100-sideways", "staggered-20-height", "pyramid-20-way",
-        "loaded-10-height", "loaded-100-height", "loaded-1000-height", "two-legs-height",
-        "box-slide-distance", "box-hold-threshold", "box-hold-creep", "box-tip-threshold",
-        "pendulum-period", "double-pendulum", "double-rods", "oscillator-amplitude", "chain-sag"}) {
+  for (const char* name : {"stack-20-height", "stack-100-sideways", "staggered-20-height", "pyramid-20-way",
+                           "loaded-10-height", "loaded-100-height", "loaded-1000-height", "two-legs-height",
+                           "box-slide-distance", "box-hold-threshold", "box-hold-creep", "box-tip-threshold",
+                           "pendulum-period", "double-pendulum", "double-rods", "oscillator-amplitude", "chain-sag"}) {
     EXPECT_NE(result.out.find(name), std::string::npos) << name;
   }
 }
@@ -84,11 +79,9 @@ TEST(Accuracy, ABoxStackStandsWithinItsLimits) {
 
 // Coarse: no engine is accurate here, but none may get another box or another joint.
 TEST(Accuracy, EveryEngineGetsTheSameBoxesAndJoints) {
-  const auto result =
-      run_accuracy({"--quick", "--case", "box-slide", "--case", "double-rods", "--case", "chain"});
+  const auto result = run_accuracy({"--quick", "--case", "box-slide", "--case", "double-rods", "--case", "chain"});
   ASSERT_EQ(result.status, 0) << result.err;
-  const std::map<std::string, double> limits = {
-      {"box-slide-distance", 0.05}, {"double-rods", 0.2}, {"chain-sag", 0.1}};
+  const std::map<std::string, double> limits = {{"box-slide-distance", 0.05}, {"double-rods", 0.2}, {"chain-sag", 0.1}};
   std::map<std::string, std::set<std::string>> engines;
   const auto lines = lines_of(result.out);
   for (std::size_t k = 1; k < lines.size(); ++k) {
@@ -114,8 +107,7 @@ TEST(Accuracy, KindKeepsDiscsOrRigidBodies) {
 
 TEST(SlowAccuracy, StressGradesEveryStress) {
   const ScratchFolder folder;
-  const auto result = run_accuracy(
-      {"--stress", "--quick", "--engine", "psim", "--output", folder.file("stress.csv")});
+  const auto result = run_accuracy({"--stress", "--quick", "--engine", "psim", "--output", folder.file("stress.csv")});
   EXPECT_TRUE(result.status == 0 || result.status == 1) << result.err;
   const auto lines = lines_of(read_file(folder.file("stress.csv")));
   ASSERT_GT(lines.size(), 20u);
@@ -136,8 +128,7 @@ TEST(SlowAccuracy, StressGradesEveryStress) {
 
 TEST(Accuracy, StressAndCasesExcludeEachOther) {
   const ScratchFolder folder;
-  const auto result =
-      run_accuracy({"--stress", "--case", "kepler", "--output", folder.file("stress.csv")});
+  const auto result = run_accuracy({"--stress", "--case", "kepler", "--output", folder.file("stress.csv")});
   EXPECT_EQ(result.status, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_TRUE(folder.names().empty());
@@ -149,8 +140,7 @@ TEST(SlowAccuracy, CalibratesEveryKindOfScene) {
   const auto result = run_accuracy({"--calibrate", "--quick", "--output", file});
   ASSERT_EQ(result.status, 0) << result.err;
   const auto lines = lines_of(read_file(file));
-  const auto shipped =
-      lines_of(read_file(std::string(PSIM_SOURCE_DIR) + "/docs/data/calibration.csv"));
+  const auto shipped = lines_of(read_file(std::string(PSIM_SOURCE_DIR) + "/docs/data/calibration.csv"));
   ASSERT_FALSE(lines.empty());
   EXPECT_EQ(lines[0], shipped.at(0));
   std::set<std::string> kinds, shipped_kinds;
@@ -169,8 +159,7 @@ TEST(SlowAccuracy, CalibratesEveryKindOfScene) {
 
 TEST(Accuracy, CalibrationStandsAlone) {
   const ScratchFolder folder;
-  const auto result =
-      run_accuracy({"--calibrate", "--case", "pile", "--output", folder.file("calibration.csv")});
+  const auto result = run_accuracy({"--calibrate", "--case", "pile", "--output", folder.file("calibration.csv")});
   EXPECT_EQ(result.status, 2);
   EXPECT_TRUE(folder.names().empty());
 }

@@ -13,16 +13,14 @@ TEST(Quarantine, ABodyWithNanIsFrozenAndReportedOnce) {
         auto world = pile(100, material(0, 0.3), isa, 2);
         run(*world, 60);
         const BodyId victim = world->id_of(37);
-        ASSERT_TRUE(in_velocity ? world->set_velocity(victim, {bad, 0}, 0)
-                                : world->set_transform(victim, {0, bad}, 0));
+        ASSERT_TRUE(in_velocity ? world->set_velocity(victim, {bad, 0}, 0) : world->set_transform(victim, {0, bad}, 0));
         EXPECT_EQ(world->step().quarantined, 1u);
         for (int k = 0; k < 60; ++k) {
           EXPECT_EQ(world->step().quarantined, 0u);
           const PublishedState s = world->published();
           for (std::size_t row = 0; row < s.id.size(); ++row) {
             if (s.id[row] == victim.index) continue;
-            ASSERT_TRUE(std::isfinite(s.x[row] + s.y[row] + s.vx[row] + s.vy[row] + s.omega[row] +
-                                      s.angle[row]))
+            ASSERT_TRUE(std::isfinite(s.x[row] + s.y[row] + s.vx[row] + s.vy[row] + s.omega[row] + s.angle[row]))
                 << "body " << s.id[row] << " frame " << k;
           }
         }
@@ -105,8 +103,7 @@ TEST(Quarantine, AbsurdPlacesAndSpeedsHurtNobodyElse) {
       auto world = pile(100);
       run(*world, 30);
       const BodyId victim = world->id_of(50);
-      in_velocity ? world->set_velocity(victim, {absurd, -absurd}, 0)
-                  : world->set_transform(victim, {absurd, 0}, 0);
+      in_velocity ? world->set_velocity(victim, {absurd, -absurd}, 0) : world->set_transform(victim, {absurd, 0}, 0);
       run(*world, 120);
       const PublishedState s = world->published();
       for (std::size_t row = 0; row < s.id.size(); ++row) {
@@ -176,8 +173,7 @@ TEST(Denormals, GiveTheSameBitsEverywhere) {
     discs.m = material(0.5, 0.5);
     for (int j = 0; j < 10; ++j) {
       for (int i = 0; i < 10; ++i) {
-        discs.push(i * 1.0, j * 1.0, 0.5, random.uniform(-1e-40, 1e-40),
-                   random.uniform(-1e-41, 1e-41));
+        discs.push(i * 1.0, j * 1.0, 0.5, random.uniform(-1e-40, 1e-40), random.uniform(-1e-41, 1e-41));
       }
     }
     add(*world, discs);
@@ -202,8 +198,7 @@ TEST(Extremes, BodiesAreRefusedOrStayFinite) {
       }
       run(*world, 120);
       const BodyState s = state(*world, normal);
-      EXPECT_TRUE(std::isfinite(s.x + s.y + s.vx + s.vy))
-          << "radius " << radius << " mass " << mass;
+      EXPECT_TRUE(std::isfinite(s.x + s.y + s.vx + s.vy)) << "radius " << radius << " mass " << mass;
       EXPECT_TRUE(all_finite(*world)) << "radius " << radius << " mass " << mass;
     }
   }
@@ -239,9 +234,8 @@ TEST(Refused, BodiesWithBadNumbers) {
 
 TEST(Refused, StaticShapesThatAreNone) {
   auto world = make(unbounded(100));
-  std::vector<BodyDesc> bad = {
-      segment({1, 1}, {1, 1}),       segment({kNan, 0}, {1, 1}), chain({{0, 0}}), chain({}),
-      chain({{0, 0}, {1, 0}}, true), chain({{0, 0}, {kInf, 0}})};
+  std::vector<BodyDesc> bad = {segment({1, 1}, {1, 1}),       segment({kNan, 0}, {1, 1}), chain({{0, 0}}), chain({}),
+                               chain({{0, 0}, {1, 0}}, true), chain({{0, 0}, {kInf, 0}})};
   BodyDesc moving = chain({{0, 0}, {1, 0}});
   moving.type = BodyType::dynamic_body;
   bad.push_back(moving);

@@ -10,8 +10,7 @@ enum class Floor { segment, wall, disc };
 
 std::unique_ptr<World> bouncing(Floor floor, double restitution, BodyId& id, Isa isa = best_isa()) {
   const Material m = material(restitution);
-  auto world = floor == Floor::wall ? make(walled({-50, 0, 50, 100}, {0, -kG}, m), isa)
-                                    : make(unbounded(), isa);
+  auto world = floor == Floor::wall ? make(walled({-50, 0, 50, 100}, {0, -kG}, m), isa) : make(unbounded(), isa);
   if (floor == Floor::segment) add(*world, ground(m));
   if (floor == Floor::disc) add(*world, static_disc({0, -2}, 2, m));
   id = add(*world, disc({0, 1.5}, {}, 0.5, m));

@@ -67,14 +67,12 @@ TEST(CApi, ASavedWorldGoesOnWithTheSameBits) {
   ASSERT_EQ(psim_pack_state(state, size, packed.data(), packed.size(), &packed_size), PSIM_OK);
   char error[256];
   std::size_t unpacked_size = 0;
-  ASSERT_EQ(psim_unpack_state(packed.data(), packed.size(), unpacked.data(), unpacked.size(),
-                              &unpacked_size, error, sizeof error),
+  ASSERT_EQ(psim_unpack_state(packed.data(), packed.size(), unpacked.data(), unpacked.size(), &unpacked_size, error,
+                              sizeof error),
             PSIM_OK)
       << error;
   psim_world* again = nullptr;
-  ASSERT_EQ(
-      psim_world_from_state(unpacked.data(), unpacked_size, nullptr, &again, error, sizeof error),
-      PSIM_OK)
+  ASSERT_EQ(psim_world_from_state(unpacked.data(), unpacked_size, nullptr, &again, error, sizeof error), PSIM_OK)
       << error;
   EXPECT_EQ(run_on(again), expected);
   psim_world_desc now = CWorld::defaults();
@@ -84,8 +82,7 @@ TEST(CApi, ASavedWorldGoesOnWithTheSameBits) {
   psim_world_destroy(again);
 
   packed[packed.size() / 2] ^= 1;
-  EXPECT_EQ(psim_unpack_state(packed.data(), packed.size(), nullptr, 0, &unpacked_size, error,
-                              sizeof error),
+  EXPECT_EQ(psim_unpack_state(packed.data(), packed.size(), nullptr, 0, &unpacked_size, error, sizeof error),
             PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(std::string(error).rfind("psim_unpack_state: ", 0), 0u) << error;
   CWorld other;
@@ -94,14 +91,11 @@ TEST(CApi, ASavedWorldGoesOnWithTheSameBits) {
 
   const std::string path = testing::TempDir() + "c_api_state";
   ASSERT_EQ(psim_write_state(path.c_str(), state, size, error, sizeof error), PSIM_OK) << error;
-  ASSERT_EQ(
-      psim_read_state(path.c_str(), unpacked.data(), size, &unpacked_size, error, sizeof error),
-      PSIM_OK)
+  ASSERT_EQ(psim_read_state(path.c_str(), unpacked.data(), size, &unpacked_size, error, sizeof error), PSIM_OK)
       << error;
   EXPECT_EQ(std::memcmp(unpacked.data(), state, size), 0);
   std::remove(path.c_str());
-  EXPECT_EQ(psim_read_state(path.c_str(), nullptr, 0, &unpacked_size, error, sizeof error),
-            PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_read_state(path.c_str(), nullptr, 0, &unpacked_size, error, sizeof error), PSIM_ERROR_ARGUMENT);
 }
 
 TEST(CApi, AReplayStepsByAnotherDt) {
@@ -121,9 +115,8 @@ TEST(CApi, AReplayStepsByAnotherDt) {
     EXPECT_EQ(psim_world_step_by(b.world, dt, nullptr), PSIM_ERROR_ARGUMENT) << dt;
   }
   for (const psim_step_detail wrong :
-       {psim_step_detail{65, 0, 1, 1, 0}, psim_step_detail{0, 2, 1, 1, 0},
-        psim_step_detail{0, 4, 1, 1, 0}, psim_step_detail{0, 0, 0, 1, 0},
-        psim_step_detail{0, 0, 9, 1, 0}, psim_step_detail{0, 0, 1, 0, 0}}) {
+       {psim_step_detail{65, 0, 1, 1, 0}, psim_step_detail{0, 2, 1, 1, 0}, psim_step_detail{0, 4, 1, 1, 0},
+        psim_step_detail{0, 0, 0, 1, 0}, psim_step_detail{0, 0, 9, 1, 0}, psim_step_detail{0, 0, 1, 0, 0}}) {
     EXPECT_EQ(psim_world_replay(b.world, wrong, nullptr), PSIM_ERROR_ARGUMENT);
   }
   EXPECT_EQ(psim_world_frame(b.world), 20u);
@@ -200,7 +193,8 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   options.threads = 2;
   char error[256];
   psim_replay* replay = nullptr;
-  ASSERT_EQ(psim_replay_open(recording.data(), recording.size(), &options, &replay, error, sizeof error), PSIM_OK) << error;
+  ASSERT_EQ(psim_replay_open(recording.data(), recording.size(), &options, &replay, error, sizeof error), PSIM_OK)
+      << error;
   EXPECT_EQ(psim_replay_steps_in_all(replay), frame - 10);
   EXPECT_EQ(psim_replay_complete(replay), 0);
   psim_result result = PSIM_OK;
@@ -216,7 +210,8 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   psim_replay_close(replay);
 
   recording[recording.size() - 9] ^= 1;
-  EXPECT_EQ(psim_replay_open(recording.data(), recording.size(), nullptr, &replay, error, sizeof error), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_replay_open(recording.data(), recording.size(), nullptr, &replay, error, sizeof error),
+            PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(std::string(error).rfind("psim_replay_open: ", 0), 0u) << error;
   EXPECT_EQ(replay, nullptr);
   EXPECT_EQ(psim_replay_open(nullptr, 0, nullptr, &replay, error, sizeof error), PSIM_ERROR_ARGUMENT);
@@ -225,7 +220,8 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   EXPECT_EQ(psim_replay_next(nullptr), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_replay_world(nullptr), nullptr);
   EXPECT_EQ(psim_replay_steps(nullptr) + psim_replay_steps_in_all(nullptr) + psim_replay_hashes(nullptr) +
-                psim_replay_differs_at(nullptr), 0u);
+                psim_replay_differs_at(nullptr),
+            0u);
   EXPECT_EQ(psim_replay_complete(nullptr), 0);
 }
 

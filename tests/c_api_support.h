@@ -25,8 +25,7 @@ struct CWorld {
     psim_world_desc_init(&desc);
     return desc;
   }
-  psim_body_id add(const psim_shape& shape, psim_vec2 position,
-                   std::int32_t type = PSIM_BODY_DYNAMIC) {
+  psim_body_id add(const psim_shape& shape, psim_vec2 position, std::int32_t type = PSIM_BODY_DYNAMIC) {
     psim_body_desc desc;
     psim_body_desc_init(&desc);
     desc.shape = shape;

@@ -64,15 +64,13 @@ TEST(CApi, InitFillsWhatANewerCallerHasWithZeros) {
 TEST(CApi, ErrorsSayWhatAndWhere) {
   psim_world_desc desc = CWorld::defaults();
   desc.boundary = 9;
-  EXPECT_STREQ(CWorld(desc).error,
-               "psim_world_create: boundary 9 is none of psim_boundary, 0 to 2");
+  EXPECT_STREQ(CWorld(desc).error, "psim_world_create: boundary 9 is none of psim_boundary, 0 to 2");
   desc = CWorld::defaults();
   desc.dt = 0;
   EXPECT_STREQ(CWorld(desc).error, "psim_world_create: dt must be above 0 and at most 10 s");
   char shorter[8];
   psim_world* world = nullptr;
-  EXPECT_EQ(psim_world_create(&desc, nullptr, &world, shorter, sizeof shorter),
-            PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_create(&desc, nullptr, &world, shorter, sizeof shorter), PSIM_ERROR_ARGUMENT);
   EXPECT_STREQ(shorter, "psim_wo");
 
   CWorld c;
@@ -108,8 +106,7 @@ TEST(CApi, EveryResultHasWords) {
 
 TEST(CApi, VersionsAndInstructionSets) {
   EXPECT_STREQ(psim_version(), PSIM_VERSION_STRING);
-  EXPECT_EQ(psim_version_number(),
-            10000u * PSIM_VERSION_MAJOR + 100u * PSIM_VERSION_MINOR + PSIM_VERSION_PATCH);
+  EXPECT_EQ(psim_version_number(), 10000u * PSIM_VERSION_MAJOR + 100u * PSIM_VERSION_MINOR + PSIM_VERSION_PATCH);
   for (const Isa isa : kAllIsas) {
     std::int32_t parsed = -7;
     EXPECT_EQ(psim_isa_name(static_cast<std::int32_t>(isa)), isa_name(isa));

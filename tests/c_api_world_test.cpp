@@ -125,9 +125,7 @@ TEST(CApi, BulkSpawnReadsColumnsAndStrides) {
 
   x[3] = kNaN;
   ASSERT_EQ(psim_world_add_discs(plain.world, &batch, nullptr), PSIM_ERROR_ARGUMENT);
-  EXPECT_EQ(
-      plain.last(),
-      "psim_world_add_discs: disc 3 of the batch: position must lie inside the world's bounds");
+  EXPECT_EQ(plain.last(), "psim_world_add_discs: disc 3 of the batch: position must lie inside the world's bounds");
   EXPECT_EQ(psim_world_body_count(plain.world), 500u);
 }
 
@@ -140,8 +138,7 @@ TEST(CApi, BodiesInBulkStopAtTheFirstRefused) {
   descs[2].mass = -1;
   psim_body_id ids[3];
   std::size_t added = 9;
-  EXPECT_EQ(psim_world_add_bodies(c.world, descs, 3, sizeof descs[0], ids, &added),
-            PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_add_bodies(c.world, descs, 3, sizeof descs[0], ids, &added), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(added, 2u);
   EXPECT_EQ(psim_world_body_count(c.world), 2u);
   EXPECT_EQ(ids[1].index, 1u);

@@ -1,5 +1,5 @@
 // Pictures: shapes cover the area that they have, wherever their edges fall between pixels.
-#include "../src/psim/canvas.h"
+#include "picture/canvas.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "../src/psim/parallel.h"
+#include "picture/parallel.h"
 
 namespace psim::cli {
 namespace {
@@ -58,8 +58,7 @@ TEST(Canvas, ConvexShapesCoverTheirArea) {
   }
   const double pi = std::numbers::pi;
   EXPECT_NEAR(convex_light({{20, 30}, {40, 33}}, 2.5), pi * 6.25 + 5 * std::hypot(20, 3), 0.5);
-  EXPECT_NEAR(convex_light({{30.3, 30}}, 2.9),
-              light([](Canvas& canvas) { canvas.disc(30.3, 30, 2.9, kWhite); }), 1e-6);
+  EXPECT_NEAR(convex_light({{30.3, 30}}, 2.9), light([](Canvas& canvas) { canvas.disc(30.3, 30, 2.9, kWhite); }), 1e-6);
   EXPECT_NEAR(convex_light(square(4, 30, 30, 0.3), 0.75), 16 + 16 * 0.75 + pi * 0.5625, 0.2);
 }
 
@@ -67,9 +66,7 @@ TEST(Canvas, DiscsCoverTheirArea) {
   for (const double r : {0.3, 0.5, 0.8, 1.3, 2.9}) {
     for (const double shift : {0.0, 0.3, 0.5}) {
       const double area = std::numbers::pi * r * r;
-      EXPECT_NEAR(light([&](Canvas& canvas) { canvas.disc(30 + shift, 31, r, kWhite); }), area,
-                  0.01 * area)
-          << r;
+      EXPECT_NEAR(light([&](Canvas& canvas) { canvas.disc(30 + shift, 31, r, kWhite); }), area, 0.01 * area) << r;
     }
   }
 }
@@ -121,8 +118,7 @@ TEST(Canvas, FiguresLieOnTheBackground) {
 TEST(Canvas, LargeFiguresHaveARim) {
   const double plain = std::numbers::pi * 400;
   const double inside = std::numbers::pi * (20 * 0.86) * (20 * 0.86);
-  EXPECT_NEAR(light([](Canvas& canvas) { canvas.disc(32, 32, 20, kWhite); }),
-              inside + 0.55 * (plain - inside), 3);
+  EXPECT_NEAR(light([](Canvas& canvas) { canvas.disc(32, 32, 20, kWhite); }), inside + 0.55 * (plain - inside), 3);
 }
 
 TEST(Canvas, OrderOfTheCornersDoesNotMatter) {

@@ -22,12 +22,8 @@ class CliDiff : public ::testing::Test {
   Outcome diff(std::string_view a, std::string_view b) {
     return run_psim({"diff", folder_.write("a.csv", a), folder_.write("b.csv", b)});
   }
-  Outcome diff_states(const std::string& a, const std::string& b) {
-    return diff(kState + a, kState + b);
-  }
-  Outcome diff_courses(const std::string& a, const std::string& b) {
-    return diff(kTrajectory + a, kTrajectory + b);
-  }
+  Outcome diff_states(const std::string& a, const std::string& b) { return diff(kState + a, kState + b); }
+  Outcome diff_courses(const std::string& a, const std::string& b) { return diff(kTrajectory + a, kTrajectory + b); }
   Outcome diff_settings(Words more) {
     Words arguments = {"diff", "--scene", scene_, "--frames", "9"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -38,12 +34,11 @@ class CliDiff : public ::testing::Test {
 };
 
 TEST_F(CliDiff, AStateIsTheSameAsItself) {
-  ASSERT_EQ(run_psim({"--scene", scene_, "--frames", "30", "--state", folder_.file("s.csv"),
-                      "--trajectory", folder_.file("t.csv")})
+  ASSERT_EQ(run_psim({"--scene", scene_, "--frames", "30", "--state", folder_.file("s.csv"), "--trajectory",
+                      folder_.file("t.csv")})
                 .status,
             0);
-  expect_words(run_psim({"diff", folder_.file("s.csv"), folder_.file("s.csv")}), 0,
-               {"The same bits: 4 bodies"});
+  expect_words(run_psim({"diff", folder_.file("s.csv"), folder_.file("s.csv")}), 0, {"The same bits: 4 bodies"});
   expect_words(run_psim({"diff", folder_.file("t.csv"), folder_.file("t.csv")}), 0,
                {"The same bits: 31 frames, 4 bodies"});
 }
@@ -58,13 +53,12 @@ TEST_F(CliDiff, TheFirstNumberThatDiffersIsNamedWithItsBits) {
 }
 
 TEST_F(CliDiff, TheTotalsHoldTheLargestDifferenceOfEveryField) {
-  const Outcome outcome =
-      diff_courses("0,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n5,1,0,0,0,0,0,0\n5,2,0,0,0,0,0,0\n",
-                   "0,1,0,0,0,0,0,0\n0,2,0,0,0.25,0,0,0\n5,1,0,0,-1.5,0,0,0\n5,2,0,0,1,0,0,0\n");
-  expect_words(outcome, 1,
-               {"First difference in frame 0: body 2 angle: 0 (", "Frames that differ: 2 of 2\n",
-                "Bodies that differ: 2 of 2\n", "angle                 1.5          5          1\n",
-                "x                       0\n"});
+  const Outcome outcome = diff_courses("0,1,0,0,0,0,0,0\n0,2,0,0,0,0,0,0\n5,1,0,0,0,0,0,0\n5,2,0,0,0,0,0,0\n",
+                                       "0,1,0,0,0,0,0,0\n0,2,0,0,0.25,0,0,0\n5,1,0,0,-1.5,0,0,0\n5,2,0,0,1,0,0,0\n");
+  expect_words(
+      outcome, 1,
+      {"First difference in frame 0: body 2 angle: 0 (", "Frames that differ: 2 of 2\n", "Bodies that differ: 2 of 2\n",
+       "angle                 1.5          5          1\n", "x                       0\n"});
 }
 
 TEST_F(CliDiff, NanIsComparedByItsBits) {
@@ -77,8 +71,7 @@ TEST_F(CliDiff, NanIsComparedByItsBits) {
 
 TEST_F(CliDiff, SignedZerosAreAlikeAndDenormalsAreNot) {
   expect_words(diff_states("0,-0,2,0,0,0,0\n", "0,0,2,0,0,0,0\n"), 0, {"The same bits"});
-  expect_words(diff_states("0,0,2,0,0,0,0\n", "0,5e-324,2,0,0,0,0\n"), 1,
-               {"against 5e-324 (0x0000000000000001)"});
+  expect_words(diff_states("0,0,2,0,0,0,0\n", "0,5e-324,2,0,0,0,0\n"), 1, {"against 5e-324 (0x0000000000000001)"});
 }
 
 TEST_F(CliDiff, ABodyThatLeftOneSideIsADifference) {
@@ -97,9 +90,8 @@ TEST_F(CliDiff, WhatCannotBeComparedIsRefused) {
   expect_refused(diff_states(row, row + "1,1,2,0,0,0,0\n"), {"a.csv has 1 bodies", "b.csv has 2"});
   expect_refused(diff_states(row, "1,1,2,0,0,0,0\n"), {"body 0 is only in", "a.csv"});
   expect_refused(diff(kState + row, kTrajectory), {"b.csv is a trajectory", "like with like"});
-  expect_refused(
-      diff_courses("0,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n", "0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
-      {"a.csv has frame 2", "b.csv has frame 1", "--every"});
+  expect_refused(diff_courses("0,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n", "0,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"),
+                 {"a.csv has frame 2", "b.csv has frame 1", "--every"});
 }
 
 TEST_F(CliDiff, ABadFileIsRefusedWithItsPlace) {
@@ -115,8 +107,7 @@ TEST_F(CliDiff, ABadFileIsRefusedWithItsPlace) {
       {kState + row + "1,1,1e999,0,0,0,0\n", {"a.csv:3: y: '1e999'"}},
       {kState + row + "-1,1,2,0,0,0,0\n", {"a.csv:3: id: '-1'"}},
       {kState + row + row, {"a.csv:3: id 0 after 0"}},
-      {kTrajectory + std::string("3,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n"),
-       {"a.csv:3: frame 2 after 3"}},
+      {kTrajectory + std::string("3,0,0,0,0,0,0,0\n2,0,0,0,0,0,0,0\n"), {"a.csv:3: frame 2 after 3"}},
   };
   for (const auto& [text, words] : mistakes) {
     SCOPED_TRACE(words.front());
@@ -152,14 +143,13 @@ TEST_F(CliDiff, MistakesOnTheCommandLineAreNamed) {
 }
 
 TEST_F(CliDiff, SettingsThatChangeNoBitAreTheSame) {
-  expect_words(diff_settings({"--a", "--isa auto --threads 2", "--b", "--isa=scalar --threads=1"}),
-               0, {"A: ", "2 threads", "B: ", "scalar, 1 threads", "The same bits: 10 frames"});
+  expect_words(diff_settings({"--a", "--isa auto --threads 2", "--b", "--isa=scalar --threads=1"}), 0,
+               {"A: ", "2 threads", "B: ", "scalar, 1 threads", "The same bits: 10 frames"});
 }
 
 TEST_F(CliDiff, SettingsThatDifferAreNamedWithFrameAndStage) {
   expect_words(diff_settings({"--substeps", "4", "--b", "--substeps 8"}), 1,
-               {"First difference in frame 1, stage ", "body 1 y: 0.49", "hash 0x",
-                "Frames that differ: 9 of 10"});
+               {"First difference in frame 1, stage ", "body 1 y: 0.49", "hash 0x", "Frames that differ: 9 of 10"});
   expect_words(run_psim({"diff", "--particles", "50", "--frames", "1", "--b", "--seed 2"}), 1,
                {"First difference before any step: body 0 x: ", "Frames that differ: 2 of 2"});
 }
@@ -175,26 +165,22 @@ TEST_F(CliDiff, IntegratorsDifferWhereThereAreFieldsAndOnlyThere) {
     return run_psim({"diff", "--scene", scene, "--frames", "5", "--b", "--integrator rk4"});
   };
   expect_words(compared(world("uniform.json", "")), 0, {", verlet\n", ", rk4\n", "The same bits"});
-  expect_words(compared(world("well.json", R"({"type": "well", "position": [0, 0], "strength": 9})")),
-               1, {"First difference in frame 1, stage "});
+  expect_words(compared(world("well.json", R"({"type": "well", "position": [0, 0], "strength": 9})")), 1,
+               {"First difference in frame 1, stage "});
 }
 
 TEST_F(CliDiff, WhereNothingTouchesTheStageIsIntegrate) {
   const std::string flight = folder_.write("flight.json", R"({"psim": 1,
     "world": {"bounds": [-99, -99, 99, 99], "boundary": "open", "gravity": [0, -9.81]},
     "bodies": [{"shape": {"disc": {"radius": 0.5}}, "position": [0, 50]}]})");
-  const Outcome outcome =
-      run_psim({"diff", "--scene", flight, "--frames", "5", "--b", "--dt 0.01"});
+  const Outcome outcome = run_psim({"diff", "--scene", flight, "--frames", "5", "--b", "--dt 0.01"});
   expect_words(outcome, 1, {"First difference in frame 1, stage integrate: body 0 y: "});
 }
 
 TEST_F(CliDiff, WhatTheFilesSayIsWhatTheSettingsSay) {
   const auto course = [this](const char* substeps) {
     const std::string file = folder_.file(std::string(substeps) + ".csv");
-    EXPECT_EQ(
-        run_psim({"--scene", scene_, "--frames", "9", "--substeps", substeps, "--trajectory", file})
-            .status,
-        0);
+    EXPECT_EQ(run_psim({"--scene", scene_, "--frames", "9", "--substeps", substeps, "--trajectory", file}).status, 0);
     return file;
   };
   const Outcome files = run_psim({"diff", course("2"), course("3")});

@@ -95,8 +95,7 @@ TEST_F(CliFiles, ImageIsAPng) {
   EXPECT_EQ(png.substr(png.size() - 8, 4), "IEND");
   const auto side = [&png](std::size_t at) {
     unsigned value = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      value = value << 8 | static_cast<unsigned char>(png[at + i]);
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(png[at + i]);
     return value;
   };
   EXPECT_EQ(std::max(side(16), side(20)), 1600u);
@@ -139,8 +138,7 @@ TEST_F(CliFiles, ARefusedRunLeavesOldFilesAsTheyWere) {
 }
 
 TEST_F(CliFiles, TwoOptionsCannotShareAFile) {
-  expect_refused(run({"--state", folder_.file("a"), "--metrics", folder_.file("./a")}),
-                 {"--metrics", "--state"});
+  expect_refused(run({"--state", folder_.file("a"), "--metrics", folder_.file("./a")}), {"--metrics", "--state"});
   expect_refused(run({"--state", scene_}), {"--state", "--scene"});
   EXPECT_EQ(read_file(scene_), kSmallScene);
 }

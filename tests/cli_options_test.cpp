@@ -65,14 +65,12 @@ TEST(CliOptions, ParticlesBelongToBuiltInScenes) {
 TEST(CliOptions, ABadSceneIsOneLineWithItsPlace) {
   const ScratchFolder folder;
   const std::string scene = folder.write("bad.json", "{\n  \"psim\": 1,\n  \"wrld\": {}\n}\n");
-  expect_refused(run_psim({"--scene", scene, "--state", folder.file("s.csv")}),
-                 {scene + ":3:", "wrld"});
+  expect_refused(run_psim({"--scene", scene, "--state", folder.file("s.csv")}), {scene + ":3:", "wrld"});
   EXPECT_EQ(folder.names(), Words{"bad.json"});
 }
 
 TEST(CliOptions, TheLastOfARepeatedOptionCounts) {
-  const Outcome outcome =
-      run_psim({"--particles", "10", "--frames", "9", "--frames", "2", "--report", "json"});
+  const Outcome outcome = run_psim({"--particles", "10", "--frames", "9", "--frames", "2", "--report", "json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"], 2);
 }
@@ -82,13 +80,11 @@ TEST(CliOptions, HelpNamesEveryOption) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* option :
-       {"--scene",  "--list-scenes", "--particles",  "--seed",    "--frames",
-        "--dt",     "--substeps",    "--threads",    "--isa",     "--report",
-        "--state",  "--metrics",     "--trajectory", "--every",   "--image",
-        "--trace",  "--explain",     "--verify",     "--check",   "--benchmark",
-        "--budget", "--governor",    "--sleep", "--skin", "--version", "--help",
-        "--integrator", "--target-error", "--target-ms", "--frames-dir", "--video", "--fps",
-        "--image-size", "--view", "--colour"}) {
+       {"--scene",     "--list-scenes", "--particles", "--seed",    "--frames",     "--dt",         "--substeps",
+        "--threads",   "--isa",         "--report",    "--state",   "--metrics",    "--trajectory", "--every",
+        "--image",     "--trace",       "--explain",   "--verify",  "--check",      "--benchmark",  "--budget",
+        "--governor",  "--sleep",       "--skin",      "--version", "--help",       "--integrator", "--target-error",
+        "--target-ms", "--frames-dir",  "--video",     "--fps",     "--image-size", "--view",       "--colour"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }
@@ -105,8 +101,8 @@ TEST(CliOptions, EveryListedSceneCanBeExplained) {
   const Outcome list = run_psim({"--list-scenes"});
   ASSERT_EQ(list.status, 0);
   const std::vector<std::string> scenes = lines_of(list.out);
-  for (const char* name : {"discs", "pile", "hourglass", "galton", "billiard", "orbits",
-                           "mixed-sizes", "dam", "million"}) {
+  for (const char* name :
+       {"discs", "pile", "hourglass", "galton", "billiard", "orbits", "mixed-sizes", "dam", "million"}) {
     EXPECT_TRUE(std::any_of(scenes.begin(), scenes.end(), [name](const std::string& line) {
       return line.substr(0, line.find(' ')) == name;
     })) << name;
@@ -130,8 +126,7 @@ TEST(CliOptions, CheckFailsOnASceneThatWillGoWrong) {
 
 TEST(CliOptions, TooManyBodiesForTheMemoryAreNamedWithTheBytesNeeded) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer takes the address space for itself";
-  Process shell("/bin/sh",
-                {"-c", "ulimit -v 400000; exec \"$0\" --particles 10000000", PSIM_PROGRAM});
+  Process shell("/bin/sh", {"-c", "ulimit -v 400000; exec \"$0\" --particles 10000000", PSIM_PROGRAM});
   expect_refused(shell.wait(), {"10,000,000 bodies", "bytes"});
 }
 

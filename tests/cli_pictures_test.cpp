@@ -17,8 +17,7 @@ std::string png_size(const std::string& path) {
   if (png.substr(png.size() - 8, 4) != "IEND") return "cut off";
   const auto side = [&png](std::size_t at) {
     unsigned value = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      value = value << 8 | static_cast<unsigned char>(png[at + i]);
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(png[at + i]);
     return std::to_string(value);
   };
   return side(16) + "x" + side(20);
@@ -59,8 +58,7 @@ TEST_F(CliPictures, AFrameFileForEveryPicture) {
   for (int k = 0; k < 8; ++k) {
     EXPECT_EQ(png_size(frames_.file("frame_00000" + std::to_string(k) + ".png")), "64x48") << k;
   }
-  EXPECT_NE(read_file(frames_.file("frame_000000.png")),
-            read_file(frames_.file("frame_000007.png")));
+  EXPECT_NE(read_file(frames_.file("frame_000000.png")), read_file(frames_.file("frame_000007.png")));
 }
 
 TEST_F(CliPictures, FilmsAreFullHdUnlessToldOtherwise) {
@@ -70,10 +68,7 @@ TEST_F(CliPictures, FilmsAreFullHdUnlessToldOtherwise) {
 
 TEST_F(CliPictures, EveryAndFpsChooseThePictures) {
   const std::string dir = frames_.file(""), table = folder_.file("t.csv");
-  ASSERT_EQ(
-      run({"--frames-dir", dir, "--image-size", "64x48", "--every", "3", "--trajectory", table})
-          .status,
-      0);
+  ASSERT_EQ(run({"--frames-dir", dir, "--image-size", "64x48", "--every", "3", "--trajectory", table}).status, 0);
   EXPECT_EQ(frames_.names(), (Words{"frame_000000.png", "frame_000001.png", "frame_000002.png"}));
   EXPECT_EQ(lines_of(read_file(table)).size(), 1 + 3 * 4u);  // the same frames: 0, 3, 6
   const Outcome half = run({"--frames-dir", dir, "--image-size", "32x32", "--fps", "30"});
@@ -85,9 +80,7 @@ TEST_F(CliPictures, EveryAndFpsChooseThePictures) {
 TEST_F(CliPictures, ARestoredRunIsFilmedAtItsOwnPace) {
   const std::string saved = folder_.file("saved"), dir = frames_.file("");
   ASSERT_EQ(run({"--dt", "0.1", "--save", saved}).status, 0);
-  ASSERT_EQ(
-      run({"--restore", saved, "--frames-dir", dir, "--fps", "20", "--image-size", "32x32"}).err,
-      "");
+  ASSERT_EQ(run({"--restore", saved, "--frames-dir", dir, "--fps", "20", "--image-size", "32x32"}).err, "");
   EXPECT_EQ(frames_.names().size(), 15u);  // 0.7 s, two pictures a frame
 }
 
@@ -96,8 +89,7 @@ TEST_F(CliPictures, FramesOfALongerFilmBeforeArePointedOut) {
   ASSERT_EQ(run({"--frames-dir", dir, "--image-size", "32x32"}).status, 0);
   const Outcome shorter = run({"--frames-dir", dir, "--image-size", "32x32", "--frames", "2"});
   EXPECT_EQ(shorter.status, 0);
-  EXPECT_NE(shorter.err.find("frame_000003.png and what follows"), std::string::npos)
-      << shorter.err;
+  EXPECT_NE(shorter.err.find("frame_000003.png and what follows"), std::string::npos) << shorter.err;
 }
 
 // Every chunk's checksum, and zlib's of the pixels (which its format keeps at the end).
@@ -117,7 +109,8 @@ TEST_F(CliPictures, ChecksumsAreRightAndThreadsDoNotShow) {
   for (std::size_t at = 8; at < png.size();) {
     const std::size_t size = number(at);
     kinds += png.substr(at + 4, 4) + ' ';
-    EXPECT_EQ(number(at + 8 + size), crc32_z(0, reinterpret_cast<const Bytef*>(png.data()) + at + 4, size + 4)) << kinds;
+    EXPECT_EQ(number(at + 8 + size), crc32_z(0, reinterpret_cast<const Bytef*>(png.data()) + at + 4, size + 4))
+        << kinds;
     if (kinds.ends_with("IDAT ")) {
       std::vector<Bytef> pixels(900 * (3 * 700 + 1));
       uLongf count = pixels.size();
@@ -191,8 +184,7 @@ TEST_F(CliPictures, MistakesAreOneLine) {
 
 TEST_F(CliPictures, WithoutFfmpegNothingIsRun) {
   for (const char* path : {"", "/nonexistent"}) {
-    expect_refused(run_in_path(path, {"--video", folder_.file("f.mp4")}),
-                   {"--video", "f.mp4", "apt install ffmpeg"});
+    expect_refused(run_in_path(path, {"--video", folder_.file("f.mp4")}), {"--video", "f.mp4", "apt install ffmpeg"});
   }
   EXPECT_EQ(folder_.names(), Words{"small.json"});
 }
@@ -211,8 +203,7 @@ TEST_F(CliPictures, AnFfmpegThatFailsIsOneLineAndNoFilm) {
       const Outcome outcome = run_in_path(fake(script), {"--video", old, "--image-size", size});
       EXPECT_EQ(outcome.status, 2);
       EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
-      EXPECT_NE(outcome.err.find("psim: --video " + old + ": " + said), std::string::npos)
-          << outcome.err;
+      EXPECT_NE(outcome.err.find("psim: --video " + old + ": " + said), std::string::npos) << outcome.err;
       EXPECT_NE(outcome.out.find("State 0x"), std::string::npos);  // the run itself is done
       EXPECT_EQ(read_file(old), "old");
       EXPECT_EQ(folder_.names(), (Words{"bin", "f.mp4", "small.json"}));
@@ -223,15 +214,13 @@ TEST_F(CliPictures, AnFfmpegThatFailsIsOneLineAndNoFilm) {
 class CliVideo : public CliPictures {
  protected:
   void SetUp() override {
-    if (!has_program("ffmpeg") || !has_program("ffprobe"))
-      GTEST_SKIP() << "ffmpeg is not installed";
+    if (!has_program("ffmpeg") || !has_program("ffprobe")) GTEST_SKIP() << "ffmpeg is not installed";
   }
   // "codec,width,height,rate,pictures"
   std::string probe(const std::string& film) {
     const Outcome said =
-        Process("/usr/bin/env",
-                {"ffprobe", "-v", "error", "-count_frames", "-of", "csv=p=0", "-show_entries",
-                 "stream=codec_name,width,height,avg_frame_rate,nb_read_frames", film})
+        Process("/usr/bin/env", {"ffprobe", "-v", "error", "-count_frames", "-of", "csv=p=0", "-show_entries",
+                                 "stream=codec_name,width,height,avg_frame_rate,nb_read_frames", film})
             .wait();
     return said.out.substr(0, said.out.find('\n')) + said.err;
   }
@@ -248,8 +237,7 @@ TEST_F(CliVideo, AFilmHasItsPicturesAtItsRate) {
 
 TEST_F(CliVideo, CtrlCEndsTheFilmWithWhatThereIs) {
   const std::string film = folder_.file("f.mp4");
-  Process psim(PSIM_PROGRAM,
-               arguments({"--frames", "1000000000", "--video", film, "--image-size", "64x48"}));
+  Process psim(PSIM_PROGRAM, arguments({"--frames", "1000000000", "--video", film, "--image-size", "64x48"}));
   ASSERT_TRUE(psim.waits_for(SIGINT));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   psim.signal(SIGINT);
@@ -261,8 +249,7 @@ TEST_F(CliVideo, CtrlCEndsTheFilmWithWhatThereIs) {
 
 TEST_F(CliVideo, AKilledRunLeavesTheOldFilm) {
   const std::string film = folder_.write("f.mp4", "old");
-  Process psim(PSIM_PROGRAM,
-               arguments({"--frames", "1000000000", "--video", film, "--image-size", "64x48"}));
+  Process psim(PSIM_PROGRAM, arguments({"--frames", "1000000000", "--video", film, "--image-size", "64x48"}));
   ASSERT_TRUE(psim.waits_for(SIGINT));
   psim.signal(SIGKILL);
   EXPECT_EQ(psim.wait().status, -SIGKILL);

@@ -42,7 +42,8 @@ TEST_F(CliReplay, ARestoredRunEndsWhereTheWholeOneDoes) {
 
 // Shapes, columns, joints, fields, and lists for one step.
 TEST_F(CliReplay, ARestoredRunOfAnySceneEndsWhereTheWholeOneDoes) {
-  for (const char* const scene : {"tumbler", "card_house", "stack_100", "high_mass_ratio_1", "bridge", "orbits", "galton"}) {
+  for (const char* const scene :
+       {"tumbler", "card_house", "stack_100", "high_mass_ratio_1", "bridge", "orbits", "galton"}) {
     const auto run = [&](Words more) {
       more.insert(more.begin(), {"--scene", scene});
       return run_psim(more);
@@ -58,8 +59,8 @@ TEST_F(CliReplay, ARecordingReplaysElsewhere) {
   ASSERT_EQ(run.status, 0) << run.err;
   const Outcome replay = run_psim({"--replay", recording_, "--isa", "scalar", "--threads", "2"});
   EXPECT_EQ(replay.status, 0) << replay.err;
-  EXPECT_EQ(replay.out, recording_ + ": 70 steps on scalar x 2 threads, 2 hashes, all as recorded\n" +
-                            state_line(run) + "\n");
+  EXPECT_EQ(replay.out,
+            recording_ + ": 70 steps on scalar x 2 threads, 2 hashes, all as recorded\n" + state_line(run) + "\n");
 }
 
 TEST_F(CliReplay, AGovernedRunReplaysFromItsLogAndCountsWhatWasCut) {
@@ -111,10 +112,10 @@ TEST_F(CliReplay, OneLineSaysWhatIsWrong) {
   expect_refused({"--replay", state_}, "--replay " + state_ + ": it is no recording of psim");
   expect_refused({"--scene", "rough-pile", "--restore", recording_},
                  "--restore " + recording_ + ": it is no saved state of psim");
-  expect_refused({"--restore", state_}, "--restore " + state_ + ": is no state of --scene discs: its bounds are others");
+  expect_refused({"--restore", state_},
+                 "--restore " + state_ + ": is no state of --scene discs: its bounds are others");
   expect_refused({"--replay", state_ + ".none"}, "--replay " + state_ + ".none: No such file or directory");
-  expect_refused({"--scene", "rough-pile", "--restore", state_, "--dt", "0.1"},
-                 "--dt: the state of --restore says it");
+  expect_refused({"--scene", "rough-pile", "--restore", state_, "--dt", "0.1"}, "--dt: the state of --restore says it");
   expect_refused({"--replay", recording_, "--frames", "3"}, "--frames: the recording of --replay says it");
   expect_refused({"--replay", recording_, "--state", "x.csv"},
                  "--state: belongs to a run, and nothing is run for a report here");

@@ -61,8 +61,7 @@ TEST(CliReport, ProfileNamesTheBottleneckAndTheThreads) {
   EXPECT_TRUE(std::regex_search(
       outcome.out, std::regex("Bottleneck: \\w+, \\S+ % of the time; threads busy \\S+ %, the busiest \\S+ x")))
       << outcome.out;
-  const Json profile =
-      json_report({"--particles", "3000", "--frames", "20", "--threads", "2", "--profile"})["profile"];
+  const Json profile = json_report({"--particles", "3000", "--frames", "20", "--threads", "2", "--profile"})["profile"];
   double shares = 0, longest = 0;
   std::string bottleneck;
   for (const auto& [stage, row] : profile["stages"].items()) {
@@ -89,7 +88,8 @@ TEST(CliReport, ProfileOfALongRunIsThatOfTheFramesLookedAt) {
 }
 
 TEST(CliReport, ProfileHasRecentTimesAndTheUseOfLanes) {
-  const std::vector<std::string> words = {"--scene", "pile", "--particles", "3000", "--frames", "20", "--threads", "1", "--profile"};
+  const std::vector<std::string> words = {"--scene", "pile",      "--particles", "3000",     "--frames",
+                                          "20",      "--threads", "1",           "--profile"};
   const Json profile = json_report(words)["profile"];
   EXPECT_EQ(profile["recent_frames"], 240);
   for (const auto& [stage, row] : profile["stages"].items()) {  // fewer frames than are recent
@@ -109,52 +109,35 @@ TEST(CliReport, ProfileHasRecentTimesAndTheUseOfLanes) {
 
 TEST(CliReport, JsonHasItsKeys) {
   const Json report = json_report({"--particles", "500", "--frames", "4", "--seed", "7"});
-  EXPECT_EQ(keys(report), (std::vector<std::string>{"bodies",
-                                                    "budget_ms",
-                                                    "compiler",
-                                                    "counts",
-                                                    "dt",
-                                                    "energy",
-                                                    "escaped",
-                                                    "frame_ms",
-                                                    "frames",
-                                                    "frames_over_budget",
-                                                    "isa",
-                                                    "lanes",
-                                                    "ledger",
-                                                    "max_penetration",
-                                                    "memory_bytes",
-                                                    "momentum",
-                                                    "phase_ms",
-                                                    "scene",
-                                                    "seed",
-                                                    "simd",
-                                                    "skipped",
-                                                    "state_hash",
-                                                    "substeps",
-                                                    "threads",
-                                                    "version",
-                                                    "virial"}));
-  EXPECT_EQ(keys(report["bodies"]),
-            (std::vector<std::string>{"asleep", "awake", "dynamic", "static", "total"}));
+  EXPECT_EQ(keys(report), (std::vector<std::string>{"bodies",       "budget_ms",
+                                                    "compiler",     "counts",
+                                                    "dt",           "energy",
+                                                    "escaped",      "frame_ms",
+                                                    "frames",       "frames_over_budget",
+                                                    "isa",          "lanes",
+                                                    "ledger",       "max_penetration",
+                                                    "memory_bytes", "momentum",
+                                                    "phase_ms",     "scene",
+                                                    "seed",         "simd",
+                                                    "skipped",      "state_hash",
+                                                    "substeps",     "threads",
+                                                    "version",      "virial"}));
+  EXPECT_EQ(keys(report["bodies"]), (std::vector<std::string>{"asleep", "awake", "dynamic", "static", "total"}));
   EXPECT_EQ(keys(report["ledger"]),
-            (std::vector<std::string>{"asleep_mean", "bodies_renewed", "fast_frames", "fast_mean",
-                                      "lists_kept_frames", "lists_renewed_frames", "pairs_reused_mean", "stages", "substeps_saved"}));
+            (std::vector<std::string>{"asleep_mean", "bodies_renewed", "fast_frames", "fast_mean", "lists_kept_frames",
+                                      "lists_renewed_frames", "pairs_reused_mean", "stages", "substeps_saved"}));
   for (const auto& [stage, frames] : report["ledger"]["stages"].items()) {
     EXPECT_EQ(frames["run"].get<int>() + frames["skipped"].get<int>(), 4) << stage;
   }
   EXPECT_EQ(report["ledger"]["stages"]["joints"]["skipped"], 4);
   EXPECT_EQ(report["ledger"]["stages"]["solver.restitution"]["run"], 4);
-  EXPECT_EQ(keys(report["frame_ms"]),
-            (std::vector<std::string>{"max", "mean", "p50", "p95", "p99"}));
+  EXPECT_EQ(keys(report["frame_ms"]), (std::vector<std::string>{"max", "mean", "p50", "p95", "p99"}));
   EXPECT_EQ(keys(report["phase_ms"]),
-            (std::vector<std::string>{"broad_phase", "constraints", "integration", "narrow_phase",
-                                      "publish"}));
+            (std::vector<std::string>{"broad_phase", "constraints", "integration", "narrow_phase", "publish"}));
   for (const Json& phase : report["phase_ms"]) {
     EXPECT_EQ(keys(phase), (std::vector<std::string>{"max", "mean", "p99"}));
   }
-  EXPECT_EQ(keys(report["counts"]),
-            (std::vector<std::string>{"colours", "contacts", "neighbour_rebuilds", "pairs"}));
+  EXPECT_EQ(keys(report["counts"]), (std::vector<std::string>{"colours", "contacts", "neighbour_rebuilds", "pairs"}));
   EXPECT_EQ(keys(report["simd"]), (std::vector<std::string>{"lanes_scalar", "lanes_vector"}));
   EXPECT_EQ(keys(report["energy"]),
             (std::vector<std::string>{"kinetic", "kinetic_start", "potential", "potential_start"}));
@@ -169,8 +152,8 @@ TEST(CliReport, JsonHasItsKeys) {
 TEST(CliReport, OptionsOverrideTheScene) {
   const ScratchFolder folder;
   const std::string scene = folder.write("small.json", kSmallScene);
-  const Json report = json_report({"--scene", scene, "--frames", "2", "--dt", "0.01", "--substeps",
-                                   "3", "--threads", "2", "--isa", "scalar", "--budget", "1e-6"});
+  const Json report = json_report({"--scene", scene, "--frames", "2", "--dt", "0.01", "--substeps", "3", "--threads",
+                                   "2", "--isa", "scalar", "--budget", "1e-6"});
   EXPECT_EQ(report["scene"], "small");
   EXPECT_EQ(report["dt"], 0.01);
   EXPECT_EQ(report["substeps"], 3);
@@ -192,10 +175,9 @@ TEST(CliReport, ASeedGivesTheSameRunAgainAndAnotherSeedAnotherRun) {
 TEST(CliReport, NoBodiesAndNoFramesAreAValidRun) {
   const ScratchFolder folder;
   const std::string scene = folder.write(
-      "empty.json",
-      R"({"psim": 1, "name": "empty", "world": {"bounds": [0, 0, 1, 1], "boundary": "walls"}})");
-  const Json report = json_report({"--scene", scene, "--frames", "5", "--state",
-                                   folder.file("s.csv"), "--image", folder.file("i.png")});
+      "empty.json", R"({"psim": 1, "name": "empty", "world": {"bounds": [0, 0, 1, 1], "boundary": "walls"}})");
+  const Json report = json_report(
+      {"--scene", scene, "--frames", "5", "--state", folder.file("s.csv"), "--image", folder.file("i.png")});
   EXPECT_EQ(report["bodies"]["total"], 0);
   EXPECT_EQ(report["frames"], 5);
   EXPECT_EQ(read_file(folder.file("s.csv")), "id,x,y,angle,vx,vy,omega\n");
@@ -214,16 +196,15 @@ TEST(CliReport, BenchmarkPrintsThreeTables) {
   const std::string scene = folder.write("small.json", kSmallScene);
   const Outcome outcome = run_psim({"--benchmark", "--scene", scene, "--frames", "3"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* word :
-       {"By particle count", "By threads", "efficiency", "By instruction set", "whole frame"}) {
+  for (const char* word : {"By particle count", "By threads", "efficiency", "By instruction set", "whole frame"}) {
     EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
   }
 }
 
 TEST(CliReport, CtrlCEndsTheRunAndStillReports) {
   const ScratchFolder folder;
-  Process psim(PSIM_PROGRAM, {"--particles", "100", "--frames", "1000000000", "--report", "json",
-                              "--state", folder.file("s.csv")});
+  Process psim(PSIM_PROGRAM,
+               {"--particles", "100", "--frames", "1000000000", "--report", "json", "--state", folder.file("s.csv")});
   ASSERT_TRUE(psim.waits_for(SIGINT));
   psim.signal(SIGINT);
   const Outcome outcome = psim.wait();

@@ -35,15 +35,13 @@ TEST(CliRigid, ForeignScenesSayWhatIsLeftOut) {
     "joint": [{"type": "gear", "bodyA": 0, "bodyB": 1}]})");
   const Outcome outcome = run_psim({"--scene", scene, "--frames", "2"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("level.rube: joint[0]: a gear joint is left out\n"), std::string::npos)
-      << outcome.err;
+  EXPECT_NE(outcome.err.find("level.rube: joint[0]: a gear joint is left out\n"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.out.find("scene level  2 bodies"), std::string::npos) << outcome.out;
 }
 
 TEST(CliRigid, BadShapesAreRefusedInOneLine) {
   const ScratchFolder folder;
-  const std::string scene =
-      folder.write("bad.json", R"({"psim": 1, "world": {"bounds": [0, 0, 9, 9]}, "bodies": [
+  const std::string scene = folder.write("bad.json", R"({"psim": 1, "world": {"bounds": [0, 0, 9, 9]}, "bodies": [
 {"position": [1, 1], "shape": {"polygon": {"vertices": [[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]]}}}]})");
   expect_refused(run_psim({"--scene", scene}), {"bad.json:2:", "polygon", "convex"});
 }

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "collide_batch.h"
 #include "kernel_support.h"
+#include "manifolds/collide_batch.h"
 
 namespace psim::test {
 namespace {
@@ -22,9 +22,7 @@ struct HullPair {
   float dx = 0, dy = 0, margin = 0;
 };
 
-Rotor rotor(double angle) {
-  return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
-}
+Rotor rotor(double angle) { return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}; }
 
 Hull box(double width, double height, double radius) {
   Hull h;
@@ -164,8 +162,7 @@ Manifold of_lane(const HullPairs& c, std::uint32_t l) {
   m.ny = c.ny[l];
   for (int k = 0; k < 2 && (c.has[k] >> l & 1) != 0; ++k) {
     const HullPairs::Point& p = c.point[k];
-    m.point[m.count++] = {p.ax[l], p.ay[l], p.bx[l], p.by[l], p.gap[l],
-                          static_cast<std::uint16_t>(p.feature[l])};
+    m.point[m.count++] = {p.ax[l], p.ay[l], p.bx[l], p.by[l], p.gap[l], static_cast<std::uint16_t>(p.feature[l])};
   }
   return m;
 }

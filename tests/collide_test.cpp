@@ -1,5 +1,5 @@
 // Contacts of two hulls against an oracle in double precision.
-#include "collide.h"
+#include "manifolds/collide.h"
 
 #include <gtest/gtest.h>
 
@@ -65,8 +65,7 @@ TEST(Collide, LeastGapIsTheDistanceAndTheNormalAUnitVector) {
     const double truth = s.truth(), gap = least_gap(m);
     const bool cores_apart = truth > -s.a.radius - s.b.radius;
     // In overlap a face of A is taken if it is all but the best.
-    ASSERT_NEAR(gap, truth,
-                cores_apart ? 6e-6 * s.size() : 1.1e-3 * std::min(s.a.reach, s.b.reach));
+    ASSERT_NEAR(gap, truth, cores_apart ? 6e-6 * s.size() : 1.1e-3 * std::min(s.a.reach, s.b.reach));
   });
 }
 
@@ -176,8 +175,7 @@ TEST(Collide, AMirroredPairGivesMirroredBits) {
   int twos = 0;
   for_random_pairs(120, [&](const Scene& s, auto&) {
     const Manifold m = s.manifold(0.1f);
-    const Manifold r = collide(mirrored(s.a), {s.qa.c, -s.qa.s}, mirrored(s.b), {s.qb.c, -s.qb.s},
-                               -s.dx, s.dy, 0.1f);
+    const Manifold r = collide(mirrored(s.a), {s.qa.c, -s.qa.s}, mirrored(s.b), {s.qb.c, -s.qb.s}, -s.dx, s.dy, 0.1f);
     ASSERT_EQ(m.count, r.count);
     ASSERT_EQ(m.nx, -r.nx);
     ASSERT_EQ(m.ny, r.ny);
@@ -224,8 +222,7 @@ TEST(Collide, FeaturesStayWhileABoxRocksAndSlides) {
   std::uint16_t first[2] = {};
   for (int k = 0; k < 200; ++k) {
     const double angle = 1e-3 * std::sin(0.3 * k);
-    const Manifold m =
-        collide(ground, {}, b, rotor(angle), 0.01f * static_cast<float>(k), 1.5f, 0.05f);
+    const Manifold m = collide(ground, {}, b, rotor(angle), 0.01f * static_cast<float>(k), 1.5f, 0.05f);
     ASSERT_EQ(m.count, 2);
     for (int i = 0; i < 2; ++i) {
       if (k == 0) first[i] = m.point[i].feature;
@@ -250,10 +247,9 @@ TEST(Collide, FeaturesStayWhileABoxRocksAndSlides) {
     const double angle = 0.05 * std::sin(0.3 * k), tilt = 0.7;
     const double height = 1.4 + 0.5 * std::fabs(std::sin(angle));
     const double shift = 0.3;  // so that the lower corner is beyond A's edge half of the time
-    const Manifold m =
-        collide(round, rotor(tilt), round, rotor(tilt + angle),
-                static_cast<float>(shift * std::cos(tilt) - height * std::sin(tilt)),
-                static_cast<float>(shift * std::sin(tilt) + height * std::cos(tilt)), 0.2f);
+    const Manifold m = collide(round, rotor(tilt), round, rotor(tilt + angle),
+                               static_cast<float>(shift * std::cos(tilt) - height * std::sin(tilt)),
+                               static_cast<float>(shift * std::sin(tilt) + height * std::cos(tilt)), 0.2f);
     ASSERT_EQ(m.count, 2);
     references += std::fabs(m.nx + std::sin(tilt)) < 1e-5;
     for (int i = 0; i < 2; ++i) {
@@ -267,8 +263,7 @@ TEST(Collide, FeaturesStayWhileABoxRocksAndSlides) {
   for (int k = 0; k < 200; ++k) {
     const double angle = kPi / 4 + 0.3 * std::sin(0.3 * k);
     const double height = std::sqrt(0.5) * std::cos(angle - kPi / 4);
-    const Manifold m =
-        collide(ground, {}, b, rotor(angle), 0, static_cast<float>(1 + height), 0.05f);
+    const Manifold m = collide(ground, {}, b, rotor(angle), 0, static_cast<float>(1 + height), 0.05f);
     ASSERT_EQ(m.count, 1);
     if (k == 0) first[0] = m.point[0].feature;
     EXPECT_EQ(m.point[0].feature, first[0]);

@@ -8,9 +8,8 @@ namespace psim::test {
 namespace {
 
 bool same(const Contact& a, const Contact& b) {
-  return a.a == b.a && a.b == b.b && a.point.x == b.point.x && a.point.y == b.point.y &&
-         a.normal.x == b.normal.x && a.normal.y == b.normal.y && a.separation == b.separation &&
-         a.impulse == b.impulse && a.friction == b.friction;
+  return a.a == b.a && a.b == b.b && a.point.x == b.point.x && a.point.y == b.point.y && a.normal.x == b.normal.x &&
+         a.normal.y == b.normal.y && a.separation == b.separation && a.impulse == b.impulse && a.friction == b.friction;
 }
 
 std::vector<Contact> listed(World& world) {
@@ -23,8 +22,7 @@ double borne(World& world, std::uint32_t ground = kNoBody.index) {
   double sum = 0;
   for (const Contact& c : world.contacts()) {
     if (c.b.index == ground) sum -= c.impulse * c.normal.y + c.friction * c.normal.x;  // on a
-    if (c.a.index == ground && ground != kNoBody.index)
-      sum += c.impulse * c.normal.y + c.friction * c.normal.x;
+    if (c.a.index == ground && ground != kNoBody.index) sum += c.impulse * c.normal.y + c.friction * c.normal.x;
   }
   return sum;
 }
@@ -52,10 +50,8 @@ void expect_sound(World& world) {
       if (id == kNoBody || state(world, id).type == BodyType::static_body) continue;
       const BodyState s = state(world, id);
       const double x = c.point.x - s.x, y = c.point.y - s.y;
-      EXPECT_LE(std::hypot(x, y), 1.01 * s.radius + std::fabs(c.separation))
-          << c.a.index << " " << c.b.index;
-      EXPECT_GT((x * c.normal.x + y * c.normal.y) * (id == c.a ? 1 : -1), 0)
-          << c.a.index << " " << c.b.index;
+      EXPECT_LE(std::hypot(x, y), 1.01 * s.radius + std::fabs(c.separation)) << c.a.index << " " << c.b.index;
+      EXPECT_GT((x * c.normal.x + y * c.normal.y) * (id == c.a ? 1 : -1), 0) << c.a.index << " " << c.b.index;
     }
   }
 }
@@ -64,8 +60,7 @@ TEST(Contacts, ADiscAtRestIsHeldByItsWeight) {
   for (const bool wall : {true, false}) {
     for (const double mass : {1.0, 7.0}) {
       auto world = make(awake(walled({-10, 0, 10, 10})));
-      const std::uint32_t floor =
-          wall ? kNoBody.index : add(*world, fixed(box({0, 1}, 8, 1))).index;
+      const std::uint32_t floor = wall ? kNoBody.index : add(*world, fixed(box({0, 1}, 8, 1))).index;
       BodyDesc body = disc({1, wall ? 0.5 : 2.0});
       body.mass = mass;
       const BodyId id = add(*world, body);
@@ -92,8 +87,8 @@ TEST(Contacts, AStackOfThreeCarriesThreeTwoOne) {
       std::vector<BodyId> ids;
       for (int k = 0; k < 3; ++k) {
         const Vec2 at{0, 0.5 + k};
-        ids.push_back(add(*world, boxes ? box(at, 1, 1, material(0, friction))
-                                        : disc(at, {}, 0.5, material(0, friction))));
+        ids.push_back(
+            add(*world, boxes ? box(at, 1, 1, material(0, friction)) : disc(at, {}, 0.5, material(0, friction))));
       }
       run(*world, 120);
       const double mass = boxes ? 1 : kPi / 4, weight = mass * kG / 60;
@@ -105,9 +100,8 @@ TEST(Contacts, AStackOfThreeCarriesThreeTwoOne) {
         EXPECT_NEAR(c.normal.x, 0, 1e-5);
       }
       ASSERT_EQ(sum.size(), 3u);
-      const std::pair<std::uint32_t, std::uint32_t> joints[] = {{ids[0].index, kNoBody.index},
-                                                                {ids[0].index, ids[1].index},
-                                                                {ids[1].index, ids[2].index}};
+      const std::pair<std::uint32_t, std::uint32_t> joints[] = {
+          {ids[0].index, kNoBody.index}, {ids[0].index, ids[1].index}, {ids[1].index, ids[2].index}};
       for (int k = 0; k < 3; ++k) {
         ASSERT_TRUE(sum.contains(joints[k]));
         EXPECT_NEAR(sum[joints[k]].first, (3 - k) * weight, 1e-3 * weight) << k;
@@ -143,9 +137,7 @@ TEST(Contacts, FrictionHoldsABoxOnASlope) {
   auto world = make(awake(unbounded(50)));
   add(*world, turned(fixed(box({0, 0}, 20, 1, material(0, 0.8))), angle));
   const double across = 1.0;  // centre to centre
-  add(*world,
-      turned(box({-across * std::sin(angle), across * std::cos(angle)}, 1, 1, material(0, 0.8)),
-             angle));
+  add(*world, turned(box({-across * std::sin(angle), across * std::cos(angle)}, 1, 1, material(0, 0.8)), angle));
   run(*world, 120);
   double normal = 0, along = 0;
   for (const Contact& c : world->contacts()) {
@@ -162,8 +154,7 @@ TEST(Contacts, FrictionHoldsABoxOnASlope) {
 TEST(Contacts, AFloorBearsTheWeightOfAPile) {
   for (const double friction : {0.0, 0.4}) {
     for (const bool sleeping : {false, true}) {
-      if (sleeping && friction == 0)
-        continue;  // keeps what it carried in one moment of its creeping
+      if (sleeping && friction == 0) continue;  // keeps what it carried in one moment of its creeping
       WorldDesc desc = unbounded(60);
       desc.sleeping = sleeping;
       auto world = make(desc);
@@ -204,8 +195,7 @@ TEST(Contacts, HoldEveryBodyOfAPileUp) {
   run(*world, 1500);
   std::map<std::uint32_t, Vec2> on;
   for (const Contact& c : world->contacts()) {
-    const Vec2 j{c.impulse * c.normal.x - c.friction * c.normal.y,
-                 c.impulse * c.normal.y + c.friction * c.normal.x};
+    const Vec2 j{c.impulse * c.normal.x - c.friction * c.normal.y, c.impulse * c.normal.y + c.friction * c.normal.x};
     on[c.a.index].x -= j.x, on[c.a.index].y -= j.y;
     on[c.b.index].x += j.x, on[c.b.index].y += j.y;
   }
@@ -258,8 +248,7 @@ TEST(Contacts, AreTheSameOnEveryIsaAndThreadCount) {
     for (const int threads : kSanitized ? std::vector{5} : std::vector{1, 2, 5}) {
       auto world = make(walled({0, 0, 40, 60}, {0, -kG}, material(0, 0.3)), isa, threads);
       add(*world, lattice(700, {0.5, 0.5, 39.5, 25}, 0.5, 1, material(0.2, 0.3)));
-      for (int k = 0; k < 20; ++k)
-        add(*world, box({1.5 + 1.8 * k, 27}, 1.2, 0.8, material(0, 0.3)));
+      for (int k = 0; k < 20; ++k) add(*world, box({1.5 + 1.8 * k, 27}, 1.2, 0.8, material(0, 0.3)));
       std::vector<std::vector<Contact>> all;
       for (int k = 0; k < 200; ++k) {
         world->step();
@@ -269,9 +258,7 @@ TEST(Contacts, AreTheSameOnEveryIsaAndThreadCount) {
       if (first.empty()) first = all;
       ASSERT_EQ(all.size(), first.size());
       for (std::size_t k = 0; k < all.size(); ++k) {
-        EXPECT_TRUE(
-            std::equal(all[k].begin(), all[k].end(), first[k].begin(), first[k].end(), same))
-            << k;
+        EXPECT_TRUE(std::equal(all[k].begin(), all[k].end(), first[k].begin(), first[k].end(), same)) << k;
       }
     }
   }
@@ -382,8 +369,7 @@ TEST(Contacts, WeighAlikeInEveryModel) {
       const std::vector<Contact> c = listed(*world);
       ASSERT_EQ(c.size(), 4u);
       for (int k = 0; k < 4; ++k)
-        EXPECT_NEAR(c[static_cast<std::size_t>(k)].impulse, (kind == 1 ? 3 + k : 3) * kG / 60, 1e-3)
-            << kind;
+        EXPECT_NEAR(c[static_cast<std::size_t>(k)].impulse, (kind == 1 ? 3 + k : 3) * kG / 60, 1e-3) << kind;
     }
   }
 }

@@ -1,5 +1,5 @@
 // The rasterizer: every pixel's share of a figure is its exact area there, for any size and place.
-#include "../src/psim/coverage.h"
+#include "picture/coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "../src/psim/outline.h"
+#include "picture/outline.h"
 
 namespace psim::cli {
 namespace {
@@ -25,8 +25,7 @@ Shares shares_of(const std::vector<std::vector<Point>>& loops) {
   for (int y = 0; y < kSide; ++y) {
     const Coverage::Row row = coverage.take_row(y);
     for (std::size_t i = 0; i < row.shares.size(); ++i) {
-      shares[static_cast<std::size_t>(y * kSide + row.left) + i] =
-          static_cast<double>(row.shares[i]);
+      shares[static_cast<std::size_t>(y * kSide + row.left) + i] = static_cast<double>(row.shares[i]);
     }
   }
   return shares;
@@ -103,15 +102,12 @@ TEST(Coverage, EveryPixelOfAPolygonHasItsArea) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-5, kSide + 5), size(0.3, 30), angle(0, 6.3);
   for (int k = 0; k < 40; ++k) {  // some of them reach out of the picture
-    const auto polygon =
-        regular(3 + k % 6, place(random), place(random), size(random), angle(random));
+    const auto polygon = regular(3 + k % 6, place(random), place(random), size(random), angle(random));
     const Shares shares = shares_of({polygon});
     for (int y = 0; y < kSide; y += 3) {
       for (int x = 0; x < kSide; ++x) {
-        const double wanted =
-            sampled(x, y, [&](double u, double v) { return is_within(polygon, u, v); });
-        ASSERT_NEAR(shares[static_cast<std::size_t>(y * kSide + x)], wanted, 0.03)
-            << k << ' ' << x << ' ' << y;
+        const double wanted = sampled(x, y, [&](double u, double v) { return is_within(polygon, u, v); });
+        ASSERT_NEAR(shares[static_cast<std::size_t>(y * kSide + x)], wanted, 0.03) << k << ' ' << x << ' ' << y;
       }
     }
   }
@@ -137,8 +133,7 @@ TEST(Coverage, DiscsOfEverySizeHaveTheirArea) {
   for (const double r : {0.02, 0.1, 0.3, 0.36, 0.5, 0.7, 1.0, 1.65, 3.0, 7.7, 18.0}) {
     for (const double shift : {0.0, 0.13, 0.5, 0.77}) {
       const double area = std::numbers::pi * r * r;
-      EXPECT_NEAR(sum(shares_of({disc(20 + shift, 20 - shift / 2, r)})), area, 1e-3 * area + 1e-5)
-          << r;
+      EXPECT_NEAR(sum(shares_of({disc(20 + shift, 20 - shift / 2, r)})), area, 1e-3 * area + 1e-5) << r;
     }
   }
 }
@@ -149,8 +144,7 @@ TEST(Coverage, EveryPixelOfADiscIsRight) {
     const Shares shares = shares_of({disc(cx, cy, r)});
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
-        const double wanted =
-            sampled(x, y, [&](double u, double v) { return std::hypot(u - cx, v - cy) < r; });
+        const double wanted = sampled(x, y, [&](double u, double v) { return std::hypot(u - cx, v - cy) < r; });
         EXPECT_NEAR(shares[static_cast<std::size_t>(y * kSide + x)], wanted, 0.04) << r;
       }
     }
@@ -172,8 +166,7 @@ TEST(Coverage, ALoopTheOtherWayRoundIsAHole) {
 }
 
 TEST(Coverage, WhatIsOutsideLeavesNoTrace) {
-  for (const Point at :
-       {Point{-30, 20}, Point{80, 20}, Point{20, -30}, Point{20, 80}, Point{1e12, -1e12}}) {
+  for (const Point at : {Point{-30, 20}, Point{80, 20}, Point{20, -30}, Point{20, 80}, Point{1e12, -1e12}}) {
     EXPECT_NEAR(sum(shares_of({disc(at.x, at.y, 9)})), 0, 1e-4);
   }
   EXPECT_NEAR(sum(shares_of({disc(0, 0, 10)})), 25 * std::numbers::pi, 0.05);  // a quarter

@@ -55,17 +55,13 @@ std::unique_ptr<World> with_statics(std::size_t n, Isa isa, int threads) {
 }
 
 const Case kCases[] = {
-    {"Gas", [](std::size_t n, Isa isa,
-               int threads) { return gas_in_walls(n, 0.1, material(0.5), 10, isa, threads); }},
-    {"ElasticGas", [](std::size_t n, Isa isa,
-                      int threads) { return gas_in_walls(n, 0.3, material(1), 10, isa, threads); }},
+    {"Gas", [](std::size_t n, Isa isa, int threads) { return gas_in_walls(n, 0.1, material(0.5), 10, isa, threads); }},
+    {"ElasticGas",
+     [](std::size_t n, Isa isa, int threads) { return gas_in_walls(n, 0.3, material(1), 10, isa, threads); }},
     {"Pile", [](std::size_t n, Isa isa, int threads) { return pile(n, {}, isa, threads); }},
-    {"RoughPile",
-     [](std::size_t n, Isa isa, int threads) { return pile(n, material(0.3, 0.5), isa, threads); }},
+    {"RoughPile", [](std::size_t n, Isa isa, int threads) { return pile(n, material(0.3, 0.5), isa, threads); }},
     {"Periodic",
-     [](std::size_t n, Isa isa, int threads) {
-       return gas_in_period(n, 0.4, material(0.9, 0.2), 10, isa, threads);
-     }},
+     [](std::size_t n, Isa isa, int threads) { return gas_in_period(n, 0.4, material(0.9, 0.2), 10, isa, threads); }},
     {"MixedRadii", mixed},
     {"Fields", with_fields<Integrator::verlet>},
     {"FieldsByEuler", with_fields<Integrator::euler>},
@@ -99,9 +95,7 @@ void expect_same_bits(const Case& c, std::size_t n, int frames, const std::vecto
 class Determinism : public testing::TestWithParam<Case> {};
 class SlowDeterminism : public testing::TestWithParam<Case> {};
 
-TEST_P(Determinism, SameBitsFromEveryIsaAndThreadCount) {
-  expect_same_bits(GetParam(), 600, 60, {1, 2, 3, 8});
-}
+TEST_P(Determinism, SameBitsFromEveryIsaAndThreadCount) { expect_same_bits(GetParam(), 600, 60, {1, 2, 3, 8}); }
 
 TEST_P(Determinism, TwoRunsAreEqual) {
   auto a = GetParam().build(500, best_isa(), 3);
@@ -224,8 +218,7 @@ JobSystem backwards(std::atomic<std::uint64_t>& calls) {
 JobSystem threads_each_time(std::atomic<std::uint64_t>& calls, int workers) {
   JobSystem jobs;
   jobs.workers = workers;
-  jobs.parallel_for = [&calls, workers](std::size_t count,
-                                        const std::function<void(std::size_t)>& job) {
+  jobs.parallel_for = [&calls, workers](std::size_t count, const std::function<void(std::size_t)>& job) {
     ++calls;
     std::atomic<std::size_t> next{0};
     std::vector<std::thread> crew;

@@ -1,7 +1,7 @@
 // What a step tells: touching pairs, hits, sensors.
 #include <set>
 
-#include "reference/outlines.h"
+#include "body_outlines.h"
 #include "sanitized.h"
 #include "support.h"
 
@@ -137,8 +137,7 @@ TEST(Events, AreTheSameForEveryIsaAndThreadCount) {
   for (const Isa isa : available_isas()) {
     for (const int threads : thread_counts()) {
       auto world = bin(600, material(0.3, 0.4), isa, threads);
-      for (int k = 0; k < 30; ++k)
-        add(*world, box({3.0 + 0.7 * k, 40 + 1.1 * k}, 0.8, 0.6, material(0.3, 0.4)));
+      for (int k = 0; k < 30; ++k) add(*world, box({3.0 + 0.7 * k, 40 + 1.1 * k}, 0.8, 0.6, material(0.3, 0.4)));
       BodyDesc eye = box({10, 5}, 8, 6);
       eye.type = BodyType::static_body;
       eye.sensor = true;
@@ -153,8 +152,7 @@ TEST(Events, AreTheSameForEveryIsaAndThreadCount) {
           for (const TouchEvent& t : list) told.insert(told.end(), {t.a.index, t.b.index});
         }
         for (const HitEvent& h : e.hits) {
-          told.insert(told.end(), {h.a.index, h.b.index,
-                                   static_cast<std::uint32_t>(std::lround(1e6 * h.speed))});
+          told.insert(told.end(), {h.a.index, h.b.index, static_cast<std::uint32_t>(std::lround(1e6 * h.speed))});
         }
       }
       if (first.empty()) first = told;
@@ -271,8 +269,7 @@ TEST_P(Hits, TellHowFastTwoDiscsMet) {
 TEST_P(Hits, TellHowFastFixedThingsAreHit) {
   const auto [name, e, speed] = GetParam();
   for (const int kind : {0, 1, 2, 3}) {
-    auto world =
-        make(kind == 0 ? walled({-5, -5, 5, 5}, {0, 0}, material(e)) : unbounded(100, {0, 0}));
+    auto world = make(kind == 0 ? walled({-5, -5, 5, 5}, {0, 0}, material(e)) : unbounded(100, {0, 0}));
     world->set_event_options(all_events(0.5 * speed));
     BodyId fixed = kNoBody;
     if (kind == 1) fixed = add(*world, segment({5, -9}, {5, 9}, material(e)));
@@ -304,9 +301,8 @@ TEST_P(Hits, TellHowFastFixedThingsAreHit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, Hits,
-                         testing::Values(Impact{"DullSlow", 0, 1}, Impact{"Dull", 0, 8},
-                                         Impact{"DullFast", 0, 60}, Impact{"Slow", 0.5, 1},
-                                         Impact{"Middling", 0.5, 8}, Impact{"Fast", 0.5, 60},
+                         testing::Values(Impact{"DullSlow", 0, 1}, Impact{"Dull", 0, 8}, Impact{"DullFast", 0, 60},
+                                         Impact{"Slow", 0.5, 1}, Impact{"Middling", 0.5, 8}, Impact{"Fast", 0.5, 60},
                                          Impact{"Elastic", 1, 8}, Impact{"ElasticFast", 1, 60}),
                          [](const auto& info) { return std::string(info.param.name); });
 
@@ -405,8 +401,8 @@ TEST(Sensors, TellWhoIsInThemAsBruteForceDoes) {
               for (int y = -1; y <= 1; ++y) {
                 if (boundary != Boundary::periodic && (x != 0 || y != 0)) continue;
                 const Vec2 at{o.x + 30 * x + dx, o.y + 30 * y + dy};
-                for (const auto& p : reference::outlines(bodies[a].shape, {s.x, s.y}, s.angle)) {
-                  for (const auto& q : reference::outlines(bodies[b].shape, at, o.angle)) {
+                for (const auto& p : outlines(bodies[a].shape, {s.x, s.y}, s.angle)) {
+                  for (const auto& q : outlines(bodies[b].shape, at, o.angle)) {
                     least = std::min(least, distance(p, q));
                   }
                 }
@@ -417,8 +413,7 @@ TEST(Sensors, TellWhoIsInThemAsBruteForceDoes) {
           const double fuzz = 1e-5, least = apart(0, 0);
           EXPECT_TRUE(!told || least < fuzz) << a << " " << b;
           if (!told && least == 0) {  // unless they only just touch
-            EXPECT_GT(apart(fuzz, 0) + apart(-fuzz, 0) + apart(0, fuzz) + apart(0, -fuzz), 0)
-                << a << " " << b;
+            EXPECT_GT(apart(fuzz, 0) + apart(-fuzz, 0) + apart(0, fuzz) + apart(0, -fuzz), 0) << a << " " << b;
           }
           seen += told ? 1 : 0;
         }

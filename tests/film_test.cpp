@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "../src/psim/film_clock.h"
-#include "../src/psim/picture_view.h"
+#include "picture/film_clock.h"
+#include "picture/picture_view.h"
 
 namespace psim::cli {
 namespace {
@@ -36,8 +36,7 @@ TEST(FilmClock, OthersLieBetweenFrames) {
   EXPECT_EQ(times({1.0 / 30, 60, {}}, 2), (Times{0, 0.5, 1, 1.5, 2}));
   const Times at = times({1.0 / 60, 25, {}}, 10);
   ASSERT_EQ(at.size(), 5u);
-  for (std::size_t k = 0; k < at.size(); ++k)
-    EXPECT_NEAR(at[k], 2.4 * static_cast<double>(k), 1e-9);
+  for (std::size_t k = 0; k < at.size(); ++k) EXPECT_NEAR(at[k], 2.4 * static_cast<double>(k), 1e-9);
   EXPECT_EQ(times({1.0, 10, {}}, 1).size(), 11u);
 }
 

@@ -62,8 +62,7 @@ bool falls_through(BodyDesc above, BodyDesc below) {
 
 TEST(Filters, DecideWhetherTwoDiscsMeet) {
   for (const Rule& rule : kRules) {
-    EXPECT_EQ(falls_through(with(disc({0, 2}), rule.a), with(disc({0, 0}), rule.b)), !rule.meet)
-        << &rule - kRules;
+    EXPECT_EQ(falls_through(with(disc({0, 2}), rule.a), with(disc({0, 0}), rule.b)), !rule.meet) << &rule - kRules;
   }
 }
 
@@ -81,14 +80,12 @@ TEST(Filters, DecideWhatFixedThingsHoldDiscs) {
 TEST(Filters, DecideForBodiesWithCorners) {
   for (const Rule& rule : kRules) {
     const BodyDesc crate = with(box({0, 2}, 1, 1), rule.a);
-    for (const BodyDesc& floor : {box({0, 0}, 3, 1), disc({0, 0}), fixed(box({0, 0}, 3, 1)),
-                                  segment({-2, 0}, {2, 0}), static_disc({0, 0}, 0.5)}) {
+    for (const BodyDesc& floor : {box({0, 0}, 3, 1), disc({0, 0}), fixed(box({0, 0}, 3, 1)), segment({-2, 0}, {2, 0}),
+                                  static_disc({0, 0}, 0.5)}) {
       EXPECT_EQ(falls_through(crate, with(floor, rule.b)), !rule.meet)
           << &rule - kRules << ", shape " << floor.shape.index();
     }
-    EXPECT_EQ(falls_through(with(disc({0, 2}), rule.a), with(box({0, 0}, 3, 1), rule.b)),
-              !rule.meet)
-        << &rule - kRules;
+    EXPECT_EQ(falls_through(with(disc({0, 2}), rule.a), with(box({0, 0}, 3, 1), rule.b)), !rule.meet) << &rule - kRules;
   }
 }
 
@@ -118,12 +115,10 @@ TEST(Filters, OfTwoMixedGasesKeepThemApart) {
   auto world = make(walled({0, 0, 30, 30}, {0, 0}, m));
   std::string error;
   for (int gas = 0; gas < 2; ++gas) {
-    const Discs discs =
-        lattice(100, {0, 0, 30, 30}, 0.5, 5, m, 0.5, static_cast<std::uint64_t>(gas));
+    const Discs discs = lattice(100, {0, 0, 30, 30}, 0.5, 5, m, 0.5, static_cast<std::uint64_t>(gas));
     for (std::size_t k = 0; k < discs.size(); ++k) {
       const auto category = gas == 0 ? 2u : 4u;
-      add(*world, with(disc({discs.x[k], discs.y[k]}, {discs.vx[k], discs.vy[k]}, 0.5, m),
-                       {category, category, 0}));
+      add(*world, with(disc({discs.x[k], discs.y[k]}, {discs.vx[k], discs.vy[k]}, 0.5, m), {category, category, 0}));
     }
   }
   world->set_event_options({true, true, 0, false});
@@ -157,8 +152,7 @@ TEST(Filters, LetAGasOfGhostsFlyStraightOn) {
   std::vector<Vec2> velocity;
   for (int k = 0; k < 40; ++k) {
     velocity.push_back({random.uniform(-6, 6), random.uniform(-6, 6)});
-    add(*world,
-        with(disc({random.uniform(0, 40), random.uniform(0, 40)}, velocity.back()), kGhost));
+    add(*world, with(disc({random.uniform(0, 40), random.uniform(0, 40)}, velocity.back()), kGhost));
   }
   run(*world, 200);
   for (std::uint32_t id = 0; id < 40; ++id) {

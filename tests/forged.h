@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "archive.h"
+#include "state/archive.h"
 
 namespace psim::test {
 

@@ -99,9 +99,7 @@ TEST(Friction, ThreeDiscsStandIffTheFrictionSuffices) {
   EXPECT_LT(top_of_three(0.5, 0.080, 10), height - 0.1);
 }
 
-TEST(Friction, ThreeDiscsStandForAMinute) {
-  EXPECT_NEAR(top_of_three(0.28, 0.28, 60), 0.5 + std::sqrt(3) / 2, 0.02);
-}
+TEST(Friction, ThreeDiscsStandForAMinute) { EXPECT_NEAR(top_of_three(0.28, 0.28, 60), 0.5 + std::sqrt(3) / 2, 0.02); }
 
 TEST(Friction, WithoutAnyNothingTurns) {
   auto world = pile(200);

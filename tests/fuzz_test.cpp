@@ -24,8 +24,7 @@ TEST(FuzzCorpus, EveryInputIsServedOrRefused) {
       {"world", fuzz::world_input}};
   for (const auto& [name, play] : inputs) {
     std::vector<std::filesystem::path> files;
-    for (const auto& file :
-         std::filesystem::directory_iterator(PSIM_SOURCE_DIR "/tests/fuzz/corpus/" + name)) {
+    for (const auto& file : std::filesystem::directory_iterator(PSIM_SOURCE_DIR "/tests/fuzz/corpus/" + name)) {
       files.push_back(file.path());
     }
     EXPECT_GT(files.size(), 3u) << name;

@@ -47,9 +47,7 @@ TEST(Gas, PeriodicKeepsItsMomentum) {
     const Diagnostics before = world->diagnostics();
     run(*world, 600);
     const Diagnostics after = world->diagnostics();
-    EXPECT_LT(
-        std::hypot(after.momentum_x - before.momentum_x, after.momentum_y - before.momentum_y),
-        1e-5 * scale)
+    EXPECT_LT(std::hypot(after.momentum_x - before.momentum_x, after.momentum_y - before.momentum_y), 1e-5 * scale)
         << "e " << m.restitution << " mu " << m.friction;
   }
 }
@@ -80,8 +78,7 @@ TEST(Gas, FollowsTheExactSolution) {
       exact_discs.push_back({{discs.x[k], discs.y[k]}, {discs.vx[k], discs.vy[k]}, 0.5, 1, 0});
     }
     reference::EventDriven exact({side, side, wrap, 0}, 1, exact_discs);
-    auto world =
-        make(wrap ? periodic(side, side) : walled({0, 0, side, side}, {0, 0}, material(1)));
+    auto world = make(wrap ? periodic(side, side) : walled({0, 0, side, side}, {0, 0}, material(1)));
     add(*world, discs);
     double worst = 0;
     for (int frame = 0; frame < 30; ++frame) {
@@ -122,9 +119,8 @@ TEST(Gas, WallsHoldDiscsOfAnySpeed) {
     Random random(9);
     for (int k = 0; k < 20; ++k) {
       const double direction = random.uniform(0, 2 * kPi);
-      add(*world,
-          disc({random.uniform(-15, 15), random.uniform(-15, 15)},
-               {speed * std::cos(direction), speed * std::sin(direction)}, 0.3, material(1)));
+      add(*world, disc({random.uniform(-15, 15), random.uniform(-15, 15)},
+                       {speed * std::cos(direction), speed * std::sin(direction)}, 0.3, material(1)));
     }
     for (int k = 0; k < 120; ++k) {
       world->step();
@@ -156,8 +152,7 @@ TEST(Gas, RunsBackToItsStartWithVelocitiesReversed) {
   const std::vector<double> x(s.x.begin(), s.x.end()), y(s.y.begin(), s.y.end());
   run(*world, 30);
   const PublishedState there = world->published();
-  const std::vector<double> vx(there.vx.begin(), there.vx.end()),
-      vy(there.vy.begin(), there.vy.end());
+  const std::vector<double> vx(there.vx.begin(), there.vx.end()), vy(there.vy.begin(), there.vy.end());
   for (std::uint32_t k = 0; k < 100; ++k) {
     ASSERT_TRUE(world->set_velocity(world->id_of(k), {-vx[k], -vy[k]}, 0));
   }
@@ -178,8 +173,7 @@ TEST(SlowGas, KeepsEnergyAndMomentumOverManySteps) {
   const Diagnostics after = world->diagnostics();
   EXPECT_NEAR(after.kinetic / start, 1, 1e-3);
   const double scale = std::sqrt(2 * start * 1000 * kPi * 0.25);  // rms momentum x n
-  EXPECT_LT(std::hypot(after.momentum_x - before.momentum_x, after.momentum_y - before.momentum_y),
-            1e-5 * scale);
+  EXPECT_LT(std::hypot(after.momentum_x - before.momentum_x, after.momentum_y - before.momentum_y), 1e-5 * scale);
 }
 
 TEST(SlowGas, HasThePressureOfTheHardDiscFluid) {

@@ -180,8 +180,7 @@ TEST(Hardening, ARemovedBodyLeavesItsRadiusToNobody) {
   const BodyId large = add(*world, disc({0, 0}, {}, 3));
   world->step();
   world->remove_body(large);
-  for (int k = 0; k < 7; ++k)
-    add(*world, disc({0.7 * k, 5}, {0.5, 0}, 0.1));  // each 0.5 m from the next
+  for (int k = 0; k < 7; ++k) add(*world, disc({0.7 * k, 5}, {0.5, 0}, 0.1));  // each 0.5 m from the next
   run(*world, 10);
   for (std::uint32_t k = 0; k < 7; ++k) {
     const BodyState s = state(*world, world->id_of(k));
@@ -234,8 +233,7 @@ TEST(Hardening, TheStrongestDampingStopsBodiesWhereTheyAre) {
     WorldDesc desc = walled({-20, -20, 20, 20});
     desc.linear_damping = damping;
     auto world = make(desc);
-    for (int k = 0; k < 5; ++k)
-      add(*world, disc({0.7 * k, 0}, {5, 0}));  // overlapping: the solver's
+    for (int k = 0; k < 5; ++k) add(*world, disc({0.7 * k, 0}, {5, 0}));  // overlapping: the solver's
     run(*world, 10);
     ASSERT_TRUE(all_finite(*world)) << damping;
     EXPECT_TRUE(all_inside(*world));
@@ -272,8 +270,8 @@ TEST(Hardening, DetailsThatNoGovernorChoosesDoNothing) {
   run(*world, 3);
   const std::uint64_t before = world->state_hash();
   for (const StepDetail detail :
-       {StepDetail{4, true, 0, 1}, StepDetail{65, true, 1, 1}, StepDetail{4, true, 9, 1},
-        StepDetail{4, true, 1, 0}, StepDetail{4, true, 1, 9}, StepDetail{4, true, 1, 1, 0, true}}) {
+       {StepDetail{4, true, 0, 1}, StepDetail{65, true, 1, 1}, StepDetail{4, true, 9, 1}, StepDetail{4, true, 1, 0},
+        StepDetail{4, true, 1, 9}, StepDetail{4, true, 1, 1, 0, true}}) {
     world->replay(detail);
     EXPECT_EQ(world->frame(), 3u);
     EXPECT_EQ(world->state_hash(), before);
@@ -290,8 +288,9 @@ TEST(Hardening, AGovernorWithBrokenNumbersIsRefused) {
   }
   desc.budget_ms = 5;
   for (const double bad : {-1.0, kNan, kInf}) {
-    desc.costs = {};
-    desc.costs.pass = bad;
+    CostModel::Numbers numbers = CostModel().numbers();
+    numbers[numbers.size() / 2] = bad;
+    desc.costs = CostModel(numbers);
     EXPECT_FALSE(world->set_governor(desc)) << bad;
   }
   run(*world, 3);

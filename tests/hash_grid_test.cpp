@@ -1,5 +1,5 @@
 // The hashed grid finds every box that a question meets, by brute force; once each; wherever they lie.
-#include "hash_grid.h"
+#include "bodies/hash_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,14 +17,12 @@ struct Box {
 
 // Steps between two places around the lattice.
 std::int64_t apart(std::int32_t a, std::int32_t b) {
-  const auto d =
-      static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+  const auto d = static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
   return std::abs(std::int64_t{d});
 }
 
 bool meet(const Box& a, const Box& b) {
-  return apart(a.x, b.x) <= std::int64_t{a.half_x} + b.half_x &&
-         apart(a.y, b.y) <= std::int64_t{a.half_y} + b.half_y;
+  return apart(a.x, b.x) <= std::int64_t{a.half_x} + b.half_x && apart(a.y, b.y) <= std::int64_t{a.half_y} + b.half_y;
 }
 
 std::int32_t anywhere(Random& random) { return static_cast<std::int32_t>(random.bits() >> 32); }
@@ -60,14 +58,12 @@ struct Model {
     std::vector<std::uint32_t> there;
     for (const Box& box : boxes) there.push_back(box.number);
     std::sort(there.begin(), there.end());
-    EXPECT_TRUE(std::includes(there.begin(), there.end(), out.begin(), out.end()))
-        << "one that is gone";
+    EXPECT_TRUE(std::includes(there.begin(), there.end(), out.begin(), out.end())) << "one that is gone";
     for (const Box& box : boxes) {
       if (meet(box, asked)) {
         EXPECT_TRUE(std::binary_search(out.begin(), out.end(), box.number))
-            << "box " << box.x << ' ' << box.y << " +- " << box.half_x << ' ' << box.half_y
-            << ", asked " << asked.x << ' ' << asked.y << " +- " << asked.half_x << ' '
-            << asked.half_y;
+            << "box " << box.x << ' ' << box.y << " +- " << box.half_x << ' ' << box.half_y << ", asked " << asked.x
+            << ' ' << asked.y << " +- " << asked.half_x << ' ' << asked.half_y;
       }
     }
   }
@@ -80,8 +76,7 @@ struct Model {
 class HashGridOf : public testing::TestWithParam<int> {};  // the shift between the axes' pitches
 INSTANTIATE_TEST_SUITE_P(Shifts, HashGridOf, testing::Values(0, 1, 5, 28, -1, -6, -28),
                          [](const testing::TestParamInfo<int>& info) {
-                           return (info.param < 0 ? "Minus" : "Plus") +
-                                  std::to_string(std::abs(info.param));
+                           return (info.param < 0 ? "Minus" : "Plus") + std::to_string(std::abs(info.param));
                          });
 
 TEST_P(HashGridOf, FindsWhatBruteForceFindsWhileBoxesComeAndGo) {
@@ -93,8 +88,7 @@ TEST_P(HashGridOf, FindsWhatBruteForceFindsWhileBoxesComeAndGo) {
     for (int k = 0; k < 3000; ++k) {
       const bool crowded = random.chance(0.5);  // close together, or anywhere
       const auto place = [&] {
-        return crowded ? static_cast<std::int32_t>(
-                             random.uniform(-std::min(3 * most, 2e9), std::min(3 * most, 2e9)))
+        return crowded ? static_cast<std::int32_t>(random.uniform(-std::min(3 * most, 2e9), std::min(3 * most, 2e9)))
                        : anywhere(random);
       };
       const Box box{0, place(), place(), size(random, most), size(random, most)};
@@ -120,12 +114,10 @@ TEST_P(HashGridOf, FindsWhatBruteForceFindsWhileBoxesComeAndGo) {
 
 TEST_P(HashGridOf, WrapsAtTheSeam) {
   Model model(GetParam());
-  const std::int32_t end = std::numeric_limits<std::int32_t>::max(),
-                     begin = std::numeric_limits<std::int32_t>::min();
+  const std::int32_t end = std::numeric_limits<std::int32_t>::max(), begin = std::numeric_limits<std::int32_t>::min();
   std::uint32_t number = 0;
   for (const std::int32_t x : {end, end - 50, begin, begin + 50, 0}) {
-    for (const std::int32_t y : {end, end - 50, begin, begin + 50, 0})
-      model.insert({number++, x, y, 40, 40});
+    for (const std::int32_t y : {end, end - 50, begin, begin + 50, 0}) model.insert({number++, x, y, 40, 40});
   }
   for (const std::int32_t x : {end, begin, begin + 120, 0}) {
     for (const std::int32_t y : {end, begin, begin + 120, 0}) model.check({0, x, y, 100, 100});
@@ -151,8 +143,7 @@ TEST_P(HashGridOf, FindsBoxesAsLargeAsTheWorld) {
   Random random(5);
   Model model(GetParam());
   std::uint32_t number = 0;
-  for (const std::uint32_t half :
-       {1u << 28, 1u << 29, 1u << 30, 3u << 29, (1u << 31) - 1, 1u << 31}) {
+  for (const std::uint32_t half : {1u << 28, 1u << 29, 1u << 30, 3u << 29, (1u << 31) - 1, 1u << 31}) {
     model.insert({number++, anywhere(random), anywhere(random), half, half});
     model.insert({number++, anywhere(random), anywhere(random), half, 3});
     model.insert({number++, anywhere(random), anywhere(random), 3, half});
@@ -165,15 +156,13 @@ TEST(HashGrid, LooksAtFewWhereAllAreApart) {
   for (std::int32_t k = 0; k < 4096; ++k) {
     model.insert({static_cast<std::uint32_t>(k), (k % 64) * 1000, (k / 64) * 1000, 400, 400});
   }
-  for (std::int32_t k = 0; k < 50; ++k)
-    EXPECT_LE(model.found({0, 1000 * k + 7, 31'000, 400, 400}).size(), 16u);
+  for (std::int32_t k = 0; k < 50; ++k) EXPECT_LE(model.found({0, 1000 * k + 7, 31'000, 400, 400}).size(), 16u);
 }
 
 TEST(HashGrid, TakesNoMoreMemoryHoweverOftenBoxesMove) {
   Random random(7);
   Model model(0);
-  for (std::uint32_t k = 0; k < 300; ++k)
-    model.insert({k, anywhere(random), anywhere(random), 100, 100});
+  for (std::uint32_t k = 0; k < 300; ++k) model.insert({k, anywhere(random), anywhere(random), 100, 100});
   std::uint64_t growths = 0;
   for (int round = 0; round < 200; ++round) {
     if (round == 20) growths = model.meter.growths;

@@ -1,5 +1,5 @@
 // Bodies under much heavier ones: which they are, that they carry them, and that others pay nothing.
-#include "heavy_loads.h"
+#include "lists/heavy_loads.h"
 
 #include <gtest/gtest.h>
 
@@ -23,11 +23,11 @@ struct Chain {
     table.owner.reserve(n);
     table.other.reserve(n);
     for (const float mass : masses) {
-      Surface surface;
+      BodyProperties surface;
       surface.mass = mass;
       surface.inv_mass = mass > 0 ? 1 / mass : 0;
       const std::uint32_t id = bodies.take_id();
-      bodies.info[id].surface = bodies.surfaces.acquire(surface);
+      bodies.info[id].properties = bodies.property_table.acquire(surface);
       bodies.id[bodies.count++] = id;
     }
     table.body_count = bodies.count;
@@ -90,9 +90,7 @@ TEST(HeavyLoads, TheLightPartnerAndFiveContactsFromIt) {
   EXPECT_EQ(chain.marked(), (Marks{0, 0, 1, 1, 1, 1, 1, 1, 0}));
 }
 
-TEST(HeavyLoads, TheLoadItselfPassesNothingOn) {
-  EXPECT_EQ(Chain({1, 100, 1, 1}).marked(), (Marks{1, 0, 1, 1}));
-}
+TEST(HeavyLoads, TheLoadItselfPassesNothingOn) { EXPECT_EQ(Chain({1, 100, 1, 1}).marked(), (Marks{1, 0, 1, 1})); }
 
 TEST(HeavyLoads, KinematicBodiesAreNoLoadAndPassNothingOn) {
   EXPECT_FALSE(Chain({1, 0, 1}).loads.any());

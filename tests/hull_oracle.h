@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "collide.h"
+#include "manifolds/collide.h"
 
 namespace psim::hull_oracle {
 
@@ -26,9 +26,7 @@ inline P operator-(P a, P b) { return {a.x - b.x, a.y - b.y}; }
 inline double cross(P a, P b) { return a.x * b.y - a.y * b.x; }
 inline double norm(P a) { return std::hypot(a.x, a.y); }
 
-inline Rotor rotor(double angle) {
-  return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
-}
+inline Rotor rotor(double angle) { return {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))}; }
 
 inline P turned(Rotor q, P v) { return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y}; }
 
@@ -56,8 +54,7 @@ inline std::vector<P> outline(std::vector<P> p) {
   for (int side = 0; side < 2; ++side) {
     const std::size_t base = out.size();
     for (const P v : p) {
-      while (out.size() >= base + 2 &&
-             cross(out.back() - out[out.size() - 2], v - out[out.size() - 2]) <= 0) {
+      while (out.size() >= base + 2 && cross(out.back() - out[out.size() - 2], v - out[out.size() - 2]) <= 0) {
         out.pop_back();
       }
       out.push_back(v);
@@ -121,8 +118,7 @@ inline Hull box(double w, double h, double radius = 0) {
 inline Hull capsule(double length, double radius) {
   HullSet out;
   std::string error;
-  EXPECT_TRUE(
-      make_hulls(CapsuleShape{{-length / 2, 0}, {length / 2, 0}, radius}, true, out, error));
+  EXPECT_TRUE(make_hulls(CapsuleShape{{-length / 2, 0}, {length / 2, 0}, radius}, true, out, error));
   return out.parts.at(0);
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "collide.h"
 #include "hull_oracle.h"
+#include "manifolds/collide.h"
 
 namespace psim::hull_oracle {
 namespace {
@@ -30,14 +30,13 @@ TEST(HullSweep, NeverLateAndNotEarly) {
     s.dy = static_cast<float>(away * std::sin(at));
     const float mx = static_cast<float>(-2 * s.dx + uniform(g, -1, 1) * away);
     const float my = static_cast<float>(-2 * s.dy + uniform(g, -1, 1) * away);
-    const float share = time_of_impact(s.a, s.qa, s.b, s.angle_b, turn, s.dx, s.dy, mx, my,
-                                       static_cast<float>(slack));
+    const float share = time_of_impact(s.a, s.qa, s.b, s.angle_b, turn, s.dx, s.dy, mx, my, static_cast<float>(slack));
     const double stepped = stepped_impact(s, turn, mx, my, slack);
     ASSERT_LE(share, stepped + 1e-5);
     if (share >= 1) return;
     ++hits;
-    const double left = oracle(s.a, s.qa, s.b, rotor(s.angle_b + share * turn),
-                               {s.dx + double{share} * mx, s.dy + double{share} * my});
+    const double left =
+        oracle(s.a, s.qa, s.b, rotor(s.angle_b + share * turn), {s.dx + double{share} * mx, s.dy + double{share} * my});
     ASSERT_GE(left, slack - 1e-5 * s.size());
     ASSERT_LE(left, 1.2 * slack + 1e-5 * s.size());
   });
@@ -86,9 +85,7 @@ TEST(HullRay, AgreesWithFineSteps) {
       const double at = uniform(g, 0, 7), away = uniform(g, 0, 2) * h.reach;
       const P o{away * std::cos(at), away * std::sin(at)};
       const P r{-2 * o.x + uniform(g, -1, 1), -2 * o.y + uniform(g, -1, 1)};
-      const auto distance = [&](double t) {
-        return oracle(h, q, point, {}, {o.x + t * r.x, o.y + t * r.y});
-      };
+      const auto distance = [&](double t) { return oracle(h, q, point, {}, {o.x + t * r.x, o.y + t * r.y}); };
       // Sphere tracing: the ray may advance by its distance from the hull.
       double t = 0;
       const double start = distance(0);
@@ -113,8 +110,7 @@ TEST(HullRay, AgreesWithFineSteps) {
         ASSERT_NEAR(std::hypot(cast.nx, cast.ny), 1, 1e-5);
         ASSERT_LT(cast.nx * r.x + cast.ny * r.y, 1e-4);
         // A little out along the normal is as far from the hull.
-        const P on{o.x + cast.fraction * r.x + 0.01 * cast.nx,
-                   o.y + cast.fraction * r.y + 0.01 * cast.ny};
+        const P on{o.x + cast.fraction * r.x + 0.01 * cast.nx, o.y + cast.fraction * r.y + 0.01 * cast.ny};
         ASSERT_NEAR(oracle(h, q, point, {}, on), 0.01, 1e-4);
       }
     }

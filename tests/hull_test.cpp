@@ -1,6 +1,6 @@
 // Shapes made into hulls: what is put right, what is refused, and mass properties against closed
 // forms; and the engine's own sine and cosine against the library's.
-#include "hull.h"
+#include "bodies/hull.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "rotor.h"
+#include "base/rotor.h"
 
 namespace psim {
 namespace {
@@ -42,9 +42,7 @@ void expect_mass(const HullSet& set, double area, Vec2 centre, double inertia) {
   EXPECT_NEAR(set.mass.inertia, inertia, 1e-12 * inertia);
 }
 
-bool contains(const std::string& text, const char* word) {
-  return text.find(word) != std::string::npos;
-}
+bool contains(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
 
 TEST(Hull, MassOfDiscSegmentAndBox) {
   expect_mass(made(DiscShape{0.7}), kPi * 0.49, {}, 0.245);
@@ -57,13 +55,11 @@ TEST(Hull, MassOfACapsuleIsThatOfARectangleAndTwoHalfDiscs) {
   const double rectangle = 2 * l * r, cap = kPi * r * r / 2, offset = 4 * r / (3 * kPi);
   const double area = rectangle + 2 * cap;
   // About the capsule's centre; a half disc's own about its centroid is r^2/2 - offset^2.
-  const double polar =
-      rectangle * (l * l + 4 * r * r) / 12 +
-      2 * cap * (r * r / 2 - offset * offset + (l / 2 + offset) * (l / 2 + offset));
+  const double polar = rectangle * (l * l + 4 * r * r) / 12 +
+                       2 * cap * (r * r / 2 - offset * offset + (l / 2 + offset) * (l / 2 + offset));
   expect_mass(made(CapsuleShape{{-1.5, 0}, {1.5, 0}, r}), area, {}, polar / area);
   const double c = std::cos(0.3), s = std::sin(0.3);
-  expect_mass(made(CapsuleShape{{7, 9}, {7 + l * c, 9 + l * s}, r}), area,
-              {7 + 1.5 * c, 9 + 1.5 * s}, polar / area);
+  expect_mass(made(CapsuleShape{{7, 9}, {7 + l * c, 9 + l * s}, r}), area, {7 + 1.5 * c, 9 + 1.5 * s}, polar / area);
 }
 
 TEST(Hull, MassOfARoundedBoxIsACrossAndFourQuarterDiscs) {
@@ -71,14 +67,12 @@ TEST(Hull, MassOfARoundedBoxIsACrossAndFourQuarterDiscs) {
   const double quarter = kPi * r * r / 4, offset = 4 * r / (3 * kPi);
   const double area = w * h + 2 * r * (w + h) + 4 * quarter;
   const double x = w / 2 + offset, y = h / 2 + offset;
-  const double polar = w * h * (w * w + h * h) / 12 +
-                       2 * (w * r * ((w * w + r * r) / 12 + (h + r) * (h + r) / 4)) +
+  const double polar = w * h * (w * w + h * h) / 12 + 2 * (w * r * ((w * w + r * r) / 12 + (h + r) * (h + r) / 4)) +
                        2 * (h * r * ((h * h + r * r) / 12 + (w + r) * (w + r) / 4)) +
                        4 * quarter * (r * r / 2 - 2 * offset * offset + x * x + y * y);
   expect_mass(made(BoxShape{w, h, r}), area, {}, polar / area);
   // The same as a polygon elsewhere.
-  expect_mass(made(PolygonShape{{{10, 5}, {12, 5}, {12, 6}, {10, 6}}, r}), area, {11, 5.5},
-              polar / area);
+  expect_mass(made(PolygonShape{{{10, 5}, {12, 5}, {12, 6}, {10, 6}}, r}), area, {11, 5.5}, polar / area);
 }
 
 TEST(Hull, MassOfATriangle) {

@@ -62,8 +62,8 @@ TEST(Ids, PublishedRowsAreTheBodiesInOrder) {
   run(*world, 30);
   const PublishedState s = world->published();
   ASSERT_EQ(s.id.size(), world->body_count());
-  for (const std::size_t n : {s.x.size(), s.y.size(), s.angle.size(), s.vx.size(), s.vy.size(),
-                              s.omega.size(), s.radius.size(), s.type.size()}) {
+  for (const std::size_t n : {s.x.size(), s.y.size(), s.angle.size(), s.vx.size(), s.vy.size(), s.omega.size(),
+                              s.radius.size(), s.type.size()}) {
     ASSERT_EQ(n, s.id.size());
   }
   for (std::size_t k = 0; k < s.id.size(); ++k) {

@@ -36,8 +36,7 @@ double error_of(const PairCase& c, Isa isa = best_isa()) {
   run(*world, static_cast<int>(std::ceil(60 * truth.time)) + 10);
   const BodyState sa = state(*world, a), sb = state(*world, b);
   const double scale = length(c.b.v - c.a.v);
-  double worst =
-      std::max(length(Vec{sa.vx, sa.vy} - truth.a.v), length(Vec{sb.vx, sb.vy} - truth.b.v));
+  double worst = std::max(length(Vec{sa.vx, sa.vy} - truth.a.v), length(Vec{sb.vx, sb.vy} - truth.b.v));
   worst = std::max(worst, c.a.radius * std::abs(sa.omega - truth.a.omega));
   worst = std::max(worst, c.b.radius * std::abs(sb.omega - truth.b.omega));
   return worst / scale;
@@ -47,8 +46,7 @@ TEST(Impact, ObliqueElasticPairs) {
   for (const Isa isa : available_isas()) {
     for (const double mass : {1.0, 10.0, 1000.0}) {
       for (int j = 0; j < 20; ++j) {
-        const PairCase c{
-            {{0, 0}, {0, 0}, 0.5, mass, 0}, {{-3.03, 0.049 * j}, {7, 0}, 0.5, 1, 0}, 1, 0};
+        const PairCase c{{{0, 0}, {0, 0}, 0.5, mass, 0}, {{-3.03, 0.049 * j}, {7, 0}, 0.5, 1, 0}, 1, 0};
         EXPECT_LT(error_of(c, isa), 1e-4) << isa_name(isa) << " mass " << mass << " case " << j;
       }
     }
@@ -85,8 +83,7 @@ TEST(Impact, FrictionTurnsTheDiscs) {
   for (const double friction : {0.05, 0.2, 5.0}) {
     for (const double offset : {0.1, 0.5, 0.9}) {
       for (const double spin : {0.0, 12.0, -12.0}) {
-        const PairCase c{
-            {{-2, offset}, {5, 0}, 0.5, 1, spin}, {{0, 0}, {0, 0}, 0.5, 2, -spin}, 0.7, friction};
+        const PairCase c{{{-2, offset}, {5, 0}, 0.5, 1, spin}, {{0, 0}, {0, 0}, 0.5, 2, -spin}, 0.7, friction};
         EXPECT_LT(error_of(c), 1e-4) << friction << " " << offset << " " << spin;
       }
     }
@@ -119,14 +116,12 @@ TEST(Impact, WithAWallTurnsAndSlowsTheDisc) {
       for (const double friction : {0.0, 0.1, 1.0}) {
         const double angle = degrees * kPi / 180, speed = 4;
         auto world = make(walled({-20, 0, 20, 20}, {0, 0}, material(e, friction)));
-        const BodyId id =
-            add(*world, disc({0, 1.2}, {speed * std::sin(angle), -speed * std::cos(angle)}, 0.5,
-                             material(e, friction)));
+        const BodyId id = add(
+            *world, disc({0, 1.2}, {speed * std::sin(angle), -speed * std::cos(angle)}, 0.5, material(e, friction)));
         run(*world, 90);
         const BodyState s = state(*world, id);
         const double ratio = reference::wall_tangential_ratio(angle, e, friction);
-        EXPECT_NEAR(s.vx, ratio * speed * std::sin(angle), 1e-4 * speed)
-            << degrees << " " << friction;
+        EXPECT_NEAR(s.vx, ratio * speed * std::sin(angle), 1e-4 * speed) << degrees << " " << friction;
         EXPECT_NEAR(s.vy, e * speed * std::cos(angle), 1e-4 * speed) << degrees << " " << friction;
         EXPECT_NEAR(-s.omega, reference::wall_spin(speed * std::sin(angle), ratio, 0.5), 1e-3)
             << degrees << " " << friction;
@@ -169,8 +164,7 @@ TEST(Impact, NewtonsCradlePassesTheMomentumOn) {
     auto world = make(unbounded(100, {0, 0}), isa);
     std::vector<BodyId> ids;
     ids.push_back(add(*world, disc({-3, 0}, {3, 0}, 0.5, material(1))));
-    for (int k = 0; k < 4; ++k)
-      ids.push_back(add(*world, disc({1.0 * k, 0}, {}, 0.5, material(1))));
+    for (int k = 0; k < 4; ++k) ids.push_back(add(*world, disc({1.0 * k, 0}, {}, 0.5, material(1))));
     run(*world, 120);
     for (int k = 0; k < 5; ++k) {
       EXPECT_NEAR(state(*world, ids[static_cast<std::size_t>(k)]).vx, k == 4 ? 3 : 0, 3e-4) << k;
@@ -202,8 +196,7 @@ TEST(Impact, OfACloudKeepsMomentumAndAngularMomentum) {
     EXPECT_LT(after.kinetic, 0.9 * before.kinetic);  // they did hit
     EXPECT_NEAR(after.momentum_x, before.momentum_x, 1e-5 * momentum);
     EXPECT_NEAR(after.momentum_y, before.momentum_y, 1e-5 * momentum);
-    EXPECT_NEAR(after.angular_momentum, before.angular_momentum,
-                1e-3 * angular);
+    EXPECT_NEAR(after.angular_momentum, before.angular_momentum, 1e-3 * angular);
   }
 }
 

@@ -14,9 +14,7 @@ namespace {
 /// Almost uniform gravity, but a field: every body takes substeps, and the integrator acts.
 const Field kDown = WellField{{0, -1e6}, kG, 0, 0, 0};
 
-std::string name_of(const testing::TestParamInfo<Integrator>& info) {
-  return std::string(integrator_name(info.param));
-}
+std::string name_of(const testing::TestParamInfo<Integrator>& info) { return std::string(integrator_name(info.param)); }
 
 class EveryIntegrator : public testing::TestWithParam<Integrator> {};
 INSTANTIATE_TEST_SUITE_P(, EveryIntegrator, testing::ValuesIn(kAllIntegrators), name_of);
@@ -133,8 +131,7 @@ TEST_P(EveryIntegrator, OrbitStaysTheSameAmongOthersThatChangeItsSlot) {
     }
     const BodyId id = add(*world, disc({5, 0}, {0, 17.5}, 0.01));
     for (int k = 0; k < 300; ++k) {
-      if (crowd && k % 50 == 10)
-        world->remove_body(world->id_of(static_cast<std::uint32_t>(k / 5)));
+      if (crowd && k % 50 == 10) world->remove_body(world->id_of(static_cast<std::uint32_t>(k / 5)));
       world->step();
     }
     return state(*world, id);

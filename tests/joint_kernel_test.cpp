@@ -29,33 +29,33 @@ struct Crowd {
     fill(vel, 2 * kCount, 3);
     fill(vel0, 2 * kCount, 3);
     fill(disp, 2 * kCount, 0.02);
-    fill(spin, kCount, 2);
-    fill(spin0, kCount, 2);
-    fill(swing, kCount, 0.2);
+    fill(rim_speed, kCount, 2);
+    fill(rim_speed0, kCount, 2);
+    fill(angle_change, kCount, 0.2);
     fill(share, 2 * kCount, 0.1);
     fill(share_spin, kCount, 0.1);
     fill(push, 2 * kCount, 0.1);
     fill(push_spin, kCount, 0.1);
-    turn.assign(2 * kRecords + 16, 0.0f);
+    arm_change.assign(2 * kRecords + 16, 0.0f);
     radius.assign(kRecords + 16, 1.0f);
     for (std::size_t i = 0; i < kCount; ++i) {
       radius[i] = uniform(random, 0.1, 1);
-      const double r = static_cast<double>(radius[i]), d = static_cast<double>(swing[i]);
-      turn[2 * i] = static_cast<float>(r * (std::cos(d) - 1));
-      turn[2 * i + 1] = static_cast<float>(r * std::sin(d));
+      const double r = static_cast<double>(radius[i]), d = static_cast<double>(angle_change[i]);
+      arm_change[2 * i] = static_cast<float>(r * (std::cos(d) - 1));
+      arm_change[2 * i + 1] = static_cast<float>(r * std::sin(d));
     }
     for (auto* v : {&vel, &vel0, &disp, &share, &push}) v->resize(2 * kRecords + 16);
-    for (auto* v : {&spin, &spin0, &swing, &share_spin, &push_spin}) v->resize(kRecords + 16);
+    for (auto* v : {&rim_speed, &rim_speed0, &angle_change, &share_spin, &push_spin}) v->resize(kRecords + 16);
   }
   BodyView view() {
     BodyView v;
     v.vel = vel.data();
     v.vel0 = vel0.data();
     v.disp = disp.data();
-    v.spin = spin.data();
-    v.spin0 = spin0.data();
-    v.turn = turn.data();
-    v.swing = swing.data();
+    v.rim_speed = rim_speed.data();
+    v.rim_speed0 = rim_speed0.data();
+    v.arm_change = arm_change.data();
+    v.angle_change = angle_change.data();
     return v;
   }
   JointShare shares() { return {share.data(), share_spin.data(), push.data(), push_spin.data()}; }
@@ -63,12 +63,12 @@ struct Crowd {
     const auto same = [](const std::vector<float>& a, const std::vector<float>& b) {
       return std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
     };
-    return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(spin, o.spin) &&
-           same(spin0, o.spin0) && same(share, o.share) && same(share_spin, o.share_spin) &&
-           same(push, o.push) && same(push_spin, o.push_spin) && same(turn, o.turn) &&
-           same(swing, o.swing);
+    return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(rim_speed, o.rim_speed) &&
+           same(rim_speed0, o.rim_speed0) && same(share, o.share) && same(share_spin, o.share_spin) &&
+           same(push, o.push) && same(push_spin, o.push_spin) && same(arm_change, o.arm_change) &&
+           same(angle_change, o.angle_change);
   }
-  std::vector<float> vel, vel0, disp, spin, spin0, swing, turn, radius, share, share_spin, push,
+  std::vector<float> vel, vel0, disp, rim_speed, rim_speed0, angle_change, arm_change, radius, share, share_spin, push,
       push_spin;
 };
 
@@ -145,8 +145,7 @@ std::vector<Block> make_blocks(Random& random, const Crowd& crowd, bool fixed) {
     for (std::uint32_t k = 0; k < kBlock; ++k) {  // empty lanes
       if (!random.chance(0.15)) continue;
       auto* column = reinterpret_cast<float*>(&b);
-      for (std::size_t i = 2; i < sizeof b / sizeof(float) / kBlock; ++i)
-        column[i * kBlock + k] = 0;
+      for (std::size_t i = 2; i < sizeof b / sizeof(float) / kBlock; ++i) column[i * kBlock + k] = 0;
       b.body[2 * k] = b.body[2 * k + 1] = kCount + 1;
     }
   }
@@ -165,13 +164,12 @@ JointParams params(bool again) {
 
 // All passes one after the other, several times over.
 template <class Block>
-void run_all(const KernelTable& k, JointKind kind, bool fixed, Crowd& crowd,
-             std::vector<Block>& blocks) {
+void run_all(const KernelTable& k, JointKind kind, bool fixed, Crowd& crowd, std::vector<Block>& blocks) {
   const auto at = static_cast<std::size_t>(kind);
   const BodyView view = crowd.view();
   BodyView pushed = view;
   pushed.vel = crowd.push.data();
-  pushed.spin = crowd.push_spin.data();
+  pushed.rim_speed = crowd.push_spin.data();
   const std::uint32_t body_blocks = kCount / kBlock;
   for (int round = 0; round < 2; ++round) {
     k.part_joints(view, crowd.shares(), 0, body_blocks);
@@ -232,7 +230,7 @@ double wide(float v) { return static_cast<double>(v); }
 struct Pair {
   Pair(const Crowd& c, const JointBodies& b, std::uint32_t k, bool before = false) {
     const std::vector<float>& v = before ? c.vel0 : c.vel;
-    const std::vector<float>& u = before ? c.spin0 : c.spin;
+    const std::vector<float>& u = before ? c.rim_speed0 : c.rim_speed;
     const std::uint32_t i = b.body[2 * k], j = b.body[2 * k + 1];
     va = {wide(v[2 * i]), wide(v[2 * i + 1])};
     vb = {wide(v[2 * j]), wide(v[2 * j + 1])};
@@ -240,16 +238,14 @@ struct Pair {
     wb = wide(u[j]) * wide(b.rb[k]);
     ra = arm(c, i, b.ax0[k], b.ay0[k], b.ra[k]);
     rb = arm(c, j, b.bx0[k], b.by0[k], b.rb[k]);
-    moved = {wide(c.disp[2 * j]) - wide(c.disp[2 * i]),
-             wide(c.disp[2 * j + 1]) - wide(c.disp[2 * i + 1])};
-    swung = wide(c.swing[j]) - wide(c.swing[i]);
+    moved = {wide(c.disp[2 * j]) - wide(c.disp[2 * i]), wide(c.disp[2 * j + 1]) - wide(c.disp[2 * i + 1])};
+    swung = wide(c.angle_change[j]) - wide(c.angle_change[i]);
     moved.x += rb.x - ra.x - wide(b.bx0[k]) / wide(b.rb[k]) + wide(b.ax0[k]) / wide(b.ra[k]);
     moved.y += rb.y - ra.y - wide(b.by0[k]) / wide(b.rb[k]) + wide(b.ay0[k]) / wide(b.ra[k]);
   }
   static P2 arm(const Crowd& c, std::uint32_t i, float x, float y, float inverse) {
-    const double co = std::cos(wide(c.swing[i])), si = std::sin(wide(c.swing[i]));
-    return {(co * wide(x) - si * wide(y)) / wide(inverse),
-            (si * wide(x) + co * wide(y)) / wide(inverse)};
+    const double co = std::cos(wide(c.angle_change[i])), si = std::sin(wide(c.angle_change[i]));
+    return {(co * wide(x) - si * wide(y)) / wide(inverse), (si * wide(x) + co * wide(y)) / wide(inverse)};
   }
   P2 anchors() const {  // velocity of B's against A's
     return {vb.x - wb * rb.y - va.x + wa * ra.y, vb.y + wb * rb.x - va.y - wa * ra.x};
@@ -269,11 +265,9 @@ void after_relax(JointKind kind, const Check& check) {
       std::vector<Block> blocks = make_blocks<Block>(random, crowd, fixed);
       const KernelTable& k = kernels_of(Isa::scalar);
       // One block: the lanes of several may share bodies.
-      k.relax_joints[static_cast<std::size_t>(kind)][fixed](crowd.view(), blocks.data(),
-                                                            params(false), 0, 1);
+      k.relax_joints[static_cast<std::size_t>(kind)][fixed](crowd.view(), blocks.data(), params(false), 0, 1);
       for (int sweep = 0; sweep < 8; ++sweep) {
-        k.relax_joints[static_cast<std::size_t>(kind)][fixed](crowd.view(), blocks.data(),
-                                                              params(true), 0, 1);
+        k.relax_joints[static_cast<std::size_t>(kind)][fixed](crowd.view(), blocks.data(), params(true), 0, 1);
       }
       for (std::uint32_t lane = 0; lane < kBlock; ++lane) {
         const Block& b = blocks[0];
@@ -281,13 +275,11 @@ void after_relax(JointKind kind, const Check& check) {
         const std::uint32_t i = b.body[2 * lane], j = b.body[2 * lane + 1];
         if (fixed) {
           ASSERT_EQ(crowd.vel[2 * i], start.vel[2 * i]);
-          ASSERT_EQ(crowd.spin[i], start.spin[i]);
+          ASSERT_EQ(crowd.rim_speed[i], start.rim_speed[i]);
         } else {  // what A lost B gained
           for (std::size_t axis = 0; axis < 2; ++axis) {
-            const double lost =
-                (wide(crowd.vel[2 * i + axis]) - wide(start.vel[2 * i + axis])) / wide(b.wa[lane]);
-            const double got =
-                (wide(crowd.vel[2 * j + axis]) - wide(start.vel[2 * j + axis])) / wide(b.wb[lane]);
+            const double lost = (wide(crowd.vel[2 * i + axis]) - wide(start.vel[2 * i + axis])) / wide(b.wa[lane]);
+            const double got = (wide(crowd.vel[2 * j + axis]) - wide(start.vel[2 * j + axis])) / wide(b.wb[lane]);
             ASSERT_NEAR(lost, -got, 1e-4);
           }
         }
@@ -338,31 +330,29 @@ TEST(JointKernel, RelaxedWeldsKeepAnchorsAndAngle) {
 }
 
 TEST(JointKernel, RelaxedDrivenPinsObeyMotorOrLimit) {
-  after_relax<DrivenBlock>(JointKind::driven,
-                           [](const DrivenBlock& b, std::uint32_t k, const Pair& p) {
-                             EXPECT_NEAR(p.anchors().x, 0, 1e-4);
-                             EXPECT_NEAR(p.anchors().y, 0, 1e-4);
-                             EXPECT_LE(std::fabs(b.drive.motor_l[k]), b.drive.most[k]);
-                             const double spin = p.wb - p.wa;
-                             if (b.drive.limit_l[k] != 0) {
-                               EXPECT_NEAR(spin, 0, 5e-4);
-                             } else if (std::fabs(b.drive.motor_l[k]) < b.drive.most[k]) {
-                               EXPECT_NEAR(spin, wide(b.drive.speed[k]), 5e-4);
-                             }
-                           });
+  after_relax<DrivenBlock>(JointKind::driven, [](const DrivenBlock& b, std::uint32_t k, const Pair& p) {
+    EXPECT_NEAR(p.anchors().x, 0, 1e-4);
+    EXPECT_NEAR(p.anchors().y, 0, 1e-4);
+    EXPECT_LE(std::fabs(b.drive.motor_l[k]), b.drive.most[k]);
+    const double rim_speed = p.wb - p.wa;
+    if (b.drive.limit_l[k] != 0) {
+      EXPECT_NEAR(rim_speed, 0, 5e-4);
+    } else if (std::fabs(b.drive.motor_l[k]) < b.drive.most[k]) {
+      EXPECT_NEAR(rim_speed, wide(b.drive.speed[k]), 5e-4);
+    }
+  });
 }
 
 TEST(JointKernel, RelaxedSlidesMoveAlongTheirAxisAlone) {
-  after_relax<SlideBlock>(
-      JointKind::slide, [](const SlideBlock& b, std::uint32_t k, const Pair& p) {
-        EXPECT_NEAR(p.wb - p.wa, 0, 5e-4);
-        const double norm = wide(b.ux[k]) * wide(b.ux[k]) + wide(b.uy[k]) * wide(b.uy[k]);
-        EXPECT_NEAR(norm, 1, 1e-5);
-        // Across, seen from A, whose axis turns: n.v - wA u.d.
-        const P2 v = p.anchors();
-        const double across = -wide(b.uy[k]) * v.x + wide(b.ux[k]) * v.y - p.wa * wide(b.along[k]);
-        EXPECT_NEAR(across, 0, 2e-4);
-      });
+  after_relax<SlideBlock>(JointKind::slide, [](const SlideBlock& b, std::uint32_t k, const Pair& p) {
+    EXPECT_NEAR(p.wb - p.wa, 0, 5e-4);
+    const double norm = wide(b.ux[k]) * wide(b.ux[k]) + wide(b.uy[k]) * wide(b.uy[k]);
+    EXPECT_NEAR(norm, 1, 1e-5);
+    // Across, seen from A, whose axis turns: n.v - wA u.d.
+    const P2 v = p.anchors();
+    const double across = -wide(b.uy[k]) * v.x + wide(b.ux[k]) * v.y - p.wa * wide(b.along[k]);
+    EXPECT_NEAR(across, 0, 2e-4);
+  });
 }
 
 // Springs: the impulse fulfils its own equation.
@@ -370,10 +360,10 @@ TEST(JointKernel, SpringImpulsesAreThoseOfTheMidpointRule) {
   for (int round = 0; round < 20; ++round) {
     Random random(500 + static_cast<std::uint64_t>(round));
     Crowd crowd(random);
-    std::fill(crowd.swing.begin(), crowd.swing.end(), 0.0f);
-    std::fill(crowd.turn.begin(), crowd.turn.end(), 0.0f);
-    std::fill(crowd.spin.begin(), crowd.spin.end(), 0.0f);  // no centripetal terms
-    std::fill(crowd.spin0.begin(), crowd.spin0.end(), 0.0f);
+    std::fill(crowd.angle_change.begin(), crowd.angle_change.end(), 0.0f);
+    std::fill(crowd.arm_change.begin(), crowd.arm_change.end(), 0.0f);
+    std::fill(crowd.rim_speed.begin(), crowd.rim_speed.end(), 0.0f);  // no centripetal terms
+    std::fill(crowd.rim_speed0.begin(), crowd.rim_speed0.end(), 0.0f);
     std::vector<LineBlock> blocks = make_blocks<LineBlock>(random, crowd, false);
     const KernelTable& k = kernels_of(Isa::scalar);
     const auto at = static_cast<std::size_t>(JointKind::spring);
@@ -410,10 +400,10 @@ TEST(JointKernel, PushTakesAShareOfTheErrorBack) {
   k.warm_joints[at][0](crowd.view(), blocks.data(), params(false), 0, 1);
   BodyView pushed = crowd.view();
   pushed.vel = crowd.push.data();
-  pushed.spin = crowd.push_spin.data();
+  pushed.rim_speed = crowd.push_spin.data();
   k.push_joints[at][0](pushed, blocks.data(), params(false), 0, 1);
   std::swap(crowd.vel, crowd.push);
-  std::swap(crowd.spin, crowd.push_spin);
+  std::swap(crowd.rim_speed, crowd.push_spin);
   for (std::uint32_t lane = 0; lane < kBlock; ++lane) {
     const PinBlock& b = blocks[0];
     if (b.body[2 * lane + 1] >= kCount) continue;
@@ -430,12 +420,10 @@ TEST(JointKernel, PartingTwiceAddsWhatHappenedInBetween) {
   const KernelTable& k = kernels_of(Isa::scalar);
   k.part_joints(crowd.view(), crowd.shares(), 0, kCount / kBlock);
   for (std::size_t i = 0; i < 2 * kCount; ++i) crowd.vel[i] += 0.25f;
-  for (std::size_t i = 0; i < kCount; ++i) crowd.spin[i] -= 0.5f;
+  for (std::size_t i = 0; i < kCount; ++i) crowd.rim_speed[i] -= 0.5f;
   k.part_joints(crowd.view(), crowd.shares(), 0, kCount / kBlock);
-  for (std::size_t i = 0; i < 2 * kCount; ++i)
-    EXPECT_NEAR(crowd.share[i], start.share[i] + 0.25f, 1e-6);
-  for (std::size_t i = 0; i < kCount; ++i)
-    EXPECT_NEAR(crowd.share_spin[i], start.share_spin[i] - 0.5f, 1e-6);
+  for (std::size_t i = 0; i < 2 * kCount; ++i) EXPECT_NEAR(crowd.share[i], start.share[i] + 0.25f, 1e-6);
+  for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(crowd.share_spin[i], start.share_spin[i] - 0.5f, 1e-6);
 }
 
 }  // namespace

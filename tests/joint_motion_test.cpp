@@ -16,8 +16,7 @@ TEST(Joint, PendulumKeepsPeriodHeightAndLength) {
   for (const bool ends_swapped : {false, true}) {
     Scene s;
     const BodyId peg = s.peg({0, 0}), bob = s.disc({1, 0}, 0.01, 1, true);
-    s.join(ends_swapped ? between(JointType::distance, bob, peg)
-                        : between(JointType::distance, peg, bob));
+    s.join(ends_swapped ? between(JointType::distance, bob, peg) : between(JointType::distance, peg, bob));
     double before = 0, height = -1, stretch = 0, back = 0;
     int turns = 0;
     for (int frame = 1; turns < 10 && frame < 1600; ++frame) {
@@ -63,8 +62,7 @@ TEST(Joint, PendulumSwingsTheSameInFields) {
 
 TEST(Joint, DoublePendulumFollowsRungeKutta) {
   Scene s;
-  const BodyId peg = s.peg({0, 0}), p = s.disc({1, 0}, 0.01, 1, true),
-               q = s.disc({2, 0}, 0.01, 1, true);
+  const BodyId peg = s.peg({0, 0}), p = s.disc({1, 0}, 0.01, 1, true), q = s.disc({2, 0}, 0.01, 1, true);
   s.join(between(JointType::distance, peg, p));
   s.join(between(JointType::distance, p, q));
   std::array<double, 4> y{kPi / 2, kPi / 2, 0, 0};
@@ -183,8 +181,7 @@ TEST(Joint, StiffSpringsStayBounded) {
   for (const double frequency : {100.0, 1e3, 1e5}) {
     Scene s;
     const double w = 2 * kPi * frequency;
-    const BodyId peg = s.peg({0, 0}), bob = s.disc({1.1, 0}, 0.05, 1),
-                 end = s.disc({2.0, 0}, 0.05, 1);
+    const BodyId peg = s.peg({0, 0}), bob = s.disc({1.1, 0}, 0.05, 1), end = s.disc({2.0, 0}, 0.05, 1);
     JointDesc d = between(JointType::spring, peg, bob);
     d.length = 1;
     d.stiffness = w * w;
@@ -224,8 +221,8 @@ TEST(Joint, RopeIsSlackThenTaut) {
 }
 
 TEST(Joint, HangingMassPullsWithItsWeight) {
-  for (const JointType type : {JointType::distance, JointType::rope, JointType::revolute,
-                               JointType::weld, JointType::prismatic}) {
+  for (const JointType type :
+       {JointType::distance, JointType::rope, JointType::revolute, JointType::weld, JointType::prismatic}) {
     Scene s;
     const BodyId peg = s.peg({0, 0}), bob = s.disc({0, -1}, 0.1, 3);
     const bool line = type == JointType::distance || type == JointType::rope;
@@ -282,9 +279,8 @@ TEST(Joint, HeavyBodyDoesNotTearItsChain) {
     for (std::size_t i = 0; i < kLinks; ++i) {
       const BodyId b = s.disc({kLink * static_cast<double>(i + 1), 0}, 0.2, mass_of(i));
       bodies.push_back(b);
-      pins.push_back(
-          s.join(between(JointType::revolute, before, b, i == 0 ? Vec2{0, 0} : Vec2{kLink / 2, 0},
-                         i == 0 ? Vec2{-kLink, 0} : Vec2{-kLink / 2, 0})));
+      pins.push_back(s.join(between(JointType::revolute, before, b, i == 0 ? Vec2{0, 0} : Vec2{kLink / 2, 0},
+                                    i == 0 ? Vec2{-kLink, 0} : Vec2{-kLink / 2, 0})));
       before = b;
     }
     double apart = 0;
@@ -292,14 +288,12 @@ TEST(Joint, HeavyBodyDoesNotTearItsChain) {
       s.world->step();
       for (const JointId pin : pins) {
         const JointState j = s.joint(pin);
-        apart =
-            std::fmax(apart, std::hypot(j.anchor_b.x - j.anchor_a.x, j.anchor_b.y - j.anchor_a.y));
+        apart = std::fmax(apart, std::hypot(j.anchor_b.x - j.anchor_a.x, j.anchor_b.y - j.anchor_a.y));
       }
       double energy = 0;
       for (std::size_t i = 0; i < kLinks; ++i) {
         const BodyState b = s.at(bodies[i]);
-        energy +=
-            mass_of(i) * (kG * b.y + (b.vx * b.vx + b.vy * b.vy + 0.02 * b.omega * b.omega) / 2);
+        energy += mass_of(i) * (kG * b.y + (b.vx * b.vx + b.vy * b.vy + 0.02 * b.omega * b.omega) / 2);
       }
       most = std::fmax(most, energy);
     }

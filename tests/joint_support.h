@@ -75,8 +75,7 @@ void runge_kutta(std::array<double, N>& y, double time, int steps, const Slope& 
     return z;
   };
   for (int n = 0; n < steps; ++n) {
-    const auto k1 = slope(y), k2 = slope(ahead(k1, h / 2)), k3 = slope(ahead(k2, h / 2)),
-               k4 = slope(ahead(k3, h));
+    const auto k1 = slope(y), k2 = slope(ahead(k1, h / 2)), k3 = slope(ahead(k2, h / 2)), k4 = slope(ahead(k3, h));
     for (std::size_t i = 0; i < N; ++i) y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
   }
 }

@@ -66,8 +66,7 @@ TEST(Joint, SlideMovesAlongItsAxisAlone) {
     Scene s;
     const BodyId peg = s.peg({0, 0}), block = s.disc({0, 0}, 0.2, 2);
     const double c = std::cos(-kPi / 6), r = std::sin(-kPi / 6);
-    JointDesc d = swapped ? between(JointType::prismatic, block, peg)
-                          : between(JointType::prismatic, peg, block);
+    JointDesc d = swapped ? between(JointType::prismatic, block, peg) : between(JointType::prismatic, peg, block);
     d.axis = swapped ? Vec2{-c, -r} : Vec2{c, r};
     d.upper = 3;
     const JointId id = s.join(d);
@@ -198,8 +197,8 @@ TEST(Joint, RemovalLeavesStaleIds) {
 
 TEST(Joint, BadDescriptionsAreRefusedWithOneLine) {
   Scene s;
-  const BodyId peg = s.peg({0, 0}), other = s.peg({3, 0}), p = s.disc({1, 0}, 0.1),
-               q = s.disc({2, 0}, 0.1), gone = s.disc({4, 0}, 0.1);
+  const BodyId peg = s.peg({0, 0}), other = s.peg({3, 0}), p = s.disc({1, 0}, 0.1), q = s.disc({2, 0}, 0.1),
+               gone = s.disc({4, 0}, 0.1);
   s.world->remove_body(gone);
   BodyDesc k;
   k.type = BodyType::kinematic_body;

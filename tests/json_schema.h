@@ -29,12 +29,12 @@ class JsonSchema {
     return {};
   }
 
-  std::string apply(const Json& schema, const std::string& keyword, const Json& rule,
-                    const Json& value, const std::string& at) const {
+  std::string apply(const Json& schema, const std::string& keyword, const Json& rule, const Json& value,
+                    const std::string& at) const {
     const auto violated_if = [&](bool bad) { return bad ? at + ": " + keyword : std::string(); };
     const auto number = [&] { return value.get<double>(); };
-    if (keyword == "$schema" || keyword == "$defs" || keyword == "title" ||
-        keyword == "description" || keyword == "default" || keyword == "x-default") {
+    if (keyword == "$schema" || keyword == "$defs" || keyword == "title" || keyword == "description" ||
+        keyword == "default" || keyword == "x-default") {
       return {};
     }
     if (keyword == "$ref") {
@@ -58,9 +58,8 @@ class JsonSchema {
       if (rule != "^[^\\u0000-\\u001f\\u007f]*$") return at + ": unknown pattern";
       if (!value.is_string()) return {};
       const auto& text = value.get_ref<const std::string&>();
-      return violated_if(std::any_of(text.begin(), text.end(), [](char c) {
-        return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
-      }));
+      return violated_if(std::any_of(text.begin(), text.end(),
+                                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }));
     }
     if (keyword == "items") return check_items(rule, value, at);
     if (keyword == "required") {
@@ -116,8 +115,7 @@ class JsonSchema {
     if (type == "null") return value.is_null();
     if (type == "number") return value.is_number();
     if (type == "integer") {
-      return value.is_number_integer() ||
-             (value.is_number() && value.get<double>() == std::floor(value.get<double>()));
+      return value.is_number_integer() || (value.is_number() && value.get<double>() == std::floor(value.get<double>()));
     }
     return false;
   }

@@ -1,23 +1,41 @@
-// A kernel on every instruction set against the scalar one, bit by bit over whole columns:
-// what a kernel must not touch is compared like what it computes. One thing may differ: which NaN a
-// NaN is, because the compiler may swap the operands of a sum. Two NaNs count as equal.
+// Every kernel on every instruction set against the scalar one, bit by bit over whole columns: what a kernel must not
+// touch is compared like what it computes. One thing may differ: which NaN a NaN is, because the compiler may swap the
+// operands of a sum. Two NaNs count as equal.
+//
+// A test in which a variant of this CPU did not run fails. On a CPU that has no wide variant all of them fail, unless
+// the environment says by PSIM_SCALAR_CPU=1 that such a CPU is meant.
 #pragma once
+
+#include <array>
+#include <cstdlib>
+#include <iterator>
 
 #include "kernel_support.h"
 
 namespace psim::test::exact {
 
+/// The wide variants that this CPU must run. The compiler's run-time library is asked, not psim, so that a fault in
+/// psim's detection cannot leave a test empty.
 inline std::vector<Isa> wide_isas() {
   std::vector<Isa> isas;
-  for (const Isa isa : available_isas()) {
-    if (isa != Isa::scalar) isas.push_back(isa);
-  }
+#ifdef __x86_64__
+  if (isa_lanes(Isa::sse) != 0 && __builtin_cpu_supports("sse4.1")) isas.push_back(Isa::sse);
+  if (isa_lanes(Isa::avx2) != 0 && __builtin_cpu_supports("avx2")) isas.push_back(Isa::avx2);
+#endif
   return isas;
 }
 
+/// How often the present test asked for the kernels of each variant.
+inline std::array<int, std::size(kAllIsas)> runs_of_variants{};
+
+/// The kernels of a variant, to be run at once.
+inline const KernelTable& wide_kernels(Isa isa) {
+  ++runs_of_variants[static_cast<std::size_t>(isa)];
+  return kernels_of(isa);
+}
+
 inline bool same_float(float a, float b) {
-  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) ||
-         (std::isnan(a) && std::isnan(b));
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b));
 }
 
 /// Index of the first difference, or the size.
@@ -45,8 +63,8 @@ bool same_columns(const Columns& a, const Columns& b, const char* isa) {
   for (std::size_t f = 0; f < fa.size(); ++f) {
     const std::size_t at = difference(*fa[f].second, *fb[f].second);
     if (at == fa[f].second->size()) continue;
-    ADD_FAILURE() << isa << ": " << fa[f].first << "[" << at << "] = " << (*fb[f].second)[at]
-                  << ", scalar " << (*fa[f].second)[at];
+    ADD_FAILURE() << isa << ": " << fa[f].first << "[" << at << "] = " << (*fb[f].second)[at] << ", scalar "
+                  << (*fa[f].second)[at];
     return false;
   }
   return true;
@@ -65,8 +83,7 @@ inline bool same_state(const State& scalar, const State& wide, const char* isa) 
       << isa << ": returned " << wide.value << ", scalar " << scalar.value;
   EXPECT_TRUE(scalar.virial == wide.virial || (std::isnan(scalar.virial) && std::isnan(wide.virial)))
       << isa << ": virial " << wide.virial << ", scalar " << scalar.virial;
-  return same_columns(scalar.b, wide.b, isa) && same_columns(scalar.c, wide.c, isa) &&
-         !::testing::Test::HasFailure();
+  return same_columns(scalar.b, wide.b, isa) && same_columns(scalar.c, wide.c, isa) && !::testing::Test::HasFailure();
 }
 
 /// Runs a kernel on copies of the state, one for each instruction set. Returns what scalar made.
@@ -76,7 +93,7 @@ State compare(const State& initial, const Run& run) {
   run(kernels_of(Isa::scalar), scalar);
   for (const Isa isa : wide_isas()) {
     State wide = initial;
-    run(kernels_of(isa), wide);
+    run(wide_kernels(isa), wide);
     if (!same_state(scalar, wide, isa_name(isa).data())) break;
   }
   return scalar;
@@ -85,7 +102,17 @@ State compare(const State& initial, const Run& run) {
 class KernelExact : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (wide_isas().empty()) GTEST_SKIP() << "this CPU has the scalar variant only";
+    runs_of_variants = {};
+    if (!wide_isas().empty()) return;
+    if (std::getenv("PSIM_SCALAR_CPU") != nullptr)
+      GTEST_SKIP() << "this CPU has no wide variant, as PSIM_SCALAR_CPU says";
+    FAIL() << "this CPU has no SSE4.1, so that nothing can be compared; set PSIM_SCALAR_CPU=1 if that is intended";
+  }
+  void TearDown() override {
+    if (IsSkipped() || HasFailure()) return;
+    for (const Isa isa : wide_isas()) {
+      EXPECT_GT(runs_of_variants[static_cast<std::size_t>(isa)], 0) << isa_name(isa) << " was not run";
+    }
   }
 };
 

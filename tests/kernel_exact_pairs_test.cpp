@@ -23,15 +23,15 @@ void same_lists(const Found& scalar, const Found& wide, const char* isa) {
 
 template <class Run>
 Found compare_lists(std::uint32_t capacity, std::size_t bodies, const Run& run) {
-  const auto found_by = [&](Isa isa) {
+  const auto found_by = [&](const KernelTable& table) {
     Found f(capacity, bodies);
     kernels::PairList list = f.list();
-    f.complete = run(kernels_of(isa), list);
+    f.complete = run(table, list);
     f.count = list.count;
     return f;
   };
-  const Found scalar = found_by(Isa::scalar);
-  for (const Isa isa : wide_isas()) same_lists(scalar, found_by(isa), isa_name(isa).data());
+  const Found scalar = found_by(kernels_of(Isa::scalar));
+  for (const Isa isa : wide_isas()) same_lists(scalar, found_by(wide_kernels(isa)), isa_name(isa).data());
   return scalar;
 }
 
@@ -53,10 +53,9 @@ TEST_F(KernelExact, FindPairsOverRowsWithAndWithoutSeams) {
           }
           for (const std::uint32_t end : ends) {
             for (const std::uint32_t room : {0u, 8u, 45u, 20000u}) {
-              const Found f = compare_lists(
-                  room, g.size(), [&](const KernelTable& k, kernels::PairList& list) {
-                    return k.find_pairs(g.row(r), begin, end, list);
-                  });
+              const Found f = compare_lists(room, g.size(), [&](const KernelTable& k, kernels::PairList& list) {
+                return k.find_pairs(g.row(r), begin, end, list);
+              });
               pairs += f.complete ? f.count : 0;
               full = full || !f.complete;
             }
@@ -101,7 +100,7 @@ TEST_F(KernelExact, SelectPairsForEveryTail) {
     }
     for (std::uint32_t begin = 0; begin < 5; ++begin) {
       for (std::uint32_t n = 0; n <= 17; ++n) {
-        const auto selected_by = [&](Isa isa) {
+        const auto selected_by = [&](const KernelTable& table) {
           std::vector<std::uint32_t> i(n + kBlock + 8, Found::kGuard), j = i;
           // Beyond the end lies no slot: a kernel that follows one leaves the columns.
           const std::vector<std::uint32_t> from(owner.begin(), owner.begin() + begin + n);
@@ -115,7 +114,7 @@ TEST_F(KernelExact, SelectPairsForEveryTail) {
           s.slack = 0.05f;
           s.out_owner = i.data();
           s.out_other = j.data();
-          const std::uint32_t count = kernels_of(isa).select_pairs(b.view(), s, begin, begin + n);
+          const std::uint32_t count = table.select_pairs(b.view(), s, begin, begin + n);
           for (std::size_t k = n + kBlock; k < i.size(); ++k) {
             EXPECT_EQ(i[k], Found::kGuard);
             EXPECT_EQ(j[k], Found::kGuard);
@@ -124,9 +123,9 @@ TEST_F(KernelExact, SelectPairsForEveryTail) {
           j.resize(count);
           return std::pair{i, j};
         };
-        const auto scalar = selected_by(Isa::scalar);
+        const auto scalar = selected_by(kernels_of(Isa::scalar));
         for (const Isa isa : wide_isas()) {
-          EXPECT_EQ(scalar, selected_by(isa)) << isa_name(isa) << " of " << n;
+          EXPECT_EQ(scalar, selected_by(wide_kernels(isa))) << isa_name(isa) << " of " << n;
         }
       }
     }
@@ -149,8 +148,8 @@ void for_contacts(std::uint64_t seed, bool pairs, const Each& each) {
       if (nasty > 0) s.c.be_nasty(random, nasty);
       for (std::uint32_t n = 0; n <= 3; ++n) {
         for (const bool own : {false, true}) {
-          SCOPED_TRACE("used " + std::to_string(used) + " nasty " + std::to_string(nasty) +
-                       " blocks " + std::to_string(n) + (own ? " own acc" : ""));
+          SCOPED_TRACE("used " + std::to_string(used) + " nasty " + std::to_string(nasty) + " blocks " +
+                       std::to_string(n) + (own ? " own acc" : ""));
           each(s, own, 1, 1 + n);
         }
       }
@@ -172,12 +171,12 @@ struct Kind<true> {
 };
 template <>
 struct Kind<false> {
-  static SingleView view(State& s, Model m, bool bounce) { return s.c.singles(m, bounce); }
-  static auto warm(const KernelTable& k, std::size_t m) { return k.warm_single[m]; }
-  static auto solve(const KernelTable& k, std::size_t m, bool b) { return k.solve_single[m][b]; }
-  static auto relax(const KernelTable& k, std::size_t m, bool b) { return k.relax_single[m][b]; }
-  static auto spend(const KernelTable& k, std::size_t m) { return k.spend_single[m]; }
-  static auto sweep(const KernelTable& k, std::size_t m) { return k.sweep_single[m]; }
+  static StaticContactView view(State& s, Model m, bool bounce) { return s.c.static_contacts(m, bounce); }
+  static auto warm(const KernelTable& k, std::size_t m) { return k.warm_static[m]; }
+  static auto solve(const KernelTable& k, std::size_t m, bool b) { return k.solve_static[m][b]; }
+  static auto relax(const KernelTable& k, std::size_t m, bool b) { return k.relax_static[m][b]; }
+  static auto spend(const KernelTable& k, std::size_t m) { return k.spend_static[m]; }
+  static auto sweep(const KernelTable& k, std::size_t m) { return k.sweep_static[m]; }
 };
 
 template <bool Pairs>
@@ -187,20 +186,20 @@ void compare_passes(std::uint64_t seed) {
   for_contacts(seed, Pairs, [&](const State& s, bool own, std::uint32_t i, std::uint32_t n) {
     for (const Model model : kAllModels) {
       const std::size_t m = index_of(model);
-      const bool spin = model == Model::rough;
+      const bool rim_speed = model == Model::rough;
       compare(s, [&](const KernelTable& k, State& at) {
-        Of::warm(k, m)(at.b.view(own, spin), Of::view(at, model, false), p, i, n);
+        Of::warm(k, m)(at.b.view(own, rim_speed), Of::view(at, model, false), p, i, n);
       });
       for (const bool bounce : {false, true}) {
         compare(s, [&](const KernelTable& k, State& at) {
-          Of::solve(k, m, bounce)(at.b.view(own, spin), Of::view(at, model, bounce), p, i, n);
+          Of::solve(k, m, bounce)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
         });
         compare(s, [&](const KernelTable& k, State& at) {
-          Of::relax(k, m, bounce)(at.b.view(own, spin), Of::view(at, model, bounce), p, i, n);
+          Of::relax(k, m, bounce)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
         });
       }
       compare(s, [&](const KernelTable& k, State& at) {
-        Of::spend(k, m)(at.b.view(own, spin), Of::view(at, model, true), p, i, n);
+        Of::spend(k, m)(at.b.view(own, rim_speed), Of::view(at, model, true), p, i, n);
       });
     }
   });
@@ -214,14 +213,14 @@ void compare_sweeps(std::uint64_t seed) {
   int hits = 0, later_hits = 0;
   for_contacts(seed, Pairs, [&](const State& s, bool own, std::uint32_t i, std::uint32_t n) {
     for (const Model model : kAllModels) {
-      const bool spin = model == Model::rough;
+      const bool rim_speed = model == Model::rough;
       const auto sweep = [&](const State& from, bool first, bool last) {
         ContactParams p = contact_params();
         p.first_sweep = first;
         p.last_sweep = last;
         return compare(from, [&](const KernelTable& k, State& at) {
-          at.flag = Of::sweep(k, index_of(model))(at.b.view(own, spin, true),
-                                                  Of::view(at, model, true), p, i, n, &at.virial);
+          at.flag = Of::sweep(k, index_of(model))(at.b.view(own, rim_speed, true), Of::view(at, model, true), p, i, n,
+                                                  &at.virial);
         });
       };
       sweep(s, true, true);
@@ -237,16 +236,15 @@ void compare_sweeps(std::uint64_t seed) {
 TEST_F(KernelExact, Prepare) {
   const ContactParams p = contact_params();
   for_contacts(800, true, [&](const State& s, bool, std::uint32_t i, std::uint32_t n) {
-    compare(s, [&](const KernelTable& k, State& at) {
-      k.prepare(at.b.view(), at.c.pairs(Model::plain, false), p, i, n);
-    });
+    compare(s,
+            [&](const KernelTable& k, State& at) { k.prepare(at.b.view(), at.c.pairs(Model::plain, false), p, i, n); });
   });
 }
 
 TEST_F(KernelExact, ContactPasses) { compare_passes<true>(900); }
-TEST_F(KernelExact, SinglePasses) { compare_passes<false>(1000); }
+TEST_F(KernelExact, StaticPasses) { compare_passes<false>(1000); }
 TEST_F(KernelExact, ContactSweeps) { compare_sweeps<true>(1100); }
-TEST_F(KernelExact, SingleSweeps) { compare_sweeps<false>(1200); }
+TEST_F(KernelExact, StaticSweeps) { compare_sweeps<false>(1200); }
 
 }  // namespace
 }  // namespace psim::test::exact

@@ -1,23 +1,41 @@
 // Every kernel over bodies on every instruction set against the scalar one (kernel_exact.h).
 #include "kernel_exact.h"
 
+#include <cstddef>
+
 namespace psim::test::exact {
 namespace {
 
-// Asked of the compiler's run-time library, not of psim, so that a fault in the detection cannot
-// leave the suite empty.
-TEST(KernelExactSets, EveryVariantOfThisCpuIsCompared) {
-  std::string compared;
+TEST(KernelExactSets, PsimFindsTheVariantsOfThisCpu) {
+  std::vector<Isa> expected = wide_isas();
+  expected.insert(expected.begin(), Isa::scalar);
+  EXPECT_EQ(available_isas(), expected);
+  EXPECT_EQ(best_isa(), expected.back());
+}
+
+// The kernel that runs is the one that was asked for: no entry of a table is another variant's.
+TEST(KernelExactSets, VariantsShareNoFunction) {
+  using Function = void (*)();
+  constexpr std::size_t kFirst = offsetof(KernelTable, kick_first);
+  constexpr std::size_t kFunctions = (sizeof(KernelTable) - kFirst) / sizeof(Function);
+  const auto functions_of = [](Isa isa) {
+    std::vector<Function> functions(kFunctions);
+    std::memcpy(functions.data(), reinterpret_cast<const char*>(&kernels_of(isa)) + kFirst,
+                kFunctions * sizeof(Function));
+    return functions;
+  };
   for (const Isa isa : kAllIsas) {
-    if (isa_available(isa)) {
-      compared += std::string(" ") + std::string(isa_name(isa));
-    } else {
-      std::printf("NOT COMPARED, this CPU lacks it: %s\n", isa_name(isa).data());
+    if (isa_lanes(isa) == 0) continue;  // not in this build
+    EXPECT_EQ(kernels_of(isa).width, static_cast<std::uint32_t>(isa_lanes(isa)));
+    for (const Isa other : kAllIsas) {
+      if (isa == other || isa_lanes(other) == 0) continue;
+      const std::vector<Function> of_isa = functions_of(isa), of_other = functions_of(other);
+      for (std::size_t k = 0; k < kFunctions; ++k) {
+        ASSERT_NE(of_isa[k], nullptr) << isa_name(isa) << " function " << k;
+        ASSERT_NE(of_isa[k], of_other[k]) << isa_name(isa) << " and " << isa_name(other) << " function " << k;
+      }
     }
   }
-  std::printf("compared:%s\n", compared.c_str());
-  EXPECT_EQ(isa_available(Isa::sse), __builtin_cpu_supports("sse4.1") != 0);
-  EXPECT_EQ(isa_available(Isa::avx2), __builtin_cpu_supports("avx2") != 0);
 }
 
 enum class Linked { none, all, mixed };
@@ -55,7 +73,7 @@ TEST_F(KernelExact, Kicks) {
     }
     compare(s, [&](const KernelTable& k, State& at) {
       BodyView v = at.b.view(true);
-      v.vel_rest = at.b.vel_rest.data();
+      v.vel_remainder = at.b.vel_remainder.data();
       k.kick_first(v, p, i, n);
     });
   });
@@ -75,9 +93,8 @@ TEST_F(KernelExact, Accelerate) {
     const FieldSet fields(random);
     for (const int drag : {0, 1}) {
       for (const bool scales : {false, true}) {
-        compare(s, [&](const KernelTable& k, State& at) {
-          k.accelerate[drag](at.b.field_view(scales), fields.p, i, n);
-        });
+        compare(s,
+                [&](const KernelTable& k, State& at) { k.accelerate[drag](at.b.field_view(scales), fields.p, i, n); });
       }
     }
   });
@@ -105,9 +122,7 @@ TEST_F(KernelExact, DriftBent) {
     FieldSet fields(random);
     for (const double smooth : {fields.p.smooth, 1.0, -1.0}) {
       fields.p.smooth = smooth;
-      compare(s, [&](const KernelTable& k, State& at) {
-        k.drift_bent(at.b.field_view(false), fields.p, i, n);
-      });
+      compare(s, [&](const KernelTable& k, State& at) { k.drift_bent(at.b.field_view(false), fields.p, i, n); });
     }
   });
 }
@@ -119,9 +134,8 @@ TEST_F(KernelExact, Integrate) {
       for (const float far : {1e30f, 0.01f}) {
         StreamParams q = p;
         q.far_x = q.far_y = far;
-        const State done = compare(s, [&](const KernelTable& k, State& at) {
-          at.flag = k.integrate(at.b.view(own), q, i, n);
-        });
+        const State done =
+            compare(s, [&](const KernelTable& k, State& at) { at.flag = k.integrate(at.b.view(own), q, i, n); });
         (done.flag ? fine : bad) = true;
       }
     }
@@ -132,8 +146,7 @@ TEST_F(KernelExact, Integrate) {
 TEST_F(KernelExact, ListAgeAndReaches) {
   for_streams(400, [](const State& s, const StreamParams& p, std::uint32_t i, std::uint32_t n) {
     compare(s, [&](const KernelTable& k, State& at) {
-      at.value = k.list_age(at.b.view(), at.b.built.data(), at.b.radius.data(), at.b.reach.data(),
-                            p, 0.02f, i, n);
+      at.value = k.list_age(at.b.view(), at.b.built.data(), at.b.radius.data(), at.b.reach.data(), p, 0.02f, i, n);
     });
     compare(s, [&](const KernelTable& k, State& at) {
       at.value = k.reaches(at.b.view(), at.b.radius.data(), {0.1f, 0.02f, 3, -1}, at.b.reach.data(), i, n);
@@ -144,9 +157,8 @@ TEST_F(KernelExact, ListAgeAndReaches) {
 TEST_F(KernelExact, LookAhead) {
   for_streams(450, [](const State& s, const StreamParams& p, std::uint32_t i, std::uint32_t n) {
     for (const float ahead : {0.01f, 1e30f}) {
-      compare(s, [&](const KernelTable& k, State& at) {
-        k.look_ahead(at.b.view(), p, ahead, at.b.built.data(), i, n);
-      });
+      compare(s,
+              [&](const KernelTable& k, State& at) { k.look_ahead(at.b.view(), p, ahead, at.b.built.data(), i, n); });
     }
   });
 }
@@ -156,9 +168,7 @@ TEST_F(KernelExact, ExtentAndCellKeys) {
     for (const std::int32_t wide : {0, 1000000, INT32_MAX}) {
       State start = s;
       start.low_high = {-wide, 1 - wide, wide - 1, wide};
-      compare(start, [&](const KernelTable& k, State& at) {
-        k.extent(at.b.pos.data(), at.low_high.data(), i, n);
-      });
+      compare(start, [&](const KernelTable& k, State& at) { k.extent(at.b.pos.data(), at.low_high.data(), i, n); });
     }
     kernels::GridView g;
     g.mid_x = 1234567;
@@ -169,9 +179,7 @@ TEST_F(KernelExact, ExtentAndCellKeys) {
     g.cols = 13;
     g.rows = 17;
     g.stride = 15;
-    compare(s, [&](const KernelTable& k, State& at) {
-      k.cell_keys(at.b.pos.data(), g, at.key.data(), i, n);
-    });
+    compare(s, [&](const KernelTable& k, State& at) { k.cell_keys(at.b.pos.data(), g, at.key.data(), i, n); });
   });
 }
 

@@ -23,9 +23,7 @@ template <class T>
 Vec record(const std::vector<T>& column, std::size_t i) {
   return {double(column[2 * i]), double(column[2 * i + 1])};
 }
-inline Vec place(const Bodies& b, std::size_t i) {
-  return double{kPitch} * record(b.pos, i) + record(b.disp, i);
-}
+inline Vec place(const Bodies& b, std::size_t i) { return double{kPitch} * record(b.pos, i) + record(b.disp, i); }
 
 inline void expect_near(Vec got, Vec want, double tolerance) {
   EXPECT_NEAR(got.x, want.x, tolerance);
@@ -56,8 +54,8 @@ inline Contact contact_of(const Bodies& b, const Contacts& c, std::size_t k, Mod
   x.e = c.e[k];
   x.start = c.start[k];
   if (model == Model::rough) {
-    x.mu = c.mu[k], x.t = c.friction[k], x.mt = c.tmass[k], x.q_b = c.qb[k], x.u_b = b.spin[j];
-    if (pair) x.q_a = c.qa[k], x.u_a = b.spin[i];
+    x.mu = c.mu[k], x.t = c.friction[k], x.mt = c.tmass[k], x.q_b = c.qb[k], x.u_b = b.rim_speed[j];
+    if (pair) x.q_a = c.qa[k], x.u_a = b.rim_speed[i];
   }
   return x;
 }

@@ -98,15 +98,13 @@ void check_pass(Pass pass, bool pairs, Model model, bool bounce) {
     const KernelTable& t = scalar();
     if (pairs) {
       const ContactView v = c.pairs(model, bounce);
-      const auto run = pass == Pass::warm    ? t.warm[m]
-                       : pass == Pass::solve ? t.solve[m][bounce]
-                                             : t.relax[m][bounce];
+      const auto run = pass == Pass::warm ? t.warm[m] : pass == Pass::solve ? t.solve[m][bounce] : t.relax[m][bounce];
       run(view, v, p, 0, 1);
     } else {
-      const SingleView v = c.singles(model, bounce);
-      const auto run = pass == Pass::warm    ? t.warm_single[m]
-                       : pass == Pass::solve ? t.solve_single[m][bounce]
-                                             : t.relax_single[m][bounce];
+      const StaticContactView v = c.static_contacts(model, bounce);
+      const auto run = pass == Pass::warm    ? t.warm_static[m]
+                       : pass == Pass::solve ? t.solve_static[m][bounce]
+                                             : t.relax_static[m][bounce];
       run(view, v, p, 0, 1);
     }
     for (std::size_t k = 0; k < 7; ++k) {
@@ -126,8 +124,8 @@ void check_pass(Pass pass) {
     for (const Model model : kAllModels) {
       for (const bool bounce : {false, true}) {
         if (pass == Pass::warm && bounce) continue;
-        SCOPED_TRACE(std::string(pairs ? "pairs" : "singles") + ", model " +
-                     std::to_string(index_of(model)) + (bounce ? ", bounce" : ""));
+        SCOPED_TRACE(std::string(pairs ? "pairs" : "singles") + ", model " + std::to_string(index_of(model)) +
+                     (bounce ? ", bounce" : ""));
         check_pass(pass, pairs, model, bounce);
       }
     }
@@ -168,7 +166,7 @@ TEST(KernelOracle, NormalsAreRefreshed) {
   p.refresh = 0;
   std::fill(s.refresh.begin(), s.refresh.end(), 0.0f);
   scalar().solve[0][0](b.view(), c.pairs(Model::plain, false), p, 0, 1);
-  scalar().solve_single[0][0](b.view(), s.singles(Model::plain, false), p, 0, 1);
+  scalar().solve_static[0][0](b.view(), s.static_contacts(Model::plain, false), p, 0, 1);
   for (std::size_t k = 0; k < kBlock; ++k) {
     const std::size_t i = c.body[2 * k], j = c.body[2 * k + 1];
     const Vec d = place(b, j) - place(b, i), dd = record(b.disp, j) - record(b.disp, i);
@@ -193,7 +191,7 @@ TEST(KernelOracle, SpendMovesImpactsIntoV0) {
     if (pairs) {
       scalar().spend[m](b.view(false, true), c.pairs(Model::rough, true), {}, 0, 1);
     } else {
-      scalar().spend_single[m](b.view(false, true), c.singles(Model::rough, true), {}, 0, 1);
+      scalar().spend_static[m](b.view(false, true), c.static_contacts(Model::rough, true), {}, 0, 1);
     }
     for (std::size_t k = 0; k < kBlock; ++k) {
       const Contact x = contact_of(old, was, k, Model::rough);
@@ -203,10 +201,10 @@ TEST(KernelOracle, SpendMovesImpactsIntoV0) {
       const Vec impulse = (hit ? x.start : 0) * x.n + (x.t - held) * left_of(x.n);
       const std::size_t i = c.body[c.step * k], j = c.body[c.step * k + c.step - 1];
       expect_near(record(b.vel0, j), record(old.vel0, j) + x.w_b * impulse, 1e-5);
-      EXPECT_NEAR(b.spin0[j], double{old.spin0[j]} - x.q_b * (x.t - held), 1e-5);
+      EXPECT_NEAR(b.rim_speed0[j], double{old.rim_speed0[j]} - x.q_b * (x.t - held), 1e-5);
       if (pairs) {
         expect_near(record(b.vel0, i), record(old.vel0, i) - x.w_a * impulse, 1e-5);
-        EXPECT_NEAR(b.spin0[i], double{old.spin0[i]} - x.q_a * (x.t - held), 1e-5);
+        EXPECT_NEAR(b.rim_speed0[i], double{old.rim_speed0[i]} - x.q_a * (x.t - held), 1e-5);
       }
       EXPECT_NEAR(c.friction[k], held, 1e-6);
     }

@@ -21,15 +21,11 @@ struct Motion {
   Vec x, v;
 };
 
-Vec drag_of(const FieldSet& fields, Vec v) {
-  return -(fields.p.linear + fields.p.quadratic * length(v)) * v;
-}
+Vec drag_of(const FieldSet& fields, Vec v) { return -(fields.p.linear + fields.p.quadratic * length(v)) * v; }
 
 /// The differential equation, by a thousand steps of the midpoint rule.
 Motion flown(const FieldSet& fields, double scale, Motion m, double h) {
-  const auto rate = [&](Motion at) {
-    return Motion{at.v, pull(fields, scale, at.x) + drag_of(fields, at.v)};
-  };
+  const auto rate = [&](Motion at) { return Motion{at.v, pull(fields, scale, at.x) + drag_of(fields, at.v)}; };
   const int steps = 1000;
   const double t = h / steps;
   for (int k = 0; k < steps; ++k) {
@@ -40,7 +36,7 @@ Motion flown(const FieldSet& fields, double scale, Motion m, double h) {
 }
 
 Motion motion(const Bodies& b, std::size_t i) {
-  return {place(b, i) + record(b.disp_rest, i), record(b.vel, i) + record(b.vel_rest, i)};
+  return {place(b, i) + record(b.disp_remainder, i), record(b.vel, i) + record(b.vel_remainder, i)};
 }
 
 /// Largest errors of place and velocity after one substep of the method, far from the wells.
@@ -142,7 +138,7 @@ TEST(KernelOracle, DriftBentGoesTheMethodsWayOnlyWhereTheChangeIsSmooth) {
       const Vec v = record(old.vel, i), v0 = record(old.vel0, i), a = record(old.acc, i);
       const bool is_smooth = dot(v - v0, v - v0) <= smooth * dot(a, a);
       smooth_ones += is_smooth;
-      Vec way = is_smooth ? h / 2 * (v0 + v) + record(old.bend, i) : h * v;
+      Vec way = is_smooth ? h / 2 * (v0 + v) + record(old.drift_correction, i) : h * v;
       if (old.linked[i] == 0) way = {};
       expect_near(motion(b, i).x, motion(old, i).x + way, 1e-14);
     }

@@ -24,9 +24,8 @@ struct Heading {
       b.pos[2 * j + axis] = b.pos[2 * i + axis] + static_cast<int>(along / double{kPitch});
       if (pair) b.vel[2 * i + axis] = uniform(random, -3, 3);
       const double side = axis == 0 ? -n.y : n.x;
-      b.vel[2 * j + axis] = b.vel[2 * i + axis] +
-                            static_cast<float>(random.uniform(-12, -9) * (axis == 0 ? n.x : n.y) +
-                                               random.uniform(-2, 2) * side);
+      b.vel[2 * j + axis] = b.vel[2 * i + axis] + static_cast<float>(random.uniform(-12, -9) * (axis == 0 ? n.x : n.y) +
+                                                                     random.uniform(-2, 2) * side);
     }
     if (pair) {
       d = place(b, j) - place(b, i);
@@ -62,9 +61,8 @@ TEST(KernelOracle, SweepHitsAtTheAnalyticTime) {
         double virial = 0;
         const BodyView view = s.b.view(false, model == Model::rough, true);
         const std::size_t m = index_of(model);
-        const bool any =
-            pair ? scalar().sweep[m](view, s.c.pairs(model, true), p, 0, 1, &virial)
-                 : scalar().sweep_single[m](view, s.c.singles(model, true), p, 0, 1, &virial);
+        const bool any = pair ? scalar().sweep[m](view, s.c.pairs(model, true), p, 0, 1, &virial)
+                              : scalar().sweep_static[m](view, s.c.static_contacts(model, true), p, 0, 1, &virial);
         ASSERT_TRUE(any);
         EXPECT_TRUE(std::signbit(s.c.impact[0]));
         const std::size_t i = s.c.body[0], j = s.c.body[s.c.step - 1];
@@ -79,8 +77,8 @@ TEST(KernelOracle, SweepHitsAtTheAnalyticTime) {
         if (model == Model::rough) {
           const double vt = dot(left_of(n), s.u) - x.u_a - x.u_b;
           jt = std::clamp(-x.mt * vt, -x.mu * jn, x.mu * jn);
-          EXPECT_NEAR(s.b.spin[j], double{old.spin[j]} - x.q_b * jt, 1e-3);
-          EXPECT_NEAR(s.b.spin0[j], double{old.spin0[j]} - x.q_b * jt, 1e-3);
+          EXPECT_NEAR(s.b.rim_speed[j], double{old.rim_speed[j]} - x.q_b * jt, 1e-3);
+          EXPECT_NEAR(s.b.rim_speed0[j], double{old.rim_speed0[j]} - x.q_b * jt, 1e-3);
         }
         const Vec impulse = jn * n + jt * left_of(n);
         expect_near(now.vb, x.vb + x.w_b * impulse, 1e-3);
@@ -113,8 +111,8 @@ TEST(KernelOracle, SweepHitsFlatFacesOnTheParabola) {
     const double t = (-un - std::sqrt(un * un - 2 * gn * s)) / gn;
     const Bodies old = h.b;
     double virial = 0;
-    const bool any = scalar().sweep_single[0](h.b.view(false, false, true),
-                                              h.c.singles(Model::plain, true), p, 0, 1, &virial);
+    const bool any = scalar().sweep_static[0](h.b.view(false, false, true), h.c.static_contacts(Model::plain, true), p,
+                                              0, 1, &virial);
     ASSERT_EQ(any, t < double{kSubstep}) << seed;
     if (!any) continue;
     EXPECT_NEAR(double{h.b.event_time[j]}, t, 1e-6);
@@ -135,22 +133,25 @@ TEST(KernelOracle, SweepSettlesMissesAndLeavesTheRest) {
     ContactParams p = contact_params();
     p.last_sweep = last;
     double virial = 0;
-    EXPECT_FALSE(scalar().sweep[0](s.b.view(false, false, true), s.c.pairs(Model::plain, true), p,
-                                   0, 1, &virial));
+    EXPECT_FALSE(scalar().sweep[0](s.b.view(false, false, true), s.c.pairs(Model::plain, true), p, 0, 1, &virial));
     EXPECT_EQ(before.vel, s.b.vel);
     EXPECT_EQ(before.disp, s.b.disp);
     EXPECT_EQ(virial, 0);
     return std::bit_cast<std::uint32_t>(s.c.impact[0]);
   };
   const std::uint32_t settled = 0x80000000u, pending = 0, not_for_sweeps = 0x3F800000u;
-  EXPECT_EQ(mark_of([](Heading& s) { for (float& v : s.b.vel) v = -v; }), settled);
-  EXPECT_EQ(mark_of([](Heading& s) { s.c.e[0] = 0.001f; }), pending);   // below the floor
-  EXPECT_EQ(mark_of([](Heading&) {}, true), pending);                   // last sweep, not elastic
+  EXPECT_EQ(mark_of([](Heading& s) {
+              for (float& v : s.b.vel) v = -v;
+            }),
+            settled);
+  EXPECT_EQ(mark_of([](Heading& s) { s.c.e[0] = 0.001f; }), pending);  // below the floor
+  EXPECT_EQ(mark_of([](Heading&) {}, true), pending);                  // last sweep, not elastic
   EXPECT_EQ(mark_of([](Heading& s) { s.c.impact[0] = 1; }), not_for_sweeps);
-  EXPECT_EQ(mark_of([](Heading& s) {                                    // overlapping and parting
+  EXPECT_EQ(mark_of([](Heading& s) {  // overlapping and parting
               s.c.rsum[0] = 1.1f;
               for (float& v : s.b.vel) v = -v;
-            }), pending);
+            }),
+            pending);
 }
 
 }  // namespace

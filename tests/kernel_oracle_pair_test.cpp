@@ -94,8 +94,7 @@ TEST(KernelOracle, SelectPairsKeepsThoseThatCanMeet) {
   s.slack = 0.05f;
   s.out_owner = out_i.data();
   s.out_other = out_j.data();
-  const std::uint32_t n =
-      scalar().select_pairs(b.view(), s, 0, static_cast<std::uint32_t>(owner.size()));
+  const std::uint32_t n = scalar().select_pairs(b.view(), s, 0, static_cast<std::uint32_t>(owner.size()));
   out_i.resize(n);
   out_j.resize(n);
   EXPECT_EQ(out_i, want_i);

@@ -86,15 +86,15 @@ TEST(KernelOracle, KickInAFieldKeepsWhatVelocitiesCannotHold) {
   for (float& a : b.acc) a = 1.1e-5f;
   StreamParams p = stream_params(random);
   p.damp = 1;
-  p.damp_rest = 0;
+  p.damp_remainder = 0;
   const Bodies old = b;
   BodyView view = b.view(true);
-  view.vel_rest = b.vel_rest.data();
+  view.vel_remainder = b.vel_remainder.data();
   for (int step = 0; step < 10000; ++step) scalar().kick_first(view, p, 0, 1);
   for (std::size_t i = 0; i < b.count; ++i) {
     const Vec sum = 10000 * double{p.coast} * record(old.acc, i);
-    expect_near(record(b.vel, i) + record(b.vel_rest, i),
-                record(old.vel, i) + record(old.vel_rest, i) + sum, 1e-8);
+    expect_near(record(b.vel, i) + record(b.vel_remainder, i), record(old.vel, i) + record(old.vel_remainder, i) + sum,
+                1e-8);
   }
 }
 
@@ -105,11 +105,11 @@ TEST(KernelOracle, KickInAFieldDampsByMoreThanAFloatHolds) {
   std::fill(b.acc.begin(), b.acc.end(), 0.0f);
   StreamParams p = stream_params(random);
   p.damp = 0.998f;
-  p.damp_rest = 2.5e-8f;  // 2,000 kicks: 5e-5 of the velocity
-  const double damp = double{p.damp} + double{p.damp_rest};
+  p.damp_remainder = 2.5e-8f;  // 2,000 kicks: 5e-5 of the velocity
+  const double damp = double{p.damp} + double{p.damp_remainder};
   const Bodies old = b;
   BodyView view = b.view(true);
-  view.vel_rest = b.vel_rest.data();
+  view.vel_remainder = b.vel_remainder.data();
   for (int step = 0; step < 2000; ++step) scalar().kick_first(view, p, 0, 1);
   for (std::size_t i = 0; i < b.count; ++i) {
     const Vec want = std::pow(damp, 2000) * record(old.vel, i);
@@ -157,18 +157,16 @@ TEST(KernelOracle, ListAgeReachesAndExtentAreTheExtremes) {
       want[2 + axis] = std::max(want[2 + axis], b.pos[2 * i + axis]);
     }
   }
-  EXPECT_NEAR(double{scalar().list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p,
-                                       0.02f, 1, 4)}, age, 1e-6);
-  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), {0.1f, 0.02f}, b.reach.data(), 1, 4)},
-              most, 1e-6);
+  EXPECT_NEAR(double{scalar().list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p, 0.02f, 1, 4)}, age,
+              1e-6);
+  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), {0.1f, 0.02f}, b.reach.data(), 1, 4)}, most, 1e-6);
   scalar().look_ahead(b.view(), p, 0.02f, b.built.data(), 1, 4);
   for (std::size_t i = 16; i < 64; ++i) {
     const double steps = std::nearbyint(double{b.vel[i]} * time / double{kPitch});
     EXPECT_NEAR(double(b.built[i]) - double(b.pos[i]), steps, 1 + 1e-6 * std::fabs(steps));
   }
   for (std::size_t i = 8; i < 32; ++i) {
-    EXPECT_NEAR(double{b.reach[i]},
-                double{b.radius[i]} + skin + length(record(b.vel, i)) * time, 1e-6);
+    EXPECT_NEAR(double{b.reach[i]}, double{b.radius[i]} + skin + length(record(b.vel, i)) * time, 1e-6);
   }
   std::int32_t got[] = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN};
   scalar().extent(b.pos.data(), got, 1, 4);
@@ -206,14 +204,13 @@ TEST(KernelOracle, CellKeysAreInRangeAndMonotonic) {
     scalar().cell_keys(pos.data(), g, key.data(), 0, static_cast<std::uint32_t>(xs.size() / kBlock));
     for (std::size_t i = 0; i < xs.size(); ++i) {
       const std::uint32_t cell[] = {key[i] % g.stride, key[i] / g.stride};
-      const std::uint32_t count[] = {static_cast<std::uint32_t>(g.cols),
-                                     static_cast<std::uint32_t>(g.rows)};
+      const std::uint32_t count[] = {static_cast<std::uint32_t>(g.cols), static_cast<std::uint32_t>(g.rows)};
       ASSERT_LT(cell[axis], count[axis]);
       ASSERT_EQ(cell[1 - axis], axis == 0 ? 4u : 5u);
       ASSERT_LE(key[i == 0 ? 0 : i - 1], key[i]);
       const double mid = axis == 0 ? g.mid_x : g.mid_y;
-      const double at = (xs[i] - mid) * double{axis == 0 ? g.scale_x : g.scale_y} +
-                        double{axis == 0 ? g.offset_x : g.offset_y};
+      const double at =
+          (xs[i] - mid) * double{axis == 0 ? g.scale_x : g.scale_y} + double{axis == 0 ? g.offset_x : g.offset_y};
       if (std::fabs(at - std::round(at)) < 1e-5) continue;  // on an edge either cell is right
       const double want = std::floor(std::clamp(at, 0.0, count[axis] - 1.0));
       ASSERT_EQ(double(cell[axis]), want) << xs[i];

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernel_select.h"
+#include "base/kernel_select.h"
 #include "support.h"
 #include "views.h"
 
@@ -24,10 +24,10 @@ namespace psim::test {
 using kernels::BodyView;
 using kernels::ContactParams;
 using kernels::ContactView;
-using kernels::KernelTable;
 using kernels::kBlock;
+using kernels::KernelTable;
 using kernels::Model;
-using kernels::SingleView;
+using kernels::StaticContactView;
 using kernels::StreamParams;
 
 inline constexpr Model kAllModels[] = {Model::plain, Model::massed, Model::rough};
@@ -36,15 +36,20 @@ inline constexpr float kSubstep = 1.0f / 240;
 
 inline std::size_t index_of(Model m) { return static_cast<std::size_t>(m); }
 
-inline float uniform(Random& random, double low, double high) {
-  return static_cast<float>(random.uniform(low, high));
-}
+inline float uniform(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 
 /// What a float column can hold at worst.
 inline float nasty_float(Random& random) {
   using Limits = std::numeric_limits<float>;
-  const float values[] = {0.0f, 1.0f, 1e30f, 1e-30f, 3e38f, 1e-44f,
-                          Limits::denorm_min(), Limits::min(), Limits::infinity(),
+  const float values[] = {0.0f,
+                          1.0f,
+                          1e30f,
+                          1e-30f,
+                          3e38f,
+                          1e-44f,
+                          Limits::denorm_min(),
+                          Limits::min(),
+                          Limits::infinity(),
                           Limits::quiet_NaN()};
   const float value = values[random.below(std::size(values))];
   return random.chance(0.5) ? -value : value;
@@ -61,41 +66,40 @@ inline void make_nasty(Random& random, std::vector<float>& column, std::size_t n
 struct Bodies {
   std::size_t count = 0;
   std::vector<std::int32_t> pos, built;
-  std::vector<float> vel, vel0, disp, acc, vel_rest, disp_rest, bend, pull;
-  std::vector<float> spin, spin0, event_time, radius, reach;
+  std::vector<float> vel, vel0, disp, acc, vel_remainder, disp_remainder, drift_correction, pull;
+  std::vector<float> rim_speed, rim_speed0, event_time, radius, reach;
   std::vector<std::uint8_t> linked;
 
   Bodies() = default;
   Bodies(Random& random, std::size_t n) : count(n) {
     const std::size_t total = kernels::round_up_block(n + 2) + kernels::kReadPad;
     for (auto* c : {&pos, &built}) c->resize(2 * total);
-    for (auto* c : {&vel, &vel0, &disp, &acc, &vel_rest}) c->resize(2 * total);
-    for (auto* c : {&spin, &spin0, &event_time, &radius, &reach}) c->resize(total);
+    for (auto* c : {&vel, &vel0, &disp, &acc, &vel_remainder}) c->resize(2 * total);
+    for (auto* c : {&rim_speed, &rim_speed0, &event_time, &radius, &reach}) c->resize(total);
     linked.resize(total);
     for (std::size_t i = 0; i < 2 * n; ++i) {
       pos[i] = static_cast<std::int32_t>(random.uniform(-2, 2) / kPitch);
       built[i] = pos[i] + static_cast<std::int32_t>(random.uniform(-1e5, 1e5));
       vel[i] = uniform(random, -30, 30);
-      vel0[i] = random.chance(0.5) ? vel[i] - uniform(random, -0.05, 0.05)
-                                   : uniform(random, -30, 30);
+      vel0[i] = random.chance(0.5) ? vel[i] - uniform(random, -0.05, 0.05) : uniform(random, -30, 30);
       disp[i] = uniform(random, -0.02, 0.02);
       acc[i] = uniform(random, -20, 20);
-      vel_rest[i] = uniform(random, -1e-6, 1e-6);
+      vel_remainder[i] = uniform(random, -1e-6, 1e-6);
     }
     for (std::size_t i = 0; i < n; ++i) {
-      spin[i] = uniform(random, -5, 5);
-      spin0[i] = uniform(random, -5, 5);
+      rim_speed[i] = uniform(random, -5, 5);
+      rim_speed0[i] = uniform(random, -5, 5);
       event_time[i] = random.chance(0.8) ? 0 : uniform(random, 0, kSubstep);
       radius[i] = uniform(random, 0.2, 0.6);
       reach[i] = radius[i] + uniform(random, 0, 0.1);
       linked[i] = random.chance(0.5) ? 0xFF : 0;
     }
     Random own(n);  // of what fields need
-    for (auto* c : {&disp_rest, &bend}) c->resize(2 * total);
+    for (auto* c : {&disp_remainder, &drift_correction}) c->resize(2 * total);
     pull.resize(total);
     for (std::size_t i = 0; i < 2 * n; ++i) {
-      disp_rest[i] = uniform(own, -1e-9, 1e-9);
-      bend[i] = uniform(own, -1e-5, 1e-5);
+      disp_remainder[i] = uniform(own, -1e-9, 1e-9);
+      drift_correction[i] = uniform(own, -1e-5, 1e-5);
     }
     for (std::size_t i = 0; i < n; ++i) pull[i] = own.chance(0.2) ? 0 : uniform(own, -1, 2);
   }
@@ -103,10 +107,10 @@ struct Bodies {
   std::uint32_t dummy() const { return static_cast<std::uint32_t>(count); }
 
   void be_nasty(Random& random, double chance) {
-    for (auto* c : {&vel, &vel0, &disp, &acc, &vel_rest}) make_nasty(random, *c, 2 * count, chance);
-    for (auto* c : {&spin, &spin0}) make_nasty(random, *c, count, chance);
+    for (auto* c : {&vel, &vel0, &disp, &acc, &vel_remainder}) make_nasty(random, *c, 2 * count, chance);
+    for (auto* c : {&rim_speed, &rim_speed0}) make_nasty(random, *c, count, chance);
     Random own(count);
-    for (auto* c : {&disp_rest, &bend}) make_nasty(own, *c, 2 * count, chance);
+    for (auto* c : {&disp_remainder, &drift_correction}) make_nasty(own, *c, 2 * count, chance);
     make_nasty(own, pull, count, chance);
     for (std::size_t i = 0; i < count; ++i) {
       if (!random.chance(chance)) continue;
@@ -130,8 +134,8 @@ struct Bodies {
     v.linked = linked.data();
     if (own_acc) v.acc = acc.data();
     if (rotation) {
-      v.spin = spin.data();
-      v.spin0 = spin0.data();
+      v.rim_speed = rim_speed.data();
+      v.rim_speed0 = rim_speed0.data();
     }
     if (impacts) v.event_time = event_time.data();
     return v;
@@ -140,17 +144,26 @@ struct Bodies {
   /// What a world with fields and an integrator has.
   BodyView field_view(bool scales) {
     BodyView v = view(true);
-    v.vel_rest = vel_rest.data();
-    v.disp_rest = disp_rest.data();
-    v.bend = bend.data();
+    v.vel_remainder = vel_remainder.data();
+    v.disp_remainder = disp_remainder.data();
+    v.drift_correction = drift_correction.data();
     if (scales) v.pull = pull.data();
     return v;
   }
 
   std::vector<std::pair<const char*, const std::vector<float>*>> floats() const {
-    return {{"disp_rest", &disp_rest}, {"bend", &bend}, {"pull", &pull}, {"vel", &vel},           {"vel0", &vel0},     {"disp", &disp},
-            {"acc", &acc},           {"spin", &spin},     {"vel_rest", &vel_rest},
-            {"spin0", &spin0},       {"reach", &reach},   {"event_time", &event_time},
+    return {{"disp_rest", &disp_remainder},
+            {"drift_correction", &drift_correction},
+            {"pull", &pull},
+            {"vel", &vel},
+            {"vel0", &vel0},
+            {"disp", &disp},
+            {"acc", &acc},
+            {"spin", &rim_speed},
+            {"vel_rest", &vel_remainder},
+            {"spin0", &rim_speed0},
+            {"reach", &reach},
+            {"event_time", &event_time},
             {"radius", &radius}};
   }
 };
@@ -159,15 +172,14 @@ struct Bodies {
 struct Contacts {
   std::size_t step = 2;
   std::vector<std::uint32_t> body;
-  std::vector<float> nx, ny, gap, impulse, rsum, mass, wa, wb, mu, friction, tmass, qa, qb, e,
-      impact, start, base_x, base_y, refresh;
+  std::vector<float> nx, ny, gap, impulse, rsum, mass, wa, wb, mu, friction, tmass, qa, qb, e, impact, start, base_x,
+      base_y, refresh;
 
   std::size_t lanes() const { return nx.size(); }
 
   /// `blocks` blocks; in each, `used` lanes are contacts of distinct bodies and the others padding.
   Contacts() = default;
-  Contacts(Random& random, const Bodies& b, bool pairs, std::size_t blocks, std::size_t used)
-      : step(pairs ? 2 : 1) {
+  Contacts(Random& random, const Bodies& b, bool pairs, std::size_t blocks, std::size_t used) : step(pairs ? 2 : 1) {
     std::vector<std::uint32_t> slots(b.count);
     std::iota(slots.begin(), slots.end(), 0u);
     for (std::size_t block = 0; block < blocks; ++block) {
@@ -203,8 +215,7 @@ struct Contacts {
     base_y.push_back(static_cast<float>(far * std::sin(angle)));
     rsum.push_back(static_cast<float>(sum));
     gap.push_back(static_cast<float>(far - sum));
-    impulse.push_back(random.chance(0.3) ? (random.chance(0.5) ? 0.0f : -0.0f)
-                                         : uniform(random, 0, 3));
+    impulse.push_back(random.chance(0.3) ? (random.chance(0.5) ? 0.0f : -0.0f) : uniform(random, 0, 3));
     const float w0 = random.chance(0.1) ? 0 : uniform(random, 0.2, 3);  // 0: kinematic
     const float w1 = uniform(random, 0.2, 3);
     wa.push_back(w0);
@@ -227,8 +238,7 @@ struct Contacts {
     for (std::size_t k = 0; k < step; ++k) {
       body.push_back(b.dummy() + static_cast<std::uint32_t>(k));
     }
-    for (auto* c : {&nx, &base_x, &base_y, &impulse, &mass, &wa, &wb, &mu, &friction, &tmass, &qa,
-                    &qb, &e, &start}) {
+    for (auto* c : {&nx, &base_x, &base_y, &impulse, &mass, &wa, &wb, &mu, &friction, &tmass, &qa, &qb, &e, &start}) {
       c->push_back(0);
     }
     for (auto* c : {&ny, &gap, &impact, &refresh}) c->push_back(1);
@@ -253,8 +263,8 @@ struct Contacts {
     if (model == Model::rough) v.qa = qa.data();
     return v;
   }
-  SingleView singles(Model model, bool bounce) {
-    SingleView v;
+  StaticContactView static_contacts(Model model, bool bounce) {
+    StaticContactView v;
     fill(v, model, bounce);
     v.base_x = base_x.data();
     v.base_y = base_y.data();
@@ -263,10 +273,10 @@ struct Contacts {
   }
 
   std::vector<std::pair<const char*, const std::vector<float>*>> floats() const {
-    return {{"nx", &nx},         {"ny", &ny},       {"gap", &gap},     {"impulse", &impulse},
-            {"rsum", &rsum},     {"mass", &mass},   {"wa", &wa},       {"wb", &wb},
-            {"mu", &mu},         {"tmass", &tmass}, {"qa", &qa},       {"friction", &friction},
-            {"qb", &qb},         {"e", &e},         {"impact", &impact}, {"start", &start},
+    return {{"nx", &nx},         {"ny", &ny},         {"gap", &gap},        {"impulse", &impulse},
+            {"rsum", &rsum},     {"mass", &mass},     {"wa", &wa},          {"wb", &wb},
+            {"mu", &mu},         {"tmass", &tmass},   {"qa", &qa},          {"friction", &friction},
+            {"qb", &qb},         {"e", &e},           {"impact", &impact},  {"start", &start},
             {"base_x", &base_x}, {"base_y", &base_y}, {"refresh", &refresh}};
   }
 
@@ -310,7 +320,10 @@ struct Grid {
   std::vector<std::uint32_t> row_begin;    // first body of each row, and the end
 
   Grid(Random& random, std::uint32_t columns, std::uint32_t lines, std::size_t n, bool wraps)
-      : cols(columns), rows(lines), stride(columns + 1), periodic(wraps),
+      : cols(columns),
+        rows(lines),
+        stride(columns + 1),
+        periodic(wraps),
         pitch(wraps ? static_cast<float>(columns * 0x1p-32) : 0x1p-20f) {
     struct Body {
       std::int32_t x, y;
@@ -323,12 +336,10 @@ struct Grid {
         const double lattice = c / double{pitch} - (periodic ? 0x1p31 : 0);
         return static_cast<std::int32_t>(std::floor(std::min(lattice, 0x1p31 - 1)));
       };
-      bodies.push_back({at(cx), at(cy), static_cast<std::uint32_t>(cy) * stride +
-                                            static_cast<std::uint32_t>(cx)});
+      bodies.push_back({at(cx), at(cy), static_cast<std::uint32_t>(cy) * stride + static_cast<std::uint32_t>(cx)});
       if (i > 0 && random.chance(0.1)) bodies.back() = bodies[i - 1];  // coincident
     }
-    std::stable_sort(bodies.begin(), bodies.end(),
-                     [](const Body& a, const Body& b) { return a.key < b.key; });
+    std::stable_sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.key < b.key; });
     start_store.assign(std::size_t{rows + 1} * stride + 5, 0);
     for (const Body& b : bodies) {
       pos.push_back(b.x);
@@ -392,7 +403,7 @@ inline StreamParams stream_params(Random& random) {
   p.kick_x = uniform(random, -0.1, 0.1);
   p.kick_y = -9.81f * kSubstep;
   p.damp = uniform(random, 0.9, 1);
-  p.damp_rest = 1e-8f;
+  p.damp_remainder = 1e-8f;
   p.smooth_limit2 = 0.01f;
   p.coast = 4 * kSubstep;
   p.drop = 8 * kSubstep * kSubstep;

@@ -1,11 +1,11 @@
 // Large bodies find one another, and others find them: exactly those that a comparison of each with each finds, in the same
 // order, whatever their sizes, wherever they lie, on every ISA.
-#include "large_cells.h"
+#include "lists/large_cells.h"
 
 #include <cmath>
 #include <cstring>
 
-#include "kernel_select.h"
+#include "base/kernel_select.h"
 #include "support.h"
 
 namespace psim::test {
@@ -44,8 +44,8 @@ Crowd crowd_of(const Kind& kind, std::uint32_t bodies, Random& random) {
     if (kind.clustered) p = {middle.x + p.x, middle.y + p.y};
     const LatticePoint place = lattice.to_lattice(p);
     crowd.at.insert(crowd.at.end(), {place.x, place.y});
-    crowd.reach.push_back(static_cast<float>(
-        kind.smallest * std::exp(random.uniform(0, std::log(kind.largest / kind.smallest)))));
+    crowd.reach.push_back(
+        static_cast<float>(kind.smallest * std::exp(random.uniform(0, std::log(kind.largest / kind.smallest)))));
   }
   // Lanes may be read behind the last body.
   crowd.at.resize(crowd.at.size() + 2 * kernels::kReadPad);
@@ -142,8 +142,8 @@ TEST_P(LargeCellsOf, AreFoundFromAnywhere) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, LargeCellsOf,
     testing::Values(Kind{"Alike", 1, 1.01, 80, false, false}, Kind{"OneToFifty", 0.2, 10, 300, false, false},
-                    Kind{"OneToTenThousand", 0.02, 200, 1000, false, false},
-                    Kind{"Clusters", 0.5, 2, 12, false, true}, Kind{"AllOverThePlane", 5, 40, kWorld, false, false},
+                    Kind{"OneToTenThousand", 0.02, 200, 1000, false, false}, Kind{"Clusters", 0.5, 2, 12, false, true},
+                    Kind{"AllOverThePlane", 5, 40, kWorld, false, false},
                     Kind{"AcrossTheSeam", 5, 40, kWorld, true, false},
                     Kind{"PeriodicGiants", 1, 900, kWorld, true, false}, Kind{"OnePlace", 1, 50, 1e-6, false, false}),
     [](const auto& test) { return test.param.name; });

@@ -66,8 +66,7 @@ FuzzScene make_scene(std::uint64_t seed) {
     const double edge = desc.boundary == Boundary::periodic ? 0 : 1.001 * radius;
     if (2 * edge >= std::min(width, height)) return false;
     for (int attempt = 0; attempt < 30; ++attempt) {
-      placed.push(x0 + random.uniform(edge, width - edge), y0 + random.uniform(edge, height - edge),
-                  radius);
+      placed.push(x0 + random.uniform(edge, width - edge), y0 + random.uniform(edge, height - edge), radius);
       const std::size_t last = placed.size() - 1;
       bool free = true;
       for (std::size_t k = 0; free && k < last; ++k) {
@@ -117,9 +116,9 @@ FuzzScene make_scene(std::uint64_t seed) {
     const double radius = largest * std::pow(spread, -random.uniform(0, 1));
     if (!fits(radius)) continue;
     area += kPi * radius * radius;
-    BodyDesc body = disc({placed.x.back(), placed.y.back()},
-                         {random.uniform(-speed, speed), random.uniform(-speed, speed)}, radius,
-                         one_material ? common : random_material(random));
+    BodyDesc body =
+        disc({placed.x.back(), placed.y.back()}, {random.uniform(-speed, speed), random.uniform(-speed, speed)}, radius,
+             one_material ? common : random_material(random));
     if (random.chance(0.1)) body.angular_velocity = random.uniform(-10, 10);
     if (random.chance(0.05)) body.fixed_rotation = true;
     if (random.chance(0.05)) body.gravity_scale = random.uniform(0, 2);
@@ -131,11 +130,10 @@ FuzzScene make_scene(std::uint64_t seed) {
   }
 
   const bool gravity = desc.gravity.x != 0 || desc.gravity.y != 0;
-  scene.conserves_momentum = desc.boundary == Boundary::periodic && scene.statics.empty() &&
-                             !kinematics && !gravity && !wells && !drag && desc.linear_damping == 0;
+  scene.conserves_momentum = desc.boundary == Boundary::periodic && scene.statics.empty() && !kinematics && !gravity &&
+                             !wells && !drag && desc.linear_damping == 0;
   // In a periodic world the potential jumps at the seam; in an open one it leaves with the body.
-  scene.cannot_gain_energy =
-      !kinematics && !wells && (desc.boundary == Boundary::walls || !gravity);
+  scene.cannot_gain_energy = !kinematics && !wells && (desc.boundary == Boundary::walls || !gravity);
   scene.holds_everybody = desc.boundary != Boundary::open && !kinematics;
   return scene;
 }
@@ -152,8 +150,7 @@ void expect_laws(std::uint64_t seed) {
   SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << scene.bodies.size() << " bodies");
   auto world = build(scene, best_isa(), 2);
   std::vector<std::unique_ptr<World>> twins;
-  for (const Isa isa : available_isas())
-    twins.push_back(build(scene, isa, isa == Isa::scalar ? 1 : 3));
+  for (const Isa isa : available_isas()) twins.push_back(build(scene, isa, isa == Isa::scalar ? 1 : 3));
 
   const Diagnostics start = world->diagnostics();
   const Vec2 g = scene.desc.gravity;
@@ -164,8 +161,7 @@ void expect_laws(std::uint64_t seed) {
     mass += body.material.density * kPi * r * r;
     momentum += body.material.density * kPi * r * r * std::hypot(body.velocity.x, body.velocity.y);
   }
-  const double scale = start.kinetic + mass * (std::abs(g.x) * (b.xmax - b.xmin) +
-                                               std::abs(g.y) * (b.ymax - b.ymin));
+  const double scale = start.kinetic + mass * (std::abs(g.x) * (b.xmax - b.xmin) + std::abs(g.y) * (b.ymax - b.ymin));
   std::uint64_t escaped = 0, quarantined = 0;
   for (std::size_t frame = 0; frame < scene.dt.size(); ++frame) {
     const StepReport report = world->step(scene.dt[frame]);
@@ -180,13 +176,11 @@ void expect_laws(std::uint64_t seed) {
     ASSERT_TRUE(!scene.holds_everybody || all_inside(*world)) << "frame " << frame;
     const Diagnostics now = world->diagnostics();
     if (scene.conserves_momentum) {
-      ASSERT_LE(std::hypot(now.momentum_x - start.momentum_x, now.momentum_y - start.momentum_y),
-                1e-5 * momentum)
+      ASSERT_LE(std::hypot(now.momentum_x - start.momentum_x, now.momentum_y - start.momentum_y), 1e-5 * momentum)
           << "frame " << frame;
     }
     if (scene.cannot_gain_energy) {
-      ASSERT_LE(now.kinetic + now.potential - start.kinetic - start.potential, 1e-3 * scale)
-          << "frame " << frame;
+      ASSERT_LE(now.kinetic + now.potential - start.kinetic - start.potential, 1e-3 * scale) << "frame " << frame;
     }
   }
   EXPECT_EQ(quarantined, 0u);

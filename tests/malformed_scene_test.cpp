@@ -34,8 +34,7 @@ std::vector<Whole> whole_scenes() {
     if (scene) scenes.push_back({std::string(builtin.name), scene_to_json(*scene)});
   }
   std::erase_if(scenes, [](const Whole& scene) { return scene.text.size() > 100'000; });
-  std::ranges::sort(scenes, {},
-                    [](const Whole& scene) { return std::pair(scene.name, scene.text.size()); });
+  std::ranges::sort(scenes, {}, [](const Whole& scene) { return std::pair(scene.name, scene.text.size()); });
   return scenes;
 }
 
@@ -58,13 +57,11 @@ TEST_P(Malformed, SceneIsStillOneOrIsRefusedInOneLine) {
   for (std::uint64_t seed = GetParam(); seed < kAll; seed += kShards) {
     const Whole& whole = scenes[seed % scenes.size()];
     const Damage damage = damaged(whole.text, seed);
-    SCOPED_TRACE(testing::Message()
-                 << "seed " << seed << ", " << whole.name << ": " << damage.what);
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << whole.name << ": " << damage.what);
     std::string error;
     const auto begin = std::chrono::steady_clock::now();
     const auto scene = parse_scene(damage.text, "f.json", error);
-    longest =
-        std::max(longest, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin));
+    longest = std::max(longest, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin));
     if (scene) {
       ++accepted;
       EXPECT_EQ(error, "");

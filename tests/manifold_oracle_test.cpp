@@ -28,13 +28,13 @@ struct LaneOf {
 /// Velocities of a lane's two bodies.
 struct Motion {
   double vax, vay, ua, vbx, vby, ub;
-  Motion(const LaneOf& x, const std::vector<float>& vel, const std::vector<float>& spin)
+  Motion(const LaneOf& x, const std::vector<float>& vel, const std::vector<float>& rim_speed)
       : vax(vel[2 * x.a]),
         vay(vel[2 * x.a + 1]),
-        ua(spin[x.a]),
+        ua(rim_speed[x.a]),
         vbx(vel[2 * x.b]),
         vby(vel[2 * x.b + 1]),
-        ub(spin[x.b]) {}
+        ub(rim_speed[x.b]) {}
   double normal(const LaneOf& x, int k) const {
     return x.nx * (vbx - vax) + x.ny * (vby - vay) + ub * double{x.c.point[k].bt[x.l]} -
            ua * double{x.c.point[k].at[x.l]};
@@ -61,17 +61,16 @@ double separation(const LaneOf& x, int k) {
   double s = p.gap[x.l];
   s += x.nx * (at(x.s.bodies.disp, 2 * x.b) - at(x.s.bodies.disp, 2 * x.a)) +
        x.ny * (at(x.s.bodies.disp, 2 * x.b + 1) - at(x.s.bodies.disp, 2 * x.a + 1));
-  s += at(x.s.turn, 2 * x.b) * (double{p.bn[x.l]} + double{x.c.round_b[x.l]}) +
-       at(x.s.turn, 2 * x.b + 1) * double{p.bt[x.l]};
-  s -= at(x.s.turn, 2 * x.a) * (double{p.an[x.l]} - double{x.c.round_a[x.l]}) +
-       at(x.s.turn, 2 * x.a + 1) * double{p.at[x.l]};
+  s += at(x.s.arm_change, 2 * x.b) * (double{p.bn[x.l]} + double{x.c.round_b[x.l]}) +
+       at(x.s.arm_change, 2 * x.b + 1) * double{p.bt[x.l]};
+  s -= at(x.s.arm_change, 2 * x.a) * (double{p.an[x.l]} - double{x.c.round_a[x.l]}) +
+       at(x.s.arm_change, 2 * x.a + 1) * double{p.at[x.l]};
   return s;
 }
 
 double coupling(const LaneOf& x, int i, int k) {
   const auto &p = x.c.point[i], &q = x.c.point[k];
-  return x.wa + x.wb + x.ga * double{p.at[x.l]} * double{q.at[x.l]} +
-         x.gb * double{p.bt[x.l]} * double{q.bt[x.l]};
+  return x.wa + x.wb + x.ga * double{p.at[x.l]} * double{q.at[x.l]} + x.gb * double{p.bt[x.l]} * double{q.bt[x.l]};
 }
 
 double stored(const LaneOf& x, int k) { return std::max(0.0f, x.c.point[k].impulse[x.l]); }
@@ -88,12 +87,12 @@ TEST(ManifoldOracle, WarmAddsTheScaledImpulses) {
       for (std::uint32_t l = 0; l < kBlock; ++l) {
         const LaneOf x(before, 0, l);
         if (x.b >= 64) continue;
-        Motion m(x, before.bodies.vel, before.bodies.spin);
+        Motion m(x, before.bodies.vel, before.bodies.rim_speed);
         for (int k = 0; k < 2; ++k) {
           m.push(x, k, double{p.warm} * double{x.c.point[k].impulse[l]},
                  double{p.warm} * double{x.c.point[k].friction[l]}, fixed_a ? 0 : 1, 1);
         }
-        const Motion is(x, after.bodies.vel, after.bodies.spin);
+        const Motion is(x, after.bodies.vel, after.bodies.rim_speed);
         ASSERT_NEAR(is.vbx, m.vbx, 3e-6 * (1 + std::abs(m.vbx)));
         ASSERT_NEAR(is.vby, m.vby, 3e-6 * (1 + std::abs(m.vby)));
         ASSERT_NEAR(is.ub, m.ub, 3e-6 * (1 + std::abs(m.ub)));
@@ -118,7 +117,7 @@ TEST(ManifoldOracle, SolveMeetsTheComplementarityConditions) {
       for (std::uint32_t l = 0; l < kBlock; ++l) {
         const LaneOf x(before, 0, l), y(after, 0, l);
         if (x.b >= 64) continue;
-        const Motion start(x, before.bodies.vel, before.bodies.spin);
+        const Motion start(x, before.bodies.vel, before.bodies.rim_speed);
         const double d[2] = {double{y.c.point[0].impulse[l]} - double{x.c.point[0].impulse[l]},
                              double{y.c.point[1].impulse[l]} - double{x.c.point[1].impulse[l]}};
         const double k11 = coupling(x, 0, 0), k12 = coupling(x, 0, 1), k22 = coupling(x, 1, 1);
@@ -131,8 +130,7 @@ TEST(ManifoldOracle, SolveMeetsTheComplementarityConditions) {
             soft = double{x.c.soft[l]} * coupling(x, k, k);
           }
           // vn' + bias + soft l' >= 0, l' >= 0, one of them 0.
-          const double vn =
-              start.normal(x, k) + coupling(x, k, 0) * d[0] + coupling(x, k, 1) * d[1];
+          const double vn = start.normal(x, k) + coupling(x, k, 0) * d[0] + coupling(x, k, 1) * d[1];
           const double rest = vn + bias + soft * l_new;
           const double scale = 1 + std::abs(start.normal(x, k)) + std::abs(bias);
           ASSERT_GE(l_new, 0);
@@ -151,7 +149,7 @@ TEST(ManifoldOracle, SolveMeetsTheComplementarityConditions) {
         for (int k = 0; k < 2; ++k) {
           m.push(x, k, d[k], 0, fixed_a ? 0 : double{x.c.share_a[l]}, double{x.c.share_b[l]});
         }
-        const Motion is(x, after.bodies.vel, after.bodies.spin);
+        const Motion is(x, after.bodies.vel, after.bodies.rim_speed);
         ASSERT_NEAR(is.vbx, m.vbx, 1e-5 * (1 + std::abs(m.vbx)));
         ASSERT_NEAR(is.vay, m.vay, 1e-5 * (1 + std::abs(m.vay)));
         ASSERT_NEAR(is.ua, m.ua, 1e-5 * (1 + std::abs(m.ua)));
@@ -171,18 +169,18 @@ TEST(ManifoldOracle, BounceLeavesWithItsShareOfTheApproach) {
     taste.lone = 1;  // one point: the condition is an equation
     Scene before = make_scene(seed, 1, taste);
     before.bodies.vel = before.bodies.vel0;
-    before.bodies.spin = before.bodies.spin0;
+    before.bodies.rim_speed = before.bodies.rim_speed0;
     Scene after = before;
     const ContactParams p = contact_params();
     kPasses[1].run(kernels_of(Isa::scalar), after, taste, p);
     for (std::uint32_t l = 0; l < kBlock; ++l) {
       const LaneOf x(before, 0, l), y(after, 0, l);
       if (x.b >= 64 || !(x.c.e[l] > 0)) continue;
-      const Motion start(x, before.bodies.vel0, before.bodies.spin0);
+      const Motion start(x, before.bodies.vel0, before.bodies.rim_speed0);
       const double vn0 = start.normal(x, 0), s = separation(x, 0);
       if (!(vn0 < -double{p.impact_floor}) || !(s + vn0 * double{p.h} < -1e-6)) continue;
       const double wanted = -double{x.c.e[l]} * vn0;
-      const Motion is(y, after.bodies.vel, after.bodies.spin);
+      const Motion is(y, after.bodies.vel, after.bodies.rim_speed);
       ASSERT_GT(is.normal(x, 0), wanted - 1e-3 * (1 + std::abs(vn0))) << seed << " lane " << l;
       if (stored(y, 0) > 0 && s > 0) {
         ASSERT_NEAR(is.normal(x, 0), wanted, 1e-3 * (1 + std::abs(vn0))) << seed << " lane " << l;
@@ -209,10 +207,9 @@ TEST(ManifoldOracle, RelaxStopsClosedPointsAndRubsWithinTheCone) {
         const LaneOf x(before, 0, l), y(after, 0, l);
         if (x.b >= 64) continue;
         const double k11 = coupling(x, 0, 0), k12 = coupling(x, 0, 1), k22 = coupling(x, 1, 1);
-        const bool shut[2] = {!std::signbit(x.c.point[0].impulse[l]),
-                              !std::signbit(x.c.point[1].impulse[l])};
+        const bool shut[2] = {!std::signbit(x.c.point[0].impulse[l]), !std::signbit(x.c.point[1].impulse[l])};
         if (shut[0] && shut[1] && k11 * k22 - k12 * k12 < 0.0101 * k11 * k22) continue;  // close: held back
-        const Motion start(x, before.bodies.vel, before.bodies.spin);
+        const Motion start(x, before.bodies.vel, before.bodies.rim_speed);
         double d[2];
         for (int k = 0; k < 2; ++k) {
           d[k] = double{y.c.point[k].impulse[l]} - double{x.c.point[k].impulse[l]};
@@ -245,14 +242,13 @@ TEST(ManifoldOracle, RelaxStopsClosedPointsAndRubsWithinTheCone) {
             const double cap = double{x.c.mu[l]} * double{is.impulse[l]};
             const double wish = double{was.friction[l]} - shared.tangent(x, k) / kt;
             const double wanted = std::clamp(wish, -cap, cap);
-            ASSERT_NEAR(is.friction[l], wanted, 2e-4 * (1 + std::abs(wish)))
-                << seed << " lane " << l;
+            ASSERT_NEAR(is.friction[l], wanted, 2e-4 * (1 + std::abs(wish))) << seed << " lane " << l;
             std::abs(wish) <= cap ? ++stuck : ++slid;
           }
-          shared.push(x, k, 0, double{is.friction[l]} - double{was.friction[l]},
-                      fixed_a ? 0 : double{x.c.share_a[l]}, double{x.c.share_b[l]});
+          shared.push(x, k, 0, double{is.friction[l]} - double{was.friction[l]}, fixed_a ? 0 : double{x.c.share_a[l]},
+                      double{x.c.share_b[l]});
         }
-        const Motion now(x, after.bodies.vel, after.bodies.spin);
+        const Motion now(x, after.bodies.vel, after.bodies.rim_speed);
         ASSERT_NEAR(now.vbx, shared.vbx, 2e-5 * (1 + std::abs(shared.vbx)));
         ASSERT_NEAR(now.vay, shared.vay, 2e-5 * (1 + std::abs(shared.vay)));
         ASSERT_NEAR(now.ub, shared.ub, 2e-5 * (1 + std::abs(shared.ub)));
@@ -272,18 +268,17 @@ TEST(ManifoldOracle, SwingFollowsSineAndCosine) {
     std::fill(s.bodies.linked.begin(), s.bodies.linked.end(), std::uint8_t{0xFF});
     const double reach = round % 2 ? 3 : 300;
     for (std::size_t i = 0; i < 64; ++i) {
-      s.swing[i] = uniform(random, -reach, reach);
-      s.bodies.spin[i] = uniform(random, -20, 20);
+      s.angle_change[i] = uniform(random, -reach, reach);
+      s.bodies.rim_speed[i] = uniform(random, -20, 20);
     }
     const Scene before = s;
     kPasses[4].run(kernels_of(Isa::scalar), s, taste, contact_params());
     for (std::size_t i = 0; i < 64; ++i) {
-      const double d = s.swing[i], r = s.radius[i];
-      const double wanted =
-          double{before.swing[i]} + double{kSubstep} * double{before.bodies.spin[i]} / r;
+      const double d = s.angle_change[i], r = s.radius[i];
+      const double wanted = double{before.angle_change[i]} + double{kSubstep} * double{before.bodies.rim_speed[i]} / r;
       ASSERT_NEAR(d, wanted, 1e-6 * (1 + std::abs(wanted)));
-      ASSERT_NEAR(s.turn[2 * i], r * (std::cos(d) - 1), (2e-6 + 1e-7 * std::abs(d)) * r) << d;
-      ASSERT_NEAR(s.turn[2 * i + 1], r * std::sin(d), (2e-6 + 1e-7 * std::abs(d)) * r) << d;
+      ASSERT_NEAR(s.arm_change[2 * i], r * (std::cos(d) - 1), (2e-6 + 1e-7 * std::abs(d)) * r) << d;
+      ASSERT_NEAR(s.arm_change[2 * i + 1], r * std::sin(d), (2e-6 + 1e-7 * std::abs(d)) * r) << d;
     }
   }
 }

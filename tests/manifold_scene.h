@@ -11,13 +11,13 @@ using kernels::ManifoldBlock;
 /// Blocks over distinct bodies of a world of 64, and everything that a pass can read or write.
 struct Scene {
   Bodies bodies;
-  std::vector<float> turn, swing, radius;
+  std::vector<float> arm_change, angle_change, radius;
   std::vector<ManifoldBlock> blocks;
 
   BodyView view() {
     BodyView v = bodies.view(false, true, false);
-    v.turn = turn.data();
-    v.swing = swing.data();
+    v.arm_change = arm_change.data();
+    v.angle_change = angle_change.data();
     return v;
   }
 };
@@ -53,17 +53,16 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
   }
   for (std::size_t i = 0; i < 2; ++i) {  // resting dummies
     const std::size_t d = kCount + i;
-    for (auto* c : {&s.bodies.vel, &s.bodies.vel0, &s.bodies.disp})
-      (*c)[2 * d] = (*c)[2 * d + 1] = 0;
+    for (auto* c : {&s.bodies.vel, &s.bodies.vel0, &s.bodies.disp}) (*c)[2 * d] = (*c)[2 * d + 1] = 0;
   }
-  s.turn.assign(s.bodies.vel.size(), 0);
-  s.swing.assign(s.bodies.spin.size(), 0);
-  s.radius.assign(s.bodies.spin.size(), 0);
+  s.arm_change.assign(s.bodies.vel.size(), 0);
+  s.angle_change.assign(s.bodies.rim_speed.size(), 0);
+  s.radius.assign(s.bodies.rim_speed.size(), 0);
   for (std::size_t i = 0; i < kCount; ++i) {
     s.radius[i] = uniform(random, 0.3, 2);
-    s.swing[i] = uniform(random, -0.3, 0.3);
-    s.turn[2 * i] = s.radius[i] * (std::cos(s.swing[i]) - 1);
-    s.turn[2 * i + 1] = s.radius[i] * std::sin(s.swing[i]);
+    s.angle_change[i] = uniform(random, -0.3, 0.3);
+    s.arm_change[2 * i] = s.radius[i] * (std::cos(s.angle_change[i]) - 1);
+    s.arm_change[2 * i + 1] = s.radius[i] * std::sin(s.angle_change[i]);
   }
   s.blocks.resize(blocks);
   for (ManifoldBlock& c : s.blocks) {
@@ -73,12 +72,10 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
     const std::uint32_t shared = free.back();  // a fixed body may be in many lanes
     for (std::uint32_t l = 0; l < kBlock; ++l) {
       const bool pad = random.chance(taste.padding);
-      c.body[2 * l] = pad || (taste.fixed_a && random.chance(0.3)) ? kCount
-                      : taste.fixed_a                              ? shared
-                                                                   : free[2 * l];
+      c.body[2 * l] = pad || (taste.fixed_a && random.chance(0.3)) ? kCount : taste.fixed_a ? shared : free[2 * l];
       c.body[2 * l + 1] = pad ? kCount + 1 : free[2 * l + 1];
-      const double angle = random.chance(0.2) ? 0.5 * kPi * static_cast<double>(random.below(4))
-                                              : random.uniform(0, 2 * kPi);
+      const double angle =
+          random.chance(0.2) ? 0.5 * kPi * static_cast<double>(random.below(4)) : random.uniform(0, 2 * kPi);
       c.nx[l] = pad ? 0 : static_cast<float>(std::cos(angle));
       c.ny[l] = pad ? 1 : static_cast<float>(std::sin(angle));
       for (int k = 0; k < 2; ++k) {
@@ -99,8 +96,7 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
         p.impulse[l] = random.chance(taste.zero) ? signed_zero(random)
                        : random.chance(0.2)      ? -0.0f
                                                  : uniform(random, 0, 0.3);
-        p.friction[l] =
-            random.chance(taste.zero) ? signed_zero(random) : uniform(random, -0.1, 0.1);
+        p.friction[l] = random.chance(taste.zero) ? signed_zero(random) : uniform(random, -0.1, 0.1);
         p.start[l] = random.chance(0.5) ? 0 : uniform(random, 0, 0.2);
       }
       c.wa[l] = pad ? 1 : taste.fixed_a ? 0 : uniform(random, 0.1, 2);
@@ -130,8 +126,7 @@ struct Pass {
 inline const Pass kPasses[] = {
     {"warm",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
-       k.warm_manifolds[t.fixed_a](s.view(), s.blocks.data(), p.warm, 0,
-                                   static_cast<std::uint32_t>(s.blocks.size()));
+       k.warm_manifolds[t.fixed_a](s.view(), s.blocks.data(), p.warm, 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"solve",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
@@ -145,11 +140,10 @@ inline const Pass kPasses[] = {
      }},
     {"spend",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams&) {
-       k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0,
-                                    static_cast<std::uint32_t>(s.blocks.size()));
+       k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
-    {"swing", [](const KernelTable& k, Scene& s, const Taste&,
-                 const ContactParams& p) { k.swing_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
+    {"angle_change", [](const KernelTable& k, Scene& s, const Taste&,
+                        const ContactParams& p) { k.swing_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
 };
 
 }  // namespace psim::test::manifold_scene

@@ -98,8 +98,7 @@ TEST(Bulk, EqualsOneByOne) {
 }
 
 TEST(Bulk, TakesEveryColumn) {
-  const std::vector<double> x{0, 5}, y{1, 6}, radius{0.5, 0.75}, angle{0.1, 0.2}, vx{1, 2},
-      vy{3, 4}, omega{5, 6};
+  const std::vector<double> x{0, 5}, y{1, 6}, radius{0.5, 0.75}, angle{0.1, 0.2}, vx{1, 2}, vy{3, 4}, omega{5, 6};
   DiscBatch batch;
   batch.x = x;
   batch.y = y;

@@ -7,11 +7,9 @@ namespace psim::test {
 namespace {
 
 /// A disc whose place among the others is free by at least `gap`; false if none was found.
-bool place(Discs& discs, Random& random, Bounds region, double radius, double gap,
-           reference::Periods periods = {}) {
+bool place(Discs& discs, Random& random, Bounds region, double radius, double gap, reference::Periods periods = {}) {
   for (int attempt = 0; attempt < 2000; ++attempt) {
-    discs.push(random.uniform(region.xmin, region.xmax), random.uniform(region.ymin, region.ymax),
-               radius);
+    discs.push(random.uniform(region.xmin, region.xmax), random.uniform(region.ymin, region.ymax), radius);
     const std::size_t last = discs.size() - 1;
     bool free = true;
     for (std::size_t k = 0; free && k < last; ++k) {
@@ -28,9 +26,7 @@ bool place(Discs& discs, Random& random, Bounds region, double radius, double ga
 }
 
 /// Radii spread evenly over the octaves between the two.
-double log_uniform(Random& random, double low, double high) {
-  return low * std::pow(high / low, random.uniform(0, 1));
-}
+double log_uniform(Random& random, double low, double high) { return low * std::pow(high / low, random.uniform(0, 1)); }
 
 /// One step of discs at rest: exactly those that overlap another may and must be pushed.
 void expect_exactly_overlaps_are_felt(const WorldDesc& desc, const Discs& discs) {
@@ -54,8 +50,8 @@ void expect_exactly_overlaps_are_felt(const WorldDesc& desc, const Discs& discs)
     for (std::size_t k = 0; k < discs.size(); ++k) {
       const bool moved = s.x[k] != x[k] || s.y[k] != y[k] || s.vx[k] != 0 || s.vy[k] != 0;
       if (deep[k]) {
-        ASSERT_TRUE(moved) << isa_name(isa) << " disc " << k << " at (" << discs.x[k] << ", "
-                           << discs.y[k] << ") r " << discs.radius[k] << " overlaps unnoticed";
+        ASSERT_TRUE(moved) << isa_name(isa) << " disc " << k << " at (" << discs.x[k] << ", " << discs.y[k] << ") r "
+                           << discs.radius[k] << " overlaps unnoticed";
       }
       if (!near[k]) {
         ASSERT_FALSE(moved) << isa_name(isa) << " disc " << k << " is pushed by nobody";
@@ -101,7 +97,8 @@ TEST(MixedRadii, CandidatesOfManyMiddlingOnesHoldEveryDeepOverlap) {
   for (const bool wraps : {false, true}) {
     Random random(12);
     Discs discs;
-    for (int k = 0; k < 1500; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), log_uniform(random, 1, 3));
+    for (int k = 0; k < 1500; ++k)
+      discs.push(random.uniform(0, 300), random.uniform(0, 200), log_uniform(random, 1, 3));
     for (int k = 0; k < 4000; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), 0.03);
     auto world = make(wraps ? periodic(300, 200) : unbounded(500, {0, 0}));
     add(*world, discs);
@@ -162,8 +159,7 @@ TEST(MixedRadii, CandidatesHoldEveryTouchingPair) {
   Random random(8);
   WorldDesc desc = walled({0, 0, 60, 60}, {0, -kG}, material(0.3));
   Discs discs;
-  for (int k = 0; k < 400; ++k)
-    place(discs, random, {5, 5, 55, 55}, log_uniform(random, 0.1, 3), 0);
+  for (int k = 0; k < 400; ++k) place(discs, random, {5, 5, 55, 55}, log_uniform(random, 0.1, 3), 0);
   ASSERT_GT(discs.size(), 200u);
   auto world = make(desc);
   add(*world, discs);
@@ -182,8 +178,7 @@ TEST(MixedRadii, NobodyPassesThroughAnother) {
   Discs discs;
   discs.m = material(0.8);
   for (int k = 0; k < 12; ++k) place(discs, random, {6, 6, 94, 94}, 5, 0.1);
-  for (int k = 0; k < 500; ++k)
-    place(discs, random, {6, 6, 94, 94}, log_uniform(random, 0.1, 2), 0.01);
+  for (int k = 0; k < 500; ++k) place(discs, random, {6, 6, 94, 94}, log_uniform(random, 0.1, 2), 0.01);
   for (std::size_t k = 0; k < discs.size(); ++k) {
     discs.vx[k] = random.uniform(-10, 10);
     discs.vy[k] = random.uniform(-10, 10);

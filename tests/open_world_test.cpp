@@ -34,8 +34,7 @@ TEST(OpenWorld, OthersGoOnUnchanged) {
     add(*world, ground(material(0.2, 0.3), 50));
     add(*world, lattice(150, {-20, 1, 20, 30}, 0.5, 2, material(0.2, 0.3)));
     if (runaway) {
-      for (int k = 0; k < 10; ++k)
-        add(*world, disc({55, 10.0 + 3 * k}, {30, 0}, 0.5, material(0.2, 0.3)));
+      for (int k = 0; k < 10; ++k) add(*world, disc({55, 10.0 + 3 * k}, {30, 0}, 0.5, material(0.2, 0.3)));
     }
     return world;
   };

@@ -106,8 +106,7 @@ double apart(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
   return worst;
 }
 
-const std::vector<Field> kTwoWells = {WellField{{-3, 0}, 60, 0.5, 2, 0},
-                                      WellField{{3, 0}, 40, 0.5, 2, 0}};
+const std::vector<Field> kTwoWells = {WellField{{-3, 0}, 60, 0.5, 2, 0}, WellField{{3, 0}, 40, 0.5, 2, 0}};
 const std::vector<Field> kTwoWellsAndDrag = {kTwoWells[0], kTwoWells[1], DragField{0.2, 0.05}};
 
 struct NamedFlight {
@@ -126,10 +125,8 @@ struct Method {
   Integrator integrator;
   double order;
 };
-constexpr Method kMethods[] = {{Integrator::euler, 1},
-                               {Integrator::verlet, 2},
-                               {Integrator::rk4, 4},
-                               {Integrator::symplectic4, 4}};
+constexpr Method kMethods[] = {
+    {Integrator::euler, 1}, {Integrator::verlet, 2}, {Integrator::rk4, 4}, {Integrator::symplectic4, 4}};
 
 class Order : public testing::TestWithParam<NamedFlight> {};
 INSTANTIATE_TEST_SUITE_P(, Order, testing::ValuesIn(kFlights),

@@ -94,9 +94,8 @@ TEST_F(OutputFiles, APipeIsWrittenAsItIs) {
 }
 
 TEST_F(OutputFiles, ADeviceIsWrittenAsItIs) {
-  const int null = ::mknod(file_.c_str(), S_IFCHR | 0600, ::makedev(1, 3)) == 0
-                       ? ::open(file_.c_str(), O_WRONLY | O_CLOEXEC)
-                       : -1;
+  const int null =
+      ::mknod(file_.c_str(), S_IFCHR | 0600, ::makedev(1, 3)) == 0 ? ::open(file_.c_str(), O_WRONLY | O_CLOEXEC) : -1;
   if (null < 0) GTEST_SKIP() << "may make no device that can be opened";
   ::close(null);
   EXPECT_TRUE(write_state(file_, some(100, 3), error_)) << error_;
@@ -114,7 +113,8 @@ TEST_F(OutputFiles, TwoProcessesDisturbNeitherEachOtherNorWhoReads) {
     for (int k = 0; k < kWrites; ++k) {
       Bytes read;
       wrong += !write_bytes(file_, mine, error_);
-      wrong += !read_bytes(file_, read, error_) || read.size() != kBytes || read != some(kBytes, static_cast<int>(read[0]));
+      wrong +=
+          !read_bytes(file_, read, error_) || read.size() != kBytes || read != some(kBytes, static_cast<int>(read[0]));
     }
     return std::min(wrong, 254);
   };

@@ -1,5 +1,5 @@
 // What colours say of bodies.
-#include "../src/psim/painter.h"
+#include "picture/painter.h"
 
 #include <gtest/gtest.h>
 
@@ -21,13 +21,9 @@ class Painting : public ::testing::Test {
     scene_.bodies.resize(2);
     for (BodyDesc& body : scene_.bodies) body.shape = DiscShape{1};
     const std::vector<double> zero(2);
-    moment_ = {{0, 1}, {-1.5, 1.5}, zero,
-               zero,   zero,        zero,
-               zero,   {1, 1},      {BodyType::dynamic_body, BodyType::dynamic_body},
-               {0, 0},
-               {},
-               {},
-               {}};
+    moment_ = {
+        {0, 1}, {-1.5, 1.5}, zero, zero, zero, zero, zero, {1, 1}, {BodyType::dynamic_body, BodyType::dynamic_body},
+        {0, 0}, {},          {},   {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
     constexpr int kWidth = 60, kHeight = 40;
@@ -43,9 +39,7 @@ class Painting : public ::testing::Test {
     }
     return at;
   }
-  static int colourfulness(const Rgb& rgb) {
-    return *std::ranges::max_element(rgb) - *std::ranges::min_element(rgb);
-  }
+  static int colourfulness(const Rgb& rgb) { return *std::ranges::max_element(rgb) - *std::ranges::min_element(rgb); }
   Scene scene_;
   Moment moment_;
 };

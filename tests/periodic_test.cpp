@@ -37,8 +37,8 @@ TEST(Periodic, APairAcrossTheSeamIsAPairInTheMiddle) {
       EXPECT_NE(middle.vx_a, 3);
       for (const Vec2 shift : {Vec2{16, 0}, Vec2{0, 16}, Vec2{16, 16}, Vec2{15.5, -15.75}}) {
         const Outcome seam = hit(shift.x, shift.y, m, isa);
-        SCOPED_TRACE(testing::Message() << isa_name(isa) << " e " << m.restitution << " shift "
-                                        << shift.x << " " << shift.y);
+        SCOPED_TRACE(testing::Message() << isa_name(isa) << " e " << m.restitution << " shift " << shift.x << " "
+                                        << shift.y);
         EXPECT_NEAR(seam.vx_a, middle.vx_a, 1e-5);
         EXPECT_NEAR(seam.vy_a, middle.vy_a, 1e-5);
         EXPECT_NEAR(seam.omega_a, middle.omega_a, 1e-5);

@@ -13,8 +13,7 @@ TEST(Pile, ComesToRestWithoutSinking) {
     const auto depths = penetrations(*world);
     EXPECT_GT(depths.size(), 1000u) << "mu " << m.friction;
     // Friction locks in some of the compression of the landing.
-    EXPECT_LT(quantile(depths, 0.99), m.friction > 0 ? 0.025 : 0.02)
-        << "mu " << m.friction << " e " << m.restitution;
+    EXPECT_LT(quantile(depths, 0.99), m.friction > 0 ? 0.025 : 0.02) << "mu " << m.friction << " e " << m.restitution;
     EXPECT_LT(depths.back(), 0.05) << "mu " << m.friction << " e " << m.restitution;
     EXPECT_LT(rms_speed(*world), 1e-3) << "mu " << m.friction << " e " << m.restitution;
     EXPECT_TRUE(all_inside(*world));

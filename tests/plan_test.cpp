@@ -15,7 +15,7 @@ struct Feature {
   const char* name;
   std::vector<const char*> stages;  // of the plan
   Bring bring;
-  std::size_t kept_bytes = 0;       // at most, once it is gone
+  std::size_t kept_bytes = 0;  // at most, once it is gone
 };
 
 std::ostream& operator<<(std::ostream& out, const Feature& f) { return out << f.name; }

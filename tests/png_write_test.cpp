@@ -1,5 +1,5 @@
 // PNG files hold the pixels that went in, whatever these are: libpng reads them back.
-#include "../src/psim/png_write.h"
+#include "picture/png_write.h"
 
 #include <cpuid.h>
 #include <immintrin.h>
@@ -16,14 +16,11 @@ using Bytes = std::vector<std::uint8_t>;
 
 struct Size {
   int width, height;
-  std::size_t pixels() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
+  std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
 // Of all kinds of parts: less than one, one, several, the last of one row, a row each.
-constexpr Size kSizes[] = {{1, 1},     {1, 500},   {2, 3},     {16, 16},
-                           {640, 137}, {1920, 91}, {8192, 33}, {100'000, 3}};
+constexpr Size kSizes[] = {{1, 1}, {1, 500}, {2, 3}, {16, 16}, {640, 137}, {1920, 91}, {8192, 33}, {100'000, 3}};
 
 // each(pixel's number): three bytes.
 template <class Each>
@@ -69,16 +66,14 @@ class PngWrite : public ::testing::Test {
 TEST_F(PngWrite, PlainPicturesComeBackAndAreSmall) {
   for (const Size size : kSizes) {
     expect_back(size, picture(size, [](std::size_t) { return 0u; }));
-    EXPECT_LT(expect_back(size, picture(size, [](std::size_t) { return 0x3B2A19u; })),
-              300 + size.pixels() / 20);
+    EXPECT_LT(expect_back(size, picture(size, [](std::size_t) { return 0x3B2A19u; })), 300 + size.pixels() / 20);
   }
 }
 
 TEST_F(PngWrite, NoiseComesBackAndGrowsLittle) {
   std::mt19937 random(1);
   for (const Size size : kSizes) {
-    const Bytes rgb =
-        picture(size, [&](std::size_t) { return static_cast<std::uint32_t>(random()); });
+    const Bytes rgb = picture(size, [&](std::size_t) { return static_cast<std::uint32_t>(random()); });
     EXPECT_LT(expect_back(size, rgb), rgb.size() + rgb.size() / 100 + 700);
   }
 }
@@ -88,8 +83,7 @@ TEST_F(PngWrite, RepeatsOfEveryDistanceComeBack) {
   for (const Size size : kSizes) {
     for (const std::uint32_t period : {2u, 3u, 80u, 640u, 10'922u, 10'923u, 20'000u}) {
       expect_back(size, picture(size, [&](std::size_t k) {
-                    return static_cast<std::uint32_t>(k % period) * 2'654'435'761u >>
-                           (random() % 40 == 0 ? 9 : 8);
+                    return static_cast<std::uint32_t>(k % period) * 2'654'435'761u >> (random() % 40 == 0 ? 9 : 8);
                   }));
     }
   }
@@ -100,8 +94,7 @@ TEST_F(PngWrite, RepeatsOfEveryDistanceComeBack) {
 // They would slow down whatever SSE code comes next.
 TEST_F(PngWrite, UpperHalvesOfRegistersAreNotLeftInUse) {
   unsigned a = 0, b = 0, c = 0, d = 0;
-  if (!__builtin_cpu_supports("avx") || __get_cpuid_count(13, 1, &a, &b, &c, &d) == 0 ||
-      (a & 4) == 0)
+  if (!__builtin_cpu_supports("avx") || __get_cpuid_count(13, 1, &a, &b, &c, &d) == 0 || (a & 4) == 0)
     GTEST_SKIP() << "the CPU does not tell";
   const Size size{640, 137};
   const Bytes rgb(3 * size.pixels());

@@ -134,9 +134,7 @@ TEST(QueryAnswers, AreTheSameForEveryIsaAndThreadCount) {
       std::vector<double> answers;
       for (int n = 0; n < 200; ++n) {
         const Bounds b = world->desc().bounds;
-        const auto point = [&] {
-          return Vec2{r.uniform(b.xmin, b.xmax), r.uniform(b.ymin, b.ymax)};
-        };
+        const auto point = [&] { return Vec2{r.uniform(b.xmin, b.xmax), r.uniform(b.ymin, b.ymax)}; };
         for (const RayHit& h : world->ray_cast_all(point(), point())) {
           answers.insert(answers.end(), {h.fraction, h.normal.x, h.point.y});
           answers.push_back(h.body.index);
@@ -198,11 +196,13 @@ TEST(QueryAnswers, ManyThreadsMayReadEverythingAtOnce) {
       threads.emplace_back([&, n] {
         const World& w = *world;
         std::vector<double>& out = answers[n].numbers;
-        for (std::uint32_t id = 0; id < 400; ++id) out.push_back(w.body(w.id_of(id))->x + (w.is_awake(w.id_of(id)) ? 100 : 0));
+        for (std::uint32_t id = 0; id < 400; ++id)
+          out.push_back(w.body(w.id_of(id))->x + (w.is_awake(w.id_of(id)) ? 100 : 0));
         out.push_back(w.joint(joint)->value);
         out.push_back(static_cast<double>(w.state_hash() >> 12));
         out.push_back(static_cast<double>(w.ray_cast_all({0, 0}, {60, 60}).size()));
-        out.push_back(static_cast<double>(w.events().begin.size() + w.body_count() + w.joint_count() + w.plan().size()));
+        out.push_back(
+            static_cast<double>(w.events().begin.size() + w.body_count() + w.joint_count() + w.plan().size()));
         out.push_back(w.memory_bytes() > 0 ? 1 : 0);
       });
     }

@@ -1,5 +1,5 @@
 // Questions to worlds of every shape, against brute force.
-#include "reference/outlines.h"
+#include "body_outlines.h"
 #include "sanitized.h"
 #include "support.h"
 
@@ -29,8 +29,7 @@ Shape random_shape(Random& r, double size, bool chains) {
     case 1:
       return SegmentShape{point(), point()};
     case 2:
-      return BoxShape{r.uniform(0.3, 2) * size, r.uniform(0.3, 2) * size,
-                      r.chance(0.5) ? 0.2 * size : 0};
+      return BoxShape{r.uniform(0.3, 2) * size, r.uniform(0.3, 2) * size, r.chance(0.5) ? 0.2 * size : 0};
     case 3:
       return CapsuleShape{point(), point(), r.uniform(0.1, 0.5) * size};
     case 4: {
@@ -38,8 +37,7 @@ Shape random_shape(Random& r, double size, bool chains) {
       const std::size_t n = 3 + r.below(6);
       const Vec2 off = point();
       for (std::size_t k = 0; k < n; ++k) {
-        const double a =
-            2 * kPi * (static_cast<double>(k) + r.uniform(-0.1, 0.1)) / static_cast<double>(n);
+        const double a = 2 * kPi * (static_cast<double>(k) + r.uniform(-0.1, 0.1)) / static_cast<double>(n);
         polygon.vertices.push_back({off.x + size * std::cos(a), off.y + size * std::sin(a)});
       }
       if (r.chance(0.5)) polygon.radius = 0.2 * size;
@@ -65,8 +63,7 @@ struct Zoo {
   std::vector<Vec2> shifts;  // of images
   Place place;
 
-  explicit Zoo(const Place& p, std::uint64_t seed, std::size_t bodies = 150, int threads = 1)
-      : place(p) {
+  explicit Zoo(const Place& p, std::uint64_t seed, std::size_t bodies = 150, int threads = 1) : place(p) {
     Random r(seed);
     WorldDesc d;
     d.bounds = {p.offset.x, p.offset.y, p.offset.x + p.side, p.offset.y + p.side};
@@ -80,8 +77,7 @@ struct Zoo {
                                   : BodyType::dynamic_body;
       const double size = std::pow(20, r.uniform(-1, 0.4)) * p.side / 40;
       body.shape = random_shape(r, size, body.type != BodyType::dynamic_body);
-      body.position = {r.uniform(d.bounds.xmin, d.bounds.xmax),
-                       r.uniform(d.bounds.ymin, d.bounds.ymax)};
+      body.position = {r.uniform(d.bounds.xmin, d.bounds.xmax), r.uniform(d.bounds.ymin, d.bounds.ymax)};
       body.angle = r.uniform(-4, 4);
       body.velocity = {r.uniform(-1, 1), r.uniform(-1, 1)};
       body.angular_velocity = r.uniform(-1, 1);
@@ -107,9 +103,7 @@ struct Zoo {
     const BodyDesc& d = desc[k];
     if (!world->is_valid(id[k]) || (d.sensor && !f.sensors)) return false;
     if ((d.filter.category & f.mask) == 0) return false;
-    return d.type == BodyType::dynamic_body     ? f.dynamic
-           : d.type == BodyType::kinematic_body ? f.kinematic
-                                                : f.fixed;
+    return d.type == BodyType::dynamic_body ? f.dynamic : d.type == BodyType::kinematic_body ? f.kinematic : f.fixed;
   }
 
   /// measure(outline) over all images of all parts: the least.
@@ -118,8 +112,7 @@ struct Zoo {
     const BodyState s = state(*world, id[k]);
     double best = 1e300;
     for (const Vec2 shift : shifts) {
-      for (const reference::Outline& o :
-           reference::outlines(desc[k].shape, {s.x + shift.x, s.y + shift.y}, s.angle)) {
+      for (const reference::Outline& o : outlines(desc[k].shape, {s.x + shift.x, s.y + shift.y}, s.angle)) {
         best = std::min(best, measure(o));
       }
     }
@@ -159,9 +152,8 @@ TEST_P(Query, RaysMeetWhatBruteForceMeets) {
       const double way = std::hypot(q.x - p.x, q.y - p.y);
       const std::vector<RayHit> all = zoo.world->ray_cast_all(p, q, filter);
       for (std::size_t k = 0; k + 1 < all.size(); ++k) {
-        EXPECT_TRUE(
-            all[k].fraction < all[k + 1].fraction ||
-            (all[k].fraction == all[k + 1].fraction && all[k].body.index < all[k + 1].body.index));
+        EXPECT_TRUE(all[k].fraction < all[k + 1].fraction ||
+                    (all[k].fraction == all[k + 1].fraction && all[k].body.index < all[k + 1].body.index));
       }
       const auto first = zoo.world->ray_cast(p, q, filter);
       ASSERT_EQ(first.has_value(), !all.empty());
@@ -172,8 +164,7 @@ TEST_P(Query, RaysMeetWhatBruteForceMeets) {
         EXPECT_EQ(first->normal.y, all[0].normal.y);
       }
       for (std::size_t k = 0; k < zoo.id.size(); ++k) {
-        const auto hit = std::find_if(all.begin(), all.end(),
-                                      [&](const RayHit& h) { return h.body == zoo.id[k]; });
+        const auto hit = std::find_if(all.begin(), all.end(), [&](const RayHit& h) { return h.body == zoo.id[k]; });
         if (!zoo.wanted(k, filter)) {
           EXPECT_EQ(hit, all.end()) << "body " << k;
           continue;
@@ -181,7 +172,7 @@ TEST_P(Query, RaysMeetWhatBruteForceMeets) {
         double nearest = 1e300;
         const double fraction = zoo.least(k, [&](const reference::Outline& o) {
           double mine = 0;
-          const double f = reference::march(o, p, q, mine);
+          const double f = reference::march(o, exact(p), exact(q), mine);
           nearest = std::min(nearest, mine);
           return f;
         });
@@ -195,7 +186,7 @@ TEST_P(Query, RaysMeetWhatBruteForceMeets) {
             const Vec2 to{q.x + off.x - fuzz() * u.x, q.y + off.y - fuzz() * u.y};
             grazes |= zoo.least(k, [&](const reference::Outline& o) {
               double mine = 0;
-              return reference::march(o, from, to, mine);
+              return reference::march(o, exact(from), exact(to), mine);
             }) > 1;
           }
           EXPECT_TRUE(grazes) << "body " << k << " missed at " << fraction;
@@ -207,7 +198,7 @@ TEST_P(Query, RaysMeetWhatBruteForceMeets) {
         EXPECT_NEAR(hit->point.x, at.x, fuzz());
         EXPECT_NEAR(hit->point.y, at.y, fuzz());
         const auto off = [&](Vec2 point) {
-          return zoo.least(k, [&](const reference::Outline& o) { return distance(o, point); });
+          return zoo.least(k, [&](const reference::Outline& o) { return distance(o, exact(point)); });
         };
         EXPECT_NEAR(off(at), 0, fuzz()) << "body " << k;
         if (hit->fraction == 0) {
@@ -251,7 +242,7 @@ TEST_P(Query, NearestIsNearest) {
       double least = 1e300;
       for (std::size_t k = 0; k < zoo.id.size(); ++k) {
         if (!zoo.wanted(k, filter)) continue;
-        least = std::min(least, zoo.least(k, [&](const auto& o) { return distance(o, p); }));
+        least = std::min(least, zoo.least(k, [&](const auto& o) { return distance(o, exact(p)); }));
       }
       const auto hit = zoo.world->closest(p, reach, filter);
       if (!hit) {
@@ -266,7 +257,7 @@ TEST_P(Query, NearestIsNearest) {
       ASSERT_NE(which, zoo.id.end());
       const auto k = static_cast<std::size_t>(which - zoo.id.begin());
       EXPECT_TRUE(zoo.wanted(k, filter));
-      EXPECT_NEAR(zoo.least(k, [&](const auto& o) { return distance(o, hit->point); }), 0, fuzz());
+      EXPECT_NEAR(zoo.least(k, [&](const auto& o) { return distance(o, exact(hit->point)); }), 0, fuzz());
       if (hit->distance > 0) continue;
       ++inside;
       for (std::size_t other = 0; other < k; ++other) {  // of several the least id
@@ -303,11 +294,11 @@ TEST_P(Query, OverlapsAndRegionsAreComplete) {
       std::vector<reference::Outline> mine;
       if (n % 2 == 0) {
         found = zoo.world->overlap(shape, p, angle, filter);
-        mine = reference::outlines(shape, p, angle);
+        mine = outlines(shape, p, angle);
       } else {
         const double w = size, h = size * r.uniform(0, 2);
         found = zoo.world->in_region({p.x - w, p.y - h, p.x + w, p.y + h}, filter);
-        mine = reference::outlines(BoxShape{2 * w, 2 * h, 0}, p, 0);
+        mine = outlines(BoxShape{2 * w, 2 * h, 0}, p, 0);
       }
       for (std::size_t k = 0; k + 1 < found.size(); ++k) {
         EXPECT_LT(found[k].index, found[k + 1].index);
@@ -333,7 +324,7 @@ TEST_P(Query, OverlapsAndRegionsAreComplete) {
               for (const double dx : {-1.0, 1.0}) {
                 for (const double dy : {-1.0, 1.0}) {
                   reference::Outline moved = part;
-                  for (Vec2& v : moved.points) v.x += dx * fuzz(), v.y += dy * fuzz();
+                  for (reference::Vec& v : moved.points) v.x += dx * fuzz(), v.y += dy * fuzz();
                   best = std::max(best == 1e300 ? 0 : best, distance(o, moved));
                 }
               }

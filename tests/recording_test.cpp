@@ -29,16 +29,36 @@ Bytes record(std::uint64_t every, std::uint64_t* hash = nullptr, bool past = fal
     const std::size_t k = random.below(ids.size());
     const Vec2 at{random.uniform(2, 28), random.uniform(10, 38)};
     switch (frame % 16) {
-      case 0: ids.push_back(recorder.add_body(box(at, 1, 0.6, kGrip), error)); break;
-      case 1: ids.push_back(recorder.add_body(polygon(regular(5, 0.5), at, kGrip), error)); break;
-      case 2: ids.push_back(recorder.add_body(capsule(at, 1, 0.2, kGrip), error)); break;
-      case 3: recorder.add_body(segment({at.x, 2}, {at.x + 1, 3}, kGrip), error); break;
-      case 4: recorder.apply_impulse(ids[k], {1, 1}); break;
-      case 5: recorder.apply_impulse_at(ids[k], {0, 1}, at); break;
-      case 6: recorder.apply_angular_impulse(ids[k], 0.2); break;
-      case 7: recorder.set_velocity(ids[k], {1, 2}, 3); break;
-      case 8: recorder.set_transform(ids[k], at, 0.4); break;
-      case 9: recorder.set_gravity({0.1, -kG - frame % 3}); break;
+      case 0:
+        ids.push_back(recorder.add_body(box(at, 1, 0.6, kGrip), error));
+        break;
+      case 1:
+        ids.push_back(recorder.add_body(polygon(regular(5, 0.5), at, kGrip), error));
+        break;
+      case 2:
+        ids.push_back(recorder.add_body(capsule(at, 1, 0.2, kGrip), error));
+        break;
+      case 3:
+        recorder.add_body(segment({at.x, 2}, {at.x + 1, 3}, kGrip), error);
+        break;
+      case 4:
+        recorder.apply_impulse(ids[k], {1, 1});
+        break;
+      case 5:
+        recorder.apply_impulse_at(ids[k], {0, 1}, at);
+        break;
+      case 6:
+        recorder.apply_angular_impulse(ids[k], 0.2);
+        break;
+      case 7:
+        recorder.set_velocity(ids[k], {1, 2}, 3);
+        break;
+      case 8:
+        recorder.set_transform(ids[k], at, 0.4);
+        break;
+      case 9:
+        recorder.set_gravity({0.1, -kG - frame % 3});
+        break;
       case 10: {
         JointDesc d;
         d.type = JointType::revolute;
@@ -55,12 +75,15 @@ Bytes record(std::uint64_t every, std::uint64_t* hash = nullptr, bool past = fal
       case 12:
         if (frame > 100 && !joints.empty()) recorder.remove_joint(joints.back()), joints.pop_back();
         break;
-      case 13: recorder.remove_body(ids[k]); break;
+      case 13:
+        recorder.remove_body(ids[k]);
+        break;
       case 14:
         recorder.set_sleeping(frame % 32 == 14);
         recorder.set_skin(frame % 32 == 14 ? 2 : 0.5);
         break;
-      default: recorder.wake(ids[k]);
+      default:
+        recorder.wake(ids[k]);
     }
     if (past && frame == 77) world->apply_impulse(ids.back(), {10, 10});
     if (frame % 10 == 9) {

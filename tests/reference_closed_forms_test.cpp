@@ -32,11 +32,9 @@ TEST(ClosedForms, LinearDragHasItsKnownValues) {
 TEST(ClosedForms, QuadraticDragSolvesItsEquation) {
   const double q = 0.3, v0 = 12, t = 0.7, h = 1e-5;
   const double v = quadratic_drag_speed(v0, q, t);
-  const double dv =
-      (quadratic_drag_speed(v0, q, t + h) - quadratic_drag_speed(v0, q, t - h)) / (2 * h);
+  const double dv = (quadratic_drag_speed(v0, q, t + h) - quadratic_drag_speed(v0, q, t - h)) / (2 * h);
   EXPECT_NEAR(dv, -q * v * v, 1e-7);
-  const double dx =
-      (quadratic_drag_distance(v0, q, t + h) - quadratic_drag_distance(v0, q, t - h)) / (2 * h);
+  const double dx = (quadratic_drag_distance(v0, q, t + h) - quadratic_drag_distance(v0, q, t - h)) / (2 * h);
   EXPECT_NEAR(dx, v, 1e-7);
 }
 
@@ -77,8 +75,7 @@ TEST(ClosedForms, ImpactKeepsMomentumAndAngularMomentum) {
     const auto angular = [](const Disc& d) {
       return d.mass * cross(d.x, d.v) + 0.5 * d.mass * d.radius * d.radius * d.omega;
     };
-    EXPECT_NEAR(length(a.mass * a.v + b.mass * b.v - i.a.mass * i.a.v - i.b.mass * i.b.v), 0,
-                1e-12);
+    EXPECT_NEAR(length(a.mass * a.v + b.mass * b.v - i.a.mass * i.a.v - i.b.mass * i.b.v), 0, 1e-12);
     EXPECT_NEAR(angular(a) + angular(b), angular(i.a) + angular(i.b), 1e-12);
   }
 }
@@ -96,8 +93,7 @@ TEST(ClosedForms, WallIsADiscWithoutEnd) {
   // Against a static disc so large that it is flat, both formulas must agree.
   const double angle = 40 * kDegree, speed = 3, radius = 0.5, big = 1e7;
   for (const double friction : {0.05, 0.2, 2.0}) {
-    const Disc disc{
-        {0, radius + 1}, {speed * std::sin(angle), -speed * std::cos(angle)}, radius, 1, 0};
+    const Disc disc{{0, radius + 1}, {speed * std::sin(angle), -speed * std::cos(angle)}, radius, 1, 0};
     const Disc floor{{0, -big}, {0, 0}, big, std::numeric_limits<double>::infinity(), 0};
     const Impact i = collide(disc, floor, 0.6, friction);
     ASSERT_TRUE(i.hit);

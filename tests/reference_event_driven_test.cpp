@@ -15,8 +15,7 @@
 namespace reference {
 namespace {
 
-std::vector<Disc> lattice(int columns, int rows, double pitch, double radius, double speed,
-                          unsigned seed) {
+std::vector<Disc> lattice(int columns, int rows, double pitch, double radius, double speed, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, speed);
   std::vector<Disc> discs;
@@ -114,8 +113,7 @@ TEST(EventDriven, AgreesWithBruteForceInSteps) {
   events.advance(2);
   steps.advance(2, 0.01);
   EXPECT_GT(events.pair_collisions(), 50u);
-  EXPECT_EQ(events.pair_collisions() + events.wall_collisions(),
-            static_cast<std::uint64_t>(steps.collisions()));
+  EXPECT_EQ(events.pair_collisions() + events.wall_collisions(), static_cast<std::uint64_t>(steps.collisions()));
   for (std::size_t k = 0; k < start.size(); ++k) {
     EXPECT_NEAR(length(events.discs()[k].x - steps.discs()[k].x), 0, 1e-6) << k;
     EXPECT_NEAR(length(events.discs()[k].v - steps.discs()[k].v), 0, 1e-5) << k;

@@ -16,8 +16,7 @@ class RandomWorld {
     bodies_ = 512 + below(1200);
     wide_ = uniform(15, 60);
     spacing_ = uniform(1.05, 1.6);
-    desc_ = walled({0, 0, wide_, 8.0 * bodies_ / wide_}, {0, -kG},
-                   chance(2) ? material(0.3, 0.5) : Material{});
+    desc_ = walled({0, 0, wide_, 8.0 * bodies_ / wide_}, {0, -kG}, chance(2) ? material(0.3, 0.5) : Material{});
     const unsigned boundary = below(6);
     if (boundary == 0) {
       desc_.boundary = Boundary::periodic;
@@ -32,7 +31,7 @@ class RandomWorld {
     mixed_ = chance(2);
     heavy_ = chance(4);
     fixed_ = chance(2);
-    held_ = chance(4);
+    kinematics_ = chance(4);
     governed_ = chance(4);
     budget_ms_ = uniform(0.05, 0.6);
     settling_ = static_cast<int>(below(200));
@@ -76,9 +75,7 @@ class RandomWorld {
  private:
   unsigned below(unsigned n) { return static_cast<unsigned>(random_()) % n; }
   bool chance(unsigned of) { return below(of) == 0; }
-  double uniform(double a, double b) {
-    return std::uniform_real_distribution<double>(a, b)(random_);
-  }
+  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
 
   void govern(World& world) const {
     GovernorDesc desc;
@@ -89,9 +86,7 @@ class RandomWorld {
 
   std::unique_ptr<World> build(int threads) const {
     std::mt19937 random(seed_ + 1);
-    const auto uniform = [&](double a, double b) {
-      return std::uniform_real_distribution<double>(a, b)(random);
-    };
+    const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
     auto world = make(desc_, best_isa(), threads);
     std::vector<BodyId> bodies;
     const auto columns = static_cast<unsigned>((wide_ - 1) / spacing_);
@@ -121,7 +116,7 @@ class RandomWorld {
     for (double x = 1; fixed_ && x < wide_ - 1; x += 4) add(*world, static_disc({x, 1}, 0.6));
     if (fixed_) add(*world, segment({0.2, 0.4}, {wide_ - 0.2, 0.4}));
     if (desc_.boundary == Boundary::open) add(*world, segment({-5, 0.1}, {wide_ + 5, 0.1}));
-    if (held_) add(*world, kinematic(disc({wide_ / 2, 3}, {0.5, 0}, 0.4)));
+    if (kinematics_) add(*world, kinematic(disc({wide_ / 2, 3}, {0.5, 0}, 0.4)));
     return world;
   }
 
@@ -170,8 +165,8 @@ class RandomWorld {
   WorldDesc desc_;
   unsigned bodies_ = 0;
   double wide_ = 0, spacing_ = 0, budget_ms_ = 0;
-  bool mixed_ = false, heavy_ = false, fixed_ = false, held_ = false, governed_ = false,
-       shaped_ = false, filtered_ = false, joined_ = false;
+  bool mixed_ = false, heavy_ = false, fixed_ = false, kinematics_ = false, governed_ = false, shaped_ = false,
+       filtered_ = false, joined_ = false;
   int settling_ = 0;
 };
 

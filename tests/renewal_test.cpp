@@ -42,8 +42,7 @@ class Renewal : public testing::TestWithParam<Case> {
 
   std::unique_ptr<World> built(bool sleeping) const {
     const Case& c = GetParam();
-    WorldDesc desc = walled({0, 0, c.wide, 6 * kBodies / c.wide}, {0, -kG},
-                            c.rough ? material(0, 0.5) : Material{});
+    WorldDesc desc = walled({0, 0, c.wide, 6 * kBodies / c.wide}, {0, -kG}, c.rough ? material(0, 0.5) : Material{});
     if (c.periodic) {
       desc.boundary = Boundary::periodic;
       desc.gravity = {};
@@ -51,8 +50,8 @@ class Renewal : public testing::TestWithParam<Case> {
     desc.sleeping = sleeping;
     auto world = make(desc);
     const double high = (c.periodic ? 5.8 : 1.2) * kBodies / c.wide;
-    Discs discs = lattice(kBodies, {0.5, 2.5, c.wide - 0.5, 2.5 + high}, 0.5, 0.1,
-                          c.rough ? material(0.2, 0.5) : Material{});
+    Discs discs =
+        lattice(kBodies, {0.5, 2.5, c.wide - 0.5, 2.5 + high}, 0.5, 0.1, c.rough ? material(0.2, 0.5) : Material{});
     std::mt19937 random(7);
     std::uniform_real_distribution<double> radius(0.35, 0.5);
     if (c.mixed) {
@@ -115,8 +114,7 @@ TEST_P(Renewal, SeesWhateverTouches) {
         // Deeper than an impact within the step leaves it.
         if (std::fabs(d.x) > sum || std::hypot(d.x, d.y) > sum - 0.03) continue;
         EXPECT_TRUE(std::ranges::binary_search(named, std::pair(s.id[i], s.id[j])))
-            << "frame " << frame << ": " << s.id[i] << " and " << s.id[j] << ", "
-            << sum - std::hypot(d.x, d.y);
+            << "frame " << frame << ": " << s.id[i] << " and " << s.id[j] << ", " << sum - std::hypot(d.x, d.y);
       }
     }
   }
@@ -155,8 +153,7 @@ TEST_P(Renewal, GoesOnAfterARestore) {
       push(*twin, frame);
       renewed += world->step().renewed;
       const StepReport report = twin->step();
-      ASSERT_EQ(twin->state_hash(), world->state_hash())
-          << "frame " << frame << ", renewed " << report.renewed;
+      ASSERT_EQ(twin->state_hash(), world->state_hash()) << "frame " << frame << ", renewed " << report.renewed;
       if (frame % 5 == 4) twin = settled(best_isa(), 2, sleeping);
       world->save(state);
       ASSERT_TRUE(twin->restore(state, error)) << error;
@@ -202,8 +199,7 @@ TEST_P(Renewal, KeepsThePileWhereItLies) {
   for (std::size_t k = 0; k < before.id.size(); ++k) {
     if (before.y[k] > before.y[top]) top = static_cast<std::uint32_t>(k);
   }
-  const std::vector<double> x(before.x.begin(), before.x.end()),
-      y(before.y.begin(), before.y.end());
+  const std::vector<double> x(before.x.begin(), before.x.end()), y(before.y.begin(), before.y.end());
   ASSERT_TRUE(world->set_velocity(id(before.id[top]), {0, 4}, 0));
   std::uint64_t renewed = 0, rebuilt = 0;
   for (int frame = 0; frame < 40; ++frame) {  // it is in the air
@@ -215,8 +211,7 @@ TEST_P(Renewal, KeepsThePileWhereItLies) {
   EXPECT_LT(rebuilt, 5u);
   const PublishedState after = world->published();
   int moved = 0;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    moved += std::hypot(after.x[k] - x[k], after.y[k] - y[k]) > 0.05;
+  for (std::size_t k = 0; k < x.size(); ++k) moved += std::hypot(after.x[k] - x[k], after.y[k] - y[k]) > 0.05;
   EXPECT_LE(moved, 8);  // it, and who leant on it
   EXPECT_LT(deepest(*world), deepest_before + 0.005);
 }
@@ -240,8 +235,7 @@ TEST(RenewalImpulses, StayWhereFixedShapesGetNewContacts) {
       }
       renewed += world->step().renewed;
       const PublishedState s = world->published();
-      for (std::size_t k = 0; k < 900; ++k)
-        fastest[fall] = std::max(fastest[fall], std::hypot(s.vx[k], s.vy[k]));
+      for (std::size_t k = 0; k < 900; ++k) fastest[fall] = std::max(fastest[fall], std::hypot(s.vx[k], s.vy[k]));
     }
     EXPECT_GE(renewed, fall ? 50u : 0u);
   }
@@ -352,7 +346,8 @@ TEST(RenewalShapes, SeeWhateverTouches) {
         ++overlaps;
         if (std::ranges::binary_search(named, pair)) continue;
         missed.push_back(pair);
-        EXPECT_FALSE(std::ranges::count(before, pair)) << "frame " << frame << ": " << pair.first << " and " << pair.second;
+        EXPECT_FALSE(std::ranges::count(before, pair))
+            << "frame " << frame << ": " << pair.first << " and " << pair.second;
       }
     }
   }

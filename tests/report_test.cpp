@@ -206,7 +206,8 @@ TEST(Skipped, OfEveryFrameAddUp) {
   EXPECT_FALSE(world->is_awake(one));
   std::array<std::uint64_t, kSkipNames.size()> told{};
   for (const auto& [stage, frames] : world->skipped()) {
-    told[static_cast<std::size_t>(std::find(kSkipNames.begin(), kSkipNames.end(), stage) - kSkipNames.begin())] = frames;
+    told[static_cast<std::size_t>(std::find(kSkipNames.begin(), kSkipNames.end(), stage) - kSkipNames.begin())] =
+        frames;
   }
   EXPECT_EQ(sums, told);
 }

@@ -33,9 +33,7 @@ std::unique_ptr<World> crowd(Bodies bodies) {
   return world;
 }
 
-const char* name_of(Bodies b) {
-  return b == Bodies::heap ? "heap" : b == Bodies::boxes ? "boxes" : "gas";
-}
+const char* name_of(Bodies b) { return b == Bodies::heap ? "heap" : b == Bodies::boxes ? "boxes" : "gas"; }
 
 TEST(ResumedState, AGovernedWorldChoosesAsIfItHadNeverBeenAway) {
   GovernorDesc governor;
@@ -48,15 +46,11 @@ TEST(ResumedState, AGovernedWorldChoosesAsIfItHadNeverBeenAway) {
       ASSERT_TRUE(world->set_governor(governor));
       std::unique_ptr<World> copy = copy_of(*world);
       for (int frame = 0; frame < 90; ++frame) {
-        if (frame % 2 == 0)
-          copy =
-              copy_of(frame % 4 == 0 ? *world : *copy, frame % 3 == 0 ? Isa::scalar : best_isa());
+        if (frame % 2 == 0) copy = copy_of(frame % 4 == 0 ? *world : *copy, frame % 3 == 0 ? Isa::scalar : best_isa());
         ASSERT_TRUE(copy->set_governor(governor));
         const StepReport one = world->step(), other = copy->step();
-        ASSERT_EQ(one.detail, other.detail)
-            << name_of(bodies) << ", " << budget << " ms, frame " << frame;
-        ASSERT_EQ(one.predicted_ms, other.predicted_ms)
-            << name_of(bodies) << ", " << budget << " ms, frame " << frame;
+        ASSERT_EQ(one.detail, other.detail) << name_of(bodies) << ", " << budget << " ms, frame " << frame;
+        ASSERT_EQ(one.predicted_ms, other.predicted_ms) << name_of(bodies) << ", " << budget << " ms, frame " << frame;
         ASSERT_EQ(world->state_hash(), copy->state_hash())
             << name_of(bodies) << ", " << budget << " ms, frame " << frame;
         waits += one.detail.waits();
@@ -90,8 +84,7 @@ TEST(ResumedState, WhatWasDoneOfAStepIsDoneAgainAsItWas) {
       for (int k = 0; k < 6; ++k) {
         const StepReport one = world->step(), other = copy->step();
         ASSERT_EQ(one.pairs, other.pairs) << name_of(bodies) << ", " << pieces << " pieces, " << k;
-        ASSERT_EQ(world->state_hash(), copy->state_hash())
-            << name_of(bodies) << ", " << pieces << " pieces, " << k;
+        ASSERT_EQ(world->state_hash(), copy->state_hash()) << name_of(bodies) << ", " << pieces << " pieces, " << k;
       }
     }
   }

@@ -137,11 +137,7 @@ TEST(RigidCorner, OverAConvexEdgeABodyFliesOffFreely) {
     const std::string_view kind = name;
     if (kind == "plank" || kind == "trapezium") continue;  // tip over the edge
     auto world = make(unbounded(300));
-    add(*world, chain({{-50, 0},
-                       {-20, 0},
-                       {0, 0},
-                       {30, -30 * std::tan(kPi / 6)},
-                       {60, -60 * std::tan(kPi / 6)}}));
+    add(*world, chain({{-50, 0}, {-20, 0}, {0, 0}, {30, -30 * std::tan(kPi / 6)}, {60, -60 * std::tan(kPi / 6)}}));
     BodyDesc b = moving(body, {8, 0});
     b.position.x = -6;
     const BodyId id = add(*world, b);
@@ -206,8 +202,7 @@ TEST(RigidCorner, ABoxRestsInAValleyAndOnARidge) {
   EXPECT_NEAR(state(*world, in).y, std::sqrt(0.5), 2e-3);
   EXPECT_LT(speed_of(state(*world, in)), 1e-4);
   EXPECT_NEAR(std::remainder(state(*world, in).angle, 0.5 * kPi),
-              0.25 * kPi - 0.5 * kPi * (std::remainder(state(*world, in).angle, 0.5 * kPi) < 0),
-              1e-3);
+              0.25 * kPi - 0.5 * kPi * (std::remainder(state(*world, in).angle, 0.5 * kPi) < 0), 1e-3);
 }
 
 TEST(RigidCorner, InsideALoopNobodyEscapesAndOutsideNobodyEnters) {
@@ -222,14 +217,13 @@ TEST(RigidCorner, InsideALoopNobodyEscapesAndOutsideNobodyEnters) {
   std::vector<BodyId> inside, outside;
   for (int k = 0; k < 16; ++k) {
     const double x = k % 4 * 2.2 - 3.3, y = k / 4 * 2.2 - 3.3;
-    inside.push_back(add(*world, turned(k % 2 ? box({x, y}, 1, 1, m) : capsule({x, y}, 0.8, 0.3, m),
-                                        random.uniform(0, 6))));
+    inside.push_back(
+        add(*world, turned(k % 2 ? box({x, y}, 1, 1, m) : capsule({x, y}, 0.8, 0.3, m), random.uniform(0, 6))));
     outside.push_back(add(*world, turned(box({x, 14 + y}, 0.8, 0.8, m), random.uniform(0, 6))));
   }
   run_seconds(*world, 4);  // those outside fall on
   for (const BodyId id : inside) EXPECT_LT(std::hypot(state(*world, id).x, state(*world, id).y), 8);
-  for (const BodyId id : outside)
-    EXPECT_GT(std::hypot(state(*world, id).x, state(*world, id).y), 7.9);
+  for (const BodyId id : outside) EXPECT_GT(std::hypot(state(*world, id).x, state(*world, id).y), 7.9);
 }
 
 }  // namespace

@@ -18,12 +18,9 @@ bool is_disc(const BodyDesc& body) { return std::holds_alternative<DiscShape>(bo
 constexpr double kPen = 5;  // half the side of a pen around (0, 0)
 
 enum class Wall { segments, chain, boxes, capsules, kinematic_boxes, sides };
-constexpr std::pair<const char*, Wall> kWalls[] = {{"segments", Wall::segments},
-                                                   {"chain", Wall::chain},
-                                                   {"boxes", Wall::boxes},
-                                                   {"capsules", Wall::capsules},
-                                                   {"kinematic", Wall::kinematic_boxes},
-                                                   {"sides", Wall::sides}};
+constexpr std::pair<const char*, Wall> kWalls[] = {
+    {"segments", Wall::segments},         {"chain", Wall::chain}, {"boxes", Wall::boxes}, {"capsules", Wall::capsules},
+    {"kinematic", Wall::kinematic_boxes}, {"sides", Wall::sides}};
 
 std::unique_ptr<World> pen(Wall wall, Material m) {
   if (wall == Wall::sides) return make(walled({-kPen, -kPen, kPen, kPen}, {0, 0}, m));
@@ -72,8 +69,7 @@ TEST_P(RigidSpeed, NobodyLeavesThePen) {
           auto world = pen(GetParam().second, m);
           const double heading = round < 2 ? 0.5 * kPi * round : random.uniform(0, 2 * kPi);
           const double spin = round % 3 == 0 ? 0 : random.uniform(-1, 1) * std::min(speed, 500.0);
-          BodyDesc body =
-              moving(flyer, {speed * std::cos(heading), speed * std::sin(heading)}, spin);
+          BodyDesc body = moving(flyer, {speed * std::cos(heading), speed * std::sin(heading)}, spin);
           body.position = {random.uniform(-3, 3), random.uniform(-3, 3)};
           body.angle = round < 2 ? 0 : random.uniform(0, 6);
           body.bullet = GetParam().second == Wall::kinematic_boxes;
@@ -111,8 +107,7 @@ TEST(RigidSpeedGains, NoEnergyFromWalls) {
           world->step();
           most = std::max(most, world->diagnostics().kinetic);
         }
-        EXPECT_LE(most / before, speed > 20 ? 6 : 1.02)
-            << name << " at " << speed << " in " << wall_name;
+        EXPECT_LE(most / before, speed > 20 ? 6 : 1.02) << name << " at " << speed << " in " << wall_name;
       }
     }
   }
@@ -134,8 +129,7 @@ TEST(RigidSpeedOfDiscs, NeverTakesThemThroughAThinBar) {
           own.material.restitution = e;
           add(*world, own);
           const BodyId id =
-              add(*world, disc({-7, 0.3}, {speed * std::cos(heading), speed * std::sin(heading)},
-                               0.1, material(e)));
+              add(*world, disc({-7, 0.3}, {speed * std::cos(heading), speed * std::sin(heading)}, 0.1, material(e)));
           for (int k = 0; k < 60 && std::abs(state(*world, id).y) < 190; ++k) {
             world->step();
             if (!world->is_valid(id) || world->escaped_total() != 0) break;
@@ -209,8 +203,7 @@ TEST(RigidBullet, DoesNotPassAThinPlate) {
             const BodyState b = state(*world, bullet), p = state(*world, plate);
             // Ahead of the plate's plane while beside it:
             const double ahead = std::cos(p.angle) * (b.x - p.x) + std::sin(p.angle) * (b.y - p.y);
-            const double beside =
-                -std::sin(p.angle) * (b.x - p.x) + std::cos(p.angle) * (b.y - p.y);
+            const double beside = -std::sin(p.angle) * (b.x - p.x) + std::cos(p.angle) * (b.y - p.y);
             if (ahead > 0.05 && std::abs(beside) < 1.2 && std::abs(p.angle) < 1.2) {
               ++passed;
               break;
@@ -244,8 +237,8 @@ TEST(RigidBullet, TwoOfThemMeetHeadOn) {
 // ---- what misses ------------------------------------------------------------------------------
 
 /// Flies along x past `obstacle` with `clear` metres between; whether not a bit of it changed.
-void expect_untouched(const BodyDesc& obstacle, const BodyDesc& flyer, double low, double clear,
-                      double speed, const char* what) {
+void expect_untouched(const BodyDesc& obstacle, const BodyDesc& flyer, double low, double clear, double speed,
+                      const char* what) {
   for (const double start : {-20.0, -20.37, -19.81}) {
     auto world = make(unbounded(4000, {0, 0}));
     add(*world, obstacle);
@@ -254,8 +247,7 @@ void expect_untouched(const BodyDesc& obstacle, const BodyDesc& flyer, double lo
     const BodyId id = add(*world, body);
     for (int k = 0; k < 400 && state(*world, id).x < 20; ++k) world->step();
     const BodyState s = state(*world, id);
-    EXPECT_EQ(s.vx, static_cast<double>(static_cast<float>(speed)))
-        << what << " at " << speed << " clear by " << clear;
+    EXPECT_EQ(s.vx, static_cast<double>(static_cast<float>(speed))) << what << " at " << speed << " clear by " << clear;
     EXPECT_EQ(s.vy, 0) << what << " at " << speed << " clear by " << clear;
     EXPECT_EQ(s.omega, 0) << what << " at " << speed << " clear by " << clear;
   }
@@ -263,12 +255,9 @@ void expect_untouched(const BodyDesc& obstacle, const BodyDesc& flyer, double lo
 
 TEST(RigidGraze, PastTheEndOfAWallNothingChanges) {
   const std::pair<const char*, BodyDesc> ends[] = {
-      {"segment", segment({0, -3}, {0, 0})},
-      {"chain", chain({{0, -6}, {0, -3}, {0, 0}})},
-      {"box", fixed(box({0, -1}, 0.5, 2))},
-      {"capsule", fixed(turned(capsule({0, -1.2}, 2, 0.2), 0.5 * kPi))},
-      {"resting box", box({0, -1}, 0.5, 2)},
-      {"resting disc", disc({0, -0.5}, {}, 0.5)}};
+      {"segment", segment({0, -3}, {0, 0})}, {"chain", chain({{0, -6}, {0, -3}, {0, 0}})},
+      {"box", fixed(box({0, -1}, 0.5, 2))},  {"capsule", fixed(turned(capsule({0, -1.2}, 2, 0.2), 0.5 * kPi))},
+      {"resting box", box({0, -1}, 0.5, 2)}, {"resting disc", disc({0, -0.5}, {}, 0.5)}};
   for (const auto& [what, obstacle] : ends) {
     for (const double speed : {5.0, 50.0, 1e3, 1e4}) {
       for (const double clear : {0.2, 0.01}) {

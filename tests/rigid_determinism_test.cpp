@@ -52,8 +52,7 @@ void furnish(World& world, Vec2 at, Material m) {
   put(fixed(polygon({{0, 0}, {3, 0.5}, {1, 2}}, {2, -5}, m)));
   put(fixed(turned(capsule({7, -2}, 3, 0.3, m), -0.4)));
   put(moving(kinematic(box({0, -1}, 5, 0.3, m)), {0, 0}, 1.5));
-  put(moving(kinematic(polygon({{0, -0.2}, {3, -0.2}, {3, 0.2}, {0, 0.2}}, {-8, 0}, m)), {0.2, 0},
-             -2));
+  put(moving(kinematic(polygon({{0, -0.2}, {3, -0.2}, {3, 0.2}, {0, 0.2}}, {-8, 0}, m)), {0.2, 0}, -2));
   put(chain({{-10, -8}, {-5, -9}, {0, -8.5}, {6, -9}, {10, -8}}, false, m));
 }
 
@@ -166,10 +165,8 @@ TEST_P(RigidDeterminism, NothingGoesOut) {
   if (world->desc().boundary != Boundary::walls) return;
   const Bounds b = world->desc().bounds;
   const PublishedState s = world->published();
-  for (std::size_t k = 0; k < s.id.size();
-       ++k) {  // `position` may be a corner, a little inside a wall
-    EXPECT_TRUE(s.x[k] > b.xmin - 0.05 && s.x[k] < b.xmax + 0.05 && s.y[k] > b.ymin - 0.05 &&
-                s.y[k] < b.ymax + 0.05)
+  for (std::size_t k = 0; k < s.id.size(); ++k) {  // `position` may be a corner, a little inside a wall
+    EXPECT_TRUE(s.x[k] > b.xmin - 0.05 && s.x[k] < b.xmax + 0.05 && s.y[k] > b.ymin - 0.05 && s.y[k] < b.ymax + 0.05)
         << s.id[k] << " at " << s.x[k] << " " << s.y[k];
   }
 }

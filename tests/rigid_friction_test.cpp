@@ -47,8 +47,7 @@ TEST(RigidIncline, BoxSlidesFromTheAngleOfFriction) {
 TEST(RigidIncline, BoxOnATiltedSegmentOrBoxHoldsAndSlidesAlike) {
   for (const double offset : {-0.5, 0.5}) {
     for (const bool segment_floor : {true, false}) {
-      const double angle = std::atan(0.5) + degrees(offset), c = std::cos(angle),
-                   s = std::sin(angle);
+      const double angle = std::atan(0.5) + degrees(offset), c = std::cos(angle), s = std::sin(angle);
       const Material m = material(0, 0.5);
       auto world = make(unbounded(500));
       if (segment_floor) {
@@ -95,8 +94,7 @@ TEST(RigidIncline, OctagonRollsFromHalfItsCorner) {
   for (const double offset : {-0.5, 0.5}) {
     auto world = incline(degrees(22.5 + offset), 2);
     const double radius = 0.5;
-    const BodyId id =
-        add(*world, polygon(regular(8, radius), {0, radius * std::cos(kPi / 8)}, material(0, 2)));
+    const BodyId id = add(*world, polygon(regular(8, radius), {0, radius * std::cos(kPi / 8)}, material(0, 2)));
     run_seconds(*world, 10);
     EXPECT_EQ(std::abs(state(*world, id).angle) < 0.05, offset < 0);
     if (offset > 0) {
@@ -136,9 +134,8 @@ TEST(RigidSlide, BlockStopsWhereItShould) {
   const reference::Slide truth{5, 0.5, kG};
   EXPECT_NEAR(truth.distance(), 2.548420, 1e-6);
   const Material m = material(0, 0.5);
-  const BodyDesc bodies[] = {
-      box({0, 0.5}, 1, 1, m), box({0, 0.1}, 2, 0.2, m), capsule({0, 0.25}, 1.5, 0.25, m),
-      polygon({{-1, -0.5}, {1, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}, {0, 0.5}, m)};
+  const BodyDesc bodies[] = {box({0, 0.5}, 1, 1, m), box({0, 0.1}, 2, 0.2, m), capsule({0, 0.25}, 1.5, 0.25, m),
+                             polygon({{-1, -0.5}, {1, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}, {0, 0.5}, m)};
   for (const Isa isa : available_isas()) {
     for (const double side : {1.0, -1.0}) {
       for (const BodyDesc& body : bodies) {
@@ -200,8 +197,8 @@ TEST(RigidRoll, SlidingDiscComesToRollOnEveryKindOfFloor) {
   const Material m = material(0, 0.2);
   const reference::SlideToRoll truth{5, 0.2, kG};
   BodyDesc thick = capsule({0, -1}, 200, 1, m);
-  const BodyDesc floors[] = {fixed(box({0, -0.5}, 200, 1, m)), kinematic(box({0, -0.5}, 200, 1, m)),
-                             fixed(thick), kinematic(thick)};
+  const BodyDesc floors[] = {fixed(box({0, -0.5}, 200, 1, m)), kinematic(box({0, -0.5}, 200, 1, m)), fixed(thick),
+                             kinematic(thick)};
   for (const BodyDesc& floor : floors) {
     auto world = make(unbounded(200));
     add(*world, floor);
@@ -230,8 +227,7 @@ TEST(RigidRoll, EndOfACapsuleRollsAsADiscOfItsInertia) {
   auto world = make(unbounded());
   add(*world, ground(m));
   const double radius = 0.25;
-  const BodyId id =
-      add(*world, turned(capsule({0, 0.75 + radius}, 1.5, radius, m), 0.5 * kPi - 0.2));
+  const BodyId id = add(*world, turned(capsule({0, 0.75 + radius}, 1.5, radius, m), 0.5 * kPi - 0.2));
   run_seconds(*world, 5);
   const BodyState s = state(*world, id);  // lies
   EXPECT_NEAR(s.y, radius, 1e-3);

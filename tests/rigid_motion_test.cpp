@@ -134,8 +134,7 @@ TEST(RigidPlace, OfAKinematicBodyStaysWhileItTurns) {
 TEST(RigidPlace, KinematicArmSweepsWithItsEndNotItsMiddle) {
   // A bar from its hinge at (0, 0) to (4, 0), turning left, meets a box at rest on its way.
   auto world = make(unbounded(100, {0, 0}));
-  add(*world,
-      moving(kinematic(polygon({{0, -0.1}, {4, -0.1}, {4, 0.1}, {0, 0.1}}, {0, 0})), {0, 0}, 1));
+  add(*world, moving(kinematic(polygon({{0, -0.1}, {4, -0.1}, {4, 0.1}, {0, 0.1}}, {0, 0})), {0, 0}, 1));
   const BodyId hit = add(*world, box({3, 1.5}, 0.5, 0.5));
   const BodyId behind = add(*world, box({-2, 0}, 0.5, 0.5));
   run_seconds(*world, 1);
@@ -163,8 +162,7 @@ TEST(RigidPlace, SetAndReadAgree) {
         ASSERT_NEAR(s.vy, v.y, 1e-5);
         ASSERT_NEAR(s.omega, omega, 1e-5);
         if (k % 5 == 0) world->step();
-        ASSERT_TRUE(world->set_transform(id, {state(*world, id).x, state(*world, id).y},
-                                         state(*world, id).angle));
+        ASSERT_TRUE(world->set_transform(id, {state(*world, id).x, state(*world, id).y}, state(*world, id).angle));
       }
     }
   }
@@ -211,10 +209,9 @@ TEST(RigidBounce, OnACornerFollowsTheClosedForm) {
       const Material m = material(e, 0);
       add(*world, ground(m));
       const BodyId id = add(*world, moving(turned(box({0, 3}, 1, 1, m), angle), {0, -4}));
-      run(*world, 50);  // the lowest corner meets the ground; the next is clear until after this
+      run(*world, 50);             // the lowest corner meets the ground; the next is clear until after this
       double arm = 0, lowest = 0;  // of the lowest corner, from the centre
-      for (const Vec2 corner :
-           {Vec2{-0.5, -0.5}, Vec2{0.5, -0.5}, Vec2{0.5, 0.5}, Vec2{-0.5, 0.5}}) {
+      for (const Vec2 corner : {Vec2{-0.5, -0.5}, Vec2{0.5, -0.5}, Vec2{0.5, 0.5}, Vec2{-0.5, 0.5}}) {
         const Vec2 r = rotated(corner, angle);
         if (r.y < lowest) {
           lowest = r.y;
@@ -267,8 +264,7 @@ TEST(RigidImpulse, TwoThatCollideKeepTheirMomenta) {
       b.material = m;
       return turned(b, random.uniform(0, 6));
     };
-    BodyDesc a =
-        moving(shape_of(), {random.uniform(1, 9), random.uniform(-1, 1)}, random.uniform(-5, 5));
+    BodyDesc a = moving(shape_of(), {random.uniform(1, 9), random.uniform(-1, 1)}, random.uniform(-5, 5));
     BodyDesc b = moving(shape_of(), {-random.uniform(1, 9), 0}, random.uniform(-5, 5));
     a.position = {-8, 0};
     b.position = {8, random.uniform(-1, 1)};

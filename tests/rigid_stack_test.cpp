@@ -101,8 +101,8 @@ TEST(RigidStack, OfNineteenStandsHoweverRoughlyItIsPutDown) {
   struct Rough {
     double fall, gap, tilt;  // m, m, rad
   };
-  for (const Rough& rough : {Rough{0, 0.001, 0.001}, Rough{0, 0.01, 0.0001}, Rough{0.05, 0, 0.001}, Rough{0.05, 0.001, 0.0001},
-                             Rough{1, 0.01, 0.0001}}) {
+  for (const Rough& rough : {Rough{0, 0.001, 0.001}, Rough{0, 0.01, 0.0001}, Rough{0.05, 0, 0.001},
+                             Rough{0.05, 0.001, 0.0001}, Rough{1, 0.01, 0.0001}}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       Random random(seed);
       Placed p{make(unbounded(200)), {}, {}};
@@ -110,7 +110,8 @@ TEST(RigidStack, OfNineteenStandsHoweverRoughlyItIsPutDown) {
       double y = rough.fall;
       for (int k = 0; k < 19; ++k, y += 1) {
         y += random.uniform(0, rough.gap);
-        p.put(turned(box({random.uniform(-1e-4, 1e-4), y + 0.5}, 1, 1, kGrip, 1), random.uniform(-rough.tilt, rough.tilt)));
+        p.put(turned(box({random.uniform(-1e-4, 1e-4), y + 0.5}, 1, 1, kGrip, 1),
+                     random.uniform(-rough.tilt, rough.tilt)));
       }
       run(*p.world, 600);
       EXPECT_NEAR(p.top().y, 18.5, 0.05) << rough.fall << " " << rough.gap << " " << rough.tilt << " " << seed;
@@ -228,8 +229,7 @@ TEST(RigidPyramid, MirroredGivesTheMirroredResult) {
   run(*right.world, 300);
   double apart = 0, turned = 0;
   for (std::size_t k = 0; k < left.ids.size(); ++k) {
-    apart =
-        std::max(apart, std::hypot(left.now(k).x + right.now(k).x, left.now(k).y - right.now(k).y));
+    apart = std::max(apart, std::hypot(left.now(k).x + right.now(k).x, left.now(k).y - right.now(k).y));
     turned = std::max(turned, std::abs(left.now(k).angle + right.now(k).angle));
   }
   EXPECT_LT(apart, 1e-3);

@@ -30,8 +30,7 @@ double all_momenta(World& world) {
 // ---- overlaps ---------------------------------------------------------------------------------
 
 TEST(StressRigidOverlap, IdenticalBodiesAtOnePointPart) {
-  for (const BodyDesc& body :
-       {box({0, 0}), capsule({0, 0}, 1, 0.3), polygon(regular(5, 0.5), {0, 0})}) {
+  for (const BodyDesc& body : {box({0, 0}), capsule({0, 0}, 1, 0.3), polygon(regular(5, 0.5), {0, 0})}) {
     for (const int n : {2, 3, 10, 100}) {
       std::uint64_t hash = 0;
       for (int run_again = 0; run_again < 2; ++run_again) {
@@ -170,8 +169,7 @@ TEST(StressRigidSize, ALargeBoxOnGravelComesToRest) {
   auto world = make(walled({-8, 0, 8, 60}, {0, -kG}, kGrip));
   Random random(2);
   for (int k = 0; k < 300; ++k) {
-    add(*world, turned(box({k % 50 * 0.3 - 7.4, 0.2 + 0.3 * (k / 50)}, 0.2, 0.2, kGrip),
-                       random.uniform(0, 3)));
+    add(*world, turned(box({k % 50 * 0.3 - 7.4, 0.2 + 0.3 * (k / 50)}, 0.2, 0.2, kGrip), random.uniform(0, 3)));
   }
   run_seconds(*world, 3);
   const BodyId large = add(*world, box({0, 12}, 10, 10, kGrip));

@@ -5,8 +5,7 @@
 
 namespace psim::test {
 
-inline BodyDesc box(Vec2 position, double width = 1, double height = 1, Material m = {},
-                    double mass = 0) {
+inline BodyDesc box(Vec2 position, double width = 1, double height = 1, Material m = {}, double mass = 0) {
   BodyDesc body;
   body.shape = BoxShape{width, height};
   body.position = position;

@@ -173,28 +173,21 @@ std::string jointed(std::string_view joint) {
 
 TEST(Rube, JointsWithAFrequencyAreSprings) {
   const double rate = 2 * std::numbers::pi * 3;
-  const auto only = [](const Scene& scene) {
-    return scene.joints.empty() ? JointDesc{} : scene.joints[0].joint;
-  };
-  const JointDesc spring = only(parsed_scene(jointed(
-      R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3, "frequency": 3, "dampingRatio": 0.5})")));
+  const auto only = [](const Scene& scene) { return scene.joints.empty() ? JointDesc{} : scene.joints[0].joint; };
+  const JointDesc spring = only(parsed_scene(
+      jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3, "frequency": 3, "dampingRatio": 0.5})")));
   EXPECT_EQ(spring.type, JointType::spring);
   EXPECT_EQ(spring.length, 3);
   EXPECT_NEAR(spring.stiffness, 0.8 * rate * rate, 1e-3);
   EXPECT_NEAR(spring.damping, 0.8 * rate, 1e-3);
-  EXPECT_EQ(
-      only(parsed_scene(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3})")))
-          .type,
-      JointType::distance);
+  EXPECT_EQ(only(parsed_scene(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 3})"))).type,
+            JointType::distance);
   // 1/8 and 1/2 kg m^2.
-  const JointDesc weld = only(parsed_scene(jointed(
-      R"({"type": "weld", "bodyA": 0, "bodyB": 1, "frequency": 3, "anchorA": {"x": 3, "y": 0}})")));
+  const JointDesc weld = only(parsed_scene(
+      jointed(R"({"type": "weld", "bodyA": 0, "bodyB": 1, "frequency": 3, "anchorA": {"x": 3, "y": 0}})")));
   EXPECT_EQ(weld.type, JointType::weld);
   EXPECT_NEAR(weld.stiffness, 0.1 * rate * rate, 1e-3);
-  EXPECT_EQ(
-      only(parsed_scene(jointed(R"({"type": "rope", "bodyA": 0, "bodyB": 1, "maxLength": 4})")))
-          .length,
-      4);
+  EXPECT_EQ(only(parsed_scene(jointed(R"({"type": "rope", "bodyA": 0, "bodyB": 1, "maxLength": 4})"))).length, 4);
   const JointDesc slide = only(parsed_scene(jointed(
       R"({"type": "prismatic", "bodyA": 0, "bodyB": 1, "localAxisA": {"x": 0, "y": 1}, "enableLimit": true,
           "lowerLimit": 0, "upperLimit": 2, "enableMotor": true, "maxMotorForce": 5})")));
@@ -206,8 +199,7 @@ TEST(Rube, JointsWithAFrequencyAreSprings) {
 
 TEST(Rube, WhatCannotBeMadeIsLeftOutAndSaid) {
   for (const std::string_view type : {"motor", "friction", "gear"}) {
-    const Scene scene = parsed_scene(
-        jointed("{\"type\": \"" + std::string(type) + "\", \"bodyA\": 0, \"bodyB\": 1}"));
+    const Scene scene = parsed_scene(jointed("{\"type\": \"" + std::string(type) + "\", \"bodyA\": 0, \"bodyB\": 1}"));
     EXPECT_TRUE(scene.joints.empty());
     ASSERT_EQ(scene.notes.size(), 1u);
     EXPECT_EQ(scene.notes[0], "joint[0]: a " + std::string(type) + " joint is left out");
@@ -224,15 +216,13 @@ TEST(Rube, WhatCannotBeMadeIsLeftOutAndSaid) {
 TEST(Rube, JointsOfNothingDynamicAreLeftOut) {
   for (const std::string_view types : {"00", "01", "10", "11"}) {
     const auto body = [&](std::size_t k) {
-      return std::string("{\"type\": ") + types[k] +
-             R"(, "fixture": [{"circle": {"center": 0, "radius": 1}}]})";
+      return std::string("{\"type\": ") + types[k] + R"(, "fixture": [{"circle": {"center": 0, "radius": 1}}]})";
     };
     const Scene scene = parsed_scene("{\"body\": [" + body(0) + ", " + body(1) +
                                      R"(], "joint": [{"type": "revolute", "bodyA": 0, "bodyB": 1}]})");
     EXPECT_TRUE(scene.joints.empty()) << types;
     ASSERT_EQ(scene.notes.size(), 1u) << types;
-    EXPECT_EQ(scene.notes[0],
-              "joint[0]: joins two bodies, neither of them dynamic, and is left out");
+    EXPECT_EQ(scene.notes[0], "joint[0]: joins two bodies, neither of them dynamic, and is left out");
   }
 }
 
@@ -247,9 +237,7 @@ TEST(Rube, ClosedChainsAreLoops) {
 }
 
 TEST(Rube, BadOnesAreRefusedAtTheirPlace) {
-  const auto body = [](std::string_view keys) {
-    return "{\"body\": [{" + std::string(keys) + "}]}";
-  };
+  const auto body = [](std::string_view keys) { return "{\"body\": [{" + std::string(keys) + "}]}"; };
   const auto fixture = [&](std::string_view keys) {
     return body("\"type\": 2, \"fixture\": [{" + std::string(keys) + "}]");
   };
@@ -260,28 +248,21 @@ TEST(Rube, BadOnesAreRefusedAtTheirPlace) {
   expect_refused(body(R"("angle": "zz")"), "body[0].angle", "eight hex digits");
   expect_refused(body(R"("angle": "7FC00000")"), "body[0].angle", "out of range");
   expect_refused(fixture(""), "body[0].fixture[0]", "has no shape");
-  expect_refused(fixture(R"("circle": {"center": 0})"), "body[0].fixture[0].circle",
-                 "\"radius\" is missing");
+  expect_refused(fixture(R"("circle": {"center": 0})"), "body[0].fixture[0].circle", "\"radius\" is missing");
   expect_refused(fixture(R"("polygon": {"vertices": {"x": [0, 1], "y": [0, 1]}})"),
                  "body[0].fixture[0].polygon.vertices.x", "has 2 elements");
   expect_refused(fixture(R"("polygon": {"vertices": {"x": [0, 1, 2], "y": [0, 1]}})"),
                  "body[0].fixture[0].polygon.vertices.y", "has 2 elements");
-  expect_refused(
-      fixture(R"("polygon": {"vertices": {"x": [0, 2, 2, 1, 0], "y": [0, 0, 2, 0.5, 2]}})"),
-      "body[0].fixture[0]", "convex");
-  expect_refused(fixture(R"("chain": {"vertices": {"x": [0, 1], "y": [0, 1]}})"),
-                 "body[0].fixture[0]", "types 0 and 1 only");
-  expect_refused(fixture(R"("circle": {"radius": 1}, "edge": {})"), "body[0].fixture[0]",
-                 "two shapes");
-  expect_refused(jointed(R"({"type": "hinge", "bodyA": 0, "bodyB": 1})"), "joint[0].type",
-                 "\"revolute\"");
+  expect_refused(fixture(R"("polygon": {"vertices": {"x": [0, 2, 2, 1, 0], "y": [0, 0, 2, 0.5, 2]}})"),
+                 "body[0].fixture[0]", "convex");
+  expect_refused(fixture(R"("chain": {"vertices": {"x": [0, 1], "y": [0, 1]}})"), "body[0].fixture[0]",
+                 "types 0 and 1 only");
+  expect_refused(fixture(R"("circle": {"radius": 1}, "edge": {})"), "body[0].fixture[0]", "two shapes");
+  expect_refused(jointed(R"({"type": "hinge", "bodyA": 0, "bodyB": 1})"), "joint[0].type", "\"revolute\"");
   expect_refused(jointed(R"({"type": "weld", "bodyA": 0})"), "joint[0]", "\"bodyB\" is missing");
-  expect_refused(jointed(R"({"type": "weld", "bodyA": 0, "bodyB": 2})"), "joint[0].bodyB",
-                 "no body 2");
-  expect_refused(jointed(R"({"type": "weld", "bodyA": 1, "bodyB": 1})"), "joint[0].bodyB",
-                 "two different");
-  expect_refused(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 0})"),
-                 "joint[0].length", "above 0");
+  expect_refused(jointed(R"({"type": "weld", "bodyA": 0, "bodyB": 2})"), "joint[0].bodyB", "no body 2");
+  expect_refused(jointed(R"({"type": "weld", "bodyA": 1, "bodyB": 1})"), "joint[0].bodyB", "two different");
+  expect_refused(jointed(R"({"type": "distance", "bodyA": 0, "bodyB": 1, "length": 0})"), "joint[0].length", "above 0");
   expect_refused(jointed(R"({"type": "revolute", "bodyA": 0, "bodyB": 1, "enableLimit": true,
                              "lowerLimit": 1, "upperLimit": 0})"),
                  "joint[0]", "lowerLimit is above");

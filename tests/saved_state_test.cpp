@@ -16,25 +16,25 @@ struct SceneCase {
 };
 
 class SavedScene : public testing::TestWithParam<SceneCase> {};
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, SavedScene,
-    testing::Values(SceneCase{"discs", 2000, 60, 13}, SceneCase{"pile", 2000, 200, 31},
-                    SceneCase{"rough-pile", 1000, 200, 31}, SceneCase{"hourglass", 600, 100, 17},
-                    SceneCase{"galton", 200, 200, 37}, SceneCase{"mixed-sizes", 1000, 100, 17},
-                    SceneCase{"billiard", 0, 200, 23}, SceneCase{"orbits", 300, 40, 13},
-                    SceneCase{"gas-periodic", 1000, 60, 19}, SceneCase{"joint_grid", 100, 40, 13},
-                    SceneCase{"tumbler", 0, 24, 11}, SceneCase{"card_house", 0, 200, 41},
-                    SceneCase{"arch", 0, 200, 47}, SceneCase{"pyramid", 0, 200, 47},
-                    SceneCase{"high_mass_ratio_2", 0, 200, 29}, SceneCase{"overlap_recovery", 0, 200, 29},
-                    SceneCase{"far_pyramid", 0, 100, 29}, SceneCase{"ball_and_chain", 0, 60, 19},
-                    SceneCase{"bridge", 0, 100, 29}, SceneCase{"newtons_cradle", 0, 100, 29},
-                    SceneCase{"domino_run", 0, 200, 41}, SceneCase{"cloth", 0, 20, 9},
-                    SceneCase{"spinner", 0, 12, 5}),
-    [](const auto& info) {
-      std::string name = info.param.name;
-      std::replace(name.begin(), name.end(), '-', '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Scenes, SavedScene,
+                         testing::Values(SceneCase{"discs", 2000, 60, 13}, SceneCase{"pile", 2000, 200, 31},
+                                         SceneCase{"rough-pile", 1000, 200, 31}, SceneCase{"hourglass", 600, 100, 17},
+                                         SceneCase{"galton", 200, 200, 37}, SceneCase{"mixed-sizes", 1000, 100, 17},
+                                         SceneCase{"billiard", 0, 200, 23}, SceneCase{"orbits", 300, 40, 13},
+                                         SceneCase{"gas-periodic", 1000, 60, 19}, SceneCase{"joint_grid", 100, 40, 13},
+                                         SceneCase{"tumbler", 0, 24, 11}, SceneCase{"card_house", 0, 200, 41},
+                                         SceneCase{"arch", 0, 200, 47}, SceneCase{"pyramid", 0, 200, 47},
+                                         SceneCase{"high_mass_ratio_2", 0, 200, 29},
+                                         SceneCase{"overlap_recovery", 0, 200, 29},
+                                         SceneCase{"far_pyramid", 0, 100, 29}, SceneCase{"ball_and_chain", 0, 60, 19},
+                                         SceneCase{"bridge", 0, 100, 29}, SceneCase{"newtons_cradle", 0, 100, 29},
+                                         SceneCase{"domino_run", 0, 200, 41}, SceneCase{"cloth", 0, 20, 9},
+                                         SceneCase{"spinner", 0, 12, 5}),
+                         [](const auto& info) {
+                           std::string name = info.param.name;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST_P(SavedScene, GoesOnWithTheSameBits) {
   std::string error;
@@ -62,7 +62,8 @@ TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
   const auto put = [&] {
     const Vec2 at{random.uniform(2, 28), random.uniform(5, 55)};
     const double r = random.uniform(0.2, 0.5);
-    BodyDesc body = random.chance(0.5) ? disc(at, {}, r, kGrip) : turned(box(at, 2 * r, r, kGrip), random.uniform(0, 3));
+    BodyDesc body =
+        random.chance(0.5) ? disc(at, {}, r, kGrip) : turned(box(at, 2 * r, r, kGrip), random.uniform(0, 3));
     if (random.chance(0.1)) body.type = BodyType::static_body;
     if (random.chance(0.1)) body.filter.group = -1;
     ids.push_back(add(*world, body));
@@ -73,13 +74,17 @@ TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
   for (int frame = 0; frame < 240; ++frame) {
     const std::size_t k = random.below(ids.size()), j = random.below(ids.size());
     switch (frame % 12) {
-      case 1: put(); break;
+      case 1:
+        put();
+        break;
       case 3:
         world->remove_body(ids[k]);
         ids[k] = ids.back();
         ids.pop_back();
         break;
-      case 5: world->apply_impulse_at(ids[k], {random.uniform(-1, 1), 2}, {10, 10}); break;
+      case 5:
+        world->apply_impulse_at(ids[k], {random.uniform(-1, 1), 2}, {10, 10});
+        break;
       case 7: {
         JointDesc d;
         d.type = random.chance(0.5) ? JointType::rope : JointType::revolute;
@@ -95,8 +100,11 @@ TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
           joints.pop_back();
         }
         break;
-      case 11: world->set_transform(ids[k], {random.uniform(2, 28), 40}, 1); break;
-      default: break;
+      case 11:
+        world->set_transform(ids[k], {random.uniform(2, 28), 40}, 1);
+        break;
+      default:
+        break;
     }
     if (frame % 5 == 0 || frame % 12 == 1 || frame % 12 == 3) {
       expect_resumes(*world, 3, ("frame " + std::to_string(frame)).c_str());
@@ -109,20 +117,27 @@ TEST(SavedState, KeepsWhatTheHostDidSinceTheLastStep) {
 // Restored and changed before a step: what the lists were made from is not there any more.
 TEST(SavedState, TakesChangesRightAfterItCameBack) {
   using Change = void (*)(World&);
-  const Change changes[] = {
-      [](World& w) { w.remove_body(w.id_of(30)); },
-      [](World& w) { add(w, disc({10, 30}, {}, 0.5, kGrip)); },
-      [](World& w) { add(w, static_disc({10, 30}, 0.5)); },
-      [](World& w) { w.set_transform(w.id_of(7), {3, 30}, 0); },
-      [](World& w) { w.set_gravity({1, -5}); },
-      [](World& w) { w.set_skin(2); },
-      [](World& w) {
-        JointDesc d;
-        d.a = w.id_of(3);
-        d.b = w.id_of(40);
-        std::string error;
-        w.add_joint(d, error);
-      }};
+  const Change changes[] = {[](World& w) { w.remove_body(w.id_of(30)); },
+                            [](World& w) {
+                              add(w, disc({10, 30}, {}, 0.5, kGrip));
+                            },
+                            [](World& w) {
+                              add(w, static_disc({10, 30}, 0.5));
+                            },
+                            [](World& w) {
+                              w.set_transform(w.id_of(7), {3, 30}, 0);
+                            },
+                            [](World& w) {
+                              w.set_gravity({1, -5});
+                            },
+                            [](World& w) { w.set_skin(2); },
+                            [](World& w) {
+                              JointDesc d;
+                              d.a = w.id_of(3);
+                              d.b = w.id_of(40);
+                              std::string error;
+                              w.add_joint(d, error);
+                            }};
   for (const Change change : changes) {
     for (const bool once_more : {false, true}) {
       auto world = make(walled({0, 0, 20, 40}, {0, -kG}, kGrip));
@@ -170,7 +185,7 @@ TEST(SavedState, RollsBackAndForth) {
   }
 }
 
-TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
+TEST(SavedState, OfADiscOfAPileTakesAtMost96Bytes) {
   constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
   std::string error;
   const auto scene = make_builtin("pile", kDiscs, 1, error);
@@ -182,7 +197,7 @@ TEST(SavedState, OfADiscOfAPileTakesAtMost64Bytes) {
       if (world->step().asleep != 0) break;
       if (frame % 5 != 0) continue;
       world->save(state);
-      EXPECT_LE(state.size(), 64u * kDiscs) << frame;
+      EXPECT_LE(state.size(), 96u * kDiscs) << frame;
     }
   }
 }
@@ -209,7 +224,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   bad = state;
   bad[8] = std::byte{99};
   EXPECT_FALSE(world->restore(bad, error));
-  EXPECT_EQ(error, "its format is 99, this psim reads 10");
+  EXPECT_EQ(error, "its format is 99, this psim reads 11");
   bad = state;
   bad[200] ^= std::byte{1};
   EXPECT_FALSE(world->restore(bad, error));
@@ -221,7 +236,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   EXPECT_TRUE(world->restore(state, error)) << error;
 }
 
-TEST(SavedState, KeepsMoreContactsOfOneBodyThanAByteCounts) {
+TEST(SavedState, KeepsManyContactsOfOneBody) {
   WorldDesc desc = walled({-30, -30, 30, 30}, {0, 0});
   desc.fields = {WellField{{0, 0}, 20, 0, 0, 0}};  // 20 m/s^2 towards the middle
   auto world = make(desc);
@@ -274,7 +289,8 @@ TEST(SavedState, KeepsContactsOfASuddenCrowd) {
   auto world = make(walled({0, 0, 200, 200}, {0, 0}));
   std::vector<BodyId> ids;
   for (int k = 0; k < 6400; ++k) {
-    ids.push_back(add(*world, disc({3.0 + 2.4 * (k % 80), 3.0 + 2.4 * (k / 80)}, {0.1 * (k % 7), -0.1 * (k % 5)}, 0.5)));
+    ids.push_back(
+        add(*world, disc({3.0 + 2.4 * (k % 80), 3.0 + 2.4 * (k / 80)}, {0.1 * (k % 7), -0.1 * (k % 5)}, 0.5)));
   }
   for (int frame = 0; frame < 3; ++frame) world->step();
   std::uint64_t most = 0;

@@ -11,10 +11,10 @@
 #include <variant>
 #include <vector>
 
-#include "links.h"
-#include "placement.h"
+#include "place/links.h"
+#include "place/placement.h"
+#include "place/shape_size.h"
 #include "psim/scene.h"
-#include "shape_size.h"
 
 namespace psim::test {
 namespace {
@@ -60,8 +60,7 @@ bool same(const Material& a, const Material& b) {
   return a.density == b.density && a.restitution == b.restitution && a.friction == b.friction;
 }
 bool same(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](Vec2 p, Vec2 q) { return same(p, q); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](Vec2 p, Vec2 q) { return same(p, q); });
 }
 
 bool same(const Shape& a, const Shape& b) {
@@ -73,10 +72,9 @@ bool same(const Shape& a, const Shape& b) {
 }
 
 bool same(const JointDesc& a, const JointDesc& b) {
-  return a.type == b.type && same(a.anchor_a, b.anchor_a) && same(a.anchor_b, b.anchor_b) &&
-         a.length == b.length && a.stiffness == b.stiffness && a.damping == b.damping &&
-         same(a.axis, b.axis) && a.reference == b.reference && a.lower == b.lower &&
-         a.upper == b.upper && a.motor_speed == b.motor_speed && a.motor_limit == b.motor_limit &&
+  return a.type == b.type && same(a.anchor_a, b.anchor_a) && same(a.anchor_b, b.anchor_b) && a.length == b.length &&
+         a.stiffness == b.stiffness && a.damping == b.damping && same(a.axis, b.axis) && a.reference == b.reference &&
+         a.lower == b.lower && a.upper == b.upper && a.motor_speed == b.motor_speed && a.motor_limit == b.motor_limit &&
          a.collide == b.collide;
 }
 
@@ -84,8 +82,7 @@ bool same(const JointDesc& a, const JointDesc& b) {
 bool same_body_keys(const BodyDesc& a, const BodyDesc& b) {
   return a.type == b.type && a.angle == b.angle && a.angular_velocity == b.angular_velocity &&
          same(a.material, b.material) && a.mass == b.mass && a.gravity_scale == b.gravity_scale &&
-         a.fixed_rotation == b.fixed_rotation && a.bullet == b.bullet && a.sensor == b.sensor &&
-         a.filter == b.filter;
+         a.fixed_rotation == b.fixed_rotation && a.bullet == b.bullet && a.sensor == b.sensor && a.filter == b.filter;
 }
 
 bool same(const Field& a, const Field& b) {
@@ -93,8 +90,7 @@ bool same(const Field& a, const Field& b) {
   if (const auto* well = std::get_if<WellField>(&a)) {
     const auto& other = std::get<WellField>(b);
     return same(well->position, other.position) && well->strength == other.strength &&
-           well->softening == other.softening && well->exponent == other.exponent &&
-           well->range == other.range;
+           well->softening == other.softening && well->exponent == other.exponent && well->range == other.range;
   }
   const auto &drag = std::get<DragField>(a), &other = std::get<DragField>(b);
   return drag.linear == other.linear && drag.quadratic == other.quadratic;
@@ -158,8 +154,7 @@ TEST(SceneBuiltin, MakesExactlyTheDiscsAskedFor) {
     if (info.default_particles < 1'000'000) {
       EXPECT_EQ(dynamic_discs(builtin_of(info.name)), info.default_particles) << info.name;
     }
-    for (const std::uint64_t n :
-         {1u, 2u, 3u, 4u, 5u, 6u, 7u, 10u, 16u, 17u, 99u, 101u, 1000u, 3001u}) {
+    for (const std::uint64_t n : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 10u, 16u, 17u, 99u, 101u, 1000u, 3001u}) {
       const Scene scene = builtin_of(info.name, n);
       EXPECT_EQ(dynamic_discs(scene), n) << info.name;
       EXPECT_GE(scene.body_count(), n) << info.name;

@@ -70,8 +70,7 @@ TEST(SceneCheck, RadiusNearTheResolutionOfPositions) {
 }
 
 TEST(SceneCheck, OverlapAtTheStart) {
-  expect_one_line(scene_of({disc(5, 5), disc(5.75, 5)}),
-                  {"first", "bodies[1]", "overlap by 0.25 m", "position"});
+  expect_one_line(scene_of({disc(5, 5), disc(5.75, 5)}), {"first", "bodies[1]", "overlap by 0.25 m", "position"});
   // Sizes far apart are met, too.
   expect_one_line(scene_of({disc(50, 50, 2), disc(50, 52.2, 0.25)}), {"overlap by 0.05 m"});
   Scene scene = scene_of({disc(5, 5), disc(50, 50)});

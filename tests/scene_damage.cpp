@@ -22,8 +22,7 @@ std::vector<Token> tokens_of(std::string_view text) {
     const char c = text[at];
     Token token{at, at + 1};
     if (c == '"') {
-      while (token.end < text.size() && text[token.end] != '"')
-        token.end += text[token.end] == '\\' ? 2 : 1;
+      while (token.end < text.size() && text[token.end] != '"') token.end += text[token.end] == '\\' ? 2 : 1;
       token.end = std::min(token.end + 1, text.size());
       const std::size_t next = text.find_first_not_of(" \t\r\n", token.end);
       token.key = next != text.npos && text[next] == ':';
@@ -80,13 +79,13 @@ constexpr std::array<std::string_view, 40> kValues = {"null",
                                                       "\"\\u0000\"",
                                                       "\"\\ud800\"",
                                                       "undefined"};
-constexpr std::array<std::string_view, 24> kKeys = {
-    "psim",      "world",  "bounds", "boundary", "gravity", "step",     "dt",     "substeps",
-    "materials", "bodies", "shape",  "disc",     "radius",  "position", "mass",   "groups",
-    "layout",    "count",  "region", "joints",   "a",       "b",        "fields", "links"};
-constexpr std::array<std::string_view, 10> kBadBytes = {
-    "\xFF", "\xC0\xAF",     "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xE2\x82",
-    "\x80", "\xEF\xBB\xBF", "\x7F",         "\x1B[2J",          "\r"};
+constexpr std::array<std::string_view, 24> kKeys = {"psim",   "world",    "bounds",    "boundary", "gravity", "step",
+                                                    "dt",     "substeps", "materials", "bodies",   "shape",   "disc",
+                                                    "radius", "position", "mass",      "groups",   "layout",  "count",
+                                                    "region", "joints",   "a",         "b",        "fields",  "links"};
+constexpr std::array<std::string_view, 10> kBadBytes = {"\xFF",     "\xC0\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
+                                                        "\xE2\x82", "\x80",     "\xEF\xBB\xBF", "\x7F",
+                                                        "\x1B[2J",  "\r"};
 
 class Damager {
  public:
@@ -109,12 +108,8 @@ class Damager {
     return found.empty() ? nullptr : found[random_.below(found.size())];
   }
 
-  std::string of(const Token& token) const {
-    return text_.substr(token.begin, token.end - token.begin);
-  }
-  void put(const Token& token, std::string_view words) {
-    text_.replace(token.begin, token.end - token.begin, words);
-  }
+  std::string of(const Token& token) const { return text_.substr(token.begin, token.end - token.begin); }
+  void put(const Token& token, std::string_view words) { text_.replace(token.begin, token.end - token.begin, words); }
   std::size_t somewhere() { return random_.below(text_.size() + 1); }
 
   void once() {
@@ -143,23 +138,20 @@ class Damager {
         return note("a number of 5,000 digits"), put(*token, std::string(5000, '7'));
       case 7:
         if ((token = pick(tokens, key)) == nullptr) return;
-        return note("another key"),
-               put(*token, "\"" + std::string(kKeys[random_.below(kKeys.size())]) + "\"");
+        return note("another key"), put(*token, "\"" + std::string(kKeys[random_.below(kKeys.size())]) + "\"");
       case 8:
         if ((token = pick(tokens, key)) == nullptr) return;
         return note("a typing error in a key"), put(*token, "\"" + of(*token).substr(2));
       case 9:
         if ((token = pick(tokens, key)) == nullptr) return;
         note("a key twice");
-        return void(text_.insert(
-            token->begin,
-            of(*token) + ": " + std::string(kValues[random_.below(kValues.size())]) + ", "));
+        return void(
+            text_.insert(token->begin, of(*token) + ": " + std::string(kValues[random_.below(kValues.size())]) + ", "));
       case 10:
         if ((token = pick(tokens, value)) == nullptr) return;
         return note("deep nesting"), put(*token, nested());
       case 11:
-        return note("bad bytes"),
-               void(text_.insert(somewhere(), kBadBytes[random_.below(kBadBytes.size())]));
+        return note("bad bytes"), void(text_.insert(somewhere(), kBadBytes[random_.below(kBadBytes.size())]));
       case 12:
         return note("a NUL"), void(text_.insert(somewhere(), 1, '\0'));
       case 13:
@@ -175,17 +167,14 @@ class Damager {
         return note("a byte lost"), void(text_.erase(random_.below(text_.size()), 1));
       case 17:
         if (text_.empty()) return;
-        return note("a byte changed"),
-               void(text_[random_.below(text_.size())] = static_cast<char>(random_.below(256)));
+        return note("a byte changed"), void(text_[random_.below(text_.size())] = static_cast<char>(random_.below(256)));
       case 18:
         return note("a piece twice"), copy_piece();
       case 19:
-        return note("a comment"),
-               void(text_.insert(somewhere(), random_.chance(0.5) ? "// no\n" : "/* no */"));
+        return note("a comment"), void(text_.insert(somewhere(), random_.chance(0.5) ? "// no\n" : "/* no */"));
       case 20:
         if ((token = pick(tokens, value)) == nullptr) return;
-        return note("a long text"),
-               put(*token, "\"" + std::string(random_.chance(0.9) ? 2000 : 1 << 20, 'x') + "\"");
+        return note("a long text"), put(*token, "\"" + std::string(random_.chance(0.9) ? 2000 : 1 << 20, 'x') + "\"");
       default:
         if ((token = pick(tokens, value)) == nullptr) return;
         return note("a long list"), put(*token, list());
@@ -202,8 +191,7 @@ class Damager {
     if (ends.empty()) return;
     note("a joint's body");
     const std::size_t k = random_.below(ends.size());
-    constexpr std::array<std::string_view, 5> kEnds = {"\"nobody\"", "4294967295", "-1", "1.5",
-                                                       "\"\""};
+    constexpr std::array<std::string_view, 5> kEnds = {"\"nobody\"", "4294967295", "-1", "1.5", "\"\""};
     if (random_.chance(0.5) && k + 1 < ends.size()) return put(*ends[k], of(*ends[k + 1]));
     put(*ends[k], kEnds[random_.below(kEnds.size())]);
   }

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "links.h"
-#include "placement.h"
+#include "place/links.h"
+#include "place/placement.h"
 #include "psim/scene.h"
 #include "scene_text.h"
 
@@ -63,18 +63,15 @@ TEST(SceneJoints, AreRead) {
   EXPECT_EQ(pin.motor_limit, 4);
   EXPECT_EQ(pin.reference, 0.5);
 
-  const JointDesc slide =
-      joint_of(R"({"type": "prismatic", "a": 0, "b": 1, "axis": [0, 2]})").joint;
+  const JointDesc slide = joint_of(R"({"type": "prismatic", "a": 0, "b": 1, "axis": [0, 2]})").joint;
   EXPECT_EQ(slide.type, JointType::prismatic);
   EXPECT_EQ(slide.axis.y, 2);
   EXPECT_FALSE(slide.lower || slide.upper || slide.reference);
 
-  const JointDesc weld =
-      joint_of(R"({"type": "weld", "a": 0, "b": 1, "stiffness": 9, "damping": 1})").joint;
+  const JointDesc weld = joint_of(R"({"type": "weld", "a": 0, "b": 1, "stiffness": 9, "damping": 1})").joint;
   EXPECT_EQ(weld.type, JointType::weld);
   EXPECT_EQ(weld.stiffness, 9);
-  EXPECT_EQ(joint_of(R"({"type": "rope", "a": 5, "b": 4, "length": 3})").joint.type,
-            JointType::rope);
+  EXPECT_EQ(joint_of(R"({"type": "rope", "a": 5, "b": 4, "length": 3})").joint.type, JointType::rope);
   // Names win over nothing: ids run over bodies, then groups.
   EXPECT_EQ(joint_of(R"({"type": "rope", "a": 5, "b": "b", "length": 3})").a, 5u);
 }
@@ -97,35 +94,28 @@ TEST(SceneJoints, BadOnesAreRefusedAtTheirPlace) {
       {R"({"type": "weld", "a": 2, "b": "wall"})", "joints[0].b", "at least one that is"},
       {R"({"type": "weld", "a": 0, "b": 1, "anchor_a": 1})", "joints[0].anchor_a", "array of 2"},
       {R"({"type": "weld", "a": 0, "b": 1, "collide": 1})", "joints[0].collide", "true or false"},
-      {R"({"type": "weld", "a": 0, "b": 1, "lenght": 1})", "joints[0].lenght",
-       "did you mean \"length\""},
+      {R"({"type": "weld", "a": 0, "b": 1, "lenght": 1})", "joints[0].lenght", "did you mean \"length\""},
       {R"({"type": "weld", "a": 0, "b": 1, "length": 1})", "joints[0].length",
        "is no key of a weld joint: of \"distance\", \"spring\" or \"rope\" only"},
       {R"({"type": "rope", "a": 0, "b": 1, "axis": [1, 0]})", "joints[0].axis",
        "is no key of a rope joint: of \"prismatic\" only"},
-      {R"({"type": "rope", "a": 0, "b": 1, "stiffness": 1})", "joints[0].stiffness",
-       "of \"spring\" or \"weld\" only"},
+      {R"({"type": "rope", "a": 0, "b": 1, "stiffness": 1})", "joints[0].stiffness", "of \"spring\" or \"weld\" only"},
       {R"({"type": "distance", "a": 0, "b": 1, "motor_speed": 1})", "joints[0].motor_speed",
        "of \"revolute\" or \"prismatic\" only"},
-      {R"({"type": "spring", "a": 0, "b": 1, "reference": 1, "stiffness": 1})",
-       "joints[0].reference", "is no key of a spring"},
+      {R"({"type": "spring", "a": 0, "b": 1, "reference": 1, "stiffness": 1})", "joints[0].reference",
+       "is no key of a spring"},
       {R"({"type": "spring", "a": 0, "b": 1})", "joints[0]", "\"stiffness\" is missing"},
-      {R"({"type": "spring", "a": 0, "b": 1, "stiffness": -1})", "joints[0].stiffness",
-       "out of range"},
+      {R"({"type": "spring", "a": 0, "b": 1, "stiffness": -1})", "joints[0].stiffness", "out of range"},
       {R"({"type": "spring", "a": 0, "b": 1, "stiffness": 1, "damping": "x"})", "joints[0].damping",
        "must be a number"},
       {R"({"type": "distance", "a": 0, "b": 1, "length": 0})", "joints[0].length", "above 0"},
       {R"({"type": "rope", "a": 0, "b": 1, "length": 0})", "joints[0].length", "above 0"},
-      {R"({"type": "distance", "a": 0, "b": 1, "anchor_a": [3, 4]})", "joints[0]",
-       "anchors lie on each other"},
-      {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1, "upper": 0.5})", "joints[0].upper",
-       "less than \"lower\""},
+      {R"({"type": "distance", "a": 0, "b": 1, "anchor_a": [3, 4]})", "joints[0]", "anchors lie on each other"},
+      {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1, "upper": 0.5})", "joints[0].upper", "less than \"lower\""},
       {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1e9})", "joints[0].lower", "out of range"},
-      {R"({"type": "prismatic", "a": 0, "b": 1, "axis": [0, 0]})", "joints[0].axis",
-       "is no direction"},
+      {R"({"type": "prismatic", "a": 0, "b": 1, "axis": [0, 0]})", "joints[0].axis", "is no direction"},
       {R"({"type": "prismatic", "a": 0, "b": 1, "axis": [1]})", "joints[0].axis", "has 1 element"},
-      {R"({"type": "prismatic", "a": 0, "b": 1, "motor_limit": -1})", "joints[0].motor_limit",
-       "out of range"}};
+      {R"({"type": "prismatic", "a": 0, "b": 1, "motor_limit": -1})", "joints[0].motor_limit", "out of range"}};
   for (const Bad& bad : all) expect_refused(joints_text(bad.joint), bad.path, bad.words);
 }
 
@@ -164,11 +154,10 @@ TEST(SceneJoints, ReadBackFromTheirText) {
 
 // ---- links ----------------------------------------------------------------------------------------
 
-std::string linked_text(std::string_view layout, int count, std::string_view region,
-                        std::string_view links) {
+std::string linked_text(std::string_view layout, int count, std::string_view region, std::string_view links) {
   return scene_text("\"groups\": [{\"layout\": \"" + std::string(layout) +
-                    "\", \"radius\": 0.25, \"count\": " + std::to_string(count) + ", \"region\": " +
-                    std::string(region) + ", \"links\": " + std::string(links) + "}]");
+                    "\", \"radius\": 0.25, \"count\": " + std::to_string(count) +
+                    ", \"region\": " + std::string(region) + ", \"links\": " + std::string(links) + "}]");
 }
 
 std::set<std::pair<std::uint64_t, std::uint64_t>> pairs_of(const Scene& scene) {
@@ -195,8 +184,7 @@ TEST(SceneLinks, AreRead) {
   EXPECT_EQ(scene_to_json(again), scene_to_json(scene));
   EXPECT_EQ(again.groups.at(0).links->stiffness, 5);
   EXPECT_EQ(again.groups.at(0).links->pin, Pin::corners);
-  EXPECT_EQ(parsed_scene(linked_text("hex", 4, "[0, 0, 9, 9]", "{}")).groups[0].links->type,
-            JointType::distance);
+  EXPECT_EQ(parsed_scene(linked_text("hex", 4, "[0, 0, 9, 9]", "{}")).groups[0].links->type, JointType::distance);
 }
 
 TEST(SceneLinks, JoinNeighboursOfALattice) {
@@ -207,9 +195,7 @@ TEST(SceneLinks, JoinNeighboursOfALattice) {
   EXPECT_EQ(pairs_of(parsed_scene(linked_text("lattice", 6, "[0, 0, 3, 2]", "{}"))), sides);
   Pairs all = sides;
   all.insert({{0, 4}, {1, 3}, {1, 5}, {2, 4}});
-  EXPECT_EQ(
-      pairs_of(parsed_scene(linked_text("lattice", 6, "[0, 0, 3, 2]", R"({"diagonals": true})"))),
-      all);
+  EXPECT_EQ(pairs_of(parsed_scene(linked_text("lattice", 6, "[0, 0, 3, 2]", R"({"diagonals": true})"))), all);
   // A row that is not full.
   const Pairs five{{0, 1}, {1, 2}, {3, 4}, {0, 3}, {1, 4}};
   EXPECT_EQ(pairs_of(parsed_scene(linked_text("lattice", 5, "[0, 0, 3, 2]", "{}"))), five);
@@ -235,16 +221,15 @@ TEST(SceneLinks, JoinTheSixNearestOfAHexLattice) {
 
 TEST(SceneLinks, PinsMakeStaticBodiesWithoutJointsBetweenThem) {
   const auto pinned = [](std::string_view pin) {
-    const Scene scene = parsed_scene(
-        linked_text("lattice", 6, "[0, 0, 3, 2]", "{\"pin\": \"" + std::string(pin) + "\"}"));
+    const Scene scene =
+        parsed_scene(linked_text("lattice", 6, "[0, 0, 3, 2]", "{\"pin\": \"" + std::string(pin) + "\"}"));
     const SceneBodies bodies(scene);
     std::string ids;
     for (std::uint64_t k = 0; k < 6; ++k) {
       if (bodies.type_of(k) == BodyType::static_body) ids += std::to_string(k);
     }
     for (const auto& [a, b] : pairs_of(scene)) {
-      EXPECT_FALSE(bodies.type_of(a) == BodyType::static_body &&
-                   bodies.type_of(b) == BodyType::static_body);
+      EXPECT_FALSE(bodies.type_of(a) == BodyType::static_body && bodies.type_of(b) == BodyType::static_body);
     }
     return ids;
   };

@@ -116,12 +116,10 @@ TEST(SceneParse, ReadsEveryKeyOfABody) {
 
 TEST(SceneParse, ReadsEveryIntegratorAndNoOther) {
   for (const Integrator integrator : kAllIntegrators) {
-    const std::string step =
-        "\"step\": {\"integrator\": \"" + std::string(integrator_name(integrator)) + "\"}";
+    const std::string step = "\"step\": {\"integrator\": \"" + std::string(integrator_name(integrator)) + "\"}";
     EXPECT_EQ(parsed(scene_with(step)).world.integrator, integrator) << step;
   }
-  expect_starts(scene_with(R"("step": {"integrator": "leapfrog"})"),
-                "f.json:2:24: step.integrator: ");
+  expect_starts(scene_with(R"("step": {"integrator": "leapfrog"})"), "f.json:2:24: step.integrator: ");
 }
 
 TEST(SceneParse, FillsInDefaults) {
@@ -184,8 +182,7 @@ TEST(SceneParse, SaysWhereTextIsNotJson) {
   expect_starts("{\"psim\": 1,\n \"name\": nan}", "f.json:2:10: name: NaN and infinity");
   expect_starts(with("[0, 5]", "[NaN, 5]"), "f.json:5:88: bodies[0].position[0]: NaN and infinity");
   expect_starts(with("[0, 5]", "[0, -Infinity]"), "f.json:5:91: bodies[0].position[1]: NaN");
-  expect_starts(with("0.5", "1e999"),
-                "f.json:5:68: bodies[0].shape.disc.radius: 1e999 is too large");
+  expect_starts(with("0.5", "1e999"), "f.json:5:68: bodies[0].shape.disc.radius: 1e999 is too large");
   expect_starts(with("\"a\"", "\"\xFF\""), "f.json:5:16: bodies[0].name: not valid JSON");
   expect_starts(with("\"a\"", "'a'"), "f.json:5:15: bodies[0].name: not valid JSON");
   expect_starts(with("[0, 5]", "[0 5]"), "f.json:5:90: bodies[0].position[1]: not valid JSON");
@@ -201,8 +198,7 @@ TEST(SceneParse, EveryBeginningOfASceneIsRefused) {
 TEST(SceneParse, DeepNestingIsAnErrorNotACrash) {
   constexpr std::size_t kDeep = 100000;
   expect_starts(std::string(kDeep, '['), "f.json:1:33: scene: is nested too deeply");
-  expect_starts(std::string(kDeep, '[') + std::string(kDeep, ']'),
-                "f.json:1:33: scene: is nested too deeply");
+  expect_starts(std::string(kDeep, '[') + std::string(kDeep, ']'), "f.json:1:33: scene: is nested too deeply");
   std::string objects;
   for (std::size_t k = 0; k < kDeep; ++k) objects += "{\"[\":";
   expect_starts(objects, "f.json:1:161: scene: is nested too deeply");
@@ -219,8 +215,7 @@ TEST(SceneParse, NamesUnknownKeysAndTheNearest) {
   EXPECT_EQ(error_of(with("\"gravity\"", "\"gravitty\"")),
             "f.json:3:68: world.gravitty: unknown key (did you mean \"gravity\"?); allowed: "
             "\"bounds\", \"boundary\", \"gravity\", \"linear_damping\" or \"material\"");
-  expect_starts(with("\"world\"", "\"my wrld\": 0, \"world\""),
-                "f.json:3:3: [\"my wrld\"]: unknown key; allowed");
+  expect_starts(with("\"world\"", "\"my wrld\": 0, \"world\""), "f.json:3:3: [\"my wrld\"]: unknown key; allowed");
   expect_starts(with("\"name\"", "\"na\\nme\""),
                 "f.json:5:7: bodies[0][\"na\\x0ame\"]: unknown key (did you mean \"name\"?)");
 }
@@ -228,10 +223,8 @@ TEST(SceneParse, NamesUnknownKeysAndTheNearest) {
 TEST(SceneParse, NamesMissingKeysAtTheirObject) {
   expect_starts("{}", "f.json:1:1: scene: the key \"psim\" is missing");
   expect_starts("{\"psim\": 1}", "f.json:1:1: scene: the key \"world\" is missing");
-  expect_starts(with(", \"position\": [0, 5]", ""),
-                "f.json:5:5: bodies[0]: the key \"position\" is missing");
-  expect_starts(with("{\"radius\": 0.5}", "{}"),
-                "f.json:5:57: bodies[0].shape.disc: the key \"radius\" is missing");
+  expect_starts(with(", \"position\": [0, 5]", ""), "f.json:5:5: bodies[0]: the key \"position\" is missing");
+  expect_starts(with("{\"radius\": 0.5}", "{}"), "f.json:5:57: bodies[0].shape.disc: the key \"radius\" is missing");
   expect_starts(with("{\"disc\": {\"radius\": 0.5}}", "{}"),
                 "f.json:5:48: bodies[0].shape: has 0 kinds of shape: exactly one of \"disc\"");
 }
@@ -258,29 +251,25 @@ TEST(SceneParse, NamesNumbersOutOfRange) {
     expect_starts(radius(bad), at);
   }
   EXPECT_EQ(error_of(radius("-1")), at + "-1 is out of range: a number above 0 and up to 1e6");
-  EXPECT_EQ(error_of(radius("300")),
-            at + "300 is larger than the world: at most 200, the longer side of world.bounds");
+  EXPECT_EQ(error_of(radius("300")), at + "300 is larger than the world: at most 200, the longer side of world.bounds");
   expect_starts(with("[-100, -100, 100, 100]", "[100, 100, -100, -100]"),
                 "f.json:3:24: world.bounds: [100, 100, -100, -100] is no area");
   expect_starts(with("[-100, -100, 100, 100]", "[-1e9, -1, 1e9, 1]"),
                 "f.json:3:24: world.bounds: [-1e9, -1, 1e9, 1] is too large");
-  expect_starts(with("[0, 5]", "[0, 101]"),
-                "f.json:5:87: bodies[0].position: [0, 101] is outside the world");
+  expect_starts(with("[0, 5]", "[0, 101]"), "f.json:5:87: bodies[0].position: [0, 101] is outside the world");
   for (const std::string_view bad :
-       {"\"density\": 0", "\"density\": 2e9", "\"mass\": 0", "\"mass\": 2e12",
-        "\"restitution\": 1.5", "\"friction\": -1", "\"gravity_scale\": 1e7", "\"angle\": 1e7"}) {
+       {"\"density\": 0", "\"density\": 2e9", "\"mass\": 0", "\"mass\": 2e12", "\"restitution\": 1.5",
+        "\"friction\": -1", "\"gravity_scale\": 1e7", "\"angle\": 1e7"}) {
     expect_starts(with("\"name\": \"a\"", bad), "f.json:5:");
   }
-  for (const std::string_view bad :
-       {"\"dt\": 0", "\"dt\": 2", "\"substeps\": 0", "\"substeps\": 65", "\"substeps\": 1.5",
-        "\"substeps\": -1", "\"sleeping\": 1"}) {
+  for (const std::string_view bad : {"\"dt\": 0", "\"dt\": 2", "\"substeps\": 0", "\"substeps\": 65",
+                                     "\"substeps\": 1.5", "\"substeps\": -1", "\"sleeping\": 1"}) {
     expect_starts(scene_with("\"step\": {" + std::string(bad) + "}"), "f.json:2:");
   }
 }
 
 TEST(SceneParse, ColumnsCountCharacters) {
-  expect_starts("{\"psim\": 1, \"name\": \"\xC3\xA4\xE2\x82\xAC\", \"x\": 1}",
-                "f.json:1:27: x: unknown key");
+  expect_starts("{\"psim\": 1, \"name\": \"\xC3\xA4\xE2\x82\xAC\", \"x\": 1}", "f.json:1:27: x: unknown key");
   expect_starts("\xEF\xBB\xBF{\"psim\": 2}", "f.json:1:10: psim: is not a format");
   expect_starts("{\r\n\t\"psim\": 2}", "f.json:2:10: psim: is not a format");
 }
@@ -296,9 +285,7 @@ TEST(SceneParse, ChecksMaterialsAndNames) {
 }
 
 TEST(SceneParse, ChecksSegmentsAndChains) {
-  const auto shape = [](std::string_view text) {
-    return with("{\"disc\": {\"radius\": 0.5}}", text);
-  };
+  const auto shape = [](std::string_view text) { return with("{\"disc\": {\"radius\": 0.5}}", text); };
   expect_starts(shape(R"({"segment": {"p1": [1, 1], "p2": [1, 1]}})"),
                 "f.json:5:81: bodies[0].shape.segment.p2: is p1");
   expect_starts(shape(R"({"chain": {"vertices": [[1, 1]]}})"),
@@ -312,26 +299,21 @@ TEST(SceneParse, ChecksSegmentsAndChains) {
 }
 
 TEST(SceneParse, ChecksGroups) {
-  const auto group = [](std::string_view keys) {
-    return scene_with("\"groups\": [{" + std::string(keys) + "}]");
-  };
+  const auto group = [](std::string_view keys) { return scene_with("\"groups\": [{" + std::string(keys) + "}]"); };
   const std::string placed = R"("layout": "lattice", "count": 4, "region": [1, 1, 9, 9])";
   expect_starts(group(R"("count": 4)"), "f.json:2:12: groups[0]: the key \"layout\" is missing");
   expect_starts(group(placed), "f.json:2:12: groups[0]: the key \"radius\" is missing");
   expect_starts(group(placed + R"(, "radius": 1, "shape": {"disc": {"radius": 1}})"),
                 "f.json:2:70: groups[0].radius: stands beside \"shape\"");
-  expect_starts(group(placed + R"(, "radius": [2, 1])"),
-                "f.json:2:84: groups[0].radius[1]: is less");
+  expect_starts(group(placed + R"(, "radius": [2, 1])"), "f.json:2:84: groups[0].radius[1]: is less");
   expect_starts(group(placed + R"(, "radius": 1, "x": [1])"), "f.json:2:83: groups[0].x: unknown");
-  expect_starts(group(placed + R"(, "radius": 1, "name": "a")"),
-                "f.json:2:83: groups[0].name: unkn");
+  expect_starts(group(placed + R"(, "radius": 1, "name": "a")"), "f.json:2:83: groups[0].name: unkn");
   expect_starts(group(R"("layout": "hex", "count": 10000001, "region": [1, 1, 9, 9], "radius": 1)"),
                 "f.json:2:39: groups[0].count: 10000001 is out of range: a whole number from 0 to");
   expect_starts(group(R"("layout": "hex", "count": 4, "region": [1, 1, 11, 9], "radius": 1)"),
                 "f.json:2:52: groups[0].region: [1, 1, 11, 9] reaches out of the world");
-  expect_starts(
-      group(placed + R"(, "type": "static", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"),
-      "f.json:2:97: groups[0].shape: is no shape of a group");
+  expect_starts(group(placed + R"(, "type": "static", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"),
+                "f.json:2:97: groups[0].shape: is no shape of a group");
   const std::string listed = R"("layout": "explicit", "x": [1, 2], "radius": 1, "y": )";
   expect_starts(group(listed + "[1]"), "f.json:2:66: groups[0].y: has 1 element, \"x\" has 2");
   expect_starts(group(listed + "[1, 11]"), "f.json:2:70: groups[0].y[1]: 11 is outside the world");

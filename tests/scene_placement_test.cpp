@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "placement.h"
+#include "place/placement.h"
 #include "psim/scene.h"
 
 namespace psim::test {

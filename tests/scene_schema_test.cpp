@@ -154,12 +154,10 @@ void expect_agreement(const Json& document) {
   const std::string violation = schema().violation(document);
   const std::string error = refusal(document.dump());
   if (violation.empty()) {
-    EXPECT_TRUE(error.empty() || beyond_the_schema(error))
-        << "fits the schema, yet: " << error << "\n"
-        << document.dump();
+    EXPECT_TRUE(error.empty() || beyond_the_schema(error)) << "fits the schema, yet: " << error << "\n"
+                                                           << document.dump();
   } else {
-    EXPECT_FALSE(error.empty()) << "against the schema at " << violation << ", yet it was read\n"
-                                << document.dump();
+    EXPECT_FALSE(error.empty()) << "against the schema at " << violation << ", yet it was read\n" << document.dump();
   }
 }
 
@@ -294,7 +292,8 @@ TEST(SceneSchema, DefaultsAreTheParsers) {
       {"/$defs/chain/properties/chain/properties", "/bodies/0/shape/chain",
        body(R"("chain": {"vertices": [[0, 0], [1, 0], [0, 1]]})")},
       {"/$defs/placed_group/properties", "/groups/0", group(placed)},
-      {"/$defs/listed_group/properties", "/groups/0", group(R"("layout": "explicit", "x": [1], "y": [1], "radius": 1)")},
+      {"/$defs/listed_group/properties", "/groups/0",
+       group(R"("layout": "explicit", "x": [1], "y": [1], "radius": 1)")},
       {"/$defs/rod_links/properties", "/groups/0/links", group(placed + R"(, "links": {})")},
       {"/$defs/spring_links/properties", "/groups/0/links",
        group(placed + R"(, "links": {"type": "spring", "stiffness": 1})")},

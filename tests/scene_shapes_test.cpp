@@ -7,10 +7,10 @@
 #include <string_view>
 #include <variant>
 
-#include "placement.h"
+#include "place/placement.h"
+#include "place/shape_size.h"
 #include "psim/scene.h"
 #include "scene_text.h"
-#include "shape_size.h"
 
 namespace psim::test {
 namespace {
@@ -19,9 +19,7 @@ std::string body_with(std::string_view keys) {
   return scene_text("\"bodies\": [{\"position\": [1, 2], " + std::string(keys) + "}]");
 }
 
-std::string shape_text(std::string_view shape) {
-  return body_with("\"shape\": {" + std::string(shape) + "}");
-}
+std::string shape_text(std::string_view shape) { return body_with("\"shape\": {" + std::string(shape) + "}"); }
 
 std::string polygon_text(std::string_view vertices) {
   return shape_text("\"polygon\": {\"vertices\": [" + std::string(vertices) + "]}");
@@ -37,29 +35,23 @@ TEST(SceneShapes, AreRead) {
   EXPECT_EQ(box.width, 2);
   EXPECT_EQ(box.height, 3);
   EXPECT_EQ(box.radius, 0);
-  EXPECT_EQ(
-      std::get<BoxShape>(shape_of(shape_text(R"("box": {"size": [2, 3], "radius": 0.25})"))).radius,
-      0.25);
+  EXPECT_EQ(std::get<BoxShape>(shape_of(shape_text(R"("box": {"size": [2, 3], "radius": 0.25})"))).radius, 0.25);
   const auto polygon = std::get<PolygonShape>(
       shape_of(shape_text(R"("polygon": {"vertices": [[0, 0], [1, 0], [0, 2]], "radius": 0.5})")));
   ASSERT_EQ(polygon.vertices.size(), 3u);
   EXPECT_EQ(polygon.vertices[2].y, 2);
   EXPECT_EQ(polygon.radius, 0.5);
-  const auto capsule = std::get<CapsuleShape>(
-      shape_of(shape_text(R"("capsule": {"p1": [0, -1], "p2": [0, 1], "radius": 0.5})")));
+  const auto capsule =
+      std::get<CapsuleShape>(shape_of(shape_text(R"("capsule": {"p1": [0, -1], "p2": [0, 1], "radius": 0.5})")));
   EXPECT_EQ(capsule.p1.y, -1);
   EXPECT_EQ(capsule.radius, 0.5);
-  EXPECT_EQ(
-      std::get<SegmentShape>(shape_of(shape_text(R"("segment": {"p1": [0, 0], "p2": [3, 0]})")))
-          .p2.x,
-      3);
+  EXPECT_EQ(std::get<SegmentShape>(shape_of(shape_text(R"("segment": {"p1": [0, 0], "p2": [3, 0]})"))).p2.x, 3);
 }
 
 TEST(SceneShapes, ChainsMayBeKinematicAndSegmentsAnything) {
   for (const std::string_view type : {"static", "kinematic"}) {
-    const Scene scene =
-        parsed_scene(body_with("\"type\": \"" + std::string(type) +
-                               R"(", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"));
+    const Scene scene = parsed_scene(
+        body_with("\"type\": \"" + std::string(type) + R"(", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"));
     EXPECT_TRUE(std::holds_alternative<ChainShape>(scene.bodies.at(0).shape));
   }
   expect_refused(shape_text(R"("chain": {"vertices": [[0, 0], [1, 0]]})"), "bodies[0].shape.chain",
@@ -91,27 +83,21 @@ TEST(SceneShapes, BadOnesAreRefusedAtTheirPlace) {
       {R"("box": {"size": [1, 1], "radius": -1})", "bodies[0].shape.box.radius", "out of range"},
       {R"("box": {"width": 1})", "bodies[0].shape.box.width", "unknown key"},
       {R"("polygon": {})", "bodies[0].shape.polygon", "\"vertices\" is missing"},
-      {R"("polygon": {"vertices": [[0, 0], [1, 0]]})", "bodies[0].shape.polygon.vertices",
-       "has 2 elements"},
-      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0]]})", "bodies[0].shape.polygon.vertices[2]",
-       "has 1 element"},
-      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0, "1"]]})",
-       "bodies[0].shape.polygon.vertices[2][1]", "must be a number"},
-      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0, 1]], "radius": 1e7})",
-       "bodies[0].shape.polygon.radius", "out of range"},
-      {R"("capsule": {"p1": [0, 0], "p2": [1, 0]})", "bodies[0].shape.capsule",
-       "\"radius\" is missing"},
-      {R"("capsule": {"p1": [1, 0], "p2": [1, 0], "radius": 1})", "bodies[0].shape.capsule.p2",
-       "is p1"},
-      {R"("capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 0})", "bodies[0].shape.capsule.radius",
-       "above 0"},
-      {R"("capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 101})",
-       "bodies[0].shape.capsule.radius", "larger than the world"},
+      {R"("polygon": {"vertices": [[0, 0], [1, 0]]})", "bodies[0].shape.polygon.vertices", "has 2 elements"},
+      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0]]})", "bodies[0].shape.polygon.vertices[2]", "has 1 element"},
+      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0, "1"]]})", "bodies[0].shape.polygon.vertices[2][1]",
+       "must be a number"},
+      {R"("polygon": {"vertices": [[0, 0], [1, 0], [0, 1]], "radius": 1e7})", "bodies[0].shape.polygon.radius",
+       "out of range"},
+      {R"("capsule": {"p1": [0, 0], "p2": [1, 0]})", "bodies[0].shape.capsule", "\"radius\" is missing"},
+      {R"("capsule": {"p1": [1, 0], "p2": [1, 0], "radius": 1})", "bodies[0].shape.capsule.p2", "is p1"},
+      {R"("capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 0})", "bodies[0].shape.capsule.radius", "above 0"},
+      {R"("capsule": {"p1": [0, 0], "p2": [1, 0], "radius": 101})", "bodies[0].shape.capsule.radius",
+       "larger than the world"},
       {R"("segment": {"p1": [0, 0]})", "bodies[0].shape.segment", "\"p2\" is missing"},
       {R"("segment": {"p1": [0, 0], "p2": [1e-12, 0]})", "bodies[0].shape.segment", "between 1e-9"},
       {R"("boxx": {"size": [1, 1]})", "bodies[0].shape.boxx", "did you mean \"box\""},
-      {R"("box": {"size": [1, 1]}, "disc": {"radius": 1})", "bodies[0].shape",
-       "has 2 kinds of shape"}};
+      {R"("box": {"size": [1, 1]}, "disc": {"radius": 1})", "bodies[0].shape", "has 2 kinds of shape"}};
   for (const Bad& bad : all) expect_refused(shape_text(bad.shape), bad.path, bad.words);
 }
 
@@ -120,8 +106,7 @@ TEST(SceneShapes, PolygonsThatAreNoneAreRefused) {
   // Concave; a bow tie; a five-pointed star; on a line; all in one point; more than eight.
   expect_refused(polygon_text("[0, 0], [2, 0], [2, 2], [1, 0.5], [0, 2]"), path, "convex");
   expect_refused(polygon_text("[0, 0], [1, 1], [1, 0], [0, 1]"), path, "convex");
-  expect_refused(polygon_text("[0, 3], [1.76, -2.43], [-2.85, 0.93], [2.85, 0.93], [-1.76, -2.43]"),
-                 path, "cross");
+  expect_refused(polygon_text("[0, 3], [1.76, -2.43], [-2.85, 0.93], [2.85, 0.93], [-1.76, -2.43]"), path, "cross");
   expect_refused(polygon_text("[0, 0], [1, 1], [2, 2]"), path, "area");
   expect_refused(polygon_text("[1, 1], [1, 1], [1, 1]"), path, "1e-9");
   expect_refused(polygon_text("[0, 0], [1, 0], [2, 1], [2, 2], [1, 3], [0, 3], [-1, 2], [-1, 1], "
@@ -137,14 +122,13 @@ TEST(SceneShapes, BodyKeysThatDoNotFitAreRefused) {
   expect_refused(body_with(box + R"("mask": 4294967296)"), "bodies[0].mask", "0 to 4294967295");
   expect_refused(body_with(box + R"("mask": "all")"), "bodies[0].mask", "whole number");
   expect_refused(body_with(box + R"("group": 1.5)"), "bodies[0].group", "not whole");
-  expect_refused(body_with(box + R"("group": 3e9)"), "bodies[0].group",
-                 "-2147483647 to 2147483647");
+  expect_refused(body_with(box + R"("group": 3e9)"), "bodies[0].group", "-2147483647 to 2147483647");
 }
 
 TEST(SceneShapes, GroupsAreOfAnyShapeButChains) {
   const auto group = [](std::string_view keys) {
-    return scene_text(R"("groups": [{"layout": "lattice", "count": 4, "region": [0, 0, 4, 4], )" +
-                      std::string(keys) + "}]");
+    return scene_text(R"("groups": [{"layout": "lattice", "count": 4, "region": [0, 0, 4, 4], )" + std::string(keys) +
+                      "}]");
   };
   const Scene scene = parsed_scene(group(R"("shape": {"box": {"size": [0.6, 0.8]}}, "angle": 1)"));
   EXPECT_EQ(std::get<BoxShape>(scene.groups.at(0).body.shape).height, 0.8);
@@ -156,16 +140,13 @@ TEST(SceneShapes, GroupsAreOfAnyShapeButChains) {
   ASSERT_TRUE(placed) << error;
   EXPECT_EQ(placed->x, (std::vector<double>{1, 3, 1, 3}));
   // A cell holds the circle around the shape.
-  EXPECT_TRUE(place_group(
-      parsed_scene(group(R"("shape": {"box": {"size": [1.2, 1.6]}})")).groups[0], error));
-  EXPECT_FALSE(place_group(
-      parsed_scene(group(R"("shape": {"box": {"size": [1.5, 1.5]}})")).groups[0], error));
+  EXPECT_TRUE(place_group(parsed_scene(group(R"("shape": {"box": {"size": [1.2, 1.6]}})")).groups[0], error));
+  EXPECT_FALSE(place_group(parsed_scene(group(R"("shape": {"box": {"size": [1.5, 1.5]}})")).groups[0], error));
   EXPECT_NE(error.find("smaller than a body of 2.1213"), std::string::npos) << error;
   // A disc is a radius, however it is said.
-  EXPECT_EQ(parsed_scene(group(R"("shape": {"disc": {"radius": 0.25}})")).groups[0].radius_min,
-            0.25);
-  expect_refused(group(R"("type": "static", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"),
-                 "groups[0].shape", "chains stand in \"bodies\"");
+  EXPECT_EQ(parsed_scene(group(R"("shape": {"disc": {"radius": 0.25}})")).groups[0].radius_min, 0.25);
+  expect_refused(group(R"("type": "static", "shape": {"chain": {"vertices": [[0, 0], [1, 0]]}})"), "groups[0].shape",
+                 "chains stand in \"bodies\"");
   const Scene listed = parsed_scene(scene_text(R"("groups": [{"layout": "explicit", "x": [1, 2],
       "y": [3, 4], "shape": {"capsule": {"p1": [-1, 0], "p2": [1, 0], "radius": 0.25}}}])"));
   EXPECT_EQ(listed.groups[0].radius_max, 1.25);
@@ -217,10 +198,8 @@ std::string check_lines(const std::string& text) {
 
 TEST(SceneShapesCheck, SaysWhatOfAPolygonIsPutRight) {
   EXPECT_EQ(check_lines(polygon_text("[0, 0], [1, 0], [0, 1]")), "");
-  EXPECT_NE(check_lines(polygon_text("[0, 0], [0, 1], [1, 0]")).find("clockwise"),
-            std::string::npos);
-  const std::string straight =
-      check_lines(polygon_text("[0, 0], [0.5, 0], [1, 0], [1, 0], [0, 1]"));
+  EXPECT_NE(check_lines(polygon_text("[0, 0], [0, 1], [1, 0]")).find("clockwise"), std::string::npos);
+  const std::string straight = check_lines(polygon_text("[0, 0], [0.5, 0], [1, 0], [1, 0], [0, 1]"));
   EXPECT_NE(straight.find("2 of the polygon's 5 vertices"), std::string::npos) << straight;
 }
 
@@ -230,8 +209,8 @@ TEST(SceneShapesCheck, BoxOnTheFloorIsInsideAndStandsFree) {
     {"position": [0, -48.5], "shape": {"box": {"size": [2, 1]}}},
     {"position": [2, -49.5], "shape": {"box": {"size": [2, 1]}}, "angle": 0}])";
   EXPECT_EQ(check_lines(scene_text(stack)), "");
-  const std::string low = check_lines(
-      scene_text(R"("bodies": [{"position": [0, -49.75], "shape": {"box": {"size": [2, 1]}}}])"));
+  const std::string low =
+      check_lines(scene_text(R"("bodies": [{"position": [0, -49.75], "shape": {"box": {"size": [2, 1]}}}])"));
   EXPECT_NE(low.find("out of the walls"), std::string::npos) << low;
 }
 
@@ -241,8 +220,7 @@ TEST(SceneShapesCheck, ShapesThatOverlapAreFound) {
       {"position": [1.875, 0], "shape": {"box": {"size": [2, 2]}})" +
                       std::string(more) + "}]");
   };
-  EXPECT_NE(check_lines(two("")).find("overlap by 0.125 m"), std::string::npos)
-      << check_lines(two(""));
+  EXPECT_NE(check_lines(two("")).find("overlap by 0.125 m"), std::string::npos) << check_lines(two(""));
   EXPECT_EQ(check_lines(two(R"(, "mask": 0)")), "");
   EXPECT_EQ(check_lines(two(R"(, "type": "static", "sensor": true)")), "");
 }

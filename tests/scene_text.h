@@ -13,8 +13,7 @@ namespace psim::test {
 
 /// A whole scene with these top-level members beside psim and world.
 inline std::string scene_text(std::string_view members) {
-  return "{\"psim\": 1, \"world\": {\"bounds\": [-50, -50, 50, 50]},\n" + std::string(members) +
-         "}";
+  return "{\"psim\": 1, \"world\": {\"bounds\": [-50, -50, 50, 50]},\n" + std::string(members) + "}";
 }
 
 inline Scene parsed_scene(const std::string& text) {
@@ -32,8 +31,7 @@ inline void expect_refused(const std::string& text, std::string_view path, std::
   EXPECT_TRUE(error.starts_with("f:")) << error;
   EXPECT_NE(error.find(": " + std::string(path) + ": "), std::string::npos)
       << "expected at: " << path << "\nsaid:        " << error;
-  EXPECT_NE(error.find(words), std::string::npos)
-      << "expected: " << words << "\nsaid:     " << error;
+  EXPECT_NE(error.find(words), std::string::npos) << "expected: " << words << "\nsaid:     " << error;
 }
 
 }  // namespace psim::test

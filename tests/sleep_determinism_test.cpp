@@ -19,12 +19,10 @@ std::vector<std::uint64_t> restless(Isa isa, int threads, bool seam, bool shapes
   std::vector<BodyId> ids;
   const auto put = [&](double y) {
     const Vec2 at{random.uniform(1, 15), y};
-    const double r = mixed && random.chance(0.7) ? random.uniform(0.02, 0.1)
-                                                 : random.uniform(0.2, mixed ? 1 : 0.4);
+    const double r = mixed && random.chance(0.7) ? random.uniform(0.02, 0.1) : random.uniform(0.2, mixed ? 1 : 0.4);
     BodyDesc body = disc(at, {}, r, kGrip);
     body.fixed_rotation = true;  // nothing rolls for long
-    if (shapes && random.chance(0.5))
-      body = turned(box(at, 2 * r, 1.4 * r, kGrip), random.uniform(0, 3));
+    if (shapes && random.chance(0.5)) body = turned(box(at, 2 * r, 1.4 * r, kGrip), random.uniform(0, 3));
     ids.push_back(add(*world, body));
   };
   for (int k = 0; k < 120; ++k) put(1.5 + 0.2 * k);
@@ -56,8 +54,7 @@ TEST(SleepDeterminism, TheSameBitsForEveryIsaAndThreadCount) {
   struct Kind {
     bool seam, shapes, mixed;
   };
-  for (const Kind k :
-       {Kind{false, true, false}, {false, false, true}, {true, false, false}, {true, true, true}}) {
+  for (const Kind k : {Kind{false, true, false}, {false, false, true}, {true, false, false}, {true, true, true}}) {
     const auto first = restless(Isa::scalar, 1, k.seam, k.shapes, k.mixed);
     for (const Isa isa : available_isas()) {
       for (const int threads : thread_counts()) {

@@ -35,14 +35,12 @@ int settle(World& world, int most = 3600) {
 }
 
 /// Discs in a hexagonal lattice, pressed a little: close to how they come to rest.
-std::unique_ptr<World> heap_of_discs(int columns, int rows, Material m, Isa isa = best_isa(),
-                                     int threads = 1) {
+std::unique_ptr<World> heap_of_discs(int columns, int rows, Material m, Isa isa = best_isa(), int threads = 1) {
   auto world = make(walled({0, 0, columns + 0.5, 3.0 * rows}, {0, -kG}, m), isa, threads);
   Discs discs;
   discs.m = m;
   for (int row = 0; row < rows; ++row) {
-    for (int k = 0; k < columns; ++k)
-      discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
+    for (int k = 0; k < columns; ++k) discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
   }
   add(*world, discs);
   return world;
@@ -68,8 +66,7 @@ const Case kCases[] = {
        add(*world, segment({-20, -6}, {20, 6}, kGrip));
        for (int k = 0; k < 6; ++k) {
          const double a = std::atan(0.3), x = 2.5 * k - 6;
-         add(*world,
-             turned(box({x - 0.5 * std::sin(a), 0.3 * x + 0.5 * std::cos(a)}, 1, 1, kGrip), a));
+         add(*world, turned(box({x - 0.5 * std::sin(a), 0.3 * x + 0.5 * std::cos(a)}, 1, 1, kGrip), a));
        }
        return world;
      }},
@@ -85,8 +82,7 @@ const Case kCases[] = {
      [] {
        auto world = make(walled({0, 0, 9, 20}, {0, -kG}, kGrip));
        for (int k = 0; k < 40; ++k) {
-         add(*world, polygon(regular(6, 0.5),
-                             {0.6 + k % 8 + 0.4 * (k / 8 % 2), 0.44 + 0.868 * (k / 8)}, kGrip));
+         add(*world, polygon(regular(6, 0.5), {0.6 + k % 8 + 0.4 * (k / 8 % 2), 0.44 + 0.868 * (k / 8)}, kGrip));
        }
        return world;
      },
@@ -244,8 +240,7 @@ TEST(SleepNever, TakesABodyThatIsPushedBeforeItRestsLongEnough) {
 
 TEST(SleepSays, WhyABodyIsAwake) {
   const auto says = [](const World& world, BodyId id, const char* what) {
-    EXPECT_NE(world.why_awake(id).find(what), std::string::npos)
-        << world.why_awake(id) << " / " << what;
+    EXPECT_NE(world.why_awake(id).find(what), std::string::npos) << world.why_awake(id) << " / " << what;
   };
   auto world = make(unbounded());
   const BodyId floor = add(*world, ground(kGrip));
@@ -326,8 +321,7 @@ TEST(SleepSays, NothingNewAboutContactsAndSensors) {
     add(*world, ground(kGrip));
     std::vector<BodyId> ids;
     for (int k = 0; k < 4; ++k) {
-      BodyDesc body =
-          shapes ? box({0, k + 0.5}, 1, 1, kGrip, 1) : disc({0, 0.999 * k + 0.5}, {}, 0.5, kGrip);
+      BodyDesc body = shapes ? box({0, k + 0.5}, 1, 1, kGrip, 1) : disc({0, 0.999 * k + 0.5}, {}, 0.5, kGrip);
       body.fixed_rotation = true;
       ids.push_back(add(*world, body));
     }
@@ -342,8 +336,7 @@ TEST(SleepSays, NothingNewAboutContactsAndSensors) {
         world->step();
         const Events e = world->events();
         told += e.begin.size() + e.end.size() + e.sensor_begin.size() + e.sensor_end.size();
-        for (const TouchEvent& t : e.begin)
-          EXPECT_TRUE(touching.insert({t.a.index, t.b.index}).second);
+        for (const TouchEvent& t : e.begin) EXPECT_TRUE(touching.insert({t.a.index, t.b.index}).second);
         for (const TouchEvent& t : e.end) EXPECT_EQ(touching.erase({t.a.index, t.b.index}), 1u);
       }
     };

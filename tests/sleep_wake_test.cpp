@@ -6,8 +6,7 @@ namespace {
 
 std::uint64_t awake(const World& world) {
   std::uint64_t n = 0;
-  for (std::uint32_t id = 0; id < world.body_count() + 64; ++id)
-    n += world.is_awake(world.id_of(id));
+  for (std::uint32_t id = 0; id < world.body_count() + 64; ++id) n += world.is_awake(world.id_of(id));
   return n;
 }
 
@@ -31,8 +30,7 @@ std::unique_ptr<World> sleeping_heap(int columns, int rows) {
   Discs discs;
   discs.m = kGrip;
   for (int row = 0; row < rows; ++row) {
-    for (int k = 0; k < columns; ++k)
-      discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
+    for (int k = 0; k < columns; ++k) discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
   }
   add(*world, discs);
   settle(*world);
@@ -331,8 +329,7 @@ TEST(SleepWake, NobodySleepsInTheAir) {
   for (int k = 0; k < 150; ++k) {
     const Vec2 at{1.0 + 1.1 * (k % 10) + random.uniform(-0.1, 0.1), 1.0 + 1.1 * (k / 10)};
     const double angle = random.uniform(0, 3);
-    p.put(k % 3 == 0 ? turned(box(at, 0.7, 0.5, kGrip), angle)
-                     : turned(capsule(at, 0.3, 0.2, kGrip), angle));
+    p.put(k % 3 == 0 ? turned(box(at, 0.7, 0.5, kGrip), angle) : turned(capsule(at, 0.3, 0.2, kGrip), angle));
   }
   settle(*p.world, 0, 7200);
   for (int k = 0; k < 60; k += 7) {  // holes

@@ -104,8 +104,8 @@ TEST(Snapshots, ReadFromAnotherThreadAreWholeFrames) {
         const double y = shot->origin.y + static_cast<double>(shot->y[row]);
         const double x_prev = shot->origin.x + static_cast<double>(shot->x_prev[row]);
         const double y_prev = shot->origin.y + static_cast<double>(shot->y_prev[row]);
-        whole = x == discs.x[id] + flown && y == discs.y[id] + 0.5 * flown &&
-                x_prev == x - 1.0 / 64 && y_prev == y - 0.5 / 64;
+        whole = x == discs.x[id] + flown && y == discs.y[id] + 0.5 * flown && x_prev == x - 1.0 / 64 &&
+                y_prev == y - 0.5 / 64;
       }
       if (!whole) ++torn;
       ++seen;

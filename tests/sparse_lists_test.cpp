@@ -2,8 +2,8 @@
 // no more cells than bodies. Against brute force.
 #include <set>
 
-#include "broad_phase.h"
-#include "kernel_select.h"
+#include "base/kernel_select.h"
+#include "lists/broad_phase.h"
 #include "sanitized.h"
 #include "support.h"
 
@@ -41,8 +41,8 @@ struct Broad {
     p.periodic = wraps;
     p.mixed_radii = true;
     p.walls = walls;
-    p.bounds = {bounds.xmin - lattice.centre().x, bounds.ymin - lattice.centre().y,
-                bounds.xmax - lattice.centre().x, bounds.ymax - lattice.centre().y};
+    p.bounds = {bounds.xmin - lattice.centre().x, bounds.ymin - lattice.centre().y, bounds.xmax - lattice.centre().x,
+                bounds.ymax - lattice.centre().y};
     bodies.pad_tail();
     broad.build(bodies, shapes, p, kernels_of(isa), pool, table);
   }
@@ -103,11 +103,9 @@ struct Broad {
 Bounds square(double half) { return {-half, -half, half, half}; }
 
 /// n discs in a square about a place, overlapping as they may.
-void cluster(Places& out, Random& random, Vec2 at, std::size_t n, double side,
-             double radius = 0.5) {
+void cluster(Places& out, Random& random, Vec2 at, std::size_t n, double side, double radius = 0.5) {
   for (std::size_t k = 0; k < n; ++k) {
-    out.push_back({at.x + random.uniform(-side / 2, side / 2),
-                   at.y + random.uniform(-side / 2, side / 2), radius});
+    out.push_back({at.x + random.uniform(-side / 2, side / 2), at.y + random.uniform(-side / 2, side / 2), radius});
   }
 }
 
@@ -220,8 +218,7 @@ const Arrangement kArrangements[] = {
     {"periodic, a line across", true, true,
      [](Random& r) {
        Places p;
-       for (int k = 0; k < 500; ++k)
-         p.push_back({-kHalf + 0.8 * (k - 250), 10 + 0.2 * r.normal(), 0.5});
+       for (int k = 0; k < 500; ++k) p.push_back({-kHalf + 0.8 * (k - 250), 10 + 0.2 * r.normal(), 0.5});
        cluster(p, r, {0, 5e4}, 300, 16);
        return p;
      }},
@@ -257,8 +254,7 @@ TEST(SparseWorld, BodiesThatMoveComeAndGoAreFoundEveryTime) {
       for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
         for (const std::size_t axis : {0u, 1u}) {
           const double way = random.uniform(-step, step) / one.lattice.pitch_x();
-          one.bodies.pos[2 * i + axis] =
-              wrap_add(one.bodies.pos[2 * i + axis], static_cast<std::int32_t>(way));
+          one.bodies.pos[2 * i + axis] = wrap_add(one.bodies.pos[2 * i + axis], static_cast<std::int32_t>(way));
         }
       }
       if (build == 3) {
@@ -285,8 +281,7 @@ TEST(SparseWorld, TheListsAreTheSameForEveryIsaAndNumberOfThreads) {
         Broad one(square(kHalf), a.periodic, threads);
         one.add(a.make(random));
         for (int build = 0; build < 3; ++build) one.build(isa);
-        std::vector<std::uint32_t> all(one.bodies.id.data(),
-                                       one.bodies.id.data() + one.bodies.count);
+        std::vector<std::uint32_t> all(one.bodies.id.data(), one.bodies.id.data() + one.bodies.count);
         for (const Strip& s : one.table.strips) {
           all.push_back(s.body_begin);
           for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
@@ -392,8 +387,7 @@ TEST(SparseWorld, ACloudThatThinsOutGoesBackToAGrid) {
   one.build();
   EXPECT_TRUE(one.broad.listed());
   for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
-    const LatticePoint at =
-        one.lattice.to_lattice({random.uniform(-4e4, 4e4), random.uniform(-4e4, 4e4)});
+    const LatticePoint at = one.lattice.to_lattice({random.uniform(-4e4, 4e4), random.uniform(-4e4, 4e4)});
     one.bodies.pos[2 * i] = at.x;
     one.bodies.pos[2 * i + 1] = at.y;
   }
@@ -415,7 +409,7 @@ TEST(SparseWorld, WallsAreFoundFromListedCells) {
   ASSERT_TRUE(one.broad.listed());
   std::set<std::pair<std::uint32_t, std::uint32_t>> found, want;
   for (std::size_t s = 0; s < one.table.strips.size(); ++s) {
-    for (const SinglePair& pair : one.table.singles[s]) found.insert({pair.body, pair.shape});
+    for (const StaticPair& pair : one.table.static_contacts[s]) found.insert({pair.body, pair.shape});
   }
   for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
     const double x = one.bodies.pos[2 * i] * one.lattice.pitch_x();
@@ -472,8 +466,7 @@ TEST(SparseWorld, FixedShapesFarApartAreFoundAndFewOthers) {
     std::size_t all = 0;
     for (int k = 0; k < 800; ++k) {
       const Vec2 at = places[k % 4];
-      const LatticePoint p =
-          lattice.to_lattice({at.x + random.uniform(-5, 105), at.y + random.uniform(-5, 105)});
+      const LatticePoint p = lattice.to_lattice({at.x + random.uniform(-5, 105), at.y + random.uniform(-5, 105)});
       near.clear();
       shapes.near(p.x, p.y, 2, near);
       all += near.size();

@@ -13,11 +13,9 @@ Discs two_clouds(std::size_t n, Vec2 apart, double speed, Material m, Vec2 drift
   all.m = m;
   for (const double side_of : {-1.0, 1.0}) {
     const Vec2 at{side_of * apart.x / 2, side_of * apart.y / 2};
-    const Discs one =
-        lattice(n, {at.x, at.y, at.x + side, at.y + side}, 0.5, speed, m, 0.5, side_of < 0 ? 1 : 2);
+    const Discs one = lattice(n, {at.x, at.y, at.x + side, at.y + side}, 0.5, speed, m, 0.5, side_of < 0 ? 1 : 2);
     for (std::size_t k = 0; k < n; ++k) {
-      all.push(one.x[k], one.y[k], 0.5, one.vx[k] - side_of * drift.x,
-               one.vy[k] - side_of * drift.y);
+      all.push(one.x[k], one.y[k], 0.5, one.vx[k] - side_of * drift.x, one.vy[k] - side_of * drift.y);
     }
   }
   return all;

@@ -13,8 +13,7 @@ void add_pieces(World& world, bool as_chain, Material m) {
     add(world, chain(vertices, false, m));
     return;
   }
-  for (std::size_t k = 0; k + 1 < vertices.size(); ++k)
-    add(world, segment(vertices[k], vertices[k + 1], m));
+  for (std::size_t k = 0; k + 1 < vertices.size(); ++k) add(world, segment(vertices[k], vertices[k + 1], m));
 }
 
 TEST(StaticShapes, SegmentsOfAnyLengthCarry) {
@@ -144,12 +143,10 @@ TEST(StaticShapes, ThinWallsHoldFastDiscs) {
       add(*world, segment({0, -50}, {0, 50}, material(restitution)));
       std::vector<BodyId> ids;
       for (int k = 0; k < 40; ++k) {
-        ids.push_back(add(
-            *world, disc({-5 - 0.13 * k, -40.0 + 2 * k}, {speed, 0}, 0.1, material(restitution))));
+        ids.push_back(add(*world, disc({-5 - 0.13 * k, -40.0 + 2 * k}, {speed, 0}, 0.1, material(restitution))));
       }
       run(*world, 60);
-      for (const BodyId& id : ids)
-        EXPECT_LT(state(*world, id).x, 0) << speed << " e " << restitution;
+      for (const BodyId& id : ids) EXPECT_LT(state(*world, id).x, 0) << speed << " e " << restitution;
     }
   }
 }

@@ -1,5 +1,5 @@
 // How fast bodies move against those around them, strip by strip.
-#include "strip_speeds.h"
+#include "lists/strip_speeds.h"
 
 #include <gtest/gtest.h>
 
@@ -35,11 +35,11 @@ class StripSpeedsTest : public testing::Test {
   }
 
   void add(std::int32_t y, float radius, float mass, float vx, float vy) {
-    Surface surface;
+    BodyProperties surface;
     surface.mass = mass;
     surface.inv_mass = mass > 0 ? 1 / mass : 0;
     const std::uint32_t id = bodies.take_id(), at = bodies.count++;
-    bodies.info[id].surface = bodies.surfaces.acquire(surface);
+    bodies.info[id].properties = bodies.property_table.acquire(surface);
     bodies.id[at] = id;
     bodies.pos[2 * at] = 0;
     bodies.pos[2 * at + 1] = y;
@@ -101,11 +101,11 @@ TEST_F(StripSpeedsTest, InAPeriodicWorldTheLastStripMeetsTheFirst) {
 
 TEST_F(StripSpeedsTest, OneHeavyBodyAmongLightOnesCountsByMass) {
   push(2 * kEach, 3, 10);
-  bodies.surfaces.release(bodies.info[bodies.id[2 * kEach]].surface);
-  Surface heavy;
+  bodies.property_table.release(bodies.info[bodies.id[2 * kEach]].properties);
+  BodyProperties heavy;
   heavy.mass = 100'000;
   heavy.inv_mass = 1e-5f;
-  bodies.info[bodies.id[2 * kEach]].surface = bodies.surfaces.acquire(heavy);
+  bodies.info[bodies.id[2 * kEach]].properties = bodies.property_table.acquire(heavy);
   EXPECT_LT(measure(false)[2], 30 / std::sqrt(kEach));
   EXPECT_NEAR(measure(true)[2], 30, 0.3);  // it goes on, and so do the others past it
 }

@@ -8,13 +8,12 @@
 namespace psim::test {
 namespace {
 
-bool is_dynamic(World& world, BodyId id) {
-  return id != kNoBody && state(world, id).type == BodyType::dynamic_body;
-}
+bool is_dynamic(World& world, BodyId id) { return id != kNoBody && state(world, id).type == BodyType::dynamic_body; }
 
 /// Discs of many sizes, boxes, capsules, a lift, hinges of a chain, and a floor: about 900 bodies.
 std::unique_ptr<World> mixed(Boundary boundary, Isa isa = best_isa(), int threads = 1) {
-  WorldDesc desc = boundary == Boundary::periodic ? periodic(60, 60) : walled({0, 0, 60, 60}, {0, -kG}, material(0, 0.3));
+  WorldDesc desc =
+      boundary == Boundary::periodic ? periodic(60, 60) : walled({0, 0, 60, 60}, {0, -kG}, material(0, 0.3));
   if (boundary == Boundary::periodic) desc.gravity = {0, -1};
   desc.sleeping = false;
   auto world = make(desc, isa, threads);

@@ -44,15 +44,11 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return z ^ (z >> 31);
   }
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53;
-  }
+  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53; }
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }
   bool chance(double p) { return uniform(0, 1) < p; }
   /// Normal distribution, by Box and Muller.
-  double normal() {
-    return std::sqrt(-2 * std::log(uniform(1e-300, 1))) * std::cos(uniform(0, 2 * kPi));
-  }
+  double normal() { return std::sqrt(-2 * std::log(uniform(1e-300, 1))) * std::cos(uniform(0, 2 * kPi)); }
 
  private:
   std::uint64_t state_;
@@ -131,9 +127,7 @@ inline BodyDesc chain(std::vector<Vec2> vertices, bool loop = false, Material m 
 }
 
 /// Level ground through y = 0.
-inline BodyDesc ground(Material m = {}, double half = 100) {
-  return segment({-half, 0}, {half, 0}, m);
-}
+inline BodyDesc ground(Material m = {}, double half = 100) { return segment({-half, 0}, {half, 0}, m); }
 
 inline BodyId add(World& world, const BodyDesc& body) {
   std::string error;
@@ -181,12 +175,11 @@ inline std::uint32_t add(World& world, const Discs& discs) {
 
 /// n discs on a lattice over the region, each moved by up to `jitter` of the free gap, with
 /// velocities uniform in +-speed on each axis.
-inline Discs lattice(std::size_t n, Bounds region, double radius, double speed, Material m,
-                     double jitter = 0.5, std::uint64_t seed = 1) {
+inline Discs lattice(std::size_t n, Bounds region, double radius, double speed, Material m, double jitter = 0.5,
+                     std::uint64_t seed = 1) {
   Random random(seed);
   const double width = region.xmax - region.xmin, height = region.ymax - region.ymin;
-  const auto columns =
-      static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n) * width / height)));
+  const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n) * width / height)));
   const std::size_t rows = (n + columns - 1) / columns;
   const double dx = width / static_cast<double>(columns);
   const double dy = height / static_cast<double>(rows);
@@ -197,25 +190,23 @@ inline Discs lattice(std::size_t n, Bounds region, double radius, double speed, 
     const double jx = jitter * (0.5 * dx - radius), jy = jitter * (0.5 * dy - radius);
     const double px = region.xmin + (static_cast<double>(k % columns) + 0.5) * dx;
     const double py = region.ymin + (static_cast<double>(k / columns) + 0.5) * dy;
-    discs.push(px + random.uniform(-jx, jx), py + random.uniform(-jy, jy), radius,
-               random.uniform(-speed, speed), random.uniform(-speed, speed));
+    discs.push(px + random.uniform(-jx, jx), py + random.uniform(-jy, jy), radius, random.uniform(-speed, speed),
+               random.uniform(-speed, speed));
   }
   return discs;
 }
 
 /// A gas of n discs of radius 0.5, at `packing`, in walls with the discs' own material.
-inline std::unique_ptr<World> gas_in_walls(std::size_t n, double packing, Material m,
-                                           double speed = 10, Isa isa = best_isa(),
-                                           int threads = 1) {
+inline std::unique_ptr<World> gas_in_walls(std::size_t n, double packing, Material m, double speed = 10,
+                                           Isa isa = best_isa(), int threads = 1) {
   const double side = std::sqrt(static_cast<double>(n) * kPi * 0.25 / packing);
   auto world = make(walled({0, 0, side, side}, {0, 0}, m), isa, threads);
   add(*world, lattice(n, {0, 0, side, side}, 0.5, speed, m));
   return world;
 }
 
-inline std::unique_ptr<World> gas_in_period(std::size_t n, double packing, Material m,
-                                            double speed = 10, Isa isa = best_isa(),
-                                            int threads = 1) {
+inline std::unique_ptr<World> gas_in_period(std::size_t n, double packing, Material m, double speed = 10,
+                                            Isa isa = best_isa(), int threads = 1) {
   const double side = std::sqrt(static_cast<double>(n) * kPi * 0.25 / packing);
   auto world = make(periodic(side, side), isa, threads);
   add(*world, lattice(n, {0, 0, side, side}, 0.5, speed, m));
@@ -223,8 +214,7 @@ inline std::unique_ptr<World> gas_in_period(std::size_t n, double packing, Mater
 }
 
 /// n discs of radius 0.5 let go as a loose lattice in a bin that they fill about square.
-inline std::unique_ptr<World> pile(std::size_t n, Material m = {}, Isa isa = best_isa(),
-                                   int threads = 1) {
+inline std::unique_ptr<World> pile(std::size_t n, Material m = {}, Isa isa = best_isa(), int threads = 1) {
   const double columns = std::ceil(std::sqrt(static_cast<double>(n)));
   const double width = columns * 1.02 + 1;
   auto world = make(walled({0, 0, width, 4 * width}, {0, -kG}, m), isa, threads);
@@ -281,8 +271,7 @@ inline std::vector<double> penetrations(World& world) {
     const Bounds b = desc.bounds;
     for (std::size_t k = 0; k < s.id.size(); ++k) {
       if (s.type[k] != BodyType::dynamic_body) continue;
-      for (const double gap :
-           {s.x[k] - b.xmin, b.xmax - s.x[k], s.y[k] - b.ymin, b.ymax - s.y[k]}) {
+      for (const double gap : {s.x[k] - b.xmin, b.xmax - s.x[k], s.y[k] - b.ymin, b.ymax - s.y[k]}) {
         if (gap < s.radius[k]) depths.push_back(s.radius[k] - gap);
       }
     }

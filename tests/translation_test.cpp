@@ -14,9 +14,8 @@ std::unique_ptr<World> scene_at(double x, double y, Isa isa, int threads, WorldD
   add(*world, floor);
   add(*world, static_disc({x - 4, y + 1}, 1, material(0.2, 0.3)));
   for (int i = 0; i < 100; ++i) {
-    add(*world,
-        disc({x + on_lattice((i % 10) * 1.03 + 0.01 * i), y + on_lattice(0.6 + (i / 10) * 1.05)},
-             {on_lattice(0.1 * (i % 7)), 0}, 0.5, material(0.2, 0.3)));
+    add(*world, disc({x + on_lattice((i % 10) * 1.03 + 0.01 * i), y + on_lattice(0.6 + (i / 10) * 1.05)},
+                     {on_lattice(0.1 * (i % 7)), 0}, 0.5, material(0.2, 0.3)));
   }
   return world;
 }
@@ -59,8 +58,7 @@ TEST(Translation, OfAGasToo) {
     for (int i = 0; i < 200; ++i) {
       add(*world, disc({x + on_lattice((i % 15) * 1.3 + random.uniform(0, 0.2)),
                         y + on_lattice((i / 15) * 1.3 + random.uniform(0, 0.2))},
-                       {on_lattice(random.uniform(-2, 2)), on_lattice(random.uniform(-2, 2))}, 0.5,
-                       material(1)));
+                       {on_lattice(random.uniform(-2, 2)), on_lattice(random.uniform(-2, 2))}, 0.5, material(1)));
     }
     return world;
   };

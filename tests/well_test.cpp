@@ -107,8 +107,7 @@ TEST(Well, EndsAtItsRange) {
 
 TEST(Well, RepelsAddsUpAndObeysGravityScale) {
   EXPECT_GT(acceleration({WellField{{0, 0}, -7, 0, 2, 0}}, {3, 0}).x, 0);
-  const Vec2 both =
-      acceleration({WellField{{-3, 0}, 9, 0, 2, 0}, WellField{{3, 0}, 9, 0, 2, 0}}, {0, 1});
+  const Vec2 both = acceleration({WellField{{-3, 0}, 9, 0, 2, 0}, WellField{{3, 0}, 9, 0, 2, 0}}, {0, 1});
   EXPECT_NEAR(both.x, 0, 1e-4);
   EXPECT_NEAR(both.y / (-2 * 9 / std::pow(10, 1.5)), 1, 1e-4);
   const Vec2 once = acceleration({WellField{{0, 0}, 7, 0, 2, 0}}, {3, 0});

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "case.h"
+#include "check/scene_kind.h"
 #include "closed_forms.h"
 #include "gas_scenes.h"
 #include "hard_disc_fluid.h"
 #include "psim/psim.h"
-#include "scene_kind.h"
 
 namespace psim::accuracy {
 namespace {
@@ -49,8 +49,7 @@ double energy_error_in_ten_orbits(Run& run, double dt) {
   for (int k = 0; k < static_cast<int>(10 * orbit.period() / dt); ++k) {
     run.frame();
     const BodyState& s = run.body(0);
-    worst =
-        std::max(worst, std::abs(orbit.energy_of({s.x, s.y}, {s.vx, s.vy}) / orbit.energy() - 1));
+    worst = std::max(worst, std::abs(orbit.energy_of({s.x, s.y}, {s.vx, s.vy}) / orbit.energy() - 1));
   }
   return worst;
 }
@@ -89,9 +88,7 @@ Reference gas(std::size_t state, double speed, Effort effort) {
   Reference r;
   r.measure = "relative error of the pressure of an elastic gas";
   r.scene = [=](std::uint64_t seed) { return gas_in_period(1000, fluid.packing, speed, seed); };
-  r.error = [=](Run& run) {
-    return pressure_error(run, fluid.compressibility, effort == Effort::quick ? 5 : 200);
-  };
+  r.error = [=](Run& run) { return pressure_error(run, fluid.compressibility, effort == Effort::quick ? 5 : 200); };
   return r;
 }
 
@@ -214,8 +211,7 @@ Cost cost_of(const Scene& original, Integrator integrator, int substeps) {
 
 std::string digits(double value, int count) {
   char text[32];
-  const auto end =
-      std::to_chars(text, text + sizeof text, value, std::chars_format::general, count).ptr;
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, count).ptr;
   return {text, end};
 }
 
@@ -233,12 +229,11 @@ void append_rows(const Reference& r, Effort effort, std::ostream& out) {
       const Cost cost = cost_of(timed, integrator, substeps);
       out << scene_kind_name(traits.kind) << ',' << r.measure << ',' << setting.integrator << ','
           << digits(traits.rate, 6) << ',' << digits(r.dt, 6) << ',' << substeps << ','
-          << digits(mean_error(r, setting), 4) << ',' << cost.bodies << ',' << digits(cost.pairs, 6)
-          << ',' << digits(cost.ns_per_frame, 4) << '\n';
+          << digits(mean_error(r, setting), 4) << ',' << cost.bodies << ',' << digits(cost.pairs, 6) << ','
+          << digits(cost.ns_per_frame, 4) << '\n';
     }
   }
-  std::fprintf(stderr, "%s, rate %.3g /s\n", std::string(scene_kind_name(traits.kind)).c_str(),
-               traits.rate);
+  std::fprintf(stderr, "%s, rate %.3g /s\n", std::string(scene_kind_name(traits.kind)).c_str(), traits.rate);
 }
 
 }  // namespace

@@ -110,8 +110,7 @@ const Fan kTip{std::atan(1.0 / 3) / kDegree, 1, 0.05};
 Case box_tip() {
   Case c;
   c.name = "box-tip";
-  c.shows =
-      "40 boxes of 1 x 3 m on slopes around atan(1/3) = 18.43 degrees, mu = 2: which tip in 10 s";
+  c.shows = "40 boxes of 1 x 3 m on slopes around atan(1/3) = 18.43 degrees, mu = 2: which tip in 10 s";
   c.quantities = {{"box-tip-threshold", "degrees", "analytic", {{4, 0.5}}}};
   c.scale = Scale::large;
   c.scene = [] { return slopes(kTip, {1, 3}, material(0, 2)); };

@@ -36,15 +36,13 @@ std::vector<double> measure_cloud(Run& run) {
     gained = std::max(gained, kinetic_energy(run) / start - 1);
   }
   const Vec2 q = momentum(run);
-  return {std::hypot(q.x - p.x, q.y - p.y) / linear, std::abs(angular_momentum(run) - l) / angular,
-          gained};
+  return {std::hypot(q.x - p.x, q.y - p.y) / linear, std::abs(angular_momentum(run) - l) / angular, gained};
 }
 
 Case cloud_case() {
   Case c;
   c.name = "cloud";
-  c.shows =
-      "100 discs, e = 0.5, mu = 0.5, fall together in open space: what contacts must not change";
+  c.shows = "100 discs, e = 0.5, mu = 0.5, fall together in open space: what contacts must not change";
   c.quantities = {{"cloud-momentum", "relative", "analytic", {{4, 1e-5}}},
                   {"cloud-angular-momentum", "relative", "analytic", {{4, 1e-3}}},
                   {"cloud-energy-gain", "relative", "analytic", {{4, 1e-5}}}};

@@ -93,8 +93,6 @@ Case free_spin() {
 
 }  // namespace
 
-std::vector<Case> flight_cases(Effort) {
-  return {free_fall(), linear_drag(), quadratic_drag(), free_spin()};
-}
+std::vector<Case> flight_cases(Effort) { return {free_fall(), linear_drag(), quadratic_drag(), free_spin()}; }
 
 }  // namespace psim::accuracy

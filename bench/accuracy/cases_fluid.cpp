@@ -68,9 +68,7 @@ Case maxwell(Effort effort) {
   c.scene = [] { return equal_speeds(1000); };
   c.machine_variants = false;
   const int samples = effort == Effort::quick ? 20 : 60;
-  c.measure = [samples](Run& run) {
-    return measure_speeds(run, run.thorough() ? 4 * samples : samples);
-  };
+  c.measure = [samples](Run& run) { return measure_speeds(run, run.thorough() ? 4 * samples : samples); };
   return c;
 }
 

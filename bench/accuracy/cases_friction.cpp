@@ -33,8 +33,7 @@ Case slide() {
     run.seconds(1.5);
     const double stopped = run.body(1).x;
     run.seconds(10);
-    return {std::abs((stopped + 50) / truth.distance() - 1),
-            std::abs(run.body(1).x - stopped) / 10};
+    return {std::abs((stopped + 50) / truth.distance() - 1), std::abs(run.body(1).x - stopped) / 10};
   };
   return c;
 }
@@ -88,8 +87,7 @@ std::vector<double> measure_inclines(Run& run) {
     const Vec2 start = run.model().bodies[2 * k + 1].position;
     const double a = truth.acceleration();
     worst = std::max({worst, std::abs(std::hypot(s.x - start.x, s.y - start.y) / (0.5 * a) - 1),
-                      std::abs(std::hypot(s.vx, s.vy) / a - 1),
-                      std::abs(-s.omega / truth.angular_acceleration() - 1)});
+                      std::abs(std::hypot(s.vx, s.vy) / a - 1), std::abs(-s.omega / truth.angular_acceleration() - 1)});
   }
   return {worst};
 }
@@ -97,8 +95,7 @@ std::vector<double> measure_inclines(Run& run) {
 Case inclines() {
   Case c;
   c.name = "incline";
-  c.shows =
-      "discs roll or slip down slopes of 10 to 60 degrees, mu = 0.3: way, speed, spin after 1 s";
+  c.shows = "discs roll or slip down slopes of 10 to 60 degrees, mu = 0.3: way, speed, spin after 1 s";
   c.quantities = {{"incline", "relative", "analytic", {{4, 5e-3}}}};
   c.timed_seconds = 1;
   c.scene = [] {
@@ -130,8 +127,7 @@ constexpr Fan kHold{20, 1, 0.05};
 Case hold() {
   Case c;
   c.name = "hold";
-  c.shows =
-      "40 bodies that cannot turn on slopes of 19 to 21 degrees, mu = tan 20: which slide in 5 s";
+  c.shows = "40 bodies that cannot turn on slopes of 19 to 21 degrees, mu = tan 20: which slide in 5 s";
   c.quantities = {{"hold-threshold", "degrees", "analytic", {{4, 0.5}}}};
   c.scene = [] {
     Scene scene = open_scene(400);
@@ -193,8 +189,6 @@ Case three_discs() {
 
 }  // namespace
 
-std::vector<Case> friction_cases(Effort) {
-  return {slide(), slide_to_roll(), inclines(), hold(), three_discs()};
-}
+std::vector<Case> friction_cases(Effort) { return {slide(), slide_to_roll(), inclines(), hold(), three_discs()}; }
 
 }  // namespace psim::accuracy

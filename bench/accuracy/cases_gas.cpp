@@ -63,12 +63,10 @@ Scene boxes() {
 }
 
 /// Where the discs of one box are after the time, if all its collisions are exact.
-std::vector<reference::Disc> exact_box(const std::vector<BodyState>& start, std::size_t first,
-                                       double x) {
+std::vector<reference::Disc> exact_box(const std::vector<BodyState>& start, std::size_t first, double x) {
   std::vector<reference::Disc> discs;
   for (std::size_t k = first; k < first + kDiscsABox; ++k) {
-    discs.push_back(
-        {{start[k].x - x, start[k].y}, {start[k].vx, start[k].vy}, start[k].radius, 1, 0});
+    discs.push_back({{start[k].x - x, start[k].y}, {start[k].vx, start[k].vy}, start[k].radius, 1, 0});
   }
   reference::EventDriven exact({kBoxSide, kBoxSide, false, 0}, 1, discs);
   exact.advance(kTrajectoryTime);
@@ -96,9 +94,8 @@ Case trajectories() {
   Case c;
   c.name = "gas-trajectory";
   c.shows = "20 boxes of 10 m with 25 elastic discs each, 0.5 s: distance from the exact places";
-  c.quantities = {
-      {"gas-trajectory-median", "m", "event-driven", {{4, 1e-4}}},
-      {"gas-trajectory-astray", "share of discs off by 1 mm", "event-driven", {{4, 0.1}}}};
+  c.quantities = {{"gas-trajectory-median", "m", "event-driven", {{4, 1e-4}}},
+                  {"gas-trajectory-astray", "share of discs off by 1 mm", "event-driven", {{4, 0.1}}}};
   c.scale = Scale::large;
   c.timed_seconds = kTrajectoryTime;
   c.scene = boxes;

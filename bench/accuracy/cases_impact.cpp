@@ -22,18 +22,15 @@ struct PairKind {
   double friction;
 };
 
-constexpr std::array<PairKind, 4> kElastic = {
-    {{1, 0.5, 1, 0}, {10, 0.5, 1, 0}, {1000, 0.5, 1, 0}, {0.001, 0.5, 1, 0}}};
-constexpr std::array<PairKind, 4> kRough = {
-    {{1, 0.5, 0.8, 0.1}, {3, 1, 0.8, 0.1}, {1, 0.5, 0.5, 0.5}, {3, 1, 1, 1}}};
+constexpr std::array<PairKind, 4> kElastic = {{{1, 0.5, 1, 0}, {10, 0.5, 1, 0}, {1000, 0.5, 1, 0}, {0.001, 0.5, 1, 0}}};
+constexpr std::array<PairKind, 4> kRough = {{{1, 0.5, 0.8, 0.1}, {3, 1, 0.8, 0.1}, {1, 0.5, 0.5, 0.5}, {3, 1, 1, 1}}};
 
 void append_pairs(const PairKind& kind, double x, Scene& scene) {
   const double reach = kind.radius + 0.5;
   for (int j = 0; j < kParameters; ++j) {
     const double y = 60.0 * j - 600, b = 0.049 * j * reach;
     BodyDesc target = disc({x, y}, {0, 0}, material(kind.restitution, kind.friction), kind.radius);
-    BodyDesc comer =
-        disc({x - reach - 2.03, y + b}, {kSpeed, 0}, material(kind.restitution, kind.friction));
+    BodyDesc comer = disc({x - reach - 2.03, y + b}, {kSpeed, 0}, material(kind.restitution, kind.friction));
     target.mass = kind.mass_ratio;
     comer.mass = 1;
     scene.bodies.push_back(target);
@@ -67,8 +64,8 @@ Misses misses_of(Run& run) {
   Misses misses;
   for (std::size_t k = 0; k < run.model().bodies.size(); k += 2) {
     const BodyDesc &a = run.model().bodies[k], &b = run.model().bodies[k + 1];
-    const auto truth = reference::collide(reference_disc(a), reference_disc(b),
-                                          a.material.restitution, a.material.friction);
+    const auto truth =
+        reference::collide(reference_disc(a), reference_disc(b), a.material.restitution, a.material.friction);
     misses.add(truth.a, run.body(k));
     misses.add(truth.b, run.body(k + 1));
   }
@@ -116,8 +113,8 @@ Scene thrown_at_wall() {
   scene.bodies = {ground(m, 150)};
   for (std::size_t k = 0; k < kWallAngles.size(); ++k) {
     const double angle = kWallAngles[k] * std::numbers::pi / 180;
-    scene.bodies.push_back(disc({40.0 * static_cast<double>(k) - 90, 2.5},
-                                {kSpeed * std::sin(angle), -kSpeed * std::cos(angle)}, m));
+    scene.bodies.push_back(
+        disc({40.0 * static_cast<double>(k) - 90, 2.5}, {kSpeed * std::sin(angle), -kSpeed * std::cos(angle)}, m));
   }
   return scene;
 }

@@ -50,8 +50,7 @@ std::vector<double> measure_pendulum(Run& run) {
 Case pendulum() {
   Case c;
   c.name = "pendulum";
-  c.shows =
-      "a mass on a rod of 1 m from 90 degrees: ten periods, the height left, the rod's length";
+  c.shows = "a mass on a rod of 1 m from 90 degrees: ten periods, the height left, the rod's length";
   c.quantities = {{"pendulum-period", "relative", "analytic", {{4, 5e-4}}},
                   {"pendulum-height", "of the length", "analytic", {{4, 5e-3}}},
                   {"pendulum-length", "m", "analytic", {{4, 5e-5}}}};
@@ -85,12 +84,10 @@ Case double_pendulum() {
     return scene;
   };
   c.measure = [](Run& run) -> std::vector<double> {
-    const auto truth =
-        reference::DoublePendulum{1, 1, 0, kGravity}.after(1, {kPi / 2, kPi / 2, 0, 0});
+    const auto truth = reference::DoublePendulum{1, 1, 0, kGravity}.after(1, {kPi / 2, kPi / 2, 0, 0});
     run.seconds(1);
     const BodyState &p = run.body(1), &q = run.body(2);
-    return {std::max(off(std::atan2(p.x, -p.y), truth[0]),
-                     off(std::atan2(q.x - p.x, p.y - q.y), truth[1]))};
+    return {std::max(off(std::atan2(p.x, -p.y), truth[0]), off(std::atan2(q.x - p.x, p.y - q.y), truth[1]))};
   };
   return c;
 }
@@ -117,8 +114,7 @@ Case double_rods() {
     const reference::DoublePendulum rods{1, 0.5, (1 + kRodWidth * kRodWidth) / 12, kGravity};
     const auto truth = rods.after(1, {kPi / 2, kPi / 2, 0, 0});
     run.seconds(1);
-    return {std::max(off(run.body(1).angle + kPi / 2, truth[0]),
-                     off(run.body(2).angle + kPi / 2, truth[1]))};
+    return {std::max(off(run.body(1).angle + kPi / 2, truth[0]), off(run.body(2).angle + kPi / 2, truth[1]))};
   };
   return c;
 }
@@ -154,8 +150,7 @@ std::vector<double> measure_oscillator(Run& run) {
 Case oscillator() {
   Case c;
   c.name = "oscillator";
-  c.shows =
-      "a mass on a spring of 1 Hz: the amplitude after 100 periods, its place during the first";
+  c.shows = "a mass on a spring of 1 Hz: the amplitude after 100 periods, its place during the first";
   c.quantities = {{"oscillator-amplitude", "relative", "analytic", {{4, 1e-3}}},
                   {"oscillator-place", "of the amplitude", "analytic", {{4, 1e-2}}}};
   c.scale = Scale::large;
@@ -198,8 +193,7 @@ Case hanging_chain() {
   Case c;
   c.name = "chain";
   c.shows = "20 rods, 12 m in all, hung up 10 m apart: sag and longest stretch of a rod after 30 s";
-  c.quantities = {{"chain-sag", "m", "analytic", {{4, 1e-4}}},
-                  {"chain-stretch", "of a link", "analytic", {{4, 1e-3}}}};
+  c.quantities = {{"chain-sag", "m", "analytic", {{4, 1e-4}}}, {"chain-stretch", "of a link", "analytic", {{4, 1e-3}}}};
   c.scale = Scale::large;
   c.scene = chain;
   c.measure = [](Run& run) -> std::vector<double> {

@@ -51,8 +51,7 @@ Case kepler() {
   c.measure = [](Run& run) -> std::vector<double> {
     const Drift drift = follow_orbit(run, static_cast<int>(kOrbits * kOrbit.period() * kFrameRate));
     const auto truth = kOrbit.position(run.time());
-    return {drift.energy, drift.momentum,
-            std::hypot(run.body(0).x - truth.x, run.body(0).y - truth.y)};
+    return {drift.energy, drift.momentum, std::hypot(run.body(0).x - truth.x, run.body(0).y - truth.y)};
   };
   return c;
 }

@@ -19,8 +19,7 @@ Scene column() {
   Scene scene = open_scene(100);
   scene.bodies = {disc({0, 0}, {0, 0}, material(0))};
   scene.bodies[0].type = BodyType::static_body;
-  for (int k = 1; k <= kColumn; ++k)
-    scene.bodies.push_back(disc({0, 1.0 * k}, {0, 0}, material(0)));
+  for (int k = 1; k <= kColumn; ++k) scene.bodies.push_back(disc({0, 1.0 * k}, {0, 0}, material(0)));
   return scene;
 }
 
@@ -35,8 +34,7 @@ std::vector<double> measure_column(Run& run) {
     const double above = static_cast<double>(kColumn + 1 - k) * mass_of(run.model().bodies[k]);
     expected += above * kGravity * (run.body(k).y - run.body(k - 1).y);
   }
-  return {std::abs((run.simulation().virial() - before) / expected - 1), deepest(run) / kDiameter,
-          rms_speed(run)};
+  return {std::abs((run.simulation().virial() - before) / expected - 1), deepest(run) / kDiameter, rms_speed(run)};
 }
 
 Case column_case() {
@@ -69,8 +67,7 @@ Case heavy(int ratio, double limit) {
   const std::string name = "heavy-" + std::to_string(ratio);
   Case c;
   c.name = name;
-  c.shows = "a disc on one that is " + std::to_string(ratio) +
-            " times lighter: overlap and motion after 10 s";
+  c.shows = "a disc on one that is " + std::to_string(ratio) + " times lighter: overlap and motion after 10 s";
   c.quantities = {{name + "-penetration", "of a radius", "analytic", {{4, limit}}},
                   {name + "-speed", "m/s", "analytic", {{4, 1e-3}}}};
   c.scene = [ratio] { return heavy_on_light(ratio); };
@@ -112,8 +109,7 @@ std::vector<double> measure_pile(Run& run) {
 Case pile_case() {
   Case c;
   c.name = "pile";
-  c.shows =
-      "1000 discs dropped 2 cm apart: overlap and motion after 20 s, energy gained on the way";
+  c.shows = "1000 discs dropped 2 cm apart: overlap and motion after 20 s, energy gained on the way";
   // Which pile it becomes is chance: any change of order makes another one.
   c.quantities = {{"pile-penetration", "of a diameter, p99", "analytic", {{4, 0.02}, {8, 0.008}}},
                   {"pile-speed", "m/s, rms", "analytic", {{4, 5e-3}, {8, 5e-3}}},

@@ -45,8 +45,7 @@ Scene stack(int count, double stagger = 0) {
   return scene;
 }
 
-Case standing(const std::string& name, std::string shows, double height_limit,
-              double sideways_limit) {
+Case standing(const std::string& name, std::string shows, double height_limit, double sideways_limit) {
   Case c;
   c.name = name;
   c.shows = std::move(shows);
@@ -70,22 +69,20 @@ Case stack_case(int count, double limit) {
 }
 
 Case staggered() {
-  Case c =
-      standing("staggered-20",
-               "20 boxes, every other one 10 cm to the right: the top's height, the largest way "
-               "sideways and motion after 10 s",
-               0.01, 0.01);
+  Case c = standing("staggered-20",
+                    "20 boxes, every other one 10 cm to the right: the top's height, the largest way "
+                    "sideways and motion after 10 s",
+                    0.01, 0.01);
   c.scene = [] { return stack(20, 0.1); };
   return c;
 }
 
 Case loaded(int ratio, double limit) {
   const std::string n = std::to_string(ratio);
-  Case c =
-      standing("loaded-" + n,
-               "five boxes under one that is " + n +
-                   " times heavier: its height, the largest way sideways and motion after 10 s",
-               limit, 1e-3);
+  Case c = standing("loaded-" + n,
+                    "five boxes under one that is " + n +
+                        " times heavier: its height, the largest way sideways and motion after 10 s",
+                    limit, 1e-3);
   c.scene = [ratio] {
     Scene scene = stack(5);
     scene.bodies.push_back(box({0, 5.5}, {1, 1}, kGrip, ratio));
@@ -101,8 +98,8 @@ Case two_legs() {
                     0.02, 1e-3);
   c.scene = [] {
     Scene scene = open_scene(200);
-    scene.bodies = {floor_box(kGrip), box({-1, 0.5}, {1, 1}, kGrip, 1),
-                    box({1, 0.5}, {1, 1}, kGrip, 1), box({0, 1.5}, {3, 1}, kGrip, 1000)};
+    scene.bodies = {floor_box(kGrip), box({-1, 0.5}, {1, 1}, kGrip, 1), box({1, 0.5}, {1, 1}, kGrip, 1),
+                    box({0, 1.5}, {3, 1}, kGrip, 1000)};
     return scene;
   };
   return c;

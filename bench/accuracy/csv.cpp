@@ -15,9 +15,7 @@ std::string shortest(double value) {
 
 std::string rounded(double value, int digits) {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                 std::chars_format::general, digits)
-                       .ptr;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits).ptr;
   return {text.data(), end};
 }
 
@@ -37,11 +35,10 @@ void write_header(std::ostream& out) {
 
 void write_row(std::ostream& out, const Row& row) {
   const Setting& s = row.setting;
-  out << row.quantity->name << ',' << row.engine->name << ','
-      << quoted(s.curve + (s.is_default ? " default" : "")) << ',' << shortest(s.h()) << ','
-      << s.iterations << ',' << rounded(row.seconds_per_sim_second, 4) << ','
-      << rounded(row.row_visits, 4) << ',' << rounded(row.error, 6) << ','
-      << quoted(row.quantity->unit) << ',' << quoted(row.quantity->reference) << '\n';
+  out << row.quantity->name << ',' << row.engine->name << ',' << quoted(s.curve + (s.is_default ? " default" : ""))
+      << ',' << shortest(s.h()) << ',' << s.iterations << ',' << rounded(row.seconds_per_sim_second, 4) << ','
+      << rounded(row.row_visits, 4) << ',' << rounded(row.error, 6) << ',' << quoted(row.quantity->unit) << ','
+      << quoted(row.quantity->reference) << '\n';
 }
 
 }  // namespace psim::accuracy

@@ -17,7 +17,7 @@ namespace psim::accuracy {
 /// How an engine is asked to run. A frame is `steps` calls of the engine, each divided by the engine
 /// itself into `substeps`.
 struct Setting {
-  std::string curve;  ///< what is not h or iterations: integrator, variant, contact setting
+  std::string curve;                ///< what is not h or iterations: integrator, variant, contact setting
   double frame = 1.0 / kFrameRate;  ///< s
   int steps = 1;
   int substeps = 1;
@@ -63,7 +63,7 @@ enum class Scale { small, large };
 struct Engine {
   std::string name;
   std::string version;
-  std::string absent;  ///< why it is not here and what would bring it; empty if it is
+  std::string absent;                                ///< why it is not here and what would bring it; empty if it is
   std::function<std::string(const Model&)> refuses;  ///< why it cannot run a scene; empty if it can
   std::function<std::unique_ptr<Simulation>(const Model&, const Setting&)> make;
   std::function<std::vector<Setting>(Effort, Scale)> settings;

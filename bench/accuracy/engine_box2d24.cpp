@@ -29,8 +29,7 @@ class Box2dSimulation : public Simulation {
   void advance() override {
     for (int k = 0; k < setting_.steps; ++k) {
       if (!model_->scene.world.fields.empty()) apply_fields();
-      world_.Step(static_cast<float>(setting_.h()), setting_.iterations,
-                  setting_.position_iterations);
+      world_.Step(static_cast<float>(setting_.h()), setting_.iterations, setting_.position_iterations);
       if (watched_) virial_ += step_virial();
     }
   }
@@ -71,8 +70,7 @@ class Box2dSimulation : public Simulation {
   double virial() const override { return virial_; }
 
  private:
-  b2FixtureDef fixture(const b2Shape& shape, const Material& material,
-                       const Filter& filter = {}) const {
+  b2FixtureDef fixture(const b2Shape& shape, const Material& material, const Filter& filter = {}) const {
     b2FixtureDef def;
     def.filter.categoryBits = static_cast<uint16>(filter.category);
     def.filter.maskBits = static_cast<uint16>(filter.mask);
@@ -152,8 +150,7 @@ class Box2dSimulation : public Simulation {
       const Vec2 in = direction(v[(k + v.size() - 1) % v.size()], v[k]);
       const Vec2 out = direction(v[k], v[(k + 1) % v.size()]);
       const double reach = skin / (in.x * out.y - in.y * out.x);
-      corners.push_back(
-          to_box2d({v[k].x + reach * (out.x - in.x), v[k].y + reach * (out.y - in.y)}));
+      corners.push_back(to_box2d({v[k].x + reach * (out.x - in.x), v[k].y + reach * (out.y - in.y)}));
     }
     return corners;
   }
@@ -214,11 +211,10 @@ class Box2dSimulation : public Simulation {
   double step_virial() const {
     double sum = 0;
     for (const b2Contact* c = world_.GetContactList(); c; c = c->GetNext()) {
-      const bool discs = c->GetFixtureA()->GetType() == b2Shape::e_circle &&
-                         c->GetFixtureB()->GetType() == b2Shape::e_circle;
+      const bool discs =
+          c->GetFixtureA()->GetType() == b2Shape::e_circle && c->GetFixtureB()->GetType() == b2Shape::e_circle;
       if (!discs || c->GetManifold()->pointCount == 0) continue;
-      const b2Vec2 between =
-          c->GetFixtureB()->GetBody()->GetPosition() - c->GetFixtureA()->GetBody()->GetPosition();
+      const b2Vec2 between = c->GetFixtureB()->GetBody()->GetPosition() - c->GetFixtureA()->GetBody()->GetPosition();
       sum += static_cast<double>(c->GetManifold()->points[0].normalImpulse * between.Length());
     }
     return sum;

@@ -66,8 +66,7 @@ class Box2d3Simulation : public Simulation {
 
   // Warm start, solve and relax every substep, restitution once a step.
   double row_visits() const override {
-    return (contacts().points * (3 * setting_.substeps + 1) +
-            joint_rows(*model_) * 3 * setting_.substeps) *
+    return (contacts().points * (3 * setting_.substeps + 1) + joint_rows(*model_) * 3 * setting_.substeps) *
            setting_.steps;
   }
 
@@ -99,8 +98,8 @@ class Box2d3Simulation : public Simulation {
     const bool both = b2Body_GetType(a) == b2_dynamicBody && b2Body_GetType(b) == b2_dynamicBody;
     const double share = both ? 0.5 : 1;
     sum.points += share * contact.manifold.pointCount;
-    const bool discs = b2Shape_GetType(contact.shapeIdA) == b2_circleShape &&
-                       b2Shape_GetType(contact.shapeIdB) == b2_circleShape;
+    const bool discs =
+        b2Shape_GetType(contact.shapeIdA) == b2_circleShape && b2Shape_GetType(contact.shapeIdB) == b2_circleShape;
     if (!discs || contact.manifold.pointCount == 0) return;
     const double distance = b2Distance(b2Body_GetPosition(a), b2Body_GetPosition(b));
     sum.virial += share * setting_.substeps * distance * contact.manifold.points[0].normalImpulse;
@@ -160,8 +159,8 @@ class Box2d3Simulation : public Simulation {
       b2CreatePolygonShape(body, &surface, &polygon);
     } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
       surface.density = static_cast<float>(mass_of(desc) / area_of(desc));
-      const b2Polygon polygon = b2MakeBox(0.5f * static_cast<float>(sides->width),
-                                          0.5f * static_cast<float>(sides->height));
+      const b2Polygon polygon =
+          b2MakeBox(0.5f * static_cast<float>(sides->width), 0.5f * static_cast<float>(sides->height));
       b2CreatePolygonShape(body, &surface, &polygon);
     } else {
       const double r = radius_of(desc);
@@ -250,8 +249,8 @@ Setting setting_of(const char* curve, int steps, int substeps) {
 // Forces from outside act once a step: where they change, steps are what counts, not substeps.
 std::vector<Setting> box2d3_settings(Effort effort, Scale scale) {
   if (effort == Effort::quick) {
-    return {setting_of("soft", 1, 1), setting_of("soft", 1, kDefaultSubsteps),
-            setting_of("soft", 1, 8), setting_of("soft short-frames-1", 4, 1)};
+    return {setting_of("soft", 1, 1), setting_of("soft", 1, kDefaultSubsteps), setting_of("soft", 1, 8),
+            setting_of("soft short-frames-1", 4, 1)};
   }
   const bool small = scale == Scale::small;
   std::vector<Setting> settings;
@@ -276,8 +275,8 @@ Engine box2d3_engine() {
   const b2Version version = b2GetVersion();
   Engine engine;
   engine.name = "box2d3";
-  engine.version = std::to_string(version.major) + '.' + std::to_string(version.minor) + '.' +
-                   std::to_string(version.revision);
+  engine.version =
+      std::to_string(version.major) + '.' + std::to_string(version.minor) + '.' + std::to_string(version.revision);
   engine.refuses = [](const Model& model) {
     return refusal(model, {.fields = true,
                            .segments = true,

@@ -150,12 +150,10 @@ class ChipmunkSimulation : public Simulation {
 
   void add_walls() {
     const Bounds& b = model_->scene.world.bounds;
-    const std::array<cpVect, 4> corners = {
-        {{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}};
+    const std::array<cpVect, 4> corners = {{{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}}};
     for (std::size_t k = 0; k < 4; ++k) {
       cpBody* fixed = cpSpaceGetStaticBody(space_.get());
-      add_shape(cpSegmentShapeNew(fixed, corners[k], corners[(k + 1) % 4], 0),
-                model_->scene.world.wall);
+      add_shape(cpSegmentShapeNew(fixed, corners[k], corners[(k + 1) % 4], 0), model_->scene.world.wall);
     }
   }
 
@@ -182,15 +180,14 @@ class ChipmunkSimulation : public Simulation {
       cpBodySetVelocityUpdateFunc(body, update_velocity_in_fields);
     }
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
-      add_shape(cpSegmentShapeNew(body, to_chipmunk(line->p1), to_chipmunk(line->p2), 0),
-                desc.material, desc.filter);
+      add_shape(cpSegmentShapeNew(body, to_chipmunk(line->p1), to_chipmunk(line->p2), 0), desc.material, desc.filter);
     } else if (const auto* sides = std::get_if<BoxShape>(&desc.shape)) {
       add_shape(cpBoxShapeNew(body, sides->width, sides->height, 0), desc.material, desc.filter);
     } else if (const auto* polygon = std::get_if<PolygonShape>(&desc.shape)) {
       std::vector<cpVect> corners;
       for (const Vec2 v : polygon->vertices) corners.push_back(to_chipmunk(v));
-      add_shape(cpPolyShapeNewRaw(body, static_cast<int>(corners.size()), corners.data(), 0),
-                desc.material, desc.filter);
+      add_shape(cpPolyShapeNewRaw(body, static_cast<int>(corners.size()), corners.data(), 0), desc.material,
+                desc.filter);
     } else {
       add_shape(cpCircleShapeNew(body, radius_of(desc), cpvzero), desc.material, desc.filter);
     }
@@ -204,8 +201,7 @@ class ChipmunkSimulation : public Simulation {
     if (joint.type == JointType::revolute) {
       made = cpPivotJointNew2(a, b, at_a, at_b);
     } else if (joint.type == JointType::spring) {
-      made = cpDampedSpringNew(a, b, at_a, at_b, length_of(*model_, scene_joint), joint.stiffness,
-                               joint.damping);
+      made = cpDampedSpringNew(a, b, at_a, at_b, length_of(*model_, scene_joint), joint.stiffness, joint.damping);
     } else if (joint.type == JointType::rope) {
       made = cpSlideJointNew(a, b, at_a, at_b, 0, length_of(*model_, scene_joint));
     } else {
@@ -242,8 +238,7 @@ std::vector<Setting> chipmunk_settings(Effort effort, Scale scale) {
   std::vector<Setting> settings;
   if (effort == Effort::quick) {
     for (const double slop : {kDefaultSlop, kTightSlop}) {
-      for (const int steps : {1, 4})
-        settings.push_back(setting_of(slop, kDefaultIterations, steps));
+      for (const int steps : {1, 4}) settings.push_back(setting_of(slop, kDefaultIterations, steps));
     }
     return settings;
   }
@@ -251,10 +246,8 @@ std::vector<Setting> chipmunk_settings(Effort effort, Scale scale) {
     for (const int iterations : {1, 2, 4, 8, kDefaultIterations, 16}) {
       for (const int steps : {1, 2, 4, 8, 16, 32, 64}) {
         const bool usual = iterations == kDefaultIterations;
-        const bool sparse =
-            steps > 16 || (!usual && ((steps != 1 && steps != 4) || slop == kTightSlop));
-        if (scale == Scale::small || !sparse)
-          settings.push_back(setting_of(slop, iterations, steps));
+        const bool sparse = steps > 16 || (!usual && ((steps != 1 && steps != 4) || slop == kTightSlop));
+        if (scale == Scale::small || !sparse) settings.push_back(setting_of(slop, iterations, steps));
       }
     }
   }
@@ -286,12 +279,8 @@ Engine chipmunk_engine() {
   engine.name = "chipmunk";
   engine.version = cpVersionString;
   engine.refuses = [](const Model& model) {
-    return refusal(model, {.fields = true,
-                           .segments = true,
-                           .polygons = true,
-                           .rods = true,
-                           .springs = true,
-                           .ropes = true});
+    return refusal(model,
+                   {.fields = true, .segments = true, .polygons = true, .rods = true, .springs = true, .ropes = true});
   };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<ChipmunkSimulation>(model, setting);

@@ -41,15 +41,8 @@ class PsimSimulation : public Simulation {
     const PublishedState s = world_->published();
     bodies.clear();
     for (std::size_t k = 0; k < s.id.size(); ++k) {
-      bodies.push_back({{s.id[k], 0},
-                        s.x[k],
-                        s.y[k],
-                        s.angle[k],
-                        s.vx[k],
-                        s.vy[k],
-                        s.omega[k],
-                        s.radius[k],
-                        s.type[k]});
+      bodies.push_back(
+          {{s.id[k], 0}, s.x[k], s.y[k], s.angle[k], s.vx[k], s.vy[k], s.omega[k], s.radius[k], s.type[k]});
     }
   }
 
@@ -57,9 +50,7 @@ class PsimSimulation : public Simulation {
     world_->set_velocity(world_->id_of(static_cast<std::uint32_t>(body)), velocity, omega);
   }
 
-  double row_visits() const override {
-    return points_ * passes_ * static_cast<double>(rows_) + joint_visits_;
-  }
+  double row_visits() const override { return points_ * passes_ * static_cast<double>(rows_) + joint_visits_; }
   double virial() const override { return virial_; }
 
  private:

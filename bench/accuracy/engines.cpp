@@ -28,14 +28,11 @@ Engine box2d3_engine() {
 #endif
 #ifndef PSIM_WITH_CHIPMUNK
 Engine chipmunk_engine() {
-  return absent_engine("chipmunk", "7",
-                       "not built in: apt install libchipmunk-dev, configure again");
+  return absent_engine("chipmunk", "7", "not built in: apt install libchipmunk-dev, configure again");
 }
 #endif
 
-std::vector<Engine> all_engines() {
-  return {psim_engine(), box2d24_engine(), box2d3_engine(), chipmunk_engine()};
-}
+std::vector<Engine> all_engines() { return {psim_engine(), box2d24_engine(), box2d3_engine(), chipmunk_engine()}; }
 
 int usable_threads() {
   cpu_set_t mine;  // hardware_concurrency would count cores that this process is kept off

@@ -11,9 +11,7 @@
 namespace psim::accuracy {
 
 /// Of the square that so many discs fill to that packing, m.
-inline double side_of(int count, double packing) {
-  return std::sqrt(count * std::numbers::pi * 0.25 / packing);
-}
+inline double side_of(int count, double packing) { return std::sqrt(count * std::numbers::pi * 0.25 / packing); }
 
 /// Over the square from (margin, margin); velocities uniform in +-speed on each axis, m/s.
 inline GroupDesc lattice(int count, double side, double margin, double speed, std::uint64_t seed) {

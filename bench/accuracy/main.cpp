@@ -20,11 +20,11 @@
 #include <string>
 #include <vector>
 
-#include "../../src/psim/atomic_file.h"
 #include "calibrate.h"
 #include "case.h"
 #include "csv.h"
 #include "engine.h"
+#include "output/atomic_file.h"
 #include "report_stress.h"
 #include "sweep.h"
 
@@ -79,8 +79,7 @@ void keep(const std::vector<std::string>& wanted, const char* what, std::vector<
     throw std::invalid_argument("no " + std::string(what) + " '" + name + "'; there are:" + known);
   }
   if (wanted.empty()) return;
-  std::erase_if(from,
-                [&](const T& t) { return std::ranges::find(wanted, t.name) == wanted.end(); });
+  std::erase_if(from, [&](const T& t) { return std::ranges::find(wanted, t.name) == wanted.end(); });
 }
 
 bool is_rigid(const Case& of) {
@@ -161,8 +160,7 @@ int run(const Options& options) {
     file->commit();
   };
   if (options.stress) {
-    const int missed =
-        report_stress(engines, options.effort(), std::cout, file ? &rows : nullptr);
+    const int missed = report_stress(engines, options.effort(), std::cout, file ? &rows : nullptr);
     keep_rows();
     if (missed > 0) std::fprintf(stderr, "accuracy: psim misses %d limits\n", missed);
     return missed == 0 && std::cout ? 0 : 1;
@@ -187,12 +185,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Errors against truths, beside the time they cost.", "accuracy");
   app.add_flag("--list", options.list, "engines and cases; runs nothing");
-  app.add_option("--case", options.cases, "only this case; may be given again")
-      ->allow_extra_args(false);
-  app.add_option("--engine", options.engines, "only this engine; may be given again")
-      ->allow_extra_args(false);
-  app.add_option("--kind", options.kind,
-                 "only cases of discs alone, or only those with boxes or joints")
+  app.add_option("--case", options.cases, "only this case; may be given again")->allow_extra_args(false);
+  app.add_option("--engine", options.engines, "only this engine; may be given again")->allow_extra_args(false);
+  app.add_option("--kind", options.kind, "only cases of discs alone, or only those with boxes or joints")
       ->check(CLI::IsMember({"discs", "rigid"}));
   app.add_flag("--quick", options.quick, "few settings, shorter cases: under three minutes");
   app.add_flag("--stress", options.stress, "table of how far the engines can be driven, no cases");
@@ -200,8 +195,7 @@ int main(int argc, char** argv) {
                "measures what psim --target-error and --target-ms choose from, into "
                "docs/data/calibration.csv or --output");
   app.add_option("--output", options.output, "CSV file instead of stdout; complete or not there");
-  app.add_option("--write-scenes", options.scenes,
-                 "writes the cases' scene files into this folder and ends");
+  app.add_option("--write-scenes", options.scenes, "writes the cases' scene files into this folder and ends");
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {

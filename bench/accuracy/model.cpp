@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include "links.h"
+#include "place/links.h"
 
 namespace psim::accuracy {
 namespace {
@@ -63,11 +63,9 @@ Area area_of(const PolygonShape& polygon) {
 }  // namespace
 
 Model make_model(const Scene& scene) {
-  const bool linked =
-      std::ranges::any_of(scene.groups, [](const GroupDesc& g) { return g.links.has_value(); });
+  const bool linked = std::ranges::any_of(scene.groups, [](const GroupDesc& g) { return g.links.has_value(); });
   std::string error;
-  auto parsed =
-      parse_scene(scene_to_json(linked ? without_groups(scene) : scene), scene.name, error);
+  auto parsed = parse_scene(scene_to_json(linked ? without_groups(scene) : scene), scene.name, error);
   if (!parsed) throw std::runtime_error(error);
   Model model{std::move(*parsed), {}};
   model.bodies = model.scene.bodies;
@@ -87,9 +85,7 @@ double area_of(const BodyDesc& body) {
   return std::numbers::pi * r * r;
 }
 
-double mass_of(const BodyDesc& body) {
-  return body.mass > 0 ? body.mass : body.material.density * area_of(body);
-}
+double mass_of(const BodyDesc& body) { return body.mass > 0 ? body.mass : body.material.density * area_of(body); }
 
 double inertia_of(const BodyDesc& body) {
   if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
@@ -114,16 +110,13 @@ std::optional<Rectangle> rectangle_of(const PolygonShape& polygon) {
   const auto& v = polygon.vertices;
   const double left = std::min(v[0].x, v[2].x), right = std::max(v[0].x, v[2].x);
   const double low = std::min(v[0].y, v[2].y), high = std::max(v[0].y, v[2].y);
-  const auto is_corner = [&](Vec2 p) {
-    return (p.x == left || p.x == right) && (p.y == low || p.y == high);
-  };
+  const auto is_corner = [&](Vec2 p) { return (p.x == left || p.x == right) && (p.y == low || p.y == high); };
   if (!std::ranges::all_of(v, is_corner)) return {};
   return Rectangle{{(left + right) / 2, (low + high) / 2}, right - left, high - low};
 }
 
 bool has_boxes(const Model& model) {
-  return std::ranges::any_of(
-      model.bodies, [](const BodyDesc& b) { return std::holds_alternative<BoxShape>(b.shape); });
+  return std::ranges::any_of(model.bodies, [](const BodyDesc& b) { return std::holds_alternative<BoxShape>(b.shape); });
 }
 
 double length_of(const Model& model, const SceneJoint& joint) {
@@ -139,8 +132,7 @@ double length_of(const Model& model, const SceneJoint& joint) {
 
 int joint_rows(const Model& model) {
   int rows = 0;
-  for (const SceneJoint& j : model.scene.joints)
-    rows += j.joint.type == JointType::revolute ? 2 : 1;
+  for (const SceneJoint& j : model.scene.joints) rows += j.joint.type == JointType::revolute ? 2 : 1;
   return rows;
 }
 
@@ -186,9 +178,7 @@ BodyDesc segment(Vec2 p1, Vec2 p2, Material surface) {
   return body;
 }
 
-BodyDesc ground(Material surface, double half_length) {
-  return segment({-half_length, 0}, {half_length, 0}, surface);
-}
+BodyDesc ground(Material surface, double half_length) { return segment({-half_length, 0}, {half_length, 0}, surface); }
 
 BodyDesc box(Vec2 position, Vec2 size, Material surface, double mass) {
   BodyDesc body;
@@ -211,8 +201,7 @@ BodyDesc peg(Vec2 position) {
   return body;
 }
 
-SceneJoint& join(Scene& scene, JointType type, std::size_t a, std::size_t b, Vec2 anchor_a,
-                 Vec2 anchor_b) {
+SceneJoint& join(Scene& scene, JointType type, std::size_t a, std::size_t b, Vec2 anchor_a, Vec2 anchor_b) {
   SceneJoint& made = scene.joints.emplace_back();
   made.a = a;
   made.b = b;

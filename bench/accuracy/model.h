@@ -45,9 +45,7 @@ int joint_rows(const Model& model);
 
 // ---- scenes in few words ----------------------------------------------------------------------
 
-inline Material material(double restitution, double friction = 0) {
-  return {1, restitution, friction};
-}
+inline Material material(double restitution, double friction = 0) { return {1, restitution, friction}; }
 /// Open, and so large that nothing leaves.
 Scene open_scene(double half_size, Vec2 gravity = {0, -kGravity});
 /// Walls from (0, 0) to (width, height), of the given material.
@@ -65,7 +63,6 @@ BodyDesc floor_box(Material surface, double half_length = 50);
 /// A static disc of 1 cm to hang things on.
 BodyDesc peg(Vec2 position);
 /// Ties two bodies of the scene together, by their numbers in it.
-SceneJoint& join(Scene& scene, JointType type, std::size_t a, std::size_t b, Vec2 anchor_a = {},
-                 Vec2 anchor_b = {});
+SceneJoint& join(Scene& scene, JointType type, std::size_t a, std::size_t b, Vec2 anchor_a = {}, Vec2 anchor_b = {});
 
 }  // namespace psim::accuracy

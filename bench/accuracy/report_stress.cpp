@@ -68,10 +68,9 @@ double worst(const Places& places, Measure measure) {
 constexpr std::array<double, 2> kInelasticAndElastic = {0, 1};
 
 void append_steps(Figures& all) {
-  all.push_back(
-      {"S1", "largest-stable-step", "s", Bound::at_least, 1.0 / 30,
-       [](const Start& s) { return largest_stable_step(s); }, false,
-       "225 discs land, rest (below 5 cm/s) and overlap by less than a tenth of a diameter"});
+  all.push_back({"S1", "largest-stable-step", "s", Bound::at_least, 1.0 / 30,
+                 [](const Start& s) { return largest_stable_step(s); }, false,
+                 "225 discs land, rest (below 5 cm/s) and overlap by less than a tenth of a diameter"});
   all.push_back({"S1", "long-steps-energy-gain", "of the start's", Bound::at_most, 0.01,
                  [](const Start& s) {
                    return worst(std::array{1.0 / 15, 0.1, 1.0}, [&s](double dt) {
@@ -103,8 +102,7 @@ void append_masses(Figures& all) {
                                 [&s](double ratio) { return elastic_pair_error(ratio, s); });
                  },
                  false, "oblique elastic impacts, mass ratios 1e-6 to 1e6"});
-  all.push_back({"S2", "gravel-speed", "m/s", Bound::at_most, 30,
-                 [](const Start& s) { return gravel_speed(s); }, false,
+  all.push_back({"S2", "gravel-speed", "m/s", Bound::at_most, 30, [](const Start& s) { return gravel_speed(s); }, false,
                  "fastest stone under a disc of 160,000 times its mass"});
 }
 
@@ -113,37 +111,33 @@ void append_overlaps(bool quick, Figures& all) {
                  [](const Start& s) { return one_point(100, s).speed; }, false,
                  "the fastest of 100 discs at one point, after 2 s"});
   all.push_back({"S3", "100-at-one-point-momentum", "of all momenta", Bound::at_most, 1e-5,
-                 [](const Start& s) { return one_point(100, s).momentum; }, false,
-                 "momentum that they gain together"});
+                 [](const Start& s) { return one_point(100, s).momentum; }, false, "momentum that they gain together"});
   all.push_back({"S3", "100-at-one-point-overlap", "of a diameter", Bound::at_most, 0.01,
                  [](const Start& s) { return one_point(100, s).overlap; }, false,
                  "the deepest overlap of them, after 2 s"});
   if (!quick) {  // other engines take minutes: half a million contacts
     all.push_back({"S3", "1000-at-one-point-speed", "m/s", Bound::at_most, 1000,
-                   [](const Start& s) { return one_point(1000, s).speed; }, true,
-                   "the same of 1000"});
+                   [](const Start& s) { return one_point(1000, s).speed; }, true, "the same of 1000"});
   }
   all.push_back({"S4", "overlapping-pair-speed", "m/s", Bound::at_most, 1e-3,
                  [](const Start& s) {
                    return worst(std::array{0.1, 0.5, 0.9}, [&s](double overlap) {
-                     return std::max(speed_from_overlap(overlap, 0, 1, s),
-                                     speed_from_overlap(overlap, 1, 1000, s));
+                     return std::max(speed_from_overlap(overlap, 0, 1, s), speed_from_overlap(overlap, 1, 1000, s));
                    });
                  },
                  false, "two discs at rest that begin 10, 50 or 90 % in each other leave at"});
   all.push_back({"S4", "overlapping-block-speed", "m/s", Bound::at_most, 30,
                  [](const Start& s) {
-                   return worst(std::array{0.1, 0.5, 0.9}, [&s](double overlap) {
-                     return speed_from_overlapping_block(overlap, 0, s);
-                   });
+                   return worst(std::array{0.1, 0.5, 0.9},
+                                [&s](double overlap) { return speed_from_overlapping_block(overlap, 0, s); });
                  },
                  false, "the fastest of 12 x 12 that do"});
-  all.push_back({"S4", "jump-from-the-ground", "m", Bound::at_most, 0.01,
-                 [](const Start& s) {
-                   return worst(std::array{0.1, 0.5, 0.9},
-                                [&s](double overlap) { return jump_from_the_ground(overlap, s); });
-                 },
-                 false, "of a disc that begins 10, 50 or 90 % of its radius in it"});
+  all.push_back(
+      {"S4", "jump-from-the-ground", "m", Bound::at_most, 0.01,
+       [](const Start& s) {
+         return worst(std::array{0.1, 0.5, 0.9}, [&s](double overlap) { return jump_from_the_ground(overlap, s); });
+       },
+       false, "of a disc that begins 10, 50 or 90 % of its radius in it"});
 }
 
 void append_extremes(Figures& all) {
@@ -160,8 +154,7 @@ void append_speeds(Figures& all) {
                  [](const Start& s) {
                    return fastest_held([&s](double v) {
                      return worst(kInelasticAndElastic, [&](double e) {
-                       return lone_discs_through_a_wall(v, 0, e, s) +
-                              lone_discs_through_a_wall(v, 1.5, e, s);
+                       return lone_discs_through_a_wall(v, 0, e, s) + lone_discs_through_a_wall(v, 1.5, e, s);
                      });
                    });
                  },
@@ -169,41 +162,37 @@ void append_speeds(Figures& all) {
   all.push_back({"S7", "wall-holds-200-to", "m/s", Bound::at_least, kNone,
                  [](const Start& s) {
                    return fastest_held([&s](double v) {
-                     return worst(kInelasticAndElastic,
-                                  [&](double e) { return discs_through_a_wall(v, e, s); });
+                     return worst(kInelasticAndElastic, [&](double e) { return discs_through_a_wall(v, e, s); });
                    });
                  },
                  false, "200 of them at different speeds"});
   all.push_back({"S7", "bullets-meet-to", "m/s", Bound::at_least, kNone,
                  [](const Start& s) {
                    return fastest_held([&s](double v) {
-                     return worst(kInelasticAndElastic,
-                                  [&](double e) { return bullets_through_each_other(v, e, s); });
+                     return worst(kInelasticAndElastic, [&](double e) { return bullets_through_each_other(v, e, s); });
                    });
                  },
                  false, "two discs of 0.1 m shot at each other"});
-  all.push_back({"S7", "inelastic-pair-energy", "of before", Bound::at_most, 1,
-                 [](const Start& s) {
-                   return worst(std::array{1.0, 4.0, 16.0},
-                                [&s](double reach) { return energy_of_inelastic_pair(reach, s); });
-                 },
-                 false,
-                 "oblique impacts with e = 0, approaching 1 to 16 diameters in 1/240 s; 1: they "
-                 "passed through each other"});
+  all.push_back(
+      {"S7", "inelastic-pair-energy", "of before", Bound::at_most, 1,
+       [](const Start& s) {
+         return worst(std::array{1.0, 4.0, 16.0}, [&s](double reach) { return energy_of_inelastic_pair(reach, s); });
+       },
+       false,
+       "oblique impacts with e = 0, approaching 1 to 16 diameters in 1/240 s; 1: they "
+       "passed through each other"});
   all.push_back({"S7", "miss-deflection", "of the speed", Bound::at_most, 1e-5,
                  [](const Start& s) {
                    return worst(std::array{1.0, 4.0, 16.0}, [&s](double reach) {
-                     return std::max(deflection_at_a_miss(reach, 1.05, s),
-                                     deflection_at_a_miss(reach, 2, s));
+                     return std::max(deflection_at_a_miss(reach, 1.05, s), deflection_at_a_miss(reach, 2, s));
                    });
                  },
                  false, "of two that pass each other by a twentieth or a whole diameter"});
 }
 
 void append_inputs(Figures& all) {
-  all.push_back({"S8", "bad-scenes-taken", "of 24", Bound::at_most, 0,
-                 [](const Start&) { return bad_scenes_taken(); }, true,
-                 "zero, negative, huge, non-finite values in a scene file"});
+  all.push_back({"S8", "bad-scenes-taken", "of 24", Bound::at_most, 0, [](const Start&) { return bad_scenes_taken(); },
+                 true, "zero, negative, huge, non-finite values in a scene file"});
   all.push_back({"S9", "bodies-changed-by-nan", "of 200", Bound::at_most, 0,
                  [](const Start&) { return bodies_changed_by_nan(); }, true,
                  "others that differ in a bit after one body got NaN"});
@@ -223,25 +212,19 @@ void append_long_runs(bool quick, Figures& all) {
   const int frames = quick ? 25'000 : 250'000;
   const std::string_view orbit = quick ? "25,000 frames, e = 0.5" : "250,000 frames, e = 0.5",
                          bounce = quick ? "25,000 frames, e = 1" : "250,000 frames, e = 1",
-                         gas = quick ? "64 elastic discs, 25,000 frames"
-                                     : "64 elastic discs, 250,000 frames",
-                         column = quick ? "top of ten discs, 25,000 frames"
-                                        : "top of ten discs, 250,000 frames";
+                         gas = quick ? "64 elastic discs, 25,000 frames" : "64 elastic discs, 250,000 frames",
+                         column = quick ? "top of ten discs, 25,000 frames" : "top of ten discs, 250,000 frames";
   const auto drift = [](const Drift& d) { return std::abs(d.change); };
   all.push_back({"S11", "orbit-energy-error", "relative", Bound::at_most, 6e-5,
-                 [frames](const Start& s) { return kepler_energy(frames, s).largest; }, false,
-                 orbit});
+                 [frames](const Start& s) { return kepler_energy(frames, s).largest; }, false, orbit});
   all.push_back({"S11", "orbit-energy-drift", "relative", Bound::at_most, 2e-5,
-                 [frames, drift](const Start& s) { return drift(kepler_energy(frames, s)); }, false,
-                 orbit});
+                 [frames, drift](const Start& s) { return drift(kepler_energy(frames, s)); }, false, orbit});
   all.push_back({"S11", "bounce-energy-error", "relative", Bound::at_most, 1e-3,
-                 [frames](const Start& s) { return bounce_energy(frames, s).largest; }, false,
-                 bounce});
+                 [frames](const Start& s) { return bounce_energy(frames, s).largest; }, false, bounce});
   all.push_back({"S11", "gas-energy-error", "relative", Bound::at_most, 1e-3,
                  [frames](const Start& s) { return gas_energy(frames, s).largest; }, false, gas});
   all.push_back({"S11", "column-creep", "m", Bound::at_most, 1e-6,
-                 [frames](const Start& s) { return stack_place(0.5, frames, s).largest; }, false,
-                 column});
+                 [frames](const Start& s) { return stack_place(0.5, frames, s).largest; }, false, column});
 }
 
 void append_rest(Figures& all) {
@@ -250,25 +233,19 @@ void append_rest(Figures& all) {
                  "instruction sets x 1, 2, 4 threads, 1,000 rough discs"});
   const auto ways = std::array{0.0, 0.5};
   all.push_back({"S13", "joints-bump", "m", Bound::at_most, 1e-4,
-                 [ways](const Start& s) {
-                   return worst(ways, [&s](double mu) { return glide(20, mu, s).bump; });
-                 },
+                 [ways](const Start& s) { return worst(ways, [&s](double mu) { return glide(20, mu, s).bump; }); },
                  false, "over 1000 segments in a line at 20 m/s, sliding and rolling"});
   all.push_back({"S13", "joints-speed-lost", "relative", Bound::at_most, 1e-6,
                  [ways](const Start& s) {
-                   return worst(ways,
-                                [&s](double mu) { return std::abs(glide(20, mu, s).speed_lost); });
+                   return worst(ways, [&s](double mu) { return std::abs(glide(20, mu, s).speed_lost); });
                  },
                  false, "on the same way"});
-  all.push_back({"S14", "orbit-return", "m", Bound::at_most, 1e-2,
-                 [](const Start& s) { return orbit_return(3770, s); }, false,
-                 "ten orbits of 10 m and, velocities reversed, ten back"});
+  all.push_back({"S14", "orbit-return", "m", Bound::at_most, 1e-2, [](const Start& s) { return orbit_return(3770, s); },
+                 false, "ten orbits of 10 m and, velocities reversed, ten back"});
   all.push_back({"S14", "bounce-return", "m", Bound::at_most, 1e-4,
-                 [](const Start& s) { return bounce_return(600, s); }, false,
-                 "10 s of elastic bouncing and back"});
-  all.push_back({"S14", "gas-return", "m", Bound::at_most, 1e-3,
-                 [](const Start& s) { return gas_return(120, s); }, false,
-                 "100 elastic discs, 2 s and back"});
+                 [](const Start& s) { return bounce_return(600, s); }, false, "10 s of elastic bouncing and back"});
+  all.push_back({"S14", "gas-return", "m", Bound::at_most, 1e-3, [](const Start& s) { return gas_return(120, s); },
+                 false, "100 elastic discs, 2 s and back"});
 }
 
 Figures all_figures(bool quick) {
@@ -324,8 +301,7 @@ Setting usual_setting(const Engine& engine) {
 }
 
 Start start_of(const Engine& engine) {
-  return [&engine,
-          setting = usual_setting(engine)](const Model& model) -> std::unique_ptr<Simulation> {
+  return [&engine, setting = usual_setting(engine)](const Model& model) -> std::unique_ptr<Simulation> {
     const std::string why = engine.refuses(model);
     if (!why.empty()) throw Unfit(why);
     Setting at = setting;
@@ -351,9 +327,7 @@ std::optional<double> value_of(const Figure& figure, const Engine& engine) {
 std::string number(double value, int digits) {
   if (std::isnan(value)) return "fails";
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                 std::chars_format::general, digits)
-                       .ptr;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits).ptr;
   return {text.data(), end};
 }
 
@@ -367,17 +341,13 @@ std::string padded(std::string_view text, std::size_t width) {
   return out;
 }
 
-std::string_view grade(const Figure& figure, double value) {
-  return figure.holds(value) ? "holds" : "misses";
-}
+std::string_view grade(const Figure& figure, double value) { return figure.holds(value) ? "holds" : "misses"; }
 
 constexpr std::size_t kEngineWidth = 18;
 
 std::string heading(const std::vector<Engine>& engines) {
-  std::string line =
-      padded("", 5) + padded("figure", 28) + padded("unit", 16) + padded("limit", 12);
-  for (const Engine& engine : engines)
-    line += padded(engine.name + ' ' + engine.version, kEngineWidth);
+  std::string line = padded("", 5) + padded("figure", 28) + padded("unit", 16) + padded("limit", 12);
+  for (const Engine& engine : engines) line += padded(engine.name + ' ' + engine.version, kEngineWidth);
   return line + "what\n";
 }
 
@@ -399,8 +369,7 @@ void write_csv(std::ostream& csv, const Figure& figure, const Engine& engine, do
 
 }  // namespace
 
-int report_stress(const std::vector<Engine>& engines, Effort effort, std::ostream& table,
-                  std::ostream* csv) {
+int report_stress(const std::vector<Engine>& engines, Effort effort, std::ostream& table, std::ostream* csv) {
   table << heading(engines) << std::flush;
   if (csv) *csv << "stress,figure,engine,value,unit,limit,grade,what\n";
   int missed = 0;

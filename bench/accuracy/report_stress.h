@@ -12,7 +12,6 @@ namespace psim::accuracy {
 /// about two minutes; `quick`: runs a tenth as long, no large crowds, 20 s. A table of it goes to
 /// `table`, a row as soon as it is known, and CSV to `csv` if that is not null. Returns how many
 /// limits psim missed.
-int report_stress(const std::vector<Engine>& engines, Effort effort, std::ostream& table,
-                  std::ostream* csv);
+int report_stress(const std::vector<Engine>& engines, Effort effort, std::ostream& table, std::ostream* csv);
 
 }  // namespace psim::accuracy

@@ -9,9 +9,7 @@
 namespace psim::accuracy {
 namespace {
 
-bool is_finite(const BodyState& b) {
-  return std::isfinite(b.x + b.y + b.angle + b.vx + b.vy + b.omega);
-}
+bool is_finite(const BodyState& b) { return std::isfinite(b.x + b.y + b.angle + b.vx + b.vy + b.omega); }
 
 bool moves(const BodyDesc& body) { return body.type == BodyType::dynamic_body; }
 
@@ -50,8 +48,7 @@ void append_images(const Bounds& b, std::vector<BodyState>& discs) {
       BodyState image = discs[k];
       image.x += i * width;
       image.y += j * height;
-      const bool near =
-          image.x < b.xmax + reach && image.y > b.ymin - reach && image.y < b.ymax + reach;
+      const bool near = image.x < b.xmax + reach && image.y > b.ymin - reach && image.y < b.ymax + reach;
       if (near) discs.push_back(image);
     }
   }
@@ -131,9 +128,8 @@ double kinetic_energy(Run& run) {
 
 double energy(Run& run) {
   const Vec2 g = run.model().scene.world.gravity;
-  return kinetic_energy(run) - sum_over(run, [g](const BodyDesc& d, const BodyState& s) {
-           return mass_of(d) * (g.x * s.x + g.y * s.y);
-         });
+  return kinetic_energy(run) -
+         sum_over(run, [g](const BodyDesc& d, const BodyState& s) { return mass_of(d) * (g.x * s.x + g.y * s.y); });
 }
 
 Vec2 momentum(Run& run) {
@@ -149,8 +145,7 @@ double angular_momentum(Run& run) {
 }
 
 double rms_speed(Run& run) {
-  const double squares =
-      sum_over(run, [](const BodyDesc&, const BodyState& s) { return s.vx * s.vx + s.vy * s.vy; });
+  const double squares = sum_over(run, [](const BodyDesc&, const BodyState& s) { return s.vx * s.vx + s.vy * s.vy; });
   return std::sqrt(squares / sum_over(run, [](const auto&, const auto&) { return 1.0; }));
 }
 

@@ -67,11 +67,9 @@ struct OnePoint {
 OnePoint one_point(int discs, const Start& start = start_psim);
 
 /// Two discs at rest that overlap by this part of a diameter: the speed they leave with, m/s.
-double speed_from_overlap(double overlap, double restitution, double mass_ratio,
-                          const Start& start = start_psim);
+double speed_from_overlap(double overlap, double restitution, double mass_ratio, const Start& start = start_psim);
 /// The same for the fastest of 12 x 12 discs.
-double speed_from_overlapping_block(double overlap, double restitution,
-                                    const Start& start = start_psim);
+double speed_from_overlapping_block(double overlap, double restitution, const Start& start = start_psim);
 /// How high a disc jumps that begins so deep (of its radius) in the ground, m.
 double jump_from_the_ground(double overlap, const Start& start = start_psim);
 
@@ -87,8 +85,7 @@ double difference_at(double x, const Start& start = start_psim);
 
 /// How many of 200 discs of radius 0.1 m, each alone in its world, pass a thin wall that they come
 /// at this fast, `angle` from the normal.
-int lone_discs_through_a_wall(double speed, double angle, double restitution,
-                              const Start& start = start_psim);
+int lone_discs_through_a_wall(double speed, double angle, double restitution, const Start& start = start_psim);
 /// How many of 200 in one world do at any time, at speeds up to this.
 int discs_through_a_wall(double speed, double restitution, const Start& start = start_psim);
 /// How many of 50 pairs shot at each other pass through each other.

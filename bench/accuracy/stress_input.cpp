@@ -24,8 +24,7 @@ Scene landing(int discs) {
   const Material rough = material(0.2, 0.3);
   Scene scene = walled_scene(60, 60, rough, {0, -kGravity});
   for (int k = 0; k < discs; ++k) {
-    scene.bodies.push_back(
-        disc({1 + 1.05 * (k % 20) + 0.01 * (k / 20), 1 + 1.05 * (k / 20)}, {}, rough));
+    scene.bodies.push_back(disc({1 + 1.05 * (k % 20) + 0.01 * (k / 20), 1 + 1.05 * (k / 20)}, {}, rough));
   }
   scene.bodies.push_back(disc({50, 50}, {}, rough));
   return scene;
@@ -106,8 +105,8 @@ int bodies_changed_by_nan() {
   const PublishedState s = hurt->published(), t = without->published();
   int changed = 0;
   for (std::size_t k = 0; k < kOthers; ++k) {
-    const bool same = s.x[k] == t.x[k] && s.y[k] == t.y[k] && s.angle[k] == t.angle[k] &&
-                      s.vx[k] == t.vx[k] && s.vy[k] == t.vy[k] && s.omega[k] == t.omega[k];
+    const bool same = s.x[k] == t.x[k] && s.y[k] == t.y[k] && s.angle[k] == t.angle[k] && s.vx[k] == t.vx[k] &&
+                      s.vy[k] == t.vy[k] && s.omega[k] == t.omega[k];
     changed += same ? 0 : 1;
   }
   return changed;

@@ -28,8 +28,7 @@ Scene bin(double dt, Material m) {
   scene.world.dt = dt;
   for (int j = 0; j < kColumns; ++j) {
     for (int i = 0; i < kColumns; ++i) {
-      scene.bodies.push_back(
-          disc({1 + 1.02 * i + 0.007 * ((i * 7 + j * 13) % 3), 0.51 + 1.02 * j}, {}, m));
+      scene.bodies.push_back(disc({1 + 1.02 * i + 0.007 * ((i * 7 + j * 13) % 3), 0.51 + 1.02 * j}, {}, m));
     }
   }
   return scene;
@@ -92,17 +91,14 @@ class UnevenFrames : public Simulation {
 };
 
 Start uneven(const UnevenFrames::LengthOf& length_of) {
-  return
-      [length_of](const Model& model) { return std::make_unique<UnevenFrames>(model, length_of); };
+  return [length_of](const Model& model) { return std::make_unique<UnevenFrames>(model, length_of); };
 }
 
 constexpr Material kRough{1, 0.3, 0.5};
 
 }  // namespace
 
-bool Landing::stable() const {
-  return whole && energy_gain < 0.01 && speed < 0.05 && overlap < 0.1;
-}
+bool Landing::stable() const { return whole && energy_gain < 0.01 && speed < 0.05 && overlap < 0.1; }
 
 Landing land(double dt, double restitution, double friction, const Start& start) {
   const int frames = std::max(20, static_cast<int>(std::ceil(kLandingTime / dt)));
@@ -132,8 +128,7 @@ Landing land_at_random_steps(double shortest, double longest) {
 
 double speed_after_another_step(double dt) {
   constexpr int kFramesToRest = 1200;
-  Trial trial(bin(1.0 / 60, kRough),
-              uneven([dt](int frame) { return frame == kFramesToRest ? dt : 1.0 / 60; }));
+  Trial trial(bin(1.0 / 60, kRough), uneven([dt](int frame) { return frame == kFramesToRest ? dt : 1.0 / 60; }));
   trial.frames(kFramesToRest + 1);
   return trial.fastest_within(60);
 }
@@ -219,8 +214,7 @@ OnePoint one_point(int discs, const Start& start) {
   return {trial.fastest(), sum > 0 ? std::hypot(x, y) / sum : 0, deepest(trial.run()) / kDiameter};
 }
 
-double speed_from_overlap(double overlap, double restitution, double mass_ratio,
-                          const Start& start) {
+double speed_from_overlap(double overlap, double restitution, double mass_ratio, const Start& start) {
   Scene scene = open_scene(1024, {0, 0});
   BodyDesc a = disc({0, 0}, {}, material(restitution)), b = a;
   b.position.x = kDiameter * (1 - overlap);
@@ -235,8 +229,7 @@ double speed_from_overlapping_block(double overlap, double restitution, const St
   const double pitch = kDiameter * (1 - overlap);
   Scene scene = open_scene(1024, {0, 0});
   for (int k = 0; k < kSide * kSide; ++k) {
-    scene.bodies.push_back(
-        disc({(k % kSide) * pitch, (k / kSide) * pitch}, {}, material(restitution)));
+    scene.bodies.push_back(disc({(k % kSide) * pitch, (k / kSide) * pitch}, {}, material(restitution)));
   }
   return Trial(scene, start).fastest_within(300);
 }
@@ -263,8 +256,8 @@ Crowd ring_on_a_big_disc(const Start& start) {
   scene.bodies.push_back(disc({0, 0}, {}, material(0), kBig));
   for (int k = 0; k < 600; ++k) {
     const double angle = 2 * std::numbers::pi * k / 600;
-    scene.bodies.push_back(disc({(kBig + 0.2) * std::cos(angle), (kBig + 0.2) * std::sin(angle)},
-                                {}, material(0), kSmall));
+    scene.bodies.push_back(
+        disc({(kBig + 0.2) * std::cos(angle), (kBig + 0.2) * std::sin(angle)}, {}, material(0), kSmall));
   }
   Trial trial(scene, start);
   trial.frames(600);
@@ -273,13 +266,12 @@ Crowd ring_on_a_big_disc(const Start& start) {
 
 Crowd discs_on_a_plate(const Start& start) {
   Scene scene = open_scene(1024);
-  scene.bodies = {segment({-0.01, 0}, {200.5, 0}, material(0)),
-                  segment({-0.01, 0}, {-0.01, 60}, material(0)),
+  scene.bodies = {segment({-0.01, 0}, {200.5, 0}, material(0)), segment({-0.01, 0}, {-0.01, 60}, material(0)),
                   segment({200.5, 0}, {200.5, 60}, material(0))};
   for (int j = 0; j < 50; ++j) {
     for (int i = 0; i < 200; ++i) {
-      scene.bodies.push_back(disc(
-          {0.5 + 1.002 * i + 0.001 * ((i * 7 + j * 13) % 2), 0.5 + 1.001 * j}, {}, material(0)));
+      scene.bodies.push_back(
+          disc({0.5 + 1.002 * i + 0.001 * ((i * 7 + j * 13) % 2), 0.5 + 1.001 * j}, {}, material(0)));
     }
   }
   Trial trial(scene, start);

@@ -23,9 +23,7 @@ int frames_to_pass(double ahead, double speed) {
   return static_cast<int>(std::ceil((ahead + 1) / speed * kFrameRate)) + 1;
 }
 
-BodyDesc thin_wall(double restitution) {
-  return segment({0, -60000}, {0, 60000}, material(restitution));
-}
+BodyDesc thin_wall(double restitution) { return segment({0, -60000}, {0, 60000}, material(restitution)); }
 
 }  // namespace
 
@@ -37,9 +35,8 @@ int lone_discs_through_a_wall(double speed, double angle, double restitution, co
   for (int k = 0; k < 200; ++k) {
     const double ahead = 1 + speed / 60 * (1.0 + 0.01 * k);  // a frame or two before the wall
     Scene scene = open_scene(kVast, {0, 0});
-    scene.bodies = {
-        thin_wall(restitution),
-        small_disc({-ahead * way.x, -ahead * way.y}, {speed * way.x, speed * way.y}, restitution)};
+    scene.bodies = {thin_wall(restitution),
+                    small_disc({-ahead * way.x, -ahead * way.y}, {speed * way.x, speed * way.y}, restitution)};
     Trial trial(scene, start);
     trial.frames(frames_to_pass(ahead, speed));
     through += trial.body(1).x > 0 ? 1 : 0;
@@ -51,8 +48,8 @@ int discs_through_a_wall(double speed, double restitution, const Start& start) {
   Scene scene = open_scene(kVast, {0, 0});
   scene.bodies.push_back(thin_wall(restitution));
   for (int k = 0; k < 200; ++k) {
-    scene.bodies.push_back(small_disc({-5 - 0.13 * k, -100.0 + k},
-                                      {speed * std::cos(0.15 * (k % 10)), 0}, restitution));
+    scene.bodies.push_back(
+        small_disc({-5 - 0.13 * k, -100.0 + k}, {speed * std::cos(0.15 * (k % 10)), 0}, restitution));
   }
   Trial trial(scene, start);
   std::set<std::size_t> through;
@@ -71,8 +68,7 @@ int bullets_through_each_other(double speed, double restitution, const Start& st
   for (int k = 0; k < 50; ++k) {
     const double ahead = 1 + speed / 60 * (1.0 + 0.02 * k);
     Scene scene = open_scene(kVast, {0, 0});
-    scene.bodies = {small_disc({-ahead, 0}, {speed, 0}, restitution),
-                    small_disc({ahead, 0}, {-speed, 0}, restitution)};
+    scene.bodies = {small_disc({-ahead, 0}, {speed, 0}, restitution), small_disc({ahead, 0}, {-speed, 0}, restitution)};
     Trial trial(scene, start);
     trial.frames(frames_to_pass(ahead, speed));
     passed += trial.body(0).x > trial.body(1).x ? 1 : 0;
@@ -91,8 +87,7 @@ double worst_meeting(double reach, double offset, const Start& start, Measure me
   for (int k = 0; k < 50; ++k) {
     const double ahead = 1 + speed / 60 * (1.0 + 0.02 * k);
     Scene scene = open_scene(kVast, {0, 0});
-    scene.bodies = {small_disc({-ahead, 0}, {speed, 0}, 0),
-                    small_disc({ahead, 2 * kSmall * offset}, {-speed, 0}, 0)};
+    scene.bodies = {small_disc({-ahead, 0}, {speed, 0}, 0), small_disc({ahead, 2 * kSmall * offset}, {-speed, 0}, 0)};
     Trial trial(scene, start);
     const double before = kinetic_energy(trial.run());
     trial.frames(frames_to_pass(ahead, speed));
@@ -106,10 +101,9 @@ double worst_meeting(double reach, double offset, const Start& start, Measure me
 double energy_of_inelastic_pair(double reach, const Start& start) {
   double worst = 0;
   for (const double offset : {0.1, 0.5, 0.9}) {
-    worst = std::max(worst, worst_meeting(reach, offset, start,
-                                          [](Trial& trial, double before, double /*speed*/) {
-                                            return kinetic_energy(trial.run()) / before;
-                                          }));
+    worst = std::max(worst, worst_meeting(reach, offset, start, [](Trial& trial, double before, double /*speed*/) {
+                       return kinetic_energy(trial.run()) / before;
+                     }));
   }
   return worst;
 }
@@ -145,8 +139,7 @@ double seconds_a_step(double size, const Start& start) {
   Scene scene = open_scene(1024, {0, -kGravity * size});
   for (int j = 0; j < 60; ++j) {
     for (int i = 0; i < 60; ++i) {
-      const Vec2 v = {((i * 7 + j * 13) % 11 - 5) * 0.1 * size,
-                      ((i * 5 + j * 3) % 7 - 3) * 0.1 * size};
+      const Vec2 v = {((i * 7 + j * 13) % 11 - 5) * 0.1 * size, ((i * 5 + j * 3) % 7 - 3) * 0.1 * size};
       scene.bodies.push_back(disc({1.0 * i, 1.0 * j}, v, material(0.5, 0.5)));
     }
   }
@@ -172,15 +165,13 @@ double difference_at(double x, const Start& start) {
   for (std::size_t k = 0; k < here.bodies().size(); ++k) {
     const BodyState &s = here.body(k), &t = there.body(k);
     const double place = std::max(std::abs(t.x - (s.x + x)) - grain, 0.0);
-    worst = std::max({worst, place, std::abs(t.y - s.y), std::abs(t.vx - s.vx),
-                      std::abs(t.vy - s.vy), std::abs(t.omega - s.omega)});
+    worst = std::max(
+        {worst, place, std::abs(t.y - s.y), std::abs(t.vx - s.vx), std::abs(t.vy - s.vy), std::abs(t.omega - s.omega)});
   }
   return worst;
 }
 
-double denormal_slowdown(const Start& start) {
-  return seconds_a_step(1e-38, start) / seconds_a_step(1e-6, start);
-}
+double denormal_slowdown(const Start& start) { return seconds_a_step(1e-38, start) / seconds_a_step(1e-6, start); }
 
 // ---- long runs --------------------------------------------------------------------------------
 
@@ -227,10 +218,9 @@ Scene bounce() {
 Scene gas(int columns, double cell) {
   Scene scene = periodic_scene(columns * cell, columns * cell);
   for (int k = 0; k < columns * columns; ++k) {
-    scene.bodies.push_back(disc({cell * (0.5 + k % columns) + 0.1 * ((k * 7) % 5),
-                                 cell * (0.5 + k / columns) + 0.1 * ((k * 3) % 7)},
-                                {0.3 * ((k * 37) % 21 - 10), 0.33 * ((k * 53) % 19 - 9)},
-                                material(1)));
+    scene.bodies.push_back(
+        disc({cell * (0.5 + k % columns) + 0.1 * ((k * 7) % 5), cell * (0.5 + k / columns) + 0.1 * ((k * 3) % 7)},
+             {0.3 * ((k * 37) % 21 - 10), 0.33 * ((k * 53) % 19 - 9)}, material(1)));
   }
   return scene;
 }
@@ -265,9 +255,7 @@ Drift stack_place(double friction, int frames, const Start& start) {
   Trial trial(scene, start);
   trial.frames(600);
   const BodyState rest = trial.body(kTop);
-  return watch(trial, frames, [&] {
-    return std::hypot(trial.body(kTop).x - rest.x, trial.body(kTop).y - rest.y);
-  });
+  return watch(trial, frames, [&] { return std::hypot(trial.body(kTop).x - rest.x, trial.body(kTop).y - rest.y); });
 }
 
 // ---- smooth ground ----------------------------------------------------------------------------
@@ -311,8 +299,7 @@ double return_error(const Scene& scene, const Start& start, int frames, double p
   const auto off = [period](double d) { return period > 0 ? std::remainder(d, period) : d; };
   double worst = 0;
   for (std::size_t k = 0; k < from.size(); ++k) {
-    worst = std::max(
-        worst, std::hypot(off(trial.body(k).x - from[k].x), off(trial.body(k).y - from[k].y)));
+    worst = std::max(worst, std::hypot(off(trial.body(k).x - from[k].x), off(trial.body(k).y - from[k].y)));
   }
   return worst;
 }
@@ -321,12 +308,8 @@ double return_error(const Scene& scene, const Start& start, int frames, double p
 
 double orbit_return(int frames, const Start& start) { return return_error(orbit(), start, frames); }
 
-double bounce_return(int frames, const Start& start) {
-  return return_error(bounce(), start, frames);
-}
+double bounce_return(int frames, const Start& start) { return return_error(bounce(), start, frames); }
 
-double gas_return(int frames, const Start& start) {
-  return return_error(gas(10, 2.8), start, frames, 28);
-}
+double gas_return(int frames, const Start& start) { return return_error(gas(10, 2.8), start, frames, 28); }
 
 }  // namespace psim::accuracy::stress

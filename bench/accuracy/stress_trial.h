@@ -14,8 +14,7 @@ inline constexpr double kRadius = 0.5, kDiameter = 1;  // m, unless a scene says
 
 class Trial {
  public:
-  Trial(const Scene& scene, const Start& start)
-      : model_(make_model(scene)), run_(model_, start(model_)) {}
+  Trial(const Scene& scene, const Start& start) : model_(make_model(scene)), run_(model_, start(model_)) {}
   Trial(const Trial&) = delete;
   Trial& operator=(const Trial&) = delete;
 

@@ -29,8 +29,7 @@ double timed_run(const Model& model, const Engine& engine, const Setting& settin
   return seconds_now(setting) - begin;
 }
 
-double median_time(const Case& of, const Model& model, const Engine& engine, const Setting& setting,
-                   Effort effort) {
+double median_time(const Case& of, const Model& model, const Engine& engine, const Setting& setting, Effort effort) {
   const int frames = std::max(1, static_cast<int>(of.timed_seconds * kFrameRate) - kWarmFrames);
   std::vector<double> times(effort == Effort::quick ? 3 : 7);
   for (double& t : times) t = timed_run(model, engine, setting, frames);
@@ -49,8 +48,8 @@ const Limit* limit_of(const Row& row) {
 
 std::string describe(const Row& row) {
   std::ostringstream text;
-  text << row.quantity->name << ": psim " << row.setting.curve << ", " << row.setting.divisions()
-       << " substeps: error " << row.error << " " << row.quantity->unit;
+  text << row.quantity->name << ": psim " << row.setting.curve << ", " << row.setting.divisions() << " substeps: error "
+       << row.error << " " << row.quantity->unit;
   return text.str();
 }
 
@@ -59,12 +58,11 @@ std::string describe(const Row& row) {
 bool matters(const Setting& setting, const Case& of, const Model& model) {
   if (setting.is_machine_variant() && !of.machine_variants) return false;
   if (setting.bare && !has_boxes(model)) return false;
-  return setting.integrator.empty() || setting.integrator == "verlet" ||
-         !model.scene.world.fields.empty();
+  return setting.integrator.empty() || setting.integrator == "verlet" || !model.scene.world.fields.empty();
 }
 
-std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine,
-                             const Setting& setting, Effort effort) {
+std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine, const Setting& setting,
+                             Effort effort) {
   std::vector<Row> rows;
   for (const Quantity& q : of.quantities) {
     Row row;
@@ -95,8 +93,7 @@ std::vector<std::string> complaints(const std::vector<Row>& rows) {
   std::map<std::tuple<const Quantity*, std::string, int, int>, double> first;
   for (const Row& row : rows) {
     if (row.engine->name != "psim") continue;
-    const auto key =
-        std::tuple(row.quantity, row.setting.integrator, row.setting.steps, row.setting.substeps);
+    const auto key = std::tuple(row.quantity, row.setting.integrator, row.setting.steps, row.setting.substeps);
     const auto [known, is_new] = first.emplace(key, row.error);
     if (!is_new && known->second != row.error) {
       std::ostringstream text;

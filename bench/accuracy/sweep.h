@@ -28,8 +28,8 @@ struct Row {
 bool matters(const Setting& setting, const Case& of, const Model& model);
 
 /// All rows of one setting, one a quantity. A failed run gives rows, too.
-std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine,
-                             const Setting& setting, Effort effort);
+std::vector<Row> run_setting(const Case& of, const Model& model, const Engine& engine, const Setting& setting,
+                             Effort effort);
 
 /// Lines about psim's rows of a case: errors above their limits, and errors that differ between
 /// instruction sets or threads, which must give the same bits.

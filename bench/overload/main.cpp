@@ -57,8 +57,7 @@ double worked_ms() {
 
 double quantile(std::vector<double> of, double share) {
   std::sort(of.begin(), of.end());
-  return of[std::min(of.size() - 1,
-                     static_cast<std::size_t>(share * static_cast<double>(of.size())))];
+  return of[std::min(of.size() - 1, static_cast<std::size_t>(share * static_cast<double>(of.size())))];
 }
 
 struct Trial {
@@ -93,12 +92,10 @@ void show(const Overload& what, double share, int runs) {
   if (!scene) throw std::runtime_error(error);
   const Trial trial{*scene, what.frames, {best_isa(), 1}};
   const auto first = trial.world();
-  const CostModel costs =
-      World::measure_costs(trial.options, first->dynamic_count(), first->shape_count());
+  const CostModel costs = World::measure_costs(trial.options, first->dynamic_count(), first->shape_count());
 
   std::vector<double> full;
-  for (int k = 0; k < runs; ++k)
-    trial.run(*trial.world(), full, [](World& w, std::size_t) { w.step(); });
+  for (int k = 0; k < runs; ++k) trial.run(*trial.world(), full, [](World& w, std::size_t) { w.step(); });
   const double budget = share * quantile(full, 0.5);
 
   std::vector<double> least;
@@ -115,8 +112,7 @@ void show(const Overload& what, double share, int runs) {
   for (int k = 0; k < runs; ++k) {
     const auto world = trial.world();
     world->set_governor({true, budget, costs});  // room is made as it was
-    same &= trial.run(*world, least,
-                      [&](World& w, std::size_t frame) { w.replay(details[frame]); }) == hash;
+    same &= trial.run(*world, least, [&](World& w, std::size_t frame) { w.replay(details[frame]); }) == hash;
   }
 
   std::size_t over = 0, time = 0, steps = 0, substeps = 0;
@@ -133,9 +129,9 @@ void show(const Overload& what, double share, int runs) {
   fmt::print(
       "| {} {} | {:.2f} | {:.2f} | {:.1f} % | {:.2f} | {:.2f} to {:.2f} | {:.0f} % | {:.1f} | {} "
       "|\n",
-      what.scene, first->dynamic_count(), quantile(full, 0.5), budget,
-      100 * static_cast<double>(over) / frames, quantile(least, 0.99) / budget,
-      quantile(ratios, 0.05), quantile(ratios, 0.95), 100 * static_cast<double>(time) / frames,
+      what.scene, first->dynamic_count(), quantile(full, 0.5), budget, 100 * static_cast<double>(over) / frames,
+      quantile(least, 0.99) / budget, quantile(ratios, 0.05), quantile(ratios, 0.95),
+      100 * static_cast<double>(time) / frames,
       static_cast<double>(substeps) / static_cast<double>(std::max<std::size_t>(steps, 1)),
       same ? "same" : "DIFFERENT");
   std::fflush(stdout);
@@ -149,13 +145,20 @@ int main(int argc, char** argv) {
   int runs = 3;
   std::string scene;
   std::size_t particles = 0, frames = 150;
-  app.add_option("--share", share, "budget, of the median frame in full")
-      ->check(CLI::Range(0.01, 10.0));
+  app.add_option("--share", share, "budget, of the median frame in full")->check(CLI::Range(0.01, 10.0));
   app.add_option("--runs", runs, "of which the least time counts")->check(CLI::Range(1, 100));
   app.add_option("--scene", scene, "only this one");
   app.add_option("--particles", particles, "of that scene; 0: its own number");
   app.add_option("--frames", frames, "of that scene")->check(CLI::Range(1, 1000000));
+  bool costs = false;
+  app.add_flag("--costs", costs, "measures what work costs here and prints the numbers (tools/cost-table)");
   CLI11_PARSE(app, argc, argv);
+  if (costs) {
+    for (const double ns : World::measure_costs({best_isa(), 1}, 20000, 5000).numbers()) {
+      fmt::print("{}\n", ns);
+    }
+    return 0;
+  }
   fmt::print(
       "| scene, bodies | full p50 ms | budget ms | over | p99 / budget | time / predicted, p5 to "
       "p95 | time kept | "

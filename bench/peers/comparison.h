@@ -63,7 +63,7 @@ struct Result {
 
 /// Settles, then runs and times the scene; one thread by the time that the process used, more by the
 /// clock on the wall. `look`: reads the state every so often, too, between frames that are timed.
-Result run(const Comparison& of, const Model& model, int frames, const Engine& engine,
-           const Setting& setting, bool look);
+Result run(const Comparison& of, const Model& model, int frames, const Engine& engine, const Setting& setting,
+           bool look);
 
 }  // namespace psim::peers

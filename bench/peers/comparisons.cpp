@@ -12,9 +12,7 @@ namespace {
 /// Bodies of the three sizes.
 struct Bodies {
   std::uint64_t quick, normal, full;
-  std::uint64_t of(Size size) const {
-    return size == Size::quick ? quick : size == Size::normal ? normal : full;
-  }
+  std::uint64_t of(Size size) const { return size == Size::quick ? quick : size == Size::normal ? normal : full; }
 };
 
 /// Level ground of a segment becomes a box under it, which engines of solid bodies have, too.
@@ -54,8 +52,7 @@ Scene gas(std::uint64_t n) {
   return scene;
 }
 
-Comparison scene_of(std::string name, std::string shows, std::function<Scene(Size)> scene,
-                    int settle, int frames) {
+Comparison scene_of(std::string name, std::string shows, std::function<Scene(Size)> scene, int settle, int frames) {
   Comparison c;
   c.name = std::move(name);
   c.shows = std::move(shows);
@@ -68,15 +65,14 @@ Comparison scene_of(std::string name, std::string shows, std::function<Scene(Siz
 }  // namespace
 
 const std::vector<ErrorColumn>& error_columns() {
-  static const std::vector<ErrorColumn> columns = {
-      {"overlap_max_m", "overlap, m", &Errors::deepest},
-      {"overlap_p99_m", "overlap p99", &Errors::overlap_p99},
-      {"passed_walls", "got out", &Errors::passed_walls},
-      {"energy_drift", "energy", &Errors::energy_drift},
-      {"rest_speed_m_s", "rest, m/s", &Errors::rest_speed},
-      {"sway_m", "sway, m", &Errors::sway},
-      {"sink_m", "sink, m", &Errors::sink},
-      {"joint_gap_m", "joints, m", &Errors::joint_gap}};
+  static const std::vector<ErrorColumn> columns = {{"overlap_max_m", "overlap, m", &Errors::deepest},
+                                                   {"overlap_p99_m", "overlap p99", &Errors::overlap_p99},
+                                                   {"passed_walls", "got out", &Errors::passed_walls},
+                                                   {"energy_drift", "energy", &Errors::energy_drift},
+                                                   {"rest_speed_m_s", "rest, m/s", &Errors::rest_speed},
+                                                   {"sway_m", "sway, m", &Errors::sway},
+                                                   {"sink_m", "sink, m", &Errors::sink},
+                                                   {"joint_gap_m", "joints, m", &Errors::joint_gap}};
   return columns;
 }
 
@@ -99,11 +95,11 @@ std::vector<Comparison> all_comparisons() {
   all.push_back(scene_of("stack", "20 boxes, a centimetre to the left and right in turn, 10 s",
                          builtin("vertical_stack", {10, 20, 20}), 0, 600));
   all.back().rests = all.back().stands = true;
-  all.push_back(scene_of("pyramid", "boxes, base 20, full size 100; 5 s",
-                         builtin("pyramid", {55, 210, 5'050}), 0, 300));
+  all.push_back(
+      scene_of("pyramid", "boxes, base 20, full size 100; 5 s", builtin("pyramid", {55, 210, 5'050}), 0, 300));
   all.back().rests = all.back().stands = true;
-  all.push_back(scene_of("many-pyramids", "pyramids of 55 boxes, 2 s",
-                         builtin("many_pyramids", {110, 5'500, 22'000}), 0, 120));
+  all.push_back(
+      scene_of("many-pyramids", "pyramids of 55 boxes, 2 s", builtin("many_pyramids", {110, 5'500, 22'000}), 0, 120));
   all.back().rests = all.back().stands = true;
   all.push_back(all.back());
   all.back().name = "sleeping-pyramids";
@@ -117,11 +113,10 @@ std::vector<Comparison> all_comparisons() {
                          builtin("bridge", {20, 100, 100}), 0, 600));
   all.push_back(scene_of("joint-grid", "a net of discs pinned to each other, let fall, 2 s",
                          builtin("joint_grid", {100, 2'500, 10'000}), 0, 120));
-  all.push_back(scene_of("cloth",
-                         "discs tied by rods, hung by two corners; a ball is thrown in, 4 s",
+  all.push_back(scene_of("cloth", "discs tied by rods, hung by two corners; a ball is thrown in, 4 s",
                          builtin("cloth", {100, 900, 900}), 0, 240));
-  all.push_back(scene_of("tumbler", "boxes in a drum that turns, after 2 s",
-                         builtin("tumbler", {225, 2'025, 2'025}), 120, 120));
+  all.push_back(
+      scene_of("tumbler", "boxes in a drum that turns, after 2 s", builtin("tumbler", {225, 2'025, 2'025}), 120, 120));
   return all;
 }
 
@@ -130,8 +125,7 @@ Comparison comparison_of_file(const std::string& path) {
   auto scene = load_scene(path, error);
   if (!scene) throw std::invalid_argument(error);
   Comparison c = scene_of(
-      std::filesystem::path(path).stem().string(), path,
-      [scene = std::move(*scene)](Size) { return scene; }, 0, 300);
+      std::filesystem::path(path).stem().string(), path, [scene = std::move(*scene)](Size) { return scene; }, 0, 300);
   return c;
 }
 

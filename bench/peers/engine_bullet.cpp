@@ -158,28 +158,22 @@ class BulletSimulation : public Simulation {
   double row_visits() const override {
     int points = 0;
     for (int k = 0; k < dispatcher_.getNumManifolds(); ++k) {
-      points += const_cast<btCollisionDispatcher&>(dispatcher_)
-                    .getManifoldByIndexInternal(k)
-                    ->getNumContacts();
+      points += const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(k)->getNumContacts();
     }
-    return static_cast<double>(points + joint_rows(*model_)) * setting_.steps *
-           (1 + setting_.iterations);
+    return static_cast<double>(points + joint_rows(*model_)) * setting_.steps * (1 + setting_.iterations);
   }
 
  private:
   static btDefaultCollisionConstructionInfo pools(const Model& model) {
     btDefaultCollisionConstructionInfo info;
     const int manifolds = static_cast<int>(std::min<std::size_t>(4 * model.bodies.size(), 1 << 20));
-    info.m_defaultMaxPersistentManifoldPoolSize =
-        std::max(info.m_defaultMaxPersistentManifoldPoolSize, manifolds);
-    info.m_defaultMaxCollisionAlgorithmPoolSize =
-        std::max(info.m_defaultMaxCollisionAlgorithmPoolSize, manifolds);
+    info.m_defaultMaxPersistentManifoldPoolSize = std::max(info.m_defaultMaxPersistentManifoldPoolSize, manifolds);
+    info.m_defaultMaxCollisionAlgorithmPoolSize = std::max(info.m_defaultMaxCollisionAlgorithmPoolSize, manifolds);
     return info;
   }
 
   bool has_filters() const {
-    return std::ranges::any_of(model_->bodies,
-                               [](const BodyDesc& b) { return !(b.filter == Filter{}); });
+    return std::ranges::any_of(model_->bodies, [](const BodyDesc& b) { return !(b.filter == Filter{}); });
   }
 
   /// The shape about its own centre.
@@ -204,8 +198,7 @@ class BulletSimulation : public Simulation {
   }
 
   btCollisionShape* box_shape(double width, double height) {
-    return keep(std::make_unique<btBox2dShape>(
-        btVector3(scalar(width / 2), scalar(height / 2), kHalfDepth)));
+    return keep(std::make_unique<btBox2dShape>(btVector3(scalar(width / 2), scalar(height / 2), kHalfDepth)));
   }
 
   btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
@@ -243,10 +236,8 @@ class BulletSimulation : public Simulation {
   void add(const BodyDesc& desc) {
     const Vec2 centre = shape_centre(desc), way = turned(centre, desc.angle);
     const bool moves = desc.type == BodyType::dynamic_body;
-    btRigidBody::btRigidBodyConstructionInfo info(moves ? scalar(mass_of(desc)) : 0, nullptr,
-                                                  shape_of(desc, centre));
-    info.m_startWorldTransform =
-        pose({desc.position.x + way.x, desc.position.y + way.y}, desc.angle);
+    btRigidBody::btRigidBodyConstructionInfo info(moves ? scalar(mass_of(desc)) : 0, nullptr, shape_of(desc, centre));
+    info.m_startWorldTransform = pose({desc.position.x + way.x, desc.position.y + way.y}, desc.angle);
     if (moves) info.m_localInertia = {0, 0, scalar(inertia_of(desc))};
     info.m_restitution = scalar(desc.material.restitution);
     info.m_friction = scalar(desc.material.friction);
@@ -280,9 +271,9 @@ class BulletSimulation : public Simulation {
     const auto anchor = [&](std::uint64_t body, Vec2 at) {
       return vector({at.x - centres_[body].x, at.y - centres_[body].y});
     };
-    joints_.push_back(std::make_unique<btPoint2PointConstraint>(
-        *bodies_[joint.a], *bodies_[joint.b], anchor(joint.a, joint.joint.anchor_a),
-        anchor(joint.b, joint.joint.anchor_b)));
+    joints_.push_back(std::make_unique<btPoint2PointConstraint>(*bodies_[joint.a], *bodies_[joint.b],
+                                                                anchor(joint.a, joint.joint.anchor_a),
+                                                                anchor(joint.b, joint.joint.anchor_b)));
     world_.addConstraint(joints_.back().get(), !joint.joint.collide);
   }
 

@@ -48,9 +48,8 @@ class OdeSimulation : public Simulation {
   void advance() override {
     for (int k = 0; k < setting_.steps; ++k) {
       rows_ = 0;
-      dSpaceCollide(space_, this, [](void* self, dGeomID a, dGeomID b) {
-        static_cast<OdeSimulation*>(self)->meet(a, b);
-      });
+      dSpaceCollide(space_, this,
+                    [](void* self, dGeomID a, dGeomID b) { static_cast<OdeSimulation*>(self)->meet(a, b); });
       dWorldQuickStep(world_, setting_.h());
       dJointGroupEmpty(contacts_);
       for (const dBodyID body : bodies_) {
@@ -257,8 +256,7 @@ class OdeSimulation : public Simulation {
       dJointSetBallAnchor(pin, at_a.x, at_a.y, 0);
       // The second one is asked for in the frame of its body.
       if (bodies_[b])
-        at_b = minus(b == joint.b ? joint.joint.anchor_b : joint.joint.anchor_a,
-                     centre_of(model_->bodies[b]));
+        at_b = minus(b == joint.b ? joint.joint.anchor_b : joint.joint.anchor_a, centre_of(model_->bodies[b]));
       dJointSetBallAnchor2(pin, at_b.x, at_b.y, 0);
       return;
     }
@@ -288,9 +286,7 @@ Engine ode_engine() {
   engine.name = "ode";
   engine.version = PSIM_ODE_VERSION;
   engine.refuses = [](const Model& model) {
-    return refusal(
-        model,
-        {.rectangles = true, .restitution_threshold = true, .always_groups = true, .rods = true});
+    return refusal(model, {.rectangles = true, .restitution_threshold = true, .always_groups = true, .rods = true});
   };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<OdeSimulation>(model, setting);

@@ -47,8 +47,8 @@ std::vector<NamedSetting> psim_settings() {
 std::vector<NamedSetting> box2d24_settings() {
   std::vector<NamedSetting> all;
   const auto add = [&](int velocity, int position, int steps, bool continuous) {
-    NamedSetting s = iterations(std::to_string(velocity) + " + " + std::to_string(position) +
-                                    " iterations" + (continuous ? ", continuous" : ""),
+    NamedSetting s = iterations(std::to_string(velocity) + " + " + std::to_string(position) + " iterations" +
+                                    (continuous ? ", continuous" : ""),
                                 velocity, steps);
     s.setting.position_iterations = position;
     s.setting.continuous = continuous;
@@ -96,14 +96,12 @@ std::vector<NamedSetting> iterated(int usual) {
 
 #ifndef PSIM_WITH_BULLET
 Engine bullet_engine() {
-  return accuracy::absent_engine("bullet", "3",
-                                 "not built in: apt install libbullet-dev, configure again");
+  return accuracy::absent_engine("bullet", "3", "not built in: apt install libbullet-dev, configure again");
 }
 #endif
 #ifndef PSIM_WITH_ODE
 Engine ode_engine() {
-  return accuracy::absent_engine("ode", "0.16",
-                                 "not built in: apt install libode-dev, configure again");
+  return accuracy::absent_engine("ode", "0.16", "not built in: apt install libode-dev, configure again");
 }
 #endif
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "outlines.h"
+#include "body_outlines.h"
 #include "peer_bodies.h"
 
 namespace psim::peers {
@@ -22,11 +22,10 @@ struct Piece {
 };
 
 Piece piece_of(Outline outline, std::size_t body) {
-  const Vec2 first = outline.points[0];
+  const reference::Vec first = outline.points[0];
   Bounds box{first.x, first.y, first.x, first.y};
-  for (const Vec2 p : outline.points) {
-    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x),
-           std::max(box.ymax, p.y)};
+  for (const reference::Vec p : outline.points) {
+    box = {std::min(box.xmin, p.x), std::min(box.ymin, p.y), std::max(box.xmax, p.x), std::max(box.ymax, p.y)};
   }
   const double r = outline.radius;
   return {std::move(outline), {box.xmin - r, box.ymin - r, box.xmax + r, box.ymax + r}, body};
@@ -34,8 +33,7 @@ Piece piece_of(Outline outline, std::size_t body) {
 
 bool is_outside(const WorldDesc& world, const BodyState& s) {
   const Bounds& b = world.bounds;
-  return world.boundary == Boundary::walls &&
-         (s.x < b.xmin || s.x > b.xmax || s.y < b.ymin || s.y > b.ymax);
+  return world.boundary == Boundary::walls && (s.x < b.xmin || s.x > b.xmax || s.y < b.ymin || s.y > b.ymax);
 }
 
 std::vector<Piece> pieces_of(Run& run) {
@@ -44,7 +42,7 @@ std::vector<Piece> pieces_of(Run& run) {
   for (std::size_t k = 0; k < states.size(); ++k) {
     const BodyState& s = states[k];
     if (is_outside(run.model().scene.world, s)) continue;
-    for (Outline& o : reference::outlines(run.model().bodies[k].shape, {s.x, s.y}, s.angle)) {
+    for (Outline& o : test::outlines(run.model().bodies[k].shape, {s.x, s.y}, s.angle)) {
       pieces.push_back(piece_of(std::move(o), k));
     }
   }
@@ -65,7 +63,7 @@ std::set<Pair> tied(const Model& model) {
 
 double depth_of(const Outline& a, const Outline& b) {
   if (a.points.size() == 1 && b.points.size() == 1) {
-    const Vec2 p = a.points[0], q = b.points[0];
+    const reference::Vec p = a.points[0], q = b.points[0];
     return a.radius + b.radius - std::hypot(q.x - p.x, q.y - p.y);
   }
   return reference::depth(a, b);
@@ -73,8 +71,7 @@ double depth_of(const Outline& a, const Outline& b) {
 
 void append_walls(const Bounds& walls, const Piece& piece, std::vector<double>& depths) {
   const Bounds& b = piece.box;
-  for (const double way :
-       {walls.xmin - b.xmin, b.xmax - walls.xmax, walls.ymin - b.ymin, b.ymax - walls.ymax}) {
+  for (const double way : {walls.xmin - b.xmin, b.xmax - walls.xmax, walls.ymin - b.ymin, b.ymax - walls.ymax}) {
     if (way > 0) depths.push_back(way);
   }
 }

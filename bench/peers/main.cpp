@@ -22,11 +22,11 @@
 #include <string>
 #include <vector>
 
-#include "atomic_file.h"
 #include "comparison.h"
 #include "engines.h"
+#include "output/atomic_file.h"
+#include "output/user_error.h"
 #include "report.h"
-#include "user_error.h"
 
 extern char** environ;
 
@@ -83,8 +83,7 @@ std::vector<Engine> chosen_engines(const std::vector<std::string>& wanted) {
   for (const std::string& name : wanted) {
     const auto found = std::ranges::find(all, name, &Engine::name);
     if (found == all.end()) {
-      throw std::invalid_argument("--engines: no engine '" + name +
-                                  "'; there are:" + names_of(all));
+      throw std::invalid_argument("--engines: no engine '" + name + "'; there are:" + names_of(all));
     }
     if (!found->absent.empty()) throw std::invalid_argument(name + ": " + found->absent);
   }
@@ -190,8 +189,8 @@ void plot(const Options& options) {
 bool is_same_file(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  return fs::equivalent(a, b, ignored) || fs::weakly_canonical(fs::absolute(a), ignored) ==
-                                              fs::weakly_canonical(fs::absolute(b), ignored);
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(fs::absolute(a), ignored) == fs::weakly_canonical(fs::absolute(b), ignored);
 }
 
 // What can be wrong with them is told before the run.
@@ -243,20 +242,14 @@ int run_all(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app("The same scenes in several engines: ms a frame beside what is wrong.", "peers");
-  app.add_flag("--list", options.list,
-               "engines, settings (* = recommended) and scenes; runs nothing");
+  app.add_flag("--list", options.list, "engines, settings (* = recommended) and scenes; runs nothing");
   app.add_option("--scenes", options.scenes, "only these, by name or FILE.json, commas between")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_option("--engines", options.engines, "only these, commas between")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  auto* quick = app.add_flag("--quick", options.quick,
-                             "small scenes, few frames, recommended settings, one run each");
-  app.add_flag("--full", options.full, "100,000 discs, pyramid of base 100, 22,000 boxes")
-      ->excludes(quick);
-  app.add_option("--repeats", options.repeats, "runs of each, in turn (3; --quick: 1)")
-      ->check(CLI::Range(1, 99));
+  app.add_option("--engines", options.engines, "only these, commas between")->delimiter(',')->allow_extra_args(false);
+  auto* quick = app.add_flag("--quick", options.quick, "small scenes, few frames, recommended settings, one run each");
+  app.add_flag("--full", options.full, "100,000 discs, pyramid of base 100, 22,000 boxes")->excludes(quick);
+  app.add_option("--repeats", options.repeats, "runs of each, in turn (3; --quick: 1)")->check(CLI::Range(1, 99));
   auto* csv = app.add_option("--csv", options.csv, "a row for every engine, setting and scene");
   app.add_option("--plot", options.plot, "a picture of that file, PNG or SVG")->needs(csv);
   try {

@@ -13,15 +13,11 @@ namespace {
 
 std::string rounded(double value, int digits) {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                 std::chars_format::general, digits)
-                       .ptr;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits).ptr;
   return {text.data(), end};
 }
 
-std::string quoted(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';
-}
+std::string quoted(const std::string& text) { return text.find(',') == std::string::npos ? text : '"' + text + '"'; }
 
 }  // namespace
 
@@ -44,9 +40,9 @@ void write_header(std::ostream& out) {
 }
 
 void write_row(std::ostream& out, const Row& row) {
-  out << row.engine << ',' << row.version << ',' << quoted(row.setting) << ','
-      << (row.recommended ? "yes" : "no") << ',' << row.threads << ',' << row.scene << ','
-      << row.bodies << ',' << row.frame_ms.size() << ',' << row.repeats << ',';
+  out << row.engine << ',' << row.version << ',' << quoted(row.setting) << ',' << (row.recommended ? "yes" : "no")
+      << ',' << row.threads << ',' << row.scene << ',' << row.bodies << ',' << row.frame_ms.size() << ',' << row.repeats
+      << ',';
   if (!row.frame_ms.empty()) {
     out << rounded(mean_ms(row), 4) << ',' << rounded(quantile_ms(row, 0.5), 4) << ','
         << rounded(quantile_ms(row, 0.99), 4);
@@ -64,14 +60,12 @@ void print_scene(std::ostream& out, const std::vector<Row>& rows) {
   if (rows.empty()) return;
   std::vector<const ErrorColumn*> columns;
   for (const ErrorColumn& column : error_columns()) {
-    if (std::ranges::any_of(rows,
-                            [&](const Row& r) { return (r.errors.*column.value).has_value(); }))
+    if (std::ranges::any_of(rows, [&](const Row& r) { return (r.errors.*column.value).has_value(); }))
       columns.push_back(&column);
   }
   constexpr int kEngine = 9, kSetting = 35, kFigure = 11;
   out << rows[0].scene << ", " << rows[0].bodies << " bodies\n"
-      << std::left << std::setw(kEngine) << "engine" << std::setw(kSetting) << "setting"
-      << std::right;
+      << std::left << std::setw(kEngine) << "engine" << std::setw(kSetting) << "setting" << std::right;
   for (const char* head : {"mean ms", "p50 ms", "p99 ms"}) out << std::setw(kFigure) << head;
   for (const ErrorColumn* column : columns) out << std::setw(kFigure + 1) << column->head;
   out << '\n';

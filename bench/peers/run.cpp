@@ -44,8 +44,8 @@ void look_at_end(const Comparison& of, Run& run, double energy, Errors& errors) 
 
 }  // namespace
 
-Result run(const Comparison& of, const Model& model, int frames, const Engine& engine,
-           const Setting& setting, bool look) {
+Result run(const Comparison& of, const Model& model, int frames, const Engine& engine, const Setting& setting,
+           bool look) {
   Result result;
   Setting asked = setting;
   asked.frame = model.scene.world.dt;

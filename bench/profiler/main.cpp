@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "profile.h"
 #include "psim/psim.h"
 #include "psim/scene.h"
+#include "report/profile.h"
 
 namespace {
 

@@ -93,8 +93,7 @@ WorldDesc space() {
 }
 
 // ms of each of so many frames.
-std::vector<double> frames_of(World& world, int frames,
-                              const std::function<void(int)>& before = {}) {
+std::vector<double> frames_of(World& world, int frames, const std::function<void(int)>& before = {}) {
   std::vector<double> took;
   for (int k = 0; k < frames; ++k) {
     if (before) before(k);
@@ -105,11 +104,11 @@ std::vector<double> frames_of(World& world, int frames,
   return took;
 }
 
-using Make = std::function<std::unique_ptr<World>()>;
+using BodyKind = std::function<std::unique_ptr<World>()>;
 
 // Mean ms of a frame of one world and another, after 20.
-std::pair<double, double> in_turn(const Make& one, const Make& other, int frames, int runs) {
-  const auto a_run = [&](const Make& make, std::vector<double>& least) {
+std::pair<double, double> in_turn(const BodyKind& one, const BodyKind& other, int frames, int runs) {
+  const auto a_run = [&](const BodyKind& make, std::vector<double>& least) {
     const auto world = make();
     world->prepare();
     frames_of(*world, 20);
@@ -130,8 +129,8 @@ void row(const std::string& what, double ms, const std::string& against, double 
   const auto as = [most](double value) {
     return most < 0.5 ? fmt::format("{:.3f} %", 100 * value) : fmt::format("{:.2f}", value);
   };
-  fmt::print("| {} | {:.4f} | {} | {:.4f} | {} | {} |{}\n", what, ms, against, than, as(ratio),
-             as(most), ratio <= most ? "" : " over");
+  fmt::print("| {} | {:.4f} | {} | {:.4f} | {} | {} |{}\n", what, ms, against, than, as(ratio), as(most),
+             ratio <= most ? "" : " over");
   std::fflush(stdout);
 }
 
@@ -229,8 +228,7 @@ void pile() {
   discs.add(*world, BodyType::dynamic_body, 0.5);
   std::uint64_t asleep = 0;
   for (int k = 0; k < 12000 && asleep != kDiscs; ++k) asleep = world->step().asleep;
-  if (asleep != kDiscs)
-    throw std::runtime_error(fmt::format("only {} of the pile's discs fell asleep", asleep));
+  if (asleep != kDiscs) throw std::runtime_error(fmt::format("only {} of the pile's discs fell asleep", asleep));
   std::vector<std::byte> state;
   std::string error;
   world->save(state);

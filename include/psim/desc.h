@@ -65,8 +65,7 @@ struct CapsuleShape {
 };
 
 /// What a body is.
-using Shape =
-    std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
 
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
 /// (group < 0); else if each one's category is in the other's mask.
@@ -92,9 +91,9 @@ struct BodyDesc {
   double mass = 0;                         ///< kg; 0 = from the density
   double gravity_scale = 1;                ///< factor on the world's gravity and wells
   bool fixed_rotation = false;             ///< contacts do not turn it
-  bool bullet = false;  ///< does not pass through other moving bodies either, however fast
-  bool sensor = false;  ///< static or kinematic: touches nothing, tells who overlaps it
-  Filter filter;        ///< who it collides with
+  bool bullet = false;                     ///< does not pass through other moving bodies either, however fast
+  bool sensor = false;                     ///< static or kinematic: touches nothing, tells who overlaps it
+  Filter filter;                           ///< who it collides with
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for

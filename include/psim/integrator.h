@@ -19,8 +19,8 @@ enum class Integrator : std::uint8_t {
 };
 
 /// All of them.
-inline constexpr Integrator kAllIntegrators[] = {Integrator::verlet, Integrator::euler,
-                                                 Integrator::rk4, Integrator::symplectic4};
+inline constexpr Integrator kAllIntegrators[] = {Integrator::verlet, Integrator::euler, Integrator::rk4,
+                                                 Integrator::symplectic4};
 
 /// "verlet", "euler", "rk4" or "symplectic4": the words of scene files.
 PSIM_API std::string_view integrator_name(Integrator integrator);

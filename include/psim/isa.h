@@ -11,7 +11,7 @@ namespace psim {
 
 /// An instruction set that kernels are compiled for.
 enum class Isa : std::uint8_t {
-  scalar,  ///< one lane; SSE2, which every x86-64 CPU has
+  scalar,  ///< one lane, standard C++
   sse,     ///< SSE4.1
   avx2     ///< AVX2
 };
@@ -25,10 +25,10 @@ PSIM_API std::string_view isa_name(Isa isa);
 /// The reverse of isa_name; nothing for any other text.
 PSIM_API std::optional<Isa> parse_isa(std::string_view name);
 
-/// Register lanes of 32-bit floats: 1, 4, 8.
+/// Register lanes of 32-bit floats: 1, 4, 8. 0: this build does not hold the variant.
 PSIM_API int isa_lanes(Isa isa);
 
-/// True if this CPU (asked by CPUID through cpu_features) can run the variant.
+/// True if this build holds the variant and this CPU can run it.
 PSIM_API bool isa_available(Isa isa);
 
 /// The best variant that this CPU has.

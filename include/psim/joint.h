@@ -41,13 +41,12 @@ struct JointDesc {
   double stiffness = 0;                  ///< spring: N/m; weld: N m/rad, 0 = rigid
   double damping = 0;                    ///< spring: N s/m; weld: N m s/rad
   Vec2 axis{1, 0};                       ///< prismatic: direction in a's frame
-  std::optional<double>
-      reference;                ///< radians: angle b - a that counts as 0; none: the present one
-  std::optional<double> lower;  ///< revolute: radians; prismatic: metres; none: no limit
-  std::optional<double> upper;  ///< as lower, and not below it
-  double motor_speed = 0;       ///< rad/s or m/s
-  double motor_limit = 0;       ///< most torque, N m, or force, N; 0: no motor
-  bool collide = false;         ///< whether the two bodies still collide
+  std::optional<double> reference;       ///< radians: angle b - a that counts as 0; none: the present one
+  std::optional<double> lower;           ///< revolute: radians; prismatic: metres; none: no limit
+  std::optional<double> upper;           ///< as lower, and not below it
+  double motor_speed = 0;                ///< rad/s or m/s
+  double motor_limit = 0;                ///< most torque, N m, or force, N; 0: no motor
+  bool collide = false;                  ///< whether the two bodies still collide
 };
 
 /// What a joint does.
@@ -57,9 +56,9 @@ struct JointState {
   JointType type = JointType::distance;  ///< as described
   Vec2 anchor_a;                         ///< metres, world
   Vec2 anchor_b;                         ///< metres, world
-  double value = 0;   ///< distance, spring, rope: length, m; revolute, weld: angle; prismatic: m
-  Vec2 force;         ///< N on b, of the last substep
-  double torque = 0;  ///< N m on b
+  double value = 0;                      ///< distance, spring, rope: length, m; revolute, weld: angle; prismatic: m
+  Vec2 force;                            ///< N on b, of the last substep
+  double torque = 0;                     ///< N m on b
 };
 
 }  // namespace psim

@@ -64,8 +64,8 @@ class PSIM_API Recorder {
 class PSIM_API Replay {
  public:
   /// Nothing and one line in `error` if the bytes are no recording, of another format, cut or damaged.
-  static std::unique_ptr<Replay> open(std::span<const std::byte> recording,
-                                      const RunOptions& options, std::string& error);
+  static std::unique_ptr<Replay> open(std::span<const std::byte> recording, const RunOptions& options,
+                                      std::string& error);
   ~Replay();
 
   /// Does what the host did and one step; false at the end.
@@ -94,10 +94,8 @@ class PSIM_API Replay {
 /// nobody, and nothing is left of one that fails. It keeps the mode of the file that it replaces; behind a symbolic
 /// link the file is replaced, not the link. Devices and pipes are written as they are. A file that the caller may not
 /// write is refused, as is one in a folder that he may not write. False and one line in `error` that names the file.
-PSIM_API bool write_bytes(const std::string& path, std::span<const std::byte> bytes,
-                          std::string& error);
+PSIM_API bool write_bytes(const std::string& path, std::span<const std::byte> bytes, std::string& error);
 /// Reads a file, or a pipe up to its end, which may have 4 GiB; devices and folders are refused.
-PSIM_API bool read_bytes(const std::string& path, std::vector<std::byte>& bytes,
-                         std::string& error);
+PSIM_API bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::string& error);
 
 }  // namespace psim

@@ -28,38 +28,67 @@ enum class Stage : std::uint8_t {
 inline constexpr std::size_t kStageCount = 8;
 /// The words for Stage, by its number.
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "forces", "broad_phase", "narrow_phase", "colouring",
-    "solver", "integrate",   "sleep",        "publish"};
+    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "sleep", "publish"};
 
-/// What a step can leave out, by its bit in StepReport::skipped: stages, and parts of them.
-inline constexpr std::array<std::string_view, 16> kSkipNames = {
-    "forces",           "broad_phase",       "narrow_phase",    "colouring",
-    "solver",           "solver.restitution", "solver.masses",   "solver.friction",
-    "rotation",         "publish",           "solver.heavy_loads", "events",
-    "manifolds",        "joints",            "filters",         "continuous"};
+/// A step can leave out these stages and parts of stages. The number of each is its bit in StepReport::skipped.
+enum class Skip : std::uint8_t {
+  forces,        ///< wells, drag and gravity scales
+  broad_phase,   ///< the search for neighbours
+  narrow_phase,  ///< normals and gaps of contacts
+  colouring,     ///< colours and lanes of contacts
+  solver,        ///< the substeps
+  restitution,   ///< impacts with restitution
+  masses,        ///< unequal masses
+  friction,      ///< friction
+  rotation,      ///< rotation of bodies
+  publish,       ///< snapshots for a renderer
+  heavy_loads,   ///< stiffer contacts under heavy loads
+  events,        ///< events for the host
+  manifolds,     ///< contacts of shapes
+  joints,        ///< joints
+  filters,       ///< pairs that must not collide
+  continuous,    ///< motion of fast bodies
+};
+/// The words for Skip, by its number.
+inline constexpr std::array<std::string_view, 16> kSkipNames = {"forces",
+                                                                "broad_phase",
+                                                                "narrow_phase",
+                                                                "colouring",
+                                                                "solver",
+                                                                "solver.restitution",
+                                                                "solver.masses",
+                                                                "solver.friction",
+                                                                "rotation",
+                                                                "publish",
+                                                                "solver.heavy_loads",
+                                                                "events",
+                                                                "manifolds",
+                                                                "joints",
+                                                                "filters",
+                                                                "continuous"};
 
 /// What one step did. Values, never exceptions: bad data in a running world is quarantined and
 /// counted here.
 struct StepReport {
   std::array<double, kStageCount> stage_ms{};  ///< wall time a stage
   double total_ms = 0;                         ///< wall time of the step
-  std::uint64_t pairs = 0;     ///< candidate pairs in the lists, static shapes among them
-  std::uint64_t contacts = 0;  ///< points that touch (impulse > 0 or overlap): at most two a pair
-  std::uint32_t colours = 0;   ///< most colours that any group of contacts needed
-  std::uint64_t awake = 0;     ///< dynamic and kinematic bodies that were stepped
-  std::uint64_t asleep = 0;    ///< dynamic bodies that were not
-  std::uint64_t pairs_reused = 0;  ///< of the pairs, those whose contacts lay as they were
-  bool rebuilt = false;            ///< neighbour lists were rebuilt in this step
-  std::uint32_t renewed = 0;       ///< bodies whose lists alone were made anew
-  std::uint32_t skipped = 0;       ///< a bit for each of kSkipNames that had nothing to do
-  std::uint32_t fast = 0;          ///< shapes and bullets so fast for their size that their way was looked at
-  std::uint32_t stopped = 0;       ///< of those, shapes put back on their way, out of fixed geometry
-  std::uint32_t escaped = 0;       ///< bodies that left an open world in this step
-  std::uint32_t quarantined = 0;  ///< bodies frozen in this step because of NaN, infinity or excess
+  std::uint64_t pairs = 0;                     ///< candidate pairs in the lists, static shapes among them
+  std::uint64_t contacts = 0;                  ///< points that touch (impulse > 0 or overlap): at most two a pair
+  std::uint32_t colours = 0;                   ///< most colours that any group of contacts needed
+  std::uint64_t awake = 0;                     ///< dynamic and kinematic bodies that were stepped
+  std::uint64_t asleep = 0;                    ///< dynamic bodies that were not
+  std::uint64_t pairs_reused = 0;              ///< of the pairs, those whose contacts lay as they were
+  bool rebuilt = false;                        ///< neighbour lists were rebuilt in this step
+  std::uint32_t renewed = 0;                   ///< bodies whose lists alone were made anew
+  std::uint32_t skipped = 0;                   ///< a bit for each of kSkipNames that had nothing to do
+  std::uint32_t fast = 0;           ///< shapes and bullets so fast for their size that their way was looked at
+  std::uint32_t stopped = 0;        ///< of those, shapes put back on their way, out of fixed geometry
+  std::uint32_t escaped = 0;        ///< bodies that left an open world in this step
+  std::uint32_t quarantined = 0;    ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
   StepDetail detail;                ///< how much of it was done
   double predicted_ms = 0;          ///< by the governor's cost model; 0 without a governor
-  double virial = 0;  ///< sum over contacts of normal impulse x centre distance, N s m
+  double virial = 0;                ///< sum over contacts of normal impulse x centre distance, N s m
 };
 
 /// Sums over every body, computed when asked for (not part of a step), in double precision and in
@@ -97,6 +126,15 @@ struct LaneUse {
   std::string kernels;      ///< what they work on, e.g. "contacts"
   std::uint64_t lanes = 0;  ///< of the blocks
   std::uint64_t used = 0;   ///< of those, with something in them
+};
+
+/// One span of a stage on one thread, for traces. Times are nanoseconds from the first call of
+/// World::start_trace.
+struct TraceEvent {
+  const char* name = "";      ///< of the stage
+  int thread = 0;             ///< 0: the one that steps
+  std::int64_t begin_ns = 0;  ///< nanoseconds
+  std::int64_t end_ns = 0;    ///< nanoseconds
 };
 
 }  // namespace psim

@@ -91,8 +91,8 @@ struct BuiltinScene {
 const std::vector<BuiltinScene>& builtin_scenes();
 
 /// Makes a built-in scene with `particles` bodies (0 = its default) from `seed`.
-std::optional<Scene> make_builtin(std::string_view name, std::uint64_t particles,
-                                  std::uint64_t seed, std::string& error);
+std::optional<Scene> make_builtin(std::string_view name, std::uint64_t particles, std::uint64_t seed,
+                                  std::string& error);
 
 /// Places a group's bodies: columns ready for World::add_discs. One line in `error` if they do not
 /// fit (cell smaller than the body, no room for a random layout).
@@ -102,8 +102,7 @@ struct PlacedGroup {
 std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& error);
 
 /// Makes a world and puts every body of the scene into it: `bodies` in order, then `groups`.
-std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options,
-                                   std::string& error);
+std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error);
 
 /// What would go wrong when the scene runs: one line each (mass ratio, speed x dt against size,
 /// sizes of very different scale, ...). Empty = nothing to say.

@@ -15,6 +15,7 @@
 #include "psim/contact.h"
 #include "psim/desc.h"
 #include "psim/events.h"
+#include "psim/jobs.h"
 #include "psim/joint.h"
 #include "psim/query.h"
 #include "psim/report.h"
@@ -66,23 +67,6 @@ struct Snapshot {
   Vec2 origin;                       ///< metres: the middle of the bounds
 };
 
-/// A host's own job system: psim calls `parallel_for(count, job)`; the host runs job(0..count-1) on
-/// any of its threads in any order and returns when all are done.
-struct JobSystem {
-  /// Called from the thread that steps, several times a step. Empty: the world's own workers.
-  std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)> parallel_for;
-  int workers = 1;  ///< how many of the host's threads may run jobs at once
-};
-
-/// One span of a stage on one thread, for traces. Times are nanoseconds from the first call of
-/// World::start_trace.
-struct TraceEvent {
-  const char* name = "";      ///< of the stage
-  int thread = 0;             ///< 0: the one that steps
-  std::int64_t begin_ns = 0;  ///< nanoseconds
-  std::int64_t end_ns = 0;    ///< nanoseconds
-};
-
 /// Bodies, joints and fields, and the step that moves them. One thread at a time uses a world; but between steps
 /// and changes any number of threads may call its const functions at once, all but diagnostics and why_awake.
 /// latest_snapshot: one other thread at any time.
@@ -90,8 +74,7 @@ class PSIM_API World {
  public:
   /// Checks the description and makes an empty world. On failure returns nothing and puts one
   /// line into `error`.
-  static std::unique_ptr<World> create(const WorldDesc& desc, const RunOptions& options,
-                                       std::string& error);
+  static std::unique_ptr<World> create(const WorldDesc& desc, const RunOptions& options, std::string& error);
   /// Ends its workers. What it published is gone.
   ~World();
   World(const World&) = delete;
@@ -162,8 +145,7 @@ class PSIM_API World {
   /// All of them, nearest first, then by id.
   std::vector<RayHit> ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
   /// Bodies that overlap a shape placed at (position, angle), by id.
-  std::vector<BodyId> overlap(const Shape& shape, Vec2 position, double angle,
-                              const QueryFilter& filter = {}) const;
+  std::vector<BodyId> overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter = {}) const;
   /// Bodies of which some part lies in the rectangle, by id.
   std::vector<BodyId> in_region(const Bounds& region, const QueryFilter& filter = {}) const;
   /// The body nearest to a point, none within `reach` metres: nothing; of several the least id.
@@ -202,7 +184,7 @@ class PSIM_API World {
   StepReport step(double dt);
 
   /// Writes all that the world must remember to go on with the same bits, into `out`, whose memory is used
-  /// again: for going back some frames, or to send a world. 50 bytes for a disc of a pile
+  /// again: for going back some frames, or to send a world. At most 96 bytes for a disc of a pile
   /// (docs/saved-states.md). Changes no result.
   void save(std::vector<std::byte>& out);
   /// Goes back to a saved state; its world had the same bounds and boundary. False and one line in `error` if
@@ -213,8 +195,8 @@ class PSIM_API World {
   /// come through `unpack_state` (psim/saved_state.h).
   bool restore(std::span<const std::byte> state, std::string& error);
   /// A world in a saved state.
-  static std::unique_ptr<World> from_state(std::span<const std::byte> state,
-                                           const RunOptions& options, std::string& error);
+  static std::unique_ptr<World> from_state(std::span<const std::byte> state, const RunOptions& options,
+                                           std::string& error);
 
   /// Lets a governor keep the frame's budget from now on, or no more.
   /// False, and nothing changes, if the budget is not above 0 or a cost is negative or not finite.

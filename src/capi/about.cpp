@@ -41,7 +41,7 @@ const char* psim_result_string(psim_result result) {
 
 // The names are string literals in the engine: their data ends with a zero.
 const char* psim_isa_name(int32_t isa) {
-  const auto which = to_enum(isa, psim::Isa::avx2);
+  const auto which = to_enum(isa, kLastIsa);
   return which ? psim::isa_name(*which).data() : nullptr;
 }
 
@@ -54,12 +54,12 @@ psim_result psim_parse_isa(const char* name, int32_t* isa) {
 }
 
 int32_t psim_isa_lanes(int32_t isa) {
-  const auto which = to_enum(isa, psim::Isa::avx2);
+  const auto which = to_enum(isa, kLastIsa);
   return which ? psim::isa_lanes(*which) : 0;
 }
 
 int32_t psim_isa_available(int32_t isa) {
-  const auto which = to_enum(isa, psim::Isa::avx2);
+  const auto which = to_enum(isa, kLastIsa);
   return which && psim::isa_available(*which);
 }
 
@@ -90,8 +90,7 @@ const char* psim_skip_name(int32_t bit) {
 
 size_t psim_estimate_memory_bytes(size_t discs) { return psim::estimate_memory_bytes(discs); }
 
-psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes,
-                               psim_cost_model* costs) {
+psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes, psim_cost_model* costs) {
   psim_world scratch;  // for the guard: there is no world yet
   const Call call{&scratch, __func__};
   return caught(call, [&]() -> psim_result {

@@ -9,12 +9,10 @@ using namespace psim::capi;
 namespace {
 
 psim_result stale(const Call& call, std::uint32_t index) {
-  return call.fail(PSIM_ERROR_STALE_ID,
-                   "there is no body " + std::to_string(index) + " of this generation");
+  return call.fail(PSIM_ERROR_STALE_ID, "there is no body " + std::to_string(index) + " of this generation");
 }
 
-psim_result add(const Call& call, const psim_body_desc* desc, const std::string& who,
-                psim_body_id* id) {
+psim_result add(const Call& call, const psim_body_desc* desc, const std::string& who, psim_body_id* id) {
   psim_body_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
   psim::BodyDesc body;
@@ -55,34 +53,30 @@ psim_result push(psim_world* world, const char* name, psim_body_id id, const Pus
   return guarded(world, name, [&](psim::World& w, const Call& call) -> psim_result {
     if (!w.is_valid(to_cpp(id))) return stale(call, id.index);
     if (world->changed(apply)) return PSIM_OK;
-    return call.fail(PSIM_ERROR_NOT_MOVABLE,
-                     "body " + std::to_string(id.index) + " is static or frozen");
+    return call.fail(PSIM_ERROR_NOT_MOVABLE, "body " + std::to_string(id.index) + " is static or frozen");
   });
 }
 
 }  // namespace
 
 psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc, psim_body_id* id) {
-  return guarded(world, __func__,
-                 [&](psim::World&, const Call& call) { return add(call, desc, "", id); });
+  return guarded(world, __func__, [&](psim::World&, const Call& call) { return add(call, desc, "", id); });
 }
 
-psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs, size_t count,
-                                  size_t stride, psim_body_id* ids, size_t* added) {
+psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs, size_t count, size_t stride,
+                                  psim_body_id* ids, size_t* added) {
   if (added != nullptr) *added = 0;
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
     if (count != 0 && descs == nullptr) {
       return call.fail(PSIM_ERROR_ARGUMENT, "descs must not be NULL");
     }
     if (count > 1 && (stride < 8 || stride % alignof(psim_body_desc) != 0)) {
-      return call.fail(PSIM_ERROR_ARGUMENT,
-                       "stride must be the size of a description, a multiple of 8");
+      return call.fail(PSIM_ERROR_ARGUMENT, "stride must be the size of a description, a multiple of 8");
     }
     const auto* at = reinterpret_cast<const unsigned char*>(descs);
     for (std::size_t k = 0; k < count; ++k) {
-      const psim_result result =
-          add(call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
-              "body " + std::to_string(k) + ": ", ids != nullptr ? ids + k : nullptr);
+      const psim_result result = add(call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
+                                     "body " + std::to_string(k) + ": ", ids != nullptr ? ids + k : nullptr);
       if (result != PSIM_OK) return result;
       if (added != nullptr) *added = k + 1;
     }
@@ -108,8 +102,7 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
     psim::DiscBatch discs;
     discs.x = x.values();
     discs.y = y.values();
-    discs.radius = given.radius.data != nullptr ? radius.values()
-                                                : std::span<const double>(&given.common_radius, 1);
+    discs.radius = given.radius.data != nullptr ? radius.values() : std::span<const double>(&given.common_radius, 1);
     discs.angle = angle.values();
     discs.vx = vx.values();
     discs.vy = vy.values();
@@ -132,15 +125,12 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
 
 psim_result psim_world_remove_body(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); })
-               ? PSIM_OK
-               : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
   });
 }
 
 int32_t psim_world_is_valid(const psim_world* world, psim_body_id id) {
-  return asked(world, __func__, int32_t{0},
-               [id](const psim::World& w) -> int32_t { return w.is_valid(to_cpp(id)); });
+  return asked(world, __func__, int32_t{0}, [id](const psim::World& w) -> int32_t { return w.is_valid(to_cpp(id)); });
 }
 
 psim_result psim_world_id_of(const psim_world* world, uint32_t index, psim_body_id* id) {
@@ -157,68 +147,47 @@ psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
     const auto s = w.body(to_cpp(id));
     if (!s) return stale(call, id.index);
-    *state = {to_c(s->id),
-              s->x,
-              s->y,
-              s->angle,
-              s->vx,
-              s->vy,
-              s->omega,
-              s->radius,
-              static_cast<int32_t>(s->type),
-              0};
+    *state = {to_c(s->id), s->x, s->y, s->angle, s->vx, s->vy, s->omega, s->radius, static_cast<int32_t>(s->type), 0};
     return PSIM_OK;
   });
 }
 
-psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position,
-                                     double angle) {
-  return push(world, __func__, id,
-              [&](auto& w) { return w.set_transform(to_cpp(id), to_cpp(position), angle); });
+psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position, double angle) {
+  return push(world, __func__, id, [&](auto& w) { return w.set_transform(to_cpp(id), to_cpp(position), angle); });
 }
 
-psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity,
-                                    double angular_velocity) {
-  return push(world, __func__, id, [&](auto& w) {
-    return w.set_velocity(to_cpp(id), to_cpp(velocity), angular_velocity);
-  });
+psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity, double angular_velocity) {
+  return push(world, __func__, id,
+              [&](auto& w) { return w.set_velocity(to_cpp(id), to_cpp(velocity), angular_velocity); });
 }
 
 psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id, psim_vec2 impulse) {
-  return push(world, __func__, id,
-              [&](auto& w) { return w.apply_impulse(to_cpp(id), to_cpp(impulse)); });
+  return push(world, __func__, id, [&](auto& w) { return w.apply_impulse(to_cpp(id), to_cpp(impulse)); });
 }
 
-psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim_vec2 impulse,
-                                        psim_vec2 point) {
-  return push(world, __func__, id, [&](auto& w) {
-    return w.apply_impulse_at(to_cpp(id), to_cpp(impulse), to_cpp(point));
-  });
+psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim_vec2 impulse, psim_vec2 point) {
+  return push(world, __func__, id,
+              [&](auto& w) { return w.apply_impulse_at(to_cpp(id), to_cpp(impulse), to_cpp(point)); });
 }
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
-  return push(world, __func__, id,
-              [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+  return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
 }
 
 int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
-  return asked(world, __func__, int32_t{0},
-               [id](const psim::World& w) -> int32_t { return w.is_awake(to_cpp(id)); });
+  return asked(world, __func__, int32_t{0}, [id](const psim::World& w) -> int32_t { return w.is_awake(to_cpp(id)); });
 }
 
 psim_result psim_world_wake(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK
-                                                                       : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
   });
 }
 
-size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer,
-                            size_t capacity) {
+size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer, size_t capacity) {
   copy_text({}, buffer, capacity);
-  return asked(world, __func__, size_t{0}, [&](const psim::World& w) {
-    return copy_text(w.why_awake(to_cpp(id)), buffer, capacity);
-  });
+  return asked(world, __func__, size_t{0},
+               [&](const psim::World& w) { return copy_text(w.why_awake(to_cpp(id)), buffer, capacity); });
 }
 
 size_t psim_world_body_count(const psim_world* world) {
@@ -238,6 +207,5 @@ size_t psim_world_shape_count(const psim_world* world) {
 }
 
 uint64_t psim_world_escaped_total(const psim_world* world) {
-  return asked(world, __func__, uint64_t{0},
-               [](const psim::World& w) { return w.escaped_total(); });
+  return asked(world, __func__, uint64_t{0}, [](const psim::World& w) { return w.escaped_total(); });
 }

@@ -1,5 +1,8 @@
 #include "convert.h"
 
+#include <cstddef>
+#include <cstring>
+
 namespace psim::capi {
 namespace {
 
@@ -19,20 +22,20 @@ constexpr const char* kNotZero = "reserved must be 0";
 
 }  // namespace
 
+// The numbers of a model lie in a psim_cost_model one after the other (tests/capi/abi_v1.c).
+static_assert(offsetof(psim_cost_model, step) + sizeof(CostModel::Numbers) == sizeof(psim_cost_model));
+
 psim_cost_model to_c(const CostModel& m) {
-  return {sizeof(psim_cost_model), 0, m.step, m.check, m.sort, m.search, m.test, m.pair, m.near,
-          m.near_fixed, m.near_shape, m.select, m.pack, m.group, m.load, m.colour, m.lay_out,
-          m.lay_out_rough, m.keep, m.look, m.stand, m.column, m.narrow, m.load_body, m.move,
-          m.stop, m.sleep, m.joint, m.joint_sorted, m.body_pass, m.pass, m.touch, m.sweep,
-          m.shape_pass, m.joint_pass, m.cell, m.flight, m.strip};
+  psim_cost_model out{};
+  out.struct_size = sizeof out;
+  std::memcpy(&out.step, m.numbers().data(), sizeof(CostModel::Numbers));
+  return out;
 }
 
 CostModel to_cpp(const psim_cost_model& m) {
-  return {m.step, m.check, m.sort, m.search, m.test, m.pair, m.near, m.near_fixed, m.near_shape,
-          m.select, m.pack, m.group, m.load, m.colour, m.lay_out, m.lay_out_rough, m.keep,
-          m.look, m.stand, m.column, m.narrow, m.load_body, m.move, m.stop, m.sleep, m.joint,
-          m.joint_sorted, m.body_pass, m.pass, m.touch, m.sweep, m.shape_pass, m.joint_pass, m.cell,
-          m.flight, m.strip};
+  CostModel::Numbers numbers;
+  std::memcpy(numbers.data(), &m.step, sizeof numbers);
+  return CostModel(numbers);
 }
 
 psim_field to_c(const Field& field) {
@@ -83,8 +86,7 @@ std::string convert(const psim_field& field, Field& out) {
   if (field.reserved != 0) return kNotZero;
   switch (field.type) {
     case PSIM_FIELD_WELL:
-      out = WellField{to_cpp(field.position), field.strength, field.softening, field.exponent,
-                      field.range};
+      out = WellField{to_cpp(field.position), field.strength, field.softening, field.exponent, field.range};
       return {};
     case PSIM_FIELD_DRAG:
       out = DragField{field.linear, field.quadratic};
@@ -127,7 +129,7 @@ std::string convert(const psim_run_options& options, RunOptions& out) {
   if (options.reserved != 0) return kNotZero;
   out.threads = options.threads;
   if (options.isa == PSIM_ISA_BEST) return {};
-  const auto isa = to_enum(options.isa, Isa::avx2);
+  const auto isa = to_enum(options.isa, kLastIsa);
   if (!isa) return "isa " + number(options.isa) + " is none of psim_isa, -1 to 2";
   out.isa = *isa;
   return {};

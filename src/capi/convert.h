@@ -4,6 +4,7 @@
 
 #include <psim.h>
 
+#include <iterator>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -19,9 +20,7 @@ inline psim_body_id to_c(BodyId id) { return {id.index, id.generation}; }
 inline psim_joint_id to_c(JointId id) { return {id.index, id.generation}; }
 inline psim_material to_c(const Material& m) { return {m.density, m.restitution, m.friction}; }
 inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group}; }
-inline psim_ray_hit to_c(const RayHit& h) {
-  return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction};
-}
+inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
 psim_field to_c(const Field& field);
 
@@ -59,6 +58,8 @@ static_assert(static_cast<int>(Integrator::symplectic4) == PSIM_INTEGRATOR_SYMPL
 static_assert(static_cast<int>(Isa::scalar) == PSIM_ISA_SCALAR);
 static_assert(static_cast<int>(Isa::sse) == PSIM_ISA_SSE);
 static_assert(static_cast<int>(Isa::avx2) == PSIM_ISA_AVX2);
+inline constexpr Isa kLastIsa = std::end(kAllIsas)[-1];
+static_assert(kLastIsa == Isa::avx2);
 static_assert(static_cast<int>(JointType::spring) == PSIM_JOINT_SPRING);
 static_assert(static_cast<int>(JointType::rope) == PSIM_JOINT_ROPE);
 static_assert(static_cast<int>(JointType::revolute) == PSIM_JOINT_REVOLUTE);

@@ -120,11 +120,10 @@ psim_result make_handle(const char* name, psim_world** world, char* error, std::
 template <class Value, class Body>
 Value asked(const psim_world* handle, const char* name, Value none, const Body& body) noexcept {
   Value value = none;
-  const psim_result result =
-      guarded(handle, name, [&](const psim::World& world, const Call&) -> psim_result {
-        value = body(world);
-        return PSIM_OK;
-      });
+  const psim_result result = guarded(handle, name, [&](const psim::World& world, const Call&) -> psim_result {
+    value = body(world);
+    return PSIM_OK;
+  });
   return result == PSIM_OK ? value : none;
 }
 

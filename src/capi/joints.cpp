@@ -7,14 +7,12 @@ using namespace psim::capi;
 namespace {
 
 psim_result stale(const Call& call, std::uint32_t index) {
-  return call.fail(PSIM_ERROR_STALE_ID,
-                   "there is no joint " + std::to_string(index) + " of this generation");
+  return call.fail(PSIM_ERROR_STALE_ID, "there is no joint " + std::to_string(index) + " of this generation");
 }
 
 }  // namespace
 
-psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc,
-                                 psim_joint_id* id) {
+psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc, psim_joint_id* id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
     psim_joint_desc given;
     if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
@@ -30,9 +28,7 @@ psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc,
 
 psim_result psim_world_remove_joint(psim_world* world, psim_joint_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.remove_joint(to_cpp(id)); })
-               ? PSIM_OK
-               : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.remove_joint(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
   });
 }
 
@@ -56,8 +52,7 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
 psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     if (!w.is_valid_joint(to_cpp(id))) return stale(call, id.index);
-    if (world->changed([&](auto& one) { return one.set_motor(to_cpp(id), speed, limit); }))
-      return PSIM_OK;
+    if (world->changed([&](auto& one) { return one.set_motor(to_cpp(id), speed, limit); })) return PSIM_OK;
     return call.fail(PSIM_ERROR_ARGUMENT,
                      "only revolute and prismatic joints have a motor; speed must be finite and "
                      "limit 0 or more");

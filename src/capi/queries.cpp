@@ -12,15 +12,14 @@ psim_result read_filter(const Call& call, const psim_query_filter* filter, psim:
   if (filter == nullptr) return PSIM_OK;
   psim_query_filter given;
   if (const psim_result r = read(call, "filter", filter, given); r != PSIM_OK) return r;
-  out = {given.mask, given.dynamic != 0, given.kinematic != 0, given.fixed != 0,
-         given.sensors != 0};
+  out = {given.mask, given.dynamic != 0, given.kinematic != 0, given.fixed != 0, given.sensors != 0};
   return PSIM_OK;
 }
 
 // Asks ask(world, filter), which returns a list, and gives out as much of it as there is room for.
 template <class Item, class Ask>
-psim_result list(const psim_world* world, const char* name, const psim_query_filter* filter,
-                 Item* items, size_t capacity, size_t* count, const Ask& ask) {
+psim_result list(const psim_world* world, const char* name, const psim_query_filter* filter, Item* items,
+                 size_t capacity, size_t* count, const Ask& ask) {
   return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
     if (count == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "count must not be NULL");
     *count = 0;
@@ -43,8 +42,8 @@ void copy(std::span<const psim::TouchEvent> from, std::vector<psim_touch_event>&
 
 }  // namespace
 
-psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to,
-                                const psim_query_filter* filter, psim_ray_hit* hit) {
+psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to, const psim_query_filter* filter,
+                                psim_ray_hit* hit) {
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
     if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
     psim::QueryFilter f;
@@ -57,42 +56,35 @@ psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_ve
 }
 
 psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
-                                    const psim_query_filter* filter, psim_ray_hit* hits,
-                                    size_t capacity, size_t* count) {
-  return list(world, __func__, filter, hits, capacity, count,
-              [&](const psim::World& w, const psim::QueryFilter& f) {
-                return w.ray_cast_all(to_cpp(from), to_cpp(to), f);
-              });
+                                    const psim_query_filter* filter, psim_ray_hit* hits, size_t capacity,
+                                    size_t* count) {
+  return list(world, __func__, filter, hits, capacity, count, [&](const psim::World& w, const psim::QueryFilter& f) {
+    return w.ray_cast_all(to_cpp(from), to_cpp(to), f);
+  });
 }
 
-psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position,
-                               double angle, const psim_query_filter* filter, psim_body_id* ids,
-                               size_t capacity, size_t* count) {
+psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position, double angle,
+                               const psim_query_filter* filter, psim_body_id* ids, size_t capacity, size_t* count) {
   psim::Shape given;
-  const psim_result result =
-      guarded(world, __func__, [&](const psim::World&, const Call& call) -> psim_result {
-        if (shape == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "shape must not be NULL");
-        const std::string wrong = convert(*shape, given);
-        return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, wrong);
-      });
+  const psim_result result = guarded(world, __func__, [&](const psim::World&, const Call& call) -> psim_result {
+    if (shape == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "shape must not be NULL");
+    const std::string wrong = convert(*shape, given);
+    return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  });
   if (result != PSIM_OK) return result;
-  return list(world, __func__, filter, ids, capacity, count,
-              [&](const psim::World& w, const psim::QueryFilter& f) {
-                return w.overlap(given, to_cpp(position), angle, f);
-              });
+  return list(world, __func__, filter, ids, capacity, count, [&](const psim::World& w, const psim::QueryFilter& f) {
+    return w.overlap(given, to_cpp(position), angle, f);
+  });
 }
 
-psim_result psim_world_in_region(const psim_world* world, psim_bounds region,
-                                 const psim_query_filter* filter, psim_body_id* ids,
-                                 size_t capacity, size_t* count) {
+psim_result psim_world_in_region(const psim_world* world, psim_bounds region, const psim_query_filter* filter,
+                                 psim_body_id* ids, size_t capacity, size_t* count) {
   return list(world, __func__, filter, ids, capacity, count,
-              [&](const psim::World& w, const psim::QueryFilter& f) {
-                return w.in_region(to_cpp(region), f);
-              });
+              [&](const psim::World& w, const psim::QueryFilter& f) { return w.in_region(to_cpp(region), f); });
 }
 
-psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach,
-                               const psim_query_filter* filter, psim_closest_hit* hit) {
+psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach, const psim_query_filter* filter,
+                               psim_closest_hit* hit) {
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
     if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
     psim::QueryFilter f;
@@ -111,8 +103,7 @@ psim_result psim_world_set_event_options(psim_world* world, const psim_event_opt
     if (!(given.hit_speed >= 0)) {
       return call.fail(PSIM_ERROR_ARGUMENT, "hit_speed must be 0 or more");
     }
-    w.set_event_options(
-        {given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0});
+    w.set_event_options({given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0});
     return PSIM_OK;
   });
 }
@@ -154,8 +145,8 @@ psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts
     world->contacts.clear();
     world->contact_groups.clear();
     for (const psim::Contact& c : w.contacts()) {
-      world->contacts.push_back({to_c(c.a), to_c(c.b), to_c(c.point), to_c(c.normal), c.separation,
-                                 c.impulse, c.friction});
+      world->contacts.push_back(
+          {to_c(c.a), to_c(c.b), to_c(c.point), to_c(c.normal), c.separation, c.impulse, c.friction});
       world->contact_groups.push_back({c.strip, c.colour});
     }
     *contacts = world->contacts.data();

@@ -47,8 +47,8 @@ psim_result psim_world_stop_recording(psim_world* world) {
   });
 }
 
-psim_result psim_replay_open(const void* recording, size_t size, const psim_run_options* options,
-                             psim_replay** replay, char* error, size_t error_capacity) {
+psim_result psim_replay_open(const void* recording, size_t size, const psim_run_options* options, psim_replay** replay,
+                             char* error, size_t error_capacity) {
   copy_text({}, error, error_capacity);
   if (replay == nullptr) return PSIM_ERROR_ARGUMENT;
   *replay = nullptr;
@@ -80,27 +80,20 @@ psim_result psim_replay_open(const void* recording, size_t size, const psim_run_
 void psim_replay_close(psim_replay* replay) { delete replay; }
 
 psim_result psim_replay_next(psim_replay* replay) {
-  return guarded(replay != nullptr ? &replay->handle : nullptr, __func__,
-                 [&](psim::World&, const Call&) -> psim_result {
-                   return replay->replay->next() ? PSIM_OK : PSIM_NOTHING;
-                 });
+  return guarded(
+      replay != nullptr ? &replay->handle : nullptr, __func__,
+      [&](psim::World&, const Call&) -> psim_result { return replay->replay->next() ? PSIM_OK : PSIM_NOTHING; });
 }
 
-psim_world* psim_replay_world(psim_replay* replay) {
-  return replay != nullptr ? &replay->handle : nullptr;
-}
+psim_world* psim_replay_world(psim_replay* replay) { return replay != nullptr ? &replay->handle : nullptr; }
 
-uint64_t psim_replay_steps(const psim_replay* replay) {
-  return replay != nullptr ? replay->replay->steps() : 0;
-}
+uint64_t psim_replay_steps(const psim_replay* replay) { return replay != nullptr ? replay->replay->steps() : 0; }
 
 uint64_t psim_replay_steps_in_all(const psim_replay* replay) {
   return replay != nullptr ? replay->replay->steps_in_all() : 0;
 }
 
-uint64_t psim_replay_hashes(const psim_replay* replay) {
-  return replay != nullptr ? replay->replay->hashes() : 0;
-}
+uint64_t psim_replay_hashes(const psim_replay* replay) { return replay != nullptr ? replay->replay->hashes() : 0; }
 
 int32_t psim_replay_complete(const psim_replay* replay) {
   return replay != nullptr && replay->replay->complete() ? 1 : 0;

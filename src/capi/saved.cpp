@@ -14,13 +14,13 @@ std::span<const std::byte> bytes(const void* data, std::size_t size) {
   return {static_cast<const std::byte*>(data), size};
 }
 
-psim_result fill(const Call& call, std::span<const std::byte> from, void* buffer,
-                 std::size_t capacity, std::size_t* size) {
+psim_result fill(const Call& call, std::span<const std::byte> from, void* buffer, std::size_t capacity,
+                 std::size_t* size) {
   *size = from.size();
   if (buffer == nullptr) return PSIM_OK;
   if (capacity < from.size()) {
-    return call.fail(PSIM_ERROR_ARGUMENT, "the buffer has room for " + std::to_string(capacity) +
-                                              " bytes of " + std::to_string(from.size()));
+    return call.fail(PSIM_ERROR_ARGUMENT, "the buffer has room for " + std::to_string(capacity) + " bytes of " +
+                                              std::to_string(from.size()));
   }
   std::memcpy(buffer, from.data(), from.size());
   return PSIM_OK;
@@ -68,8 +68,8 @@ psim_result psim_world_restore(psim_world* world, const void* state, size_t size
   });
 }
 
-psim_result psim_world_from_state(const void* state, size_t size, const psim_run_options* options,
-                                  psim_world** world, char* error, size_t error_capacity) {
+psim_result psim_world_from_state(const void* state, size_t size, const psim_run_options* options, psim_world** world,
+                                  char* error, size_t error_capacity) {
   return make_handle(__func__, world, error, error_capacity, [&](const Call& call) -> psim_result {
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
     psim::RunOptions run;
@@ -82,16 +82,15 @@ psim_result psim_world_from_state(const void* state, size_t size, const psim_run
   });
 }
 
-psim_result psim_pack_state(const void* state, size_t state_size, void* packed, size_t capacity,
-                            size_t* size) {
+psim_result psim_pack_state(const void* state, size_t state_size, void* packed, size_t capacity, size_t* size) {
   return alone(__func__, nullptr, 0, [&](const Call& call) -> psim_result {
     if (state == nullptr || size == nullptr) return null_refused(call);
     return fill(call, psim::pack_state(bytes(state, state_size)), packed, capacity, size);
   });
 }
 
-psim_result psim_unpack_state(const void* packed, size_t packed_size, void* state, size_t capacity,
-                              size_t* size, char* error, size_t error_capacity) {
+psim_result psim_unpack_state(const void* packed, size_t packed_size, void* state, size_t capacity, size_t* size,
+                              char* error, size_t error_capacity) {
   return alone(__func__, error, error_capacity, [&](const Call& call) -> psim_result {
     if (packed == nullptr || size == nullptr) return null_refused(call);
     std::vector<std::byte> out;
@@ -113,8 +112,8 @@ psim_result psim_write_state(const char* path, const void* state, size_t state_s
   });
 }
 
-psim_result psim_read_state(const char* path, void* state, size_t capacity, size_t* size,
-                            char* error, size_t error_capacity) {
+psim_result psim_read_state(const char* path, void* state, size_t capacity, size_t* size, char* error,
+                            size_t error_capacity) {
   return alone(__func__, error, error_capacity, [&](const Call& call) -> psim_result {
     if (path == nullptr || size == nullptr) return null_refused(call);
     std::vector<std::byte> out;

@@ -67,8 +67,8 @@ psim_result psim_world_diagnostics(psim_world* world, psim_diagnostics* diagnost
     const psim_result r = check_output(call, "diagnostics", diagnostics);
     if (r != PSIM_OK) return r;
     const psim::Diagnostics d = w.diagnostics();
-    write(psim_diagnostics{sizeof(psim_diagnostics), 0, d.kinetic, d.potential, d.momentum_x,
-                           d.momentum_y, d.angular_momentum, d.max_penetration},
+    write(psim_diagnostics{sizeof(psim_diagnostics), 0, d.kinetic, d.potential, d.momentum_x, d.momentum_y,
+                           d.angular_momentum, d.max_penetration},
           diagnostics);
     return PSIM_OK;
   });
@@ -171,8 +171,7 @@ psim_result psim_world_stop_trace(psim_world* world) {
   });
 }
 
-psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events,
-                                  size_t* count) {
+psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events, size_t* count) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     if (const psim_result r = check_list(call, events, count); r != PSIM_OK) return r;
     world->trace.clear();

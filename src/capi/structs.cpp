@@ -132,8 +132,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC ||
-      kind > PSIM_STRUCT_DIAGNOSTICS) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_DIAGNOSTICS) {
     return;
   }
   std::memset(object, 0, size);

@@ -48,8 +48,7 @@ void keep_fields(psim_world& handle);
 /// Whether a struct to be filled has a size that we know.
 template <class T>
 psim_result check_output(const Call& call, const char* what, const T* out) {
-  if (out == nullptr)
-    return call.fail(PSIM_ERROR_ARGUMENT, std::string(what) + " must not be NULL");
+  if (out == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, std::string(what) + " must not be NULL");
   const std::string wrong = wrong_size(what, out->struct_size, sizeof(T));
   return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_STRUCT_SIZE, wrong);
 }

@@ -33,8 +33,7 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;
   const psim::StepDetail& d = from.detail;
-  const int flags =
-      (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0) | d.sweeps * PSIM_STEP_SWEEP;
+  const int flags = (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0) | d.sweeps * PSIM_STEP_SWEEP;
   r.detail = {d.substeps, static_cast<std::uint8_t>(flags), d.frames, d.horizon, d.pieces};
   r.predicted_ms = from.predicted_ms;
   r.virial = from.virial;
@@ -53,24 +52,23 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
   return PSIM_OK;
 }
 
-psim_result replay(const Call& call, psim_step_detail detail, double dt,
-                   psim_step_report* report) {
+psim_result replay(const Call& call, psim_step_detail detail, double dt, psim_step_report* report) {
   using D = psim::StepDetail;
   static_assert(sizeof detail.flags == 1 && 255 / PSIM_STEP_SWEEP == D::kMostSweeps);
   const auto frames = [](int n) { return n >= 1 && n <= D::kMostFrames; };
   const int flags = detail.flags % PSIM_STEP_SWEEP, sweeps = detail.flags / PSIM_STEP_SWEEP;
   if (detail.substeps > D::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
       flags == PSIM_STEP_WAKES || flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
-    return call.fail(PSIM_ERROR_ARGUMENT,
-                     "substeps must be 0 to " + std::to_string(D::kMostSubsteps) + ", frames and horizon 1 to " +
-                         std::to_string(D::kMostFrames) + ", flags 0, 1 or 3 and a multiple of 16");
+    return call.fail(PSIM_ERROR_ARGUMENT, "substeps must be 0 to " + std::to_string(D::kMostSubsteps) +
+                                              ", frames and horizon 1 to " + std::to_string(D::kMostFrames) +
+                                              ", flags 0, 1 or 3 and a multiple of 16");
   }
   if (!(dt > 0 && dt <= 10)) {
     return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");
   }
   return step(call, report, [&](auto& one) {
-    return one.replay({detail.substeps, (flags & PSIM_STEP_WAITS) == 0, detail.frames, detail.horizon,
-                       detail.pieces, (flags & PSIM_STEP_WAKES) != 0, static_cast<std::uint8_t>(sweeps)},
+    return one.replay({detail.substeps, (flags & PSIM_STEP_WAITS) == 0, detail.frames, detail.horizon, detail.pieces,
+                       (flags & PSIM_STEP_WAKES) != 0, static_cast<std::uint8_t>(sweeps)},
                       dt);
   });
 }
@@ -117,8 +115,8 @@ psim::JobSystem job_system(const psim_job_system& jobs) {
     jobs.parallel_for(jobs.user, count, &run_host_job, &loop);
     if (loop.error) std::rethrow_exception(loop.error);
     if (const std::size_t done = loop.done.load(); done != count) {
-      throw std::runtime_error("the job system ran " + std::to_string(done) + " jobs of " +
-                               std::to_string(count) + "; the world can only be destroyed");
+      throw std::runtime_error("the job system ran " + std::to_string(done) + " jobs of " + std::to_string(count) +
+                               "; the world can only be destroyed");
     }
   };
   return out;
@@ -126,10 +124,9 @@ psim::JobSystem job_system(const psim_job_system& jobs) {
 
 }  // namespace
 
-psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options,
-                              psim_world** world, char* error, size_t capacity) {
-  return make_handle(__func__, world, error, capacity,
-                     [&](const Call& call) { return create(call, desc, options); });
+psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options, psim_world** world,
+                              char* error, size_t capacity) {
+  return make_handle(__func__, world, error, capacity, [&](const Call& call) { return create(call, desc, options); });
 }
 
 void psim_world_destroy(psim_world* world) { delete world; }
@@ -155,17 +152,13 @@ psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* r
   });
 }
 
-psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
-                              psim_step_report* report) {
-  return guarded(world, __func__, [&](psim::World& w, const Call& call) {
-    return replay(call, detail, w.desc().dt, report);
-  });
+psim_result psim_world_replay(psim_world* world, psim_step_detail detail, psim_step_report* report) {
+  return guarded(world, __func__,
+                 [&](psim::World& w, const Call& call) { return replay(call, detail, w.desc().dt, report); });
 }
 
-psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,
-                                 psim_step_report* report) {
-  return guarded(world, __func__,
-                 [&](psim::World&, const Call& call) { return replay(call, detail, dt, report); });
+psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt, psim_step_report* report) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) { return replay(call, detail, dt, report); });
 }
 
 psim_result psim_world_prepare(psim_world* world) {
@@ -252,8 +245,7 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
 }
 
 int32_t psim_world_isa(const psim_world* world) {
-  return asked(world, __func__, int32_t{-1},
-               [](const psim::World& w) { return static_cast<int32_t>(w.isa()); });
+  return asked(world, __func__, int32_t{-1}, [](const psim::World& w) { return static_cast<int32_t>(w.isa()); });
 }
 
 int32_t psim_world_threads(const psim_world* world) {

@@ -13,8 +13,6 @@ inline constexpr std::size_t kAlign = 64;  // bytes: every column starts on a ca
 /// Records that a kernel may read beyond the last body of a column (never used, only loaded).
 inline constexpr std::size_t kReadPad = 16;
 
-constexpr std::size_t round_up_block(std::size_t n) {
-  return (n + kBlock - 1) / kBlock * kBlock;
-}
+constexpr std::size_t round_up_block(std::size_t n) { return (n + kBlock - 1) / kBlock * kBlock; }
 
 }  // namespace psim::kernels

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "collide_views.h"
+#include "lane_vec.h"
 
 namespace psim::kernels {
 namespace {
@@ -17,47 +18,26 @@ constexpr float kFarAway = 3.402823466e38f;
 constexpr float kAxisPreference = 1e-3f;
 constexpr float kLengthNoise = 1e-6f;
 
-template <class L>
-struct LaneVec {
-  typename L::F x, y;
-};
-
-template <class L>
-[[gnu::always_inline]] inline typename L::F dot(LaneVec<L> a, LaneVec<L> b) {
-  return L::add(L::mul(a.x, b.x), L::mul(a.y, b.y));
-}
-template <class L>
-[[gnu::always_inline]] inline LaneVec<L> minus(LaneVec<L> a, LaneVec<L> b) {
-  return {L::sub(a.x, b.x), L::sub(a.y, b.y)};
-}
-template <class L>
-[[gnu::always_inline]] inline LaneVec<L> times(LaneVec<L> a, typename L::F s) {
-  return {L::mul(a.x, s), L::mul(a.y, s)};
-}
-template <class L>
-[[gnu::always_inline]] inline LaneVec<L> choose(typename L::F mask, LaneVec<L> yes, LaneVec<L> no) {
-  return {L::select(mask, yes.x, no.x), L::select(mask, yes.y, no.y)};
-}
 /// `q` holds cosine and sine.
-template <class L>
-[[gnu::always_inline]] inline LaneVec<L> rotate(LaneVec<L> q, LaneVec<L> v) {
-  return {L::sub(L::mul(q.x, v.x), L::mul(q.y, v.y)), L::add(L::mul(q.y, v.x), L::mul(q.x, v.y))};
+template <class T>
+[[gnu::always_inline]] inline Vec2<T> rotate(Vec2<T> q, Vec2<T> v) {
+  return {q.x * v.x - q.y * v.y, q.y * v.x + q.x * v.y};
 }
-template <class L>
-[[gnu::always_inline]] inline LaneVec<L> unrotate(LaneVec<L> q, LaneVec<L> v) {
-  return {L::add(L::mul(q.x, v.x), L::mul(q.y, v.y)), L::sub(L::mul(q.x, v.y), L::mul(q.y, v.x))};
+template <class T>
+[[gnu::always_inline]] inline Vec2<T> unrotate(Vec2<T> q, Vec2<T> v) {
+  return {q.x * v.x + q.y * v.y, q.x * v.y - q.y * v.x};
 }
 
 /// A hull's vertices and normals, and its radius.
 template <class L, int kN>
 struct LaneCore {
-  LaneVec<L> vertex[kN], normal[kN];
-  typename L::F radius, reach;
+  Vec<L> vertex[kN], normal[kN];
+  F<L> radius, reach;
 };
 
 template <class L, int kN>
 [[gnu::always_inline]] inline LaneCore<L, kN> load_core(const float* const* hull) {
-  typename L::F x[4], y[4], nx[4], ny[4], inner, count;
+  F<L> x[4], y[4], nx[4], ny[4], inner, count;
   L::gather4(hull, kHullX, x[0], x[1], x[2], x[3]);
   L::gather4(hull, kHullY, y[0], y[1], y[2], y[3]);
   L::gather4(hull, kHullNx, nx[0], nx[1], nx[2], nx[3]);
@@ -74,57 +54,53 @@ template <class L, int kN>
 /// An edge: its normal, ends and number.
 template <class L>
 struct LaneEdge {
-  typename L::F separation;
-  LaneVec<L> normal, first, last;
-  typename L::F at;
+  F<L> separation;
+  Vec<L> normal, first, last;
+  F<L> at;
 };
 
 /// The edge along whose normal the other core is farthest.
 template <class L, int kN, int kM>
-[[gnu::always_inline]] inline LaneEdge<L> best_axis(const LaneCore<L, kN>& core,
-                                                    const LaneCore<L, kM>& other) {
+[[gnu::always_inline]] inline LaneEdge<L> best_axis(const LaneCore<L, kN>& core, const LaneCore<L, kM>& other) {
   LaneEdge<L> best;
 #pragma GCC unroll 4  // vertices stay in registers
   for (int k = 0; k < kN; ++k) {
-    auto lowest = L::set1(kFarAway);
-    for (int j = 0; j < kM; ++j) lowest = L::min(dot(core.normal[k], other.vertex[j]), lowest);
-    const auto separation = L::sub(lowest, dot(core.normal[k], core.vertex[k]));
-    const LaneVec<L> last = core.vertex[(k + 1) % kN];
+    F<L> lowest = kFarAway;
+    for (int j = 0; j < kM; ++j) lowest = min(dot(core.normal[k], other.vertex[j]), lowest);
+    const auto separation = lowest - dot(core.normal[k], core.vertex[k]);
+    const Vec<L> last = core.vertex[(k + 1) % kN];
     if (k == 0) {
-      const auto far = L::set1(-kFarAway);
-      best = {L::select(L::less(far, separation), separation, far), core.normal[0], core.vertex[0], last,
-              L::set1(0)};
+      const F<L> far = -kFarAway;
+      best = {select(far < separation, separation, far), core.normal[0], core.vertex[0], last, 0};
       continue;
     }
-    const auto better = L::less(best.separation, separation);
-    best.separation = L::select(better, separation, best.separation);
-    best.normal = choose(better, core.normal[k], best.normal);
-    best.first = choose(better, core.vertex[k], best.first);
-    best.last = choose(better, last, best.last);
-    best.at = L::select(better, L::set1(static_cast<float>(k)), best.at);
+    const auto better = best.separation < separation;
+    best.separation = select(better, separation, best.separation);
+    best.normal = select(better, core.normal[k], best.normal);
+    best.first = select(better, core.vertex[k], best.first);
+    best.last = select(better, last, best.last);
+    best.at = select(better, static_cast<float>(k), best.at);
   }
   return best;
 }
 
 /// Of the vertex after number `at` of `count`.
 template <class L>
-[[gnu::always_inline]] inline typename L::F next_of(typename L::F at, typename L::F count) {
-  const auto next = L::add(at, L::set1(1));
-  return L::select(L::less(next, count), next, L::set1(0));
+[[gnu::always_inline]] inline F<L> next_of(F<L> at, F<L> count) {
+  const auto next = at + 1;
+  return select(next < count, next, 0);
 }
 
 template <class L>
-[[gnu::always_inline]] inline typename L::F feature_of(typename L::F kind, typename L::F first,
-                                                       typename L::F second) {
-  return L::add(L::add(L::mul(kind, L::set1(64)), L::mul(first, L::set1(8))), second);
+[[gnu::always_inline]] inline F<L> feature_of(F<L> kind, F<L> first, F<L> second) {
+  return kind * 64 + first * 8 + second;
 }
 
 template <class L>
-[[gnu::always_inline]] inline void store_point(HullPairs::Point& p, std::uint32_t k, LaneVec<L> b,
-                                               LaneVec<L> d, typename L::F gap,
-                                               typename L::F feature) {
-  L::store(p.ax + k, L::add(b.x, d.x));
-  L::store(p.ay + k, L::add(b.y, d.y));
+[[gnu::always_inline]] inline void store_point(HullPairs::Point& p, std::uint32_t k, Vec<L> b, Vec<L> d, F<L> gap,
+                                               F<L> feature) {
+  L::store(p.ax + k, b.x + d.x);
+  L::store(p.ay + k, b.y + d.y);
   L::store(p.bx + k, b.x);
   L::store(p.by + k, b.y);
   L::store(p.gap + k, gap);
@@ -133,190 +109,176 @@ template <class L>
 
 template <class L, int kA, int kB>
 void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
-  using F = typename L::F;
-  using V = LaneVec<L>;
-  constexpr std::uint32_t kAll = (1u << L::width) - 1;
   constexpr int kMost = kA > kB ? kA : kB;
-  const F zero = L::set1(0), half = L::set1(0.5f), one = L::set1(1), far = L::set1(kFarAway);
+  const F<L> zero = 0, half = 0.5f, one = 1, far = kFarAway;
   for (HullPairs* c = blocks + begin; c != blocks + end; ++c) {
     c->has[0] = c->has[1] = c->hard = 0;
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       auto a = load_core<L, kA>(c->a + k);
       auto b = load_core<L, kB>(c->b + k);
-      const V frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
-      const V d{L::load(c->dx + k), L::load(c->dy + k)};
-      const F margin = L::load(c->margin + k);
-      const F size = L::min(a.reach, b.reach), both_reach = L::add(a.reach, b.reach);
-      const F noise = L::mul(L::set1(kLengthNoise), both_reach);
-      const F whole = L::add(both_reach, margin);
-      F out = L::less(L::mul(whole, whole), dot(d, d));
+      const Vec<L> frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
+      const Vec<L> d{L::load(c->dx + k), L::load(c->dy + k)};
+      const F<L> margin = L::load(c->margin + k);
+      const F<L> size = min(a.reach, b.reach), both_reach = a.reach + b.reach;
+      const F<L> noise = kLengthNoise * both_reach;
+      const F<L> whole = both_reach + margin;
+      M<L> out = whole * whole < dot(d, d);
 
       // Axes of A, origin at B's centre.
-      const V back = unrotate(frame, d);
-      for (V& v : a.vertex) v = minus(v, back);
-      const V q{L::add(L::mul(frame.x, qb.x), L::mul(frame.y, qb.y)),
-                L::sub(L::mul(frame.x, qb.y), L::mul(frame.y, qb.x))};
-      for (V& v : b.vertex) v = rotate(q, v);
-      for (V& v : b.normal) v = rotate(q, v);
+      const Vec<L> back = unrotate(frame, d);
+      for (Vec<L>& v : a.vertex) v = v - back;
+      const Vec<L> q{frame.x * qb.x + frame.y * qb.y, frame.x * qb.y - frame.y * qb.x};
+      for (Vec<L>& v : b.vertex) v = rotate(q, v);
+      for (Vec<L>& v : b.normal) v = rotate(q, v);
 
-      const F radii = L::add(a.radius, b.radius), reach = L::add(radii, margin);
+      const F<L> radii = a.radius + b.radius, reach = radii + margin;
       const auto of_a = best_axis(a, b);
-      out = L::either(out, L::less(reach, of_a.separation));
+      out = out | (reach < of_a.separation);
       const auto of_b = best_axis(b, a);
-      out = L::either(out, L::less(reach, of_b.separation));
-      if (L::bits(out) == kAll) {
+      out = out | (reach < of_b.separation);
+      if (all(out)) {
         L::store(c->nx + k, zero);
         L::store(c->ny + k, zero);
         continue;
       }
 
-      const F preferred = L::mul(L::set1(kAxisPreference), size);
-      const F use_b = L::less(L::add(of_a.separation, preferred), of_b.separation);
-      const F most = L::max(of_a.separation, of_b.separation);
-      const V normal = choose(use_b, of_b.normal, of_a.normal);
-      const V first = choose(use_b, of_b.first, of_a.first), last = choose(use_b, of_b.last, of_a.last);
-      const F edge = L::select(use_b, of_b.at, of_a.at);
-      const F edge_count = L::select(use_b, L::set1(kB), L::set1(kA));
-      const F ends[2] = {edge, next_of<L>(edge, edge_count)};
+      const F<L> preferred = kAxisPreference * size;
+      const M<L> use_b = of_a.separation + preferred < of_b.separation;
+      const F<L> most = max(of_a.separation, of_b.separation);
+      const Vec<L> normal = select(use_b, of_b.normal, of_a.normal);
+      const Vec<L> first = select(use_b, of_b.first, of_a.first), last = select(use_b, of_b.last, of_a.last);
+      const F<L> edge = select(use_b, of_b.at, of_a.at);
+      const F<L> edge_count = select(use_b, kB, kA);
+      const F<L> ends[2] = {edge, next_of<L>(edge, edge_count)};
 
       // The other core's edge that faces the normal most squarely, from vertex `high` to `low`.
-      F least_turn = far, facing = zero;
-      V low, high, facing_normal;
+      F<L> least_turn = far, facing = zero;
+      Vec<L> low, high, facing_normal;
       for (int j = 0; j < kMost; ++j) {
         // Where a core has no vertex j, another one, never taken.
         const int ja = j % kA, jb = j % kB;
-        const V n = choose(use_b, a.normal[ja], b.normal[jb]);
-        const V from = choose(use_b, a.vertex[ja], b.vertex[jb]);
-        const V to = choose(use_b, a.vertex[(j + 1) % kA], b.vertex[(j + 1) % kB]);
-        const F sine = L::abs(L::sub(L::mul(normal.x, n.y), L::mul(normal.y, n.x)));
-        F turned = L::select(L::less(dot(normal, n), zero), sine, L::add(L::set1(2), sine));
-        if (j >= kA) turned = L::select(use_b, far, turned);
-        if (j >= kB) turned = L::select(use_b, turned, far);
-        const F better = L::less(turned, least_turn);
-        least_turn = L::select(better, turned, least_turn);
+        const Vec<L> n = select(use_b, a.normal[ja], b.normal[jb]);
+        const Vec<L> from = select(use_b, a.vertex[ja], b.vertex[jb]);
+        const Vec<L> to = select(use_b, a.vertex[(j + 1) % kA], b.vertex[(j + 1) % kB]);
+        const F<L> sine = abs(normal.x * n.y - normal.y * n.x);
+        F<L> turned = select(dot(normal, n) < zero, sine, 2 + sine);
+        if (j >= kA) turned = select(use_b, far, turned);
+        if (j >= kB) turned = select(use_b, turned, far);
+        const M<L> better = turned < least_turn;
+        least_turn = select(better, turned, least_turn);
         if (j == 0) {
           high = from, low = to, facing_normal = n;
           continue;
         }
-        facing = L::select(better, L::set1(static_cast<float>(j)), facing);
-        high = choose(better, from, high);
-        low = choose(better, to, low);
-        facing_normal = choose(better, n, facing_normal);
+        facing = select(better, static_cast<float>(j), facing);
+        high = select(better, from, high);
+        low = select(better, to, low);
+        facing_normal = select(better, n, facing_normal);
       }
-      const F other_count = L::select(use_b, L::set1(kA), L::set1(kB));
+      const F<L> other_count = select(use_b, kA, kB);
 
       // Clip it to the reference edge: t along it, h over it.
-      const V tangent{L::negate(normal.y), normal.x};
-      const F offset = L::mul(half, L::add(dot(normal, first), dot(normal, last)));
-      const F t0 = dot(tangent, first), t1 = dot(tangent, last);
-      F s0 = dot(tangent, low), s1 = dot(tangent, high);
-      const F swap = L::less(s1, s0);
-      const F next_facing = next_of<L>(facing, other_count);
-      const F names[2] = {L::select(swap, facing, next_facing), L::select(swap, next_facing, facing)};
-      const V incident[2] = {choose(swap, high, low), choose(swap, low, high)};
-      const F s_low = L::select(swap, s1, s0);
-      s1 = L::select(swap, s0, s1);
+      const Vec<L> tangent{-normal.y, normal.x};
+      const F<L> offset = half * (dot(normal, first) + dot(normal, last));
+      const F<L> t0 = dot(tangent, first), t1 = dot(tangent, last);
+      F<L> s0 = dot(tangent, low), s1 = dot(tangent, high);
+      const M<L> swap = s1 < s0;
+      const F<L> next_facing = next_of<L>(facing, other_count);
+      const F<L> names[2] = {select(swap, facing, next_facing), select(swap, next_facing, facing)};
+      const Vec<L> incident[2] = {select(swap, high, low), select(swap, low, high)};
+      const F<L> s_low = select(swap, s1, s0);
+      s1 = select(swap, s0, s1);
       s0 = s_low;
-      const F h0 = L::sub(dot(normal, incident[0]), offset), h1 = L::sub(dot(normal, incident[1]), offset);
-      const F empty = L::either(L::less(s1, t0), L::less(t1, s0));
-      const F span = L::sub(s1, s0);
-      const F sloped = L::less(zero, span);
-      const F slope = L::select(sloped, L::div(L::sub(h1, h0), L::select(sloped, span, one)), zero);
-      const F t[2] = {L::max(t0, s0), L::min(t1, s1)};
-      const F h[2] = {L::add(h0, L::mul(slope, L::sub(t[0], s0))),
-                      L::sub(h1, L::mul(slope, L::sub(s1, t[1])))};
+      const F<L> h0 = dot(normal, incident[0]) - offset, h1 = dot(normal, incident[1]) - offset;
+      const M<L> empty = (s1 < t0) | (t1 < s0);
+      const F<L> span = s1 - s0;
+      const M<L> sloped = zero < span;
+      const F<L> slope = select(sloped, (h1 - h0) / select(sloped, span, one), zero);
+      const F<L> t[2] = {max(t0, s0), min(t1, s1)};
+      const F<L> h[2] = {h0 + slope * (t[0] - s0), h1 - slope * (s1 - t[1])};
 
-      const F least = L::min(h[0], h[1]);
-      const F on_face = L::but_not(
-          L::both(L::less_equal(least, L::add(most, noise)),
-                  L::either(L::less_equal(most, noise), L::less_equal(L::sub(most, noise), least))),
-          empty);
+      const F<L> least = min(h[0], h[1]);
+      const M<L> on_face = but_not((least <= most + noise) & ((most <= noise) | (most - noise <= least)), empty);
       // Not on A's face: on that of B, if B's axis is the better one by a hair; deep in each other; or
       // the nearest points are vertices.
-      F hard = L::but_not(L::either(L::but_not(L::less(of_a.separation, of_b.separation), use_b),
-                                    L::less(most, L::negate(noise))),
-                          on_face);
+      M<L> hard = but_not(but_not(of_a.separation < of_b.separation, use_b) | (most < -noise), on_face);
 
       // Points of the face, in the same order whoever the reference is.
-      const V outward = choose(use_b, V{L::negate(normal.x), L::negate(normal.y)}, normal);
-      const F ahead = L::select(use_b, L::sub(b.radius, a.radius), L::sub(a.radius, b.radius));
-      const F renamed = L::both(use_b, L::less(L::set1(0.95f), dot(outward, facing_normal)));
-      const F two = L::less(preferred, L::sub(t[1], t[0]));
-      const F kind = L::select(use_b, one, zero);
-      const auto face_point = [&](F of_high, F& gap, V& at, F& feature) {
-        const F height = L::select(of_high, h[1], h[0]), along = L::select(of_high, t[1], t[0]);
-        gap = L::sub(height, radii);
-        const F level = L::add(offset, L::mul(half, L::add(height, ahead)));
-        at = {L::add(L::mul(normal.x, level), L::mul(tangent.x, along)),
-              L::add(L::mul(normal.y, level), L::mul(tangent.y, along))};
-        feature = L::select(renamed,
-                            feature_of<L>(zero, facing, L::select(of_high, ends[1], ends[0])),
-                            feature_of<L>(kind, edge, L::select(of_high, names[1], names[0])));
+      const Vec<L> outward = select(use_b, Vec<L>{-normal.x, -normal.y}, normal);
+      const F<L> ahead = select(use_b, b.radius - a.radius, a.radius - b.radius);
+      const M<L> renamed = use_b & (0.95f < dot(outward, facing_normal));
+      const M<L> two = preferred < t[1] - t[0];
+      const F<L> kind = select(use_b, one, zero);
+      const auto face_point = [&](M<L> of_high, F<L>& gap, Vec<L>& at, F<L>& feature) {
+        const F<L> height = select(of_high, h[1], h[0]), along = select(of_high, t[1], t[0]);
+        gap = height - radii;
+        const F<L> level = offset + half * (height + ahead);
+        at = {normal.x * level + tangent.x * along, normal.y * level + tangent.y * along};
+        feature = select(renamed, feature_of<L>(zero, facing, select(of_high, ends[1], ends[0])),
+                         feature_of<L>(kind, edge, select(of_high, names[1], names[0])));
       };
-      F gap1, gap2, feature1, feature2;
-      V at1, at2;
-      const F first_is_high = L::select(two, use_b, L::less(h[1], h[0]));
+      F<L> gap1, gap2, feature1, feature2;
+      Vec<L> at1, at2;
+      const M<L> first_is_high = select(two, use_b, h[1] < h[0]);
       face_point(first_is_high, gap1, at1, feature1);
-      face_point(L::less(kind, half), gap2, at2, feature2);
-      const F near2 = L::both(L::both(two, on_face), L::less_equal(gap2, margin));
-      V n = outward;
+      face_point(kind < half, gap2, at2, feature2);
+      const M<L> near2 = two & on_face & (gap2 <= margin);
+      Vec<L> n = outward;
 
-      const F all = L::less_equal(zero, zero);
-      const F at_vertices = L::but_not(all, L::either(L::either(on_face, out), hard));
-      if (L::bits(at_vertices) != 0) {  // the nearest two of the ends of A's edge and of B's
-        const V ref[2] = {first, last};
-        F square = far;
-        V from = choose(use_b, incident[0], first), to = choose(use_b, first, incident[0]);
-        F va = L::select(use_b, names[0], ends[0]), vb = L::select(use_b, ends[0], names[0]);
+      const M<L> at_vertices = but_not(L::every(), on_face | out | hard);
+      if (any(at_vertices)) {  // the nearest two of the ends of A's edge and of B's
+        const Vec<L> ref[2] = {first, last};
+        F<L> square = far;
+        Vec<L> from = select(use_b, incident[0], first), to = select(use_b, first, incident[0]);
+        F<L> va = select(use_b, names[0], ends[0]), vb = select(use_b, ends[0], names[0]);
         for (int i = 0; i < 2; ++i) {
-          const V on_a = choose(use_b, incident[i], ref[i]);
-          const F name_a = L::select(use_b, names[i], ends[i]);
+          const Vec<L> on_a = select(use_b, incident[i], ref[i]);
+          const F<L> name_a = select(use_b, names[i], ends[i]);
           for (int j = 0; j < 2; ++j) {
-            const V on_b = choose(use_b, ref[j], incident[j]);
-            const V way = minus(on_b, on_a);
-            const F this_square = dot(way, way);
-            const F better = L::less(this_square, square);
-            square = L::select(better, this_square, square);
-            from = choose(better, on_a, from);
-            to = choose(better, on_b, to);
-            va = L::select(better, name_a, va);
-            vb = L::select(better, L::select(use_b, ends[j], names[j]), vb);
+            const Vec<L> on_b = select(use_b, ref[j], incident[j]);
+            const Vec<L> way = on_b - on_a;
+            const F<L> this_square = dot(way, way);
+            const M<L> better = this_square < square;
+            square = select(better, this_square, square);
+            from = select(better, on_a, from);
+            to = select(better, on_b, to);
+            va = select(better, name_a, va);
+            vb = select(better, select(use_b, ends[j], names[j]), vb);
           }
         }
-        const F distance = L::sqrt(square);
-        const F apart = L::less(L::mul(L::set1(kLengthNoise), size), distance);
-        const F divisor = L::select(apart, distance, one);
-        const V way = minus(to, from);
-        const V line = choose(apart, V{L::div(way.x, divisor), L::div(way.y, divisor)}, outward);
+        const F<L> distance = sqrt(square);
+        const M<L> apart = kLengthNoise * size < distance;
+        const F<L> divisor = select(apart, distance, one);
+        const Vec<L> way = to - from;
+        const Vec<L> line = select(apart, Vec<L>{way.x / divisor, way.y / divisor}, outward);
         // The line between them is the shortest if both are the farthest of their cores along it.
-        F front = dot(line, from), rear = dot(line, to);
-        for (const V& v : a.vertex) front = L::max(dot(line, v), front);
-        for (const V& v : b.vertex) rear = L::min(dot(line, v), rear);
-        const F elsewhere = L::both(apart, L::less(L::sub(rear, front), L::sub(distance, noise)));
-        hard = L::either(hard, L::both(at_vertices, elsewhere));
-        const F gap = L::sub(distance, radii);
-        const F deep = L::add(b.radius, L::mul(half, gap));
-        const V at = minus(to, times(line, deep));
+        F<L> front = dot(line, from), rear = dot(line, to);
+        for (const Vec<L>& v : a.vertex) front = max(dot(line, v), front);
+        for (const Vec<L>& v : b.vertex) rear = min(dot(line, v), rear);
+        const M<L> elsewhere = apart & (rear - front < distance - noise);
+        hard = hard | (at_vertices & elsewhere);
+        const F<L> gap = distance - radii;
+        const F<L> deep = b.radius + half * gap;
+        const Vec<L> at = to - deep * line;
         // Nothing within the margin: no normal either.
-        out = L::either(out, L::but_not(at_vertices, L::either(hard, L::less_equal(gap, margin))));
-        n = choose(at_vertices, line, n);
-        at1 = choose(at_vertices, at, at1);
-        gap1 = L::select(at_vertices, gap, gap1);
-        feature1 = L::select(at_vertices, feature_of<L>(L::set1(2), va, vb), feature1);
+        out = out | but_not(at_vertices, hard | (gap <= margin));
+        n = select(at_vertices, line, n);
+        at1 = select(at_vertices, at, at1);
+        gap1 = select(at_vertices, gap, gap1);
+        feature1 = select(at_vertices, feature_of<L>(2, va, vb), feature1);
       }
-      const F near1 = L::less_equal(gap1, margin);
+      const M<L> near1 = gap1 <= margin;
 
-      const V world = rotate(frame, n);
-      L::store(c->nx + k, L::select(out, zero, world.x));
-      L::store(c->ny + k, L::select(out, zero, world.y));
+      const Vec<L> world = rotate(frame, n);
+      L::store(c->nx + k, select(out, zero, world.x));
+      L::store(c->ny + k, select(out, zero, world.y));
       // If the first is too far away, the second is the only one.
-      const V arm1 = rotate(frame, choose(near1, at1, at2)), arm2 = rotate(frame, at2);
-      store_point<L>(c->point[0], k, arm1, d, L::select(near1, gap1, gap2),
-                     L::select(near1, feature1, feature2));
+      const Vec<L> arm1 = rotate(frame, select(near1, at1, at2)), arm2 = rotate(frame, at2);
+      store_point<L>(c->point[0], k, arm1, d, select(near1, gap1, gap2), select(near1, feature1, feature2));
       store_point<L>(c->point[1], k, arm2, d, gap2, feature2);
-      c->has[0] |= L::bits(L::but_not(L::either(near1, near2), out)) << k;
-      c->has[1] |= L::bits(L::but_not(L::both(near1, near2), out)) << k;
-      c->hard |= L::bits(L::but_not(hard, out)) << k;
+      c->has[0] |= bits(but_not(near1 | near2, out)) << k;
+      c->has[1] |= bits(but_not(near1 & near2, out)) << k;
+      c->hard |= bits(but_not(hard, out)) << k;
     }
   }
 }
@@ -324,63 +286,60 @@ void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
 /// A hull of kN vertices, A, against a disc, B: a hull of one vertex.
 template <class L, int kN>
 void collide_discs(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
-  using F = typename L::F;
-  using V = LaneVec<L>;
-  const F zero = L::set1(0), half = L::set1(0.5f), one = L::set1(1);
+  const F<L> zero = 0, half = 0.5f, one = 1;
   for (HullPairs* c = blocks + begin; c != blocks + end; ++c) {
     c->has[0] = c->has[1] = c->hard = 0;
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       const auto hull = load_core<L, kN>(c->a + k);
       const auto disc = load_core<L, 1>(c->b + k);
-      const V frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
-      const V d{L::load(c->dx + k), L::load(c->dy + k)};
-      const F margin = L::load(c->margin + k);
-      const F whole = L::add(L::add(hull.reach, disc.reach), margin);
-      F out = L::less(L::mul(whole, whole), dot(d, d));
-      const V arm = rotate(qb, disc.vertex[0]);
-      const V v = unrotate(frame, V{L::add(d.x, arm.x), L::add(d.y, arm.y)});
-      const F radius = L::add(hull.radius, disc.radius);
-      F distance = L::set1(-kFarAway), edge = zero;
-      V normal = hull.normal[0], first = hull.vertex[0], last = hull.vertex[1];
+      const Vec<L> frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
+      const Vec<L> d{L::load(c->dx + k), L::load(c->dy + k)};
+      const F<L> margin = L::load(c->margin + k);
+      const F<L> whole = hull.reach + disc.reach + margin;
+      M<L> out = whole * whole < dot(d, d);
+      const Vec<L> arm = rotate(qb, disc.vertex[0]);
+      const Vec<L> v = unrotate(frame, Vec<L>{d.x + arm.x, d.y + arm.y});
+      const F<L> radius = hull.radius + disc.radius;
+      F<L> distance = -kFarAway, edge = zero;
+      Vec<L> normal = hull.normal[0], first = hull.vertex[0], last = hull.vertex[1];
       for (int j = 0; j < kN; ++j) {
-        const F separation = dot(hull.normal[j], minus(v, hull.vertex[j]));
-        const F better = L::less(distance, separation);
-        distance = L::select(better, separation, distance);
-        normal = choose(better, hull.normal[j], normal);
-        first = choose(better, hull.vertex[j], first);
-        last = choose(better, hull.vertex[(j + 1) % kN], last);
-        edge = L::select(better, L::set1(static_cast<float>(j)), edge);
+        const F<L> separation = dot(hull.normal[j], v - hull.vertex[j]);
+        const M<L> better = distance < separation;
+        distance = select(better, separation, distance);
+        normal = select(better, hull.normal[j], normal);
+        first = select(better, hull.vertex[j], first);
+        last = select(better, hull.vertex[(j + 1) % kN], last);
+        edge = select(better, static_cast<float>(j), edge);
       }
-      out = L::either(out, L::less(L::add(radius, margin), distance));
-      distance = L::mul(half, L::add(distance, dot(normal, minus(v, last))));
-      const V from_first = minus(v, first), from_last = minus(v, last);
-      const auto across = [&](V from, F& along, F& over) {
-        along = L::mul(normal.x, from.y);
-        over = L::mul(normal.y, from.x);
+      out = out | (radius + margin < distance);
+      distance = half * (distance + dot(normal, v - last));
+      const Vec<L> from_first = v - first, from_last = v - last;
+      const auto across = [&](Vec<L> from, F<L>& along, F<L>& over) {
+        along = normal.x * from.y;
+        over = normal.y * from.x;
       };
-      F y0, x0, y1, x1;
+      F<L> y0, x0, y1, x1;
       across(from_first, y0, x0);
       across(from_last, y1, x1);
-      const F outside = kN == 2 ? L::less_equal(zero, zero) : L::less(zero, distance);
-      const F at_last = L::both(outside, L::less(x1, y1));
-      const F at_corner = L::either(at_last, L::both(outside, L::less(y0, x0)));
-      const V from = choose(at_last, from_last, from_first);
-      const F length = L::sqrt(dot(from, from));
-      const F apart = L::both(at_corner, L::less(L::mul(L::set1(kLengthNoise), disc.reach), length));
-      const F divisor = L::select(apart, length, one);
-      V n = choose(apart, V{L::div(from.x, divisor), L::div(from.y, divisor)}, normal);
-      distance = L::select(at_corner, length, distance);
-      const F corner = L::select(at_last, next_of<L>(edge, L::set1(kN)), edge);
-      const F feature = L::select(at_corner, feature_of<L>(L::set1(2), corner, zero),
-                                  feature_of<L>(zero, edge, zero));
-      const F gap = L::sub(distance, radius);
-      const F near = L::but_not(L::less_equal(gap, margin), out);
+      const M<L> outside = kN == 2 ? L::every() : zero < distance;
+      const M<L> at_last = outside & (x1 < y1);
+      const M<L> at_corner = at_last | (outside & (y0 < x0));
+      const Vec<L> from = select(at_last, from_last, from_first);
+      const F<L> length = sqrt(dot(from, from));
+      const M<L> apart = at_corner & (kLengthNoise * disc.reach < length);
+      const F<L> divisor = select(apart, length, one);
+      Vec<L> n = select(apart, Vec<L>{from.x / divisor, from.y / divisor}, normal);
+      distance = select(at_corner, length, distance);
+      const F<L> corner = select(at_last, next_of<L>(edge, kN), edge);
+      const F<L> feature = select(at_corner, feature_of<L>(2, corner, zero), feature_of<L>(zero, edge, zero));
+      const F<L> gap = distance - radius;
+      const M<L> near = but_not(gap <= margin, out);
       n = rotate(frame, n);
-      const F deep = L::add(disc.radius, L::mul(half, gap));
-      store_point<L>(c->point[0], k, minus(arm, times(n, deep)), d, gap, feature);
-      L::store(c->nx + k, L::select(near, n.x, zero));
-      L::store(c->ny + k, L::select(near, n.y, zero));
-      c->has[0] |= L::bits(near) << k;
+      const F<L> deep = disc.radius + half * gap;
+      store_point<L>(c->point[0], k, arm - deep * n, d, gap, feature);
+      L::store(c->nx + k, select(near, n.x, zero));
+      L::store(c->ny + k, select(near, n.y, zero));
+      c->has[0] |= bits(near) << k;
     }
   }
 }

@@ -8,8 +8,8 @@ namespace psim::kernels {
 namespace {
 
 struct Compact8 {
-  std::uint8_t lane[256][8];   // the chosen lane numbers, then lane 0s
-  std::uint8_t count[256];     // how many were chosen
+  std::uint8_t lane[256][8];  // the chosen lane numbers, then lane 0s
+  std::uint8_t count[256];    // how many were chosen
 };
 
 constexpr Compact8 make_compact8() {

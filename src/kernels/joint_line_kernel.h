@@ -7,54 +7,49 @@ namespace psim::kernels {
 namespace {
 
 template <class L>
-[[gnu::always_inline]] inline Row<L> load_line(const LineBlock& j, std::uint32_t k,
-                                               const Arms<L>& arms) {
+[[gnu::always_inline]] inline Row<L> load_line(const LineBlock& j, std::uint32_t k, const Arms<L>& arms) {
   return anchor_row<L>(arms, load_vec<L>(j.nx, j.ny, k));
 }
 
 /// Row, error and mass at the bodies' present places.
 template <class L>
-[[gnu::always_inline]] inline Row<L> find_line(const BodyView& b, LineBlock& j, std::uint32_t k,
-                                               Arms<L>& arms) {
+[[gnu::always_inline]] inline Row<L> find_line(const BodyView& b, LineBlock& j, std::uint32_t k, Arms<L>& arms) {
   const auto dd = turn_arms<L>(b, j, k, arms);
   const auto d0 = load_vec<L>(j.dx0, j.dy0, k);
   const auto far0 = L::load(j.far0 + k);
-  const auto d = plus<L>(d0, dd);
-  const auto far = L::sqrt(dot<L>(d, d));
-  const auto apart = L::less(L::set1(1e-12f), far);
-  const auto bend = L::div(L::set1(1), L::select(apart, far, L::set1(1)));
+  const auto d = d0 + dd;
+  const auto far = sqrt(dot(d, d));
+  const auto apart = 1e-12f < far;
+  const F<L> bend = 1 / select(apart, far, 1);
   // |d| - |d0| = dd.(d0 + d) / (|d| + |d0|), so that nothing cancels
-  const auto both = L::add(far, far0);
-  const auto grown = L::div(dot<L>(dd, plus<L>(d0, d)), L::select(apart, both, L::set1(1)));
-  const auto c = L::add(L::load(j.c0 + k), L::select(apart, grown, L::sub(far, far0)));
-  const Vec<L> n{L::select(apart, L::mul(d.x, bend), L::load(j.nx + k)),
-                 L::select(apart, L::mul(d.y, bend), L::load(j.ny + k))};
+  const auto both = far + far0;
+  const auto grown = dot(dd, d0 + d) / select(apart, both, 1);
+  const auto c = L::load(j.c0 + k) + select(apart, grown, far - far0);
+  const Vec<L> n{select(apart, d.x * bend, L::load(j.nx + k)), select(apart, d.y * bend, L::load(j.ny + k))};
   const auto row = anchor_row<L>(arms, n);
-  const auto turns =
-      L::add(L::mul(arms.ga, L::mul(row.sa, row.sa)), L::mul(arms.gb, L::mul(row.sb, row.sb)));
+  const auto turns = arms.ga * (row.sa * row.sa) + arms.gb * (row.sb * row.sb);
   store_vec<L>(j.nx, j.ny, k, n);
   L::store(j.c + k, c);
   L::store(j.bend + k, bend);
-  L::store(j.mass + k, safe_inverse<L>(L::add(L::add(arms.wa, arms.wb), turns)));
+  L::store(j.mass + k, safe_inverse<L>(arms.wa + arms.wb + turns));
   return row;
 }
 
 /// h x acceleration at which the distance of the anchors grows by itself.
 template <class L>
-[[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n,
-                                              Vec<L> v, F<L> bend, F<L> h) {
-  const auto sideways = L::abs(cross<L>(n, v));
-  const auto share = L::min(L::mul(L::mul(sideways, bend), h), L::set1(1));
-  return L::add(L::mul(sideways, share), dot<L>(n, anchor_pull<L>(m, arms, h)));
+[[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v, F<L> bend,
+                                              F<L> h) {
+  const auto sideways = abs(cross(n, v));
+  const auto share = min(sideways * bend * h, 1);
+  return sideways * share + dot(n, anchor_pull<L>(m, arms, h));
 }
 
 template <class L, bool kFixedA>
-void warm_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin,
-                std::uint32_t end) {
-  const auto warm = L::set1(p.warm);
+void warm_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
+  const F<L> warm = p.warm;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     const auto row = find_line<L>(b, j, k, arms);
-    const auto l = L::mul(L::load(j.l + k), warm);
+    const auto l = L::load(j.l + k) * warm;
     push_row<L, kFixedA>(m, arms, row, l);
     L::store(j.l + k, l);
     forget_turn<L>(j, k);
@@ -63,47 +58,44 @@ void warm_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std
 }
 
 template <class L, bool kFixedA, bool kSpring>
-void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin,
-                 std::uint32_t end) {
-  const auto zero = L::set1(0), h = L::set1(p.h), inv_h = L::set1(p.inv_h);
-  const auto half_h = L::set1(0.5f * p.h), quarter_h = L::set1(0.25f * p.h);
+void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
+  const F<L> zero = 0, h = p.h, inv_h = p.inv_h;
+  const F<L> half_h = 0.5f * p.h, quarter_h = 0.25f * p.h;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     const auto row = load_line<L>(j, k, arms);
     if (!p.again) turn_on<L, kFixedA>(m, arms, j, k);
     const auto v = anchor_velocity<L>(m, arms);
-    const auto vn = dot<L>(row.n, v), c = L::load(j.c + k), l = L::load(j.l + k);
+    const auto vn = dot(row.n, v), c = L::load(j.c + k), l = L::load(j.l + k);
     const auto mass = L::load(j.mass + k);
     const auto curve = line_curve<L>(m, arms, row.n, v, L::load(j.bend + k), h);
     F<L> next;
     if constexpr (kSpring) {
-      const auto before = gather_motion<L>(b.vel0, b.spin0, j.body + 2 * k);
-      const auto vn0 = dot<L>(row.n, anchor_velocity<L>(before, arms));
-      next = spring_impulse<L>(l, L::load(j.push + k), L::load(j.drag + k), mass,
-                               L::add(c, L::mul(quarter_h, curve)), vn0, vn);
+      const auto before = gather_motion<L>(b.vel0, b.rim_speed0, j.body + 2 * k);
+      const auto vn0 = dot(row.n, anchor_velocity<L>(before, arms));
+      next = spring_impulse<L>(l, L::load(j.push + k), L::load(j.drag + k), mass, c + quarter_h * curve, vn0, vn);
     } else {
       const auto top = L::load(j.top + k);
-      const auto ahead = L::add(c, L::mul(half_h, curve));
-      const auto slack = L::both(L::less_equal(top, zero), L::less(ahead, zero));
-      const auto bias = L::select(slack, L::mul(ahead, inv_h), curve);
-      next = L::min(L::sub(l, L::mul(mass, L::add(vn, bias))), top);
+      const auto ahead = c + half_h * curve;
+      const auto slack = (top <= zero) & (ahead < zero);
+      const auto bias = select(slack, ahead * inv_h, curve);
+      next = min(l - mass * (vn + bias), top);
     }
-    push_row<L, kFixedA>(m, arms, row, L::sub(next, l));
+    push_row<L, kFixedA>(m, arms, row, next - l);
     L::store(j.l + k, next);
   };
   by_lane<L, kFixedA, LineBlock>(b, blocks, begin, end, each);
 }
 
 template <class L, bool kFixedA>
-void push_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin,
-                std::uint32_t end) {
-  const auto zero = L::set1(0), rate = L::set1(p.rate);
+void push_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
+  const F<L> zero = 0, rate = p.rate;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     const auto row = load_line<L>(j, k, arms);
     const auto c = L::load(j.c + k);
-    const auto vn = dot<L>(row.n, anchor_velocity<L>(m, arms));
-    const auto slack = L::both(L::less_equal(L::load(j.top + k), zero), L::less(c, zero));
-    const auto wish = L::mul(L::load(j.mass + k), L::add(vn, L::mul(rate, c)));
-    push_row<L, kFixedA>(m, arms, row, L::negate(L::select(slack, zero, wish)));
+    const auto vn = dot(row.n, anchor_velocity<L>(m, arms));
+    const auto slack = (L::load(j.top + k) <= zero) & (c < zero);
+    const auto wish = L::load(j.mass + k) * (vn + rate * c);
+    push_row<L, kFixedA>(m, arms, row, -select(slack, zero, wish));
   };
   by_lane<L, kFixedA, LineBlock>(b, blocks, begin, end, each);
 }
@@ -113,27 +105,24 @@ template <class L>
 void push_nothing(const BodyView&, JointBlocks, const JointParams&, std::uint32_t, std::uint32_t) {}
 
 template <class L, bool kFixedA, bool kSpring>
-void relax_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin,
-                 std::uint32_t end) {
-  const auto zero = L::set1(0), half = L::set1(0.5f);
+void relax_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
+  const F<L> zero = 0, half = 0.5f;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     auto row = load_line<L>(j, k, arms);
     const auto l = L::load(j.l + k);
     if (!p.again) {
       const auto old = row;
       row = find_line<L>(b, j, k, arms);
-      const auto part = L::mul(half, l);
-      turn_half<L, kFixedA>(
-          m, arms, j, k,
-          {times<L>(part, minus<L>(row.n, old.n)), L::mul(part, L::sub(row.sa, old.sa)),
-           L::mul(part, L::sub(row.sb, old.sb))});
+      const auto part = half * l;
+      turn_half<L, kFixedA>(m, arms, j, k,
+                            {part * (row.n - old.n), part * (row.sa - old.sa), part * (row.sb - old.sb)});
     }
     if constexpr (!kSpring) {
-      const auto vn = dot<L>(row.n, anchor_velocity<L>(m, arms));
+      const auto vn = dot(row.n, anchor_velocity<L>(m, arms));
       const auto mass = L::load(j.mass + k), top = L::load(j.top + k);
-      const auto open = L::both(L::less_equal(top, zero), L::less_equal(zero, l));
-      const auto next = L::select(open, l, L::min(L::sub(l, L::mul(mass, vn)), top));
-      push_row<L, kFixedA>(m, arms, row, L::sub(next, l));
+      const auto open = (top <= zero) & (zero <= l);
+      const auto next = select(open, l, min(l - mass * vn, top));
+      push_row<L, kFixedA>(m, arms, row, next - l);
       L::store(j.l + k, next);
     }
   };

@@ -19,11 +19,11 @@ inline constexpr int kJointKinds = 6;
 
 /// The two bodies of each lane and the arms from their centres to the anchors.
 struct JointBodies {
-  std::uint32_t body[2 * kBlock];  ///< A and B of each lane
-  float wa[kBlock], wb[kBlock];    ///< 1/kg
-  float ga0[kBlock], gb0[kBlock];  ///< R^2 / I, 1/kg
-  float ga[kBlock], gb[kBlock];    ///< and as far as the load lets it turn
-  float ra[kBlock], rb[kBlock];    ///< 1 / R, 1/m
+  std::uint32_t body[2 * kBlock];                            ///< A and B of each lane
+  float wa[kBlock], wb[kBlock];                              ///< 1/kg
+  float ga0[kBlock], gb0[kBlock];                            ///< R^2 / I, 1/kg
+  float ga[kBlock], gb[kBlock];                              ///< and as far as the load lets it turn
+  float ra[kBlock], rb[kBlock];                              ///< 1 / R, 1/m
   float ax0[kBlock], ay0[kBlock], bx0[kBlock], by0[kBlock];  ///< arms / R at the frame's start
   float ax[kBlock], ay[kBlock], bx[kBlock], by[kBlock];      ///< and now
   float spin_a[kBlock],
@@ -32,16 +32,16 @@ struct JointBodies {
 
 /// Rod, rope and spring: one row along the line of the anchors.
 struct alignas(kAlign) LineBlock : JointBodies {
-  float dx0[kBlock], dy0[kBlock];  ///< m: from anchor to anchor at the frame's start
-  float far0[kBlock];              ///< m: its length
-  float c0[kBlock];                ///< m: and that less the joint's length
-  float top[kBlock];               ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
+  float dx0[kBlock], dy0[kBlock];           ///< m: from anchor to anchor at the frame's start
+  float far0[kBlock];                       ///< m: its length
+  float c0[kBlock];                         ///< m: and that less the joint's length
+  float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
   float push[kBlock], drag[kBlock];         ///< springs: k' h, N s/m, and k' h^2 / 4 + c' h / 2, kg
   float nx[kBlock], ny[kBlock], c[kBlock];  ///< now
   float bend[kBlock];                       ///< 1 / distance of the anchors, 1/m
   float mass[kBlock];                       ///< kg
   float l[kBlock];                          ///< N s
-  float ex[kBlock], ey[kBlock];  ///< N s: half of what turning the normal adds to the impulse
+  float ex[kBlock], ey[kBlock];             ///< N s: half of what turning the normal adds to the impulse
 };
 
 /// The anchors coincide: two rows.
@@ -85,12 +85,12 @@ struct alignas(kAlign) SlideBlock : JointBodies {
   float ux[kBlock], uy[kBlock];        ///< axis now
   float along[kBlock], off[kBlock], angle[kBlock];
   float lean_a[kBlock],
-      lean_b[kBlock];  ///< levers of the row across the axis (for A, of B's anchor)
+      lean_b[kBlock];                           ///< levers of the row across the axis (for A, of B's anchor)
   float pull_a[kBlock], pull_b[kBlock];         ///< of the row along it
   float m11[kBlock], m12[kBlock], m22[kBlock];  ///< inverse of K: across, angle
-  float gl[kBlock], gt[kBlock];     ///< what 1 N s along takes along across, and as an angle
-  float mass[kBlock];               ///< kg: along, with it
-  float l[kBlock], turn_l[kBlock];  ///< N s, N m s
+  float gl[kBlock], gt[kBlock];                 ///< what 1 N s along takes along across, and as an angle
+  float mass[kBlock];                           ///< kg: along, with it
+  float l[kBlock], turn_l[kBlock];              ///< N s, N m s
   float ex[kBlock], ey[kBlock];
   Drive drive;
 };
@@ -111,7 +111,7 @@ using JointBlocks = void*;
 /// velocities).
 struct JointShare {
   float* vel = nullptr;        ///< m/s records
-  float* spin = nullptr;       ///< m/s
+  float* rim_speed = nullptr;  ///< m/s
   float* push = nullptr;       ///< m/s records: for the drift alone, to take position errors back
   float* push_spin = nullptr;  ///< m/s
 };

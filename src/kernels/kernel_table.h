@@ -21,12 +21,10 @@ struct KernelTable {
   void (*kick_again)(const BodyView&, const StreamParams&, Range, Range);
   void (*drift)(const BodyView&, const StreamParams&, Range, Range);
   bool (*integrate)(const BodyView&, const StreamParams&, Range, Range);
-  float (*list_age)(const BodyView&, const std::int32_t* built, const float* radius,
-                    const float* reach, const StreamParams&, float reach_time, Range, Range);
-  void (*look_ahead)(const BodyView&, const StreamParams&, float ahead, std::int32_t* place, Range,
-                     Range);
-  float (*reaches)(const BodyView&, const float* radius, const ReachParams&, float* reach, Range,
-                   Range);
+  float (*list_age)(const BodyView&, const std::int32_t* built, const float* radius, const float* reach,
+                    const StreamParams&, float reach_time, Range, Range);
+  void (*look_ahead)(const BodyView&, const StreamParams&, float ahead, std::int32_t* place, Range, Range);
+  float (*reaches)(const BodyView&, const float* radius, const ReachParams&, float* reach, Range, Range);
   void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Range, Range);
   void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Range, Range);
   // Smooth forces (field_kernel.h), by whether there is drag: quadratic for accelerate, any for
@@ -37,34 +35,24 @@ struct KernelTable {
   // Pair search (pair_kernel.h): bodies, not blocks.
   bool (*find_pairs)(const PairRow&, std::uint32_t begin, std::uint32_t end, PairList&);
   bool (*find_near)(const PairRow&, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList&);
-  std::uint32_t (*select_pairs)(const BodyView&, const PairSelection&, std::uint32_t begin,
-                                std::uint32_t end);
-  // Contacts (contact_kernel.h, single_kernel.h, impact_kernel.h), by model and restitution.
+  std::uint32_t (*select_pairs)(const BodyView&, const PairSelection&, std::uint32_t begin, std::uint32_t end);
+  // Contacts (contact_kernel.h, static_contact_kernel.h, impact_kernel.h), by model and restitution.
   void (*prepare)(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
   void (*warm[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*solve[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range,
-                            Range);
-  void (*relax[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range,
-                            Range);
+  void (*solve[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  void (*relax[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
   void (*spend[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  bool (*sweep[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range,
-                         double* virial);
-  void (*warm_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
-                               Range);
-  void (*solve_single[kModels][2])(const BodyView&, const SingleView&, const ContactParams&, Range,
-                                   Range);
-  void (*relax_single[kModels][2])(const BodyView&, const SingleView&, const ContactParams&, Range,
-                                   Range);
-  void (*spend_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
-                                Range);
-  bool (*sweep_single[kModels])(const BodyView&, const SingleView&, const ContactParams&, Range,
-                                Range, double* virial);
+  bool (*sweep[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range, double* virial);
+  void (*warm_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
+  void (*solve_static[kModels][2])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
+  void (*relax_static[kModels][2])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
+  void (*spend_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
+  bool (*sweep_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range,
+                                double* virial);
   // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax by restitution too.
   void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Range, Range);
-  void (*solve_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range,
-                                Range);
-  void (*relax_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range,
-                                Range);
+  void (*solve_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
+  void (*relax_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Range, Range);
   void (*swing_bodies)(const BodyView&, const float* radius, float h, Range, Range);
   // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.

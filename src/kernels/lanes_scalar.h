@@ -1,11 +1,14 @@
-// Lane types of the scalar variant, width 1: the definition of what each operation means in bits.
-// Values live in the low lane of an SSE2 register (the x86-64 base line), so that min, max and
-// select are single instructions without branches.
+// Lane types of the scalar variant, one lane a register, in plain C++: the definition of what each
+// operation means in bits, and the build for processors that have no lane types of their own.
+//
+// A lane type has registers F (floats), D (doubles), I (whole numbers), Rec (float records {x, y}) and
+// RecI (records of whole numbers), and masks M of F, MD of D and MRec of Rec. A mask only comes from a
+// comparison or a byte column and only goes into the operations below, so that a processor may hold it
+// as it likes. Signs is what `negative` gives: the sign bit of each lane, which -0 has too.
 #pragma once
 
-#include <emmintrin.h>
-
 #include <cstdint>
+#include <cstring>
 
 #include "block_layout.h"
 
@@ -13,211 +16,253 @@ namespace psim::kernels {
 namespace {
 
 struct ScalarLanes {
-  static constexpr std::uint32_t width = 1;
-  static constexpr std::uint32_t records = 1;  // {x, y} records a Rec register holds
+  static constexpr std::uint32_t width = 1;    // floats a register
+  static constexpr std::uint32_t records = 1;  // records {x, y} a register
+  static constexpr std::uint32_t doubles = 1;  // doubles a register
 
-  static constexpr std::uint32_t doubles = 1;  // lanes of a D register
+  struct F {
+    float v;
+    F() = default;
+    F(float a) : v(a) {}
+  };
+  struct D {
+    double v;
+    D() = default;
+    D(double a) : v(a) {}
+  };
+  struct I {
+    std::int32_t v;
+    I() = default;
+    explicit I(std::int32_t a) : v(a) {}
+  };
+  struct Rec {
+    float x, y;
+    Rec() = default;
+    Rec(float x_value, float y_value) : x(x_value), y(y_value) {}
+  };
+  struct RecI {
+    std::int32_t x, y;
+    RecI() = default;
+    RecI(std::int32_t x_value, std::int32_t y_value) : x(x_value), y(y_value) {}
+  };
+  struct M {
+    bool v;
+  };
+  struct MD {
+    bool v;
+  };
+  struct MRec {
+    bool x, y;
+  };
+  struct Signs {
+    bool v;
+  };
 
-  struct F { __m128 v; };
-  struct D { __m128d v; };
-  struct I { std::int32_t v; };
-  struct Rec { __m128 x, y; };
-  struct RecI { std::int32_t x, y; };
+  // ---- floats: one lane a contact or body ----
+  static F load(const float* p) { return *p; }
+  static void store(float* p, F a) { *p = a.v; }
+  friend F operator+(F a, F b) { return a.v + b.v; }
+  friend F operator-(F a, F b) { return a.v - b.v; }
+  friend F operator*(F a, F b) { return a.v * b.v; }
+  friend F operator/(F a, F b) { return a.v / b.v; }
+  friend F operator-(F a) { return -a.v; }  // turns the sign of a zero or a NaN, too
+  friend F& operator+=(F& a, F b) { return a = a + b; }
+  friend F& operator-=(F& a, F b) { return a = a - b; }
+  friend F sqrt(F a) { return __builtin_sqrtf(a.v); }
+  friend F abs(F a) { return __builtin_fabsf(a.v); }
+  friend F min(F a, F b) { return a.v < b.v ? a.v : b.v; }  // b where one is a NaN
+  friend F max(F a, F b) { return a.v > b.v ? a.v : b.v; }
+  friend M operator<(F a, F b) { return {a.v < b.v}; }
+  friend M operator<=(F a, F b) { return {a.v <= b.v}; }
+  friend M operator!=(F a, F b) { return {a.v != b.v}; }  // also where one is a NaN
+  friend Signs negative(F a) { return {sign_bit(a.v)}; }
 
-  // Floats, one lane a contact or body.
-  static F load(const float* p) { return {_mm_load_ss(p)}; }
-  static void store(float* p, F a) { _mm_store_ss(p, a.v); }
-  static F set1(float a) { return {_mm_set_ss(a)}; }
-  static F add(F a, F b) { return {_mm_add_ss(a.v, b.v)}; }
-  static F sub(F a, F b) { return {_mm_sub_ss(a.v, b.v)}; }
-  static F mul(F a, F b) { return {_mm_mul_ss(a.v, b.v)}; }
-  static F div(F a, F b) { return {_mm_div_ss(a.v, b.v)}; }
-  static F sqrt(F a) { return {_mm_sqrt_ss(a.v)}; }
-  static F min(F a, F b) { return {_mm_min_ss(a.v, b.v)}; }  // a < b ? a : b
-  static F max(F a, F b) { return {_mm_max_ss(a.v, b.v)}; }  // a > b ? a : b
-  static F less(F a, F b) { return {_mm_cmplt_ss(a.v, b.v)}; }
-  static F differ(F a, F b) { return {_mm_cmpneq_ss(a.v, b.v)}; }  // also where one is a NaN
-  static F less_equal(F a, F b) { return {_mm_cmple_ss(a.v, b.v)}; }
-  static F both(F a, F b) { return {_mm_and_ps(a.v, b.v)}; }
-  static F either(F a, F b) { return {_mm_or_ps(a.v, b.v)}; }
-  static F but_not(F a, F b) { return {_mm_andnot_ps(b.v, a.v)}; }  // a & ~b
-  static F abs(F a) { return {_mm_andnot_ps(_mm_set_ss(-0.0f), a.v)}; }
-  static F negate(F a) { return {_mm_xor_ps(_mm_set_ss(-0.0f), a.v)}; }
-  static F select(F mask, F yes, F no) {
-    return {_mm_or_ps(_mm_and_ps(mask.v, yes.v), _mm_andnot_ps(mask.v, no.v))};
-  }
-  static F select_sign(F mask, F set, F clear) {  // by the sign bit of mask alone
-    const F full{_mm_castsi128_ps(_mm_srai_epi32(_mm_castps_si128(mask.v), 31))};
-    return select(full, set, clear);
-  }
-  static std::uint32_t bits(F mask) {
-    return static_cast<std::uint32_t>(_mm_movemask_ps(mask.v)) & 1u;
-  }
-  static I load_int(const std::int32_t* p) { return {*p}; }
+  // ---- masks ----
+  static M none() { return {false}; }
+  static M every() { return {true}; }
+  friend M operator&(M a, M b) { return {(a.v & b.v) != 0}; }
+  friend M operator|(M a, M b) { return {(a.v | b.v) != 0}; }
+  friend M but_not(M a, M b) { return {(a.v & !b.v) != 0}; }
+  /// The value where the mask is set, +0 elsewhere.
+  friend F keep(M m, F a) { return m.v ? a.v : 0.0f; }
+  friend F select(M m, F yes, F no) { return m.v ? yes.v : no.v; }
+  friend M select(M m, M yes, M no) { return {m.v ? yes.v : no.v}; }
+  /// Bit k for lane k.
+  friend std::uint32_t bits(M m) { return m.v ? 1 : 0; }
+  friend bool any(M m) { return m.v; }
+  friend bool all(M m) { return m.v; }
+  friend Signs operator&(Signs a, Signs b) { return {(a.v & b.v) != 0}; }
+  friend F select(Signs m, F yes, F no) { return m.v ? yes.v : no.v; }
+  friend M select(Signs m, M yes, M no) { return {m.v ? yes.v : no.v}; }
+  friend bool all(Signs m) { return m.v; }
+
+  // ---- whole numbers: differences wrap around ----
+  static I load_int(const std::int32_t* p) { return I{*p}; }
   static void store_int(std::int32_t* p, I a) { *p = a.v; }
-  static I sub(I a, I b) {
-    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(a.v) -
-                                      static_cast<std::uint32_t>(b.v))};
-  }
-  static F to_float(I a) { return {_mm_cvtsi32_ss(_mm_setzero_ps(), a.v)}; }
+  friend I operator-(I a, I b) { return I{wrapped_sub(a.v, b.v)}; }
+  friend F to_float(I a) { return static_cast<float>(a.v); }
 
-  // Records picked by slot: slots[step * lane].
+  // ---- gathers and scatters: lane k is at slots[Step * k] ----
   template <int Step>
   [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     const float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
-    x = {_mm_load_ss(p)};
-    y = {_mm_load_ss(p + 1)};
-  }
-  /// Four floats in a row of every lane, from at[lane] + offset.
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
-    const float* p = at[0] + offset;
-    a = load(p), b = load(p + 1), c = load(p + 2), d = load(p + 3);
+    x = p[0];
+    y = p[1];
   }
   template <int Step>
   [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const std::int32_t* p = rec + 2 * static_cast<std::size_t>(slots[0]);
-    x = {p[0]};
-    y = {p[1]};
+    x = I{p[0]};
+    y = I{p[1]};
+  }
+  /// Four floats in a row of every lane, from at[lane] + offset.
+  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+    const float* p = at[0] + offset;
+    a = p[0], b = p[1], c = p[2], d = p[3];
   }
   template <int Step>
   [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
-    _mm_store_ss(p, x.v);
-    _mm_store_ss(p + 1, y.v);
+    p[0] = x.v;
+    p[1] = y.v;
   }
   template <int Step>
   [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
-    return {_mm_load_ss(col + slots[0])};
+    return col[slots[0]];
   }
   template <int Step>
   [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
-    _mm_store_ss(col + slots[0], a.v);
+    col[slots[0]] = a.v;
   }
 
-  // Streams of records.
-  static Rec load_rec(const float* p) { return {_mm_load_ss(p), _mm_load_ss(p + 1)}; }
+  // ---- records: one a body ----
+  static Rec load_rec(const float* p) { return {p[0], p[1]}; }
   static void store_rec(float* p, Rec a) {
-    _mm_store_ss(p, a.x);
-    _mm_store_ss(p + 1, a.y);
+    p[0] = a.x;
+    p[1] = a.y;
   }
   /// x and y of a register's bodies as records, side by side.
   static void store_records(float* p, F x, F y) {
-    _mm_store_ss(p, x.v);
-    _mm_store_ss(p + 1, y.v);
+    p[0] = x.v;
+    p[1] = y.v;
   }
-  static Rec set_rec(float x, float y) { return {_mm_set_ss(x), _mm_set_ss(y)}; }
-  static Rec add(Rec a, Rec b) { return {_mm_add_ss(a.x, b.x), _mm_add_ss(a.y, b.y)}; }
-  static Rec sub(Rec a, Rec b) { return {_mm_sub_ss(a.x, b.x), _mm_sub_ss(a.y, b.y)}; }
-  static Rec mul(Rec a, Rec b) { return {_mm_mul_ss(a.x, b.x), _mm_mul_ss(a.y, b.y)}; }
-  static Rec div(Rec a, Rec b) { return {_mm_div_ss(a.x, b.x), _mm_div_ss(a.y, b.y)}; }
-  static Rec sqrt(Rec a) { return {_mm_sqrt_ss(a.x), _mm_sqrt_ss(a.y)}; }
-  static Rec min(Rec a, Rec b) { return {_mm_min_ss(a.x, b.x), _mm_min_ss(a.y, b.y)}; }
-  static Rec max(Rec a, Rec b) { return {_mm_max_ss(a.x, b.x), _mm_max_ss(a.y, b.y)}; }
-  /// x^2 + y^2 of each record, in both of its lanes.
-  static Rec norm2(Rec a) {
-    const __m128 s = _mm_add_ss(_mm_mul_ss(a.x, a.x), _mm_mul_ss(a.y, a.y));
+  /// One float a record, as {a, a}.
+  static Rec spread(const float* p) { return {*p, *p}; }
+  /// From one byte a record, 0 or 0xFF.
+  static MRec mask_rec(const std::uint8_t* p) { return {*p != 0, *p != 0}; }
+  friend Rec operator+(Rec a, Rec b) { return {a.x + b.x, a.y + b.y}; }
+  friend Rec operator-(Rec a, Rec b) { return {a.x - b.x, a.y - b.y}; }
+  friend Rec operator*(Rec a, Rec b) { return {a.x * b.x, a.y * b.y}; }
+  friend Rec sqrt(Rec a) { return {__builtin_sqrtf(a.x), __builtin_sqrtf(a.y)}; }
+  friend Rec min(Rec a, Rec b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
+  friend Rec max(Rec a, Rec b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
+  /// x^2 + y^2 of each record, in both of its places.
+  friend Rec norm2(Rec a) {
+    const float s = a.x * a.x + a.y * a.y;
     return {s, s};
   }
-  static Rec less_equal(Rec a, Rec b) {
-    return {_mm_cmple_ss(a.x, b.x), _mm_cmple_ss(a.y, b.y)};
-  }
-  static Rec both(Rec a, Rec b) { return {_mm_and_ps(a.x, b.x), _mm_and_ps(a.y, b.y)}; }
-  static Rec select(Rec mask, Rec yes, Rec no) {
-    return {select(F{mask.x}, F{yes.x}, F{no.x}).v, select(F{mask.y}, F{yes.y}, F{no.y}).v};
-  }
-  static bool all(Rec mask) {
-    return (_mm_movemask_ps(mask.x) & _mm_movemask_ps(mask.y) & 1) != 0;
-  }
-  /// Mask from one byte a record (0 or 0xFF).
-  static Rec mask_rec(const std::uint8_t* p) {
-    const __m128 m = _mm_castsi128_ps(_mm_cvtsi32_si128(static_cast<std::int8_t>(*p)));
-    return {m, m};
-  }
+  friend MRec operator<=(Rec a, Rec b) { return {a.x <= b.x, a.y <= b.y}; }
+  friend MRec operator&(MRec a, MRec b) { return {(a.x & b.x) != 0, (a.y & b.y) != 0}; }
+  friend Rec keep(MRec m, Rec a) { return {m.x ? a.x : 0.0f, m.y ? a.y : 0.0f}; }
+  friend Rec select(MRec m, Rec yes, Rec no) { return {m.x ? yes.x : no.x, m.y ? yes.y : no.y}; }
+  friend bool all(MRec m) { return m.x && m.y; }
+  static MRec every_rec() { return {true, true}; }
+  /// The largest x of the records, where both places of each hold the same.
+  static float largest(Rec a) { return a.x; }
+
   static RecI load_rec_int(const std::int32_t* p) { return {p[0], p[1]}; }
   static void store_rec_int(std::int32_t* p, RecI a) {
     p[0] = a.x;
     p[1] = a.y;
   }
-  static RecI add(RecI a, RecI b) {
-    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(a.x) +
-                                      static_cast<std::uint32_t>(b.x)),
-            static_cast<std::int32_t>(static_cast<std::uint32_t>(a.y) +
-                                      static_cast<std::uint32_t>(b.y))};
-  }
-  static RecI sub(RecI a, RecI b) {
-    return {static_cast<std::int32_t>(static_cast<std::uint32_t>(a.x) -
-                                      static_cast<std::uint32_t>(b.x)),
-            static_cast<std::int32_t>(static_cast<std::uint32_t>(a.y) -
-                                      static_cast<std::uint32_t>(b.y))};
-  }
-  static RecI nearest(Rec a) { return {_mm_cvtss_si32(a.x), _mm_cvtss_si32(a.y)}; }
-  static RecI truncate(Rec a) { return {_mm_cvttss_si32(a.x), _mm_cvttss_si32(a.y)}; }
-  static Rec to_float(RecI a) {
-    return {_mm_cvtsi32_ss(_mm_setzero_ps(), a.x), _mm_cvtsi32_ss(_mm_setzero_ps(), a.y)};
-  }
-  static RecI min(RecI a, RecI b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
-  static RecI max(RecI a, RecI b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
-  static RecI set_rec_int(std::int32_t x, std::int32_t y) { return {x, y}; }
-
-  // Doubles, one lane a body, from and to float columns.
-  static D set1_d(double a) { return {_mm_set_sd(a)}; }
-  static D add(D a, D b) { return {_mm_add_sd(a.v, b.v)}; }
-  static D sub(D a, D b) { return {_mm_sub_sd(a.v, b.v)}; }
-  static D mul(D a, D b) { return {_mm_mul_sd(a.v, b.v)}; }
-  static D div(D a, D b) { return {_mm_div_sd(a.v, b.v)}; }
-  static D sqrt(D a) { return {_mm_sqrt_sd(a.v, a.v)}; }
-  static D less(D a, D b) { return {_mm_cmplt_sd(a.v, b.v)}; }
-  static D less_equal(D a, D b) { return {_mm_cmple_sd(a.v, b.v)}; }
-  static D but_not(D a, D b) { return {_mm_andnot_pd(b.v, a.v)}; }  // a & ~b
-  static D select(D mask, D yes, D no) {
-    return {_mm_or_pd(_mm_and_pd(mask.v, yes.v), _mm_andnot_pd(mask.v, no.v))};
-  }
-  static D mask_d(const std::uint8_t* p) {
-    return {_mm_castsi128_pd(_mm_cvtsi64_si128(static_cast<std::int8_t>(*p)))};
-  }
-  static D load_d(const float* p) { return {_mm_cvtss_sd(_mm_setzero_pd(), _mm_load_ss(p))}; }
-  static void load_rec_d(const float* p, D& x, D& y) {
-    x = load_d(p);
-    y = load_d(p + 1);
-  }
-  static void load_rec_int_d(const std::int32_t* p, D& x, D& y) {
-    x = {_mm_cvtsi32_sd(_mm_setzero_pd(), p[0])};
-    y = {_mm_cvtsi32_sd(_mm_setzero_pd(), p[1])};
-  }
-  static void store_rec_d(float* p, D x, D y) {
-    _mm_store_ss(p, _mm_cvtsd_ss(_mm_setzero_ps(), x.v));
-    _mm_store_ss(p + 1, _mm_cvtsd_ss(_mm_setzero_ps(), y.v));
-  }
-  static D round_to_float(D a) {
-    return {_mm_cvtss_sd(_mm_setzero_pd(), _mm_cvtsd_ss(_mm_setzero_ps(), a.v))};
-  }
-
-  /// Two floats, one a record, spread to {a, a} records.
-  static Rec spread(const float* p) {
-    const __m128 a = _mm_load_ss(p);
-    return {a, a};
-  }
-  /// Largest x lane of the records (callers hold the same value in both lanes).
-  static float largest(Rec a) { return _mm_cvtss_f32(a.x); }
-  /// keys[r] = y stride + x, for coordinates already clamped to the grid.
+  friend RecI operator+(RecI a, RecI b) { return {wrapped_add(a.x, b.x), wrapped_add(a.y, b.y)}; }
+  friend RecI operator-(RecI a, RecI b) { return {wrapped_sub(a.x, b.x), wrapped_sub(a.y, b.y)}; }
+  friend RecI min(RecI a, RecI b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
+  friend RecI max(RecI a, RecI b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
+  /// The nearest whole number, of two the even one; -2^31 where there is none that fits.
+  friend RecI nearest(Rec a) { return {nearest_int(a.x), nearest_int(a.y)}; }
+  /// The whole number towards zero; -2^31 where there is none that fits.
+  friend RecI truncate(Rec a) { return {truncated_int(a.x), truncated_int(a.y)}; }
+  friend Rec to_float(RecI a) { return {static_cast<float>(a.x), static_cast<float>(a.y)}; }
+  /// keys[r] = y stride + x, for coordinates that are clamped to the grid.
   static void store_keys(std::uint32_t* keys, RecI c, std::uint32_t stride) {
     keys[0] = static_cast<std::uint32_t>(c.y) * stride + static_cast<std::uint32_t>(c.x);
   }
 
-  static void candidates(const std::int32_t* pos, const float* reach, std::uint32_t j, I& x, I& y,
-                         F& r) {
-    x = {pos[2 * std::size_t{j}]};
-    y = {pos[2 * std::size_t{j} + 1]};
-    r = load(reach + j);
+  // ---- doubles: one lane a body, from and to float columns ----
+  friend D operator+(D a, D b) { return a.v + b.v; }
+  friend D operator-(D a, D b) { return a.v - b.v; }
+  friend D operator*(D a, D b) { return a.v * b.v; }
+  friend D operator/(D a, D b) { return a.v / b.v; }
+  friend D sqrt(D a) { return __builtin_sqrt(a.v); }
+  friend MD operator<(D a, D b) { return {a.v < b.v}; }
+  friend MD operator<=(D a, D b) { return {a.v <= b.v}; }
+  friend MD but_not(MD a, MD b) { return {(a.v & !b.v) != 0}; }
+  friend D select(MD m, D yes, D no) { return m.v ? yes.v : no.v; }
+  friend D round_to_float(D a) { return static_cast<double>(static_cast<float>(a.v)); }
+  static MD mask_d(const std::uint8_t* p) { return {*p != 0}; }
+  static D load_d(const float* p) { return static_cast<double>(*p); }
+  static void load_rec_d(const float* p, D& x, D& y) {
+    x = static_cast<double>(p[0]);
+    y = static_cast<double>(p[1]);
   }
-  /// Packs the values of the lanes in mask to out; writes a whole register in any case.
+  static void load_rec_int_d(const std::int32_t* p, D& x, D& y) {
+    x = static_cast<double>(p[0]);
+    y = static_cast<double>(p[1]);
+  }
+  static void store_rec_d(float* p, D x, D y) {
+    p[0] = static_cast<float>(x.v);
+    p[1] = static_cast<float>(y.v);
+  }
+
+  // ---- pair search ----
+  /// Asks near(x, y, reach) of up to 8 bodies: those from j0 on that lie below end0, at most 4, and those from
+  /// j1 on that lie below end1, at most 4. Writes i to owner and the number of each near body to other, packed
+  /// and in order, and returns how many. May write 8 numbers in any case, and may read 4 bodies from either place.
+  template <class Near>
+  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
+                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
+                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
+                                                            std::uint32_t* other, const Near& near) {
+    std::uint32_t count = 0;
+    const auto ask = [&](std::uint32_t j) __attribute__((always_inline)) {
+      owner[count] = i;
+      other[count] = j;
+      count += bits(near(I{pos[2 * std::size_t{j}]}, I{pos[2 * std::size_t{j} + 1]}, F{reach[j]}));
+    };
+    for (std::uint32_t j = j0; j < end0 && j < j0 + 4; ++j) ask(j);
+    for (std::uint32_t j = j1; j < end1 && j < j1 + 4; ++j) ask(j);
+    return count;
+  }
+  /// Packs the values of the lanes in mask to out and returns how many; writes a whole register in any case.
   static std::uint32_t pack(std::uint32_t* out, const std::uint32_t* in, std::uint32_t mask) {
     *out = *in;
     return mask;
   }
-  static void fill(std::uint32_t* out, std::uint32_t value) { *out = value; }
-  static I set1_int(std::int32_t a) { return {a}; }
-  static void append(std::uint32_t* out, std::uint32_t j) { *out = j; }
+
+ private:
+  static constexpr std::int32_t kNoInt = -2147483647 - 1;
+
+  static bool sign_bit(float a) {
+    std::uint32_t b;
+    std::memcpy(&b, &a, sizeof b);
+    return (b >> 31) != 0;
+  }
+  static std::int32_t wrapped_add(std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
+  }
+  static std::int32_t wrapped_sub(std::int32_t a, std::int32_t b) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
+  }
+  static bool fits_int(float a) { return a >= -2147483648.0f && a < 2147483648.0f; }
+  static std::int32_t truncated_int(float a) { return fits_int(a) ? static_cast<std::int32_t>(a) : kNoInt; }
+  /// 1.5 x 2^52 + a rounds a to a whole number, which the sum's low 32 bits hold.
+  static std::int32_t nearest_int(float a) {
+    const double sum = static_cast<double>(a) + 6755399441055744.0;
+    std::uint64_t b;
+    std::memcpy(&b, &sum, sizeof b);
+    return fits_int(a) ? static_cast<std::int32_t>(static_cast<std::uint32_t>(b)) : kNoInt;
+  }
 };
 
 using Lanes = ScalarLanes;

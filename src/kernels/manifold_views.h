@@ -25,17 +25,17 @@ struct alignas(kAlign) ManifoldBlock {
     float start[kBlock];           ///< N s: impulse at the substep's start; once relaxed, with
                                    ///< restitution: of an impact, what is not to be repeated
   };
-  std::uint32_t body[2 * kBlock];     ///< A and B of each lane
-  float nx[kBlock], ny[kBlock];       ///< from A to B
-  Point point[2];                     ///< a lane with one point: the second far apart, arms 0
-  float wa[kBlock], wb[kBlock];       ///< 1/kg
-  float ga[kBlock], gb[kBlock];       ///< R^2 / I, 1/kg
+  std::uint32_t body[2 * kBlock];          ///< A and B of each lane
+  float nx[kBlock], ny[kBlock];            ///< from A to B
+  Point point[2];                          ///< a lane with one point: the second far apart, arms 0
+  float wa[kBlock], wb[kBlock];            ///< 1/kg
+  float ga[kBlock], gb[kBlock];            ///< R^2 / I, 1/kg
   float share_a[kBlock], share_b[kBlock];  ///< of an impulse that a body takes in a sweep, <= 1
   float round_a[kBlock], round_b[kBlock];  ///< p: rounding / R
   float mu[kBlock];
-  float e[kBlock];                    ///< restitution
-  float soft[kBlock];                 ///< compliance in units of 1 / effective mass
-  float rate[kBlock];                 ///< 1/s: push-out of an overlap
+  float e[kBlock];     ///< restitution
+  float soft[kBlock];  ///< compliance in units of 1 / effective mass
+  float rate[kBlock];  ///< 1/s: push-out of an overlap
 };
 
 }  // namespace psim::kernels

@@ -8,6 +8,7 @@
 // rest of next, seam.
 #pragma once
 
+#include "lane_vec.h"
 #include "views.h"
 
 namespace psim::kernels {
@@ -19,7 +20,7 @@ class PairSearch {
   // The row and the list are copied: stores of body numbers could alias them otherwise, and every
   // one would make the compiler load all of it again.
   PairSearch(const PairRow& row, const PairList& list)
-      : row_(row), list_(list), pitch_x_(L::set1(row.pitch_x)), pitch_y_(L::set1(row.pitch_y)) {}
+      : row_(row), list_(list), pitch_x_(row.pitch_x), pitch_y_(row.pitch_y) {}
 
   std::uint32_t count() const { return list_.count; }
   bool full() const { return list_.count + kBlock > list_.capacity; }
@@ -38,7 +39,7 @@ class PairSearch {
     const std::uint32_t own_end = row_.start[key + 2];
     std::uint32_t next = row_.start[above - 1];
     const std::uint32_t next_end = row_.start[above + 2];
-    four_and_four(own, own_end, next, next_end);
+    take(own, own_end, next, next_end);
     own += 4;
     next += 4;
     run(own, own_end);
@@ -57,56 +58,24 @@ class PairSearch {
  private:
   [[gnu::always_inline]] void aim(std::uint32_t i) {
     i_ = i;
-    x_ = L::set1_int(row_.pos[2 * std::size_t{i}]);
-    y_ = L::set1_int(row_.pos[2 * std::size_t{i} + 1]);
-    reach_ = L::set1(row_.reach[i]);
+    x_ = I<L>(row_.pos[2 * std::size_t{i}]);
+    y_ = I<L>(row_.pos[2 * std::size_t{i} + 1]);
+    reach_ = row_.reach[i];
   }
 
   // Lanes whose body is within reach.
-  [[gnu::always_inline]] std::uint32_t close(typename L::I x, typename L::I y, typename L::F reach) const {
-    const auto dx = L::mul(L::to_float(L::sub(x, x_)), pitch_x_);
-    const auto dy = L::mul(L::to_float(L::sub(y, y_)), pitch_y_);
-    const auto sum = L::add(reach_, reach);
-    return L::bits(L::less(L::add(L::mul(dx, dx), L::mul(dy, dy)), L::mul(sum, sum)));
+  [[gnu::always_inline]] M<L> close(I<L> x, I<L> y, F<L> reach) const {
+    const auto dx = to_float(x - x_) * pitch_x_;
+    const auto dy = to_float(y - y_) * pitch_y_;
+    const auto sum = reach_ + reach;
+    return dx * dx + dy * dy < sum * sum;
   }
 
-  // Candidates j0 .. j0+3 below end0 and j1 .. j1+3 below end1.
-  [[gnu::always_inline]] void take(std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                   std::uint32_t end1) {
-    typename L::I x, y;
-    typename L::F r;
-    if constexpr (L::width == 8) {
-      L::candidates(row_.pos, row_.reach, j0, j1, x, y, r);
-      const std::uint32_t valid = L::below(j0, end0, j1, end1);
-      L::fill(list_.owner + list_.count, i_);
-      list_.count += L::append(list_.other + list_.count, j0, j1, close(x, y, r) & valid);
-    } else if constexpr (L::width == 4) {
-      L::candidates(row_.pos, row_.reach, j0, x, y, r);
-      L::fill(list_.owner + list_.count, i_);
-      list_.count +=
-          L::append(list_.other + list_.count, j0, close(x, y, r) & L::below(j0, end0));
-      L::candidates(row_.pos, row_.reach, j1, x, y, r);
-      L::fill(list_.owner + list_.count, i_);
-      list_.count +=
-          L::append(list_.other + list_.count, j1, close(x, y, r) & L::below(j1, end1));
-    } else {
-      for (std::uint32_t j = j0; j < end0 && j < j0 + 4; ++j) one(j);
-      for (std::uint32_t j = j1; j < end1 && j < j1 + 4; ++j) one(j);
-    }
-  }
-
-  [[gnu::always_inline]] void one(std::uint32_t j) {
-    typename L::I x, y;
-    typename L::F r;
-    L::candidates(row_.pos, row_.reach, j, x, y, r);
-    L::fill(list_.owner + list_.count, i_);
-    L::append(list_.other + list_.count, j);
-    list_.count += close(x, y, r);
-  }
-
-  [[gnu::always_inline]] void four_and_four(std::uint32_t own, std::uint32_t own_end, std::uint32_t next,
-                     std::uint32_t next_end) {
-    take(own, own_end, next, next_end);
+  /// Candidates j0 .. j0+3 below end0 and j1 .. j1+3 below end1.
+  [[gnu::always_inline]] void take(std::uint32_t j0, std::uint32_t end0, std::uint32_t j1, std::uint32_t end1) {
+    const auto near = [&](I<L> x, I<L> y, F<L> reach) __attribute__((always_inline)) { return close(x, y, reach); };
+    list_.count += L::four_and_four(row_.pos, row_.reach, j0, end0, j1, end1, i_, list_.owner + list_.count,
+                                    list_.other + list_.count, near);
   }
 
   [[gnu::always_inline]] void run(std::uint32_t j, std::uint32_t end) {
@@ -122,15 +91,14 @@ class PairSearch {
   const PairRow row_;
   PairList list_;
   std::uint32_t i_ = 0;
-  typename L::F pitch_x_, pitch_y_;
-  typename L::I x_{}, y_{};
-  typename L::F reach_{};
+  F<L> pitch_x_, pitch_y_;
+  I<L> x_{}, y_{};
+  F<L> reach_{};
 };
 
 /// Partners of body i among the bodies j0..j1 (any run of slots), appended to the list.
 template <class L>
-bool find_near(const PairRow& row, std::uint32_t i, std::uint32_t j0, std::uint32_t j1,
-               PairList& list) {
+bool find_near(const PairRow& row, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList& list) {
   PairSearch<L> search(row, list);
   search.among(i, j0, j1);
   list.count = search.count();
@@ -151,10 +119,9 @@ bool find_pairs(const PairRow& row, std::uint32_t begin, std::uint32_t end, Pair
 ///   |d| < r_i + r_j + slack + |u| time,
 /// written packed and in order. Returns how many.
 template <class L>
-std::uint32_t select_pairs(const BodyView& b, const PairSelection& s, std::uint32_t begin,
-                           std::uint32_t end) {
-  const auto pitch_x = L::set1(s.pitch_x), pitch_y = L::set1(s.pitch_y);
-  const auto time = L::set1(s.time), slack = L::set1(s.slack);
+std::uint32_t select_pairs(const BodyView& b, const PairSelection& s, std::uint32_t begin, std::uint32_t end) {
+  const F<L> pitch_x = s.pitch_x, pitch_y = s.pitch_y;
+  const F<L> time = s.time, slack = s.slack;
   std::uint32_t count = 0;
   for (std::uint32_t p = begin; p < end; p += L::width) {
     const std::uint32_t* i = s.owner + p;
@@ -169,21 +136,21 @@ std::uint32_t select_pairs(const BodyView& b, const PairSelection& s, std::uint3
       i = tail[0];
       j = tail[1];
     }
-    typename L::I xi, yi, xj, yj;
+    I<L> xi, yi, xj, yj;
     L::template gather_int<1>(b.pos, i, xi, yi);
     L::template gather_int<1>(b.pos, j, xj, yj);
-    typename L::F ui, vi, uj, vj;
+    F<L> ui, vi, uj, vj;
     L::template gather<1>(b.vel, i, ui, vi);
     L::template gather<1>(b.vel, j, uj, vj);
-    const auto dx = L::mul(L::to_float(L::sub(xj, xi)), pitch_x);
-    const auto dy = L::mul(L::to_float(L::sub(yj, yi)), pitch_y);
-    const auto ux = L::sub(uj, ui), uy = L::sub(vj, vi);
-    const auto speed = L::sqrt(L::add(L::mul(ux, ux), L::mul(uy, uy)));
-    const auto radii = L::add(L::template gather1<1>(s.radius, i), L::template gather1<1>(s.radius, j));
-    const auto reach = L::add(L::add(radii, slack), L::mul(speed, time));
-    const auto near = L::less(L::add(L::mul(dx, dx), L::mul(dy, dy)), L::mul(reach, reach));
-    const std::uint32_t valid = left >= L::width ? 0xFFu : (1u << left) - 1u;
-    const std::uint32_t mask = L::bits(near) & valid;
+    const auto dx = to_float(xj - xi) * pitch_x;
+    const auto dy = to_float(yj - yi) * pitch_y;
+    const auto ux = uj - ui, uy = vj - vi;
+    const auto speed = sqrt(ux * ux + uy * uy);
+    const auto radii = L::template gather1<1>(s.radius, i) + L::template gather1<1>(s.radius, j);
+    const auto reach = radii + slack + speed * time;
+    const auto near = dx * dx + dy * dy < reach * reach;
+    const std::uint32_t valid = (1u << (left < L::width ? left : L::width)) - 1u;
+    const std::uint32_t mask = bits(near) & valid;
     L::pack(s.out_owner + count, i, mask);
     count += L::pack(s.out_other + count, j, mask);
   }

@@ -14,7 +14,7 @@
 #include "kernel_table.h"
 #include "manifold_kernel.h"
 #include "pair_kernel.h"
-#include "single_kernel.h"
+#include "static_contact_kernel.h"
 #include "stream_kernel.h"
 
 namespace psim::kernels {
@@ -52,17 +52,15 @@ constexpr KernelTable table_of() {
                 {relax_contacts<L, rough, false>, relax_contacts<L, rough, true>}},
       .spend = {spend_contacts<L, plain>, spend_contacts<L, massed>, spend_contacts<L, rough>},
       .sweep = {sweep_contacts<L, plain>, sweep_contacts<L, massed>, sweep_contacts<L, rough>},
-      .warm_single = {warm_singles<L, plain>, warm_singles<L, massed>, warm_singles<L, rough>},
-      .solve_single = {{solve_singles<L, plain, false>, solve_singles<L, plain, true>},
-                       {solve_singles<L, massed, false>, solve_singles<L, massed, true>},
-                       {solve_singles<L, rough, false>, solve_singles<L, rough, true>}},
-      .relax_single = {{relax_singles<L, plain, false>, relax_singles<L, plain, true>},
-                       {relax_singles<L, massed, false>, relax_singles<L, massed, true>},
-                       {relax_singles<L, rough, false>, relax_singles<L, rough, true>}},
-      .spend_single = {spend_singles<L, plain>, spend_singles<L, massed>,
-                       spend_singles<L, rough>},
-      .sweep_single = {sweep_singles<L, plain>, sweep_singles<L, massed>,
-                       sweep_singles<L, rough>},
+      .warm_static = {warm_statics<L, plain>, warm_statics<L, massed>, warm_statics<L, rough>},
+      .solve_static = {{solve_statics<L, plain, false>, solve_statics<L, plain, true>},
+                       {solve_statics<L, massed, false>, solve_statics<L, massed, true>},
+                       {solve_statics<L, rough, false>, solve_statics<L, rough, true>}},
+      .relax_static = {{relax_statics<L, plain, false>, relax_statics<L, plain, true>},
+                       {relax_statics<L, massed, false>, relax_statics<L, massed, true>},
+                       {relax_statics<L, rough, false>, relax_statics<L, rough, true>}},
+      .spend_static = {spend_statics<L, plain>, spend_statics<L, massed>, spend_statics<L, rough>},
+      .sweep_static = {sweep_statics<L, plain>, sweep_statics<L, massed>, sweep_statics<L, rough>},
       .warm_manifolds = {warm_manifolds<L, false>, warm_manifolds<L, true>},
       .solve_manifolds = {{solve_manifolds<L, false, false>, solve_manifolds<L, false, true>},
                           {solve_manifolds<L, true, false>, solve_manifolds<L, true, true>}},

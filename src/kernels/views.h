@@ -11,49 +11,49 @@ namespace psim::kernels {
 
 /// Constants of the stream kernels for one substep or frame.
 struct StreamParams {
-  float h = 0;            ///< s, length of the substep (or frame, for integrate)
-  float kick_x = 0;       ///< m/s, uniform gravity x h
+  float h = 0;       ///< s, length of the substep (or frame, for integrate)
+  float kick_x = 0;  ///< m/s, uniform gravity x h
   float kick_y = 0;
-  float damp = 1;         ///< exp(-c h)
-  float damp_rest = 0;    ///< and what rounding took from it: for kicks that keep remainders
-  float smooth_limit2 = 0;  ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
-  float coast = 0;        ///< s; closed form of a free body over a frame: d += coast v + fall
-  float drop = 0;         ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
-  float fall_x = 0;       ///< m
+  float damp = 1;            ///< exp(-c h)
+  float damp_remainder = 0;  ///< and what rounding took from it: for kicks that keep remainders
+  float smooth_limit2 = 0;   ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
+  float coast = 0;           ///< s; closed form of a free body over a frame: d += coast v + fall
+  float drop = 0;            ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
+  float fall_x = 0;          ///< m
   float fall_y = 0;
-  float pitch_x = 0;      ///< m a lattice step
+  float pitch_x = 0;  ///< m a lattice step
   float pitch_y = 0;
   float inv_pitch_x = 0;
   float inv_pitch_y = 0;
-  float speed_limit2 = 0; ///< (m/s)^2: faster (or NaN) is reported as bad
-  float far_x = 1e30f;    ///< m: nobody goes further in a frame, or it could wrap around the lattice
+  float speed_limit2 = 0;  ///< (m/s)^2: faster (or NaN) is reported as bad
+  float far_x = 1e30f;     ///< m: nobody goes further in a frame, or it could wrap around the lattice
   float far_y = 1e30f;
 };
 
 /// Body columns. Records are {x, y}; every column is readable to kReadPad beyond its end and its
 /// blocks of 8 are whole.
 struct BodyView {
-  std::int32_t* pos = nullptr;     ///< lattice position records
-  float* vel = nullptr;            ///< m/s records
-  float* vel0 = nullptr;           ///< velocity before the substep's kick, records
-  float* disp = nullptr;           ///< m, offset from the lattice point, records
-  float* acc = nullptr;            ///< m/s^2 records of this substep, or null: uniform gravity
-  float* vel_rest = nullptr;       ///< m/s records, what vel lost to rounding, or null: not kept
-  float* disp_rest = nullptr;      ///< m records, what disp lost, or null: leapfrog
-  float* bend = nullptr;           ///< m records, a method's way less h (v0 + v)/2, or null: leapfrog
-  const float* pull = nullptr;     ///< gravity scale, or null: all 1
-  float* spin = nullptr;           ///< surface speed omega r, m/s, or null: no rotation
-  float* spin0 = nullptr;
-  float* turn = nullptr;   ///< m records, R (cos d - 1, sin d), or null: nothing with corners or joints
-  float* swing = nullptr;  ///< rad: d, how far it turned since the frame's start
-  float* event_time = nullptr;     ///< s into the substep of the last impact, or null: no impacts
+  std::int32_t* pos = nullptr;        ///< lattice position records
+  float* vel = nullptr;               ///< m/s records
+  float* vel0 = nullptr;              ///< velocity before the substep's kick, records
+  float* disp = nullptr;              ///< m, offset from the lattice point, records
+  float* acc = nullptr;               ///< m/s^2 records of this substep, or null: uniform gravity
+  float* vel_remainder = nullptr;     ///< m/s records, what vel lost to rounding, or null: not kept
+  float* disp_remainder = nullptr;    ///< m records, what disp lost, or null: leapfrog
+  float* drift_correction = nullptr;  ///< m records, a method's way less h (v0 + v)/2, or null: leapfrog
+  const float* pull = nullptr;        ///< gravity scale, or null: all 1
+  float* rim_speed = nullptr;         ///< surface speed omega r, m/s, or null: no rotation
+  float* rim_speed0 = nullptr;
+  float* arm_change = nullptr;           ///< m records, R (cos d - 1, sin d), or null: nothing with corners or joints
+  float* angle_change = nullptr;         ///< rad: d, how far it turned since the frame's start
+  float* event_time = nullptr;           ///< s into the substep of the last impact, or null: no impacts
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };
 
 /// A well as the kernels want it: strength d / (|d|^2 + softening2)^((exponent+1)/2), none where
 /// |d|^2 > range2.
 struct WellTerms {
-  double x = 0, y = 0;         ///< m, in the coordinates of lattice positions
+  double x = 0, y = 0;  ///< m, in the coordinates of lattice positions
   double strength = 0;
   double softening2 = 0;       ///< m^2
   double range2 = 0;           ///< m^2; infinite: no end
@@ -68,11 +68,11 @@ struct FieldParams {
   double h = 0;                     ///< s
   double pitch_x = 0, pitch_y = 0;  ///< m a lattice step
   double gravity_x = 0, gravity_y = 0;
-  double linear = 0;                ///< 1/s: linear drag and damping
-  double quadratic = 0;             ///< 1/m
-  double fade = 1, fade_span = 0;   ///< exp(-linear h) and (1 - exp(-linear h)) / linear
-  double half_fade = 1;             ///< exp(-linear h / 2)
-  double smooth = 0;  ///< s^2: (v - v0)^2 / acc^2 up to which contacts act smoothly; < 0: never
+  double linear = 0;               ///< 1/s: linear drag and damping
+  double quadratic = 0;            ///< 1/m
+  double fade = 1, fade_span = 0;  ///< exp(-linear h) and (1 - exp(-linear h)) / linear
+  double half_fade = 1;            ///< exp(-linear h / 2)
+  double smooth = 0;               ///< s^2: (v - v0)^2 / acc^2 up to which contacts act smoothly; < 0: never
 };
 
 /// What a scene can ask for besides leapfrog, which needs no method of its own.
@@ -89,11 +89,11 @@ struct ReachParams {
 
 /// Grid that cell keys are computed against.
 struct GridView {
-  std::int32_t mid_x = 0, mid_y = 0;    ///< lattice point that `offset` cells belong to
-  float scale_x = 0, scale_y = 0;       ///< cells a lattice step
-  float offset_x = 0, offset_y = 0;     ///< cells
+  std::int32_t mid_x = 0, mid_y = 0;  ///< lattice point that `offset` cells belong to
+  float scale_x = 0, scale_y = 0;     ///< cells a lattice step
+  float offset_x = 0, offset_y = 0;   ///< cells
   std::int32_t cols = 0, rows = 0;
-  std::uint32_t stride = 0;             ///< keys a row (cols + empty guard cells)
+  std::uint32_t stride = 0;  ///< keys a row (cols + empty guard cells)
 };
 
 /// One row of bodies searched against itself and the next row.
@@ -102,7 +102,7 @@ struct PairRow {
   const float* reach = nullptr;          ///< m: radius + margin
   const std::uint32_t* key = nullptr;    ///< cell of each body
   const std::uint32_t* start = nullptr;  ///< first body of each cell; start[key+1] its end
-  std::int32_t next_row = 0;  ///< key distance from a cell to the cell above it
+  std::int32_t next_row = 0;             ///< key distance from a cell to the cell above it
   float pitch_x = 0, pitch_y = 0;
   // Periodic worlds: the keys of the row's first and last cell, whose bodies also look across the
   // seam. kNoSeam otherwise.
@@ -124,8 +124,8 @@ struct PairSelection {
   const std::uint32_t* other = nullptr;
   const float* radius = nullptr;
   float pitch_x = 0, pitch_y = 0;
-  float time = 0;    ///< s
-  float slack = 0;   ///< m
+  float time = 0;                      ///< s
+  float slack = 0;                     ///< m
   std::uint32_t* out_owner = nullptr;  ///< room for the count and kBlock more
   std::uint32_t* out_other = nullptr;
 };
@@ -135,21 +135,21 @@ struct ContactParams {
   float h = 0;
   float inv_h = 0;
   float pitch_x = 0, pitch_y = 0;
-  float soft_rate = 0;     ///< 1/s: mass scale x bias rate
-  float soft_mass = 0;     ///< mass scale
-  float soft_impulse = 0;  ///< impulse scale
-  float push = 0;          ///< m/s: fastest push-out
-  float refresh = 0;       ///< m: sideways motion above which a normal is computed anew
-  float warm = 0;          ///< factor on stored impulses (new h / old h)
+  float soft_rate = 0;                 ///< 1/s: mass scale x bias rate
+  float soft_mass = 0;                 ///< mass scale
+  float soft_impulse = 0;              ///< impulse scale
+  float push = 0;                      ///< m/s: fastest push-out
+  float refresh = 0;                   ///< m: sideways motion above which a normal is computed anew
+  float warm = 0;                      ///< factor on stored impulses (new h / old h)
   float gravity_x = 0, gravity_y = 0;  ///< m/s^2
-  float bounce_floor = 0;  ///< m/s: e |vn| below this is left to the solver
-  bool first_sweep = true; ///< of the substep: marks of the one before are stale
-  bool sliced = false;     ///< sweeps leave late impacts to the next ones, see due
-  float due = 1e30f;       ///< s into the substep: later impacts wait for another sweep
-  bool last_sweep = false; ///< what would still collide is left to the solver, unless elastic
-  float impact_floor = 0;  ///< m/s: slower approaches of touching bodies do not bounce
-  bool again = false;      ///< solve: not the substep's first sweep over these contacts
-  bool more = false;       ///< relax: not the last one
+  float bounce_floor = 0;              ///< m/s: e |vn| below this is left to the solver
+  bool first_sweep = true;             ///< of the substep: marks of the one before are stale
+  bool sliced = false;                 ///< sweeps leave late impacts to the next ones, see due
+  float due = 1e30f;                   ///< s into the substep: later impacts wait for another sweep
+  bool last_sweep = false;             ///< what would still collide is left to the solver, unless elastic
+  float impact_floor = 0;              ///< m/s: slower approaches of touching bodies do not bounce
+  bool again = false;                  ///< solve: not the substep's first sweep over these contacts
+  bool more = false;                   ///< relax: not the last one
 };
 
 /// Contacts between two bodies, in blocks of 8 that share no body within a colour. Lane l of block
@@ -160,7 +160,7 @@ struct ContactView {
   const std::uint32_t* body = nullptr;
   float* nx = nullptr;
   float* ny = nullptr;
-  float* gap = nullptr;       ///< m: separation at displacement 0 along the stored normal
+  float* gap = nullptr;  ///< m: separation at displacement 0 along the stored normal
   float* impulse = nullptr;
   const float* rsum = nullptr;  ///< m: sum of radii
   // Unequal masses:
@@ -169,18 +169,18 @@ struct ContactView {
   const float* wb = nullptr;
   // Friction:
   const float* mu = nullptr;
-  float* friction = nullptr;    ///< stored tangent impulse
-  const float* tmass = nullptr; ///< effective tangent mass
-  const float* qa = nullptr;    ///< r^2 / inertia: change of surface speed a tangent impulse
+  float* friction = nullptr;     ///< stored tangent impulse
+  const float* tmass = nullptr;  ///< effective tangent mass
+  const float* qa = nullptr;     ///< r^2 / inertia: change of surface speed a tangent impulse
   const float* qb = nullptr;
   // Restitution:
-  const float* e = nullptr;     ///< coefficient
-  float* impact = nullptr;      ///< sign bit set: settled by a time-of-impact sweep this substep
-  float* start = nullptr;       ///< impulse at the start of the substep
+  const float* e = nullptr;  ///< coefficient
+  float* impact = nullptr;   ///< sign bit set: settled by a time-of-impact sweep this substep
+  float* start = nullptr;    ///< impulse at the start of the substep
 };
 
 /// Contacts of one body with fixed geometry. The normal points to the body.
-struct SingleView {
+struct StaticContactView {
   const std::uint32_t* body = nullptr;  ///< one slot a lane
   float* nx = nullptr;
   float* ny = nullptr;
@@ -188,8 +188,8 @@ struct SingleView {
   float* impulse = nullptr;
   const float* base_x = nullptr;  ///< m: from the fixed point to the body's lattice point
   const float* base_y = nullptr;
-  const float* rsum = nullptr;    ///< m: radii of the body and of the fixed point
-  const float* refresh = nullptr; ///< m: as ContactParams::refresh; infinite for flat faces
+  const float* rsum = nullptr;     ///< m: radii of the body and of the fixed point
+  const float* refresh = nullptr;  ///< m: as ContactParams::refresh; infinite for flat faces
   const float* mass = nullptr;
   const float* wb = nullptr;
   const float* mu = nullptr;

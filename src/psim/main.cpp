@@ -6,14 +6,14 @@
 #include <exception>
 #include <new>
 
-#include "about.h"
-#include "benchmark.h"
-#include "diff.h"
-#include "options.h"
-#include "replay.h"
-#include "run.h"
-#include "user_error.h"
-#include "verify.h"
+#include "options/about.h"
+#include "options/options.h"
+#include "output/user_error.h"
+#include "run/benchmark.h"
+#include "run/diff.h"
+#include "run/replay.h"
+#include "run/run.h"
+#include "run/verify.h"
 
 namespace psim::cli {
 namespace {

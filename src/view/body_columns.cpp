@@ -7,8 +7,8 @@
 namespace psim::view {
 namespace {
 
-constexpr float kLeastSpeed = 0.05f;  // m/s: a pile at rest looks at rest
-constexpr float kLeastSpin = 0.002f;  // rad a frame
+constexpr float kLeastSpeed = 0.05f;   // m/s: a pile at rest looks at rest
+constexpr float kLeastSpin = 0.002f;   // rad a frame
 constexpr float kLeastForce = 1e-30f;  // N: what carries anything is seen, however light
 constexpr float kFollow = 0.1f;
 
@@ -78,11 +78,9 @@ float BodyColumns::sample(const Value& value) {
 }
 
 void BodyColumns::follow_brightness() {
-  follow(bright_speed_, sample([&](std::size_t row) { return snapshot_->speed[row]; }),
-         kLeastSpeed);
-  follow(bright_spin_, sample([&](std::size_t row) {
-           return std::fabs(snapshot_->angle[row] - snapshot_->angle_prev[row]);
-         }),
+  follow(bright_speed_, sample([&](std::size_t row) { return snapshot_->speed[row]; }), kLeastSpeed);
+  follow(bright_spin_,
+         sample([&](std::size_t row) { return std::fabs(snapshot_->angle[row] - snapshot_->angle_prev[row]); }),
          kLeastSpin);
 }
 
@@ -91,9 +89,7 @@ std::size_t BodyColumns::row_of(std::uint32_t id) const {
   if (id < n && snapshot_->id[id] == id) return id;  // nobody was ever removed
   if (n == 0) return n;
   const auto at = std::ranges::lower_bound(snapshot_->id, id);
-  return at != snapshot_->id.end() && *at == id
-             ? static_cast<std::size_t>(at - snapshot_->id.begin())
-             : n;
+  return at != snapshot_->id.end() && *at == id ? static_cast<std::size_t>(at - snapshot_->id.begin()) : n;
 }
 
 Vec2 BodyColumns::place(std::size_t row, float alpha) const {

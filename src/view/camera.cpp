@@ -23,9 +23,7 @@ void Camera::fit(const Bounds& part, int width, int height, int covered) {
   centre_ = {(part.xmin + part.xmax) / 2 - covered / (2 * scale_), (part.ymin + part.ymax) / 2};
 }
 
-void Camera::pan(double dx, double dy) {
-  centre_ = {centre_.x - dx / scale_, centre_.y + dy / scale_};
-}
+void Camera::pan(double dx, double dy) { centre_ = {centre_.x - dx / scale_, centre_.y + dy / scale_}; }
 
 void Camera::zoom_at(double px, double py, double factor) {
   const Vec2 before = to_world(px, py);
@@ -39,8 +37,7 @@ Vec2 Camera::to_world(double px, double py) const {
 }
 
 Vec2 Camera::to_screen(Vec2 place) const {
-  return {width_ / 2.0 + (place.x - centre_.x) * scale_,
-          height_ / 2.0 - (place.y - centre_.y) * scale_};
+  return {width_ / 2.0 + (place.x - centre_.x) * scale_, height_ / 2.0 - (place.y - centre_.y) * scale_};
 }
 
 Bounds Camera::shown() const {

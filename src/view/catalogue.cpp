@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "links.h"
-#include "shape_size.h"
+#include "place/links.h"
+#include "place/shape_size.h"
 
 namespace psim::view {
 namespace {
@@ -26,8 +26,7 @@ double area_of(const Kind& kind) {
 }
 
 std::string key_of(const Kind& kind) {
-  std::string key(reinterpret_cast<const char*>(kind.points.data()),
-                  kind.points.size() * sizeof(Vec2));
+  std::string key(reinterpret_cast<const char*>(kind.points.data()), kind.points.size() * sizeof(Vec2));
   key.append(reinterpret_cast<const char*>(&kind.radius), sizeof kind.radius);
   key += kind.line ? 'l' : 'a';
   key += kind.loop ? 'o' : '-';
@@ -84,11 +83,9 @@ std::uint32_t Catalogue::look_of(const BodyDesc& body, BodyType type) {
     const auto* chain = std::get_if<ChainShape>(&body.shape);
     const Outline line = outline(body.shape);
     Kind kind{line.points, line.radius, bounding_radius(body.shape),
-              chain != nullptr || std::holds_alternative<SegmentShape>(body.shape),
-              chain != nullptr && chain->loop};
+              chain != nullptr || std::holds_alternative<SegmentShape>(body.shape), chain != nullptr && chain->loop};
     (kind.line ? has_lines_ : has_areas_) = true;
-    const auto [at, is_new] =
-        known_.emplace(key_of(kind), static_cast<std::uint32_t>(kinds_.size()));
+    const auto [at, is_new] = known_.emplace(key_of(kind), static_cast<std::uint32_t>(kinds_.size()));
     if (is_new) kinds_.push_back(std::move(kind));
     look = at->second;
   }
@@ -102,8 +99,7 @@ double Catalogue::mass(std::uint32_t id, double disc_radius) const {
   if (id >= looks_.size()) return 0;
   if (mass_[id] > 0) return static_cast<double>(mass_[id]);
   const Kind& shape = kind(id);
-  const double area =
-      shape.points.empty() ? std::numbers::pi * disc_radius * disc_radius : area_of(shape);
+  const double area = shape.points.empty() ? std::numbers::pi * disc_radius * disc_radius : area_of(shape);
   return static_cast<double>(density_[id]) * area;
 }
 

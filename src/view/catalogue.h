@@ -51,8 +51,8 @@ class Catalogue {
   std::vector<Kind> kinds_{Kind{}};
   std::unordered_map<std::string, std::uint32_t> known_;  // bytes of a shape -> kind
   std::vector<std::uint32_t> looks_;                      // by id
-  std::vector<float> density_, mass_;  // by id: kg/m^2, kg where the description says so, else 0
-  std::uint32_t hidden_kind_ = kKindMask;  // without points, once there is one
+  std::vector<float> density_, mass_;                     // by id: kg/m^2, kg where the description says so, else 0
+  std::uint32_t hidden_kind_ = kKindMask;                 // without points, once there is one
   bool has_areas_ = false, has_lines_ = false;
 };
 

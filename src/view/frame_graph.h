@@ -1,18 +1,17 @@
 // The graph of step times: phases stacked, the newest to the right, with the budget as a line.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <ranges>
 
 #include "frame_log.h"
 
 namespace psim::view {
 
-/// The frames that the graph shows: the newest.
-inline auto graph_frames(const FrameLog& log) {
+/// Index of the first frame of the log that the graph shows; it shows all from there on.
+inline std::size_t first_graph_frame(const FrameLog& log) {
   constexpr std::size_t kMost = 240;
-  const std::size_t n = log.frames().size();
-  return log.frames() | std::views::drop(n > kMost ? n - kMost : 0);
+  return log.frames().size() > kMost ? log.frames().size() - kMost : 0;
 }
 
 /// Draws at Dear ImGui's cursor. `shown` is marked if it is not the newest.

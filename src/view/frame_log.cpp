@@ -1,7 +1,6 @@
 #include "frame_log.h"
 
 #include <algorithm>
-#include <ranges>
 
 namespace psim::view {
 
@@ -24,8 +23,8 @@ const FrameValues* FrameLog::find(std::uint64_t frame) const {
 }
 
 const FrameValues* FrameLog::hashed(std::uint64_t frame) const {
-  for (const FrameValues& values : std::views::reverse(frames_)) {
-    if (values.frame <= frame && values.hash) return &values;
+  for (auto values = frames_.rbegin(); values != frames_.rend(); ++values) {
+    if (values->frame <= frame && values->hash) return &*values;
   }
   return nullptr;
 }

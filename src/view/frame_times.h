@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "samples.h"
+#include "report/samples.h"
 
 namespace psim::view {
 

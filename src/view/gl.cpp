@@ -6,8 +6,8 @@
 #include <array>
 #include <string>
 
-#include "text.h"
-#include "user_error.h"
+#include "output/text.h"
+#include "output/user_error.h"
 
 namespace psim::view {
 
@@ -59,8 +59,8 @@ Program::Program(const char* vertex, const char* fragment) : id_(gl.CreateProgra
 
 Program::~Program() { gl.DeleteProgram(id_); }
 
-void VertexArray::instanced(GLuint place, GLint count, GLenum type, GLsizei stride,
-                            std::size_t offset, bool normalised) const {
+void VertexArray::instanced(GLuint place, GLint count, GLenum type, GLsizei stride, std::size_t offset,
+                            bool normalised) const {
   const auto* const at = reinterpret_cast<const void*>(offset);
   gl.EnableVertexAttribArray(place);
   if (type == GL_FLOAT || normalised) {

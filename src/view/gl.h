@@ -71,8 +71,7 @@ class Buffer {
   template <class T>
   void upload(std::span<const T> data) {
     gl.BindBuffer(GL_ARRAY_BUFFER, id_);
-    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size_bytes()), data.data(),
-                  GL_STREAM_DRAW);
+    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), GL_STREAM_DRAW);
   }
 
  private:

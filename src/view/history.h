@@ -15,9 +15,7 @@ class History {
   void clear();
   std::size_t size() const { return size_; }
   /// 0: the newest.
-  const Snapshot& at(std::size_t back) const {
-    return frames_[(next_ + frames_.size() - 1 - back) % frames_.size()];
-  }
+  const Snapshot& at(std::size_t back) const { return frames_[(next_ + frames_.size() - 1 - back) % frames_.size()]; }
 
  private:
   static constexpr std::size_t kMostBytes = 256u << 20, kMostFrames = 600, kLeastFrames = 8;

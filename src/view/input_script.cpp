@@ -10,20 +10,19 @@
 #include <sstream>
 #include <utility>
 
-#include "text.h"
-#include "user_error.h"
+#include "output/text.h"
+#include "output/user_error.h"
 
 namespace psim::view {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ScriptAction>, 7> kActions = {
-    {{"key", ScriptAction::key},
-     {"move", ScriptAction::move},
-     {"down", ScriptAction::down},
-     {"up", ScriptAction::up},
-     {"wheel", ScriptAction::wheel},
-     {"shot", ScriptAction::shot},
-     {"quit", ScriptAction::quit}}};
+constexpr std::array<std::pair<std::string_view, ScriptAction>, 7> kActions = {{{"key", ScriptAction::key},
+                                                                                {"move", ScriptAction::move},
+                                                                                {"down", ScriptAction::down},
+                                                                                {"up", ScriptAction::up},
+                                                                                {"wheel", ScriptAction::wheel},
+                                                                                {"shot", ScriptAction::shot},
+                                                                                {"quit", ScriptAction::quit}}};
 constexpr std::array<std::string_view, 3> kButtons = {"left", "right", "middle"};
 
 template <class Number>
@@ -37,8 +36,7 @@ bool read(std::string_view word, Number& value) {
 std::string read_line(const std::vector<std::string>& words, ScriptLine& line) {
   if (!read(words[0], line.frame)) return "must begin with a frame number";
   const std::string_view name = words.size() > 1 ? std::string_view(words[1]) : "";
-  const auto* const found =
-      std::ranges::find_if(kActions, [&](const auto& action) { return action.first == name; });
+  const auto* const found = std::ranges::find_if(kActions, [&](const auto& action) { return action.first == name; });
   if (found == kActions.end()) {
     return "after the frame comes key, move, down, up, wheel, shot or quit";
   }
@@ -49,7 +47,8 @@ std::string read_line(const std::vector<std::string>& words, ScriptLine& line) {
     case ScriptAction::shot:
       if (!needs(1)) return fmt::format("{} takes one word", name);
       line.word = words[2];
-      if (line.action == ScriptAction::shot && !line.word.ends_with(".png")) return "shot takes a name that ends in .png";
+      if (line.action == ScriptAction::shot && !line.word.ends_with(".png"))
+        return "shot takes a name that ends in .png";
       return "";
     case ScriptAction::move:
       if (needs(2) && read(words[2], line.x) && read(words[3], line.y)) return "";

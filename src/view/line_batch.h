@@ -11,8 +11,7 @@ namespace psim::view {
 
 /// 0xAABBGGRR, as bytes R, G, B, A in memory.
 constexpr std::uint32_t rgba(std::uint32_t rgb, double opacity = 1) {
-  return (rgb >> 16 & 0xFF) | (rgb & 0xFF00) | (rgb & 0xFF) << 16 |
-         static_cast<std::uint32_t>(opacity * 255) << 24;
+  return (rgb >> 16 & 0xFF) | (rgb & 0xFF00) | (rgb & 0xFF) << 16 | static_cast<std::uint32_t>(opacity * 255) << 24;
 }
 
 struct LineInstance {
@@ -35,8 +34,7 @@ class LineBatch {
       return;
     }
     lines_.push_back({static_cast<float>(a.x - centre_.x), static_cast<float>(a.y - centre_.y),
-                      static_cast<float>(b.x - centre_.x), static_cast<float>(b.y - centre_.y),
-                      width, colour});
+                      static_cast<float>(b.x - centre_.x), static_cast<float>(b.y - centre_.y), width, colour});
   }
   std::span<const LineInstance> lines() const { return lines_; }
 

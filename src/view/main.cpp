@@ -8,10 +8,10 @@
 #include <memory>
 #include <optional>
 
-#include "atomic_file.h"
+#include "options/scene_choice.h"
+#include "output/atomic_file.h"
+#include "output/user_error.h"
 #include "psim/version.h"
-#include "scene_choice.h"
-#include "user_error.h"
 #include "view.h"
 
 namespace psim::view {
@@ -30,10 +30,9 @@ int run(const ViewOptions& options) {
     fmt::print("psim-view {}\n", PSIM_VERSION_STRING);
     return 0;
   }
-  if (!options.shot.empty())
-    cli::AtomicFile("--shot", options.shot);  // refused now, not at the end
-  View view(options, std::make_unique<Simulation>(cli::choose_scene(options.settings),
-                                                  options.settings.isa, options.settings.threads));
+  if (!options.shot.empty()) cli::AtomicFile("--shot", options.shot);  // refused now, not at the end
+  View view(options, std::make_unique<Simulation>(cli::choose_scene(options.settings), options.settings.isa,
+                                                  options.settings.threads));
   view.run();
   if (options.stats) print_times(view.times());
   return 0;

@@ -4,16 +4,15 @@
 #include <cmath>
 #include <utility>
 
-#include "shape_size.h"
+#include "place/shape_size.h"
 
 namespace psim::view {
 namespace {
 
-constexpr std::uint32_t kWall = rgba(0x56616f), kSeam = rgba(0x2b323c),
-                        kGrid = rgba(0xffffff, 0.07), kLineBody = rgba(0xb4bfcc),
-                        kMovingLine = rgba(0x7ad151), kJoint = rgba(0xd98e73),
-                        kTouch = rgba(0xff5d6c, 0.8), kPoint = rgba(0xffe9ec), kHit = rgba(0xffe08a), kWell = rgba(0xf2f4f7),
-                        kTrail = rgba(0xffffff, 0.35);
+constexpr std::uint32_t kWall = rgba(0x56616f), kSeam = rgba(0x2b323c), kGrid = rgba(0xffffff, 0.07),
+                        kLineBody = rgba(0xb4bfcc), kMovingLine = rgba(0x7ad151), kJoint = rgba(0xd98e73),
+                        kTouch = rgba(0xff5d6c, 0.8), kPoint = rgba(0xffe9ec), kHit = rgba(0xffe08a),
+                        kWell = rgba(0xf2f4f7), kTrail = rgba(0xffffff, 0.35);
 
 // 1, 2 or 5 times a power of ten, so that lines are kLeastGap pixels apart or more.
 double grid_step(double pixels_per_metre) {
@@ -54,9 +53,8 @@ void Overlays::note(const Status& status) {
   while (recent_.size() > kMostHits) recent_.pop_front();
 }
 
-void Overlays::build(const Status& status, const BodyColumns& bodies, const Camera& camera,
-                     float alpha, const History& history, std::size_t back,
-                     const OverlayChoice& choice, Colouring colouring) {
+void Overlays::build(const Status& status, const BodyColumns& bodies, const Camera& camera, float alpha,
+                     const History& history, std::size_t back, const OverlayChoice& choice, Colouring colouring) {
   below.begin(camera);
   above.begin(camera);
   const WorldDesc& world = status.world->desc();
@@ -114,13 +112,13 @@ void Overlays::add_line_bodies(const BodyColumns& bodies, float alpha) {
 }
 
 // From anchor to anchor; where the anchors coincide, from the places of the bodies that move.
-void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc& world,
-                          const BodyColumns& bodies, float alpha) {
+void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc& world, const BodyColumns& bodies,
+                          float alpha) {
   const bool wraps = world.boundary == Boundary::periodic;
   const Bounds& b = world.bounds;
   const auto line = [&](Vec2 from, Vec2 to) {
-    if (wraps && (std::fabs(to.x - from.x) > (b.xmax - b.xmin) / 2 ||
-                  std::fabs(to.y - from.y) > (b.ymax - b.ymin) / 2)) {
+    if (wraps &&
+        (std::fabs(to.x - from.x) > (b.xmax - b.xmin) / 2 || std::fabs(to.y - from.y) > (b.ymax - b.ymin) / 2)) {
       return;  // not across the seam
     }
     above.add(from, to, 1.4f, kJoint);
@@ -140,17 +138,16 @@ void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc&
 
 // A dot, and a line along the normal to both sides: the longer the more force, from a fifth of the smaller body's
 // radius to all of it. Moves with the picture of whoever is drawn.
-void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies,
-                            const Camera& camera, float alpha, bool by_colour) {
-  constexpr float kWidth = 1.6f, kColouredWidth = 3;  // pixels
+void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies, const Camera& camera,
+                            float alpha, bool by_colour) {
+  constexpr float kWidth = 1.6f, kColouredWidth = 3;                         // pixels
   constexpr double kLeast = 0.2, kMostPixels = 40, kDot = 2, kDotFrom = 12;  // share; pixels
   const Bounds shown = camera.shown();
   const double scale = camera.pixels_per_metre();
   float most = 0;
   for (const ContactLook& c : contacts) most = std::max(most, c.force);
   for (const ContactLook& c : contacts) {
-    if (c.point.x < shown.xmin || c.point.x > shown.xmax || c.point.y < shown.ymin ||
-        c.point.y > shown.ymax) {
+    if (c.point.x < shown.xmin || c.point.x > shown.xmax || c.point.y < shown.ymin || c.point.y > shown.ymax) {
       continue;
     }
     Vec2 p = c.point;
@@ -167,8 +164,7 @@ void Overlays::add_contacts(const std::vector<ContactLook>& contacts, const Body
     const double share = most > 0 ? std::sqrt(static_cast<double>(c.force / most)) : 0;
     const double half = radius * (kLeast + (1 - kLeast) * share);
     const double nx = static_cast<double>(c.nx), ny = static_cast<double>(c.ny);
-    const std::uint32_t colour =
-        !by_colour ? kTouch : c.colour == kNoColour ? kLineBody : group_rgba(c.colour);
+    const std::uint32_t colour = !by_colour ? kTouch : c.colour == kNoColour ? kLineBody : group_rgba(c.colour);
     above.add({p.x - half * nx, p.y - half * ny}, {p.x + half * nx, p.y + half * ny},
               by_colour ? kColouredWidth : kWidth, colour);
     if (radius * scale < kDotFrom) continue;
@@ -195,13 +191,12 @@ void Overlays::add_hits(const BodyColumns& bodies, const Camera& camera, std::ui
     const Vec2 p = hit.event.point, n = hit.event.normal;
     const auto opacity = static_cast<std::uint32_t>(255 * std::max(1 - age, 0.0));
     const std::uint32_t colour = (kHit & 0x00FFFFFFu) | opacity << 24;
-    above.add({p.x - n.x * length / 2, p.y - n.y * length / 2},
-              {p.x + n.x * length / 2, p.y + n.y * length / 2}, 2, colour);
+    above.add({p.x - n.x * length / 2, p.y - n.y * length / 2}, {p.x + n.x * length / 2, p.y + n.y * length / 2}, 2,
+              colour);
   }
 }
 
-void Overlays::add_trails(const History& history, std::size_t back, const WorldDesc& world,
-                          const BodyColumns& bodies) {
+void Overlays::add_trails(const History& history, std::size_t back, const WorldDesc& world, const BodyColumns& bodies) {
   constexpr std::size_t kMostBodies = 1000, kFrames = 48;
   const Bounds& b = world.bounds;
   const double far = std::min(b.xmax - b.xmin, b.ymax - b.ymin) / 2;
@@ -219,8 +214,7 @@ void Overlays::add_trails(const History& history, std::size_t back, const WorldD
       if (now.id[row] != before.id[row] || (bodies.looks()[row] & kStaticBit) != 0) continue;
       const Vec2 from{before.origin.x + static_cast<double>(before.x[row]),
                       before.origin.y + static_cast<double>(before.y[row])};
-      const Vec2 to{now.origin.x + static_cast<double>(now.x[row]),
-                    now.origin.y + static_cast<double>(now.y[row])};
+      const Vec2 to{now.origin.x + static_cast<double>(now.x[row]), now.origin.y + static_cast<double>(now.y[row])};
       if (std::fabs(to.x - from.x) > far || std::fabs(to.y - from.y) > far) continue;
       below.add(from, to, 1.2f, colour);
     }

@@ -27,9 +27,8 @@ class Overlays {
   void note(const Status& status);
   void clear() { recent_.clear(); }
 
-  void build(const Status& status, const BodyColumns& bodies, const Camera& camera, float alpha,
-             const History& history, std::size_t back, const OverlayChoice& choice,
-             Colouring colouring);
+  void build(const Status& status, const BodyColumns& bodies, const Camera& camera, float alpha, const History& history,
+             std::size_t back, const OverlayChoice& choice, Colouring colouring);
 
   LineBatch below, above;
 
@@ -41,13 +40,11 @@ class Overlays {
 
   void add_world(const WorldDesc& world, const Camera& camera, bool grid);
   void add_line_bodies(const BodyColumns& bodies, float alpha);
-  void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world,
-                  const BodyColumns& bodies, float alpha);
+  void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world, const BodyColumns& bodies, float alpha);
   void add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies, const Camera& camera,
                     float alpha, bool by_colour);
   void add_hits(const BodyColumns& bodies, const Camera& camera, std::uint64_t frame);
-  void add_trails(const History& history, std::size_t back, const WorldDesc& world,
-                  const BodyColumns& bodies);
+  void add_trails(const History& history, std::size_t back, const WorldDesc& world, const BodyColumns& bodies);
 
   std::deque<Hit> recent_;
 };

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "frame_graph.h"
-#include "text.h"
+#include "output/text.h"
 
 namespace psim::view {
 namespace {
@@ -26,8 +26,8 @@ void choose(const char* label, Choice& choice, const char* const (&names)[N]) {
 }
 
 // True once the slider was let go with a new value.
-bool slider(const char* label, double& value, double low, double high, const char* format,
-            bool& held, ImGuiSliderFlags flags = 0) {
+bool slider(const char* label, double& value, double low, double high, const char* format, bool& held,
+            ImGuiSliderFlags flags = 0) {
   auto v = static_cast<float>(value);
   if (ImGui::SliderFloat(label, &v, static_cast<float>(low), static_cast<float>(high), format, flags)) {
     value = static_cast<double>(v);
@@ -38,8 +38,7 @@ bool slider(const char* label, double& value, double low, double high, const cha
 
 }  // namespace
 
-void Panels::show(const Status& status, const ShownFrame& shown, const FrameTimes& times,
-                  std::size_t frames_kept) {
+void Panels::show(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept) {
   log_.note(status);
   if (state_.panels) {
     ImGui::SetNextWindowPos({10, 10}, ImGuiCond_Once);
@@ -67,8 +66,8 @@ void Panels::show_counts(const Status& status, const ShownFrame& shown, const Fr
   const auto count = [step](std::uint64_t StepReport::*which) {
     return step != nullptr ? cli::grouped(step->*which) : "-";
   };
-  text(fmt::format("{} bodies, {} awake, {} joints", cli::grouped(shown.bodies),
-                   count(&StepReport::awake), cli::grouped(status.joints->size())));
+  text(fmt::format("{} bodies, {} awake, {} joints", cli::grouped(shown.bodies), count(&StepReport::awake),
+                   cli::grouped(status.joints->size())));
   text(fmt::format("{} pairs, {} contacts", count(&StepReport::pairs), count(&StepReport::contacts)));
   const double seconds = static_cast<double>(shown.frame) * status.world->desc().dt;
   text(fmt::format("frame {}, {:.2f} s{}", shown.frame, seconds,
@@ -82,8 +81,7 @@ void Panels::show_counts(const Status& status, const ShownFrame& shown, const Fr
                    times.interval_ms > 0 ? 1000 / times.interval_ms : 0));
 }
 
-void Panels::show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times,
-                      std::size_t frames_kept) {
+void Panels::show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept) {
   const std::string name = status.scene->name;
   if (ImGui::BeginCombo("scene", name.c_str())) {
     for (std::size_t k = 0; k < tools_.scenes().size(); ++k) {
@@ -141,7 +139,8 @@ void Panels::show_settings(const Status& status) {
   if (skin_held || skin_set) sim_.post([skin = draft_.skin](Simulation& s) { s.set_skin(skin); });
   held = held || skin_held;
   std::size_t steps = 0, made = 0;
-  for (const FrameValues& values : graph_frames(log_)) {
+  for (std::size_t k = first_graph_frame(log_); k < log_.frames().size(); ++k) {
+    const FrameValues& values = log_.frames()[k];
     steps += values.step ? 1 : 0;
     made += values.step && values.step->rebuilt ? 1 : 0;
   }
@@ -219,13 +218,12 @@ void Panels::show_help() {
 
 // The simulation collects what some overlay shows, and nothing else.
 void Panels::choose_collected() {
-  const Collect wanted{
-      .contacts = state_.overlays.contacts,
-      .forces = state_.colouring == Colouring::force,
-      .strips = state_.colouring == Colouring::strip,
-      .colours = state_.colouring == Colouring::solver,
-      .hits = state_.overlays.hits,
-      .hash = state_.panels};
+  const Collect wanted{.contacts = state_.overlays.contacts,
+                       .forces = state_.colouring == Colouring::force,
+                       .strips = state_.colouring == Colouring::strip,
+                       .colours = state_.colouring == Colouring::solver,
+                       .hits = state_.overlays.hits,
+                       .hash = state_.panels};
   if (wanted == collected_) return;
   collected_ = wanted;
   sim_.post([wanted](Simulation& s) { s.set_collect(wanted); });

@@ -19,16 +19,13 @@ struct ShownFrame {
 
 class Panels {
  public:
-  Panels(SimThread& sim, ViewState& state, Tools& tools)
-      : sim_(sim), state_(state), tools_(tools) {}
+  Panels(SimThread& sim, ViewState& state, Tools& tools) : sim_(sim), state_(state), tools_(tools) {}
 
   /// Called every frame between begin_panels and draw_panels of the window.
-  void show(const Status& status, const ShownFrame& shown, const FrameTimes& times,
-            std::size_t frames_kept);
+  void show(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept);
 
  private:
-  void show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times,
-                std::size_t frames_kept);
+  void show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept);
   void show_counts(const Status& status, const ShownFrame& shown, const FrameTimes& times);
   void show_look(const Status& status);
   void show_settings(const Status& status);
@@ -40,7 +37,7 @@ class Panels {
   ViewState& state_;
   Tools& tools_;
   FrameLog log_;
-  Settings draft_;                // of the sliders while one is held
+  Settings draft_;  // of the sliders while one is held
   bool editing_ = false;
   Collect collected_;
 };

@@ -74,11 +74,11 @@ void Renderer::upload(const BodyColumns& bodies, Colouring colouring) {
   const bool forces = colouring == Colouring::force && !bodies.forces().empty();
   const bool groups = colouring >= Colouring::strip;
   if (groups && bodies.groups().empty()) no_groups_.assign(bodies_, kNoGroup);
-  const std::vector<float>& shown = forces                                     ? bodies.forces()
-                                    : !groups                                  ? s.speed
-                                    : bodies.groups().empty() ? no_groups_ : bodies.groups();
-  const std::vector<float>* floats[] = {&s.x,     &s.y,          &s.x_prev, &s.y_prev,
-                                        &s.angle, &s.angle_prev, &s.radius, &shown};
+  const std::vector<float>& shown = forces                    ? bodies.forces()
+                                    : !groups                 ? s.speed
+                                    : bodies.groups().empty() ? no_groups_
+                                                              : bodies.groups();
+  const std::vector<float>* floats[] = {&s.x, &s.y, &s.x_prev, &s.y_prev, &s.angle, &s.angle_prev, &s.radius, &shown};
   for (std::size_t k = 0; k < 8; ++k) columns_[k].upload(std::span<const float>(*floats[k]));
   columns_[8].upload(std::span<const std::uint8_t>(s.asleep));
   columns_[9].upload(std::span<const std::uint32_t>(bodies.looks()));
@@ -134,15 +134,13 @@ void Renderer::draw_bodies(const Camera& camera, float alpha, Colouring colourin
   draw(discs_, camera, alpha, colouring);
 }
 
-void Renderer::draw(const Program& program, const Camera& camera, float alpha,
-                    Colouring colouring) {
+void Renderer::draw(const Program& program, const Camera& camera, float alpha, Colouring colouring) {
   program.use();
   gl.Uniform1f(program.at("alpha"), alpha);
   gl.Uniform2f(program.at("shift"), static_cast<float>(origin_.x - camera.centre().x),
                static_cast<float>(origin_.y - camera.centre().y));
   gl.Uniform1f(program.at("scale"), static_cast<float>(camera.pixels_per_metre()));
-  gl.Uniform2f(program.at("window"), static_cast<float>(camera.width()),
-               static_cast<float>(camera.height()));
+  gl.Uniform2f(program.at("window"), static_cast<float>(camera.width()), static_cast<float>(camera.height()));
   gl.Uniform1i(program.at("colouring"), static_cast<int>(colouring));
   gl.Uniform1f(program.at("bright"), bright_);
   gl.ActiveTexture(GL_TEXTURE0);
@@ -156,8 +154,7 @@ void Renderer::draw_lines(const Camera& camera, std::size_t first, std::size_t c
   if (count == 0) return;
   lines_.use();
   gl.Uniform1f(lines_.at("scale"), static_cast<float>(camera.pixels_per_metre()));
-  gl.Uniform2f(lines_.at("window"), static_cast<float>(camera.width()),
-               static_cast<float>(camera.height()));
+  gl.Uniform2f(lines_.at("window"), static_cast<float>(camera.width()), static_cast<float>(camera.height()));
   line_array_.bind();
   gl.BindBuffer(GL_ARRAY_BUFFER, line_buffer_.id());
   const std::size_t at = first * sizeof(LineInstance);

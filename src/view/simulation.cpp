@@ -9,10 +9,10 @@
 #include <span>
 #include <utility>
 
-#include "links.h"
-#include "scene_choice.h"
-#include "text.h"
-#include "user_error.h"
+#include "options/scene_choice.h"
+#include "output/text.h"
+#include "output/user_error.h"
+#include "place/links.h"
 
 namespace psim::view {
 namespace {
@@ -21,8 +21,8 @@ namespace {
 constexpr std::uint64_t kHashEveryFrame = 20'000;
 constexpr std::uint64_t kHashFrames = 30;
 
-void override_materials(Scene& scene, std::optional<double> Settings::*which,
-                        double Material::*target, const Settings& settings) {
+void override_materials(Scene& scene, std::optional<double> Settings::*which, double Material::*target,
+                        const Settings& settings) {
   const std::optional<double>& value = settings.*which;
   if (!value) return;
   scene.world.wall.*target = *value;
@@ -32,8 +32,7 @@ void override_materials(Scene& scene, std::optional<double> Settings::*which,
 
 }  // namespace
 
-Simulation::Simulation(Scene scene, Isa isa, int threads)
-    : scene_(std::make_shared<const Scene>(std::move(scene))) {
+Simulation::Simulation(Scene scene, Isa isa, int threads) : scene_(std::make_shared<const Scene>(std::move(scene))) {
   settings_.isa = isa;
   settings_.threads = threads;
   settings_.gravity = scene_->world.gravity;
@@ -76,8 +75,8 @@ void Simulation::make(bool keep_state) {
   told_catalogue_.reset();
   std::vector<JointLook> joints;
   for (const SceneJoint& j : all_joints(scene)) {
-    joints.push_back({static_cast<std::uint32_t>(j.a), static_cast<std::uint32_t>(j.b),
-                      j.joint.anchor_a, j.joint.anchor_b, j.joint.type});
+    joints.push_back({static_cast<std::uint32_t>(j.a), static_cast<std::uint32_t>(j.b), j.joint.anchor_a,
+                      j.joint.anchor_b, j.joint.type});
   }
   joints_ = std::make_shared<const std::vector<JointLook>>(std::move(joints));
   world_->enable_snapshots(true);
@@ -172,9 +171,8 @@ void Simulation::set_settings(const Settings& settings) {
   const Settings before = std::exchange(settings_, settings);
   try {
     make(true);
-    message_ = fmt::format("new world from the present state: {}, {} thread{}, {} substeps",
-                           isa_name(world_->isa()), world_->threads(),
-                           world_->threads() == 1 ? "" : "s", world_->desc().substeps);
+    message_ = fmt::format("new world from the present state: {}, {} thread{}, {} substeps", isa_name(world_->isa()),
+                           world_->threads(), world_->threads() == 1 ? "" : "s", world_->desc().substeps);
   } catch (const cli::UserError& error) {
     settings_ = before;
     message_ = error.what();
@@ -241,8 +239,7 @@ std::shared_ptr<const Snapshot> Simulation::take_still() const {
   still->id.assign(state.id.begin(), state.id.end());
   const auto from = [](std::span<const double> column, double origin) {
     std::vector<float> floats(column.size());
-    std::ranges::transform(column, floats.begin(),
-                           [origin](double v) { return static_cast<float>(v - origin); });
+    std::ranges::transform(column, floats.begin(), [origin](double v) { return static_cast<float>(v - origin); });
     return floats;
   };
   still->x_prev = still->x = from(state.x, still->origin.x);
@@ -253,8 +250,7 @@ std::shared_ptr<const Snapshot> Simulation::take_still() const {
   still->asleep.resize(state.id.size());
   for (std::size_t row = 0; row < state.id.size(); ++row) {
     still->speed[row] = static_cast<float>(std::hypot(state.vx[row], state.vy[row]));
-    still->asleep[row] = state.type[row] == BodyType::dynamic_body &&
-                         !world_->is_awake(world_->id_of(state.id[row]));
+    still->asleep[row] = state.type[row] == BodyType::dynamic_body && !world_->is_awake(world_->id_of(state.id[row]));
   }
   return still;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "shape_size.h"
+#include "place/shape_size.h"
 #include "simulation.h"
 
 namespace psim::view {
@@ -42,15 +42,13 @@ double spread(std::uint64_t number) {
 
 }  // namespace
 
-double Simulation::mass_of(const BodyState& state) const {
-  return catalogue_->mass(state.id.index, state.radius);
-}
+double Simulation::mass_of(const BodyState& state) const { return catalogue_->mass(state.id.index, state.radius); }
 
 // The springs end far from the anchor at right angles and are as long as that is far: together one soft
 // pin that is damped whichever way the body moves. A single spring of length 0 would let it circle.
 void Simulation::grab(Vec2 at, double reach) {
-  constexpr double kFrequency = 25;    // rad/s
-  constexpr double kMostPull = 1000;   // m/s^2
+  constexpr double kFrequency = 25;      // rad/s
+  constexpr double kMostPull = 1000;     // m/s^2
   constexpr double kSpringLength = 100;  // times the stretch: nearly parallel wherever the body is
   let_go();
   const auto hit = world_->closest(at, reach, kMovable);
@@ -73,7 +71,10 @@ void Simulation::grab(Vec2 at, double reach) {
   told_catalogue_.reset();
   const double c = std::cos(body->angle), s = std::sin(body->angle);
   const Vec2 d = way({body->x, body->y}, hit->point);
-  grab_ = Grab{hit->body, anchor, {c * d.x + s * d.y, c * d.y - s * d.x}, at,
+  grab_ = Grab{hit->body,
+               anchor,
+               {c * d.x + s * d.y, c * d.y - s * d.x},
+               at,
                std::max(kMostPull / (kFrequency * kFrequency), body->radius)};
   changed_ = true;
   const double mass = mass_of(*body), far = kSpringLength * grab_->stretch;
@@ -191,11 +192,7 @@ void Simulation::explode(Vec2 at, double reach, double speed) {
 }
 
 void Simulation::add_well(Vec2 at, double strength, double range) {
-  wells_.push_back({.position = at,
-                    .strength = strength,
-                    .softening = 0.05 * range,
-                    .exponent = 1,
-                    .range = range});
+  wells_.push_back({.position = at, .strength = strength, .softening = 0.05 * range, .exponent = 1, .range = range});
   set_settings(settings_);
 }
 

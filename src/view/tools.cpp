@@ -54,8 +54,9 @@ void Tools::press(Vec2 at) {
       sim_.post([=](Simulation& s) { s.erase(at, reach); });
       break;
     case Tool::spawn:
-      sim_.post([=, shape = state_.spawn_shape, size = static_cast<double>(state_.size)](
-                    Simulation& s) { s.spawn(at, shape, size); });
+      sim_.post([=, shape = state_.spawn_shape, size = static_cast<double>(state_.size)](Simulation& s) {
+        s.spawn(at, shape, size);
+      });
       break;
     case Tool::wall:
       break;
@@ -74,9 +75,7 @@ void Tools::hold(Vec2 at, double px, double py) {
       break;
     case Tool::wall:
       if (std::hypot(px - last_x_, py - last_y_) < kWallPixels) break;
-      sim_.post([=, from = state_.camera.to_world(last_x_, last_y_)](Simulation& s) {
-        s.add_wall(from, at);
-      });
+      sim_.post([=, from = state_.camera.to_world(last_x_, last_y_)](Simulation& s) { s.add_wall(from, at); });
       last_x_ = px;
       last_y_ = py;
       break;

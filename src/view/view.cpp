@@ -10,18 +10,16 @@
 #include <limits>
 #include <utility>
 
-#include "png_write.h"
+#include "output/text.h"
+#include "output/user_error.h"
+#include "picture/png_write.h"
+#include "place/shape_size.h"
 #include "scene_files.h"
-#include "shape_size.h"
-#include "text.h"
-#include "user_error.h"
 
 namespace psim::view {
 namespace {
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
@@ -73,8 +71,8 @@ void View::play(std::uint64_t frame) {
     switch (line.action) {
       case ScriptAction::key:
         if (SDL_GetKeyFromName(line.word.c_str()) == SDLK_UNKNOWN) {
-          throw cli::UserError(fmt::format("--play {}: no key is called {}",
-                                           cli::one_line(options_.play), cli::one_line(line.word)));
+          throw cli::UserError(
+              fmt::format("--play {}: no key is called {}", cli::one_line(options_.play), cli::one_line(line.word)));
         }
         keys_.push_back(line.word);
         break;
@@ -158,16 +156,14 @@ void View::draw() {
   state_.camera.resize(window_.width(), window_.height());
   Stopwatch watch;
   look_at_simulation();
-  overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays,
-                  state_.colouring);
+  overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays, state_.colouring);
   const double prepare = watch.lap_ms();
   renderer_.upload(bodies_, state_.colouring);
   renderer_.upload(overlays_.below, overlays_.above);
   const double upload = watch.lap_ms();
-  const ShownFrame shown =
-      state_.back == 0 || shown_ == nullptr
-          ? ShownFrame{status_.frame, status_.bodies}
-          : ShownFrame{status_.first_frame + shown_->frame, bodies_.seen()};
+  const ShownFrame shown = state_.back == 0 || shown_ == nullptr
+                               ? ShownFrame{status_.frame, status_.bodies}
+                               : ShownFrame{status_.first_frame + shown_->frame, bodies_.seen()};
   panels_.show(status_, shown, times_, history_.size());
   ImGui::Render();
   const double panels = watch.lap_ms();
@@ -197,8 +193,8 @@ Bounds View::home() const {
   constexpr double kFar = std::numeric_limits<double>::infinity(), kMuchLess = 0.6;
   Bounds used{kFar, kFar, -kFar, -kFar};
   const auto include = [&used](Vec2 p, double r) {
-    used = {std::min(used.xmin, p.x - r), std::min(used.ymin, p.y - r),
-            std::max(used.xmax, p.x + r), std::max(used.ymax, p.y + r)};
+    used = {std::min(used.xmin, p.x - r), std::min(used.ymin, p.y - r), std::max(used.xmax, p.x + r),
+            std::max(used.ymax, p.y + r)};
   };
   for (const bool moving : {true, false}) {  // what stands still counts where nothing moves
     for (std::size_t row = 0; row < bodies_.size(); ++row) {

@@ -56,7 +56,7 @@ class View {
   std::uint64_t seen_frame_ = ~std::uint64_t{0}, seen_world_ = 0, seen_scene_ = 0;
   const Snapshot* shown_ = nullptr;
   std::shared_ptr<const TouchLists> coloured_;  // whose forces the bodies have
-  double seen_at_s_ = 0;  // when the newest frame came
+  double seen_at_s_ = 0;                        // when the newest frame came
   BodyColumns bodies_;
   History history_;
   Overlays overlays_;

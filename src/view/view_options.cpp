@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "settings_options.h"
-#include "text.h"
-#include "user_error.h"
+#include "options/settings_options.h"
+#include "output/text.h"
+#include "output/user_error.h"
 
 namespace psim::view {
 namespace {
@@ -88,9 +88,8 @@ std::optional<ViewOptions> parse_view_options(int argc, const char* const* argv)
     }
   }
   if (!options.shot.empty()) cli::require_ending("--shot", options.shot, ".png");
-  options.after =
-      cli::number<std::uint64_t>("--after", after, app.count("--after") > 0, 1, 1'000'000'000,
-                                 "must be a whole number of frames, 1 to 1000000000");
+  options.after = cli::number<std::uint64_t>("--after", after, app.count("--after") > 0, 1, 1'000'000'000,
+                                             "must be a whole number of frames, 1 to 1000000000");
   if (!options.shot.empty() && !options.after) options.after = 60;
   if (app.count("--size") > 0) read_size(size, options);
   return options;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "options.h"
+#include "options/options.h"
 
 namespace psim::view {
 

@@ -15,16 +15,16 @@
 #include <string_view>
 
 #include "gl.h"
-#include "text.h"
-#include "user_error.h"
+#include "output/text.h"
+#include "output/user_error.h"
 
 namespace psim::view {
 namespace {
 
 [[noreturn]] void refuse(const char* what) {
   throw cli::UserError(
-      fmt::format("{}: {}; without a display there are pictures only: psim-view --shot FILE.png, or by xvfb-run -a", what,
-                  cli::one_line(SDL_GetError())));
+      fmt::format("{}: {}; without a display there are pictures only: psim-view --shot FILE.png, or by xvfb-run -a",
+                  what, cli::one_line(SDL_GetError())));
 }
 
 // Where there is no display SDL would try Wayland, whose library then complains on stderr. Pictures need
@@ -37,19 +37,14 @@ void choose_driver(bool in_step) {
   SDL_SetHint(SDL_HINT_VIDEODRIVER, in_step ? "offscreen" : "x11");
 }
 
-int button_of(Uint8 button) {
-  return button == SDL_BUTTON_LEFT ? 0 : button == SDL_BUTTON_RIGHT ? 1 : 2;
-}
+int button_of(Uint8 button) { return button == SDL_BUTTON_LEFT ? 0 : button == SDL_BUTTON_RIGHT ? 1 : 2; }
 
 // Whether a key that is held down acts again and again: those that step; a switch would flicker.
-bool goes_on(SDL_Keycode key) {
-  return key == SDLK_o || key == SDLK_RIGHT || key == SDLK_COMMA || key == SDLK_PERIOD;
-}
+bool goes_on(SDL_Keycode key) { return key == SDLK_o || key == SDLK_RIGHT || key == SDLK_COMMA || key == SDLK_PERIOD; }
 
 }  // namespace
 
-Window::Window(int width, int height, bool in_step)
-    : width_(width), height_(height), in_step_(in_step) {
+Window::Window(int width, int height, bool in_step) : width_(width), height_(height), in_step_(in_step) {
   SDL_SetMainReady();
   choose_driver(in_step);
   if (SDL_Init(SDL_INIT_VIDEO) != 0) refuse("no window");
@@ -62,8 +57,8 @@ Window::Window(int width, int height, bool in_step)
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
   SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
-  window_ = SDL_CreateWindow("psim-view", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width,
-                             height, SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE);
+  window_ = SDL_CreateWindow("psim-view", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height,
+                             SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE);
   if (window_ == nullptr) refuse("no window with OpenGL");
   context_ = SDL_GL_CreateContext(window_);
   if (context_ == nullptr) refuse("no OpenGL 3.3");
@@ -161,8 +156,7 @@ std::vector<std::uint8_t> Window::read_pixels() const {
   std::vector<std::uint8_t> pixels(row * static_cast<std::size_t>(height_));
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  for (std::size_t low = 0, high = static_cast<std::size_t>(height_) - 1; low < high;
-       ++low, --high) {
+  for (std::size_t low = 0, high = static_cast<std::size_t>(height_) - 1; low < high; ++low, --high) {
     const auto from = pixels.begin() + static_cast<std::ptrdiff_t>(low * row);
     std::swap_ranges(from, from + static_cast<std::ptrdiff_t>(row),
                      pixels.begin() + static_cast<std::ptrdiff_t>(high * row));

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "details.h"
 #include "inputs.h"
+#include "output/user_error.h"
 #include "psim/psim.h"
-#include "state_comparison.h"
-#include "state_file.h"
-#include "user_error.h"
+#include "run/details.h"
+#include "run/state_comparison.h"
+#include "run/state_file.h"
 
 namespace psim::fuzz {
 namespace {
@@ -45,11 +45,9 @@ std::string one_line(const std::string& text) {
 
 std::string state_input(Bytes bytes) {
   constexpr std::uint8_t kBetween[] = {'\n', '=', '\n'};
-  const auto split =
-      std::search(bytes.begin(), bytes.end(), std::begin(kBetween), std::end(kBetween));
+  const auto split = std::search(bytes.begin(), bytes.end(), std::begin(kBetween), std::end(kBetween));
   const bool twice = split == bytes.end();
-  const MemoryFile first({bytes.begin(), split}),
-      second({twice ? bytes.begin() : split + 3, bytes.end()});
+  const MemoryFile first({bytes.begin(), split}), second({twice ? bytes.begin() : split + 3, bytes.end()});
   try {
     cli::StateFile a(first.path()), b(second.path());
     cli::StateComparison states;
@@ -66,8 +64,7 @@ std::string state_input(Bytes bytes) {
       states.add(a.frame(), u, v);
     }
     if (twice && states.first()) return "differs from itself";
-    if (states.first().has_value() != (states.differing_bodies() > 0))
-      return "a difference of no body";
+    if (states.first().has_value() != (states.differing_bodies() > 0)) return "a difference of no body";
     if (states.differing_bodies() > bodies) return "more bodies differ than there are";
   } catch (const cli::UserError& error) {
     return one_line(error.what());

@@ -19,7 +19,7 @@ using Buffer = std::vector<std::byte>;
 
 // Headers: of a packed state, of the state in it, of a recording. All are 64-bit numbers.
 constexpr std::size_t kPackHeader = 32, kPackHash = 24;
-constexpr std::size_t kStateHeader = 40, kStateSize = 16, kStateFirst = 24, kStateHash = 32;
+constexpr std::size_t kStateHeader = 32, kStateSize = 16, kStateHash = 24;
 constexpr std::size_t kRecordHeader = 48, kRecordSize = 16, kRecordHash = 24, kRecordState = 32, kRecordSteps = 40;
 
 std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t at) {
@@ -36,10 +36,8 @@ std::uint64_t hash(std::span<const std::byte> bytes) { return number_at(pack_sta
 
 void repair_state(std::span<std::byte> state) {
   if (state.size() < kStateHeader) return;
-  const std::uint64_t first = std::min<std::uint64_t>(number_at(state, kStateFirst), state.size() - kStateHeader);
   put_number(state, kStateSize, state.size());
-  put_number(state, kStateFirst, first);
-  put_number(state, kStateHash, hash(state.subspan(kStateHeader, first)));
+  put_number(state, kStateHash, hash(state.subspan(kStateHeader)));
 }
 
 std::string refusal(const std::string& error) {

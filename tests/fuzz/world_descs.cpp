@@ -63,15 +63,13 @@ Shape shape(ByteSource& in) {
       return chain;
     }
     case 2:
-      return BoxShape{in.number(0.1, size), in.number(0.1, size),
-                      in.chance(50) ? in.number(0, 0.3) : 0};
+      return BoxShape{in.number(0.1, size), in.number(0.1, size), in.chance(50) ? in.number(0, 0.3) : 0};
     case 3: {
       PolygonShape polygon;
       const std::size_t n = in.below(11);
       const double phase = in.uniform(0, 6), r = in.number(0.2, size);
       for (std::size_t k = 0; k < n; ++k) {
-        const double a =
-            phase + 6.283185307179586 * static_cast<double>(k) / static_cast<double>(n);
+        const double a = phase + 6.283185307179586 * static_cast<double>(k) / static_cast<double>(n);
         polygon.vertices.push_back({r * std::cos(a), r * std::sin(a)});
       }
       if (n > 0 && in.chance(30)) polygon.vertices[in.below(n)] = in.vec2(-size, size);
@@ -96,8 +94,8 @@ Filter filter(ByteSource& in) {
 
 BodyDesc body(ByteSource& in) {
   BodyDesc d;
-  d.type = one_of(in, {BodyType::dynamic_body, BodyType::dynamic_body, BodyType::dynamic_body,
-                        BodyType::static_body, BodyType::kinematic_body});
+  d.type = one_of(in, {BodyType::dynamic_body, BodyType::dynamic_body, BodyType::dynamic_body, BodyType::static_body,
+                       BodyType::kinematic_body});
   d.shape = in.chance(128) ? Shape(DiscShape{in.number(0.1, 0.6)}) : shape(in);
   d.position = in.vec2(-kHalf, kHalf);
   if (in.chance(80)) d.angle = in.number(-4, 4);

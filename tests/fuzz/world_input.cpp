@@ -39,11 +39,10 @@ bool Session::create() {
   say("world %s boundary %d bounds %g %g %g %g gravity %g %g damping %g wall %g %g fields %zu dt "
       "%g substeps %d "
       "integrator %d threshold %g sleeping %d isa %d threads %d%s",
-      in_.tame ? "tame" : "wild", static_cast<int>(d.boundary), d.bounds.xmin, d.bounds.ymin,
-      d.bounds.xmax, d.bounds.ymax, d.gravity.x, d.gravity.y, d.linear_damping,
-      d.wall.restitution, d.wall.friction, d.fields.size(), d.dt, d.substeps,
-      static_cast<int>(d.integrator), d.restitution_threshold, d.sleeping,
-      static_cast<int>(o.isa), o.threads,
+      in_.tame ? "tame" : "wild", static_cast<int>(d.boundary), d.bounds.xmin, d.bounds.ymin, d.bounds.xmax,
+      d.bounds.ymax, d.gravity.x, d.gravity.y, d.linear_damping, d.wall.restitution, d.wall.friction, d.fields.size(),
+      d.dt, d.substeps, static_cast<int>(d.integrator), d.restitution_threshold, d.sleeping, static_cast<int>(o.isa),
+      o.threads,
       restores_ ? " restored after each call"
       : twins   ? " twins"
                 : "");
@@ -84,9 +83,7 @@ void Session::call() {
     case 10:
       return change_options();
     case 11:
-      return in_.chance(40)   ? govern()
-             : in_.chance(40) ? replay()
-                              : step(worlds_.front()->desc().dt);
+      return in_.chance(40) ? govern() : in_.chance(40) ? replay() : step(worlds_.front()->desc().dt);
     case 12:
       return step(in_.number(0.001, 0.05));
     case 13:
@@ -104,8 +101,7 @@ void Session::call() {
 
 void Session::ask() {
   QueryFilter f;
-  if (in_.chance(40))
-    f = {in_.byte(), in_.chance(128), in_.chance(128), in_.chance(128), in_.chance(128)};
+  if (in_.chance(40)) f = {in_.byte(), in_.chance(128), in_.chance(128), in_.chance(128), in_.chance(128)};
   const Vec2 p = in_.vec2(-2 * kHalf, 2 * kHalf), q = in_.vec2(-2 * kHalf, 2 * kHalf);
   const std::size_t which = in_.below(4);
   const double more = in_.number(0, 10);

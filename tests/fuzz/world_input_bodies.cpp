@@ -27,10 +27,9 @@ void Session::add_body() {
   say("body %u type %d shape %zu at %g %g angle %g velocity %g %g %g mass %g density %g "
       "restitution %g friction %g "
       "scale %g%s%s%s filter %x %x %d",
-      id.index, static_cast<int>(d.type), d.shape.index(), d.position.x, d.position.y, d.angle,
-      d.velocity.x, d.velocity.y, d.angular_velocity, d.mass, d.material.density,
-      d.material.restitution, d.material.friction, d.gravity_scale,
-      d.fixed_rotation ? " upright" : "", d.bullet ? " bullet" : "", d.sensor ? " sensor" : "",
+      id.index, static_cast<int>(d.type), d.shape.index(), d.position.x, d.position.y, d.angle, d.velocity.x,
+      d.velocity.y, d.angular_velocity, d.mass, d.material.density, d.material.restitution, d.material.friction,
+      d.gravity_scale, d.fixed_rotation ? " upright" : "", d.bullet ? " bullet" : "", d.sensor ? " sensor" : "",
       d.filter.category, d.filter.mask, d.filter.group);
   if (id != kNoBody) live(id);
 }
@@ -55,22 +54,21 @@ void Session::add_discs() {
   batch.radius = radius;
   batch.vx = vx;
   batch.angular_velocity = more;
-  batch.type = in_.chance(200) ? BodyType::dynamic_body
-                               : one_of(in_, {BodyType::static_body, BodyType::kinematic_body});
+  batch.type =
+      in_.chance(200) ? BodyType::dynamic_body : one_of(in_, {BodyType::static_body, BodyType::kinematic_body});
   if (in_.chance(60)) batch.material = material(in_);
   if (in_.chance(30)) batch.mass = in_.number(0, 20);
   if (in_.chance(20)) batch.gravity_scale = in_.number(-1, 2);
   batch.bullet = in_.chance(10);
   batch.filter = filter(in_);
-  say("discs %zu at %g %g radius %g vx %g type %d mass %g bullet %d", n, at.x, at.y, radius[0],
-      vx.empty() ? 0 : vx[0], static_cast<int>(batch.type), batch.mass, batch.bullet);
+  say("discs %zu at %g %g radius %g vx %g type %d mass %g bullet %d", n, at.x, at.y, radius[0], vx.empty() ? 0 : vx[0],
+      static_cast<int>(batch.type), batch.mass, batch.bullet);
   const auto before = worlds_.front()->body_count();
   const std::size_t added = same<std::size_t>("add_discs", [&](World& w) {
     std::string error;
     std::uint32_t first = 0;
     const std::size_t got = w.add_discs(batch, first, error);
-    require(got == (error.empty() ? n : 0),
-            "add_discs: all or none, and then an error: " + error);
+    require(got == (error.empty() ? n : 0), "add_discs: all or none, and then an error: " + error);
     if (!error.empty()) refused(error);
     return got;
   });
@@ -86,8 +84,7 @@ void Session::live(BodyId id) {
 // One that lives, one that is gone, or nonsense.
 BodyId Session::some_body() {
   if (bodies_.empty() || in_.chance(8)) {
-    if (!dead_.empty() && in_.chance(160))
-      return dead_[in_.below(std::min<std::size_t>(dead_.size(), 256))];
+    if (!dead_.empty() && in_.chance(160)) return dead_[in_.below(std::min<std::size_t>(dead_.size(), 256))];
     return {static_cast<std::uint32_t>(in_.byte()) << (in_.below(4) * 8), in_.byte()};
   }
   return bodies_[in_.below(std::min<std::size_t>(bodies_.size(), 256))];
@@ -109,9 +106,7 @@ void Session::bury(BodyId id) {
   require(!worlds_.front()->is_valid(id), "a removed body is valid");
 }
 
-bool Session::is_live(BodyId id) const {
-  return std::find(bodies_.begin(), bodies_.end(), id) != bodies_.end();
-}
+bool Session::is_live(BodyId id) const { return std::find(bodies_.begin(), bodies_.end(), id) != bodies_.end(); }
 
 void Session::move_body() {
   const BodyId id = some_body();

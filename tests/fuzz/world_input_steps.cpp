@@ -26,8 +26,7 @@ void Session::step(double dt) {
   say("step %d of %g s", steps_ + 1, dt);
   const std::uint64_t frame = worlds_.front()->frame();
   for (auto& w : worlds_) reports.push_back(w->step(dt));
-  if (worlds_.front()->frame() == frame)
-    return require(!(dt >= 1e-300 && dt <= 10), "step: a dt that is refused");
+  if (worlds_.front()->frame() == frame) return require(!(dt >= 1e-300 && dt <= 10), "step: a dt that is refused");
   require(dt > 0 && dt <= 10, "step: a dt that is accepted");
   stepped(reports);
 }
@@ -66,8 +65,8 @@ void Session::say_fastest(World& world) const {
     const auto s = world.body(id);
     if (s && std::hypot(s->vx, s->vy) >= std::hypot(fastest.vx, fastest.vy)) fastest = *s;
   }
-  say("  fastest: body %u at %g %g angle %g velocity %g %g %g", fastest.id.index, fastest.x,
-      fastest.y, fastest.angle, fastest.vx, fastest.vy, fastest.omega);
+  say("  fastest: body %u at %g %g angle %g velocity %g %g %g", fastest.id.index, fastest.x, fastest.y, fastest.angle,
+      fastest.vx, fastest.vy, fastest.omega);
 }
 
 void Session::look() {
@@ -97,10 +96,9 @@ void Session::replay() {
   const std::uint64_t frame = worlds_.front()->frame();
   for (auto& w : worlds_) reports.push_back(w->replay(detail));
   const auto frames = [](int n) { return n >= 1 && n <= 8; };
-  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) ||
-      (detail.solves && detail.wakes) || detail.sweeps > 15) {
-    return require(worlds_.front()->frame() == frame,
-                   "replay: a detail that no governor chooses");
+  if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) || (detail.solves && detail.wakes) ||
+      detail.sweeps > 15) {
+    return require(worlds_.front()->frame() == frame, "replay: a detail that no governor chooses");
   }
   stepped(reports);
 }
@@ -110,12 +108,12 @@ void Session::govern() {
   d.on = in_.chance(200);
   d.budget_ms = one_of(in_, {16.0, 0.01, 0.05, 1.0});
   if (in_.chance(60)) d.budget_ms = in_.number(0, 20);
-  if (in_.chance(60)) d.costs.pass = in_.number(0, 1000);
-  if (in_.chance(30)) d.costs.joint_pass = in_.number(0, 1000);
-  say("governor %d budget %g pass %g joint %g", d.on, d.budget_ms, d.costs.pass,
-      d.costs.joint_pass);
-  const bool sane = d.budget_ms > 0 && std::isfinite(d.costs.pass) && d.costs.pass >= 0 &&
-                    std::isfinite(d.costs.joint_pass) && d.costs.joint_pass >= 0;
+  CostModel::Numbers costs = d.costs.numbers();
+  const std::size_t which = in_.below(static_cast<std::uint32_t>(costs.size()));
+  if (in_.chance(60)) costs[which] = in_.number(0, 1000);
+  d.costs = CostModel(costs);
+  say("governor %d budget %g cost %zu is %g", d.on, d.budget_ms, which, costs[which]);
+  const bool sane = d.budget_ms > 0 && std::isfinite(costs[which]) && costs[which] >= 0;
   for (auto& w : worlds_) require(w->set_governor(d) == sane, "set_governor");
   if (sane) governor_ = d;
 }
@@ -124,16 +122,14 @@ void Session::change_options() {
   const std::size_t which = in_.below(8);
   const bool on = in_.chance(128);
   const Vec2 gravity = in_.vec2(-20, 20);
-  const EventOptions events{in_.chance(200), in_.chance(200),
-                            in_.chance(100) ? in_.number(0, 5) : 1, in_.chance(200)};
+  const EventOptions events{in_.chance(200), in_.chance(200), in_.chance(100) ? in_.number(0, 5) : 1, in_.chance(200)};
   const BodyId id = some_body();
   say("option %zu: %d, gravity %g %g, body %u", which, on, gravity.x, gravity.y, id.index);
   for (std::size_t k = 0; k < worlds_.size(); ++k) {
     World& w = *worlds_[k];
     switch (which) {
       case 0:
-        require(w.set_gravity(gravity) == (std::isfinite(gravity.x) && std::isfinite(gravity.y)),
-                "set_gravity");
+        require(w.set_gravity(gravity) == (std::isfinite(gravity.x) && std::isfinite(gravity.y)), "set_gravity");
         break;
       case 1:
         w.set_sleeping(on);

@@ -15,16 +15,16 @@ std::string text(double value) {
 }
 
 std::string text(const RayHit& hit) {
-  return std::to_string(hit.body.index) + " at " + text(hit.fraction) + " " + text(hit.point.x) +
-         " " + text(hit.point.y) + " normal " + text(hit.normal.x) + " " + text(hit.normal.y) + ";";
+  return std::to_string(hit.body.index) + " at " + text(hit.fraction) + " " + text(hit.point.x) + " " +
+         text(hit.point.y) + " normal " + text(hit.normal.x) + " " + text(hit.normal.y) + ";";
 }
 
 std::string state_fault(World& world) {
   const PublishedState s = world.published();
   const std::size_t n = s.id.size();
   if (n != world.body_count()) return "published: as many rows as bodies";
-  if (s.x.size() != n || s.y.size() != n || s.angle.size() != n || s.vx.size() != n ||
-      s.vy.size() != n || s.omega.size() != n || s.radius.size() != n || s.type.size() != n) {
+  if (s.x.size() != n || s.y.size() != n || s.angle.size() != n || s.vx.size() != n || s.vy.size() != n ||
+      s.omega.size() != n || s.radius.size() != n || s.type.size() != n) {
     return "published: columns of one length";
   }
   for (std::size_t k = 0; k < n; ++k) {
@@ -64,14 +64,12 @@ std::string event_fault(const World& world) {
   const Events events = world.events();
   for (const std::string& fault :
        {order_fault(events.begin, "begin", true), order_fault(events.end, "end", true),
-        order_fault(events.hits, "hits", true),
-        order_fault(events.sensor_begin, "sensor_begin", false),
+        order_fault(events.hits, "hits", true), order_fault(events.sensor_begin, "sensor_begin", false),
         order_fault(events.sensor_end, "sensor_end", false)}) {
     if (!fault.empty()) return fault;
   }
   for (const HitEvent& hit : events.hits) {
-    if (!finite(hit.point) || !finite(hit.normal) || !finite(hit.speed))
-      return "a hit is not finite";
+    if (!finite(hit.point) || !finite(hit.normal) || !finite(hit.speed)) return "a hit is not finite";
   }
   return {};
 }
@@ -80,9 +78,8 @@ std::string snapshot_fault(World& world) {
   const Snapshot* s = world.latest_snapshot();
   if (s == nullptr) return {};
   const std::size_t n = s->id.size();
-  if (s->x.size() != n || s->y.size() != n || s->x_prev.size() != n || s->y_prev.size() != n ||
-      s->angle.size() != n || s->angle_prev.size() != n || s->radius.size() != n ||
-      s->speed.size() != n || s->asleep.size() != n) {
+  if (s->x.size() != n || s->y.size() != n || s->x_prev.size() != n || s->y_prev.size() != n || s->angle.size() != n ||
+      s->angle_prev.size() != n || s->radius.size() != n || s->speed.size() != n || s->asleep.size() != n) {
     return "snapshot: columns of one length";
   }
   for (std::size_t k = 0; k < n; ++k) {
@@ -105,8 +102,7 @@ std::string plan_fault(const World& world) {
 }  // namespace
 
 std::string broken_promise(World& world) {
-  for (const std::string& fault :
-       {state_fault(world), event_fault(world), snapshot_fault(world), plan_fault(world)}) {
+  for (const std::string& fault : {state_fault(world), event_fault(world), snapshot_fault(world), plan_fault(world)}) {
     if (!fault.empty()) return fault;
   }
   if (world.dynamic_count() + world.static_count() > world.body_count()) return "counts by type";
@@ -120,8 +116,7 @@ std::string broken_promise(World& world) {
 std::string events_answer(const World& world) {
   std::string answer;
   const auto add = [&](const auto& events) {
-    for (const auto& e : events)
-      answer += std::to_string(e.a.index) + "-" + std::to_string(e.b.index) + ";";
+    for (const auto& e : events) answer += std::to_string(e.a.index) + "-" + std::to_string(e.b.index) + ";";
     answer += "|";
   };
   const Events events = world.events();
@@ -140,9 +135,9 @@ std::string report_answer(const StepReport& r) {
   std::string answer;
   for (const std::uint64_t n :
        {r.pairs, r.contacts, std::uint64_t{r.colours}, r.awake, r.asleep, std::uint64_t{r.fast},
-        std::uint64_t{r.stopped}, std::uint64_t{r.escaped}, std::uint64_t{r.quarantined},
-        std::uint64_t{d.substeps}, std::uint64_t{d.solves}, std::uint64_t{d.frames},
-        std::uint64_t{d.horizon}, std::uint64_t{d.pieces}, std::uint64_t{d.wakes}, std::uint64_t{d.sweeps}}) {
+        std::uint64_t{r.stopped}, std::uint64_t{r.escaped}, std::uint64_t{r.quarantined}, std::uint64_t{d.substeps},
+        std::uint64_t{d.solves}, std::uint64_t{d.frames}, std::uint64_t{d.horizon}, std::uint64_t{d.pieces},
+        std::uint64_t{d.wakes}, std::uint64_t{d.sweeps}}) {
     answer += std::to_string(n) + " ";
   }
   return answer + text(r.predicted_ms) + " " + text(r.virial);
@@ -177,16 +172,15 @@ std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies)
   return answer;
 }
 
-std::string closest_answer(const World& world, Vec2 point, double reach,
-                           const QueryFilter& filter) {
+std::string closest_answer(const World& world, Vec2 point, double reach, const QueryFilter& filter) {
   const auto hit = world.closest(point, reach, filter);
   if (!hit) return {};
   if (!world.is_valid(hit->body)) return "fault: the nearest body is not there";
   if (!finite(hit->point) || !(hit->distance >= 0 && hit->distance <= reach)) {
     return "fault: the nearest body is beyond reach";
   }
-  return std::to_string(hit->body.index) + " at " + text(hit->distance) + " " + text(hit->point.x) +
-         " " + text(hit->point.y);
+  return std::to_string(hit->body.index) + " at " + text(hit->distance) + " " + text(hit->point.x) + " " +
+         text(hit->point.y);
 }
 
 }  // namespace psim::fuzz

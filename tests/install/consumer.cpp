@@ -20,8 +20,7 @@ int main() {
   for (int frame = 0; frame < 60; ++frame) world->step();
   const auto body = world->body(id);
   if (!body) return 1;
-  std::printf("psim %s on %.*s: y = %g\n", PSIM_VERSION_STRING,
-              static_cast<int>(psim::isa_name(world->isa()).size()),
+  std::printf("psim %s on %.*s: y = %g\n", PSIM_VERSION_STRING, static_cast<int>(psim::isa_name(world->isa()).size()),
               psim::isa_name(world->isa()).data(), body->y);
   return body->y < 0 ? 0 : 1;
 }

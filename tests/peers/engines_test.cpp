@@ -162,8 +162,7 @@ TEST(PeerEngines, FrictionMixesByGeometricMean) {
 
 TEST(PeerEngines, PinsAndRodsHold) {
   Scene scene = open_scene(100);
-  scene.bodies = {peg({0, 0}), box({1, 0}, {2, 0.2}, material(0)),
-                  box({3, 0}, {2, 0.2}, material(0))};
+  scene.bodies = {peg({0, 0}), box({1, 0}, {2, 0.2}, material(0)), box({3, 0}, {2, 0.2}, material(0))};
   join(scene, JointType::revolute, 0, 1, {}, {-1, 0});
   join(scene, JointType::revolute, 1, 2, {1, 0}, {-1, 0});
   in_every_engine(scene, 120, [](Watched& run) { EXPECT_LT(joint_gap(run), 0.1); });

@@ -120,8 +120,7 @@ TEST(PeerErrors, JointGapIsOfTheWorstJoint) {
 }
 
 TEST(PeerErrors, DisplacementIsOfTheBodyThatMovedMost) {
-  const Model model =
-      make_model(two(disc({0, 0}, {0, 0}, material(0)), disc({3, 4}, {0, 0}, material(0))));
+  const Model model = make_model(two(disc({0, 0}, {0, 0}, material(0)), disc({3, 4}, {0, 0}, material(0))));
   Watched run = still(model, {-0.5, -0.25});
   EXPECT_NEAR(displacement(run).sideways, 0.5, 1e-12);
   EXPECT_NEAR(displacement(run).down, 0.25, 1e-12);

@@ -21,9 +21,7 @@ constexpr std::string_view kRod = R"({
     {"name": "bob", "type": "dynamic", "shape": {"disc": {"radius": 0.1}}, "position": [2, 0]}],
   "joints": [{"type": "distance", "a": "peg", "b": "bob"}]})";
 
-Outcome run_peers(std::vector<std::string> arguments) {
-  return Process(PSIM_PEERS, std::move(arguments)).wait();
-}
+Outcome run_peers(std::vector<std::string> arguments) { return Process(PSIM_PEERS, std::move(arguments)).wait(); }
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -44,8 +42,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 TEST(Peers, WritesARowForEveryEngineAndSetting) {
   const ScratchFolder folder;
   const std::string file = folder.file("peers.csv");
-  const auto result =
-      run_peers({"--quick", "--scenes", "stack,gas", "--engines", "psim", "--csv", file});
+  const auto result = run_peers({"--quick", "--scenes", "stack,gas", "--engines", "psim", "--csv", file});
   ASSERT_EQ(result.status, 0) << result.err;
   const auto lines = lines_of(read_file(file));
   ASSERT_GE(lines.size(), 3u);
@@ -101,10 +98,9 @@ TEST(Peers, RunsASceneFileAndSaysWhatIsNotSupported) {
 TEST(Peers, ListsAndRunsNothing) {
   const auto result = run_peers({"--list"});
   EXPECT_EQ(result.status, 0);
-  for (const char* word :
-       {"psim", "box2d", "box2d3", "chipmunk", "bullet", "ode", "4 substeps *", "falling-pile",
-        "settled-pile", "mixed-radii", "gas", "stack", "pyramid", "many-pyramids",
-        "sleeping-pyramids", "bridge", "joint-grid", "cloth", "tumbler"}) {
+  for (const char* word : {"psim", "box2d", "box2d3", "chipmunk", "bullet", "ode", "4 substeps *", "falling-pile",
+                           "settled-pile", "mixed-radii", "gas", "stack", "pyramid", "many-pyramids",
+                           "sleeping-pyramids", "bridge", "joint-grid", "cloth", "tumbler"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
 }
@@ -167,24 +163,19 @@ TEST(Peers, ARunThatIsInterruptedLeavesTheOldFile) {
 
 TEST(PeersTables, AreMadeFromTheRows) {
   const ScratchFolder folder;
-  const std::string rows =
-      kHeader +
-      "\npsim,1,4 substeps,yes,1,stack,20,60,3,0.5,0.4,0.9,0.001,0.0005,,,1e-05,0.002,0.003,,\n"
-      "box2d,2,8 + 3 iterations,yes,1,stack,20,60,3,0.25,0.2,0.3,0.002,0.001,,,0.1,0.05,0.06,,\n"
-      "box2d,2,8 + 3 iterations x 4 steps,no,1,stack,20,60,3,2,2,2,0,0,,,0,0.001,0.001,,\n"
-      "bullet,3,10 iterations,yes,1,stack,20,0,0,,,,,,,,,,,,not supported: rod\n";
-  const auto result =
-      Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.write("peers.csv", rows), "--table"})
-          .wait();
+  const std::string rows = kHeader +
+                           "\npsim,1,4 substeps,yes,1,stack,20,60,3,0.5,0.4,0.9,0.001,0.0005,,,1e-05,0.002,0.003,,\n"
+                           "box2d,2,8 + 3 iterations,yes,1,stack,20,60,3,0.25,0.2,0.3,0.002,0.001,,,0.1,0.05,0.06,,\n"
+                           "box2d,2,8 + 3 iterations x 4 steps,no,1,stack,20,60,3,2,2,2,0,0,,,0,0.001,0.001,,\n"
+                           "bullet,3,10 iterations,yes,1,stack,20,0,0,,,,,,,,,,,,not supported: rod\n";
+  const auto result = Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.write("peers.csv", rows), "--table"}).wait();
   ASSERT_EQ(result.status, 0) << result.err;
-  for (const char* line :
-       {"| stack | 20 | 0.500 (0.900) | 0.250 (0.300) | not supported: rod |",
-        "| stack | sway, mm | **2.0** | 50 | – |",
-        "| stack | sway, mm 2.0 | 0.500 | 2.00 (8 + 3 iterations x 4 steps) | – |"}) {
+  for (const char* line : {"| stack | 20 | 0.500 (0.900) | 0.250 (0.300) | not supported: rod |",
+                           "| stack | sway, mm | **2.0** | 50 | – |",
+                           "| stack | sway, mm 2.0 | 0.500 | 2.00 (8 + 3 iterations x 4 steps) | – |"}) {
     EXPECT_NE(result.out.find(line), std::string::npos) << line << "\n" << result.out;
   }
-  const auto bad =
-      Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.file("absent.csv"), "--table"}).wait();
+  const auto bad = Process(PSIM_SOURCE_DIR "/tools/plot-peers", {folder.file("absent.csv"), "--table"}).wait();
   EXPECT_NE(bad.status, 0);
   EXPECT_EQ(lines_of(bad.err).size(), 1u) << bad.err;
 }

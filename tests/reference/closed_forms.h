@@ -1,5 +1,5 @@
 // Closed forms of mechanics that the engine has to agree with. Double precision, SI, y up; a disc's
-// inertia is m r^2 / 2. Written separately from the engine: nothing here includes engine code.
+// inertia is m r^2 / 2. Written apart from the engine: this library sees the standard library and itself alone.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,7 @@ inline double length(Vec a) { return std::sqrt(dot(a, a)); }
 // ---- one body in flight -----------------------------------------------------------------------
 
 /// y0 + vy0 t - g t^2 / 2
-inline double fall_height(double y0, double vy0, double g, double t) {
-  return y0 + vy0 * t - 0.5 * g * t * t;
-}
+inline double fall_height(double y0, double vy0, double g, double t) { return y0 + vy0 * t - 0.5 * g * t * t; }
 
 /// dv/dt = (0, -g) - k v, from the origin.
 inline Vec linear_drag_velocity(Vec v0, double g, double k, double t) {
@@ -39,9 +37,7 @@ inline Vec linear_drag_position(Vec v0, double g, double k, double t) {
 
 /// dv/dt = -q |v| v: speed and distance along the straight path.
 inline double quadratic_drag_speed(double v0, double q, double t) { return v0 / (1 + q * v0 * t); }
-inline double quadratic_drag_distance(double v0, double q, double t) {
-  return std::log1p(q * v0 * t) / q;
-}
+inline double quadratic_drag_distance(double v0, double q, double t) { return std::log1p(q * v0 * t) / q; }
 
 /// dv/dt = -g - q |v| v from rest: height lost, with the terminal speed w = sqrt(g/q).
 inline double quadratic_drag_drop(double g, double q, double t) {
@@ -57,11 +53,7 @@ struct Bounces {
   double g = 9.81;
 
   double first() const { return std::sqrt(2 * gap / g); }
-  double time(int bounce) const {
-    double sum = 1;
-    for (int k = 1; k <= bounce; ++k) sum += 2 * std::pow(restitution, k);
-    return first() * sum;
-  }
+  double time(int bounce) const;
   /// Height of the flight after the bounce.
   double apex(int bounce) const { return gap * std::pow(restitution, 2 * (bounce + 1)); }
   double rest_time() const { return first() * (1 + restitution) / (1 - restitution); }
@@ -85,39 +77,7 @@ struct Impact {
 
 /// Two free discs up to and through their impact: normal impulse m_r (1 + e) u_n, tangential one
 /// what sticking asks for (1 / m_t = 3 (1 / m1 + 1 / m2)), clipped to the cone of friction.
-inline Impact collide(Disc a, Disc b, double restitution, double friction) {
-  Impact result;
-  const Vec d = b.x - a.x;
-  const Vec u = b.v - a.v;
-  const double reach = a.radius + b.radius;
-  const double closing = dot(d, u);
-  const double speed2 = dot(u, u);
-  const double discriminant = closing * closing - speed2 * (dot(d, d) - reach * reach);
-  if (closing >= 0 || discriminant < 0) return result;
-  result.hit = true;
-  result.time = (dot(d, d) - reach * reach) / (-closing + std::sqrt(discriminant));
-  a.x = a.x + result.time * a.v;
-  b.x = b.x + result.time * b.v;
-
-  const Vec between = b.x - a.x;
-  const Vec n = (1 / length(between)) * between;
-  const Vec t{-n.y, n.x};
-  const double inverse = 1 / a.mass + 1 / b.mass;
-  const double normal_speed = dot(u, n);
-  // Surface speed of b against a at the point of contact.
-  const double surface = dot(u, t) - b.omega * b.radius - a.omega * a.radius;
-  const double jn = -(1 + restitution) * normal_speed / inverse;
-  const double jt = std::clamp(-surface / (3 * inverse), -friction * jn, friction * jn);
-  const Vec j = jn * n + jt * t;
-  a.v = a.v - (1 / a.mass) * j;
-  b.v = b.v + (1 / b.mass) * j;
-  // Both spins feel the same torque: arms point at each other, impulses are opposite.
-  a.omega -= 2 * jt / (a.mass * a.radius);
-  b.omega -= 2 * jt / (b.mass * b.radius);
-  result.a = a;
-  result.b = b;
-  return result;
-}
+Impact collide(Disc a, Disc b, double restitution, double friction);
 
 // ---- a disc that hits a wall ------------------------------------------------------------------
 
@@ -152,10 +112,7 @@ struct SlideToRoll {
   double time() const { return speed / (3 * friction * g); }
   double rolling_speed() const { return 2 * speed / 3; }
   double distance() const { return speed * time() - 0.5 * friction * g * time() * time(); }
-  double position(double t) const {
-    if (t < time()) return speed * t - 0.5 * friction * g * t * t;
-    return distance() + rolling_speed() * (t - time());
-  }
+  double position(double t) const;
 };
 
 /// A disc on an incline of `angle` radians.
@@ -167,8 +124,7 @@ struct Incline {
 
   bool rolls() const { return std::tan(angle) <= 3 * friction; }
   double acceleration() const {
-    return rolls() ? 2.0 / 3 * g * std::sin(angle)
-                   : g * (std::sin(angle) - friction * std::cos(angle));
+    return rolls() ? 2.0 / 3 * g * std::sin(angle) : g * (std::sin(angle) - friction * std::cos(angle));
   }
   double angular_acceleration() const {
     return rolls() ? acceleration() / radius : 2 * friction * g * std::cos(angle) / radius;
@@ -189,26 +145,13 @@ struct Orbit {
   double semi_axis = 10;
   double eccentricity = 0.5;
 
-  double period() const {
-    return 2 * std::numbers::pi * std::sqrt(semi_axis * semi_axis * semi_axis / gm);
-  }
+  double period() const { return 2 * std::numbers::pi * std::sqrt(semi_axis * semi_axis * semi_axis / gm); }
   double energy() const { return -gm / (2 * semi_axis); }
-  double angular_momentum() const {
-    return std::sqrt(gm * semi_axis * (1 - eccentricity * eccentricity));
-  }
+  double angular_momentum() const { return std::sqrt(gm * semi_axis * (1 - eccentricity * eccentricity)); }
   Vec start() const { return {semi_axis * (1 - eccentricity), 0}; }
   Vec start_velocity() const { return {0, angular_momentum() / start().x}; }
   /// Position at time t by Newton's iteration of Kepler's equation M = E - e sin E.
-  Vec position(double t) const {
-    const double mean = std::remainder(2 * std::numbers::pi * t / period(), 2 * std::numbers::pi);
-    double anomaly = mean + eccentricity * std::sin(mean);
-    for (int k = 0; k < 50; ++k) {
-      anomaly -= (anomaly - eccentricity * std::sin(anomaly) - mean) /
-                 (1 - eccentricity * std::cos(anomaly));
-    }
-    return {semi_axis * (std::cos(anomaly) - eccentricity),
-            semi_axis * std::sqrt(1 - eccentricity * eccentricity) * std::sin(anomaly)};
-  }
+  Vec position(double t) const;
   double energy_of(Vec x, Vec v) const { return 0.5 * dot(v, v) - gm / length(x); }
 };
 

@@ -1,16 +1,12 @@
 // Event-driven hard discs in double precision: free flight between exactly computed collisions,
 // no time step. Frictionless, restitution 0..1, in a walled or a periodic box (0, 0)-(width,
 // height); gravity (downwards) only with walls. O(n) per event, for a few hundred discs. The oracle
-// for gases; nothing here includes engine code.
+// for gases; it sees no engine code.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "closed_forms.h"
@@ -26,10 +22,7 @@ class EventDriven {
     double gravity = 0;  ///< m/s^2 downwards
   };
 
-  EventDriven(Box box, double restitution, std::vector<Disc> discs)
-      : box_(box), restitution_(restitution), discs_(std::move(discs)), next_(discs_.size()) {
-    if (box_.periodic && box_.gravity != 0) throw std::invalid_argument("periodic with gravity");
-  }
+  EventDriven(Box box, double restitution, std::vector<Disc> discs);
 
   const std::vector<Disc>& discs() const { return discs_; }
   double time() const { return now_; }
@@ -38,39 +31,11 @@ class EventDriven {
   /// Sum over pair collisions of impulse x distance of the centres.
   double virial() const { return virial_; }
 
-  double energy() const {
-    double sum = 0;
-    for (const Disc& d : discs_) {
-      sum += d.mass * (0.5 * dot(d.v, d.v) + box_.gravity * d.x.y);
-    }
-    return sum;
-  }
-  Vec momentum() const {
-    Vec sum;
-    for (const Disc& d : discs_) sum = sum + d.mass * d.v;
-    return sum;
-  }
+  double energy() const;
+  Vec momentum() const;
 
-  void reverse() {
-    for (Disc& d : discs_) d.v = -1 * d.v;
-  }
-
-  void advance(double duration) {
-    const double end = now_ + duration;
-    predict_all();
-    for (;;) {
-      const Event event = earliest();
-      if (event.time > end && horizon_ > end) break;
-      if (horizon_ < event.time) {  // the images looked at are no longer enough
-        drift(horizon_ - now_);
-        predict_all();
-        continue;
-      }
-      drift(event.time - now_);
-      resolve(event);
-    }
-    drift(end - now_);
-  }
+  void reverse();
+  void advance(double duration);
 
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -83,139 +48,17 @@ class EventDriven {
     int partner = kNobody;  ///< index of a disc, or a Wall
   };
 
-  void drift(double t) {
-    for (Disc& d : discs_) {
-      d.x.x += d.v.x * t;
-      d.x.y += d.v.y * t - 0.5 * box_.gravity * t * t;
-      d.v.y -= box_.gravity * t;
-      if (box_.periodic) {
-        d.x.x -= box_.width * std::floor(d.x.x / box_.width);
-        d.x.y -= box_.height * std::floor(d.x.y / box_.height);
-      }
-    }
-    now_ += t;
-  }
-
-  Vec nearest(Vec d) const {
-    if (!box_.periodic) return d;
-    return {std::remainder(d.x, box_.width), std::remainder(d.y, box_.height)};
-  }
-
+  void drift(double t);
+  Vec nearest(Vec d) const;
   /// Time until |d + u t| = reach while closing. Gravity is common to both and drops out.
-  static double time_to_meet(Vec d, Vec u, double reach) {
-    const double closing = dot(d, u);
-    if (closing >= 0) return kNever;
-    const double excess = dot(d, d) - reach * reach;
-    if (excess <= 0) return 0;
-    const double discriminant = closing * closing - dot(u, u) * excess;
-    if (discriminant < 0) return kNever;
-    return excess / (-closing + std::sqrt(discriminant));
-  }
-
-  double time_to_pair(const Disc& a, const Disc& b) const {
-    const Vec d = nearest(b.x - a.x);
-    const Vec u = b.v - a.v;
-    const double reach = a.radius + b.radius;
-    if (!box_.periodic) return time_to_meet(d, u, reach);
-    double best = kNever;
-    for (int i = -1; i <= 1; ++i) {
-      for (int j = -1; j <= 1; ++j) {
-        const Vec image{d.x + i * box_.width, d.y + j * box_.height};
-        best = std::min(best, time_to_meet(image, u, reach));
-      }
-    }
-    return best;
-  }
-
+  static double time_to_meet(Vec d, Vec u, double reach);
+  double time_to_pair(const Disc& a, const Disc& b) const;
   /// Smallest t >= 0 with gap + v t + a t^2 / 2 = 0 and the gap closing then.
-  static double time_to_close(double gap, double v, double a) {
-    if (gap <= 0) {
-      if (v < 0) return 0;
-      if (a >= 0) return kNever;
-      return v > 0 ? -2 * v / a : kNever;  // resting exactly on the wall: not an event
-    }
-    if (a == 0) return v < 0 ? -gap / v : kNever;
-    const double discriminant = v * v - 2 * a * gap;
-    if (discriminant < 0) return kNever;
-    const double root = std::sqrt(discriminant);
-    if (a < 0) return v <= 0 ? 2 * gap / (root - v) : (v + root) / -a;
-    return v < 0 ? 2 * gap / (root - v) : kNever;
-  }
-
-  Event predict(std::size_t i) const {
-    const Disc& d = discs_[i];
-    Event best;
-    best.disc = i;
-    const auto offer = [&](double in, int partner) {
-      if (now_ + in < best.time) {
-        best.time = now_ + in;
-        best.partner = partner;
-      }
-    };
-    if (!box_.periodic) {
-      offer(time_to_close(d.x.x - d.radius, d.v.x, 0), left);
-      offer(time_to_close(box_.width - d.radius - d.x.x, -d.v.x, 0), right);
-      offer(time_to_close(d.x.y - d.radius, d.v.y, -box_.gravity), bottom);
-      offer(time_to_close(box_.height - d.radius - d.x.y, -d.v.y, box_.gravity), top);
-    }
-    for (std::size_t j = 0; j < discs_.size(); ++j) {
-      if (j != i) offer(time_to_pair(d, discs_[j]), static_cast<int>(j));
-    }
-    return best;
-  }
-
-  void predict_all() {
-    for (std::size_t i = 0; i < discs_.size(); ++i) next_[i] = predict(i);
-    horizon_ = kNever;
-    if (!box_.periodic || discs_.empty()) return;
-    // No disc can be faster than if it had all the energy; until two such have come a quarter of
-    // the box closer, the nearest nine images are all that can meet.
-    double lightest = discs_[0].mass;
-    for (const Disc& d : discs_) lightest = std::min(lightest, d.mass);
-    const double fastest = std::sqrt(2 * energy() / lightest);
-    if (fastest > 0) horizon_ = now_ + 0.25 * std::min(box_.width, box_.height) / (2 * fastest);
-  }
-
-  Event earliest() const {
-    Event best;
-    for (const Event& e : next_) {
-      if (e.time < best.time) best = e;
-    }
-    return best;
-  }
-
-  void resolve(const Event& event) {
-    if (++events_ > 50'000'000) throw std::runtime_error("event-driven run does not end");
-    Disc& a = discs_[event.disc];
-    const double bounce = -restitution_;
-    if (event.partner < kNobody) {
-      const bool sideways = event.partner == left || event.partner == right;
-      (sideways ? a.v.x : a.v.y) *= bounce;
-      ++wall_collisions_;
-    } else {
-      Disc& b = discs_[static_cast<std::size_t>(event.partner)];
-      const Vec d = nearest(b.x - a.x);
-      const double distance = length(d);
-      const Vec n = (1 / distance) * d;
-      const double j = -(1 + restitution_) * dot(b.v - a.v, n) / (1 / a.mass + 1 / b.mass);
-      a.v = a.v - (j / a.mass) * n;
-      b.v = b.v + (j / b.mass) * n;
-      virial_ += j * distance;
-      ++pair_collisions_;
-    }
-    // The two plan again, and whoever had planned with one of them. That another disc now meets
-    // them sooner stands in their own new plan.
-    const int first = static_cast<int>(event.disc);
-    const int second = event.partner;
-    for (std::size_t i = 0; i < discs_.size(); ++i) {
-      const int self = static_cast<int>(i);
-      const int partner = next_[i].partner;
-      if (self == first || self == second || partner == first ||
-          (second >= 0 && partner == second)) {
-        next_[i] = predict(i);
-      }
-    }
-  }
+  static double time_to_close(double gap, double v, double a);
+  Event predict(std::size_t i) const;
+  void predict_all();
+  Event earliest() const;
+  void resolve(const Event& event);
 
   Box box_;
   double restitution_;

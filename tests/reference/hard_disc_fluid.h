@@ -12,7 +12,6 @@ struct HardDiscFluid {
   double compressibility = 0;
 };
 
-inline constexpr std::array<HardDiscFluid, 5> kHardDiscFluid = {
-    {{0.1, 1.236144}, {0.2, 1.570366}, {0.3, 2.063261}, {0.4, 2.829330}, {0.5, 4.106358}}};
+extern const std::array<HardDiscFluid, 5> kHardDiscFluid;
 
 }  // namespace reference

@@ -26,8 +26,7 @@ std::size_t resident_bytes() {
 double cpu_seconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) +
-         static_cast<double>(usage.ru_utime.tv_usec) * 1e-6;
+  return static_cast<double>(usage.ru_utime.tv_sec) + static_cast<double>(usage.ru_utime.tv_usec) * 1e-6;
 }
 
 // In use by malloc's word, large arrays too. 0 where the sanitizers have another malloc.
@@ -37,8 +36,8 @@ std::size_t in_use_bytes() {
 }
 
 bool flat(const char* what, const psim::soak::MemoryTrend& trend) {
-  std::fprintf(stderr, "%s: middle of the second third %zu bytes, of the last %zu: %s\n", what, trend.before, trend.after,
-               trend.grows ? "grows" : "flat");
+  std::fprintf(stderr, "%s: middle of the second third %zu bytes, of the last %zu: %s\n", what, trend.before,
+               trend.after, trend.grows ? "grows" : "flat");
   return !trend.grows;
 }
 
@@ -50,11 +49,8 @@ int main(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const char* const end = argv[k] + std::strlen(argv[k]);
     std::size_t value = 0;
-    if (k > 3 || std::from_chars(argv[k], end, value).ptr != end || value < 1 ||
-        value > most_of[k - 1]) {
-      std::fprintf(stderr,
-                   "soak: %s: soak [MINUTES [BODIES [THREADS]]], at most 100000, 1000000 and 256\n",
-                   argv[k]);
+    if (k > 3 || std::from_chars(argv[k], end, value).ptr != end || value < 1 || value > most_of[k - 1]) {
+      std::fprintf(stderr, "soak: %s: soak [MINUTES [BODIES [THREADS]]], at most 100000, 1000000 and 256\n", argv[k]);
       return 2;
     }
     numbers[k - 1] = value;
@@ -73,10 +69,9 @@ int main(int argc, char** argv) {
     const std::size_t in_use = in_use_bytes();
     counted.push_back(soak.world().memory_bytes());
     uncounted.push_back(in_use - std::min(in_use, counted.back()));
-    std::printf("%zu,%zu,%zu,%zu,%zu,%ju,%zu,%ju,%ju,%ju,%ju,%.1f\n", minute, resident_bytes(), in_use,
-                counted.back(), soak.world().body_count(), std::uintmax_t{soak.asleep()},
-                soak.world().joint_count(), std::uintmax_t{soak.spawned()},
-                std::uintmax_t{soak.removed()}, std::uintmax_t{soak.events()},
+    std::printf("%zu,%zu,%zu,%zu,%zu,%ju,%zu,%ju,%ju,%ju,%ju,%.1f\n", minute, resident_bytes(), in_use, counted.back(),
+                soak.world().body_count(), std::uintmax_t{soak.asleep()}, soak.world().joint_count(),
+                std::uintmax_t{soak.spawned()}, std::uintmax_t{soak.removed()}, std::uintmax_t{soak.events()},
                 std::uintmax_t{soak.answers()}, cpu_seconds());
     std::fflush(stdout);
   }

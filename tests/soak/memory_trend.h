@@ -23,15 +23,20 @@ inline MemoryTrend memory_trend(const std::vector<std::size_t>& samples, double 
     return part[part.size() / 2];
   };
   MemoryTrend out{middle(1), middle(2)};
-  out.grows = static_cast<double>(out.after) > (1 + share) * static_cast<double>(out.before) + static_cast<double>(bytes);
+  out.grows =
+      static_cast<double>(out.after) > (1 + share) * static_cast<double>(out.before) + static_cast<double>(bytes);
   return out;
 }
 
 /// Of what is in use and no array of the world: it has no reason to grow. A leak of b bytes a step is 1,200 b bytes in
 /// each minute of the soak between the two middles.
-inline MemoryTrend uncounted_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0, 48 << 10); }
+inline MemoryTrend uncounted_trend(const std::vector<std::size_t>& samples) {
+  return memory_trend(samples, 0, 48 << 10);
+}
 
 /// Of memory_bytes: arrays grow by half when they meet a new most, ever more seldom.
-inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0.25, 32 << 10); }
+inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) {
+  return memory_trend(samples, 0.25, 32 << 10);
+}
 
 }  // namespace psim::soak

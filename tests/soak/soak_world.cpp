@@ -107,8 +107,7 @@ void SoakWorld::join() {
   joint.a = bodies_[bodies_.size() - 2];
   joint.b = bodies_.back();
   const BodyState a = *world_->body(joint.a), b = *world_->body(joint.b);
-  if (joint.type != JointType::rope && joint.type != JointType::spring &&
-      joint.type != JointType::distance) {
+  if (joint.type != JointType::rope && joint.type != JointType::spring && joint.type != JointType::distance) {
     world_->set_transform(joint.b, {a.x + 0.5, a.y}, a.angle);  // these hold them together
   }
   if (joint.type == JointType::rope) joint.length = 2 + std::hypot(a.x - b.x, a.y - b.y);
@@ -178,8 +177,8 @@ bool SoakWorld::step() {
   require(report.quarantined == 0, "a sane body was quarantined");
   require(report.escaped == 0, "a body escaped from walls");
   const Events events = world_->events();
-  events_ += events.begin.size() + events.end.size() + events.hits.size() +
-             events.sensor_begin.size() + events.sensor_end.size();
+  events_ += events.begin.size() + events.end.size() + events.hits.size() + events.sensor_begin.size() +
+             events.sensor_end.size();
   if (frame_ % 60 == 0) look();
   return fault_.empty();
 }

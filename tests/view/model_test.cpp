@@ -11,9 +11,9 @@
 #include "frame_log.h"
 #include "history.h"
 #include "input_script.h"
+#include "output/user_error.h"
 #include "sim_thread.h"
 #include "small_scene.h"
-#include "user_error.h"
 
 namespace psim::view {
 namespace {
@@ -56,9 +56,8 @@ TEST(ViewScript, LinesAreReadInOrder) {
 
 TEST(ViewScript, MistakesAreNamedWithTheirLine) {
   for (const char* text :
-       {"1 key A\nx key A", "1 key A\n2 jump", "1 key A\n2 down up", "1 key A\n2 move 3",
-        "1 key A\n2 wheel a", "1 key A\n2 quit now", "5 key A\n4 key B", "1 key A\n2 key",
-        "1 key A\n2 shot a.jpg"}) {
+       {"1 key A\nx key A", "1 key A\n2 jump", "1 key A\n2 down up", "1 key A\n2 move 3", "1 key A\n2 wheel a",
+        "1 key A\n2 quit now", "5 key A\n4 key B", "1 key A\n2 key", "1 key A\n2 shot a.jpg"}) {
     try {
       parse_script(text, "file");
       ADD_FAILURE() << text;
@@ -171,8 +170,7 @@ TEST(ViewThread, KeepsToTheClock) {
   const auto begin = std::chrono::steady_clock::now();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   const std::uint64_t frame = thread.status().frame;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_GT(frame, 0u);
   EXPECT_LE(static_cast<double>(frame), 60 * seconds + 4);
 }

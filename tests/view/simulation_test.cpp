@@ -8,8 +8,8 @@
 
 #include "body_columns.h"
 #include "catalogue.h"
+#include "output/user_error.h"
 #include "small_scene.h"
-#include "user_error.h"
 
 namespace psim::view {
 namespace {
@@ -128,8 +128,7 @@ TEST(ViewSimulation, ExplosionPushesAway) {
 
 TEST(ViewSimulation, SpawnedBodiesWallsAndErasedOnesCount) {
   Simulation simulation = make_simulation();
-  for (const SpawnShape shape :
-       {SpawnShape::disc, SpawnShape::box, SpawnShape::polygon, SpawnShape::capsule}) {
+  for (const SpawnShape shape : {SpawnShape::disc, SpawnShape::box, SpawnShape::polygon, SpawnShape::capsule}) {
     simulation.spawn({-15 + 5.0 * static_cast<int>(shape), 10}, shape, 0.5);
   }
   EXPECT_EQ(told(simulation).bodies, 8u);

@@ -62,8 +62,9 @@ bool has_screen() { return std::system("command -v xvfb-run > /dev/null 2>&1") =
   if (!has_screen()) GTEST_SKIP() << "xvfb-run is missing: apt install xvfb xauth"
 
 Outcome run_view(const std::string& arguments, const std::string& folder = ".") {
-  return Process("/bin/sh", {"-c", "cd '" + folder + "' && exec xvfb-run -a -s '-screen 0 1280x800x24' " PSIM_PROGRAM
-                                   " --threads 1 --size 800x600 " +
+  return Process("/bin/sh", {"-c", "cd '" + folder +
+                                       "' && exec xvfb-run -a -s '-screen 0 1280x800x24' " PSIM_PROGRAM
+                                       " --threads 1 --size 800x600 " +
                                        arguments})
       .wait();
 }
@@ -103,8 +104,8 @@ class ViewWindow : public ::testing::Test {
 TEST_F(ViewWindow, ShowsBodiesWhereTheyAre) {
   NEEDS_A_SCREEN();
   const std::string shot = scratch_.file("a.png");
-  const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " +
-                                   script("") + " --after 5 --stats --shot " + shot);
+  const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " + script("") +
+                                   " --after 5 --stats --shot " + shot);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_NE(outcome.err.find("5 pictures"), std::string::npos) << outcome.err;
@@ -122,14 +123,13 @@ TEST_F(ViewWindow, ShowsBodiesWhereTheyAre) {
 TEST_F(ViewWindow, HandsMoveMakeAndTakeBodies) {
   NEEDS_A_SCREEN();
   const std::string shot = scratch_.file("b.png");
-  const std::string input = script(
-      "3 move " + at({0, 0}) + "\n4 down left\n10 move " + at({5, 5}) + "\n90 up left\n" +  // grab
-      "91 key 2\n91 move " + at({-4, 6}) + "\n92 down left\n93 up left\n" +                 // spawn
-      "94 key 5\n94 move " + at({0, -5}) + "\n95 down left\n97 move " + at({5, -5}) +
-      "\n98 up left\n" +                                                         // wall
-      "100 key 6\n100 move " + at({-6, 0}) + "\n101 down left\n102 up left\n");  // erase
-  const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " +
-                                   input + " --after 105 --shot " + shot);
+  const std::string input =
+      script("3 move " + at({0, 0}) + "\n4 down left\n10 move " + at({5, 5}) + "\n90 up left\n" +  // grab
+             "91 key 2\n91 move " + at({-4, 6}) + "\n92 down left\n93 up left\n" +                 // spawn
+             "94 key 5\n94 move " + at({0, -5}) + "\n95 down left\n97 move " + at({5, -5}) + "\n98 up left\n" +  // wall
+             "100 key 6\n100 move " + at({-6, 0}) + "\n101 down left\n102 up left\n");  // erase
+  const Outcome outcome =
+      run_view("--scene " + scratch_.write("s.json", kScene) + " --play " + input + " --after 105 --shot " + shot);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Picture picture(shot);
   EXPECT_EQ(painted(picture, {0, 0}, 10), 0);
@@ -142,10 +142,10 @@ TEST_F(ViewWindow, HandsMoveMakeAndTakeBodies) {
 TEST_F(ViewWindow, WheelAndRightButtonMoveThePicture) {
   NEEDS_A_SCREEN();
   const std::string shot = scratch_.file("c.png");
-  const std::string input = script("3 move " + at({0, 0}) + "\n4 wheel 6\n5 down right\n6 move " +
-                                   at({7, 0}) + "\n7 up right\n");
-  const Outcome outcome = run_view("--scene " + scratch_.write("s.json", kScene) + " --play " +
-                                   input + " --after 9 --shot " + shot);
+  const std::string input =
+      script("3 move " + at({0, 0}) + "\n4 wheel 6\n5 down right\n6 move " + at({7, 0}) + "\n7 up right\n");
+  const Outcome outcome =
+      run_view("--scene " + scratch_.write("s.json", kScene) + " --play " + input + " --after 9 --shot " + shot);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Picture picture(shot);
   EXPECT_EQ(painted(picture, {0, 0}, 10), 0);
@@ -154,9 +154,8 @@ TEST_F(ViewWindow, WheelAndRightButtonMoveThePicture) {
 
 TEST_F(ViewWindow, SameInputSamePicture) {
   NEEDS_A_SCREEN();
-  const std::string input =
-      script("3 key K\n3 key T\n3 key C\n20 shot " + scratch_.file("d.png") +
-             "\n30 key P\n32 key ,\n33 key ,\n34 shot " + scratch_.file("e.png") + "\n35 quit\n");
+  const std::string input = script("3 key K\n3 key T\n3 key C\n20 shot " + scratch_.file("d.png") +
+                                   "\n30 key P\n32 key ,\n33 key ,\n34 shot " + scratch_.file("e.png") + "\n35 quit\n");
   const std::string command = "pile --particles 500 --play " + input;
   ASSERT_EQ(run_view(command).status, 0);
   const std::string d = read_file(scratch_.file("d.png")), e = read_file(scratch_.file("e.png"));
@@ -223,8 +222,8 @@ TEST_F(ViewWindow, KeysDoWhatTheHelpSays) {
 
 TEST_F(ViewWindow, PanelsScenesAndOverlaysCanBeShown) {
   NEEDS_A_SCREEN();
-  const std::string input = scratch_.write(
-      "input.txt", "2 key F1\n3 key G\n3 key H\n4 key K\n5 key ]\n9 key [\n12 key R\n14 key O\n");
+  const std::string input =
+      scratch_.write("input.txt", "2 key F1\n3 key G\n3 key H\n4 key K\n5 key ]\n9 key [\n12 key R\n14 key O\n");
   const std::string shot = scratch_.file("f.png");
   const Outcome outcome = run_view("galton --play " + input + " --after 20 --shot " + shot);
   ASSERT_EQ(outcome.status, 0) << outcome.err;

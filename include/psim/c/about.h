@@ -23,7 +23,7 @@ PSIM_API const char* psim_isa_name(int32_t isa);
 /// The reverse of psim_isa_name. PSIM_ERROR_ARGUMENT for any other text.
 PSIM_API psim_result psim_parse_isa(const char* name, int32_t* isa);
 
-/// Lanes of 32-bit floats: 1, 4 or 8; 0 for a number that is no psim_isa.
+/// Lanes of 32-bit floats: 1, 4 or 8; 0 for a number that is no psim_isa or a variant that this build does not hold.
 PSIM_API int32_t psim_isa_lanes(int32_t isa);
 
 /// 1 if this CPU has the instruction set, else 0.
@@ -49,8 +49,8 @@ PSIM_API size_t psim_estimate_memory_bytes(size_t discs);
 
 /// Measures what work costs with these options (NULL: the defaults) for worlds of about so many
 /// bodies, `shapes` of them not discs; about a tenth of a second for 10,000. `costs` must have been through psim_cost_model_init.
-PSIM_API psim_result psim_measure_costs(const psim_run_options* options, size_t bodies,
-                                        size_t shapes, psim_cost_model* costs);
+PSIM_API psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes,
+                                        psim_cost_model* costs);
 
 #ifdef __cplusplus
 }

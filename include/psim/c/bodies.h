@@ -24,20 +24,17 @@ typedef struct psim_body_state {
 
 /// Adds a body and puts its handle into `id` (may be NULL). Ids count from 0 in the order of the
 /// calls. O(1) amortised.
-PSIM_API psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc,
-                                         psim_body_id* id);
+PSIM_API psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc, psim_body_id* id);
 
 /// Adds bodies whose descriptions lie `stride` bytes apart (sizeof(psim_body_desc) for an array). The
 /// first that is refused ends the call: `added` (may be NULL) says how many there are before it, and
 /// psim_last_error names it. `ids` (may be NULL) has room for `count` handles.
-PSIM_API psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs,
-                                           size_t count, size_t stride, psim_body_id* ids,
-                                           size_t* added);
+PSIM_API psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs, size_t count, size_t stride,
+                                           psim_body_id* ids, size_t* added);
 
 /// Adds discs in bulk, all or none; `first` (may be NULL) is the index of the first. The indices are
 /// consecutive if no body was removed before. A million in well under a second.
-PSIM_API psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch,
-                                          uint32_t* first);
+PSIM_API psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch, uint32_t* first);
 
 /// Removes a body and its joints. What leaned on it falls. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_remove_body(psim_world* world, psim_body_id id);
@@ -49,30 +46,26 @@ PSIM_API int32_t psim_world_is_valid(const psim_world* world, psim_body_id id);
 PSIM_API psim_result psim_world_id_of(const psim_world* world, uint32_t index, psim_body_id* id);
 
 /// Place and motion of a body. O(1). PSIM_ERROR_STALE_ID.
-PSIM_API psim_result psim_world_body(const psim_world* world, psim_body_id id,
-                                     psim_body_state* state);
+PSIM_API psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_state* state);
 
 /// Sets the place, metres and radians. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE. A number that is
 /// not finite is taken and quarantines the body in the next step. With walls a place beyond them
 /// becomes the nearest one within.
-PSIM_API psim_result psim_world_set_transform(psim_world* world, psim_body_id id,
-                                              psim_vec2 position, double angle);
+PSIM_API psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position, double angle);
 
 /// Sets the motion, m/s and rad/s. Errors as psim_world_set_transform.
 PSIM_API psim_result psim_world_set_velocity(psim_world* world, psim_body_id id, psim_vec2 velocity,
                                              double angular_velocity);
 
 /// Adds impulse / mass to the velocity, N s. Errors as psim_world_set_transform.
-PSIM_API psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id,
-                                              psim_vec2 impulse);
+PSIM_API psim_result psim_world_apply_impulse(psim_world* world, psim_body_id id, psim_vec2 impulse);
 
 /// N s at a world point, metres: turns the body too. Errors as psim_world_set_transform.
-PSIM_API psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id,
-                                                 psim_vec2 impulse, psim_vec2 point);
+PSIM_API psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim_vec2 impulse,
+                                                 psim_vec2 point);
 
 /// N m s: turns the body. Errors as psim_world_set_transform.
-PSIM_API psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id,
-                                                      double impulse);
+PSIM_API psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse);
 
 /// 1 if the body takes part in the steps; 0 for static, sleeping, frozen and unknown ones.
 PSIM_API int32_t psim_world_is_awake(const psim_world* world, psim_body_id id);
@@ -82,8 +75,7 @@ PSIM_API psim_result psim_world_wake(psim_world* world, psim_body_id id);
 
 /// Why a body is awake, in one line, or that it is not. Returns the length of the whole line. Not beside another
 /// call.
-PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer,
-                                     size_t capacity);
+PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, char* buffer, size_t capacity);
 
 /// All living bodies; 0 for NULL.
 PSIM_API size_t psim_world_body_count(const psim_world* world);

@@ -52,9 +52,9 @@ typedef struct psim_body_desc {
   double mass;              ///< kg, wins over the density; 0, the default: from the density
   double gravity_scale;     ///< factor on the world's gravity and wells; default 1
   int32_t fixed_rotation;   ///< flag: contacts do not turn it
-  int32_t bullet;      ///< flag: does not pass through other moving bodies either, however fast
-  int32_t sensor;      ///< flag, static or kinematic: touches nothing, tells who overlaps it
-  psim_filter filter;  ///< who it collides with
+  int32_t bullet;           ///< flag: does not pass through other moving bodies either, however fast
+  int32_t sensor;           ///< flag, static or kinematic: touches nothing, tells who overlaps it
+  psim_filter filter;       ///< who it collides with
 } psim_body_desc;
 
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
@@ -82,22 +82,22 @@ typedef struct psim_disc_batch {
 
 /// One joint. At least one of the bodies must be dynamic.
 typedef struct psim_joint_desc {
-  uint32_t struct_size;  ///< set by psim_joint_desc_init
-  int32_t type;          ///< psim_joint_type; default distance
-  psim_body_id a;        ///< a body
-  psim_body_id b;        ///< another
-  psim_vec2 anchor_a;    ///< metres, in the frame of a
-  psim_vec2 anchor_b;    ///< metres, in the frame of b
-  double length;         ///< metres; without has_length as far apart as the anchors are now
-  double stiffness;      ///< spring: N/m; weld: N m/rad, 0 = rigid
-  double damping;        ///< spring: N s/m; weld: N m s/rad
-  psim_vec2 axis;        ///< prismatic: direction in the frame of a; default (1, 0)
-  double reference;    ///< radians: angle b - a that counts as 0; without has_reference the present
-  double lower;        ///< revolute: radians; prismatic: metres; without has_lower no limit
-  double upper;        ///< as lower, and not below it
-  double motor_speed;  ///< rad/s or m/s
-  double motor_limit;  ///< most torque, N m, or force, N, >= 0; 0: no motor
-  int32_t has_length;  ///< flag: length is set
+  uint32_t struct_size;   ///< set by psim_joint_desc_init
+  int32_t type;           ///< psim_joint_type; default distance
+  psim_body_id a;         ///< a body
+  psim_body_id b;         ///< another
+  psim_vec2 anchor_a;     ///< metres, in the frame of a
+  psim_vec2 anchor_b;     ///< metres, in the frame of b
+  double length;          ///< metres; without has_length as far apart as the anchors are now
+  double stiffness;       ///< spring: N/m; weld: N m/rad, 0 = rigid
+  double damping;         ///< spring: N s/m; weld: N m s/rad
+  psim_vec2 axis;         ///< prismatic: direction in the frame of a; default (1, 0)
+  double reference;       ///< radians: angle b - a that counts as 0; without has_reference the present
+  double lower;           ///< revolute: radians; prismatic: metres; without has_lower no limit
+  double upper;           ///< as lower, and not below it
+  double motor_speed;     ///< rad/s or m/s
+  double motor_limit;     ///< most torque, N m, or force, N, >= 0; 0: no motor
+  int32_t has_length;     ///< flag: length is set
   int32_t has_reference;  ///< flag: reference is set
   int32_t has_lower;      ///< flag: lower is set
   int32_t has_upper;      ///< flag: upper is set
@@ -124,7 +124,8 @@ typedef struct psim_event_options {
   double hit_speed;      ///< m/s: slower impacts are not told; default 1
 } psim_event_options;
 
-/// What a unit of work costs, ns, on one machine with one number of threads.
+/// psim_measure_costs fills this with the costs of work on one machine with one number of threads. Hand it on as it is:
+/// the meaning of its numbers may change, their count does not.
 typedef struct psim_cost_model {
   uint32_t struct_size;  ///< set by psim_cost_model_init
   int32_t reserved;      ///< 0

@@ -22,8 +22,7 @@ typedef struct psim_joint_state {
 } psim_joint_state;
 
 /// Ties two bodies and puts the handle into `id` (may be NULL).
-PSIM_API psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc,
-                                          psim_joint_id* id);
+PSIM_API psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc, psim_joint_id* id);
 
 /// Removes a joint. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_remove_joint(psim_world* world, psim_joint_id id);
@@ -32,14 +31,12 @@ PSIM_API psim_result psim_world_remove_joint(psim_world* world, psim_joint_id id
 PSIM_API int32_t psim_world_is_valid_joint(const psim_world* world, psim_joint_id id);
 
 /// What a joint does. PSIM_ERROR_STALE_ID.
-PSIM_API psim_result psim_world_joint(const psim_world* world, psim_joint_id id,
-                                      psim_joint_state* state);
+PSIM_API psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joint_state* state);
 
 /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor.
 /// PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT for other joints, a number that is not finite or a
 /// negative limit.
-PSIM_API psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed,
-                                          double limit);
+PSIM_API psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit);
 
 /// All joints; 0 for NULL.
 PSIM_API size_t psim_world_joint_count(const psim_world* world);

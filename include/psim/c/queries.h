@@ -93,27 +93,24 @@ PSIM_API psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from
 
 /// All of them, nearest first, then by id.
 PSIM_API psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
-                                             const psim_query_filter* filter, psim_ray_hit* hits,
-                                             size_t capacity, size_t* count);
+                                             const psim_query_filter* filter, psim_ray_hit* hits, size_t capacity,
+                                             size_t* count);
 
 /// Bodies that overlap a shape placed at (position, angle), by id.
-PSIM_API psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape,
-                                        psim_vec2 position, double angle,
-                                        const psim_query_filter* filter, psim_body_id* ids,
+PSIM_API psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position,
+                                        double angle, const psim_query_filter* filter, psim_body_id* ids,
                                         size_t capacity, size_t* count);
 
 /// Bodies of which some part lies in the rectangle, by id.
-PSIM_API psim_result psim_world_in_region(const psim_world* world, psim_bounds region,
-                                          const psim_query_filter* filter, psim_body_id* ids,
-                                          size_t capacity, size_t* count);
+PSIM_API psim_result psim_world_in_region(const psim_world* world, psim_bounds region, const psim_query_filter* filter,
+                                          psim_body_id* ids, size_t capacity, size_t* count);
 
 /// The body nearest to a point, within `reach` metres; of several the least id. PSIM_NOTHING.
 PSIM_API psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach,
                                         const psim_query_filter* filter, psim_closest_hit* hit);
 
 /// Chooses what steps tell; nothing at first.
-PSIM_API psim_result psim_world_set_event_options(psim_world* world,
-                                                  const psim_event_options* options);
+PSIM_API psim_result psim_world_set_event_options(psim_world* world, const psim_event_options* options);
 
 /// What the last step told. The lists are copied: they stay until the next call of this function.
 /// Not beside another call.
@@ -123,13 +120,11 @@ PSIM_API psim_result psim_world_events(psim_world* world, psim_events* events);
 /// static bodies too, `*count` of them, ordered by a, then b, then normal, then point. An impulse is what the
 /// contact carried in the last substep, times the substeps. Sleeping bodies' contacts are told as they were when
 /// the bodies fell asleep. The list stays until the next call of this function. Not beside another call.
-PSIM_API psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts,
-                                         size_t* count);
+PSIM_API psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts, size_t* count);
 
 /// Strip and colour of the contacts that psim_world_contacts gave last, `*count` of them in the same order. The list
 /// stays until the next call of that function.
-PSIM_API psim_result psim_world_contact_groups(psim_world* world, const psim_contact_group** groups,
-                                               size_t* count);
+PSIM_API psim_result psim_world_contact_groups(psim_world* world, const psim_contact_group** groups, size_t* count);
 
 /// By body index, for `*count` of them: the strip that the body lay in when the last step's lists were made, some rows
 /// of the broad phase's cells, or all large bodies: a unit of parallel work. PSIM_NO_GROUP for who is in no list:

@@ -27,9 +27,8 @@ PSIM_API psim_result psim_world_stop_recording(psim_world* world);
 /// Opens a recording in `*replay`, whose world runs with `options`, NULL for the defaults. The bytes are copied.
 /// PSIM_ERROR_ARGUMENT if they are no recording, of another format, cut or damaged. The caller frees it with
 /// psim_replay_close.
-PSIM_API psim_result psim_replay_open(const void* recording, size_t size,
-                                      const psim_run_options* options, psim_replay** replay,
-                                      char* error, size_t error_capacity);
+PSIM_API psim_result psim_replay_open(const void* recording, size_t size, const psim_run_options* options,
+                                      psim_replay** replay, char* error, size_t error_capacity);
 
 /// Frees the replay and its world. NULL is allowed.
 PSIM_API void psim_replay_close(psim_replay* replay);

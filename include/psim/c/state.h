@@ -93,9 +93,7 @@ typedef struct psim_lane_use {
 } psim_lane_use;
 
 /// Sets the defaults.
-static inline void psim_state_init(psim_state* state) {
-  psim_init(state, PSIM_STRUCT_STATE, (uint32_t)sizeof *state);
-}
+static inline void psim_state_init(psim_state* state) { psim_init(state, PSIM_STRUCT_STATE, (uint32_t)sizeof *state); }
 
 /// Sets the defaults.
 static inline void psim_snapshot_init(psim_snapshot* snapshot) {
@@ -137,15 +135,13 @@ PSIM_API psim_result psim_world_lane_use(psim_world* world, const psim_lane_use*
 PSIM_API size_t psim_world_memory_bytes(const psim_world* world);
 
 /// The stages and whether this world needs them, `*count` of them.
-PSIM_API psim_result psim_world_plan(psim_world* world, const psim_plan_entry** entries,
-                                     size_t* count);
+PSIM_API psim_result psim_world_plan(psim_world* world, const psim_plan_entry** entries, size_t* count);
 
 /// Memory of the arrays that are there for one stage alone, bytes, in the order of psim_world_plan.
 PSIM_API psim_result psim_world_plan_bytes(psim_world* world, const size_t** bytes, size_t* count);
 
 /// In how many frames each stage was skipped, `*count` of them.
-PSIM_API psim_result psim_world_skipped(psim_world* world, const psim_skip_entry** entries,
-                                        size_t* count);
+PSIM_API psim_result psim_world_skipped(psim_world* world, const psim_skip_entry** entries, size_t* count);
 
 /// Starts recording spans of stages.
 PSIM_API psim_result psim_world_start_trace(psim_world* world);
@@ -155,8 +151,7 @@ PSIM_API psim_result psim_world_stop_trace(psim_world* world);
 
 /// What was recorded since the last call, `*count` spans; they stay until the next call of this
 /// function.
-PSIM_API psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events,
-                                           size_t* count);
+PSIM_API psim_result psim_world_take_trace(psim_world* world, const psim_trace_event** events, size_t* count);
 
 #ifdef __cplusplus
 }

@@ -28,12 +28,12 @@ typedef struct psim_step_report {
   uint32_t escaped;                  ///< bodies that left an open world
   uint32_t quarantined;              ///< bodies frozen because of NaN, infinity or excess
   double predicted_ms;               ///< by the governor's cost model; 0 without a governor
-  double virial;            ///< sum over contacts of normal impulse x centre distance, N s m
-  psim_step_detail detail;  ///< how much of it was done
-  uint32_t skipped;         ///< a bit for each psim_skip_name that had nothing to do
-  uint32_t fast;            ///< shapes and bullets so fast for their size that their way was looked at
-  uint32_t renewed;         ///< bodies whose lists alone were made anew
-  uint32_t reserved;        ///< 0
+  double virial;                     ///< sum over contacts of normal impulse x centre distance, N s m
+  psim_step_detail detail;           ///< how much of it was done
+  uint32_t skipped;                  ///< a bit for each psim_skip_name that had nothing to do
+  uint32_t fast;                     ///< shapes and bullets so fast for their size that their way was looked at
+  uint32_t renewed;                  ///< bodies whose lists alone were made anew
+  uint32_t reserved;                 ///< 0
 } psim_step_report;
 
 /// Sets the defaults.
@@ -44,8 +44,8 @@ static inline void psim_step_report_init(psim_step_report* report) {
 /// Checks the description and makes an empty world in `*world`; `options` may be NULL for the
 /// defaults. On failure `*world` is NULL and `error` (may be NULL) has one line. The caller frees the
 /// world with psim_world_destroy. Starts threads - 1 threads.
-PSIM_API psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options,
-                                       psim_world** world, char* error, size_t capacity);
+PSIM_API psim_result psim_world_create(const psim_world_desc* desc, const psim_run_options* options, psim_world** world,
+                                       char* error, size_t capacity);
 
 /// Frees the world and all that it gave out. NULL is allowed. No other call may be under way.
 PSIM_API void psim_world_destroy(psim_world* world);
@@ -63,8 +63,7 @@ PSIM_API psim_result psim_world_step(psim_world* world, psim_step_report* report
 PSIM_API psim_result psim_world_step_by(psim_world* world, double dt, psim_step_report* report);
 
 /// A step with the detail that a governor chose in another run: the same bits.
-PSIM_API psim_result psim_world_replay(psim_world* world, psim_step_detail detail,
-                                       psim_step_report* report);
+PSIM_API psim_result psim_world_replay(psim_world* world, psim_step_detail detail, psim_step_report* report);
 
 /// The same by another dt, seconds, above 0 and at most 10.
 PSIM_API psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, double dt,

@@ -1,0 +1,88 @@
+// A growable array of plain values, aligned to a cache line and readable a little past its end, as
+// the kernels want it. Growth is counted: a warm step makes none.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "block_layout.h"
+
+namespace psim {
+
+/// Counts the bytes that the columns of a world hold, and how often one had to grow. Each world has one.
+struct MemoryMeter {
+  std::size_t bytes = 0;
+  std::uint64_t growths = 0;
+};
+
+template <class T>
+class Column {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  explicit Column(MemoryMeter& meter) : meter_(&meter) {}
+  Column(const Column&) = delete;
+  Column& operator=(const Column&) = delete;
+  ~Column() { release(); }
+
+  /// Makes room for n values (and the readable pad). Keeps the content; new values are zero.
+  void reserve(std::size_t n) {
+    if (n <= capacity_) return;
+    std::size_t wanted = capacity_ + capacity_ / 8;
+    if (wanted < n) wanted = n;
+    wanted = kernels::round_up_block(wanted) + kernels::kReadPad;
+    const std::size_t bytes = (wanted * sizeof(T) + kernels::kAlign - 1) / kernels::kAlign * kernels::kAlign;
+    T* fresh = static_cast<T*>(std::aligned_alloc(kernels::kAlign, bytes));
+    if (fresh == nullptr) throw std::bad_alloc();
+    if (capacity_bytes_ != 0) std::memcpy(static_cast<void*>(fresh), data_, capacity_bytes_);
+    std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + capacity_bytes_), 0, bytes - capacity_bytes_);
+    std::free(data_);
+    data_ = fresh;
+    capacity_ = wanted - kernels::kReadPad;
+    meter_->bytes += bytes - capacity_bytes_;
+    ++meter_->growths;
+    capacity_bytes_ = bytes;
+  }
+
+  /// The same, but with an eighth to spare when it grows: for lists whose length goes up and down.
+  void reserve_loosely(std::size_t n) {
+    if (n > capacity_) reserve(n + n / 8 + 1024);
+  }
+
+  /// Gives the memory back.
+  void release() {
+    if (data_ == nullptr) return;
+    std::free(data_);
+    meter_->bytes -= capacity_bytes_;
+    data_ = nullptr;
+    capacity_ = 0;
+    capacity_bytes_ = 0;
+  }
+
+  void swap(Column& other) {
+    std::swap(data_, other.data_);
+    std::swap(capacity_, other.capacity_);
+    std::swap(capacity_bytes_, other.capacity_bytes_);
+  }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  std::size_t capacity() const { return capacity_; }
+  bool empty() const { return data_ == nullptr; }
+  std::size_t bytes() const { return capacity_bytes_; }
+
+ private:
+  MemoryMeter* meter_;
+  T* data_ = nullptr;
+  std::size_t capacity_ = 0;
+  std::size_t capacity_bytes_ = 0;
+};
+
+}  // namespace psim

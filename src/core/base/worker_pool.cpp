@@ -1,0 +1,154 @@
+#include "base/worker_pool.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/float_settings.h"
+
+namespace psim {
+namespace {
+
+constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
+  return static_cast<std::uint64_t>(ticket) << 32 | number;
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int threads)
+    : threads_(threads),
+      crowded_(static_cast<unsigned>(threads) > std::thread::hardware_concurrency()),
+      shares_(std::make_unique<Share[]>(static_cast<std::size_t>(threads))) {
+  ticket_.store(1, std::memory_order_relaxed);
+  for (int i = 1; i < threads; ++i) {
+    workers_.emplace_back([this, i] { worker(static_cast<std::size_t>(i)); });
+  }
+}
+
+WorkerPool::~WorkerPool() {
+  {
+    const std::lock_guard lock(sleep_mutex_);
+    quit_.store(true);
+  }
+  wake_.notify_all();
+  for (std::thread& t : workers_) t.join();
+}
+
+void WorkerPool::set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
+
+void WorkerPool::begin_step() {
+  if (++awake_ > 1 || threads_ == 1 || host_.parallel_for) return;
+  {
+    const std::lock_guard lock(sleep_mutex_);
+    stepping_.store(true, std::memory_order_release);
+  }
+  wake_.notify_all();
+}
+
+void WorkerPool::end_step() {
+  if (--awake_ == 0) stepping_.store(false, std::memory_order_release);
+}
+
+void WorkerPool::pause() { pause_briefly(); }
+
+void WorkerPool::run_on_host(std::size_t count, Call call, const void* context) {
+  host_.parallel_for(count, [call, context](std::size_t i) {
+    const FloatSettings settings;
+    call(context, i);
+  });
+}
+
+// Opens a run, works on it and waits for the last claimed job. A worker that reads the call under a
+// ticket and then claims under the same ticket is safe: while any job of the run is unfinished the
+// call stands. The odd ticket closes the shares while they are rewritten.
+void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
+  const std::uint32_t closed = ticket_.load(std::memory_order_relaxed);
+  const std::uint32_t open = closed + 1;
+  const auto threads = static_cast<std::size_t>(threads_);
+  call_.store(call, std::memory_order_relaxed);
+  context_.store(context, std::memory_order_relaxed);
+  done_.store(0, std::memory_order_relaxed);
+  for (std::size_t t = 0; t < threads; ++t) {
+    shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads), std::memory_order_relaxed);
+    shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads)), std::memory_order_release);
+  }
+  ticket_.store(open, std::memory_order_release);
+  const std::size_t mine = work(0, open);
+  done_.fetch_add(mine, std::memory_order_acq_rel);
+  const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
+  const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
+  for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) {
+    if (crowded_ && spins > 64) {
+      std::this_thread::yield();
+    } else {
+      pause();
+    }
+  }
+  if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
+  for (std::size_t t = 0; t < threads; ++t) {
+    shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
+  }
+  ticket_.store(open + 1, std::memory_order_release);
+}
+
+// Claims and runs jobs under the ticket until none is left; returns how many.
+std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
+  const auto threads = static_cast<std::size_t>(threads_);
+  std::size_t finished = 0;
+  const bool traced = home != 0 && tracer_ != nullptr && tracer_->on();
+  Tracer::Clock::time_point begin;
+  const char* stage = "";
+  for (std::size_t step = 0; step < threads; ++step) {
+    Share& share = shares_[(home + step) % threads];
+    std::uint64_t next = share.next.load(std::memory_order_acquire);
+    while (static_cast<std::uint32_t>(next >> 32) == ticket) {
+      const auto number = static_cast<std::uint32_t>(next);
+      const std::uint32_t end = share.end.load(std::memory_order_relaxed);
+      const Call call = call_.load(std::memory_order_relaxed);
+      const void* context = context_.load(std::memory_order_relaxed);
+      if (number >= end) break;
+      // An eighth of what is left at a time: small jobs cost less than claiming them would.
+      const std::uint32_t claimed = std::max(1u, (end - number) / 8);
+      if (!share.next.compare_exchange_weak(next, pack(ticket, number + claimed), std::memory_order_acq_rel,
+                                            std::memory_order_acquire)) {
+        continue;
+      }
+      if (traced && finished == 0) {
+        stage = tracer_->stage();
+        begin = Tracer::Clock::now();
+      }
+      for (std::uint32_t n = number; n < number + claimed; ++n) call(context, n);
+      finished += claimed;
+      next = share.next.load(std::memory_order_acquire);
+    }
+  }
+  if (traced && finished != 0) tracer_->add(home, stage, begin, Tracer::Clock::now());
+  return finished;
+}
+
+void WorkerPool::worker(std::size_t index) {
+  set_float_settings(kStepFloatSettings);
+  std::uint32_t seen = 1;
+  for (;;) {
+    if (!stepping_.load(std::memory_order_acquire)) {
+      std::unique_lock lock(sleep_mutex_);
+      wake_.wait(lock, [this] { return quit_.load() || stepping_.load(std::memory_order_acquire); });
+      if (quit_.load()) return;
+    }
+    int spins = 0;
+    std::uint32_t ticket = ticket_.load(std::memory_order_acquire);
+    while ((ticket == seen || (ticket & 1u) != 0) && stepping_.load(std::memory_order_acquire)) {
+      if (crowded_ && ++spins > 64) {
+        std::this_thread::yield();
+      } else {
+        pause();
+      }
+      ticket = ticket_.load(std::memory_order_acquire);
+    }
+    if ((ticket & 1u) != 0 || ticket == seen) continue;
+    seen = ticket;
+    const std::size_t finished = work(index, ticket);
+    if (finished != 0) done_.fetch_add(finished, std::memory_order_acq_rel);
+  }
+}
+
+}  // namespace psim

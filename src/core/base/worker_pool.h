@@ -1,0 +1,97 @@
+// Worker threads that take numbered jobs. run(count, job) returns when job(0..count-1) are done, in any order,
+// on any thread, the caller's among them. Each job writes its own places, so results do not depend on which
+// thread ran it.
+//
+// Each thread starts on its own share of the numbers, so that a range meets the same cache again, then helps the
+// others. Between the runs of a step workers spin; between steps they sleep. A late worker never delays a run,
+// because run() waits for claimed jobs only.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/trace.h"
+#include "psim/jobs.h"
+
+namespace psim {
+
+class WorkerPool {
+ public:
+  explicit WorkerPool(int threads);
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  int threads() const { return threads_; }
+  void set_job_system(JobSystem jobs);
+  void set_tracer(Tracer* tracer) { tracer_ = tracer; }
+
+  /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
+  class Awake {
+   public:
+    explicit Awake(WorkerPool& pool) : pool_(pool) { pool.begin_step(); }
+    ~Awake() { pool_.end_step(); }
+    Awake(const Awake&) = delete;
+    Awake& operator=(const Awake&) = delete;
+
+   private:
+    WorkerPool& pool_;
+  };
+
+  template <class Job>
+  void run(std::size_t count, const Job& job) {
+    if (count == 0) return;
+    if (host_.parallel_for) {
+      run_on_host(
+          count, [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); }, &job);
+    } else if (threads_ == 1 || count == 1) {
+      for (std::size_t i = 0; i < count; ++i) job(i);
+    } else {
+      run_here(
+          count, [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); }, &job);
+    }
+  }
+
+ private:
+  using Call = void (*)(const void* context, std::size_t i);
+
+  // One thread's share of a run: the next number to claim, with the ticket of the run above it.
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> next{0};  // ticket << 32 | number
+    std::atomic<std::uint32_t> end{0};
+  };
+
+  void begin_step();
+  void end_step();
+  void run_here(std::size_t count, Call call, const void* context);
+  void run_on_host(std::size_t count, Call call, const void* context);
+  // noexcept: an exception in a job ends the program, because jobs of other threads still run.
+  std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
+  void worker(std::size_t index);
+  static void pause();
+
+  int threads_;
+  bool crowded_;   // there are more threads than cores, so waiting yields the core
+  int awake_ = 0;  // how many Awake there are
+  JobSystem host_;
+  Tracer* tracer_ = nullptr;
+  std::unique_ptr<Share[]> shares_;
+  std::atomic<Call> call_{nullptr};
+  std::atomic<const void*> context_{nullptr};
+  alignas(64) std::atomic<std::uint32_t> ticket_{0};  // even: open run; odd: none open
+  alignas(64) std::atomic<std::size_t> done_{0};
+  std::atomic<bool> stepping_{false};
+  std::atomic<bool> quit_{false};
+  std::mutex sleep_mutex_;
+  std::condition_variable wake_;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace psim

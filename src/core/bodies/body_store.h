@@ -1,0 +1,245 @@
+// All bodies by id, and the hot columns of moving bodies by slot. Slots follow the order of the grid's cells and change
+// whenever the lists are made anew; ids are stable.
+//
+//   by id    BodyInfo: the slot, and the entry in the table of properties (mass, radius, material)
+//   by slot  pos, vel, disp (records), id, radius, rim_speed, angle    the sort moves them together
+//            vel_remainder, disp_remainder                             moved after the sort; only with fields
+//            vel0, acc, drift_correction, pull, event_time, linked     scratch of one step, not moved
+//            arm_change, angle_change                                  scratch of one frame; only with shapes or joints
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "base/column.h"
+#include "base/lattice.h"
+#include "bodies/body_kind_table.h"
+#include "bodies/body_property_table.h"
+#include "bodies/shape_table.h"
+#include "psim/desc.h"
+#include "views.h"
+
+namespace psim {
+
+inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
+
+enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep };
+
+/// One body, by id.
+struct BodyInfo {
+  std::uint32_t slot = kNoSlot;  ///< moving: its slot in the columns; else its place in a list
+  std::uint32_t generation = 0;
+  std::uint32_t properties = 0;
+  Place place = Place::none;
+};
+
+/// Ids of the kinematic bodies, with the velocities that the host gave them.
+using KinematicBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
+
+class BodyStore {
+ public:
+  explicit BodyStore(MemoryMeter& meter)
+      : pos(meter),
+        vel(meter),
+        disp(meter),
+        id(meter),
+        radius(meter),
+        rim_speed(meter),
+        angle(meter),
+        vel0(meter),
+        rim_speed0(meter),
+        acc(meter),
+        drift_correction(meter),
+        pull(meter),
+        vel_remainder(meter),
+        disp_remainder(meter),
+        spare(meter),
+        arm_change(meter),
+        angle_change(meter),
+        event_time(meter),
+        linked(meter),
+        built(meter),
+        reach(meter),
+        info(meter) {}
+
+  // By slot.
+  Column<std::int32_t> pos;
+  Column<float> vel, disp;
+  Column<std::uint32_t> id;
+  Column<float> radius;
+  Column<float> rim_speed;  ///< only if the plan has rotation
+  Column<double> angle;     ///< only if the plan has rotation
+  Column<float> vel0, rim_speed0, acc;
+  Column<float> drift_correction;  ///< m, records: see BodyView; only if the plan has an integrator
+  Column<float> pull;              ///< gravity scale, 0 for kinematic bodies; only if the plan has scales
+  Column<float> vel_remainder;     ///< m/s, records: what velocities lost to rounding; only with fields
+  Column<float> disp_remainder;    ///< m, records: what offsets lost to rounding; only if the plan has an integrator
+  Column<float> spare;             ///< scratch of move_rests
+  Column<float> arm_change, angle_change;  ///< since the start of the frame: see BodyView; only with shapes or joints
+  Column<float> event_time;
+  Column<std::uint8_t> linked;
+  Column<std::int32_t> built;  ///< position when the lists were made
+  Column<float> reach;         ///< m: the radius plus the margin of the lists
+
+  // By id.
+  mutable Column<BodyInfo> info;
+  BodyPropertyTable property_table;
+  ShapeTable hulls;
+  BodyKindTable kinds;
+  const BodyKind& kind(std::uint32_t body_id) const { return kinds[properties(body_id).kind]; }
+  const BodyProperties& properties(std::uint32_t body_id) const { return property_table[info[body_id].properties]; }
+  std::uint32_t id_count = 0;
+  std::vector<std::uint32_t> free_ids;
+
+  /// For saved states (describe_bodies.cpp). `lists`: with where they were when the lists were made.
+  template <class A>
+  void describe(A& a, bool lists);
+  /// Of a state that is read: the body is the `at`-th of those at a place. False if it is of no such place, or is in one
+  /// already.
+  bool put(std::uint32_t body, Place place, std::size_t at);
+
+  std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
+  std::uint32_t dead = 0;
+  std::size_t living = 0, moving = 0, fixed = 0, kinematic = 0;
+  std::size_t asleep = 0;  ///< of the moving bodies: they sleep and have no slot
+
+  /// Brings info[id].slot of moving bodies up to date, since a sort moves bodies to other slots and leaves `info` as it
+  /// is. Comes before every read of such a slot. O(bodies) after a sort, else nothing. Threads may call it at once.
+  void find_slots() const {
+    if (!slots_stale.load(std::memory_order_acquire)) return;
+    const std::lock_guard<std::mutex> lock(finding_);
+    if (!slots_stale.load(std::memory_order_relaxed)) return;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (id[i] != kNoSlot) info[id[i]].slot = i;
+    }
+    slots_stale.store(false, std::memory_order_release);
+  }
+  mutable std::atomic<bool> slots_stale = false;
+
+  std::uint32_t blocks() const { return (count + kernels::kBlock - 1) / kernels::kBlock; }
+
+  /// Gives out an id: one that is free again, else a new one.
+  std::uint32_t take_id() {
+    ++living;
+    if (!free_ids.empty()) {
+      const std::uint32_t index = free_ids.back();
+      free_ids.pop_back();
+      return index;
+    }
+    info.reserve(std::size_t{id_count} + 1);
+    return id_count++;
+  }
+
+  /// Makes room for n more slots.
+  void reserve_slots(std::size_t n) {
+    const std::size_t total = kernels::round_up_block(count + n);
+    pos.reserve(2 * total);
+    vel.reserve(2 * total);
+    disp.reserve(2 * total);
+    id.reserve(total);
+    radius.reserve(total);
+    linked.reserve(total);
+    if (!rim_speed.empty()) add_rotation();
+    if (!vel_remainder.empty()) add_remainders(!disp_remainder.empty());
+  }
+
+  /// Makes the columns of rotation, filled with zero, if they are not there.
+  void add_rotation() {
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    rim_speed.reserve(total);
+    angle.reserve(total);
+    rim_speed0.reserve(total);
+  }
+
+  /// Makes the columns of the remainders, filled with zero, if they are not there.
+  void add_remainders(bool of_offsets) {
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    vel_remainder.reserve(2 * total);
+    if (of_offsets) disp_remainder.reserve(2 * total);
+  }
+
+  /// Sets the remainders of a slot to zero, since its velocity and offset are new.
+  void clear_remainders(std::size_t slot) {
+    for (Column<float>* rest : {&vel_remainder, &disp_remainder}) {
+      if (!rest->empty()) (*rest)[2 * slot] = (*rest)[2 * slot + 1] = 0;
+    }
+  }
+
+  /// Sets the velocity of a slot, m/s. Where remainders are kept, the part that does not fit into a float goes there.
+  void put_velocity(std::size_t slot, Vec2 v) {
+    vel[2 * slot] = static_cast<float>(v.x);
+    vel[2 * slot + 1] = static_cast<float>(v.y);
+    if (vel_remainder.empty()) return;
+    vel_remainder[2 * slot] = static_cast<float>(v.x - static_cast<double>(vel[2 * slot]));
+    vel_remainder[2 * slot + 1] = static_cast<float>(v.y - static_cast<double>(vel[2 * slot + 1]));
+  }
+
+  /// Fills up the last block with neutral records: at the place of the last body, at rest, unlinked.
+  void pad_tail() {
+    const std::uint32_t end = static_cast<std::uint32_t>(kernels::round_up_block(count));
+    for (std::uint32_t i = count; i < end; ++i) {
+      pos[2 * i] = pos[2 * (count - 1)];
+      pos[2 * i + 1] = pos[2 * (count - 1) + 1];
+      vel[2 * i] = vel[2 * i + 1] = disp[2 * i] = disp[2 * i + 1] = 0;
+      radius[i] = 0;
+      linked[i] = 0;
+      id[i] = kNoSlot;
+      if (!rim_speed.empty()) rim_speed[i] = 0;
+    }
+  }
+
+  /// Gives the columns of rotation back. No body may have an angle or an angular velocity.
+  void drop_rotation() {
+    rim_speed.release();
+    angle.release();
+    rim_speed0.release();
+  }
+  std::size_t rotation_bytes() const { return rim_speed.bytes() + angle.bytes() + rim_speed0.bytes(); }
+
+  /// Makes the columns of turning within a frame, filled with zero, or gives them back.
+  void keep_turns(bool wanted) {
+    if (!wanted) {
+      arm_change.release();
+      angle_change.release();
+      return;
+    }
+    const std::size_t total = kernels::round_up_block(id.capacity());
+    arm_change.reserve(2 * total);
+    angle_change.reserve(total);
+  }
+
+  kernels::BodyView view() {
+    kernels::BodyView v;
+    v.pos = pos.data();
+    v.vel = vel.data();
+    v.vel0 = vel0.data();
+    v.disp = disp.data();
+    v.acc = acc.empty() ? nullptr : acc.data();
+    v.vel_remainder = vel_remainder.empty() ? nullptr : vel_remainder.data();
+    v.disp_remainder = disp_remainder.empty() ? nullptr : disp_remainder.data();
+    v.drift_correction = drift_correction.empty() ? nullptr : drift_correction.data();
+    v.pull = pull.empty() ? nullptr : pull.data();
+    v.rim_speed = rim_speed.empty() ? nullptr : rim_speed.data();
+    v.rim_speed0 = rim_speed0.empty() ? nullptr : rim_speed0.data();
+    v.arm_change = arm_change.empty() ? nullptr : arm_change.data();
+    v.angle_change = angle_change.empty() ? nullptr : angle_change.data();
+    v.event_time = event_time.empty() ? nullptr : event_time.data();
+    v.linked = linked.data();
+    return v;
+  }
+
+ private:
+  template <class A>
+  void describe_ids(A& a);
+  template <class A>
+  void describe_slots(A& a, bool lists);
+  template <class A>
+  void check_users(A& a) const;
+
+  mutable std::mutex finding_;
+};
+
+}  // namespace psim

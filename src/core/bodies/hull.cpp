@@ -1,0 +1,331 @@
+// In: the shapes of descriptions. Out: hulls and mass properties. This runs when a body is added.
+#include "bodies/hull.h"
+
+#include <cmath>
+#include <cstddef>
+#include <variant>
+
+namespace psim {
+namespace {
+
+constexpr double kPi = 3.141592653589793;
+constexpr double kMostSize = 1e9;    // m: largest length or coordinate of a shape
+constexpr double kLeastSize = 1e-9;  // m: least size of a shape as a whole, since floats square it
+constexpr double kSame = 1e-6;       // two points nearer than this share of the size are one
+
+using Points = std::vector<Vec2>;
+
+Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
+double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+double length(Vec2 a) { return std::sqrt(dot(a, a)); }
+
+/// Angle between two unit vectors, 0..pi. tan(angle/4) by square roots, halved three times more;
+/// then the series of the arctangent.
+double angle_between(Vec2 a, Vec2 b) {
+  const double sine = 0.5 * length(a - b), cosine = 0.5 * length(a + b);  // both of half the angle
+  double t = sine / (1 + cosine);
+  for (int k = 0; k < 3; ++k) t /= 1 + std::sqrt(1 + t * t);
+  const double z = t * t;
+  double series = 1.0 / 15;
+  for (int n = 13; n > 0; n -= 2) series = 1.0 / n - z * series;
+  return 32 * t * series;
+}
+
+/// Sums of a plane figure: area, first moments and polar moment about the origin.
+struct Sums {
+  double area = 0;
+  Vec2 first;
+  double polar = 0;
+
+  void add(double figure, Vec2 centre, double polar_about_centre) {
+    area += figure;
+    first = first + figure * centre;
+    polar += polar_about_centre + figure * dot(centre, centre);
+  }
+};
+
+/// A convex polygon (two points: a line) with `radius` around it: the polygon, a rectangle on each
+/// edge and a sector at each corner. Steiner: area = A + L r + pi r^2.
+Sums rounded_sums(const Points& p, double radius) {
+  Sums sums;
+  const std::size_t n = p.size();
+  for (std::size_t k = 1; k + 1 < n; ++k) {  // triangles from vertex 0
+    const Vec2 u = p[k] - p[0], v = p[k + 1] - p[0];
+    const double area = 0.5 * cross(u, v);
+    const Vec2 centre = p[0] + 1.0 / 3 * (u + v);
+    sums.add(area, centre, area * (dot(u, u) + dot(v, v) - dot(u, v)) / 18);
+  }
+  if (!(radius > 0)) return sums;
+  const auto normal = [&](std::size_t k) -> Vec2 {
+    const Vec2 e = p[(k + 1) % n] - p[k];
+    return 1 / length(e) * Vec2{e.y, -e.x};
+  };
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec2 in = normal((k + n - 1) % n), out = normal(k);
+    const Vec2 next = p[(k + 1) % n];
+    const double edge = length(next - p[k]);
+    sums.add(edge * radius, 0.5 * (p[k] + next) + 0.5 * radius * out,
+             edge * radius * (edge * edge + radius * radius) / 12);
+    // The sector's integrals over rho from 0 to r and over its directions u, about the vertex:
+    // of rho: area, of rho^2 u: first moment, of rho^3: polar moment.
+    const double angle = angle_between(in, out), r2 = radius * radius;
+    const double area = 0.5 * angle * r2;
+    const Vec2 first = r2 * radius / 3 * Vec2{out.y - in.y, in.x - out.x};
+    sums.area += area;
+    sums.first = sums.first + area * p[k] + first;
+    sums.polar += area * dot(p[k], p[k]) + 2 * dot(p[k], first) + 0.25 * angle * r2 * r2;
+  }
+  return sums;
+}
+
+/// Turns sums about `base` into mass properties.
+MassProperties properties_of(const Sums& sums, Vec2 base) {
+  const Vec2 offset = 1 / sums.area * sums.first;
+  return {sums.area, base + offset, sums.polar / sums.area - dot(offset, offset)};
+}
+
+std::string vertex_name(std::size_t k) { return "vertex " + std::to_string(k); }
+
+bool fail(std::string& error, std::string text) {
+  error = std::move(text);
+  return false;
+}
+
+bool check_points(const Points& points, std::string& error) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec2 p = points[k];
+    if (!(std::fabs(p.x) <= kMostSize && std::fabs(p.y) <= kMostSize)) {
+      return fail(error, vertex_name(k) + " must lie within 1e9 m of the body's place");
+    }
+  }
+  return true;
+}
+
+bool check_size(double size, const char* name, std::string& error) {
+  if (size >= kLeastSize && size <= kMostSize) return true;
+  return fail(error, std::string(name) + " must lie between 1e-9 and 1e9 m");
+}
+
+bool check_rounding(double radius, std::string& error) {
+  if (radius == 0) return true;
+  return check_size(radius, "radius, where it is not 0,", error);
+}
+
+/// The larger side of the box around the points.
+double extent_of(const Points& points) {
+  Vec2 low = points[0], high = points[0];
+  for (const Vec2 p : points) {
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y)};
+  }
+  return std::fmax(high.x - low.x, high.y - low.y);
+}
+
+/// A vertex of a polygon and its number in the description.
+struct Numbered {
+  Vec2 at;
+  std::size_t number;
+};
+
+/// Leaves out vertices that repeat the one before them or lie on the line of their neighbours.
+void drop_needless(std::vector<Numbered>& p, double size) {
+  for (std::size_t k = 0; k < p.size() && p.size() > 2;) {
+    const std::size_t n = p.size();
+    const Vec2 before = p[(k + n - 1) % n].at, here = p[k].at, after = p[(k + 1) % n].at;
+    const Vec2 u = here - before, v = after - here, w = after - before;
+    const bool repeated = length(u) <= kSame * size;
+    const bool straight = dot(u, v) > 0 && std::fabs(cross(u, w)) <= kSame * size * length(w);
+    if (repeated || straight) {
+      p.erase(p.begin() + static_cast<std::ptrdiff_t>(k));
+      k = 0;  // its neighbours may have become superfluous
+    } else {
+      ++k;
+    }
+  }
+}
+
+/// Makes the vertices of a polygon counter-clockwise and strictly convex.
+bool tidy_polygon(const Points& given, Points& out, std::string& error) {
+  if (given.size() < 3 || given.size() > kMostPolygonVertices) {
+    return fail(error, "a polygon has 3 to 8 vertices, this one has " + std::to_string(given.size()));
+  }
+  if (!check_points(given, error)) return false;
+  const double size = extent_of(given);
+  if (!check_size(size, "a polygon's extent", error)) return false;
+
+  std::vector<Numbered> p;
+  for (std::size_t k = 0; k < given.size(); ++k) p.push_back({given[k], k});
+  drop_needless(p, size);
+  const std::size_t n = p.size();
+  double area = 0;
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    area += 0.5 * cross(p[k].at - p[0].at, p[k + 1].at - p[0].at);
+  }
+  if (area < 0) {
+    for (std::size_t k = 0; k < n / 2; ++k) std::swap(p[k], p[n - 1 - k]);
+  }
+  // All vertices to the left of every edge, those at its ends aside: convex and not self-crossing.
+  // First each edge's next vertex, so that a dent is what the message names.
+  for (std::size_t ahead = 2; ahead < n; ++ahead) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec2 edge = p[(k + 1) % n].at - p[k].at;
+      const Numbered& other = p[(k + ahead) % n];
+      if (cross(edge, other.at - p[k].at) > 0) continue;
+      const std::size_t corner = ahead == 2 ? p[(k + 1) % n].number : other.number;
+      return fail(error, "a polygon must be convex and not cross itself; it is not at " + vertex_name(corner));
+    }
+  }
+  if (n < 3 || !(std::fabs(area) > kSame * size * size)) {
+    return fail(error, "a polygon must have an area (above 1e-6 of its extent squared)");
+  }
+  for (const Numbered& v : p) out.push_back(v.at);
+  return true;
+}
+
+/// Makes the hull of these vertices about `origin`. Fails if floats cannot tell its vertices apart.
+bool make_hull(const Points& points, Vec2 origin, double radius, Hull& hull) {
+  hull = {};
+  hull.count = static_cast<std::int32_t>(points.size());
+  hull.radius = static_cast<float>(radius);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec2 p = points[k] - origin;
+    hull.x[k] = static_cast<float>(p.x);
+    hull.y[k] = static_cast<float>(p.y);
+  }
+  finish_hull(hull);
+  const std::size_t n = points.size();
+  for (std::size_t k = 0; n > 2 && k < n; ++k) {
+    for (std::size_t other = 0; other < n; ++other) {
+      if (other == k || other == (k + 1) % n) continue;
+      const double ex = double{hull.x[(k + 1) % n]} - hull.x[k];
+      const double ey = double{hull.y[(k + 1) % n]} - hull.y[k];
+      const double dx = double{hull.x[other]} - hull.x[k], dy = double{hull.y[other]} - hull.y[k];
+      if (!(ex * dy - ey * dx > 0)) return false;
+    }
+  }
+  return n != 2 || hull.x[0] != hull.x[1] || hull.y[0] != hull.y[1];
+}
+
+constexpr const char* kTooFar = "a shape this small is too far from the body's place for floats";
+
+struct Maker {
+  bool about_centre;
+  HullSet& out;
+  std::string& error;
+
+  /// Adds one convex part.
+  bool one(const Points& points, double radius, const MassProperties& mass) {
+    out.mass = mass;
+    out.parts.resize(1);
+    if (make_hull(points, about_centre ? mass.centre : Vec2{}, radius, out.parts[0])) return true;
+    return fail(error, kTooFar);
+  }
+
+  bool disc(Vec2 centre, double radius) {
+    return one({centre}, radius, {kPi * radius * radius, centre, 0.5 * radius * radius});
+  }
+
+  bool operator()(const DiscShape& s) { return check_size(s.radius, "radius", error) && disc({}, s.radius); }
+
+  bool operator()(const SegmentShape& s) {
+    const Points ends{s.p1, s.p2};
+    if (!check_points(ends, error)) return false;
+    const double span = length(s.p2 - s.p1);
+    if (!check_size(span, "the length of a segment", error)) return false;
+    return one(ends, 0, {span, 0.5 * (s.p1 + s.p2), span * span / 12});
+  }
+
+  bool operator()(const ChainShape& s) {
+    const std::size_t least = s.loop ? 3 : 2;
+    if (s.vertices.size() < least) {
+      return fail(error, s.loop ? "a closed chain has 3 vertices or more" : "a chain has 2 vertices or more");
+    }
+    if (!check_points(s.vertices, error)) return false;
+    const double size = extent_of(s.vertices);
+    if (!check_size(size, "a chain's extent", error)) return false;
+    Points p;  // without repeated vertices, which would be segments of no length
+    for (const Vec2 v : s.vertices) {
+      if (p.empty() || length(v - p.back()) > kSame * kSame * size) p.push_back(v);
+    }
+    if (s.loop) p.push_back(p[0]);
+    Sums sums;
+    for (std::size_t k = 0; k + 1 < p.size(); ++k) {
+      const double span = length(p[k + 1] - p[k]);
+      sums.add(span, 0.5 * (p[k] + p[k + 1]) - p[0], span * span * span / 12);
+    }
+    out.mass = properties_of(sums, p[0]);
+    for (std::size_t k = 0; k + 1 < p.size(); ++k) {
+      Hull hull;
+      if (make_hull({p[k], p[k + 1]}, about_centre ? out.mass.centre : Vec2{}, 0, hull)) {
+        out.parts.push_back(hull);
+      }
+    }
+    return !out.parts.empty() || fail(error, kTooFar);
+  }
+
+  bool operator()(const BoxShape& s) {
+    if (!check_size(s.width, "width", error) || !check_size(s.height, "height", error)) return false;
+    if (!check_rounding(s.radius, error)) return false;
+    const double x = 0.5 * s.width, y = 0.5 * s.height;
+    const Points corners{{-x, -y}, {x, -y}, {x, y}, {-x, y}};
+    const Sums sums = rounded_sums(corners, s.radius);
+    return one(corners, s.radius, {sums.area, {}, sums.polar / sums.area});
+  }
+
+  bool operator()(const PolygonShape& s) {
+    Points corners;
+    if (!tidy_polygon(s.vertices, corners, error) || !check_rounding(s.radius, error)) return false;
+    Points moved;  // about the first vertex: squares of large coordinates would drown small sizes
+    for (const Vec2 v : corners) moved.push_back(v - corners[0]);
+    return one(corners, s.radius, properties_of(rounded_sums(moved, s.radius), corners[0]));
+  }
+
+  bool operator()(const CapsuleShape& s) {
+    const Points ends{s.p1, s.p2};
+    if (!check_points(ends, error) || !check_size(s.radius, "radius", error)) return false;
+    const Vec2 middle = 0.5 * (s.p1 + s.p2);
+    if (length(s.p2 - s.p1) <= kSame * s.radius) return disc(middle, s.radius);
+    const Sums sums = rounded_sums({s.p1 - middle, s.p2 - middle}, s.radius);
+    return one(ends, s.radius, {sums.area, middle, sums.polar / sums.area});
+  }
+};
+
+}  // namespace
+
+bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error) {
+  out = {};
+  error.clear();
+  if (std::visit(Maker{about_centre, out, error}, shape)) return true;
+  out = {};
+  return false;
+}
+
+void finish_hull(Hull& hull) {
+  const int n = hull.count;
+  double reach = 0, inner = 0;
+  for (int k = 0; k < n; ++k) {
+    const double x = hull.x[k], y = hull.y[k];
+    reach = std::fmax(reach, std::sqrt(x * x + y * y));
+    if (n == 1) break;
+    const int next = k + 1 < n ? k + 1 : 0;
+    const double ex = hull.x[next] - x, ey = hull.y[next] - y;
+    const double edge = std::sqrt(ex * ex + ey * ey);
+    const double nx = edge > 0 ? ey / edge : 1, ny = edge > 0 ? -ex / edge : 0;
+    hull.nx[k] = static_cast<float>(nx);
+    hull.ny[k] = static_cast<float>(ny);
+    const double offset = nx * x + ny * y;
+    inner = k == 0 ? offset : std::fmin(inner, offset);
+  }
+  // Rounds to floats: the reach upwards, the inner radius downwards.
+  reach += hull.radius;
+  inner = std::fmax(inner, 0.0) + hull.radius;
+  hull.reach = static_cast<float>(reach);
+  if (hull.reach < reach) hull.reach *= 1 + 0x1p-23f;
+  hull.inner = static_cast<float>(inner);
+  if (hull.inner > inner) hull.inner *= 1 - 0x1p-24f;
+}
+
+}  // namespace psim

@@ -1,0 +1,55 @@
+// Rounded convex shapes as the engine holds them: one, two or three to eight vertices about the
+// centre of mass, with a radius around all of it. A disc is one vertex, a capsule or a segment two.
+//
+// In: shapes of the public API. Out: hulls, mass and inertia, or one line of what is wrong.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "psim/desc.h"
+
+namespace psim {
+
+struct Hull {
+  static constexpr int kMost = kMostPolygonVertices;
+  float x[kMost] = {}, y[kMost] = {};    ///< m, counter-clockwise
+  float nx[kMost] = {}, ny[kMost] = {};  ///< outward normal of the edge from vertex k to the next
+  float radius = 0;                      ///< m, around the vertices
+  float reach = 0;                       ///< m: farthest point from the centre, radius included
+  float inner = 0;                       ///< m: from the centre to the nearest point of the surface, at least `radius`
+  std::int32_t count = 0;
+  friend bool operator==(const Hull&, const Hull&) = default;
+};
+
+/// The mass of a shape per density, its centre of mass and its inertia.
+struct MassProperties {
+  double area = 0;     ///< m^2 (m for segments): mass = density x area
+  Vec2 centre;         ///< m, in the body's frame
+  double inertia = 0;  ///< m^2: moment of inertia about the centre / mass
+};
+
+/// The hulls of a shape and its mass properties. A chain has one hull for each segment.
+struct HullSet {
+  std::vector<Hull> parts;
+  MassProperties mass;
+};
+
+/// Makes the hulls of a shape: about the centre of mass with `about_centre`, else about the place of the body. Harmless
+/// faults (clockwise order, repeated or collinear vertices) are put right. False, with a line in `error`, for a shape
+/// that is not convex, has no area, is not finite or too large.
+bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error);
+
+/// The hull of a disc: one vertex with a radius.
+inline Hull disc_hull(float radius) {
+  Hull h;
+  h.count = 1;
+  h.radius = h.reach = h.inner = radius;
+  return h;
+}
+
+/// Sets normals, reach and inner of a hull whose vertices, radius and count are given.
+void finish_hull(Hull& hull);
+
+}  // namespace psim

@@ -1,0 +1,111 @@
+// Who is in a world: the moving bodies, the static ones, those that are frozen, and how many there are of each kind.
+//
+// In: descriptions and changes that were checked. Out: bodies by id and by slot, fixed geometry, Traits for the plan.
+// Bodies that sleep keep their ids here; where they lie is known to Sleepers. Neither lists nor contacts nor joints
+// are told of a change: the world does that.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/lattice.h"
+#include "bodies/body_store.h"
+#include "bodies/static_shapes.h"
+#include "bodies/traits.h"
+#include "psim/desc.h"
+#include "psim/world.h"
+
+namespace psim {
+
+/// No body moves more lattice steps than this in a frame, so that none wraps around the lattice.
+inline constexpr std::int32_t kFarSteps = 1 << 30;
+
+/// The fastest speed of the engine in a step of dt seconds, m/s.
+double speed_limit(const Lattice& lattice, double dt);
+
+/// The speeds of a body, m/s.
+struct Motion {
+  float vx = 0, vy = 0, rim_speed = 0;
+  /// No point of the body is faster.
+  float fastest() const { return std::sqrt(vx * vx + vy * vy) + std::fabs(rim_speed); }
+};
+
+class Population {
+ public:
+  /// Keeps references to `desc` and `lattice`.
+  Population(const WorldDesc& desc, const Lattice& lattice, MemoryMeter& meter);
+
+  /// Adds a body whose description check() accepts. kNoBody, with a line in `error`, if its shape is refused.
+  BodyId add(const BodyDesc& desc, std::string& error);
+  /// Makes room for the moving discs of a batch that check() accepts; then they are added one by one.
+  void make_room(const DiscBatch& batch);
+  BodyId add_disc(const DiscBatch& batch, std::size_t i);
+  /// The id that the next body gets.
+  std::uint32_t next_id() const { return bodies.free_ids.empty() ? bodies.id_count : bodies.free_ids.back(); }
+
+  /// Takes a body out that does not sleep. The slot of a moving one stays as a dead one until the next sort.
+  void remove(std::uint32_t id);
+  /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
+  /// state.
+  void freeze(std::uint32_t id, const BodyState& last);
+
+  bool is_valid(BodyId id) const {
+    return id.index < bodies.id_count && bodies.info[id.index].place != Place::none &&
+           bodies.info[id.index].generation == id.generation;
+  }
+  /// The state of a body that does not sleep.
+  BodyState state_of(std::uint32_t id) const;
+
+  /// Puts a moving body at a place, turned by `angle`.
+  void place(std::uint32_t id, Vec2 position, double angle);
+  void set_velocity(std::uint32_t id, Vec2 velocity, double angular_velocity);
+  /// Makes the columns for rotation. Comes before a body gets its first angle or angular velocity.
+  void let_turn();
+
+  Motion motion_of(std::size_t slot) const {
+    return {bodies.vel[2 * slot], bodies.vel[2 * slot + 1], bodies.rim_speed.empty() ? 0.0f : bodies.rim_speed[slot]};
+  }
+  float speed_of(std::size_t slot) const { return motion_of(slot).fastest(); }
+  /// A velocity that exceeds the limit of the engine would carry a body past the lattice: it is cut to the limit.
+  Vec2 capped(Vec2 velocity) const;
+
+  /// Memory that the meter does not count.
+  std::size_t bytes() const {
+    return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.kinds.bytes() +
+           fixed.capacity() * sizeof(FixedBody);
+  }
+
+  /// For saved states (describe_bodies.cpp). `lists`: as BodyStore.
+  template <class A>
+  void describe(A& a, bool lists);
+  /// Traits of the bodies that there are.
+  Traits recounted() const;
+
+  BodyStore bodies;
+  StaticShapes statics;
+  std::vector<FixedBody> fixed;
+  std::vector<BodyState> frozen;
+  KinematicBodies kinematics;
+  std::vector<std::uint32_t> bullets;  ///< ids
+  Traits traits;
+  float first_mass = 0, first_radius = 0;  ///< of the first body: what Traits compares with
+  BodyProperties first_properties;
+  float least_radius = 0;  ///< m: of all moving bodies that there ever were
+
+ private:
+  BodyId add_moving(const BodyDesc& desc, std::string& error);
+  BodyId add_fixed(const BodyDesc& desc, std::string& error);
+  std::uint32_t enter(const BodyProperties& properties, const LatticePoint& at, double angle, Vec2 velocity,
+                      double omega);
+  void leave_columns(std::uint32_t id);
+  void remove_fixed(std::uint32_t id);
+  void count(const BodyProperties& properties, int sign);
+  void count_alike(const BodyProperties& properties, std::int64_t bodies, Traits& to) const;
+  void go_round(std::uint32_t id, Vec2 velocity);
+
+  const WorldDesc& desc_;
+  const Lattice& lattice_;
+};
+
+}  // namespace psim

@@ -1,0 +1,115 @@
+// The hulls of moving bodies. Bodies of one shape share a set of hulls.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <unordered_map>
+#include <vector>
+
+#include "bodies/hull.h"
+
+namespace psim {
+
+struct BodyKind;
+
+class ShapeTable {
+ public:
+  template <class A>
+  void describe(A& a);  ///< for saved states, here and in other classes
+  bool has(const BodyKind& kind) const;
+  /// Whether each set has as many users as those whose first hull it is.
+  bool used_as(const std::vector<std::uint64_t>& users_of_first) const;
+  std::size_t size() const { return hulls_.size(); }
+
+  const Hull& operator[](std::uint32_t i) const { return hulls_[i]; }
+
+  /// Adds a user to a set of hulls and returns the number of the first one; the others follow it. Number 0 means a
+  /// plain disc and is never given out.
+  std::uint32_t acquire(const std::vector<Hull>& parts) {
+    const std::uint64_t key = hash(parts);
+    for (auto [at, end] = by_hash_.equal_range(key); at != end; ++at) {
+      Set& set = sets_[at->second];
+      if (!same(set, parts)) continue;
+      ++set.users;
+      return set.first;
+    }
+    Set set{static_cast<std::uint32_t>(hulls_.size()), static_cast<std::uint32_t>(parts.size()), 1};
+    std::uint32_t index = static_cast<std::uint32_t>(sets_.size());
+    for (std::size_t f = 0; f < free_.size(); ++f) {  // a gap of the same length
+      if (sets_[free_[f]].count != set.count) continue;
+      index = free_[f];
+      set.first = sets_[index].first;
+      free_.erase(free_.begin() + static_cast<std::ptrdiff_t>(f));
+      break;
+    }
+    if (index == sets_.size()) {
+      sets_.push_back(set);
+      hulls_.insert(hulls_.end(), parts.begin(), parts.end());
+    } else {
+      sets_[index] = set;
+      for (std::uint32_t k = 0; k < set.count; ++k) hulls_[set.first + k] = parts[k];
+    }
+    by_hash_.emplace(key, index);
+    by_first_[set.first] = index;
+    return set.first;
+  }
+
+  void release(std::uint32_t first) {
+    const std::uint32_t index = by_first_.at(first);
+    if (--sets_[index].users != 0) return;
+    for (auto at = by_hash_.begin(); at != by_hash_.end(); ++at) {
+      if (at->second != index) continue;
+      by_hash_.erase(at);
+      break;
+    }
+    by_first_.erase(first);
+    free_.push_back(index);
+  }
+
+  /// Gives all memory back. No body may have a shape.
+  void clear() { *this = ShapeTable(); }
+  bool empty() const { return by_first_.empty(); }
+
+  /// Memory in use; the entry that stands for discs does not count.
+  std::size_t bytes() const {
+    if (hulls_.size() == 1) return 0;
+    return hulls_.capacity() * sizeof(Hull) + sets_.size() * (sizeof(Set) + 64);
+  }
+
+ private:
+  struct Set {
+    std::uint32_t first = 0, count = 0;
+    std::uint32_t users = 0;
+  };
+
+  static std::uint64_t hash(const std::vector<Hull>& parts) {
+    std::uint64_t h = parts.size();
+    for (const Hull& hull : parts) {
+      const auto add = [&h](float value) {
+        std::uint32_t bits;
+        std::memcpy(&bits, &value, sizeof bits);
+        h = (h ^ bits) * 0x9E3779B97F4A7C15u;
+        h ^= h >> 29;
+      };
+      for (int k = 0; k < hull.count; ++k) add(hull.x[k]), add(hull.y[k]);
+      add(hull.radius);
+    }
+    return h;
+  }
+  bool same(const Set& set, const std::vector<Hull>& parts) const {
+    if (set.users == 0 || set.count != parts.size()) return false;
+    for (std::uint32_t k = 0; k < set.count; ++k) {
+      if (!(hulls_[set.first + k] == parts[k])) return false;
+    }
+    return true;
+  }
+
+  std::vector<Hull> hulls_{1};
+  std::vector<Set> sets_;
+  std::vector<std::uint32_t> free_;
+  // Look-up only: sets differ in content and in their first part, so that no order matters.
+  std::unordered_multimap<std::uint64_t, std::uint32_t> by_hash_;
+  std::unordered_map<std::uint32_t, std::uint32_t> by_first_;
+};
+
+}  // namespace psim

@@ -1,0 +1,362 @@
+#include "bodies/static_shapes.h"
+#include "base/sort_keys.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace psim {
+namespace {
+
+// A hashed grid is faster (measured) where a shape shares its cell with more shapes than this on average.
+constexpr double kCrowded = 128;
+
+}  // namespace
+
+void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
+  statics_[number] = shape;
+  if (hull != nullptr) {
+    if (free_hulls_.empty()) {
+      statics_[number].hull = static_cast<std::uint32_t>(hulls_.size());
+      hulls_.push_back(*hull);
+    } else {
+      statics_[number].hull = free_hulls_.back();
+      free_hulls_.pop_back();
+      hulls_[statics_[number].hull] = *hull;
+    }
+  }
+  ++alive_;
+}
+
+std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
+  statics_.reserve(std::size_t{count_} + 1);
+  put(count_, shape, hull);
+  dirty_ = true;
+  return count_++;
+}
+
+std::uint32_t StaticShapes::add_sleeping(const Piece* pieces, std::uint32_t count) {
+  std::uint32_t first = count_;
+  const bool again = count <= kLongestRun && !runs_[count].empty();
+  if (again) {
+    first = runs_[count].back();
+    runs_[count].pop_back();
+  } else {
+    statics_.reserve(std::size_t{count_} + count);
+    count_ += count;
+  }
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const StaticShape& piece = pieces[k].shape;
+    put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
+    statics_[first + k].asleep = true;
+    enter(sleepers_, first + k);
+  }
+  return first;
+}
+
+void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
+  statics_.reserve(std::size_t{count_} + pieces);
+  sleepers_.make_room(count_ + pieces, pieces);
+  hulls_.reserve(hulls_.size() + hulls);
+}
+
+void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
+  const StaticShape& s = statics_[number];
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
+  const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
+  const double round = 2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+  const auto half = [&](std::int32_t way, double pitch) {
+    return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
+  };
+  grid.insert(number, wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py));
+}
+
+void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = first; k < first + count; ++k) {
+    statics_[k].alive = false;
+    if (statics_[k].whole) free_hulls_.push_back(statics_[k].hull);
+    sleepers_.remove(k);
+    --alive_;
+  }
+  left_.emplace_back(first, count);
+}
+
+void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
+  for (std::uint32_t i = first; i < count_ && statics_[i].owner == owner && statics_[i].alive; ++i) {
+    statics_[i].alive = false;
+    if (statics_[i].whole) free_hulls_.push_back(statics_[i].hull);
+    --alive_;
+  }
+  dirty_ = true;
+}
+
+namespace {
+
+void cut_to(double ends[2][2], double size) {
+  const double ux = ends[1][0] - ends[0][0], uy = ends[1][1] - ends[0][1];
+  const double length = std::sqrt(ux * ux + uy * uy);
+  if (!(length > 2 * size)) return;
+  const double along = -(ends[0][0] * ux + ends[0][1] * uy) / length;  // of the body on the line
+  const double low = along - size, high = along + size;
+  const double x = ends[0][0], y = ends[0][1];
+  if (high > 0 && high < length) {
+    ends[1][0] = x + ux * (high / length);
+    ends[1][1] = y + uy * (high / length);
+  }
+  if (low > 0 && low < length) {
+    ends[0][0] = x + ux * (low / length);
+    ends[0][1] = y + uy * (low / length);
+  }
+}
+
+}  // namespace
+
+Hull StaticShapes::seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size, float rest_x,
+                             float rest_y) const {
+  const StaticShape& s = statics_[i];
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const auto off = [](std::int32_t a, std::int32_t b, float da, float db, double pitch) {
+    return wrap_sub(a, b) * pitch + (static_cast<double>(da) - static_cast<double>(db));
+  };
+  const double at_x = off(s.p.x, x, s.p.dx, rest_x, px), at_y = off(s.p.y, y, s.p.dy, rest_y, py);
+  Hull hull;
+  if (s.whole) {
+    hull = hulls_[s.hull];
+    for (int k = 0; k < hull.count; ++k) {
+      hull.x[k] = static_cast<float>(static_cast<double>(hull.x[k]) + at_x);
+      hull.y[k] = static_cast<float>(static_cast<double>(hull.y[k]) + at_y);
+    }
+    return hull;
+  }
+  hull.radius = s.radius;
+  hull.count = 1;
+  double ends[2][2] = {{at_x, at_y}, {0, 0}};
+  if (s.segment) {
+    hull.count = 2;
+    ends[1][0] = off(s.q.x, x, s.q.dx, rest_x, px);
+    ends[1][1] = off(s.q.y, y, s.q.dy, rest_y, py);
+    cut_to(ends, size);
+  }
+  for (int k = 0; k < hull.count; ++k) {
+    hull.x[k] = static_cast<float>(ends[k][0]);
+    hull.y[k] = static_cast<float>(ends[k][1]);
+  }
+  finish_hull(hull);
+  return hull;
+}
+
+const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) const {
+  const StaticShape& s = statics_[i];
+  const auto of_chain = [&](std::uint32_t k) {
+    return k < count_ && statics_[k].alive && statics_[k].owner == s.owner && statics_[k].segment && !statics_[k].face;
+  };
+  const auto goes_on = [&](const StaticShape& o) {
+    const LatticePoint &mine = forward ? s.q : s.p, &other = forward ? o.p : o.q;
+    return mine.x == other.x && mine.y == other.y && mine.dx == other.dx && mine.dy == other.dy;
+  };
+  if (!of_chain(i)) return nullptr;
+  std::uint32_t k = forward ? i + 1 : i - 1;
+  if (!of_chain(k)) {  // a loop goes on from its last segment to its first
+    k = i;
+    while (of_chain(forward ? k - 1 : k + 1)) k = forward ? k - 1 : k + 1;
+  }
+  return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
+}
+
+void StaticShapes::box_of(const StaticShape& s, double box[4]) const {
+  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+  const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
+  const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
+  const double size = static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+  const double r = size + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  box[0] = std::fmin(px, qx) - r;
+  box[1] = std::fmax(px, qx) + r;
+  box[2] = std::fmin(py, qy) - r;
+  box[3] = std::fmax(py, qy) + r;
+}
+
+void StaticShapes::cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const {
+  const auto clamp = [](double c, std::int64_t n) {
+    if (!(c > 0)) return std::int64_t{0};
+    return c >= static_cast<double>(n - 1) ? n - 1 : static_cast<std::int64_t>(c);
+  };
+  range[0] = clamp((xmin - origin_x_) / cell_, cols_);
+  range[1] = clamp((xmax - origin_x_) / cell_, cols_);
+  range[2] = clamp((ymin - origin_y_) / cell_, rows_);
+  range[3] = clamp((ymax - origin_y_) / cell_, rows_);
+}
+
+void StaticShapes::build_grid() {
+  for (const auto& [first, count] : left_) {
+    if (count <= kLongestRun) runs_[count].push_back(first);
+  }
+  left_.clear();
+  if (!dirty_) return;
+  dirty_ = false;
+  make_grid();
+}
+
+// Puts the shapes of static bodies into the hashed grid, because the cells of the other one are crowded.
+void StaticShapes::hash_standing() {
+  cols_ = rows_ = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (statics_[i].alive && !statics_[i].asleep) enter(standing_, i);
+  }
+}
+
+// A slanted segment takes only the cells near its line in each row.
+void StaticShapes::narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const {
+  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+  const double qx = s.q.x * lattice_->pitch_x(), qy = s.q.y * lattice_->pitch_y();
+  const double y0 = origin_y_ + static_cast<double>(row) * cell_ - cell_ * 0.01;
+  const double y1 = y0 + cell_ * 1.02;
+  const double t0 = std::clamp((y0 - py) / (qy - py), 0.0, 1.0);
+  const double t1 = std::clamp((y1 - py) / (qy - py), 0.0, 1.0);
+  const double xa = px + t0 * (qx - px), xb = px + t1 * (qx - px);
+  std::int64_t narrow[4];
+  const double round = static_cast<double>(s.radius);
+  cells_of(std::fmin(xa, xb) - cell_ * 0.01 - round, std::fmax(xa, xb) + cell_ * 0.01 + round, y0, y1, narrow);
+  first = narrow[0];
+  last = narrow[1];
+}
+
+void StaticShapes::make_grid() {
+  cols_ = rows_ = 0;
+  standing_.clear();
+  const auto stands = [&](std::uint32_t i) { return statics_[i].alive && !statics_[i].asleep; };
+  std::size_t standing = 0;
+  double all[4] = {1e300, -1e300, 1e300, -1e300};
+  double extent_sum = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    if (!stands(i)) continue;
+    ++standing;
+    double b[4];
+    box_of(statics_[i], b);
+    all[0] = std::fmin(all[0], b[0]), all[1] = std::fmax(all[1], b[1]);
+    all[2] = std::fmin(all[2], b[2]), all[3] = std::fmax(all[3], b[3]);
+    extent_sum += std::fmax(b[1] - b[0], b[3] - b[2]);
+  }
+  if (standing == 0) return;
+  const double width = std::fmax(all[1] - all[0], 1e-9), height = std::fmax(all[3] - all[2], 1e-9);
+  const double n = static_cast<double>(standing);
+  // There are about four cells for each shape, and no cell is smaller than a quarter of the mean shape.
+  cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
+  cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
+  origin_x_ = all[0];
+  origin_y_ = all[2];
+  cols_ = static_cast<std::int64_t>(width / cell_) + 1;
+  rows_ = static_cast<std::int64_t>(height / cell_) + 1;
+  const auto cells = static_cast<std::size_t>(cols_ * rows_);
+  cell_start_.reserve(cells + 1);
+  std::fill(cell_start_.data(), cell_start_.data() + cells + 1, 0u);
+  const auto visit = [&](auto&& each) {
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      if (!stands(i)) continue;
+      double b[4];
+      std::int64_t r[4];
+      box_of(statics_[i], b);
+      cells_of(b[0], b[1], b[2], b[3], r);
+      for (std::int64_t row = r[2]; row <= r[3]; ++row) {
+        std::int64_t c0 = r[0], c1 = r[1];
+        if (statics_[i].segment && r[3] > r[2] && r[1] > r[0]) narrow_row(statics_[i], row, c0, c1);
+        for (std::int64_t c = c0; c <= c1; ++c) each(static_cast<std::size_t>(row * cols_ + c), i);
+      }
+    }
+  };
+  visit([&](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
+  double sum = 0, squares = 0;
+  for (std::size_t c = 1; c <= cells; ++c) {
+    const double here = cell_start_[c];
+    sum += here;
+    squares += here * here;
+  }
+  if (squares > kCrowded * sum) return hash_standing();
+  for (std::size_t c = 0; c < cells; ++c) cell_start_[c + 1] += cell_start_[c];
+  cell_shape_.reserve(cell_start_[cells]);
+  visit([&](std::size_t cell, std::uint32_t i) { cell_shape_[cell_start_[cell]++] = i; });
+  for (std::size_t c = cells; c > 0; --c) cell_start_[c] = cell_start_[c - 1];
+  cell_start_[0] = 0;
+}
+
+// Whether a square of half width `reach` at (x, y) lies beside the line that a segment is a part of.
+bool StaticShapes::beside(const StaticShape& s, double x, double y, double reach) const {
+  if (!s.segment) return false;
+  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+  const double ux = s.q.x * lattice_->pitch_x() - px, uy = s.q.y * lattice_->pitch_y() - py;
+  const double far = reach + static_cast<double>(s.radius) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  return std::fabs(ux * (y - py) - uy * (x - px)) > far * (std::fabs(ux) + std::fabs(uy));
+}
+
+bool StaticShapes::surely_none(double xmin, double xmax, double ymin, double ymax) const {
+  constexpr std::int64_t kMostRows = 64;
+  if (!standing_.empty() || !sleepers_.empty()) return false;
+  if (cols_ == 0 || xmax < origin_x_ || ymax < origin_y_ || xmin > origin_x_ + static_cast<double>(cols_) * cell_ ||
+      ymin > origin_y_ + static_cast<double>(rows_) * cell_) {
+    return true;
+  }
+  std::int64_t range[4];
+  cells_of(xmin, xmax, ymin, ymax, range);
+  if (range[3] - range[2] >= kMostRows) return false;
+  for (std::int64_t row = range[2]; row <= range[3]; ++row) {
+    const auto at = static_cast<std::size_t>(row * cols_);
+    const auto begin = at + static_cast<std::size_t>(range[0]), end = at + static_cast<std::size_t>(range[1]) + 1;
+    if (cell_start_[begin] != cell_start_[end]) return false;
+  }
+  return true;
+}
+
+void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const {
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const double mx = x * px, my = y * py;
+  const double r = static_cast<double>(reach);
+  const std::size_t from = out.size();
+  const auto in_grid = [&] {
+    return cols_ != 0 && mx + r >= origin_x_ && my + r >= origin_y_ &&
+           mx - r <= origin_x_ + static_cast<double>(cols_) * cell_ &&
+           my - r <= origin_y_ + static_cast<double>(rows_) * cell_;
+  };
+  const auto steps = [&](double pitch) { return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31)); };
+  const auto apart = [&](std::uint32_t i) {
+    if (!whole_wanted_ && statics_[i].whole) return true;
+    double box[4];
+    box_of(statics_[i], box);
+    return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
+  };
+  if (!standing_.empty()) {
+    standing_.near(x, y, steps(px), steps(py), out);
+    const auto far = [&](std::uint32_t i) { return apart(i) || beside(statics_[i], mx, my, r); };
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), far), out.end());
+  } else if (in_grid()) {
+    std::int64_t range[4];
+    cells_of(mx - r, mx + r, my - r, my + r, range);
+    for (std::int64_t row = range[2]; row <= range[3]; ++row) {
+      for (std::int64_t c = range[0]; c <= range[1]; ++c) {
+        const auto cell = static_cast<std::size_t>(row * cols_ + c);
+        out.insert(out.end(), cell_shape_.data() + cell_start_[cell], cell_shape_.data() + cell_start_[cell + 1]);
+      }
+    }
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), apart), out.end());
+  }
+  if (!sleepers_.empty()) {
+    const std::size_t resting = out.size();
+    sleepers_.near(x, y, steps(px), steps(py), out);
+    // Distances are taken from the body, since in a periodic world a shape may lie beyond the seam.
+    const auto away = [&](std::uint32_t i) {
+      const StaticShape& s = statics_[i];
+      if (!whole_wanted_ && s.whole) return true;
+      const double ax = wrap_sub(s.p.x, x) * px, ay = wrap_sub(s.p.y, y) * py;
+      const double bx = s.segment ? ax + wrap_sub(s.q.x, s.p.x) * px : ax;
+      const double by = s.segment ? ay + wrap_sub(s.q.y, s.p.y) * py : ay;
+      const double far = r + 2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+      return std::fmin(ax, bx) > far || std::fmax(ax, bx) < -far || std::fmin(ay, by) > far || std::fmax(ay, by) < -far;
+    };
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(resting), out.end(), away), out.end());
+  }
+  const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
+  if (out.end() - first < 2) return;
+  sort_keys(first, out.end());
+  out.erase(std::unique(first, out.end()), out.end());
+}
+
+}  // namespace psim

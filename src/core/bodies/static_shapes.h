@@ -1,0 +1,158 @@
+// Geometry that does not move: discs, segments (also those of chains), polygons, the four walls, and the
+// pieces of bodies that sleep. Pieces of static bodies are found through a grid that is made once per
+// change, those of sleeping bodies through a hashed grid that they enter and leave. A moving body looks at
+// the cells that its reach covers. If most of the grid's box is empty, so that its cells would be crowded,
+// the pieces of static bodies are hashed, too.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/column.h"
+#include "base/lattice.h"
+#include "bodies/hash_grid.h"
+#include "bodies/hull.h"
+#include "psim/desc.h"
+
+namespace psim {
+
+class BodyStore;
+
+/// A piece of a static body: a disc (one point), a segment (two points) with a radius around it, or
+/// a whole polygon. A polygon comes twice: as its edges, which discs collide with, and whole, for all other shapes.
+struct StaticShape {
+  LatticePoint p, q;
+  float radius = 0;
+  float restitution = 0;
+  float friction = 0;
+  std::uint32_t owner = 0;  ///< body id
+  std::uint32_t hull = 0;   ///< of a whole polygon: the number of its hull, see StaticShapes::hull
+  bool segment = false;
+  bool face = false;   ///< an edge of a polygon, whose inside is left of p->q: discs alone collide with it
+  bool whole = false;  ///< a whole polygon about p: shapes with corners alone collide with it
+  bool alive = true;
+  bool asleep = false;  ///< a piece of a body that sleeps: it may leave at any time
+  bool lone = false;    ///< a plain disc that sleeps: its Sleeper and its BodyProperties hold the rest
+};
+
+/// A shape on its way into the grids.
+struct Piece {
+  StaticShape shape;
+  Hull hull;  ///< of a whole polygon: in world axes, about its place
+};
+
+/// Shape numbers of the walls in contact lists.
+inline constexpr std::uint32_t kWallLeft = 0xFFFFFFF0u;
+inline constexpr std::uint32_t kWallRight = 0xFFFFFFF1u;
+inline constexpr std::uint32_t kWallBottom = 0xFFFFFFF2u;
+inline constexpr std::uint32_t kWallTop = 0xFFFFFFF3u;
+
+/// The four walls as lattice coordinates.
+struct Walls {
+  LatticePoint low, high;
+};
+
+/// A static body. Its shapes lie in StaticShapes, in a run that starts with `first_shape`.
+struct FixedBody {
+  double x = 0, y = 0, angle = 0;  ///< m, m, rad: as the host placed it
+  float radius = 0;                ///< m: of a disc, else 0
+  std::uint32_t id = 0;
+  std::uint32_t first_shape = 0;
+};
+
+class StaticShapes {
+ public:
+  StaticShapes(MemoryMeter& meter, const Lattice& lattice)
+      : cell_start_(meter),
+        cell_shape_(meter),
+        statics_(meter),
+        sleepers_(meter),
+        standing_(meter),
+        lattice_(&lattice) {
+    int shift = 0;
+    for (double r = lattice.pitch_x() / lattice.pitch_y(); r >= 1.5; r /= 2) ++shift;
+    for (double r = lattice.pitch_x() / lattice.pitch_y(); r <= 0.75; r *= 2) --shift;
+    sleepers_.set_shape(shift);
+    standing_.set_shape(shift);
+  }
+
+  /// For saved states (describe_statics.cpp); behind the bodies. Those that are read wait for the sleepers.
+  template <class A>
+  void describe(A& a, const BodyStore& bodies);
+  /// Of a state that is read: the piece of a plain disc that sleeps. False if its number is that of something else.
+  bool lay_lone(std::uint32_t number, const StaticShape& piece);
+  /// Whether these are pieces of one who sleeps.
+  bool sleeps(std::uint32_t first, std::uint32_t pieces, std::uint32_t owner) const;
+  /// The grids, once all are there. False if not as many pieces sleep.
+  bool make_grids(std::size_t asleep);
+
+  /// `hull`, of a whole polygon, is in world axes about p.
+  std::uint32_t add(const StaticShape& shape, const Hull* hull = nullptr);
+  void remove(std::uint32_t first, std::uint32_t owner);
+
+  /// Adds the pieces of a body that falls asleep. Returns the number of the first one; the others follow. O(count).
+  std::uint32_t add_sleeping(const Piece* pieces, std::uint32_t count);
+  /// Makes room for so many pieces of sleeping bodies, `hulls` of them with hulls: adding them allocates nothing.
+  void make_room(std::uint32_t pieces, std::uint32_t hulls);
+  /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
+  void remove_sleeping(std::uint32_t first, std::uint32_t count);
+
+  std::size_t size() const { return count_; }
+  const StaticShape& operator[](std::uint32_t i) const { return statics_[i]; }
+  const Hull& hull(const StaticShape& whole) const { return hulls_[whole.hull]; }
+  /// A piece as seen from the place of a body. Lines far longer than `size`, m, are cut to the part around the body, so
+  /// that the numbers are precise there.
+  Hull seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size, float rest_x = 0,
+                 float rest_y = 0) const;
+  /// The segment that goes on from the end q of a chain's segment (`forward`), or that ends in its p; or null.
+  const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
+  bool any() const { return alive_ != 0; }
+  bool any_asleep() const { return !sleepers_.empty(); }
+  /// Whether near() finds whole polygons. Nothing needs them while no moving body has corners.
+  void find_whole(bool wanted) { whole_wanted_ = wanted; }
+
+  /// Makes the grid anew if shapes of static bodies changed. O(shapes + cells).
+  void build_grid();
+
+  /// Appends the numbers of shapes whose box a square of half width `reach` (m) at (x, y) meets,
+  /// each once, ascending.
+  void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
+  /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
+  bool surely_none(double xmin, double xmax, double ymin, double ymax) const;
+
+ private:
+  template <class A>
+  void check_pieces(A& a, const std::vector<std::uint32_t>& told, const BodyStore& bodies,
+                    std::vector<std::uint8_t>& hull_used);
+  template <class A>
+  void check_runs(A& a) const;
+  void make_grid();
+  void hash_standing();
+  void narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const;
+  void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
+  void box_of(const StaticShape& s, double box[4]) const;
+  void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
+  void enter(HashGrid& grid, std::uint32_t number) const;
+  bool beside(const StaticShape& s, double x, double y, double reach) const;
+
+  Column<std::uint32_t> cell_start_, cell_shape_;
+  Column<StaticShape> statics_;
+  HashGrid sleepers_, standing_;
+  // Free runs of numbers, by length; and (first, length) of runs that become free with the next build_grid().
+  static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;
+  std::vector<std::uint32_t> runs_[kLongestRun + 1];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;
+  std::vector<Hull> hulls_;
+  std::vector<std::uint32_t> free_hulls_;
+  bool whole_wanted_ = false;
+  const Lattice* lattice_;
+  std::uint32_t count_ = 0;
+  std::size_t alive_ = 0;
+  bool dirty_ = false;
+  // The grid, in metres from the centre of the lattice.
+  double origin_x_ = 0, origin_y_ = 0, cell_ = 1;
+  std::int64_t cols_ = 0, rows_ = 0;
+};
+
+}  // namespace psim

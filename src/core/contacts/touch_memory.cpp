@@ -1,0 +1,63 @@
+#include "contacts/touch_memory.h"
+
+#include <algorithm>
+
+namespace psim {
+namespace {
+
+std::size_t mixed(std::uint64_t key) {
+  key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
+  key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<std::size_t>(key ^ (key >> 31));
+}
+
+std::size_t size_for(std::size_t touches) {
+  std::size_t size = 64;
+  while (size < 4 * touches) size *= 2;
+  return size;
+}
+
+}  // namespace
+
+void TouchMemory::add(const Touch& touch) {
+  if (2 * (list_.size() + 1) > slot_.size()) rehash(size_for(list_.size() + 1));
+  std::size_t at = mixed(touch.key) & (slot_.size() - 1);
+  for (; slot_[at] != kFree; at = (at + 1) & (slot_.size() - 1)) {
+    if (list_[slot_[at]].key != touch.key) continue;
+    list_[slot_[at]] = touch;
+    return;
+  }
+  slot_[at] = static_cast<std::uint32_t>(list_.size());
+  list_.push_back(touch);
+}
+
+void TouchMemory::rehash(std::size_t size) {
+  slot_.assign(size, kFree);
+  for (std::size_t k = 0; k < list_.size(); ++k) {
+    std::size_t at = mixed(list_[k].key) & (size - 1);
+    while (slot_[at] != kFree) at = (at + 1) & (size - 1);
+    slot_[at] = static_cast<std::uint32_t>(k);
+  }
+}
+
+void TouchMemory::make_room(std::size_t touches) {
+  list_.reserve(touches);
+  const std::size_t size = size_for(touches / 2 + 1);  // half full
+  if (size > slot_.size()) rehash(size);
+}
+
+const Touch* TouchMemory::find(std::uint64_t key) const {
+  if (list_.empty()) return nullptr;
+  for (std::size_t at = mixed(key) & (slot_.size() - 1); slot_[at] != kFree; at = (at + 1) & (slot_.size() - 1)) {
+    if (list_[slot_[at]].key == key) return &list_[slot_[at]];
+  }
+  return nullptr;
+}
+
+void TouchMemory::clear() {
+  if (list_.empty()) return;
+  list_.clear();
+  std::fill(slot_.begin(), slot_.end(), kFree);
+}
+
+}  // namespace psim

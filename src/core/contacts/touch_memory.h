@@ -1,0 +1,66 @@
+// Impulses of contacts by name, for the moments in which a contact changes its place: one of its sides fell asleep or
+// woke, so that a pair of bodies becomes a contact with fixed geometry, or the other way round.
+//
+// In: contacts when bodies fall asleep or wake (sleep/). Out: impulses for the contacts that are laid out next
+// (ContactStore, Manifolds). O(1) a touch.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace psim {
+
+/// Names a contact by its sides: two bodies, or a body and a piece of fixed geometry.
+struct TouchKey {
+  static std::uint64_t bodies(std::uint32_t a, std::uint32_t b) {
+    return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
+  }
+  static std::uint64_t fixed(std::uint32_t body, std::uint32_t shape) {
+    return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
+  }
+};
+
+/// What one contact carried. Shapes that touch along an edge have two points, in their order along the edge.
+struct Touch {
+  std::uint64_t key = 0;
+  float impulse[2] = {}, friction[2] = {};  ///< N s; N s / kg if `per_mass`
+  std::uint32_t points = 1;
+  bool per_mass = false;  ///< contact lanes divide by the mass where all discs have the same
+
+  /// The factor that converts the impulses to the wanted unit. `mass` is the mass of the disc.
+  float times(bool wanted_per_mass, float mass) const {
+    return per_mass == wanted_per_mass ? 1.0f : per_mass ? mass : 1 / mass;
+  }
+
+  bool of_fixed() const { return key >> 63 != 0; }
+  /// The lower id of two bodies; or the body that touches fixed geometry.
+  std::uint32_t first() const { return static_cast<std::uint32_t>(key >> 32) & 0x7FFFFFFFu; }
+  /// The higher id of two bodies; or the number of the fixed shape.
+  std::uint32_t second() const { return static_cast<std::uint32_t>(key); }
+};
+
+/// Touches by key. Sleeping fills it; the next layout of the contacts reads it; then it is cleared.
+class TouchMemory {
+ public:
+  template <class A>
+  void describe(A& a, std::uint32_t ids);  ///< for saved states
+
+  void add(const Touch& touch);
+  const Touch* find(std::uint64_t key) const;
+  bool empty() const { return list_.empty(); }
+  const std::vector<Touch>& all() const { return list_; }
+  void clear();
+  /// Makes room: adding up to `touches` of them allocates nothing.
+  void make_room(std::size_t touches);
+  std::size_t bytes() const { return list_.capacity() * sizeof(Touch) + slot_.capacity() * 4; }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xFFFFFFFFu;
+  void rehash(std::size_t size);
+
+  std::vector<Touch> list_;
+  std::vector<std::uint32_t> slot_;  // open addressing: places in list_, or kFree
+};
+
+}  // namespace psim

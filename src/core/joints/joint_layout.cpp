@@ -1,0 +1,163 @@
+// Decides which joint lies in which lane: colours, blocks, and the jobs that sweep over them. This runs when joints
+// come, go, fall asleep or wake. O(joints).
+#include <algorithm>
+#include <bit>
+
+#include "joints/joint_store.h"
+
+namespace psim {
+
+using kernels::JointBodies;
+using kernels::JointKind;
+using kernels::kBlock;
+
+namespace {
+
+constexpr std::uint32_t kJobBlocks = 64;  // 512 joints: a job takes some microseconds
+
+// Visits the stored impulses of a lane: there are up to five.
+template <class Each>
+void for_impulses(JointKind kind, JointBodies& b, std::uint32_t lane, const Each& each) {
+  switch (kind) {
+    case JointKind::rod:
+    case JointKind::spring:
+      each(0, static_cast<kernels::LineBlock&>(b).l[lane]);
+      break;
+    case JointKind::pin:
+    case JointKind::driven:
+    case JointKind::weld: {
+      auto& pin = static_cast<kernels::PinBlock&>(b);
+      each(0, pin.px[lane]);
+      each(1, pin.py[lane]);
+      if (kind == JointKind::weld) each(2, static_cast<kernels::WeldBlock&>(b).l[lane]);
+      if (kind != JointKind::driven) break;
+      auto& drive = static_cast<kernels::DrivenBlock&>(b).drive;
+      each(2, drive.limit_l[lane]);
+      each(3, drive.motor_l[lane]);
+      break;
+    }
+    case JointKind::slide: {
+      auto& slide = static_cast<kernels::SlideBlock&>(b);
+      each(0, slide.l[lane]);
+      each(1, slide.turn_l[lane]);
+      each(2, slide.drive.limit_l[lane]);
+      each(3, slide.drive.motor_l[lane]);
+    }
+  }
+}
+
+}  // namespace
+
+// Impulses are stored in the blocks. While the blocks are made anew, the joints keep them.
+void JointStore::save_impulses() {
+  for (std::uint32_t list = 0; list < kLists; ++list) {
+    for (std::uint32_t lane = 0; lane < lanes_[list].size(); ++lane) {
+      if (lanes_[list][lane] == kNoSlot) continue;
+      Joint& j = joints_[lanes_[list][lane]];
+      for_impulses(j.kind, lists_.block(list, lane / kBlock), lane % kBlock,
+                   [&](int i, float& l) { j.impulse[i] = l; });
+    }
+  }
+}
+
+// Joints get the first free colour in the order of their ids, and are sorted by colour, then by kind. Within a colour
+// no two lanes share a dynamic body; after the last colour blocks hold one lane each.
+void JointStore::lay_out(const BodyStore& b) {
+  save_impulses();
+  const std::vector<std::uint32_t>& ids = bodies();
+  const auto member = [&](std::uint32_t id) {
+    return static_cast<std::uint32_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  };
+  std::vector<std::uint32_t> used(ids.size(), 0);
+  std::vector<std::uint32_t> of_class[kColours + 1];
+  for (std::uint32_t i = 0; i < joints_.size(); ++i) {
+    Joint& j = joints_[i];
+    if (!j.alive || j.dormant) {
+      j.lane = kNoSlot;
+      continue;
+    }
+    j.body[0] = member(j.swapped ? j.desc.b.index : j.desc.a.index);
+    j.body[1] = member(j.swapped ? j.desc.a.index : j.desc.b.index);
+    const bool held = (j.list & 1u) != 0;
+    const std::uint32_t taken = used[j.body[1]] | (held ? 0 : used[j.body[0]]);
+    const std::uint32_t colour = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kColours);
+    if (colour < kColours) {
+      used[j.body[1]] |= 1u << colour;
+      if (!held) used[j.body[0]] |= 1u << colour;
+    }
+    of_class[colour].push_back(i);
+  }
+  for (auto& lanes : lanes_) lanes.clear();
+  std::vector<std::uint32_t> begin_of_colour;
+  for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+    for (std::uint32_t list = 0; list < kLists; ++list) {
+      begin_of_colour.push_back(static_cast<std::uint32_t>(lanes_[list].size() / kBlock));
+    }
+    for (const std::uint32_t i : of_class[colour]) {
+      auto& lanes = lanes_[joints_[i].list];
+      if (colour == kColours) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
+      joints_[i].lane = static_cast<std::uint32_t>(lanes.size());
+      lanes.push_back(i);
+    }
+    for (auto& lanes : lanes_) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
+  }
+  for (std::uint32_t list = 0; list < kLists; ++list) {
+    begin_of_colour.push_back(static_cast<std::uint32_t>(lanes_[list].size() / kBlock));
+  }
+  for (std::uint32_t list = 0; list < kLists; ++list) {
+    lists_.assign(list, lanes_[list].size() / kBlock);
+    for (std::uint32_t lane = 0; lane < lanes_[list].size(); ++lane) {
+      if (lanes_[list][lane] == kNoSlot) continue;
+      Joint& j = joints_[lanes_[list][lane]];
+      JointBodies& at = lists_.block(list, lane / kBlock);
+      const std::uint32_t k = lane % kBlock;
+      for_impulses(j.kind, at, k, [&](int i, float& l) { l = j.impulse[i]; });
+      const BodyProperties& sa = b.properties(ids[j.body[0]]);
+      const BodyProperties& sb = b.properties(ids[j.body[1]]);
+      at.wa[k] = sa.inv_mass;
+      at.wb[k] = sb.inv_mass;
+    }
+  }
+  make_jobs(begin_of_colour);
+}
+
+// The jobs of a colour run in parallel. Blocks with empty lanes are in one job, since empty lanes share a record.
+void JointStore::make_jobs(const std::vector<std::uint32_t>& begin_of_colour) {
+  ranges_.clear();
+  jobs_.clear();
+  phases_.clear();
+  total_blocks_ = 0;
+  for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+    const std::uint32_t* begin = &begin_of_colour[std::size_t{colour} * kLists];
+    const std::uint32_t* end = begin + kLists;
+    std::uint32_t blocks_here = 0;
+    for (std::uint32_t list = 0; list < kLists; ++list) blocks_here += end[list] - begin[list];
+    if (blocks_here == 0) continue;
+    total_blocks_ += blocks_here;
+    const auto first = static_cast<std::uint32_t>(jobs_.size());
+    std::vector<BlockRange> rest;
+    const bool whole = blocks_here <= kJobBlocks || colour == kColours;
+    for (std::uint32_t list = 0; list < kLists; ++list) {
+      std::uint32_t at = begin[list], last = end[list];
+      if (at == last) continue;
+      if (whole) {
+        rest.push_back({list, at, last});
+        continue;
+      }
+      if (lanes_[list][std::size_t{last} * kBlock - 1] == kNoSlot) rest.push_back({list, --last, last + 1});
+      for (; at < last; at += kJobBlocks) {
+        const auto place = static_cast<std::uint32_t>(ranges_.size());
+        ranges_.push_back({list, at, std::min(last, at + kJobBlocks)});
+        jobs_.push_back({place, place + 1});
+      }
+    }
+    if (!rest.empty()) {
+      const auto place = static_cast<std::uint32_t>(ranges_.size());
+      ranges_.insert(ranges_.end(), rest.begin(), rest.end());
+      jobs_.push_back({place, static_cast<std::uint32_t>(ranges_.size())});
+    }
+    phases_.push_back({first, static_cast<std::uint32_t>(jobs_.size())});
+  }
+}
+
+}  // namespace psim

@@ -1,0 +1,159 @@
+// Cells of a sparse world: a sorted list of the cells that hold bodies.
+// The empty space between bodies costs nothing, however far apart they are.
+// docs/decisions/008-sparse-worlds.md
+//
+// A cell's name is row x stride + column, in 64 bits. The last column of a row
+// is always empty, so name + 1 is the cell to the east, or an empty one. Bodies
+// are sorted by the name of their cell. While the cells keep their places, the
+// few bodies that went to another cell are merged with the rest; otherwise all
+// are sorted by a radix sort. Each cell has four numbers, at the places where
+// the pair search expects them with key = 4 cell and next_row = 1 (pair_kernel.h):
+//
+//   start[key]      first body of the three cells above
+//   start[key + 1]  its own first body
+//   start[key + 2]  past the last body of this cell and the one to the east
+//   start[key + 3]  past the last body of the three cells above
+//
+// Rows run across the longer side of the bodies' box, so that bodies along a
+// line lie in many rows. O(bodies), whatever their box; 33 bytes a body.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+
+namespace psim {
+
+/// How many bodies of each kind a sort found.
+struct SortCount {
+  std::uint32_t small = 0, large = 0, dead = 0;
+};
+
+class CellList {
+ public:
+  template <class A>
+  void describe(A& a);  ///< for saved states
+  bool sound() const;
+  bool holds(const BodyStore& bodies, bool periodic) const;
+
+  explicit CellList(MemoryMeter& meter)
+      : name_(meter), spare_name_(meter), moved_(meter), counts_(meter), start_(meter) {}
+
+  /// Chooses cells at least `edge` lattice steps wide for the box {x low, y low,
+  /// x high, y high} of `bodies` bodies, or for the whole of a periodic world.
+  /// False if fewer than three by three cells fit.
+  bool lay(const std::int32_t box[4], const double edge[2], bool periodic, std::uint32_t bodies);
+
+  /// Sorts the slots by cell, and within a cell by slot. Bodies whose reach
+  /// exceeds `large` come after those, dead bodies last. order[k] becomes the
+  /// slot that comes k-th, keys[k] four times its cell. On entry `keys` holds
+  /// the keys of the last sort: they tell which bodies stayed in their cells.
+  SortCount sort(const BodyStore& bodies, float large, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool);
+
+  /// Forgets the cells and keys of the last sort.
+  void forget() {
+    sorted_ = 0;
+    stays_ = false;
+  }
+
+  const std::uint32_t* start() const { return start_.data(); }
+  std::uint32_t size() const { return cells_; }
+  bool periodic() const { return periodic_; }
+  double cell_steps(int axis) const { return axis_[axis].width; }
+
+  /// First body of a cell; of cell size(): past the last body.
+  std::uint32_t first(std::uint32_t cell) const { return start_[4 * std::size_t{cell} + 1]; }
+  std::uint64_t row(std::uint32_t cell) const { return name_[cell] / stride_; }
+  std::uint64_t column(std::uint32_t cell) const { return name_[cell] % stride_; }
+  std::uint64_t last_column() const { return stride_ - 2; }
+  std::uint64_t row_above(std::uint64_t row) const { return row + 1 == rows_ ? 0 : row + 1; }
+  /// The first cell of a row at or after a column; if there is none, the first
+  /// cell of a later row. O(log cells).
+  std::uint32_t find(std::uint64_t row, std::uint64_t column) const;
+  /// The same; fast if the result is near `guess`.
+  std::uint32_t find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const;
+
+  /// Calls each(first body, past the last) for runs of bodies that may lie in
+  /// the box that reaches `half` lattice steps each way from a place. Ends and
+  /// returns false when a call returns false.
+  template <class Each>
+  bool in_box(const std::int32_t place[2], const double half[2], const Each& each) const {
+    Range rows[2], columns[2];
+    span(row_axis_, place[row_axis_], half[row_axis_], rows);
+    span(1 - row_axis_, place[1 - row_axis_], half[1 - row_axis_], columns);
+    for (const Range& r : rows) {
+      // Rows are much alike: the offsets of one row are good guesses for the next.
+      std::uint32_t row_cells = 0, offset[2] = {0, 0};
+      for (std::uint32_t c = find(r.first, 0); c < cells_;) {
+        const std::uint64_t here = row(c);
+        if (here >= r.end) break;
+        for (int k = 0; k < 2; ++k) {
+          if (columns[k].first == columns[k].end) continue;
+          const std::uint32_t begin = find_about(here, columns[k].first, c + offset[k]);
+          offset[k] = begin - c;
+          const std::uint32_t from = first(begin), to = first(find_about(here, columns[k].end, begin));
+          if (from < to && !each(from, to)) return false;
+        }
+        const std::uint32_t next = find_about(here + 1, 0, c + row_cells);
+        row_cells = next - c;
+        c = next;
+      }
+    }
+    return true;
+  }
+
+  /// Mean number of bodies in a body's cell and the eight cells around it, from
+  /// a sample of about 2,000 bodies.
+  double neighbours(const std::uint32_t* keys, std::uint32_t bodies) const;
+
+ private:
+  struct Axis {
+    std::int32_t low = 0;   // lattice coordinate where cell 0 begins
+    std::uint64_t per = 0;  // cells in 2^32 lattice steps
+    std::uint64_t cells = 0;
+    double width = 1;  // lattice steps a cell
+  };
+  struct Range {
+    std::uint64_t first = 0, end = 0;
+  };
+  struct Chunk {
+    std::uint32_t begin = 0, end = 0;  // bodies
+    std::uint32_t large = 0, dead = 0, cells = 0;
+    std::uint32_t stayed = 0, moved = 0;
+  };
+
+  static std::uint64_t cell_at(const Axis& a, std::int32_t at) {
+    return (std::uint64_t{static_cast<std::uint32_t>(wrap_sub(at, a.low))} * a.per) >> 32;
+  }
+  bool serves(const Axis& a, const std::int32_t box[4], int axis, double edge, bool periodic) const;
+  void span(int axis, std::int32_t at, double half, Range out[2]) const;
+  void cut_chunks(std::uint32_t bodies);
+  void name_bodies(const BodyStore& bodies, float large, Chunk& chunk);
+  bool merge_moved(const BodyStore& bodies, float large, const std::uint32_t* keys, WorkerPool& pool);
+  /// Number of moved bodies that fit into the room of a chunk.
+  std::uint32_t room_of_moved() const;
+  void find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t chunk);
+  void sort_by_digit(int shift, int bits, WorkerPool& pool);
+  void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool);
+  void find_neighbours(std::uint32_t begin, std::uint32_t end);
+
+  // During a sort: a name for each body, with its slot in the low bits. Afterwards: the names of the cells.
+  Column<std::uint64_t> name_, spare_name_;
+  int slot_bits_ = 0;
+  Column<std::uint64_t> moved_;   // names of the bodies that went to another cell
+  std::uint32_t sorted_ = 0;      // number of bodies in the last sort; 0: its keys are gone
+  bool stays_ = false;            // the cells kept their places
+  int patience_ = 0;              // sorts to go before moved bodies are looked for again
+  Column<std::uint32_t> counts_;  // by chunk and digit
+  Column<std::uint32_t> start_;
+  std::vector<Chunk> chunks_;
+  Axis axis_[2];
+  int row_axis_ = 1;
+  std::uint64_t stride_ = 2, rows_ = 0;
+  std::uint32_t cells_ = 0;
+  bool periodic_ = false;
+};
+
+}  // namespace psim

@@ -1,0 +1,244 @@
+#include "lists/heavy_loads.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/tasks.h"
+
+namespace psim {
+namespace {
+
+// Contacts under heavy loads are swept sixteen times a pass, so a sixty-fourth of all contacts costs a quarter of a pass.
+constexpr std::uint32_t kFewContacts = 512, kShare = 64;
+constexpr double kFading = 0.95;  // factor a search on the cost of the costliest one
+
+// Adds the first n entries of all strips, entry by entry.
+template <class Counts>
+Counts sum_of(const std::vector<Counts>& by_strip, std::size_t n) {
+  Counts sum{};
+  for (std::size_t s = 0; s < n; ++s) {
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += by_strip[s][k];
+  }
+  return sum;
+}
+
+// By how many powers of two the ratio of two masses exceeds kLeastRatio; -1 if it does not. A kinematic
+// body (inverse mass 0) is no load.
+int ratio_class(float wa, float wb) {
+  const float light = std::max(wa, wb), heavy = std::min(wa, wb);
+  if (!(heavy > 0) || light < heavy * HeavyLoads::kLeastRatio) return -1;
+  return std::ilogb(light / (heavy * HeavyLoads::kLeastRatio));
+}
+
+}  // namespace
+
+bool HeavyLoads::heavy(std::uint32_t a, std::uint32_t b) const { return ratio_class(inv_mass_[a], inv_mass_[b]) >= 0; }
+
+void HeavyLoads::begin(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
+  any_ = false;
+  inv_mass_.reserve(b.count);
+  level_.reserve(b.count);
+  pairs_ = looked_ = 0;
+  for (const Strip& s : table.strips) pairs_ += s.pair_end - s.pair_begin;
+  const std::uint32_t blocks = b.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    for (std::size_t i = std::size_t{r.begin} * kernels::kBlock;
+         i < std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count); ++i) {
+      inv_mass_[i] = b.id[i] == kNoSlot ? 0.0f : b.properties(b.id[i]).inv_mass;
+    }
+  });
+  strips_ = table.strips.size();
+  ratios_.resize(std::max(ratios_.size(), strips_));
+  levels_.resize(std::max(levels_.size(), strips_));
+  phase_ = Phase::ratios;
+  done_ = 0;
+}
+
+// The order of strips in a pass: even strips, then odd strips, then the group of large bodies.
+std::size_t HeavyLoads::strip_of(std::size_t piece) const {
+  const std::size_t k = piece - done_, even = strips_ / 2;
+  if (k + 1 == strips_) return k;
+  return k < even ? 2 * k : 2 * (k - even) + 1;
+}
+
+std::uint32_t HeavyLoads::pairs_in(const PairTable& table, std::size_t piece) const {
+  const std::size_t strip = strip_of(piece);
+  const Strip& s = table.strips[strip];
+  return phase_ == Phase::spread && idle(strip) ? 0 : s.pair_end - s.pair_begin;
+}
+
+void HeavyLoads::go_on(const PairTable& table, WorkerPool& pool, std::size_t from, std::size_t to) {
+  run_phases(strips_, from - done_, to - done_, pool, [&](std::size_t strip) {
+    switch (phase_) {
+      case Phase::ratios:
+        return count_ratios(table, strip);
+      case Phase::mark:
+        return mark(table, strip);
+      case Phase::spread:
+        return spread(table, strip);
+      case Phase::levels:
+        return count_levels(table, strip);
+      case Phase::none:
+        break;
+    }
+  });
+  if (to == pieces()) finish_pass(table);
+}
+
+void HeavyLoads::count_ratios(const PairTable& table, std::size_t index) {
+  const Strip& s = table.strips[index];
+  ByRatio mine{};
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const int c = ratio_class(inv_mass_[table.owner[p]], inv_mass_[table.other[p]]);
+    if (c >= 0) ++mine[static_cast<std::size_t>(std::min(c, kRatios - 1))];
+  }
+  ratios_[index] = mine;
+}
+
+void HeavyLoads::mark(const PairTable& table, std::size_t index) {
+  const Strip& s = table.strips[index];
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const std::uint32_t a = table.owner[p], b = table.other[p];
+    const float wa = inv_mass_[a], wb = inv_mass_[b];
+    const float heavy = std::min(wa, wb);
+    if (!(heavy > 0) || std::max(wa, wb) < heavy * ratio_) continue;
+    level_[wa > wb ? a : b] = kTop;
+    next_[index] = 1;
+  }
+}
+
+// A strip is idle if neither it nor a strip that it reaches has bodies of the level.
+bool HeavyLoads::idle(std::size_t index) const {
+  const std::size_t grid = strips_ - 1, beyond = index + 1 < grid ? index + 1 : 0;
+  return index != grid && active_[index] == 0 && active_[beyond] == 0;
+}
+
+// Spreads a level to the partners of its bodies, as one level less, but not to the heavy partners themselves.
+void HeavyLoads::spread(const PairTable& table, std::size_t index) {
+  if (idle(index)) return;
+  const Strip& s = table.strips[index];
+  const std::uint8_t level = spreading_;
+  const auto pass = [&](std::uint32_t from, std::uint32_t to) {
+    if (level_[from] != level || level_[to] + 1 >= level) return;
+    const float w = inv_mass_[to];
+    if (!(w > 0) || inv_mass_[from] >= w * ratio_) return;
+    level_[to] = static_cast<std::uint8_t>(level - 1);
+    next_[index] = 1;
+  };
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    pass(table.owner[p], table.other[p]);
+    pass(table.other[p], table.owner[p]);
+  }
+}
+
+// Activates the strips in `next_` and the strips after them: a pair may reach a body of the next strip, and a pair
+// of the large bodies' group a body of any strip.
+void HeavyLoads::activate() {
+  const std::size_t strips = next_.size() - 1;
+  for (std::size_t k = 0; k < strips; ++k) {
+    if (next_[k] != 0) active_[k] = active_[k + 1 < strips ? k + 1 : 0] = 1;
+  }
+  if (next_[strips] != 0) std::fill(active_.begin(), active_.end(), std::uint8_t{1});
+}
+
+void HeavyLoads::count_levels(const PairTable& table, std::size_t index) {
+  const Strip& s = table.strips[index];
+  ByLevel mine{};
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    ++mine[std::max(level_[table.owner[p]], level_[table.other[p]])];
+  }
+  levels_[index] = mine;
+}
+
+// Chooses the next pass, after all strips were gone over.
+void HeavyLoads::finish_pass(const PairTable& table) {
+  const std::uint32_t most = most_contacts();
+  done_ += strips_;
+  switch (phase_) {
+    case Phase::ratios:
+      looked_ += pairs_;
+      contacts_ = 0;
+      for (const std::uint32_t n : sum_of(ratios_, strips_)) contacts_ += n;
+      class_ = 0;
+      ratio_ = kLeastRatio;
+      return try_ratio(table);
+    case Phase::mark:
+      looked_ += pairs_;
+      activate();
+      spreading_ = kTop;
+      return begin_spread(table);
+    case Phase::spread:
+      activate();
+      --spreading_;
+      return begin_spread(table);
+    case Phase::levels: {
+      looked_ += pairs_;
+      const ByLevel levels = sum_of(levels_, strips_);
+      std::uint32_t sum = levels[kTop];
+      if (sum > most) {
+        next_ratio();
+        return try_ratio(table);
+      }
+      for (cut_ = kTop; cut_ > 1 && sum + levels[cut_ - 1u] <= most; --cut_) sum += levels[cut_ - 1u];
+      return end(true);
+    }
+    case Phase::none:
+      break;
+  }
+}
+
+std::uint32_t HeavyLoads::most_contacts() const {
+  return std::max(kFewContacts, static_cast<std::uint32_t>(pairs_) / kShare);
+}
+
+void HeavyLoads::next_ratio() {
+  contacts_ -= sum_of(ratios_, strips_)[class_++];
+  ratio_ *= 2;
+}
+
+// Goes on to the next ratio that leaves few enough contacts, or ends the search.
+void HeavyLoads::try_ratio(const PairTable& table) {
+  while (contacts_ > most_contacts()) next_ratio();
+  if (contacts_ == 0) return end(false);
+  std::fill_n(level_.data(), table.body_count, std::uint8_t{0});
+  active_.assign(strips_, 0);
+  next_ = active_;
+  phase_ = Phase::mark;
+}
+
+void HeavyLoads::begin_spread(const PairTable& table) {
+  if (spreading_ == 1) {
+    phase_ = Phase::levels;
+    return;
+  }
+  phase_ = Phase::spread;
+  next_ = active_;
+  for (std::size_t k = 0; k < strips_; ++k) {
+    if (!idle(k)) looked_ += table.strips[k].pair_end - table.strips[k].pair_begin;
+  }
+}
+
+void HeavyLoads::end(bool any) {
+  any_ = any;
+  phase_ = Phase::none;
+  const double visits = static_cast<double>(looked_) / static_cast<double>(std::max<std::uint64_t>(pairs_, 1));
+  visits_ = std::max(visits, 1 + kFading * (visits_ - 1));
+}
+
+void HeavyLoads::release() {
+  forget();
+  inv_mass_.release();
+  level_.release();
+  for (std::vector<std::uint8_t>* marks : {&active_, &next_}) std::vector<std::uint8_t>().swap(*marks);
+  std::vector<ByRatio>().swap(ratios_);
+  std::vector<ByLevel>().swap(levels_);
+}
+
+std::size_t HeavyLoads::bytes() const {
+  return inv_mass_.bytes() + level_.bytes() + active_.capacity() + next_.capacity() +
+         ratios_.capacity() * sizeof(ByRatio) + levels_.capacity() * sizeof(ByLevel);
+}
+
+}  // namespace psim

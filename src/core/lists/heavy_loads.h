@@ -1,0 +1,101 @@
+// Bodies that carry much heavier bodies. One solve pass a substep passes a load on by a contact or two;
+// under a body a thousand times heavier it would take hundreds of passes. The contacts of such bodies, and
+// of the bodies that they rest on, are made stiffer and swept more often (docs/solver.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/column.h"
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+#include "lists/pair_table.h"
+
+namespace psim {
+
+class HeavyLoads {
+ public:
+  template <class A>
+  void describe(A& a);  ///< for saved states
+
+  /// The least ratio of masses that counts as heavy.
+  static constexpr float kLeastRatio = 8;
+  /// Sweeps over contacts under heavy loads in a pass.
+  static constexpr int kSweeps = 16;
+
+  explicit HeavyLoads(MemoryMeter& meter) : inv_mass_(meter), level_(meter) {}
+
+  /// Finds the loaded bodies among the pairs of `table`: bodies with a partner at least kLeastRatio heavier, and
+  /// all bodies within five contacts of one. Their contacts must stay a small share of all: until they are, the
+  /// ratio is doubled, or bodies fewer contacts away count. After begin() run pieces [from, to) of pieces(), in
+  /// order, until none is left: a piece goes over the pairs of one strip, and pieces() grows with the passes that
+  /// turn out to be needed. O(pairs).
+  void begin(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
+  std::size_t pieces() const { return done_ + (phase_ == Phase::none ? 0 : strips_); }
+  void go_on(const PairTable& table, WorkerPool& pool, std::size_t from, std::size_t to);
+  /// Number of pairs that a piece looks at.
+  std::uint32_t pairs_in(const PairTable& table, std::size_t piece) const;
+
+  /// Declares that nobody carries a heavy load.
+  void forget() { any_ = false; }
+  /// Gives the memory back, when no body can carry a heavy load any more.
+  void release();
+  std::size_t bytes() const;
+
+  bool any() const { return any_; }
+  /// How often a pair was looked at in the costliest search; older searches fade.
+  double visits() const { return visits_; }
+  void set_visits(double visits) { visits_ = visits; }
+  /// Whether one of two bodies is heavy relative to the other. Slots must be those of the last search.
+  bool heavy(std::uint32_t a, std::uint32_t b) const;
+  /// Whether the contacts of a body are under a heavy load.
+  bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
+
+ private:
+  // The level of a body: kTop if a partner is much heavier, one less for each contact away, 0 beyond.
+  static constexpr std::uint8_t kTop = 6;
+  static constexpr int kRatios = 24;  // by powers of two from kLeastRatio
+  using ByRatio = std::array<std::uint32_t, kRatios>;
+  using ByLevel = std::array<std::uint32_t, kTop + 1>;
+
+  // Every pass goes over all strips:
+  //   ratios  how much heavier partners are
+  //   mark    which bodies have a partner that is heavy enough
+  //   spread  how many contacts away from those the other bodies are
+  //   levels  how many contacts the chosen bodies have
+  enum class Phase : std::uint8_t { none, ratios, mark, spread, levels };
+
+  std::size_t strip_of(std::size_t piece) const;
+  bool idle(std::size_t strip) const;
+  void count_ratios(const PairTable& table, std::size_t strip);
+  void mark(const PairTable& table, std::size_t strip);
+  void spread(const PairTable& table, std::size_t strip);
+  void count_levels(const PairTable& table, std::size_t strip);
+  void activate();
+  void finish_pass(const PairTable& table);
+  void try_ratio(const PairTable& table);
+  void begin_spread(const PairTable& table);
+  void next_ratio();
+  std::uint32_t most_contacts() const;
+  void end(bool any);
+
+  Column<float> inv_mass_;                   // by slot
+  Column<std::uint8_t> level_;               // by slot
+  std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level that spreads
+  std::vector<ByRatio> ratios_;              // by strip
+  std::vector<ByLevel> levels_;
+  Phase phase_ = Phase::none;      // the pass of the search that runs
+  std::size_t strips_ = 0;         // number of strips
+  std::size_t done_ = 0;           // number of pieces in the passes before this one
+  std::uint8_t spreading_ = kTop;  // the level that this pass spreads
+  std::size_t class_ = 0;          // the power of two of the ratio that is tried
+  std::uint32_t contacts_ = 0;     // number of contacts with that ratio
+  float ratio_ = kLeastRatio;
+  double visits_ = 1;
+  std::uint64_t pairs_ = 0, looked_ = 0;  // number of pairs, number of looks in this search
+  std::uint8_t cut_ = 1;
+  bool any_ = false;
+};
+
+}  // namespace psim

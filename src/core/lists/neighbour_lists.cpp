@@ -1,0 +1,77 @@
+#include "lists/neighbour_lists.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/margin.h"
+
+namespace psim {
+
+bool NeighbourLists::serve(BodyStore& bodies, double dt, const kernels::KernelTable& k, WorkerPool& pool) {
+  const double time = (selects() ? 1.0 : kMarginFrames) * dt;
+  return broad.lists_serve(bodies, static_cast<float>(time), k, pool);
+}
+
+void NeighbourLists::measure(BodyStore& bodies, StaticShapes& statics, const ListSettings& world, double dt,
+                             const kernels::KernelTable& k, WorkerPool& pool) {
+  const WorldDesc& desc = *world.desc;
+  const ListPlan plan = plan_lists(bodies, world, dt);
+  const bool selected = plan.mode != ListMode::persistent;
+  const double reach = plan.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.speed);
+  const double growth = made.reach > 0 ? reach * reach / (made.reach * made.reach) : 1;
+  const bool changed =
+      broad.density() == 0 || selected != selects() || plan.frames != made.frames || desc.skin != made.skin;
+  mode = plan.mode;
+  made.frames = plan.frames;
+  made.reach = reach;
+  made.skin = desc.skin;
+  made.speed = plan.speed;
+  made.crowding = plan.crowding;
+  made.impact_rate = plan.impacts;
+  BroadPhaseParams p;
+  p.margin = plan.margin;
+  p.ahead = plan.ahead;
+  p.outer = changed ? plan.outer : 0;
+  p.sample = world.governed;
+  if (!changed && world.makes_room) p.growth = std::clamp(growth, 1.0, 4.0);
+  p.walls = desc.boundary == Boundary::walls;
+  p.periodic = desc.boundary == Boundary::periodic;
+  p.mixed_radii = world.mixed_radii;
+  p.link_all = world.link_all;
+  const Vec2 c = broad.lattice().centre();
+  p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y};
+  renewal.forget();
+  broad.measure(bodies, statics, p, k, pool);
+}
+
+bool NeighbourLists::move(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin,
+                          std::size_t end) {
+  const bool last = end == broad.moves();
+  if (last && !selects()) table.swap(old_table);
+  broad.move(bodies, k, pool, found(), begin, end);
+  return last;
+}
+
+void NeighbourLists::select(BodyStore& bodies, const ListSettings& world, double dt, const kernels::KernelTable& k,
+                            WorkerPool& pool, std::size_t begin, std::size_t end) {
+  constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
+  if (begin == 0) {
+    table.swap(old_table);
+    const bool periodic = world.desc->boundary == Boundary::periodic;
+    speeds.measure(bodies, candidates.strips, {world.uneven, periodic, broad.lattice().pitch_y(), kMarginFrames * dt},
+                   pool);
+    slack.resize(candidates.strips.size());
+  }
+  for (std::size_t s = begin; s < end; ++s) {
+    const double speed = std::fmin(made.speed, kReserve * speeds.at(s));
+    slack[s] = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+  }
+  broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack, world.link_all, candidates, table, k, pool, begin,
+               end);
+}
+
+bool NeighbourLists::may_renew(const BodyStore& bodies) const {
+  return !selects() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count;
+}
+
+}  // namespace psim

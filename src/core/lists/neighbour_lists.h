@@ -1,0 +1,73 @@
+// The neighbour lists of the moving bodies, and all that belongs to them: the broad phase that makes them, the renewal
+// that mends them body by body, and the numbers that say how they were made.
+//
+//   persistent          broad phase --------------> table            contacts last as long as the lists
+//   selected each step  broad phase -> candidates -> select -> table  contacts are laid out in every step
+//
+// `table` is what contacts are made from; `old_table` is the one before, by which the impulses of the last step lie
+// until the new contacts have taken them over (step/step_progress.h).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lists/broad_phase.h"
+#include "lists/list_plan.h"
+#include "lists/pair_table.h"
+#include "lists/renewal.h"
+#include "lists/strip_speeds.h"
+
+namespace psim {
+
+/// How the present lists were made.
+struct ListNumbers {
+  double frames = 0;             ///< that lists with a selection are made for; 0: one step, looking ahead
+  double span = 1;               ///< frames of a step that they were made for
+  double selected_span = 1;      ///< frames of the last step that pairs were selected for
+  double reach = 0;              ///< m: a typical distance up to which two bodies are candidates
+  double skin = 1;               ///< WorldDesc::skin at the time
+  double speed = 0;              ///< m/s: root mean square of a sample of bodies about its mean
+  double crowding = 0.1;         ///< 0.1 to 1: how likely one impact leads to another within a step
+  double impact_rate = 0;        ///< 1/s: impacts of a body, if all were in flight
+  std::uint64_t candidates = 0;  ///< how many there were in a saved state, while they are not there again
+};
+
+struct NeighbourLists {
+  NeighbourLists(MemoryMeter& meter, const Lattice& lattice)
+      : broad(meter, lattice), renewal(meter), table(meter), old_table(meter), candidates(meter) {}
+
+  /// Whether each step selects its pairs from the candidates.
+  bool selects() const { return mode != ListMode::persistent; }
+  /// The table that the broad phase writes.
+  PairTable& found() { return selects() ? candidates : table; }
+  const PairTable& found() const { return selects() ? candidates : table; }
+
+  /// Whether the lists can serve dt seconds more. O(bodies).
+  bool serve(BodyStore& bodies, double dt, const kernels::KernelTable& k, WorkerPool& pool);
+  /// Decides how new lists for steps of dt seconds are made. The broad phase then counts cells, moves the bodies in
+  /// their order and searches.
+  void measure(BodyStore& bodies, StaticShapes& statics, const ListSettings& world, double dt,
+               const kernels::KernelTable& k, WorkerPool& pool);
+  /// Moves [begin, end) of the bodies' moves to cell order. True with the last: then they lie in the new order, and
+  /// persistent lists have begun a new table.
+  bool move(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin, std::size_t end);
+  /// Selects the pairs that can meet within dt seconds, of strips [begin, end) of the candidates, into a new table.
+  /// No slack is more than what speeds all over the world ask for; it is less where all move alike
+  /// (docs/decisions/013-slack-by-strip.md).
+  void select(BodyStore& bodies, const ListSettings& world, double dt, const kernels::KernelTable& k, WorkerPool& pool,
+              std::size_t begin, std::size_t end);
+  /// Whether lists can be made anew for a few bodies alone.
+  bool may_renew(const BodyStore& bodies) const;
+  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + slack.capacity() * sizeof(float); }
+
+  BroadPhase broad;
+  ListRenewal renewal;
+  StripSpeeds speeds;
+  std::vector<float> slack;  ///< m, by strip: how far impacts within a step may move a body
+  PairTable table, old_table, candidates;
+  ListMode mode = ListMode::persistent;
+  bool stale = true;  ///< new lists must be made before the next step
+  ListNumbers made;
+};
+
+}  // namespace psim

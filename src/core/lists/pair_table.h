@@ -1,0 +1,145 @@
+// The neighbour lists of one build: strips of bodies, their candidate pairs, and their pairs with fixed
+// shapes. Two tables alternate, so that stored impulses can be carried from the old one to the new one.
+//
+// A strip is a run of slots: some whole rows of the grid. Its pairs name bodies of the strip itself and of
+// the first row of the next strip. Therefore all even strips can be worked on side by side, then all odd
+// strips. Bodies that are too large for the grid form one last group, which is worked on alone. Behind the
+// pairs of that group lie the new pairs of renewed bodies (renewal.h), ordered by owner and partner; the
+// lower slot owns such a pair.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "base/column.h"
+
+namespace psim {
+
+struct Strip {
+  std::uint32_t body_begin = 0, body_end = 0;
+  std::uint32_t row_begin = 0, row_end = 0;
+  std::uint32_t pair_begin = 0, pair_end = 0;               ///< in PairTable::other
+  std::uint32_t block_begin = 0, block_end = 0;             ///< contact blocks
+  std::uint32_t static_begin = 0, static_end = 0;           ///< blocks of contacts with fixed shapes
+  std::uint32_t loaded_begin = 0, static_loaded_begin = 0;  ///< from here to the end: blocks under heavy loads
+  std::uint32_t colours = 0;
+  bool loaded = false;  ///< the strip has contacts under heavy loads
+};
+
+/// A body near a fixed shape.
+struct StaticPair {
+  std::uint32_t body = 0;
+  std::uint32_t shape = 0;
+  std::uint32_t contact = 0;  ///< 8 block + lane
+};
+
+struct PairTable {
+  explicit PairTable(MemoryMeter& meter) : first(meter), owner(meter), other(meter), contact(meter) {}
+
+  Column<std::uint32_t> first;    ///< by slot: its first pair; the high bit marks the first body of a strip
+  Column<std::uint32_t> owner;    ///< by pair: the slot that found it; ascending in a strip
+  Column<std::uint32_t> other;    ///< by pair: the partner's slot
+  Column<std::uint32_t> contact;  ///< by pair: 8 block + lane
+  std::vector<Strip> strips;      ///< the last is the group of large bodies
+  std::vector<std::vector<StaticPair>> static_contacts;  ///< by strip, by body
+  std::vector<std::vector<std::uint32_t>> found;         ///< by strip: scratch of the search for fixed shapes
+  std::uint32_t body_count = 0;
+  std::uint32_t large_begin = 0;
+  std::uint32_t pair_room = 0;                 ///< number of pairs with the gaps between strips
+  std::uint32_t renewed_begin = kNoneRenewed;  ///< first pair of renewed bodies; the last strip's end ends them
+
+  static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu;
+
+  /// For saved states: the strips and their bodies.
+  template <class A>
+  void describe(A& a);
+
+  void swap(PairTable& o) {
+    first.swap(o.first);
+    owner.swap(o.owner);
+    other.swap(o.other);
+    contact.swap(o.contact);
+    strips.swap(o.strips);
+    static_contacts.swap(o.static_contacts);
+    found.swap(o.found);
+    std::swap(body_count, o.body_count);
+    std::swap(large_begin, o.large_begin);
+    std::swap(pair_room, o.pair_room);
+    std::swap(renewed_begin, o.renewed_begin);
+  }
+
+  /// Makes room for `pairs` pairs, gaps included.
+  void spare(std::size_t bodies, std::size_t pairs) {
+    first.reserve(bodies + 1);
+    owner.reserve(pairs);
+    other.reserve(pairs);
+    contact.reserve(pairs);
+  }
+
+  /// Whether any(k) holds for a strip k whose contacts may share a body with those of `strip`: the strip itself, its
+  /// two neighbours (in a periodic world the first strip is a neighbour of the last), and the group of large bodies,
+  /// which is beside every strip.
+  template <class Any>
+  bool any_beside(std::size_t strip, const Any& any) const {
+    const std::size_t large = strips.size() - 1;
+    if (any(strip) || any(large)) return true;
+    if (strip != large) return any(strip == 0 ? large - 1 : strip - 1) || any(strip + 1 == large ? 0 : strip + 1);
+    for (std::size_t k = 0; k < large; ++k) {
+      if (any(k)) return true;
+    }
+    return false;
+  }
+
+  /// Completes `first`: its end, and the marks of the strips' first bodies.
+  void mark_strips() {
+    first[body_count] = kStripStart;
+    for (const Strip& s : strips) {
+      if (s.body_begin < s.body_end) first[s.body_begin] |= kStripStart;
+    }
+  }
+  std::uint32_t pairs_of_begin(std::uint32_t body) const { return first[body] & ~kStripStart; }
+  std::uint32_t pairs_of_end(std::uint32_t body) const {
+    const std::uint32_t next = first[std::size_t{body} + 1];
+    return (next & kStripStart) != 0 ? std::min(strips[strip_of(body)].pair_end, renewed_begin) : next;
+  }
+  /// The index of pair (a, b), whichever body owns it, or kNoPair. O(log strips + log renewed pairs).
+  static constexpr std::uint32_t kNoPair = 0xFFFFFFFFu;
+  std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t pair = find_listed(a, b);
+    if (pair != kNoPair || renewed_begin == kNoneRenewed) return pair;
+    return find_renewed(std::min(a, b), std::max(a, b));
+  }
+  /// The same among the pairs of the last build.
+  std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {
+    for (std::uint32_t p = pairs_of_begin(a), end = pairs_of_end(a); p < end; ++p) {
+      if (other[p] == b) return p;
+    }
+    for (std::uint32_t p = pairs_of_begin(b), end = pairs_of_end(b); p < end; ++p) {
+      if (other[p] == a) return p;
+    }
+    return kNoPair;
+  }
+  std::uint32_t find_renewed(std::uint32_t low, std::uint32_t high) const {
+    const std::uint32_t end = strips.back().pair_end;
+    std::uint32_t from = renewed_begin, to = end;
+    while (from < to) {
+      const std::uint32_t middle = from + (to - from) / 2;
+      const bool before = owner[middle] != low ? owner[middle] < low : other[middle] < high;
+      (before ? from : to) = before ? middle + 1 : middle;
+    }
+    return from < end && owner[from] == low && other[from] == high ? from : kNoPair;
+  }
+  /// The strip that owns a body. O(log strips).
+  std::size_t strip_of(std::uint32_t body) const {
+    std::size_t low = 0, high = strips.size();
+    while (high - low > 1) {
+      const std::size_t middle = (low + high) / 2;
+      // Empty strips share their begin with the next one; the owner is the last that starts here.
+      (strips[middle].body_begin <= body ? low : high) = middle;
+    }
+    return low;
+  }
+};
+
+}  // namespace psim

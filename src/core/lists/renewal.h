@@ -1,0 +1,119 @@
+// Renewal of persistent lists, body by body: where a few bodies use up their margin before all others, a new search is
+// made for those bodies alone, at their present places (docs/decisions/014-lists-body-by-body.md).
+//
+// The pairs of a renewed body that no strip has yet are put behind the pairs of the last strip
+// (PairTable::renewed_begin). All other strips keep their pairs, colours and impulses, and the old pairs of a renewed
+// body stay in its strip. The result depends only on the last build and on the place at which each body was last
+// searched for.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/column.h"
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+#include "bodies/static_shapes.h"
+#include "kernel_table.h"
+#include "lists/broad_phase.h"
+#include "lists/heavy_loads.h"
+#include "lists/pair_table.h"
+
+namespace psim {
+
+class ListRenewal {
+ public:
+  template <class A>
+  void describe(A& a, std::size_t slots);  ///< for saved states
+
+  explicit ListRenewal(MemoryMeter& meter) : mark_(meter) {}
+
+  /// At most one body in kShare is renewed; if more need it, all lists are made again. The pairs of renewed bodies
+  /// are a single job of every pass.
+  static constexpr std::uint32_t kShare = 32;
+
+  /// Finds the bodies whose margin does not last for `time` seconds more. False if too many bodies are renewed, those
+  /// of before included. O(bodies).
+  bool find(BodyStore& bodies, const Lattice& lattice, float time, const kernels::KernelTable& k, WorkerPool& pool);
+  bool any() const { return known_ && !found_.empty(); }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }
+  /// Discards what find() found, because velocities may have changed.
+  void doubt() { known_ = false; }
+  /// The time of the last find(), s, and whether its result still counts.
+  float time() const { return time_; }
+  bool known() const { return known_; }
+
+  /// Searches around the bodies that find() found, with margins of skin + |v| `margin.time`, and fills pairs() and
+  /// near(). False if a pair has one body that is much heavier than the other: then all lists must be made again.
+  /// O(found log renewed).
+  bool look(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics, const HeavyLoads* loads,
+            const kernels::ReachParams& margin, const kernels::KernelTable& k, WorkerPool& pool,
+            const PairTable& table);
+  bool found(std::uint32_t slot) const { return mark_[slot] == kFound; }
+  /// New pairs that no strip has, as lower slot << 32 | higher slot, ascending, and fixed shapes near bodies, by body.
+  /// The manifolds take out the pairs that are theirs.
+  std::vector<std::uint64_t>& pairs() { return fresh_; }
+  std::vector<StaticPair>& near() { return near_; }
+  /// Puts the new pairs into `table`. False if they are too many: then all lists must be made again. O(pairs of renewed
+  /// bodies).
+  bool put(BodyStore& bodies, PairTable& table);
+  /// Ends a renewal: the found bodies are no longer marked as found.
+  void finish();
+  /// Whether the fixed shapes near some body changed, or their order did.
+  bool statics_changed() const { return statics_changed_; }
+  std::uint32_t renewed() const { return static_cast<std::uint32_t>(renewed_.size()); }
+
+  /// Makes room for the largest number of renewed bodies out of `bodies`.
+  void spare(std::size_t bodies);
+
+  /// Call when all lists were made anew: no body is renewed.
+  void forget();
+  /// After a saved state came back: bodies as the lists were made by, then, once those are there, what was renewed.
+  void turn_back(BodyStore& bodies);
+  void look_again(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics,
+                  const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
+
+  std::size_t bytes() const;
+
+ private:
+  struct Renewed {  // the place of a body when all lists were made
+    std::uint32_t slot = 0;
+    std::int32_t x = 0, y = 0;  // lattice steps
+    float reach = 0;            // m
+  };
+  struct Place {  // the position of a body along the longer side of the bodies' box
+    std::uint32_t along = 0, slot = 0;
+  };
+  struct Scratch {  // working memory of a job
+    std::vector<std::uint32_t> owner, other, first;
+    std::vector<std::uint64_t> pairs;
+  };
+  enum Mark : std::uint8_t { kListed = 0, kRenewed = 1, kFound = 2 };
+
+  static void place(BodyStore& bodies, std::uint32_t slot, std::int32_t x, std::int32_t y, float reach);
+  void admit(const BodyStore& bodies);
+  void sort_places(const BroadPhase& broad, const BodyStore& bodies);
+  void search(const BroadPhase& broad, const BodyStore& bodies, const kernels::KernelTable& k, const PairTable& table,
+              std::uint32_t slot, Scratch& s) const;
+  void join(const PairTable& table);
+  void put_pairs(PairTable& table);
+  void put_statics(PairTable& table);
+  void link(BodyStore& bodies, std::uint32_t slot);
+  void search_all(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics,
+                  const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
+
+  std::vector<std::uint32_t> found_;          // slots, ascending
+  std::vector<Renewed> renewed_;              // by slot, ascending
+  std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build
+  Column<std::uint8_t> mark_;                 // by slot
+  std::vector<Place> places_;                 // places of renewed bodies, ascending
+  std::vector<std::uint64_t> pairs_, fresh_;  // lower slot << 32 | higher one, ascending
+  std::vector<Scratch> scratch_;
+  std::vector<std::vector<std::uint32_t>> stale_;  // by job of find(): bodies without a margin
+  std::vector<StaticPair> near_, mine_;            // pairs with fixed shapes of all found bodies, and of one
+  std::vector<std::uint32_t> statics_;
+  float time_ = 0, most_ = 0;  // s; m: largest reach of a renewed body
+  bool known_ = false, statics_changed_ = false;
+};
+
+}  // namespace psim

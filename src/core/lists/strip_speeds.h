@@ -1,0 +1,76 @@
+// How fast bodies move relative to the bodies around them, strip by strip. This bounds how much an impact within a
+// step may change a velocity. In a world that falls here and rests there, it is small in most strips.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+#include "lists/pair_table.h"
+
+namespace psim {
+
+class StripSpeeds {
+ public:
+  struct Settings {
+    bool uneven = false;    ///< a heavy body may throw light ones: masses count
+    bool periodic = false;  ///< the last strip meets the first
+    double pitch_y = 1;     ///< m a lattice step
+    double time = 0;        ///< s: length of the step, in which large bodies may reach other strips
+  };
+
+  /// Samples about 64 bodies of each strip, or all of them where masses differ, and every large body. O(bodies).
+  void measure(const BodyStore& bodies, const std::vector<Strip>& strips, const Settings& settings, WorkerPool& pool);
+
+  /// The speed of a strip and its neighbours, m/s: the r.m.s. speed about their mean velocity (where masses differ,
+  /// about that of their centre of mass), or the speed of the fastest large body there if it is larger. Infinite for
+  /// the group of large bodies.
+  double at(std::size_t strip) const { return speed_[strip]; }
+
+  std::size_t bytes() const {
+    return stirs_.capacity() * sizeof(Stir) + (low_.capacity() + high_.capacity()) * sizeof(std::int64_t) +
+           speed_.capacity() * sizeof(double);
+  }
+
+ private:
+  struct Sum {
+    double weight = 0, x = 0, y = 0, square = 0;
+    void add(double w, double vx, double vy) {
+      weight += w;
+      x += w * vx;
+      y += w * vy;
+      square += w * (vx * vx + vy * vy);
+    }
+    void add(const Sum& o) {
+      weight += o.weight;
+      x += o.x;
+      y += o.y;
+      square += o.square;
+    }
+    Vec2 mean() const { return weight > 0 ? Vec2{x / weight, y / weight} : Vec2{}; }
+    double spread(Vec2 about) const;
+  };
+  struct Box {  // a box in velocity space, m/s
+    double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
+    void add(double x, double y);
+    void add(const Box& o);
+    double farthest(Vec2 from) const;
+  };
+  struct Stir {
+    Sum bodies, masses;
+    Box heavy;                        // velocities of large and of immovable bodies
+    std::int64_t low = 0, high = -1;  // lattice steps: the rows in which its bodies lie
+  };
+
+  void look(const BodyStore& bodies, const Strip& strip, Stir& out) const;
+  void place_large(const BodyStore& bodies, const Strip& large);
+
+  Settings settings_;
+  std::vector<Stir> stirs_;
+  std::vector<std::int64_t> low_, high_;  // by strip: lowest of it and all after, highest of it and all before
+  std::vector<double> speed_;
+};
+
+}  // namespace psim

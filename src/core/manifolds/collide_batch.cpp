@@ -1,0 +1,89 @@
+// In: pairs of hulls. Out: their manifolds. A batch takes 1.2 KB on the stack of its owner.
+#include "manifolds/collide_batch.h"
+
+#include <cstddef>
+
+namespace psim {
+namespace {
+
+using kernels::HullPairs;
+using kernels::kBlock;
+
+// The kernel reads hulls in place, so that it must know their layout.
+static_assert(Hull::kMost == 8 && offsetof(Hull, x) == sizeof(float) * kernels::kHullX &&
+              offsetof(Hull, y) == sizeof(float) * kernels::kHullY &&
+              offsetof(Hull, nx) == sizeof(float) * kernels::kHullNx &&
+              offsetof(Hull, ny) == sizeof(float) * kernels::kHullNy &&
+              offsetof(Hull, radius) == sizeof(float) * kernels::kHullRound &&
+              offsetof(Hull, reach) == offsetof(Hull, radius) + sizeof(float) &&
+              sizeof(Hull) >= sizeof(float) * (kernels::kHullRound + 4));
+
+/// Fewer pairs than this cost less if they are done one by one, since a kernel computes both sides of every branch. A
+/// kernel on one lane gains nothing.
+constexpr std::uint32_t fewest_of(std::uint32_t width) { return width == 1 ? kBlock + 1 : width == 4 ? 5 : 3; }
+
+}  // namespace
+
+std::uint32_t CollideBatch::kind_of(const Hull& a, const Hull& b) {
+  const auto size_of = [](const Hull& h) { return h.count == 1 ? 0u : h.count == 2 ? 1u : h.count == 4 ? 2u : 3u; };
+  const std::uint32_t of_a = size_of(a), of_b = size_of(b);
+  if (of_a > 2 || of_b > 2 || of_a + of_b == 0) return kKinds;
+  return of_a == 0 ? 3 * (of_b - 1) : 3 * (of_a - 1) + of_b;
+}
+
+void CollideBatch::add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin) {
+  const std::uint32_t k = count_++;
+  a_[k] = &a;
+  b_[k] = &b;
+  const bool swap = a.count == 1;
+  swapped_ |= (swap ? 1u : 0u) << k;
+  const Rotor first = swap ? qb : qa, second = swap ? qa : qb;
+  block_.a[k] = (swap ? b : a).x;
+  block_.b[k] = (swap ? a : b).x;
+  block_.ac[k] = first.c;
+  block_.as[k] = first.s;
+  block_.bc[k] = second.c;
+  block_.bs[k] = second.s;
+  block_.dx[k] = swap ? -dx : dx;
+  block_.dy[k] = swap ? -dy : dy;
+  block_.margin[k] = margin;
+}
+
+void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
+  in_lanes_ = count_ >= fewest_of(kernels.width);
+  if (!in_lanes_) {
+    block_.hard = 0xFF;
+    return;
+  }
+  for (std::uint32_t k = count_; k < kBlock; ++k) {  // the kernel looks at all eight
+    block_.a[k] = block_.a[0];
+    block_.b[k] = block_.b[0];
+    for (float* of : {block_.ac, block_.as, block_.bc, block_.bs, block_.dx, block_.dy, block_.margin}) {
+      of[k] = of[0];
+    }
+  }
+  kernels.collide[kind / 3][kind % 3](&block_, 0, 1);
+}
+
+Manifold CollideBatch::manifold(std::uint32_t k) const {
+  const bool swap = (swapped_ >> k & 1) != 0;
+  if ((block_.hard >> k & 1) != 0) {
+    const Rotor first{block_.ac[k], block_.as[k]}, second{block_.bc[k], block_.bs[k]};
+    return collide(*a_[k], swap ? second : first, *b_[k], swap ? first : second, swap ? -block_.dx[k] : block_.dx[k],
+                   swap ? -block_.dy[k] : block_.dy[k], block_.margin[k]);
+  }
+  Manifold m;
+  const float sign = swap && (block_.has[0] >> k & 1) != 0 ? -1.0f : 1.0f;
+  m.nx = sign * block_.nx[k];
+  m.ny = sign * block_.ny[k];
+  for (int n = 0; n < 2 && (block_.has[n] >> k & 1) != 0; ++n) {
+    const HullPairs::Point& p = block_.point[n];
+    const auto feature = static_cast<std::uint16_t>(p.feature[k]);
+    m.point[m.count++] =
+        swap ? ManifoldPoint{p.bx[k], p.by[k], p.ax[k], p.ay[k], p.gap[k], static_cast<std::uint16_t>(feature | 64u)}
+             : ManifoldPoint{p.ax[k], p.ay[k], p.bx[k], p.by[k], p.gap[k], feature};
+  }
+  return m;
+}
+
+}  // namespace psim

@@ -1,0 +1,28 @@
+// All contacts of a world: those of discs, those of shapes, and how the solver numbers the bodies that have any.
+// They are made from the neighbour lists and keep their impulses from step to step.
+#pragma once
+
+#include <array>
+
+#include "contacts/contact_store.h"
+#include "contacts/solver_bodies.h"
+#include "lists/heavy_loads.h"
+#include "manifolds/manifolds.h"
+#include "manifolds/stacks.h"
+
+namespace psim {
+
+struct Contacts {
+  explicit Contacts(MemoryMeter& meter) : solved(meter), loads(meter), discs(meter), manifolds(meter) {}
+
+  SolverBodies solved;                   ///< the bodies that the solver works on
+  HeavyLoads loads;                      ///< bodies that carry much heavier ones
+  ContactStore discs;                    ///< contacts of discs with discs and with fixed shapes
+  Manifolds manifolds;                   ///< contacts of all other shapes
+  Stacks stacks;                         ///< bodies that stand on each other one by one
+  bool kept = false;                     ///< the contacts of this step are those of the last one
+  bool impulses_valid = false;           ///< the table's impulses belong to the present plan's contact model
+  std::array<float, 4> softness_laid{};  ///< compliance and rate in the lanes of manifolds, alone and under heavy loads
+};
+
+}  // namespace psim

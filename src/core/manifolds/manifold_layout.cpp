@@ -1,0 +1,408 @@
+// Colours and blocks of the touching pairs of a strip.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <type_traits>
+
+#include "manifolds/manifolds.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+using kernels::ManifoldBlock;
+
+constexpr std::uint32_t kColours = ManifoldPair::kColours;  // one more class has blocks with a single lane
+constexpr float kFar = 1e6f;                                // m: the gap of a point that is not there
+constexpr float kOpen = -0.0f;
+
+// If a contact carries weight, the body below takes this share of its impulse in a sweep. So loads go down a pile no
+// faster than the contacts below can answer them (docs/decisions/007-manifolds.md).
+constexpr float kReaction = 0.5f;
+constexpr double kSupport = 0.5;  // a contact carries weight if the |cosine| between normal and gravity is larger
+
+constexpr float kMostOffset = 0.05f;  // share of the inner radius, see ManifoldPair::offset
+
+void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
+  p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
+  p.gap[l] = kFar;
+  p.impulse[l] = kOpen;
+  p.friction[l] = p.start[l] = 0;
+}
+
+// Makes a lane that does nothing: two resting dummies, far apart.
+void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
+  c.body[2 * l] = dummy;
+  c.body[2 * l + 1] = dummy + 1;
+  c.nx[l] = 0;
+  c.ny[l] = 1;
+  no_point(c.point[0], l);
+  no_point(c.point[1], l);
+  c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
+  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = 0;
+  c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = 0;
+}
+
+// Whether a pair lies under a heavy load. Those of stacks do not count, since stacks are solved exactly.
+bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
+  const bool fixed = pair.a == ManifoldPair::kNone;
+  return pair.stack == ManifoldPair::kLoose && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+}
+
+// Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
+void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, float size_a, float size_b) {
+  const bool fixed = pair.a == ManifoldPair::kNone;
+  const Manifold& m = pair.manifold;
+  for (int k = 0; k < 2; ++k) {
+    ManifoldBlock::Point& p = c.point[k];
+    if (k >= m.count) {
+      no_point(p, l);
+      continue;
+    }
+    const ManifoldPoint& from = m.point[k];
+    const auto along = [&](float x, float y) { return m.nx * x + m.ny * y; };
+    const auto across = [&](float x, float y) { return x * m.ny - y * m.nx; };
+    p.an[l] = fixed ? 0.0f : along(from.ax, from.ay) / size_a;
+    p.at[l] = fixed ? 0.0f : across(from.ax, from.ay) / size_a;
+    p.bn[l] = along(from.bx, from.by) / size_b;
+    p.bt[l] = across(from.bx, from.by) / size_b;
+    p.gap[l] = pair.gap[k];
+    p.impulse[l] = pair.impulse[k];
+    p.friction[l] = pair.friction[k];
+    p.start[l] = 0;
+  }
+}
+
+// Sets compliance, push-out rate and half-reactions of a lane.
+void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const ManifoldParams& params,
+                   bool loaded) {
+  const Manifold& m = pair.manifold;
+  const std::size_t kind = (pair.fixed_a ? 1u : 0u) + (loaded ? 2u : 0u);
+  c.soft[l] = params.soft[kind];
+  c.rate[l] = params.rate[kind];
+  c.share_a[l] = c.share_b[l] = 1;
+  const double g = length_of(params.gravity);
+  if (pair.stack != ManifoldPair::kLoose) {
+    c.soft[l] = params.stack_soft[pair.stack == ManifoldPair::kOnFixed];
+    c.rate[l] = params.stack_rate[pair.stack == ManifoldPair::kOnFixed];
+  } else if (c.e[l] > 0 && !loaded) {  // the impulse of an impact is applied at once
+    c.soft[l] = params.bouncing_soft[pair.fixed_a ? 1 : 0];
+    c.rate[l] = params.bouncing_rate[pair.fixed_a ? 1 : 0];
+  } else if (!pair.fixed_a && !loaded && g > 0) {
+    const double down =
+        (params.gravity.x * static_cast<double>(m.nx) + params.gravity.y * static_cast<double>(m.ny)) / g;
+    if (down <= -kSupport) c.share_a[l] = kReaction;
+    if (down >= kSupport) c.share_b[l] = kReaction;
+  }
+}
+
+// The run of a strip to which a pair belongs, see StripBlocks::end.
+std::uint32_t class_of(const ManifoldPair& pair, const HeavyLoads& loads) {
+  return (pair.fixed_a ? 2u : 0u) + (is_loaded(pair, loads) ? 1u : 0u);
+}
+
+}  // namespace
+
+void Manifolds::keep_impulses(WorkerPool& pool) {
+  if (begin_.empty() || !laid_) return;
+  laid_ = false;
+  pool.run(begin_.size() - 1, [&](std::size_t s) {
+    const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
+    for (const std::uint32_t k : strips_[s].laid) {
+      ManifoldPair& pair = pairs_[k];
+      if (pair.lane == ManifoldPair::kNone) continue;
+      const ManifoldBlock& c = blocks[pair.lane / kBlock];
+      const std::uint32_t l = pair.lane % kBlock;
+      for (int p = 0; p < 2; ++p) {
+        const float impulse = c.point[p].impulse[l];
+        pair.impulse[p] = impulse > 0 ? impulse : 0.0f;
+        pair.friction[p] = c.point[p].friction[l];
+      }
+    }
+  });
+}
+
+void Manifolds::forget() {
+  accept();
+  own_end_ = 0;
+  indexed_ = false;
+  pairs_.clear();
+  owner_.clear();
+  begin_.clear();
+  cuts_.clear();
+  for (StripBlocks& s : strips_) s.laid.clear();
+  std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
+}
+
+bool Manifolds::fit(std::size_t strips) {
+  const std::size_t pairs = pairs_.size();
+  if (strips == 0 || strip_count() != strips || strips_.size() < strips || stale_.size() < strips ||
+      special_.size() < strips || begin_[strips - 1] > own_end_ || own_end_ > pairs) {
+    return false;
+  }
+  for (StripBlocks& s : strips_) std::erase_if(s.laid, [pairs](std::uint32_t k) { return k >= pairs; });
+  if (begin_.back() == pairs) return true;
+  begin_.back() = static_cast<std::uint32_t>(pairs);
+  cut();
+  return true;
+}
+
+void Manifolds::clear() {
+  accept();
+  own_end_ = 0;
+  indexed_ = false;
+  pairs_.clear();
+  old_pairs_.clear();
+  owner_.clear();
+  begin_.clear();
+  cuts_.clear();
+  strips_.clear();
+  shaped_.clear();
+  ghosts_.clear();
+  points_ = colours_ = blocks_ = 0;
+}
+
+void Manifolds::release() {
+  clear();
+  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+  drop(pairs_, old_pairs_, renewed_, before_, begin_, first_, owner_, entries_, found_, ghosts_, strips_, special_,
+       stale_, shaped_);
+  kind_.release();
+  rotor_.release();
+  inner_.release();
+  used_.release();
+}
+
+// Writes the numbers of a pair whose hulls were looked at into its lane.
+void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummy,
+                     std::size_t index, ManifoldPair& pair) {
+  ManifoldBlock& c = strips_[index].blocks[pair.lane / kBlock];
+  const std::uint32_t l = pair.lane % kBlock;
+  const bool fixed = pair.a == ManifoldPair::kNone;
+  const Manifold& m = pair.manifold;
+  c.body[2 * l] = fixed ? dummy : pair.a;
+  c.body[2 * l + 1] = pair.b;
+  c.nx[l] = m.nx;
+  c.ny[l] = m.ny;
+  const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
+  fill_points(c, l, pair, size_a, size_b);
+  const BodyProperties& sb = b.properties(pair.id_b);
+  BodyProperties none;
+  const bool wall = pair.shape >= kWallLeft && pair.shape != ManifoldPair::kNone;
+  if (wall) {
+    none.restitution = static_cast<float>(params.wall.restitution);
+    none.friction = static_cast<float>(params.wall.friction);
+  }
+  const BodyProperties& sa = wall ? none : b.properties(pair.id_a);
+  c.wa[l] = fixed ? 0.0f : sa.inv_mass;
+  c.wb[l] = sb.inv_mass;
+  c.ga[l] = fixed ? 0.0f : sa.rim_gain;
+  c.gb[l] = sb.rim_gain;
+  c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
+  c.round_b[l] = pair.round_b / size_b;
+  c.mu[l] = std::sqrt(sa.friction * sb.friction);
+  c.e[l] = std::fmax(sa.restitution, sb.restitution);
+  set_stiffness(c, l, pair, params, is_loaded(pair, loads));
+  const bool asleep = fixed && !wall && (*params.statics)[pair.shape].asleep;
+  if (asleep ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced) balance(b, pair, c, l);
+  for (int k = 0; k < m.count; ++k) c.point[k].gap[l] += pair.offset[k];
+  pair.changed = false;
+  pair.was_stack = pair.stack;
+}
+
+// Writes the numbers of a pair that change in every step: finish_strip.
+void Manifolds::write_gaps(StripBlocks& strip, const ManifoldPair& pair) const {
+  if (pair.lane / kBlock >= strip.blocks.size()) return;
+  ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+  for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[pair.lane % kBlock] = pair.gap[k] + pair.offset[k];
+}
+
+// Gives the lanes another stiffness. They have the right pairs already.
+void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
+  std::uint32_t at = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const bool fixed = k / 2 != 0, loaded = k % 2 != 0;
+    const std::size_t kind = (fixed ? 1u : 0u) + (loaded ? 2u : 0u);
+    const float soft = params.soft[kind], rate = params.rate[kind];
+    const float bouncing_soft = loaded ? soft : params.bouncing_soft[fixed];
+    const float bouncing_rate = loaded ? rate : params.bouncing_rate[fixed];
+    for (; at < strip.end[k]; ++at) {
+      ManifoldBlock& c = strip.blocks[at];
+      for (std::uint32_t l = 0; l < kBlock; ++l) {
+        const bool there = c.rate[l] != 0, bounces = c.e[l] > 0;
+        c.soft[l] = !there ? 0.0f : bounces ? bouncing_soft : soft;
+        c.rate[l] = !there ? 0.0f : bounces ? bouncing_rate : rate;
+      }
+    }
+  }
+  for (const std::uint32_t k : strip.rewrite) {
+    const ManifoldPair& pair = pairs_[k];
+    if (pair.stack == ManifoldPair::kLoose) continue;
+    ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+    c.soft[pair.lane % kBlock] = params.stack_soft[pair.stack == ManifoldPair::kOnFixed];
+    c.rate[pair.lane % kBlock] = params.stack_rate[pair.stack == ManifoldPair::kOnFixed];
+  }
+}
+
+void Manifolds::set_column(std::uint32_t k, ManifoldPair::StackRole column) {
+  ManifoldPair& pair = pairs_[k];
+  pair.stack = column;
+  if (pair.was_stack == ManifoldPair::kLoose) strips_[strip_of(k)].rewrite.push_back(k);
+}
+
+// Finds the offsets with which the impulses of a pair balance its gaps: rate s = -soft K l, where K is the inverse mass
+// at the point.
+void Manifolds::balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
+  const float most = kMostOffset * b.kind(pair.id_b).inner;
+  for (int k = 0; k < pair.manifold.count; ++k) {
+    const ManifoldBlock::Point& p = c.point[k];
+    const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
+    const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
+    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -most, most) : 0.0f;
+  }
+  pair.balanced = c.soft[l];
+}
+
+// Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may be
+// in many lanes of a block.
+void Manifolds::colour_strip(const HeavyLoads& loads, std::size_t index, LaneCounts& counts) {
+  StripBlocks& strip = strips_[index];
+  const auto each = [&](const auto& visit) {
+    for (const std::uint32_t k : strip.active) visit(pairs_[k]);
+  };
+  std::array<bool, 4> any{};
+  for (const std::uint32_t k : strip.laid) pairs_[k].lane = ManifoldPair::kNone;
+  if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
+  strip.laid = strip.active;
+  strip.rewrite.reserve(strip.laid.capacity());
+  each([&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
+  strip.points = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    if (!any[k]) continue;
+    const auto each_here = [&](const auto& visit) {
+      each([&](ManifoldPair& pair) {
+        if (class_of(pair, loads) == k) visit(pair);
+      });
+    };
+    each_here([&](const ManifoldPair& pair) {
+      used_[pair.b] = 0;
+      if (!pair.fixed_a) used_[pair.a] = 0;
+    });
+    each_here([&](ManifoldPair& pair) {
+      const std::uint32_t taken = used_[pair.b] | (pair.fixed_a ? 0u : used_[pair.a]);
+      const auto colour = static_cast<std::uint32_t>(std::countr_one(taken));
+      if (colour < kColours) {
+        used_[pair.b] |= 1u << colour;
+        if (!pair.fixed_a) used_[pair.a] |= 1u << colour;
+      }
+      pair.lane = colour;  // the lane itself is known once all colours are
+      pair.colour = colour < kColours ? static_cast<std::uint8_t>(k * kColours + colour) : ManifoldPair::kAlone;
+      ++counts[k][colour];
+      strip.points += static_cast<std::uint32_t>(pair.manifold.count);
+    });
+  }
+}
+
+// Turns the numbers of pairs into the first lane of each colour. Returns the number of blocks.
+std::uint32_t Manifolds::place_runs(StripBlocks& strip, LaneCounts& next) {
+  std::uint32_t blocks = 0;
+  strip.colours = 0;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+      const std::uint32_t n = next[k][colour];
+      next[k][colour] = blocks * kBlock;
+      blocks += colour < kColours ? (n + kBlock - 1) / kBlock : n;
+      if (n != 0) strip.colours = std::max(strip.colours, colour + 1);
+    }
+    strip.end[k] = blocks;
+  }
+  return blocks;
+}
+
+void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
+                              std::uint32_t dummies, std::size_t index) {
+  StripBlocks& strip = strips_[index];
+  const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
+  const auto each = [&](const auto& visit) {
+    for (const std::uint32_t k : strip.active) visit(pairs_[k]);
+  };
+  const auto rewritten = [&](const auto& visit) {
+    for (const std::uint32_t k : strip.rewrite) visit(pairs_[k]);
+  };
+  if (loads.any() && stale_[index] == 0) {  // contacts of a stack do not count as heavy loads
+    rewritten([&](const ManifoldPair& pair) {
+      if (pair.stack != pair.was_stack) stale_[index] = 1;
+    });
+  }
+  if (stale_[index] == 0) {
+    const auto write = [&](ManifoldPair& pair) { fill(b, loads, params, dummy, index, pair); };
+    if (params.changed && params.asleep) return each(write);  // contacts with sleepers are balanced anew
+    rewritten([&](ManifoldPair& pair) {
+      if (pair.changed || pair.stack != pair.was_stack) write(pair);
+    });
+    if (params.changed) soften(strip, params);
+    return;
+  }
+  stale_[index] = 0;
+  LaneCounts next{};
+  colour_strip(loads, index, next);
+  const std::uint32_t blocks = place_runs(strip, next);
+  if (blocks > strip.blocks.capacity())
+    strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
+  strip.blocks.resize(blocks);
+  for (ManifoldBlock& block : strip.blocks) {
+    for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
+  }
+  each([&](ManifoldPair& pair) {
+    std::uint32_t& at = next[class_of(pair, loads)][pair.lane];
+    const bool alone = pair.lane == kColours;
+    pair.lane = at;
+    at += alone ? kBlock : 1;
+    fill(b, loads, params, dummy, index, pair);
+  });
+}
+
+std::uint64_t Manifolds::expected_lanes() const {
+  constexpr std::uint64_t kEmpty = 2 * kBlock;  // empty lanes at the ends of the colours of a strip
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    const StripBlocks& strip = strips_[s];
+    if (!strip.active.empty())
+      sum += stale_[s] != 0 ? strip.active.size() + kEmpty : kBlock * std::uint64_t{strip.end[3]};
+  }
+  return sum;
+}
+
+std::uint64_t Manifolds::expected_writes() const {
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    sum += stale_[s] != 0 ? strips_[s].active.size() : strips_[s].rewrite.size();
+  }
+  return sum;
+}
+
+std::uint64_t Manifolds::closed(std::size_t index) const {
+  std::uint64_t sum = 0;
+  for (const ManifoldBlock& block : strips_[index].blocks) {
+    for (const ManifoldBlock::Point& p : block.point) {
+      for (const float impulse : p.impulse) sum += std::signbit(impulse) ? 0 : 1;
+    }
+  }
+  return sum;
+}
+
+std::size_t Manifolds::bytes() const {
+  std::size_t sum = (pairs_.capacity() + old_pairs_.capacity() + before_.capacity()) * sizeof(ManifoldPair) +
+                    renewed_.capacity() * sizeof(Renewed) +
+                    (first_.capacity() + owner_.capacity() + shaped_.capacity()) * sizeof(std::uint32_t) +
+                    entries_.capacity() * sizeof(Entry);
+  for (const StripBlocks& s : strips_) {
+    sum += s.blocks.capacity() * sizeof(ManifoldBlock) +
+           (s.active.capacity() + s.laid.capacity() + s.rewrite.capacity()) * sizeof(std::uint32_t);
+  }
+  for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
+  return sum;
+}
+
+}  // namespace psim

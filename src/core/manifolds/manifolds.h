@@ -1,0 +1,406 @@
+// Contacts of bodies that are not discs: which pairs there are, where they touch, and the blocks that
+// the solver sweeps over.
+//
+//   collect   when lists change (begin_collect, sort_out, keep): takes pairs with such a body out of the lists of
+//             discs and keeps what is known of pairs that were there before; drops pairs that a filter or a joint
+//             forbids
+//   refresh   every step: normals, arms and gaps; the gaps of pairs in lanes go there at once
+//   lay_out   every step, after the stacks were found: writes all other changes into the lanes; makes colours and
+//             blocks anew where other pairs touch
+//
+// A manifold is kept as it is, with its normal and arms frozen in world axes, until its bodies have
+// moved against each other by a share of their size or turned: only the gaps are computed anew. Because of
+// this, stacks stand (docs/decisions/007-manifolds.md).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/column.h"
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+#include "bodies/static_shapes.h"
+#include "contacts/touch_memory.h"
+#include "kernel_table.h"
+#include "lists/heavy_loads.h"
+#include "lists/pair_table.h"
+#include "manifolds/collide.h"
+#include "psim/desc.h"
+
+namespace psim {
+
+/// Names a pair: two bodies, or a body and a piece of fixed geometry. A side that is static or kinematic is A; else A
+/// has the lower id.
+struct PairName {
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+  std::uint32_t a = kNone, b = kNone;  ///< slots; a is kNone for fixed geometry
+  std::uint32_t shape = kNone;         ///< the number of the piece of fixed geometry, or a wall
+  std::uint32_t id_a = kNone, id_b = kNone;
+  std::uint32_t owner = kNone;  ///< id of the smaller body, which has few such pairs
+  std::uint16_t part_a = 0, part_b = 0;
+  bool fixed_a = false;  ///< A is static or kinematic
+  bool moved = false;    ///< a body of it was renewed: the pair is found anew behind those of the last strip
+
+  bool same(const PairName& o) const {
+    return id_a == o.id_a && id_b == o.id_b && shape == o.shape && part_a == o.part_a && part_b == o.part_b &&
+           fixed_a == o.fixed_a;
+  }
+  std::uint32_t mark() const {  ///< a hash that tells most pairs of an owner apart
+    return (id_a * 0x9E3779B1u) ^ (id_b * 0x85EBCA77u) ^ (shape * 0xC2B2AE3Du) ^ (std::uint32_t{part_a} << 16 | part_b);
+  }
+};
+
+/// A pair, and what is known of its contact.
+struct ManifoldPair : PairName {
+  std::uint32_t lane = kNone;  ///< 8 block + lane in the blocks of the strip
+  // When the hulls were looked at the last time:
+  Manifold manifold;
+  std::int32_t base_x = 0, base_y = 0;  ///< lattice steps from A (or 0) to B
+  float base_dx = 0, base_dy = 0;       ///< m: the same for the offsets
+  Rotor turn_a, turn_b;
+  float margin = -1;  ///< m: gaps up to here were found; < 0: the hulls were never looked at
+  float gap[2] = {};  ///< m, now
+  float impulse[2] = {}, friction[2] = {};
+  float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
+  bool active = false;             ///< the pair has a lane
+  bool ahead = false;              ///< the bodies are apart, and may meet within the step
+  bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
+  bool lasting = false;            ///< the manifold may be kept while bodies move little
+  bool changed = true;             ///< it changed since it was written into its lane
+  /// Whether the pair is in a stack that stands on a moving body, in one on fixed ground, or in none.
+  enum StackRole : std::uint8_t { kLoose, kOnMoving, kOnFixed };
+  StackRole stack = kLoose;
+  StackRole was_stack = kLoose;                 ///< the role with which it was written into its lane
+  std::uint8_t rest_frames = 0;                 ///< frames in which it stays out of stacks
+  static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
+  std::uint8_t colour =
+      kAlone;  ///< of its lane: kColours times the run in StripBlocks::end, plus the colour in the run
+  static constexpr std::uint32_t kColours = 32;
+  std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
+  // When a side falls asleep or wakes, the contact gets another stiffness, and the same load would need another
+  // overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it fades.
+  float offset[2] = {};
+  static constexpr float kUnbalanced = -1, kBalanced = 0;
+  float balanced = kBalanced;  ///< the compliance for which the offsets were found
+
+  template <class A>
+  void describe(A& a);  ///< for saved states
+};
+
+/// Whether the points of a manifold lie against the direction in which its edge is read. The direction is the same for
+/// both bodies.
+inline bool runs_backwards(const Manifold& m) {
+  const bool steep = std::fabs(m.nx) > std::fabs(m.ny);
+  const float sign = (steep ? m.nx : -m.ny) < 0 ? -1.0f : 1.0f;  // the sign of the tangent (-ny, nx)
+  const float x = m.point[1].bx - m.point[0].bx, y = m.point[1].by - m.point[0].by;
+  return sign * (m.nx * y - m.ny * x) < 0;
+}
+
+/// The settings of a step.
+struct ManifoldParams {
+  double dt = 0;
+  Vec2 gravity;
+  const Lattice* lattice = nullptr;
+  const StaticShapes* statics = nullptr;
+  const kernels::KernelTable* kernels = nullptr;
+  Walls walls;
+  Material wall;
+  float warm = 1;
+  bool changed = false;  ///< the settings below changed since the last step
+  bool asleep = false;   ///< some body sleeps
+  // Compliance and push-out rate of contacts: between moving bodies, with fixed ones, and the same
+  // under heavy loads.
+  float soft[4] = {}, rate[4] = {};
+  float bouncing_soft[2] = {}, bouncing_rate[2] = {};  // with restitution
+  float stack_soft[2] = {}, stack_rate[2] = {};        // in stacks on a moving body, on fixed ground
+};
+
+/// Whether two bodies, by id, are joined and do not collide.
+using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
+
+/// What manifolds of a saved state are checked against.
+struct ManifoldsAround {
+  const BodyStore& bodies;
+  const StaticShapes& statics;
+  std::uint32_t slots = 0;
+  std::uint32_t numbered = 0;  ///< slots that pairs may name
+  bool wanted = false;         ///< the plan has manifolds
+  bool fresh = false;          ///< lists are not stale
+  bool present = false;        ///< so the manifolds are those of the next step
+  bool carried = false;        ///< their impulses are of use
+  bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
+  bool exact = false;          ///< none is under way, and lists are not stale
+  bool lists = false;          ///< lists last
+  bool in_place = false;       ///< every slot has the body that pairs name it for
+};
+
+class Manifolds {
+ public:
+  template <class A>
+  void describe(A& a, const ManifoldsAround& around);  ///< for saved states
+
+  explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), inner_(meter), used_(meter) {}
+
+  /// The blocks of a strip.
+  struct StripBlocks {
+    std::vector<kernels::ManifoldBlock> blocks;
+    std::vector<std::uint32_t> active;   // pairs that have a lane in this step
+    std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
+    std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
+    // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
+    std::uint32_t end[4] = {};
+    std::uint32_t colours = 0;
+    std::uint32_t points = 0;  // points that touch or are near
+  };
+
+  /// How the pairs of a step were looked at: lanes of the batches of kernels, pairs in them, pairs one by one.
+  struct Batches {
+    std::uint64_t lanes = 0, used = 0, alone = 0;
+    void add(const Batches& o) {
+      lanes += o.lanes;
+      used += o.used;
+      alone += o.alone;
+    }
+  };
+  const Batches& batches() const { return batches_; }
+
+  /// Takes over the pairs of `table` that are not two discs, and drops those that must not collide. Three parts; the
+  /// last two go over strips [begin, end) in order. `sorted`: slots changed. `recent` has the impulses of contacts
+  /// whose sides fell asleep or woke. O(pairs).
+  void begin_collect(const BodyStore& bodies, bool any_filter, const PairTable& table, bool sorted, WorkerPool& pool);
+  void sort_out(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined, PairTable& table,
+                std::size_t begin, std::size_t end, WorkerPool& pool);
+  void keep(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent, std::size_t begin,
+            std::size_t end, WorkerPool& pool);
+
+  /// The lists were made anew for some bodies, `found`, by slot (renewal.h). Of their new pairs and static contacts,
+  /// those of discs stay, and those that are manifolds are noted. O(pairs of `found`), and once O(pairs).
+  void sort_out_renewed(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined,
+                        std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& static_contacts, WorkerPool& pool);
+  /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
+  void put_renewed(const std::function<bool(std::uint32_t)>& found);
+  /// Whether the pairs of a saved state are those of so many strips, which were made again. In the middle of a step the
+  /// last strip may have had more pairs, which are not there yet.
+  bool fit(std::size_t strips);
+  std::uint32_t renewed() const { return static_cast<std::uint32_t>(pairs_.size()) - own_end_; }
+
+  /// Makes room for so many pairs.
+  void spare(std::size_t pairs, std::size_t strips);
+  /// Keeps the pairs as they are before a refresh that may be given up.
+  void remember(WorkerPool& pool);
+  /// Swaps the pairs as they were before collect or remember() and as they are since. Both exist until accept().
+  void turn_back() {
+    if (both_) swap_pairs();
+  }
+  /// The present pairs count from now on.
+  void accept() { both_ = collecting_ = false; }
+
+  /// Makes the manifolds of this step: pieces [begin, end) of look_pieces(), from the first to the last, in one go or
+  /// spread over frames. O(pairs).
+  void refresh(BodyStore& bodies, const ManifoldParams& params, std::size_t begin, std::size_t end, WorkerPool& pool);
+  std::size_t look_pieces() const { return cuts_.size(); }
+  std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
+  /// Makes colours and blocks for this step. O(touching pairs).
+  void lay_out(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies,
+               WorkerPool& pool);
+
+  /// Copies impulses from the blocks back to the pairs, before the blocks or the pairs change.
+  void keep_impulses(WorkerPool& pool);
+  /// Sets all impulses to 0.
+  void forget();
+  /// Drops all pairs.
+  void clear();
+  /// Drops all pairs and gives the memory back.
+  void release();
+
+  StripBlocks& strip(std::size_t index) { return strips_[index]; }
+  const StripBlocks& strip(std::size_t index) const { return strips_[index]; }
+  std::size_t strips() const { return strips_.size(); }
+  bool any() const { return points_ != 0; }
+  /// Whether some contacts are under heavy loads.
+  bool loaded() const { return loaded_; }
+  /// Blocks that a pass of the solver goes through.
+  std::uint64_t pass_blocks() const { return pass_blocks_; }
+  /// About how many lanes a pass has once the pairs that were looked at are laid out, and how many pairs must be
+  /// written into lanes for that.
+  std::uint64_t expected_lanes() const;
+  std::uint64_t expected_writes() const;
+  std::uint64_t pair_count() const { return collecting_ ? old_pairs_.size() : pairs_.size(); }
+  /// An estimate of how many pairs the next refresh looks at: as many as the last one, plus the new pairs.
+  std::uint64_t expected_looks() const { return looks_ + new_pairs_; }
+  std::uint64_t points() const { return points_; }
+  std::uint32_t colours() const { return colours_; }
+  const std::vector<ManifoldPair>& pairs() const { return pairs_; }
+  std::span<const ManifoldPair> pairs_of(std::size_t strip) const {
+    const auto at = [&](std::size_t k) { return pairs_.data() + std::min<std::size_t>(begin_[k], pairs_.size()); };
+    return {at(strip), at(strip + 1)};
+  }
+  /// Whether all pairs belong to strips. They do not if a collection was given up.
+  bool by_strip() const { return !begin_.empty() && begin_.back() == pairs_.size(); }
+  /// Whether a pair has a lane in the blocks of a strip.
+  bool lies(std::size_t strip, const ManifoldPair& pair) const {
+    if (pair.lane == PairName::kNone || strip >= strips_.size()) return false;
+    const std::vector<kernels::ManifoldBlock>& blocks = strips_[strip].blocks;
+    const std::size_t at = pair.lane / kernels::kBlock;
+    return at < blocks.size() && blocks[at].body[2 * (pair.lane % kernels::kBlock) + 1] == pair.b;
+  }
+  /// The number of pairs, or the expected number while they are collected.
+  std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }
+  ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
+  /// Sets whether a pair that was looked at is in a stack, and in which kind.
+  void set_column(std::uint32_t k, ManifoldPair::StackRole column);
+  /// Pairs of a strip that are contacts in this step.
+  const std::vector<std::uint32_t>& active_of(std::size_t strip) const { return strips_[strip].active; }
+  std::size_t strip_of(std::uint32_t pair) const {
+    return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), pair) - begin_.begin()) - 1;
+  }
+  /// Whether a fixed piece lies below the plane on which a body rests.
+  bool is_ghost(std::uint32_t slot, std::uint32_t shape) const {
+    return std::binary_search(ghosts_.begin(), ghosts_.end(), std::uint64_t{slot} << 32 | shape);
+  }
+  bool has_corners(std::uint32_t slot) const { return (kind_[slot] & kShape) != 0; }
+  /// Slots of the bodies that are not discs.
+  const std::vector<std::uint32_t>& shaped() const { return shaped_; }
+  /// The number of blocks of all strips.
+  std::uint32_t blocks() const { return blocks_; }
+  /// Cosine and sine of a body that is not a disc, at the start of the frame.
+  Rotor rotor(std::uint32_t slot) const { return {rotor_[2 * std::size_t{slot}], rotor_[2 * std::size_t{slot} + 1]}; }
+  std::size_t strip_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+  /// Whether a pair carried an impulse or touched in the last step.
+  bool closed(std::size_t strip, const ManifoldPair& pair) const {
+    if (pair.lane == PairName::kNone) return false;
+    const kernels::ManifoldBlock& c = strips_[strip].blocks[pair.lane / kernels::kBlock];
+    const std::uint32_t l = pair.lane % kernels::kBlock;
+    return !std::signbit(c.point[0].impulse[l]) || !std::signbit(c.point[1].impulse[l]);
+  }
+  /// The number of points of a strip that carry an impulse.
+  std::uint64_t closed(std::size_t strip) const;
+  /// The deepest overlap at the start of the frame, m.
+  float deepest() const;
+  std::size_t bytes() const;
+  std::size_t column_bytes() const { return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes(); }
+
+ private:
+  // The kind of the body in each slot, for fast tests: a plain disc, or a body to look up.
+  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8;
+
+  struct Found {  // the pairs that collect found in one strip, and where each was in the last lists
+    std::vector<PairName> pairs;
+    std::vector<std::uint32_t> before;
+    std::vector<std::uint64_t> ghosts;
+  };
+
+  struct Cut {  // a piece of the pairs of one strip
+    std::uint32_t strip = 0, begin = 0, end = 0;
+    std::uint32_t looks = 0;  // pairs known before that the last refresh looked at
+    bool whole = false;       // it has all pairs of the strip
+    bool last = false;        // it is the last piece of the strip
+    Batches batches = {};     // of the last refresh
+  };
+
+  template <class A>
+  void check_pair(A& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
+  template <class A>
+  void check_strip(A& a, std::size_t strip, const ManifoldsAround& around) const;
+  void complete(std::size_t slots);
+  void cut();
+  void sort_out_strip(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined, PairTable& table,
+                      std::size_t strip);
+  void place_pairs(std::size_t strips);
+  bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a, std::uint32_t b) const;
+  void index(const std::vector<ManifoldPair>& pairs, std::size_t count, std::uint32_t ids);
+  enum class Fate { stays, manifold, goes };
+  Fate fate(const BodyStore& bodies, const Joined* joined, std::uint32_t a, std::uint32_t b) const;
+  Fate fate(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined,
+            const StaticPair& static_pair) const;
+  void name(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, PairName& pair) const;
+  static void name(const BodyStore& bodies, const StaticShapes& statics, const StaticPair& static_pair, PairName& pair);
+  template <class Each>
+  void each_other_part(const BodyStore& bodies, const PairName& pair, const Each& each) const;
+  static void recall_touch(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent,
+                           ManifoldPair& pair);
+  static void take_recalled(ManifoldPair& pair);
+  static void fade(const StaticShapes& statics, ManifoldPair& pair);
+  static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,
+                      std::uint32_t lane);
+  std::uint32_t recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
+  struct Stand;  // manifold_look.h
+  struct Waiting;
+  void swap_pairs();
+  void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
+  void finish_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
+  std::uint32_t look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin, std::uint32_t end,
+                     Batches& batches);
+  bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, Stand& now) const;
+  void find(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
+            Waiting* waiting) const;
+  void settle(const BodyStore& bodies, const ManifoldParams& params, Waiting& waiting, std::uint32_t kind) const;
+  void take(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
+            const Manifold& found, const Hull* a, const Hull& b) const;
+  const Hull& hull_of(const BodyStore& bodies, std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const;
+  static bool end_on(const ManifoldParams& params, const ManifoldPair& pair, const Hull& piece, const Manifold& m,
+                     double& fx, double& fy);
+  static void smooth_joint(const ManifoldParams& params, ManifoldPair& pair, const Hull& hull, Rotor q,
+                           const Hull& piece, float margin);
+  void judge(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, float inner, float vx,
+             float vy) const;
+  void foresee(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Hull& a, Rotor qa,
+               const Hull& b, float dx, float dy, float mx, float my, float inner) const;
+  void see_fixed(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin, std::uint32_t end,
+                 std::vector<std::uint64_t>& ghosts);
+  void write_gaps(StripBlocks& strip, const ManifoldPair& pair) const;
+  void soften(StripBlocks& strip, const ManifoldParams& params) const;
+  /// By run of a strip and colour: the number of pairs, then the next free lane.
+  using LaneCounts = std::array<std::array<std::uint32_t, ManifoldPair::kColours + 1>, 4>;
+  void colour_strip(const HeavyLoads& loads, std::size_t index, LaneCounts& counts);
+  static std::uint32_t place_runs(StripBlocks& strip, LaneCounts& next);
+  void lay_out_strip(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
+                     std::uint32_t dummies, std::size_t strip);
+  void fill(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies,
+            std::size_t strip, ManifoldPair& pair);
+
+  std::vector<ManifoldPair> pairs_, old_pairs_;
+  std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
+  std::vector<Cut> cuts_;             // the pieces of all strips, in order
+  std::uint32_t own_end_ = 0;         // the first pair of renewed bodies that belongs to no strip
+  struct Renewed : PairName {
+    std::uint32_t before = kNone;  // its place among the pairs of its strip
+  };
+  std::vector<Renewed> renewed_;      // pairs that were found in this renewal
+  std::vector<ManifoldPair> before_;  // pairs that were there before
+  bool indexed_ = false;              // the index by owner is that of the present pairs
+  // The pairs of the last lists by owner. The entries of id k are [first_[k], first_[k + 1]).
+  struct Entry {
+    std::uint32_t mark = 0, pair = 0;
+  };
+  std::vector<std::uint32_t> first_, owner_;
+  std::vector<Entry> entries_;
+  std::vector<Found> found_;
+  std::vector<std::uint64_t> ghosts_;  // slot << 32 | fixed piece, ascending
+  std::vector<StripBlocks> strips_;
+  std::vector<std::uint8_t> special_;  // by strip: some of its bodies are no plain discs
+  std::vector<std::uint8_t> stale_;    // by strip: its blocks have other pairs
+  Column<std::uint8_t> kind_;          // by slot
+  Column<float> rotor_;                // by slot, records
+  Column<float> inner_;                // by slot: m, the inner radius in this step
+  Column<std::uint32_t> used_;         // by slot: the colours that are taken
+  std::vector<std::uint32_t> shaped_;  // slots of bodies that are not discs
+  std::uint64_t points_ = 0;
+  std::uint64_t looks_ = 0, new_pairs_ = 0;  // in the last refresh; since then
+  Batches batches_;                          // of the last refresh
+  float g_ = 0;                              // m/s^2, in this step
+  bool any_filter_ = false, loaded_ = false;
+  bool both_ = false;        // old_pairs_ has the pairs of the last step
+  bool collecting_ = false;  // pairs_ is not complete yet
+  bool laid_ = false;        // impulses are in the blocks, not in the pairs
+  std::uint32_t colours_ = 0, blocks_ = 0;
+  std::uint64_t pass_blocks_ = 0;
+};
+
+}  // namespace psim

@@ -1,0 +1,110 @@
+// Motions and rays against one hull. A ray costs O(vertices), a motion a few calls of nearest().
+#include <algorithm>
+#include <cmath>
+
+#include "base/rotor.h"
+#include "manifolds/collide.h"
+
+namespace psim {
+namespace {
+
+constexpr int kMostAdvances = 64;
+
+/// A ray against the circle about (x, y), relative to the start of the ray. Returns the share of the way, or 2.
+double enter_circle(double x, double y, double radius, double rx, double ry) {
+  const double length2 = rx * rx + ry * ry, along = x * rx + y * ry;
+  const double miss = (x * ry - y * rx) / std::sqrt(length2);  // distance of the line from the centre
+  const double half2 = radius * radius - miss * miss;          // half the chord, squared
+  if (!(half2 >= 0) || !(along > 0)) return 2;
+  const double fraction = along / length2 - std::sqrt(half2 / length2);
+  return fraction >= 0 && fraction <= 1 ? fraction : 2;
+}
+
+}  // namespace
+
+RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, double ry) {
+  // All vectors are in the frame of the hull.
+  const double c = q.c, s = q.s;
+  const double sx = c * ox + s * oy, sy = c * oy - s * ox;
+  const double wx = c * rx + s * ry, wy = c * ry - s * rx;
+  const double radius = hull.radius;
+  const bool moves = wx != 0 || wy != 0;
+  double best = 2, bx = 0, by = 0;
+  double deepest = -1e300;  // the largest height of the start over the line of an edge
+  double nearest2 = 1e300;  // squared distance of the start from the outline of the core
+  const int edges = hull.count > 1 ? hull.count : 0;
+  for (int k = 0; k < edges; ++k) {
+    const int next = k + 1 < hull.count ? k + 1 : 0;
+    const double px = hull.x[k], py = hull.y[k];
+    const double ex = hull.x[next] - px, ey = hull.y[next] - py;
+    const double span2 = ex * ex + ey * ey, span = std::sqrt(span2);
+    const double nx = span > 0 ? ey / span : 0, ny = span > 0 ? -ex / span : 0;
+    const double height = nx * (sx - px) + ny * (sy - py);
+    deepest = std::fmax(deepest, height);
+    const double share = span2 > 0 ? ((sx - px) * ex + (sy - py) * ey) / span2 : 0;
+    const double at = std::fmin(std::fmax(share, 0.0), 1.0);
+    const double ux = sx - px - at * ex, uy = sy - py - at * ey;
+    nearest2 = std::fmin(nearest2, ux * ux + uy * uy);
+    // The ray comes in through the edge, which is moved out by the radius.
+    const double fall = -(nx * wx + ny * wy);
+    if (!(fall > 0) || height < radius) continue;
+    const double fraction = (height - radius) / fall;
+    const double along = (sx + fraction * wx - px) * ex + (sy + fraction * wy - py) * ey;
+    const double seam = 1e-9 * span2;  // so that no ray slips through where two edges meet
+    if (fraction < best && fraction <= 1 && along >= -seam && along <= span2 + seam) {
+      best = fraction;
+      bx = nx;
+      by = ny;
+    }
+  }
+  for (int k = 0; k < hull.count; ++k) {
+    const double x = hull.x[k] - sx, y = hull.y[k] - sy;
+    nearest2 = std::fmin(nearest2, x * x + y * y);
+    if (!moves || !(radius > 0)) continue;
+    const double fraction = enter_circle(x, y, radius, wx, wy);
+    if (fraction < best) {
+      best = fraction;
+      bx = (fraction * wx - x) / radius;
+      by = (fraction * wy - y) / radius;
+    }
+  }
+  if (nearest2 < radius * radius || (hull.count > 2 && deepest < 0)) return {0, 0, 0};
+  if (best > 1) return {};
+  return {static_cast<float>(best), static_cast<float>(c * bx - s * by), static_cast<float>(s * bx + c * by)};
+}
+
+float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, double turn, float dx, float dy, float mx,
+                     float my, float slack) {
+  // B's points turn about its centre, so those of its core move by at most this much; turning the
+  // radius around them moves nothing.
+  const double swing = std::fabs(turn) * (double{b.reach} - b.radius);
+  const double fine = 1e-5 * std::min(double{a.reach}, double{b.reach});
+  double target = slack, close_enough = slack + std::max(0.1 * slack, fine);
+  double share = 0, most = 1;
+  for (int k = 0; k < kMostAdvances; ++k) {
+    const SineCosine turned = sine_cosine(angle_b + share * turn);
+    const Rotor qb{static_cast<float>(turned.cosine), static_cast<float>(turned.sine)};
+    const Nearest now = nearest(a, qa, b, qb, static_cast<float>(dx + share * mx), static_cast<float>(dy + share * my));
+    if (k == 0 && now.distance <= close_enough) {
+      // The hulls touch from the start, for example because a body slides, rolls or tips over. Contacts see to that.
+      // Only a body that would go through is stopped: at half its inner radius deep, and in any case before its
+      // centre goes through.
+      const RayCast path = cast_ray(a, qa, dx, dy, mx, my);
+      const bool outside = path.nx != 0 || path.ny != 0;
+      if (path.fraction <= 1 && outside) most = 0.5 * double{path.fraction};
+      target = -0.5 * double{b.inner};
+      close_enough = target + fine;
+      if (now.distance <= close_enough) return static_cast<float>(most);
+    }
+    if (now.distance <= close_enough) break;
+    // Along the present normal the hulls stay apart for at least this long.
+    const double closing = swing - (double{mx} * now.nx + double{my} * now.ny);
+    if (!(closing > 0)) return static_cast<float>(most);
+    const double advance = (now.distance - target) / closing;
+    share += advance;
+    if (share >= most) return static_cast<float>(most);
+  }
+  return static_cast<float>(share);
+}
+
+}  // namespace psim

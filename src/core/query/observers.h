@@ -1,0 +1,37 @@
+// Those who look at a world and change nothing in it: what is published for a renderer, the grids that queries are
+// answered from, the events of a step, the list of contacts, the columns of bodies.
+//
+// None of them owns memory before somebody asks. The world tells them what changed.
+#pragma once
+
+#include "query/contact_list.h"
+#include "query/events.h"
+#include "query/publish.h"
+#include "query/query_index.h"
+#include "query/readout.h"
+
+namespace psim {
+
+struct Observers {
+  Publisher publisher;
+  QueryIndex queries;
+  EventList events;
+  ContactList contacts;
+  PublishedColumns columns;
+
+  /// Bodies fell asleep or woke.
+  void forget_sleep() {
+    queries.forget_sleeping();
+    queries.forget_moving();
+  }
+  /// The bodies are those of another state.
+  void forget_all() {
+    forget_sleep();
+    queries.forget_fixed();
+  }
+  std::size_t bytes() const {
+    return publisher.bytes() + queries.bytes() + events.bytes() + contacts.bytes() + columns.bytes();
+  }
+};
+
+}  // namespace psim

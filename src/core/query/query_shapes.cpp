@@ -1,0 +1,134 @@
+#include "query/query_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
+double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+
+// A core with one or two vertices has one edge; another has as many edges as vertices.
+int edges(const Outline& o) { return o.count > 2 ? o.count : 1; }
+Vec2 end_of(const Outline& o, int k) { return o.v[k + 1 < o.count ? k + 1 : 0]; }
+
+// The point of the edge from p to q that is nearest to `from`, relative to `from`.
+Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
+  const Vec2 way = q - p;
+  const double square = dot(way, way);
+  const double share = square > 0 ? dot(from - p, way) / square : 0;
+  return p + std::clamp(share, 0.0, 1.0) * way - from;
+}
+
+// Whether the origin lies inside the polygon and not on its rim. A core of one or two vertices has no inside.
+bool holds(const Outline& o, Vec2 point) {
+  if (o.count < 3) return false;
+  for (int k = 0; k < o.count; ++k) {
+    if (!(cross(end_of(o, k) - o.v[k], point - o.v[k]) > 0)) return false;
+  }
+  return true;
+}
+
+bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
+  const auto sides = [](Vec2 from, Vec2 to, Vec2 a, Vec2 b) {
+    return cross(to - from, a - from) * cross(to - from, b - from) <= 0;
+  };
+  return cross(q - p, s - r) != 0 && sides(p, q, r, s) && sides(r, s, p, q);
+}
+
+}  // namespace
+
+Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at) {
+  Outline out;
+  out.count = hull.count;
+  out.radius = static_cast<double>(hull.radius);
+  for (int k = 0; k < hull.count; ++k) {
+    const double x = static_cast<double>(hull.x[k]), y = static_cast<double>(hull.y[k]);
+    out.v[k] = {at.x + (turn.x * x - turn.y * y), at.y + (turn.y * x + turn.x * y)};
+  }
+  return out;
+}
+
+RayEntry enter(Vec2 centre, double radius, Vec2 u, double length) {
+  if (dot(centre, centre) < radius * radius) return {0, {}};
+  const double along = dot(centre, u), miss = cross(centre, u);
+  const double half2 = radius * radius - miss * miss;  // half the chord, squared
+  if (!(half2 >= 0) || !(along > 0)) return {};
+  const double at = std::fmax(along - std::sqrt(half2), 0.0);
+  if (at > length) return {};
+  return {at, radius > 0 ? 1 / radius * (at * u - centre) : Vec2{}};
+}
+
+RayEntry enter(const Outline& o, Vec2 u, double length) {
+  if (o.count == 1) return enter(o.v[0], o.radius, u, length);
+  RayEntry best;
+  const auto take = [&](double at, Vec2 normal) {
+    if (best.at < 0 || at < best.at) best = {at, normal};
+  };
+  double nearest2 = 1e300;
+  for (int k = 0; k < o.count; ++k) {  // a line has two sides
+    const Vec2 p = o.v[k], edge = end_of(o, k) - p;
+    const Vec2 to = to_edge(p, end_of(o, k), {});
+    nearest2 = std::fmin(nearest2, dot(to, to));
+    const double span = std::sqrt(dot(edge, edge));
+    if (!(span > 0)) continue;
+    const Vec2 normal{edge.y / span, -edge.x / span};
+    // The ray comes in through the edge, which is moved out by the radius.
+    const double height = -dot(normal, p) - o.radius, fall = -dot(normal, u);
+    if (!(fall > 0) || height < 0 || height > fall * length) continue;
+    const double at = height / fall;
+    const double along = dot(at * u - p, edge) / span;
+    const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
+    if (along >= -seam && along <= span + seam) take(at, normal);
+  }
+  if (nearest2 < o.radius * o.radius || holds(o, {})) return {0, {}};
+  if (!(o.radius > 0)) return best;
+  for (int k = 0; k < o.count; ++k) {
+    const RayEntry corner = enter(o.v[k], o.radius, u, length);
+    if (corner.at >= 0) take(corner.at, corner.normal);
+  }
+  return best;
+}
+
+NearPoint near_point(Vec2 centre, double radius) {
+  const double far = std::sqrt(dot(centre, centre));
+  if (!(far > radius)) return {};
+  const double distance = far - radius;
+  return {distance, distance / far * centre};
+}
+
+NearPoint near_point(const Outline& o) {
+  if (holds(o, {})) return {};
+  double least = 1e300;
+  Vec2 core;
+  for (int k = 0; k < edges(o); ++k) {
+    const Vec2 to = to_edge(o.v[k], end_of(o, k), {});
+    if (dot(to, to) < least) {
+      least = dot(to, to);
+      core = to;
+    }
+  }
+  return near_point(core, o.radius);
+}
+
+bool overlap(const Outline& a, const Outline& b) {
+  if (holds(a, b.v[0]) || holds(b, a.v[0])) return true;
+  const double reach = a.radius + b.radius;
+  const auto close = [&](Vec2 way) { return dot(way, way) <= reach * reach; };
+  for (int i = 0; i < edges(a); ++i) {
+    for (int j = 0; j < edges(b); ++j) {
+      const Vec2 p = a.v[i], q = end_of(a, i), r = b.v[j], s = end_of(b, j);
+      if (close(to_edge(p, q, r)) || close(to_edge(p, q, s)) || close(to_edge(r, s, p)) || close(to_edge(r, s, q)) ||
+          cross_over(p, q, r, s)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace psim

@@ -1,0 +1,44 @@
+// Convex outlines in double precision, relative to the place of a query: where a ray enters one, how far away it
+// is, whether two overlap. Pure functions with the same bits everywhere.
+#pragma once
+
+#include <cstdint>
+
+#include "bodies/hull.h"
+
+namespace psim {
+
+/// All points within `radius` of the convex core that the vertices span. There are one, two, or three to eight of them,
+/// counter-clockwise.
+struct Outline {
+  Vec2 v[Hull::kMost];  ///< m
+  std::int32_t count = 0;
+  double radius = 0;  ///< m
+};
+
+/// A hull turned by (cosine, sine) and moved to `at`.
+Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at);
+
+/// Where a ray from the origin enters an outline.
+struct RayEntry {
+  double at = -1;  ///< m along the ray; < 0: it does not enter within the limit
+  Vec2 normal;     ///< zero where it starts inside
+};
+
+/// `u` has length 1. A line without thickness can be entered from either side.
+RayEntry enter(const Outline& outline, Vec2 u, double length);
+/// Where a ray from the origin enters a disc about `centre`.
+RayEntry enter(Vec2 centre, double radius, Vec2 u, double length);
+
+/// The point of an outline nearest to the origin. If the origin lies inside, it is the origin itself at distance 0.
+struct NearPoint {
+  double distance = 0;  ///< m
+  Vec2 point;
+};
+NearPoint near_point(const Outline& outline);
+NearPoint near_point(Vec2 centre, double radius);
+
+/// Whether two outlines have a point in common.
+bool overlap(const Outline& a, const Outline& b);
+
+}  // namespace psim

@@ -1,0 +1,192 @@
+#include "sleep/sleep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bodies/static_pieces.h"
+#include "sleep/sleep_choice.h"
+#include "sleep/sleep_contacts.h"
+
+namespace psim {
+
+bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
+  const bool woke = !sleepers.empty() && wake_reached(source, dt);
+  if (steps % Sleepers::kWatchFrames != 0) return woke;
+  if (!sleepers.watch(source.population.bodies, source.lattice, source.pool)) return woke;
+  make_room(source);
+  if (steps % (2 * Sleepers::kWatchFrames) != 0) return woke;
+  if (!SleepChoice(source, sleepers).choose(steps, dt)) return woke;
+  fall_asleep(source);
+  return true;
+}
+
+void Sleep::make_room(const SleepSource& source) {
+  const BodyStore& bodies = source.population.bodies;
+  if (!sleepers.empty() || sleepers.has_room(bodies)) return;
+  const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kRoomAhead);
+  std::uint32_t pieces = source.with_manifolds ? 0 : most, hulls = 0;
+  std::size_t longest = 1;
+  for (std::uint32_t i = 0; source.with_manifolds && i < bodies.count && pieces < Sleepers::kRoomAhead; ++i) {
+    if (bodies.id[i] == kNoSlot) continue;
+    const BodyKind& kind = bodies.kind(bodies.id[i]);
+    std::uint32_t mine = kind.hull_count == 0 ? 1 : 0;
+    for (std::uint32_t h = 0; h < kind.hull_count; ++h) {
+      const int corners = bodies.hulls[kind.first_hull + h].count;
+      mine += corners > 2 ? static_cast<std::uint32_t>(corners) + 1 : 1;
+      hulls += corners > 2;
+    }
+    pieces += mine;
+    longest = std::max<std::size_t>(longest, mine);
+  }
+  sleepers.make_room(bodies, most, !source.joints.empty());
+  sleepers.pieces.reserve(longest);
+  source.population.statics.make_room(pieces, hulls);
+}
+
+// Takes the chosen bodies out of the columns and stands them among the fixed shapes.
+void Sleep::fall_asleep(const SleepSource& source) {
+  BodyStore& bodies = source.population.bodies;
+  if (source.manifolds.any()) source.manifolds.keep_impulses(source.pool);
+  bodies.find_slots();
+  const auto first = static_cast<std::uint32_t>(sleepers.list.size());
+  list_chosen(source);
+  group_stacks(source);
+  keep_touches(source, first);
+  for (std::uint32_t k = first; k < sleepers.list.size(); ++k) put_to_sleep(source, k);
+  bodies.dead += static_cast<std::uint32_t>(sleepers.list.size()) - first;
+  bodies.asleep += sleepers.list.size() - first;
+  if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
+  sleepers.changed = true;
+  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+}
+
+// Appends the chosen bodies to the list. Sleepers::number leads from their slots to their places in it.
+void Sleep::list_chosen(const SleepSource& source) {
+  const BodyStore& bodies = source.population.bodies;
+  const Column<std::uint8_t>& state = sleepers.state();
+  sleepers.number.resize(std::max<std::size_t>(sleepers.number.size(), bodies.count));
+  for (std::uint32_t i = 0; i < bodies.count; ++i) {
+    if ((state[i] & SleepChoice::kChosen) == 0) continue;
+    Sleeper s;
+    s.at = {bodies.pos[2 * std::size_t{i}], bodies.pos[2 * std::size_t{i} + 1], bodies.disp[2 * std::size_t{i}],
+            bodies.disp[2 * std::size_t{i} + 1]};
+    s.angle = bodies.angle.empty() ? 0 : bodies.angle[i];
+    s.id = bodies.id[i];
+    s.loose = !rests_firmly(state[i]);
+    sleepers.number[i] = static_cast<std::uint32_t>(sleepers.list.size());
+    sleepers.list.push_back(s);
+  }
+}
+
+// The bodies of a stack wake together: each gets the lowest id of its stack.
+void Sleep::group_stacks(const SleepSource& source) {
+  const Column<std::uint8_t>& state = sleepers.state();
+  source.stacks.each_stack([&](const auto& each_pair_of) {
+    std::uint32_t group = kNoSlot;
+    const auto visit = [&](const auto& each) {
+      each_pair_of([&](std::uint32_t index) {
+        const ManifoldPair& pair = source.manifolds.pairs()[index];
+        for (const std::uint32_t slot : {pair.a, pair.b}) {
+          if (slot != kNoSlot && (state[slot] & SleepChoice::kChosen) != 0) each(sleepers.list[sleepers.number[slot]]);
+        }
+      });
+    };
+    visit([&](const Sleeper& s) { group = std::min(group, s.id); });
+    visit([&](Sleeper& s) { s.group = group; });
+  });
+}
+
+// Keeps what the contacts of the chosen bodies carry: counts the touches of each body, then writes them in runs.
+void Sleep::keep_touches(const SleepSource& source, std::uint32_t first) {
+  const Population& population = source.population;
+  const PairTable& table = source.table;
+  const Column<std::uint8_t>& state = sleepers.state();
+  const auto chosen = [&](std::uint32_t slot) { return slot != kNoSlot && (state[slot] & SleepChoice::kChosen) != 0; };
+  const auto any_in = [&](std::size_t strip) {
+    const Strip& s = table.strips[strip];
+    return std::any_of(state.data() + s.body_begin, state.data() + s.body_end,
+                       [](std::uint8_t of) { return (of & SleepChoice::kChosen) != 0; });
+  };
+  const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // every strip may touch these
+  const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };
+  each_contact(
+      source,
+      [&](const SleepContact& contact) {
+        for (const std::uint32_t slot : {contact.a, contact.b}) {
+          if (!chosen(slot)) continue;
+          Sleeper& s = sleepers.list[sleepers.number[slot]];
+          s.depth = std::fmax(s.depth, -contact.gap);
+          if (contact.loaded) ++s.touches;
+        }
+      },
+      theirs);
+  auto next = static_cast<std::uint32_t>(sleepers.touches.size());
+  for (std::uint32_t k = first; k < sleepers.list.size(); ++k) {
+    Sleeper& s = sleepers.list[k];
+    s.first_touch = next;
+    next += s.touches;
+    s.touches = 0;
+  }
+  sleepers.touches.resize(next);
+  each_contact(
+      source,
+      [&](const SleepContact& contact) {
+        if (!contact.loaded || !(chosen(contact.a) || chosen(contact.b))) return;
+        Touch touch = contact.touch;
+        touch.key = key_of(contact, population.bodies, population.statics);
+        for (const std::uint32_t slot : {contact.a, contact.b}) {
+          if (!chosen(slot)) continue;
+          Sleeper& s = sleepers.list[sleepers.number[slot]];
+          sleepers.touches[s.first_touch + s.touches++] = touch;
+        }
+        if (contact.a != kNoSlot && chosen(contact.a) != chosen(contact.b)) sleepers.recent.add(touch);
+      },
+      theirs);
+}
+
+// The k-th sleeper leaves its slot and becomes fixed geometry.
+void Sleep::put_to_sleep(const SleepSource& source, std::uint32_t k) {
+  BodyStore& bodies = source.population.bodies;
+  Sleeper& s = sleepers.list[k];
+  BodyInfo& info = bodies.info[s.id];
+  bodies.id[info.slot] = kNoSlot;
+  info.place = Place::asleep;
+  info.slot = k;
+  const BodyProperties& properties = bodies.properties(s.id);
+  const BodyKind& kind = bodies.kinds[properties.kind];
+  std::vector<Piece>& list = sleepers.pieces;
+  if (kind.hull_count == 0) {
+    list.resize(1);
+    list[0].shape = lone_piece(s.at, s.id, properties);
+  } else {
+    Pieces pieces(source.lattice.to_world(s.at.x, s.at.y, s.at.dx, s.at.dy), s.angle, source.lattice, list);
+    for (std::uint32_t h = 0; h < kind.hull_count; ++h) pieces.solid(bodies.hulls[kind.first_hull + h]);
+  }
+  for (Piece& piece : list) {
+    piece.shape.owner = s.id;
+    piece.shape.restitution = properties.restitution;
+    piece.shape.friction = properties.friction;
+  }
+  s.pieces = static_cast<std::uint32_t>(list.size());
+  s.first_shape = source.population.statics.add_sleeping(list.data(), s.pieces);
+}
+
+BodyState Sleep::state_of(const Population& population, const Lattice& lattice, std::uint32_t id) const {
+  const BodyStore& bodies = population.bodies;
+  bodies.find_slots();
+  const BodyInfo& info = bodies.info[id];
+  if (info.place != Place::asleep) return population.state_of(id);
+  const Sleeper& sleeper = sleepers.list[info.slot];
+  const Vec2 centre = lattice.to_world(sleeper.at.x, sleeper.at.y, sleeper.at.dx, sleeper.at.dy);
+  const Vec2 to_centre = arm_of(bodies.kind(id), sleeper.angle);
+  BodyState s;
+  s.id = {id, info.generation};
+  s.radius = static_cast<double>(bodies.properties(id).radius);
+  s.type = bodies.properties(id).type;
+  s.x = centre.x - to_centre.x;
+  s.y = centre.y - to_centre.y;
+  s.angle = sleeper.angle;
+  return s;
+}
+
+}  // namespace psim

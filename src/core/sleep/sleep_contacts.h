@@ -1,0 +1,120 @@
+// Contacts as sleep sees them: those of discs and of shapes alike, by slot.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/margin.h"
+#include "sleep/sleep.h"
+
+namespace psim {
+
+/// Frames of its motion within which a body wakes what it will meet.
+inline constexpr auto kClosing = static_cast<float>(kMarginFrames);
+
+struct SleepContact {
+  std::uint32_t a, b;   ///< slots; a is kNoSlot where b touches a fixed shape
+  std::uint32_t shape;  ///< the fixed shape
+  float gap;            ///< m, at the start of the frame
+  bool loaded;          ///< the contact carries an impulse
+  Touch touch;
+};
+
+/// The points of a manifold along its edge, in an order that depends on neither side.
+inline void order_points(const ManifoldPair& pair, Touch& touch) {
+  const Manifold& m = pair.manifold;
+  touch = Touch{};
+  touch.points = static_cast<std::uint32_t>(std::max(m.count, 1));
+  const bool flip = m.count == 2 && runs_backwards(m);
+  for (int k = 0; k < m.count; ++k) {
+    const int at = flip ? 1 - k : k;
+    touch.impulse[k] = pair.impulse[at];
+    touch.friction[k] = pair.friction[at];
+  }
+}
+
+inline float gap_of(const ManifoldPair& pair) {
+  switch (pair.manifold.count) {
+    case 2:
+      return std::fmin(pair.gap[0], pair.gap[1]);
+    case 1:
+      return pair.gap[0];
+    default:
+      return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
+  }
+}
+
+/// Calls each(contact) for the discs' contacts of a strip.
+template <class Each>
+void each_disc_contact(const SleepSource& source, std::size_t strip, const Each& each) {
+  const BodyStore& bodies = source.population.bodies;
+  const ContactStore& contacts = source.contacts;
+  const bool rough = contacts.rough();
+  const Strip& s = source.table.strips[strip];
+  SleepContact contact;
+  contact.shape = kNoSlot;
+  contact.touch.per_mass = source.per_mass;
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    contact.a = source.table.owner[p];
+    contact.b = source.table.other[p];
+    if (bodies.id[contact.a] == kNoSlot || bodies.id[contact.b] == kNoSlot) continue;
+    const std::size_t lane = source.table.contact[p];
+    contact.gap = contacts.gap[lane];
+    contact.touch.impulse[0] = contacts.impulse[lane];
+    contact.touch.friction[0] = rough ? contacts.friction[lane] : 0.0f;
+    contact.loaded = contact.touch.impulse[0] > 0;
+    each(contact);
+  }
+  contact.a = kNoSlot;
+  for (const StaticPair& pair : source.table.static_contacts[strip]) {
+    if (bodies.id[pair.body] == kNoSlot) continue;
+    contact.b = pair.body;
+    contact.shape = pair.shape;
+    const std::size_t lane = pair.contact;
+    contact.gap = contacts.s_gap[lane];
+    contact.touch.impulse[0] = contacts.s_impulse[lane];
+    contact.touch.friction[0] = rough ? contacts.s_friction[lane] : 0.0f;
+    contact.loaded = contact.touch.impulse[0] > 0;
+    each(contact);
+  }
+}
+
+struct EveryStrip {
+  bool operator()(std::size_t) const { return true; }
+};
+
+/// Calls each(contact) for the contacts of the present lists, in strips for which wanted(strip) is true. While a step
+/// that is spread over frames makes new lists there are none.
+template <class Each, class Wanted = EveryStrip>
+void each_contact(const SleepSource& source, const Each& each, const Wanted& wanted = {}) {
+  if (!source.contacts_stand) return;
+  const BodyStore& bodies = source.population.bodies;
+  const Manifolds& manifolds = source.manifolds;
+  SleepContact contact;
+  for (std::size_t k = 0; k < source.table.strips.size(); ++k) {
+    if (!wanted(k)) continue;
+    each_disc_contact(source, k, each);
+    if (!source.with_manifolds || k >= manifolds.strip_count()) continue;
+    for (const ManifoldPair& pair : manifolds.pairs_of(k)) {
+      if (bodies.id[pair.b] == kNoSlot || (pair.a != kNoSlot && bodies.id[pair.a] == kNoSlot)) continue;
+      contact.a = pair.a;
+      contact.b = pair.b;
+      contact.shape = pair.shape;
+      contact.gap = gap_of(pair);
+      contact.loaded = manifolds.closed(k, pair);
+      order_points(pair, contact.touch);
+      each(contact);
+    }
+  }
+}
+
+inline std::uint64_t key_of(const SleepContact& contact, const BodyStore& b, const StaticShapes& statics) {
+  const std::uint32_t id = b.id[contact.b];
+  if (contact.a != kNoSlot) return TouchKey::bodies(b.id[contact.a], id);
+  if (contact.shape < kWallLeft && statics[contact.shape].asleep) {
+    return TouchKey::bodies(statics[contact.shape].owner, id);
+  }
+  return TouchKey::fixed(id, contact.shape);
+}
+
+}  // namespace psim

@@ -1,0 +1,153 @@
+// The bodies that sleep, and for how long each body has rested. A body that falls asleep leaves the columns of the
+// moving bodies and stands among the fixed shapes until it wakes; the impulses of its contacts are kept.
+//
+//   watch     every kWatchFrames: counts for how long each body has stayed within its ball
+//   recent    impulses of contacts whose sides fell asleep or woke, until the contacts are laid out anew
+//
+// A body rests if it has not left a ball of 2e-4 of its radius, at most 0.1 mm, for half a second; it wakes
+// what sleeps beside it once it leaves a ball five times as large. A body without friction that lies between
+// others also rests, loosely, if it has kept to a tenth of its radius for four seconds: piles without
+// friction creep for minutes. A body sleeps once all that it touches rests too, and something supports it.
+// docs/sleeping.md has the rules and how they were measured.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "base/column.h"
+#include "base/lattice.h"
+#include "base/tasks.h"
+#include "base/worker_pool.h"
+#include "bodies/body_store.h"
+#include "bodies/static_shapes.h"
+#include "contacts/touch_memory.h"
+
+namespace psim {
+
+struct Sleeper {
+  LatticePoint at;   ///< the centre of the body
+  double angle = 0;  ///< rad
+  std::uint32_t id = 0;
+  std::uint32_t first_shape = 0, pieces = 0;   ///< in StaticShapes
+  std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
+  float depth = 0;                             ///< m: the overlap of its deepest contact when it fell asleep
+  std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
+  bool loose = false;  ///< it crept when it fell asleep: a body that creeps beside it does not wake it
+};
+
+/// The only piece of a plain disc that sleeps.
+inline StaticShape lone_piece(const LatticePoint& at, std::uint32_t id, const BodyProperties& properties) {
+  StaticShape piece;
+  piece.p = at;
+  piece.radius = properties.radius;
+  piece.restitution = properties.restitution;
+  piece.friction = properties.friction;
+  piece.owner = id;
+  piece.lone = true;
+  return piece;
+}
+
+/// A body to wake, with `rings` rings of neighbours, or with all that may rest on it (kAbove).
+struct Waking {
+  static constexpr std::uint32_t kAbove = 0xFFFFFFFFu;
+  std::uint32_t id = 0, rings = 0;
+};
+
+class Sleepers {
+ public:
+  explicit Sleepers(MemoryMeter& meter) : rest_(meter), state_(meter) {}
+
+  static constexpr std::uint64_t kWatchFrames = 8;
+  static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
+  static constexpr std::uint32_t kRoomAhead = 4096;   ///< bodies that there is room for before the first one sleeps
+  static constexpr std::size_t kMostAbove = 4096;     ///< bodies that wake at once because a body was taken away
+  static constexpr double kRestTime = 0.5, kLooseTime = 4;  ///< s: a body that stayed in its ball for so long rests
+  static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< share; m
+  static constexpr float kWaking = 5;  ///< the ball that wakes others is so many times as large
+  static constexpr float kLooseOfRadius = 0.1f, kLargestLoose = 0.05f;
+  static constexpr float kSlow = 0.05f;  ///< m/s: while all but one body in kFewSlow are faster, no body is watched
+  static constexpr std::uint32_t kFewSlow = 64;
+
+  /// How far a body may move, m, and still rest.
+  static float ball(float radius) { return std::fmin(kBallOfRadius * radius, kLargestBall); }
+  /// The second ball, m: a body without friction that stays in it creeps; another one that leaves it wakes others.
+  static float wide_ball(float radius, bool smooth) {
+    return smooth ? std::fmin(kLooseOfRadius * radius, kLargestLoose) : kWaking * ball(radius);
+  }
+
+  /// For saved states; behind the bodies and the fixed geometry, into which those that are read are put.
+  template <class A>
+  void describe(A& a, BodyStore& bodies, StaticShapes& statics);
+
+  std::vector<Sleeper> list;   ///< by BodyInfo::slot of sleeping bodies
+  std::vector<Touch> touches;  ///< in runs: Sleeper::first_touch
+  TouchMemory recent;
+  bool woke = false;     ///< a body woke since the lists were made
+  bool changed = false;  ///< a body fell asleep or woke since events were collected
+  // Scratch of sleeping and waking.
+  std::vector<Waking> queue;
+  std::vector<std::uint32_t> found, number, roots;
+  std::vector<std::uint8_t> wakeful;
+  std::vector<Piece> pieces;
+  bool empty() const { return list.empty(); }
+
+  /// Whether enough bodies of a sample of 2,000 are slow, so that watching is worth its time.
+  bool anyone_slow(const BodyStore& bodies) const;
+  /// Makes room for so many bodies that fall asleep in one step: they allocate nothing then, unless they have more than
+  /// kTouchesOfBody touches each.
+  void make_room(const BodyStore& bodies, std::size_t fall_asleep, bool joined);
+  bool has_room(const BodyStore& bodies) const { return bodies.count <= room_of_; }
+
+  /// Looks at every body and counts for how long it has rested. O(bodies). False if no body is slow.
+  bool watch(const BodyStore& bodies, const Lattice& lattice, WorkerPool& pool);
+  bool watching() const { return watching_; }
+
+  /// For how many watches a body must have stayed in its ball to rest, or to creep (`loose`).
+  static std::uint32_t needed(double dt, bool loose = false);
+  /// For how many watches a body has stayed in its ball, or in the second one (`wide`).
+  std::uint32_t calm(std::uint32_t id, bool wide = false) const {
+    return id < rest_.capacity() ? rest_[id].calm[wide] : 0;
+  }
+  /// The body counts as moving from now on: sleepers that touch it wake.
+  void mark_moving(std::uint32_t id) {
+    if (id < rest_.capacity()) rest_[id].calm[0] = rest_[id].calm[1] = 0;
+  }
+  /// The body woke where it slept: it wakes others only once it leaves its ball.
+  void mark_woken(const BodyStore& bodies, const Lattice& lattice, std::uint32_t id, std::int32_t x, std::int32_t y);
+  /// Whether a body wakes a sleeper that it touches: it is outside of its ball, or was so at the last watch. `loose`:
+  /// the sleeper crept when it fell asleep.
+  bool moves(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool loose) const;
+
+  Column<std::uint8_t>& state() { return state_; }
+  /// Drops the runs of touches that belong to no sleeper any more.
+  void tidy();
+  std::size_t bytes() const;
+  std::size_t column_bytes() const { return rest_.bytes() + state_.bytes(); }
+  /// Gives the memory back, but for `recent`. No body sleeps or may sleep.
+  void release();
+
+ private:
+  static constexpr std::size_t kTouchesOfBody = 6;  // as many as equal discs have in a dense packing
+  struct Ball;
+  template <class A>
+  void put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics);
+  template <class A>
+  void describe_rest(A& a, const BodyStore& bodies);
+  bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
+
+  // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
+  // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.
+  struct Rest {
+    std::uint16_t x[2] = {}, y[2] = {};
+    std::uint8_t calm[2] = {};  // watches that the body has stayed
+  };
+  static Rest rest_at(const BodyProperties& properties, const Lattice& lattice, std::int32_t x, std::int32_t y);
+  Column<Rest> rest_;           // by id
+  Column<std::uint8_t> state_;  // by slot: scratch of choosing
+  std::vector<Touch> kept_;     // scratch of tidy
+  bool watching_ = false;
+  std::uint32_t room_of_ = 0;  // bodies that there is room for
+};
+
+}  // namespace psim

@@ -1,0 +1,155 @@
+#include "solver/forces.h"
+
+#include <cmath>
+#include <limits>
+
+#include "base/tasks.h"
+
+namespace psim {
+
+double linear_drag(const std::vector<Field>& fields) {
+  double k = 0;
+  for (const Field& f : fields) {
+    if (const auto* drag = std::get_if<DragField>(&f)) k += drag->linear;
+  }
+  return k;
+}
+
+bool needs_forces(const std::vector<Field>& fields) {
+  for (const Field& f : fields) {
+    if (std::holds_alternative<WellField>(f)) return true;
+    if (std::get<DragField>(f).quadratic != 0) return true;
+  }
+  return false;
+}
+
+// Computes whole powers by squaring, and the fraction bit by bit through square roots, to 2^-30.
+double deterministic_power(double s, double p) {
+  const double whole = std::floor(p);
+  double result = 1, square = s;
+  for (auto n = static_cast<unsigned>(whole); n != 0; n >>= 1) {
+    if (n & 1u) result *= square;
+    square *= square;
+  }
+  double fraction = p - whole, root = s;
+  for (int bit = 0; bit < 30 && fraction > 0; ++bit) {
+    root = std::sqrt(root);
+    fraction *= 2;
+    if (fraction >= 1) {
+      result *= root;
+      fraction -= 1;
+    }
+  }
+  return result;
+}
+
+Forces::Forces(const WorldDesc& world, const Lattice& lattice)
+    : linear_(world.linear_damping + linear_drag(world.fields)), gravity_(world.gravity), lattice_(&lattice) {
+  const Vec2 centre = lattice.centre();
+  for (const Field& f : world.fields) {
+    if (const auto* drag = std::get_if<DragField>(&f)) quadratic_ += drag->quadratic;
+    const auto* well = std::get_if<WellField>(&f);
+    if (!well) continue;
+    wells_.push_back(*well);
+    const double power = (well->exponent + 1) / 2, whole = std::floor(power);
+    kernels::WellTerms t;
+    t.x = well->position.x - centre.x;
+    t.y = well->position.y - centre.y;
+    t.strength = well->strength;
+    t.softening2 = well->softening * well->softening;
+    t.range2 = well->range > 0 ? well->range * well->range : std::numeric_limits<double>::infinity();
+    t.whole = static_cast<std::uint32_t>(whole);
+    t.fraction = static_cast<std::uint32_t>((power - whole) * 0x1p30) << 2;
+    terms_.push_back(t);
+  }
+  switch (world.integrator) {
+    case Integrator::verlet:
+      break;
+    case Integrator::euler:
+      method_ = kernels::Method::euler;
+      break;
+    case Integrator::rk4:
+      method_ = kernels::Method::rk4;
+      break;
+    case Integrator::symplectic4:
+      method_ = kernels::Method::symplectic4;
+      break;
+  }
+}
+
+kernels::FieldParams Forces::params(double h) const {
+  kernels::FieldParams p;
+  p.wells = terms_.data();
+  p.well_count = static_cast<std::uint32_t>(terms_.size());
+  p.h = h;
+  p.pitch_x = lattice_->pitch_x();
+  p.pitch_y = lattice_->pitch_y();
+  p.gravity_x = gravity_.x;
+  p.gravity_y = gravity_.y;
+  p.linear = linear_;
+  p.quadratic = quadratic_;
+  p.fade = std::exp(-linear_ * h);
+  p.half_fade = std::exp(-linear_ * h / 2);
+  p.fade_span = linear_ > 0 ? -std::expm1(-linear_ * h) / linear_ : h;
+  p.smooth = method_ == kernels::Method::euler ? -1 : 4 * h * h;
+  return p;
+}
+
+void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
+  const std::uint32_t blocks = b.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
+      float scale = 0;
+      if (i < b.count && b.id[i] != kNoSlot) {
+        const BodyProperties& properties = b.properties(b.id[i]);
+        if (properties.inv_mass > 0) scale = properties.gravity_scale;
+      }
+      b.pull[i] = scale;
+      b.acc[2 * std::size_t{i}] = static_cast<float>(gravity_.x * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i} + 1] = static_cast<float>(gravity_.y * static_cast<double>(scale));
+    }
+  });
+}
+
+void move_rests(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
+  const std::uint32_t blocks = b.blocks();
+  for (Column<float>* rest : {&b.vel_remainder, &b.disp_remainder}) {
+    if (rest->empty()) continue;
+    b.spare.reserve(rest->capacity());
+    pool.run(stream_tasks(blocks), [&](std::size_t t) {
+      const BlockRange r = stream_range(t, blocks);
+      for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+          b.spare[2 * std::size_t{i} + axis] = i < b.count ? (*rest)[2 * std::size_t{from[i]} + axis] : 0.0f;
+        }
+      }
+    });
+    rest->swap(b.spare);
+  }
+}
+
+// a = k d / (d^2 + e^2)^((n+1)/2):  U = -k (d^2 + e^2)^((1-n)/2) / (n - 1), or k ln(s)/2 for n = 1.
+double Forces::potential(Vec2 p) const {
+  double sum = 0;
+  for (const WellField& w : wells_) {
+    const double dx = w.position.x - p.x, dy = w.position.y - p.y;
+    const auto at = [&](double d2) {
+      const double s = d2 + w.softening * w.softening;
+      if (!(s > 0)) return 0.0;
+      if (w.exponent == 1) return w.strength * std::log(s) / 2;
+      const double half = (w.exponent - 1) / 2;
+      const double power = half >= 0 ? 1 / deterministic_power(s, half) : deterministic_power(s, -half);
+      return -w.strength * power / (w.exponent - 1);
+    };
+    const double d2 = dx * dx + dy * dy;
+    if (w.range > 0) {
+      if (d2 < w.range * w.range) sum += at(d2) - at(w.range * w.range);
+    } else {
+      sum += at(d2);
+    }
+  }
+  return sum;
+}
+
+}  // namespace psim

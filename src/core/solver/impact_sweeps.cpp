@@ -1,0 +1,159 @@
+// Impacts: contacts with restitution whose bodies rest on nothing collide at their time within a substep, sweep after
+// sweep; impacts that are left over are settled in the passes. docs/solver.md derives it.
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "solver/solver_run.h"
+
+namespace psim {
+namespace {
+
+constexpr double kForgetting =
+    31.0 / 32;  // factor on the number of sweeps in a substep that may not take as many as it needs
+
+// The acceleration that presses resting bodies together, m/s^2: gravity or, with fields, the mean acceleration of the
+// bodies if it is larger. An approach that is slower than what it adds in a substep is no impact.
+double pressing(const BodyStore& b, double gravity) {
+  if (b.acc.empty() || b.count == 0) return gravity;
+  const std::uint32_t stride = std::max(1u, b.count / 1024);
+  double sum = 0, samples = 0;
+  for (std::size_t i = 0; i < b.count; i += stride, samples += 1) {
+    const double x = static_cast<double>(b.acc[2 * i]), y = static_cast<double>(b.acc[2 * i + 1]);
+    sum += std::sqrt(x * x + y * y);
+  }
+  return std::fmax(gravity, sum / samples);
+}
+
+}  // namespace
+
+void Solver::Run::set_floors() {
+  const double pressed = pressing(bodies_, gravity_);
+  for (ContactParams* p : {&pair_, &static_, &loaded_pair_, &loaded_static_}) {
+    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold_));
+    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold_));
+  }
+}
+
+// Collisions at their time, sweep after sweep until one finds none. Where bodies have more than one
+// a substep, the first sweeps take them slice by slice of its time.
+void Solver::Run::impacts() {
+  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
+    std::fill(view_.event_time + std::size_t{begin} * 8, view_.event_time + std::size_t{end} * 8, 0.0f);
+  });
+  std::atomic<bool> any{true};
+  SweepMemory& memory = solver_.sweep_memory_;
+  memory.start(table_.strips.size());
+  const auto sweep_statics = [&](int sweep, bool all) {
+    for_statics([&](std::size_t strip, const Strip& s) {
+      if (!all && !memory.asks_static(strip, sweep)) return;
+      if (k_.sweep_static[model_](view_, statics_, static_, s.static_begin, s.static_end, &solver_.virial_[strip])) {
+        memory.static_pair[strip] = sweep;
+        any.store(true, std::memory_order_relaxed);
+      }
+    });
+  };
+  const int sweeps = impact_sweeps_;
+  pair_.sliced = static_.sliced = slices_ > 1;
+  int sweep = 0;
+  for (; sweep < sweeps && any.load(); ++sweep) {
+    any.store(false);
+    pair_.first_sweep = static_.first_sweep = sweep == 0;
+    pair_.last_sweep = static_.last_sweep = sweep + 1 == sweeps;
+    pair_.due = static_.due =
+        sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices_) : 1e30f;
+    for_pairs([&](std::size_t strip, const Strip& s) {
+      if (!memory.asks_pairs(strip, sweep)) return;
+      if (k_.sweep[model_](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
+        memory.pairs[strip] = sweep;
+        any.store(true, std::memory_order_relaxed);
+      }
+    });
+    sweep_statics(sweep, false);
+  }
+  swept_ += limited_ && sweep == sweeps ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep;
+  if (any.load()) {  // there were too many events: at least no body leaves through a wall
+    static_.last_sweep = false;
+    sweep_statics(sweeps, true);
+  }
+}
+
+void Solver::Run::spend() {
+  for_pairs([&](std::size_t, const Strip& s) { k_.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end); });
+  for (const bool fixed : {false, true}) {
+    for (const bool loaded : {false, true}) {
+      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+        k_.spend_manifolds[fixed](view_, blocks, begin, end);
+      });
+    }
+  }
+  for_statics([&](std::size_t, const Strip& s) {
+    k_.spend_static[model_](view_, statics_, static_, s.static_begin, s.static_end);
+  });
+}
+
+// Marks the contacts that the impact sweeps may settle: those with restitution whose bodies both rest on nothing, and
+// those that are fully elastic.
+void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c, WorkerPool& pool) {
+  const auto strips = static_cast<std::uint32_t>(table.strips.size());
+  const std::uint32_t bodies = b.dummies() + 2 * strips + 8;
+  constexpr std::uint32_t kLine = 64;  // bytes: a strip marks bodies of no other strip in its own cache line
+  touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
+  std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
+  const auto touch = [&](std::uint32_t slot) {
+    std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
+  };
+  const auto any_presses = [](const float* impulse) {
+    std::uint32_t any = 0;
+    for (std::size_t l = 0; l < 8; ++l) any |= mask_from(impulse[l], kTiniest);
+    return any != 0;
+  };
+  pressing_.assign(strips, 0);
+  pool.run(strips, [&](std::size_t index) {
+    const Strip& s = table.strips[index];
+    const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
+    bool pressing = false;
+    for (std::size_t block = s.block_begin; block < s.block_end; ++block) {
+      if (!any_presses(&c.impulse[8 * block])) continue;
+      pressing = true;
+      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
+        const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
+        touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
+        touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
+      }
+    }
+    for (std::size_t block = s.static_begin; block < s.static_end; ++block) {
+      if (!any_presses(&c.s_impulse[8 * block])) continue;
+      pressing = true;
+      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
+        touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
+      }
+    }
+    pressing_[index] = pressing;
+  });
+  // 0 means that it may be settled; resting is 0 or 1
+  const auto mark = [](float e, std::uint32_t resting) {
+    const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
+  };
+  pool.run(strips, [&](std::size_t index) {
+    const Strip& s = table.strips[index];
+    if (!table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {  // no body of these strips rests
+      for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k)
+        c.impact[k] = mark(c.e[k], 0);
+      for (std::size_t k = std::size_t{s.static_begin} * 8; k < std::size_t{s.static_end} * 8; ++k)
+        c.s_impact[k] = mark(c.s_e[k], 0);
+      return;
+    }
+    for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
+      const std::uint32_t resting = touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]];
+      c.impact[k] = mark(c.e[k], resting);
+    }
+    for (std::size_t k = std::size_t{s.static_begin} * 8; k < std::size_t{s.static_end} * 8; ++k) {
+      c.s_impact[k] = mark(c.s_e[k], touched_[c.s_body[k]]);
+    }
+  });
+}
+
+}  // namespace psim

@@ -1,0 +1,367 @@
+#include "psim/recording.h"
+
+#include <tuple>
+
+#include "state/describe.h"
+
+namespace psim {
+namespace {
+
+// Calls of the host that take what they are given, each by its place in this list.
+constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &World::set_velocity,
+                            &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
+                            &World::set_gravity,   &World::set_sleeping,     &World::wake,
+                            &World::remove_joint,  &World::set_motor,        &World::set_skin};
+
+// What an entry of the log is: one of these, or behind them a call.
+enum class Op : std::uint8_t { step, hash, add_body, add_discs, add_joint, calls };
+
+struct RecordHeader {
+  static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
+  static constexpr std::uint64_t kFormat = 5;
+  std::uint64_t magic = kMagic;
+  std::uint64_t format = kFormat;
+  std::uint64_t size = 0;   ///< of all, bytes
+  std::uint64_t hash = 0;   ///< of what follows the header, and of the steps
+  std::uint64_t state = 0;  ///< bytes of the state that it began with
+  std::uint64_t steps = 0;
+
+  std::uint64_t hash_with(std::span<const std::byte> rest) const {
+    return hash_of(rest.data(), rest.size()) + 0x9E3779B97F4A7C15u * steps;
+  }
+};
+
+template <class A, Number T>
+void visit(A& a, T& v) {
+  a.value(v);
+}
+template <class A>
+void visit(A& a, StepDetail& d) {
+  numbers(a, d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
+}
+template <class A>
+void visit(A& a, JointId& id) {
+  numbers(a, id.index, id.generation);
+}
+template <class A>
+void visit(A& a, Material& m) {
+  numbers(a, m.density, m.restitution, m.friction);
+}
+template <class A>
+void visit(A& a, Filter& f) {
+  numbers(a, f.category, f.mask, f.group);
+}
+
+template <class A>
+void visit(A& a, Shape& shape) {
+  const auto vertices = [&](std::vector<Vec2>& v) { a.list(v, [&](Vec2& p) { visit(a, p); }); };
+  alternatives(a, shape, [&](auto& s) {
+    using S = std::remove_cvref_t<decltype(s)>;
+    if constexpr (std::is_same_v<S, DiscShape>) {
+      a.value(s.radius);
+    } else if constexpr (std::is_same_v<S, SegmentShape>) {
+      visit(a, s.p1);
+      visit(a, s.p2);
+    } else if constexpr (std::is_same_v<S, ChainShape>) {
+      vertices(s.vertices);
+      a.value(s.loop);
+    } else if constexpr (std::is_same_v<S, BoxShape>) {
+      numbers(a, s.width, s.height, s.radius);
+    } else if constexpr (std::is_same_v<S, PolygonShape>) {
+      vertices(s.vertices);
+      a.value(s.radius);
+    } else {
+      visit(a, s.p1);
+      visit(a, s.p2);
+      a.value(s.radius);
+    }
+  });
+}
+
+template <class A>
+void visit(A& a, BodyDesc& d) {
+  a.value(d.type);
+  visit(a, d.shape);
+  visit(a, d.position);
+  a.value(d.angle);
+  visit(a, d.velocity);
+  a.value(d.angular_velocity);
+  visit(a, d.material);
+  numbers(a, d.mass, d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor);
+  visit(a, d.filter);
+}
+
+// What a DiscBatch looks at.
+struct Discs {
+  std::vector<double> x, y, radius, angle, vx, vy, angular_velocity;
+};
+
+template <class A>
+void visit(A& a, DiscBatch& b, Discs& discs) {
+  const auto column = [&](std::span<const double>& seen, std::vector<double>& own) {
+    if constexpr (!A::kLoading) own.assign(seen.begin(), seen.end());
+    a.list(own, [&](double& v) { a.value(v); });
+    seen = own;
+  };
+  column(b.x, discs.x);
+  column(b.y, discs.y);
+  column(b.radius, discs.radius);
+  column(b.angle, discs.angle);
+  column(b.vx, discs.vx);
+  column(b.vy, discs.vy);
+  column(b.angular_velocity, discs.angular_velocity);
+  a.value(b.type);
+  visit(a, b.material);
+  numbers(a, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet);
+  visit(a, b.filter);
+}
+
+}  // namespace
+
+// ---- recorder --------------------------------------------------------------------------------------
+
+struct Recorder::Log {
+  std::vector<std::byte> state;
+  Saver saver;
+  std::uint64_t every = 60, steps = 0;
+
+  template <class... T>
+  void add(Op op, T... args) {
+    saver.value(op);
+    (visit(saver, args), ...);
+  }
+  // Writes down a call of kCalls, and does it.
+  template <std::size_t kCall, class... T>
+  auto call(World& world, const T&... args) {
+    add(static_cast<Op>(static_cast<std::size_t>(Op::calls) + kCall), args...);
+    return (world.*std::get<kCall>(kCalls))(args...);
+  }
+  StepReport step(World& world, double dt, const StepReport& report, std::uint64_t frame_before) {
+    if (world.frame() == frame_before) return report;  // refused
+    add(Op::step, dt, report.detail);
+    if (++steps % every == 0) add(Op::hash, world.state_hash());
+    return report;
+  }
+};
+
+Recorder::Recorder(World& world, std::uint64_t every) : world_(world), log_(std::make_unique<Log>()) {
+  log_->every = std::max<std::uint64_t>(every, 1);
+  world.save(log_->state);
+}
+Recorder::~Recorder() = default;
+
+StepReport Recorder::step() { return step(world_.desc().dt); }
+
+StepReport Recorder::step(double dt) {
+  const std::uint64_t frame = world_.frame();
+  return log_->step(world_, dt, world_.step(dt), frame);
+}
+
+StepReport Recorder::replay(const StepDetail& detail) { return replay(detail, world_.desc().dt); }
+
+StepReport Recorder::replay(const StepDetail& detail, double dt) {
+  const std::uint64_t frame = world_.frame();
+  return log_->step(world_, dt, world_.replay(detail, dt), frame);
+}
+
+BodyId Recorder::add_body(const BodyDesc& desc, std::string& error) {
+  const BodyId id = world_.add_body(desc, error);
+  if (id != kNoBody) log_->add(Op::add_body, desc);
+  return id;
+}
+
+std::size_t Recorder::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
+  const std::size_t added = world_.add_discs(batch, first, error);
+  if (added == 0) return 0;
+  DiscBatch copy = batch;
+  Discs discs;
+  log_->add(Op::add_discs);
+  visit(log_->saver, copy, discs);
+  return added;
+}
+
+JointId Recorder::add_joint(const JointDesc& desc, std::string& error) {
+  const JointId id = world_.add_joint(desc, error);
+  if (id != kNoJoint) log_->add(Op::add_joint, desc);
+  return id;
+}
+
+bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
+bool Recorder::set_transform(BodyId id, Vec2 position, double angle) {
+  return log_->call<1>(world_, id, position, angle);
+}
+bool Recorder::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
+  return log_->call<2>(world_, id, velocity, angular_velocity);
+}
+bool Recorder::apply_impulse(BodyId id, Vec2 impulse) { return log_->call<3>(world_, id, impulse); }
+bool Recorder::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
+  return log_->call<4>(world_, id, impulse, point);
+}
+bool Recorder::apply_angular_impulse(BodyId id, double impulse) { return log_->call<5>(world_, id, impulse); }
+bool Recorder::set_gravity(Vec2 gravity) { return log_->call<6>(world_, gravity); }
+void Recorder::set_sleeping(bool on) { log_->call<7>(world_, on); }
+bool Recorder::wake(BodyId id) { return log_->call<8>(world_, id); }
+bool Recorder::remove_joint(JointId id) { return log_->call<9>(world_, id); }
+bool Recorder::set_motor(JointId id, double speed, double limit) { return log_->call<10>(world_, id, speed, limit); }
+bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); }
+
+std::vector<std::byte> Recorder::recording() const {
+  Log end;
+  end.add(Op::hash, world_.state_hash());
+  const auto ops = log_->saver.bytes(), last = end.saver.bytes();
+  RecordHeader header;
+  header.state = log_->state.size();
+  header.steps = log_->steps;
+  header.size = sizeof header + log_->state.size() + ops.size() + last.size();
+  std::vector<std::byte> out(sizeof header);
+  out.reserve(header.size);
+  out.insert(out.end(), log_->state.begin(), log_->state.end());
+  out.insert(out.end(), ops.begin(), ops.end());
+  out.insert(out.end(), last.begin(), last.end());
+  header.hash = header.hash_with(std::span(out).subspan(sizeof header));
+  std::memcpy(out.data(), &header, sizeof header);
+  return out;
+}
+
+// ---- replay ----------------------------------------------------------------------------------------
+
+struct Replay::State {
+  std::vector<std::byte> bytes;  // of the log
+  std::unique_ptr<World> world;
+  std::optional<Loader> log;
+  std::uint64_t steps = 0, in_all = 0, hashes = 0, differs = 0;
+  bool compared = false;  // the present state
+
+  template <class T>
+  T get() {
+    T v{};
+    visit(*log, v);
+    return v;
+  }
+  void check() {
+    const auto hash = get<std::uint64_t>();
+    if (!log->ok()) return;
+    ++hashes;
+    compared = true;
+    if (differs == 0 && hash != world->state_hash()) differs = std::max<std::uint64_t>(steps, 1);
+  }
+  Op next_op() {
+    std::uint8_t op = 0;
+    log->index(static_cast<std::size_t>(Op::calls) + std::tuple_size_v<decltype(kCalls)>, op);
+    return static_cast<Op>(op);
+  }
+  template <class R, class... T>
+  void call(R (World::*function)(T...)) {
+    std::tuple<std::decay_t<T>...> args;
+    std::apply([&](auto&... arg) { (visit(*log, arg), ...); }, args);
+    if (log->ok()) std::apply([&](auto&... arg) { (*world.*function)(arg...); }, args);
+  }
+  void call(std::size_t which) {
+    std::apply(
+        [&](auto... function) {
+          std::size_t k = 0;
+          ((k++ == which ? call(function) : void()), ...);
+        },
+        kCalls);
+  }
+  bool perform(Op op);
+};
+
+// False after a step.
+bool Replay::State::perform(Op op) {
+  World& w = *world;
+  std::string error;
+  compared = false;
+  switch (op) {
+    case Op::step: {
+      const auto dt = get<double>();
+      const auto detail = get<StepDetail>();
+      if (!log->ok()) return false;
+      w.replay(detail, dt);
+      ++steps;
+      return false;
+    }
+    case Op::hash:
+      check();
+      break;
+    case Op::add_body:
+      w.add_body(get<BodyDesc>(), error);
+      break;
+    case Op::add_discs: {
+      DiscBatch batch;
+      Discs discs;
+      visit(*log, batch, discs);
+      std::uint32_t first = 0;
+      w.add_discs(batch, first, error);
+      break;
+    }
+    case Op::add_joint:
+      w.add_joint(get<JointDesc>(), error);
+      break;
+    default:
+      call(static_cast<std::size_t>(op) - static_cast<std::size_t>(Op::calls));
+  }
+  return true;
+}
+
+Replay::Replay(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Replay::~Replay() = default;
+
+std::unique_ptr<Replay> Replay::open(std::span<const std::byte> recording, const RunOptions& options,
+                                     std::string& error) {
+  error.clear();
+  RecordHeader header;
+  if (recording.size() < sizeof header) {
+    error = "it is cut short";
+    return nullptr;
+  }
+  std::memcpy(&header, recording.data(), sizeof header);
+  const auto rest = recording.subspan(sizeof header);
+  if (header.magic != RecordHeader::kMagic) {
+    error = "it is no recording of psim";
+  } else if (header.format != RecordHeader::kFormat) {
+    error =
+        "its format is " + std::to_string(header.format) + ", this psim reads " + std::to_string(RecordHeader::kFormat);
+  } else if (recording.size() < header.size) {
+    error = "it is cut short";
+  } else if (recording.size() > header.size || header.hash_with(rest) != header.hash || header.state > rest.size()) {
+    error = "it is damaged";
+  }
+  if (!error.empty()) return nullptr;
+  auto state = std::make_unique<State>();
+  state->world = World::from_state(rest.first(header.state), options, error);
+  if (!state->world) return nullptr;
+  const auto log = rest.subspan(header.state);
+  state->bytes.assign(log.begin(), log.end());
+  state->log.emplace(Loader::of_numbers(state->bytes));
+  state->in_all = header.steps;
+  return std::unique_ptr<Replay>(new Replay(std::move(state)));
+}
+
+bool Replay::next() {
+  State& s = *state_;
+  const std::uint64_t before = s.steps;
+  while (s.log->left() != 0 && s.log->ok()) {
+    if (s.perform(s.next_op())) continue;
+    // Hashes after a step belong to it.
+    while (s.log->ok() && s.log->left() != 0 && s.log->peek() == static_cast<std::byte>(Op::hash)) {
+      s.next_op();
+      s.check();
+    }
+    break;
+  }
+  return s.steps != before;
+}
+
+bool Replay::complete() const {
+  const State& s = *state_;
+  return s.log->ok() && s.log->left() == 0 && s.compared && s.steps == s.in_all;
+}
+
+World& Replay::world() { return *state_->world; }
+std::uint64_t Replay::steps() const { return state_->steps; }
+std::uint64_t Replay::steps_in_all() const { return state_->in_all; }
+std::uint64_t Replay::hashes() const { return state_->hashes; }
+std::uint64_t Replay::differs_at() const { return state_->differs; }
+
+}  // namespace psim

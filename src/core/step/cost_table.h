@@ -1,0 +1,63 @@
+// Written by tools/cost-table; do not edit the numbers by hand. What a unit of work costs, in ns, on one thread.
+// Measured 2026-11-22 on an Intel Xeon with 2 vCPUs, g++ 12.2, AVX2 (docs/governor.md says how).
+//
+// World::measure_costs scales these to the machine that it runs on: CostModel holds the numbers in this order.
+#pragma once
+
+#include <bit>
+
+#include "psim/governor.h"
+
+namespace psim {
+
+struct UnitCosts {
+  double step = 3000;         ///< a frame, whatever is in it
+  double check = 0.5;         ///< a body: do its lists serve
+  double sort = 12.5;         ///< a body, when lists are made: to its cell
+  double search = 3.5;        ///< a body: its candidates
+  double test = 0.25;         ///< two bodies that are looked at for that
+  double pair = 1.8;          ///< a candidate pair that is found
+  double near = 2.5;          ///< a body: walls near it
+  double near_fixed = 60;     ///< a body, where there are fixed shapes or sleepers
+  double near_shape = 180;    ///< a fixed shape near a body
+  double select = 2.2;        ///< a candidate pair, when a step selects from them
+  double pack = 3.2;          ///< a pair that was selected, a body that the solver may leave out
+  double group = 80;          ///< a manifold, when it is taken out of the lists of discs
+  double load = 4;            ///< a contact of discs, where bodies carry much heavier ones
+  double colour = 3.2;        ///< a contact of discs, when contacts are laid out: its colour
+  double lay_out = 12;        ///< a contact of discs: its lane
+  double lay_out_rough = 18;  ///< the same with friction or restitution
+  double keep = 40;           ///< a manifold that is kept as it is: its gaps
+  double look = 180;          ///< a manifold that is looked at anew
+  double stand = 14;          ///< a manifold: who stands on whom
+  double column = 30;         ///< a manifold, once a step: its lane
+  double narrow = 2.7;        ///< a contact of discs, once a step: its normal, its sums
+  double load_body = 5;       ///< a body that the solver copies
+  double move = 1.5;          ///< a body: integrate
+  double stop = 15;           ///< a body, where shapes fly fast
+  double sleep = 4;           ///< a body or a contact, each time that sleep looks at it
+  double joint = 35;          ///< a joint, once a step
+  double joint_sorted = 200;  ///< a joint whose bodies have new slots
+  double body_pass = 3.5;     ///< a body that the solver has, in a substep
+  double pass = 1.4;          ///< a lane of contacts of discs, in a substep
+  double touch = 3.9;         ///< a contact that presses, in a substep
+  double sweep = 2.4;         ///< a lane, in a sweep over impacts, where there is restitution
+  double shape_pass = 15;     ///< a manifold, in a substep
+  double joint_pass = 44;     ///< a joint, in a substep
+  double cell = 1;            ///< a cell of the grid, when lists are made
+  double flight = 350;        ///< a fixed shape near the way of a fast shape
+  double strip = 50;          ///< a strip, each time that its lists are gone through
+};
+
+/// What the heaps of World::measure_costs cost there, as shares of what these costs predict for them.
+struct HeapShares {
+  double lists, rest, pass;
+};
+inline constexpr HeapShares kDiscHeap = {0.79, 1.05, 0.74}, kBoxHeap = {1.1, 0.73, 0.91};
+
+static_assert(sizeof(UnitCosts) == CostModel::kNumbers * sizeof(double));
+
+inline UnitCosts unit_costs(const CostModel& model) { return std::bit_cast<UnitCosts>(model.numbers()); }
+inline CostModel cost_model(const UnitCosts& costs) { return CostModel(std::bit_cast<CostModel::Numbers>(costs)); }
+
+}  // namespace psim

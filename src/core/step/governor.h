@@ -1,0 +1,82 @@
+// Decides how much of a step is done, from counts alone (psim/governor.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "step/cost_table.h"
+#include "step/forecast.h"
+#include "step/work_counts.h"
+
+namespace psim {
+
+class StepWork;
+struct Span;
+struct StepContext;
+struct StepReport;
+
+class Governor {
+ public:
+  /// Frames that a step makes up for at most.
+  static constexpr int kMostFrames = StepDetail::kMostFrames;
+  /// Sweeps over impacts in a substep that has no time for as many as it takes.
+  static constexpr int kFewSweeps = 1;
+
+  /// Whether no number is broken.
+  static bool sound(const GovernorDesc& desc);
+  void set(const GovernorDesc& desc);
+  bool on() const { return desc_.on; }
+  const UnitCosts& costs() const { return costs_; }
+
+  /// Does of a step's work what fits into a frame of dt seconds, and chooses the detail: whether the rest of the step
+  /// fits, too, with how many substeps, and how many frames it makes up for. `first`: the first frame of a world, whose
+  /// lists belong to making ready (World::prepare).
+  void spend_frame(const StepContext& c, StepWork& work, double dt, bool first, StepReport& report) const;
+  /// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either, and are
+  /// taken out of the prediction.
+  bool fits_again(const StepContext& c, StepReport& report) const;
+
+  /// ns that may be predicted for a frame.
+  double room_ns() const { return kShare * desc_.budget_ms * 1e6; }
+
+  /// How many times as many candidates lists for more frames have as those that were counted, and how many times as
+  /// long a step contacts are selected for: so many more are there, unless most candidates are contacts already.
+  struct Growth {
+    double candidates = 1, time = 1;
+  };
+  /// How many frames a step's lists should serve, if its work is to be spread; 1: it fits into one. growth(frames).
+  int horizon(const WorkCounts& work, int most_substeps, const std::function<Growth(int)>& growth = {}) const;
+
+  struct Choice {
+    bool solves = false;  ///< in this frame; else the next one is better
+    int substeps = 0, frames = 1;
+    int sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
+  };
+  /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
+  /// substep is longer than a frame: time that they cannot make up for is lost. Sweeps over impacts are left out
+  /// where less time is lost then.
+  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
+
+ private:
+  /// Of the budget: what is left is for what the model does not know.
+  static constexpr double kShare = 0.75;
+  struct Frame;
+  void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& frame, StepReport& report) const;
+  void choose_end(const StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) const;
+  int fitting(const WorkCounts& work, double ns, int most) const;
+  struct Lists {
+    int frames = 1;      // that they serve
+    double a_frame = 0;  // ns of a step's work for each of them
+  };
+  Lists lists_for(const WorkCounts& work, int most_substeps, const std::function<Growth(int)>& growth) const;
+  struct Offer {
+    Choice choice;
+    double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
+  };
+  Offer offer(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
+
+  GovernorDesc desc_;
+  UnitCosts costs_;
+};
+
+}  // namespace psim

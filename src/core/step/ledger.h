@@ -1,0 +1,78 @@
+// Counts what steps did and what they left out. The world owns one; each step opens and closes its page:
+// begin_step, skip for everything that had nothing to do, end_step. World::skipped, lane_counts and lane_use read it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "base/column.h"
+#include "psim/report.h"
+
+namespace psim {
+
+/// The kernels whose blocks World::lane_use describes, and their public names.
+enum class LaneUser : std::uint8_t {
+  bodies,
+  substeps,
+  search,
+  selection,
+  contacts,
+  fixed_contacts,
+  manifolds,
+  hulls,
+  joints
+};
+inline constexpr std::array<std::string_view, 9> kLaneUserNames = {"bodies",         "substeps", "pair search",
+                                                                   "pair selection", "contacts", "fixed contacts",
+                                                                   "manifolds",      "hulls",    "joints"};
+
+/// What steps did, in counts.
+class Ledger {
+ public:
+  /// Lanes of some blocks, and how many of them held something.
+  struct Lanes {
+    std::uint64_t all = 0, used = 0;
+  };
+
+  /// Opens the page of a step. `memory` counts the growths of the world's arrays.
+  void begin_step(const MemoryMeter& memory);
+  /// A stage or a part of one had nothing to do in this step. To say so twice changes nothing.
+  void skip(Skip what) { skipped_ |= 1u << static_cast<unsigned>(what); }
+  void skip_if(bool nothing_to_do, Skip what) {
+    if (nothing_to_do) skip(what);
+  }
+  /// Nobody moves: everything is left out but what the host asked for.
+  void skip_all(bool but_publish, bool but_events);
+  /// Adds the page to the sums and writes it into the report. Lists that were rebuilt do not count as left out.
+  void end_step(const MemoryMeter& memory, StepReport& report);
+
+  /// How many steps left each of kSkipNames out.
+  const std::array<std::uint64_t, kSkipNames.size()>& skipped_steps() const { return skipped_steps_; }
+
+  /// Elements that were worked on in lanes and one at a time, since the world was made.
+  LaneCounts lanes;
+
+  /// Asks for a look at how full the blocks are, in every 16th step.
+  void survey_lanes() { surveying_ = true; }
+  bool surveys(std::uint64_t step) const { return surveying_ && step % kSurveySteps == 0; }
+  Lanes& lanes_of(LaneUser user) { return use_[static_cast<std::size_t>(user)]; }
+  void add_lanes(LaneUser user, std::uint64_t all, std::uint64_t used) {
+    lanes_of(user).all += all;
+    lanes_of(user).used += used;
+  }
+  std::vector<LaneUse> lane_use() const;
+
+ private:
+  static constexpr std::uint64_t kSurveySteps = 16;
+
+  std::uint32_t skipped_ = 0;         // a bit for each Skip, in this step
+  std::uint64_t growths_before_ = 0;  // MemoryMeter::growths when the step began
+  std::array<std::uint64_t, kSkipNames.size()> skipped_steps_{};
+  std::array<Lanes, kLaneUserNames.size()> use_{};
+  bool surveying_ = false;
+};
+
+}  // namespace psim

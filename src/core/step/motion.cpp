@@ -1,0 +1,223 @@
+#include "step/motion.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "base/stage_timer.h"
+#include "base/tasks.h"
+#include "bodies/quarantine.h"
+#include "contacts/narrow_phase.h"
+
+namespace psim {
+namespace {
+
+using kernels::kBlock;
+
+// Sideways motion within a step after which a contact's normal is computed anew, as a share of the least radius.
+constexpr float kRefreshOfRadius = 0.02f;
+constexpr double kMostWarm = 4;  // factor on stored impulses where a step is longer than the last
+
+// Where lanes are counted: with one lane a register everything is done one at a time.
+std::uint64_t& lanes_counted(const StepContext& c) {
+  return c.kernels.width == 1 ? c.ledger.lanes.scalar : c.ledger.lanes.vector;
+}
+
+// Accelerations that differ from body to body, after the bodies were sorted.
+void prepare_forces(const StepContext& c, StepReport& report) {
+  Dynamics& dynamics = c.dynamics;
+  BodyStore& bodies = c.bodies;
+  if (!dynamics.forces || !(dynamics.forces_stale || bodies.acc.empty())) return;
+  const StageTimer timer(report, c.tracer, Stage::forces);
+  const std::size_t padded = kernels::round_up_block(bodies.count);
+  const std::size_t all = std::max(2 * padded, bodies.vel0.capacity());  // padding lanes read it
+  bodies.acc.reserve(all);
+  std::fill(bodies.acc.data() + 2 * padded, bodies.acc.data() + all, 0.0f);
+  if (c.plan.integrator != Integrator::verlet) bodies.drift_correction.reserve(2 * padded);
+  if (c.plan.scales) {
+    bodies.pull.reserve(padded);
+    dynamics.forces->scale_gravity(bodies, c.pool);
+  }
+  dynamics.forces_stale = false;
+}
+
+bool no_contact_of_discs(const StepContext& c) {
+  return c.contacts.discs.pair_blocks() + c.contacts.discs.static_blocks() == 0;
+}
+
+SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
+  SolverParams p;
+  p.dt = dt;
+  p.substeps = c.dynamics.substeps;
+  p.gravity = c.desc.gravity;
+  p.damping = c.desc.linear_damping + linear_drag(c.desc.fields);
+  p.pitch_x = c.lattice.pitch_x();
+  p.pitch_y = c.lattice.pitch_y();
+  p.restitution_threshold = c.desc.restitution_threshold;
+  p.refresh = kRefreshOfRadius * c.population.least_radius;
+  const double h = dt / c.dynamics.substeps;
+  p.impacts = c.neighbours.made.impact_rate * h;
+  c.dynamics.stiff_substep = c.dynamics.next_stiff_substep(h);
+  p.stiff_substep = c.dynamics.stiff_substep;
+  // Loads grow with the step, but impacts do not: not many times over.
+  p.warm = c.dynamics.last_substep > 0 ? static_cast<float>(std::fmin(h / c.dynamics.last_substep, kMostWarm)) : 1.0f;
+  p.model = c.plan.model;
+  p.turns = c.plan.turns;
+  p.most_sweeps = detail.sweeps;
+  return p;
+}
+
+kernels::StreamParams stream_params(const StepContext& c, double dt) {
+  const WorldDesc& desc = c.desc;
+  const double damping = desc.linear_damping + linear_drag(desc.fields);
+  // x(t) = x + v (1-e^-ct)/c + g (t - (1-e^-ct)/c)/c,  v(t) = v e^-ct + g (1-e^-ct)/c
+  const double span = damping > 0 ? -std::expm1(-damping * dt) / damping : dt;
+  const double fall = damping * dt > 1e-4 ? (dt - span) / damping : dt * dt / 2 * (1 - damping * dt / 3);
+  kernels::StreamParams p;
+  p.h = static_cast<float>(dt);
+  p.damp = static_cast<float>(std::exp(-damping * dt));
+  p.kick_x = static_cast<float>(desc.gravity.x * span);
+  p.kick_y = static_cast<float>(desc.gravity.y * span);
+  p.coast = static_cast<float>(span);
+  p.drop = static_cast<float>(fall);
+  p.fall_x = static_cast<float>(desc.gravity.x * fall);
+  p.fall_y = static_cast<float>(desc.gravity.y * fall);
+  p.pitch_x = static_cast<float>(c.lattice.pitch_x());
+  p.pitch_y = static_cast<float>(c.lattice.pitch_y());
+  p.inv_pitch_x = static_cast<float>(1 / c.lattice.pitch_x());
+  p.inv_pitch_y = static_cast<float>(1 / c.lattice.pitch_y());
+  const double limit = speed_limit(c.lattice, dt);
+  p.speed_limit2 = static_cast<float>(limit * limit);
+  p.far_x = static_cast<float>(kFarSteps * c.lattice.pitch_x());
+  p.far_y = static_cast<float>(kFarSteps * c.lattice.pitch_y());
+  return p;
+}
+
+}  // namespace
+
+void lay_out_manifolds(const StepContext& c, double dt) {
+  const double h = dt / c.dynamics.substeps;
+  ManifoldParams p = c.manifold_params(dt);
+  Solver::manifold_softness(h, c.dynamics.next_stiff_substep(h), p);
+  const std::array<float, 4> soft{p.soft[0], p.rate[0], p.soft[2], p.rate[2]};  // the others follow from these
+  p.changed = soft != c.contacts.softness_laid;
+  c.contacts.softness_laid = soft;
+  p.asleep = !c.sleepers.empty();
+  c.ledger.lanes.vector += c.contacts.manifolds.batches().used;
+  c.ledger.lanes.scalar += c.contacts.manifolds.batches().alone;
+  c.contacts.manifolds.lay_out(c.bodies, c.contacts.loads, p, c.contacts.solved.dummies(), c.pool);
+  c.contacts.stacks.place(c.contacts.manifolds);
+}
+
+void prepare_contacts(const StepContext& c, double dt) {
+  if (c.plan.manifolds) lay_out_manifolds(c, dt);
+  if (no_contact_of_discs(c)) {
+    c.ledger.skip_if(!c.contacts.manifolds.any(), Skip::narrow_phase);
+    c.contacts.solved.load(c.bodies, c.pool);  // bodies may be linked by pairs that must not collide
+    return;
+  }
+  narrow_phase(c.bodies, c.contacts.solved, c.statics, c.walls, c.lattice, kRefreshOfRadius * c.population.least_radius,
+               c.neighbours.table, c.contacts.discs, c.kernels, c.pool);
+}
+
+void note_skips(const StepContext& c) {
+  c.ledger.skip_if(!c.dynamics.forces, Skip::forces);
+  c.ledger.skip_if(!c.plan.restitution, Skip::restitution);
+  c.ledger.skip_if(!c.plan.masses && !c.plan.friction, Skip::masses);
+  c.ledger.skip_if(!c.plan.friction, Skip::friction);
+  c.ledger.skip_if(!c.plan.rotation, Skip::rotation);
+  c.ledger.skip_if(!c.plan.publish, Skip::publish);
+  c.ledger.skip_if(!c.contacts.loads.any(), Skip::heavy_loads);
+  c.ledger.skip_if(!c.plan.events, Skip::events);
+  c.ledger.skip_if(!c.plan.manifolds, Skip::manifolds);
+  c.ledger.skip_if(!c.plan.joints, Skip::joints);
+  c.ledger.skip_if(!c.sorts_out(), Skip::filters);
+  c.ledger.skip_if(!c.plan.continuous, Skip::continuous);
+}
+
+std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report) {
+  prepare_forces(c, report);
+  note_skips(c);
+  if (no_contact_of_discs(c) && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
+      c.joints.empty()) {
+    const StageTimer timer(report, c.tracer, Stage::solver);  // else run_substeps() times the stage from here on
+    c.ledger.skip(Skip::solver);
+    c.dynamics.solver.pass();
+    return std::nullopt;
+  }
+  const SolverParams p = solver_params(c, dt, report.detail);
+  const double h = dt / p.substeps;
+  c.dynamics.stiff_substep = p.stiff_substep;
+  if (c.plan.turns) {
+    c.pool.run(stream_tasks(c.bodies.blocks()), [&](std::size_t t) {
+      const BlockRange r = stream_range(t, c.bodies.blocks());
+      std::fill(c.bodies.arm_change.data() + std::size_t{r.begin} * 2 * kBlock,
+                c.bodies.arm_change.data() + std::size_t{r.end} * 2 * kBlock, 0.0f);
+      std::fill(c.bodies.angle_change.data() + std::size_t{r.begin} * kBlock,
+                c.bodies.angle_change.data() + std::size_t{r.end} * kBlock, 0.0f);
+    });
+  }
+  if (c.plan.joints) c.joints.prepare(c.bodies, c.population.fixed, c.contacts.solved, c.lattice, h, c.pool);
+  c.dynamics.last_substep = h;
+  return p;
+}
+
+void run_substeps(const StepContext& c, const SolverParams& p, StepReport& report) {
+  const StageTimer timer(report, c.tracer, Stage::solver);
+  Contacts& contacts = c.contacts;
+  const SolverReport done = c.dynamics.solver.run(c.bodies, contacts.solved, c.neighbours.table, contacts.discs,
+                                                  contacts.manifolds, contacts.stacks, c.joints, p,
+                                                  c.dynamics.forces.get(), c.population.kinematics, c.kernels, c.pool);
+  const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
+  report.virial = done.virial * (per_mass ? static_cast<double>(c.population.first_mass) : 1.0);
+  report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
+  report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
+  const auto substeps = static_cast<std::uint64_t>(p.substeps);
+  const std::uint64_t blocks =
+      std::uint64_t{contacts.discs.pair_blocks()} + contacts.discs.static_blocks() + contacts.manifolds.blocks();
+  lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
+  if (c.kernels.width == 1) return;
+  // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.
+  c.ledger.lanes.scalar += contacts.discs.static_count() + 2u * substeps * contacts.stacks.link_count();
+}
+
+void stop_fast_bodies(const StepContext& c, StepReport& report) {
+  if (!c.plan.continuous) return;
+  const StageTimer timer(report, c.tracer, Stage::solver);
+  Continuous& continuous = c.dynamics.continuous;
+  c.bodies.find_slots();
+  report.stopped = continuous.stop(c.bodies, c.contacts.manifolds, c.neighbours.table, c.statics, c.lattice,
+                                   c.population.bullets, c.plan.filters, c.pool);
+  report.fast = continuous.fast();
+}
+
+Integrated integrate(const StepContext& c, double dt, StepReport& report) {
+  const StageTimer timer(report, c.tracer, Stage::integrate);
+  const kernels::StreamParams p = stream_params(c, dt);
+  const std::uint32_t blocks = c.bodies.blocks();
+  const kernels::BodyView view = c.bodies.view();
+  const bool bounded = c.desc.boundary != Boundary::periodic;
+  std::atomic<bool> fine{true}, inside{true};
+  const bool turning = !c.bodies.rim_speed.empty();
+  c.pool.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    if (!c.kernels.integrate(view, p, r.begin, r.end)) fine.store(false, std::memory_order_relaxed);
+    if (bounded && !Quarantine::walls_hold(c.bodies, c.walls, c.kernels, r))
+      inside.store(false, std::memory_order_relaxed);
+    if (!turning) return;
+    for (std::size_t i = std::size_t{r.begin} * kBlock;
+         i < std::min<std::size_t>(std::size_t{r.end} * kBlock, c.bodies.count); ++i) {
+      if (c.bodies.linked[i] == 0) {  // others turned with the substeps
+        c.bodies.angle[i] +=
+            dt * (static_cast<double>(c.bodies.rim_speed[i]) / static_cast<double>(c.bodies.radius[i]));
+      }
+      if ((c.plan.turns && !std::isfinite(c.bodies.rim_speed[i])) || !std::isfinite(c.bodies.angle[i])) {
+        fine.store(false, std::memory_order_relaxed);
+      }
+    }
+  });
+  lanes_counted(c) += std::uint64_t{blocks} * kBlock;
+  return {fine.load(), inside.load()};
+}
+
+}  // namespace psim

@@ -1,0 +1,99 @@
+#include "step/plan.h"
+
+#include "lists/heavy_loads.h"
+
+namespace psim {
+
+Plan make_plan(const Traits& t) {
+  Plan p;
+  p.fields = t.fields;
+  p.scales = t.kinematic != 0 || t.odd_gravity != 0;
+  p.forces = t.fields || p.scales;
+  if (t.fields) p.integrator = t.integrator;
+  p.restitution = t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
+  const auto rub = [&t](std::uint64_t rough) {
+    return rough >= 2 || (rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
+  };
+  p.friction = rub(t.moving_rough);
+  p.masses = t.same_mass != t.discs || t.kinematic_discs != 0;
+  p.uneven = p.masses || t.cornered != 0;
+  p.loads = p.uneven && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) && (t.gravity || t.fields);
+  p.radii = t.same_radius != t.moving;
+  p.materials = t.same_properties != t.discs;
+  p.manifolds = t.cornered != 0;
+  p.joints = t.joints != 0;
+  p.turns = p.manifolds || p.joints;
+  p.filters = t.filtered != 0 || t.sensors != 0 || t.exclusions;
+  p.bullets = t.bullets != 0 && t.moving > 1;
+  p.continuous = p.manifolds || p.bullets;
+  p.rotation = p.friction || t.turning || p.turns;
+  p.sleep = t.sleeping && t.moving != 0;
+  p.events = t.events;
+  p.publish = t.snapshots;
+  p.model.model =
+      rub(t.rough_discs) ? kernels::Model::rough : (p.masses ? kernels::Model::massed : kernels::Model::plain);
+  p.model.bounce = p.restitution;
+  return p;
+}
+
+namespace {
+
+const char* integrator_reason(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::euler:
+      return "euler moves bodies in the fields, one evaluation a substep";
+    case Integrator::rk4:
+      return "rk4 moves bodies in the fields, four evaluations a substep";
+    case Integrator::symplectic4:
+      return "symplectic4 moves bodies in the fields, four evaluations a substep";
+    case Integrator::verlet:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
+  std::vector<PlanEntry> out;
+  const auto add = [&](const char* stage, bool needed, const char* yes, const char* no) {
+    out.push_back({stage, needed, needed ? yes : no, 0});
+  };
+  const bool moves = t.moving != 0;
+  add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",
+      "gravity is uniform: part of the kick");
+  add("forces.integrator", p.integrator != Integrator::verlet, integrator_reason(p.integrator),
+      t.fields ? "verlet: the kick and the drift are leapfrog already"
+               : "gravity is uniform: every integrator is the closed form");
+  add("damping", t.damping, "linear damping or drag, integrated exactly", "no damping and no drag");
+  add("broad_phase", moves, "bodies move", "no body moves");
+  add("broad_phase.walls", t.walls && moves, "the world has walls", "the world has no walls");
+  add("broad_phase.fixed_shapes", t.fixed != 0 && moves, "discs, segments or chains stand fixed",
+      "nothing stands fixed");
+  add("broad_phase.mixed_radii", p.radii, "radii differ", "all moving discs have one radius");
+  add("narrow_phase", moves, "bodies move", "no body moves");
+  add("colouring", moves, "bodies move", "no body moves");
+  add("solver", moves, "bodies may touch", "no body moves");
+  add("solver.restitution", p.restitution, "a material bounces: time-of-impact sweeps",
+      "no body and no wall has restitution");
+  add("solver.masses", p.masses, "masses of discs differ", "all moving discs have one mass");
+  add("solver.heavy_loads", p.loads, "some bodies may carry others eight times as heavy",
+      "no body carries one eight times as heavy");
+  add("solver.friction", p.friction, "two surfaces that can meet have friction",
+      "no two surfaces that can meet have friction");
+  add("manifolds", p.manifolds, "bodies other than discs", "all moving bodies are discs");
+  add("joints", p.joints, "bodies are joined", "no body is joined to another");
+  add("filters", p.filters, "some bodies do not collide with others, or are sensors",
+      "everybody collides with everybody");
+  add("continuous", p.continuous, "shapes that are fast for their size, or bullets",
+      "discs meet fixed geometry at any speed, and nobody is a bullet");
+  add("rotation", p.rotation, "friction, a shape, a joint or a given spin turns bodies", "nothing turns a body");
+  add("integrate", moves, "bodies move", "no body moves");
+  add("sleep", p.sleep, "bodies that come to rest are left out",
+      t.sleeping ? "no body moves" : "the world's bodies never sleep");
+  add("events", p.events, "the host asks for contacts, hits or sensors", "nobody asks for events");
+  add("publish", p.publish, "a renderer reads snapshots", "no renderer is attached");
+  return out;
+}
+
+}  // namespace psim

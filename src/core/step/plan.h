@@ -1,0 +1,47 @@
+// What a scene needs, decided from its traits whenever they change: which stages run and which
+// variants of the contact kernels. What is not in the plan owns no memory and costs no branch.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bodies/traits.h"
+#include "contacts/contact_model.h"
+#include "psim/integrator.h"
+#include "psim/report.h"
+
+namespace psim {
+
+struct Plan {
+  bool forces = false;                         ///< accelerations differ from body to body
+  bool fields = false;                         ///< and with place or speed: every body takes substeps
+  bool scales = false;                         ///< and gravity does not act on all alike
+  Integrator integrator = Integrator::verlet;  ///< verlet where there are no fields
+  bool friction = false;
+  bool restitution = false;
+  bool masses = false;     ///< of discs, unequal
+  bool uneven = false;     ///< of any two bodies that meet
+  bool loads = false;      ///< so unequal that some may carry much heavier ones
+  bool radii = false;      ///< unequal
+  bool materials = false;  ///< of discs: mass, friction or restitution unequal
+  bool rotation = false;
+  bool manifolds = false;  ///< moving bodies other than discs: manifolds
+  bool filters = false;    ///< not everybody collides with everybody
+  bool joints = false;
+  bool turns = false;       ///< what points of a body do within a frame: shapes or joints
+  bool continuous = false;  ///< fast bodies are looked after
+  bool bullets = false;     ///< also against other moving bodies
+  bool sleep = false;
+  bool events = false;
+  bool publish = false;
+  ContactModel model;
+
+  friend bool operator==(const Plan&, const Plan&) = default;
+};
+
+Plan make_plan(const Traits& traits);
+
+/// The plan as a table for people, with the reason of every entry; bytes are left 0.
+std::vector<PlanEntry> explain(const Plan& plan, const Traits& traits);
+
+}  // namespace psim

@@ -1,0 +1,48 @@
+// The work of a step before its substeps, written once: a table of parts, each of many pieces. The step runs it, the
+// governor asks it for costs and spreads it over frames, saved states say how far it came, and docs/step.md shows it
+// (`step-table` prints it).
+//
+// However many pieces are done at a time, the lists come out the same. A part runs only if it applies when its turn
+// comes; the next part is always the next row that applies.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "psim/report.h"
+#include "step/step_context.h"
+
+namespace psim {
+
+/// Some pieces of a part: from the `begin`-th to before the `end`-th.
+struct PieceRange {
+  std::size_t begin = 0, end = 0;
+};
+
+struct StepPart {
+  std::string_view name;
+  Stage stage;            ///< whose time it counts as
+  std::string_view does;  ///< one line for people
+  std::string_view cut;   ///< what a piece is, for people
+  bool (*applies)(const StepContext&);
+  std::size_t (*pieces)(const StepContext&);
+  void (*run)(const StepContext&, const Span&, StepReport&, PieceRange);
+  /// Predicted ns of one piece, and of the whole part where only counts are known.
+  double (*piece_ns)(const StepContext&, const WorkCounts&, std::size_t piece);
+  double (*whole_ns)(const UnitCosts&, const WorkCounts&);
+  /// It changes contacts that lie as they were in the step before. Once begun it must end in the same frame, unless
+  /// those contacts were remembered first (StepProgress::spread).
+  bool in_place = false;
+};
+
+/// All parts, in order. StepProgress::part counts them; as many as there are: all is done.
+std::span<const StepPart> step_parts();
+inline bool all_done(const StepProgress& progress) { return progress.part >= step_parts().size(); }
+/// The row of a part.
+std::uint8_t part_named(std::string_view name);
+/// The first row from `row` on that applies.
+std::uint8_t next_part(const StepContext& c, std::uint8_t row);
+
+}  // namespace psim

@@ -1,0 +1,50 @@
+// Does the work of the step table (step/step_table.h) piece by piece, and keeps account of how far it came.
+//
+// If the host changes bodies between two frames of a step, what was made is thrown away (spoil), and the contacts'
+// impulses stay with the table that they were laid out by.
+#pragma once
+
+#include "step/step_table.h"
+
+namespace psim {
+
+class StepWork {
+ public:
+  StepProgress progress;
+
+  bool untouched() const { return progress.untouched(); }
+  bool done() const { return all_done(progress); }
+  /// The present part; not if all is done.
+  const StepPart& part() const { return step_parts()[progress.part]; }
+  /// Whether it changes contacts that lie as they were in the step before.
+  bool in_place(const StepContext& c) const {
+    return !done() && part().in_place && !progress.makes_lists() && !c.neighbours.selects();
+  }
+
+  /// Does the pieces of the present part up to the `end`-th; after its last one the next part is the present one.
+  void run(const StepContext& c, const Span& span, StepReport& report, std::size_t end);
+  /// Does so many pieces, or all that is left.
+  void run_pieces(const StepContext& c, const Span& span, StepReport& report, std::size_t pieces);
+  void finish(const StepContext& c, const Span& span, StepReport& report);
+
+  /// Shows the contacts of the last step, or again those of this one, as far as there are any: each call swaps them.
+  void turn_back(const StepContext& c);
+  /// The contacts of this step count from now on: those of the last one go.
+  void accept(const StepContext& c);
+  /// Throws away what was made for this step: all is as the last step left it, but bodies may lie in another order,
+  /// which the broad phase knows.
+  void spoil(const StepContext& c);
+  /// Whether the table, the contacts and the bodies' slots belong together.
+  bool contacts_stand(const NeighbourLists& lists) const {
+    return progress.contacts != ContactState::replaced && !progress.sorted() && !lists.broad.has_moved_on();
+  }
+
+ private:
+  void begin_again();
+};
+
+/// The pairs of bodies that were looked for again (ListRenewal::look) come into the table and get contacts. False if
+/// they are too many: then all lists must be made anew.
+bool put_renewed(const StepContext& c);
+
+}  // namespace psim

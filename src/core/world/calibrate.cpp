@@ -1,0 +1,134 @@
+// World::measure_costs: what work costs on this machine. It runs a heap of discs and one of boxes with and without new
+// lists and with few and many substeps; the differences tell lists, passes and the rest apart, and scale the costs of
+// cost_table.h. It counts the time that the calling thread worked, so that other programs do not spoil it.
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "world/world_impl.h"
+
+namespace psim {
+namespace {
+
+// A heap of touching discs, or of boxes, in a box.
+std::unique_ptr<World> heap(const RunOptions& options, std::size_t discs, bool boxes) {
+  const auto stacks = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(discs))));
+  WorldDesc desc;
+  const double width = static_cast<double>(stacks);
+  desc.bounds = {0, 0, width, 2 * width};
+  desc.dt = 1e-4;  // nothing moves far: lists are made when they are told to be
+  desc.sleeping = false;
+  std::string error;
+  auto world = World::create(desc, options, error);
+  if (!world) return nullptr;
+  if (boxes) {
+    desc.bounds = {0, 0, width + 1, 2 * width};
+    BodyDesc body;
+    body.shape = BoxShape{0.99, 0.99, 0};
+    body.material.friction = 0.5;
+    for (std::size_t k = 0; k < discs; ++k) {
+      const std::size_t row = k / stacks;
+      body.position = {0.6 + static_cast<double>(k % stacks) + (row % 2 == 1 ? 0.3 : 0.0),
+                       0.495 + 0.99 * static_cast<double>(row)};
+      world->add_body(body, error);
+    }
+    return world;
+  }
+  std::vector<double> x, y;
+  for (std::size_t k = 0; k < discs; ++k) {
+    const std::size_t row = k / stacks;
+    x.push_back(0.5 + static_cast<double>(k % stacks) * (width - 1.5) / (width - 1) + (row % 2 == 1 ? 0.5 : 0.0));
+    y.push_back(0.5 + static_cast<double>(row) * 0.87);
+  }
+  const double radius = 0.4995;
+  DiscBatch batch;
+  batch.x = x;
+  batch.y = y;
+  batch.radius = {&radius, 1};
+  std::uint32_t first = 0;
+  world->add_discs(batch, first, error);
+  return world;
+}
+
+// ns that the calling thread worked: what it waits for others, while their programs run, does not count.
+double worked_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e9 + static_cast<double>(now.tv_nsec);
+}
+
+// The lower quartile: other programs only ever add.
+double quiet(std::vector<double> of) {
+  // Total order: equal times are alike.
+  std::nth_element(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(of.size() / 4), of.end());
+  return of[of.size() / 4];
+}
+
+// What a heap costs as shares of what the default costs predict.
+struct Shares : HeapShares {
+  // Steps with and without new lists, and with many substeps: the differences tell the parts apart.
+  template <class Spoil, class Count>
+  void measure(World& world, const Spoil& spoil, const Count& count) {
+    constexpr int kFew = 2, kMany = 8;
+    const auto step = [&](int substeps) {
+      StepDetail detail;
+      detail.substeps = static_cast<std::uint8_t>(substeps);
+      const double begin = worked_ns();
+      world.replay(detail);
+      return worked_ns() - begin;
+    };
+    std::vector<double> anew, few, many;
+    for (int k = 0; k < 9; ++k) {
+      spoil();
+      const double with_lists = step(kFew), without = step(kFew), longer = step(kMany);
+      if (k < 2) continue;  // memory comes, caches fill
+      anew.push_back(with_lists);
+      few.push_back(without);
+      many.push_back(longer);
+    }
+    const UnitCosts costs;
+    const WorkCounts work = count();
+    const double still = quiet(few), pass_ns = (quiet(many) - still) / (kMany - kFew);
+    const double every = in_place_ns(costs, work) + costs.check * static_cast<double>(work.bodies);
+    lists = std::max((quiet(anew) - still) / (ahead_ns(costs, work) - every), 0.1);
+    rest = std::max((still - kFew * pass_ns) / (costs.step + rest_ns(costs, work) + every), 0.1);
+    pass = std::max(pass_ns / substep_ns(costs, work), 0.1);
+  }
+};
+
+}  // namespace
+
+// The table has the proportions of one machine; what heaps cost here scales it, apart for lists, passes and the rest,
+// and for discs and shapes.
+CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, std::size_t statics) {
+  UnitCosts c;
+  const auto scale = [](std::initializer_list<double*> costs, double measured, double by_default) {
+    for (double* cost : costs) *cost *= measured / by_default;
+  };
+  const auto measure = [&](std::size_t count, bool boxes) {
+    Shares shares{};
+    if (const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes)) {
+      Impl& w = *world->impl_;
+      shares.measure(
+          *world, [&] { w.spoil_lists(); }, [&] { return count_work(w.context()); });
+    }
+    return shares;
+  };
+  const Shares discs = measure(bodies, false);
+  if (discs.pass == 0) return cost_model(c);
+  scale({&c.check, &c.sort, &c.search, &c.pair, &c.near, &c.near_fixed, &c.near_shape, &c.cell, &c.strip, &c.select,
+         &c.pack, &c.load, &c.colour, &c.lay_out, &c.lay_out_rough},
+        discs.lists, kDiscHeap.lists);
+  scale({&c.narrow, &c.load_body, &c.move, &c.stop, &c.flight, &c.sleep}, discs.rest, kDiscHeap.rest);
+  scale({&c.body_pass, &c.pass, &c.touch, &c.sweep, &c.joint_pass, &c.joint, &c.joint_sorted}, discs.pass,
+        kDiscHeap.pass);
+  if (statics == 0) return cost_model(c);
+  const Shares boxes = measure(statics, true);
+  if (boxes.pass == 0) return cost_model(c);
+  scale({&c.group}, boxes.lists, kBoxHeap.lists);
+  scale({&c.keep, &c.look, &c.stand, &c.column}, boxes.rest, kBoxHeap.rest);
+  scale({&c.shape_pass}, boxes.pass, kBoxHeap.pass);
+  return cost_model(c);
+}
+
+}  // namespace psim

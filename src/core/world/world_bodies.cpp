@@ -1,0 +1,254 @@
+// The host adds, removes, moves and pushes bodies. The population does it; here the others are told: the lists are
+// made anew, the query grids are forgotten, sleepers wake. A number that is not finite changes nothing now: the next
+// step freezes the body.
+#include <cmath>
+
+#include "bodies/body_desc.h"
+#include "world/world_impl.h"
+
+namespace psim {
+namespace {
+
+bool finite(double v) { return std::isfinite(v); }
+
+}  // namespace
+
+void World::Impl::body_came(std::uint32_t id) {
+  spoil_lists();
+  plan_stale = placed = true;
+  if (bodies.info[id].place == Place::fixed) {
+    queries.forget_fixed();
+    note_sleep(sleep.disturb_at_fixed(sleep_source(), id));
+  } else {
+    queries.forget_moving();
+    sleepers.mark_moving(id);
+  }
+}
+
+// Tells all others that a body goes out of the simulation. `same`: it keeps its id.
+void World::Impl::body_goes(std::uint32_t id, bool same) {
+  remove_joints_of(id);
+  bodies.find_slots();
+  note_sleep(sleep.disturb_neighbours(sleep_source(), id));  // a sleeping body itself wakes, too
+  const BodyInfo& info = bodies.info[id];
+  if (info.place == Place::fixed) {
+    queries.forget_fixed();
+  } else {
+    queries.forget_moving();
+  }
+  if (events.on()) events.body_left({id, info.generation}, same);
+  if (info.place != Place::frozen) plan_stale = true;
+}
+
+void World::Impl::remove(std::uint32_t id) {
+  settle_lists();
+  body_goes(id, false);
+  population.remove(id);
+  spoil_lists();
+}
+
+void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
+  body_goes(id, true);
+  population.freeze(id, last);
+  spoil_lists();
+}
+
+// Bodies fell asleep or woke if `changed`. The impulses of the lists are nobody's once no body is awake.
+bool World::Impl::note_sleep(bool changed) {
+  if (!changed) return false;
+  spoil_lists();
+  observers.forget_sleep();
+  if (bodies.count == 0) contacts.impulses_valid = false;
+  return true;
+}
+
+SleepSource World::Impl::sleep_source() {
+  return {population,       lattice,        desc.gravity,
+          neighbours.table, contacts.discs, contacts.manifolds,
+          contacts.stacks,  joints,         pool,
+          contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
+}
+
+// Whether the host may move or push a body. From now on it is awake and its slot is known.
+bool World::Impl::can_move(BodyId id) {
+  settle_lists();
+  bodies.find_slots();
+  if (!population.is_valid(id)) return false;
+  const Place place = bodies.info[id.index].place;
+  if (place != Place::moving && place != Place::asleep) return false;
+  disturb(id.index);
+  return true;
+}
+
+// The host moves or pushes a body, or what is joined to it.
+void World::Impl::disturb(std::uint32_t id) { note_sleep(sleep.disturb(sleep_source(), id)); }
+
+// A body gets an angle or an angular velocity.
+void World::Impl::let_turn() {
+  if (!bodies.rim_speed.empty()) return;
+  plan_stale = true;
+  population.let_turn();
+}
+
+BodyId World::add_body(const BodyDesc& d, std::string& error) {
+  Impl& w = *impl_;
+  w.settle_lists();
+  error = check(d, w.desc.bounds);
+  if (!error.empty()) return kNoBody;
+  const BodyId id = w.population.add(d, error);
+  if (id != kNoBody) w.body_came(id.index);
+  return id;
+}
+
+std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
+  Impl& w = *impl_;
+  w.settle_lists();
+  error = check(batch, w.desc.bounds);
+  if (!error.empty()) return 0;
+  const std::size_t n = batch.x.size();
+  first = w.population.next_id();
+  if (batch.type == BodyType::static_body) {
+    BodyDesc d;
+    d.type = BodyType::static_body;
+    d.material = batch.material;
+    d.filter = batch.filter;
+    d.mass = batch.mass;
+    w.fixed.reserve(w.fixed.size() + n);
+    for (std::size_t i = 0; i < n; ++i) {
+      d.shape = DiscShape{batch.radius[batch.radius.size() == 1 ? 0 : i]};
+      d.position = {batch.x[i], batch.y[i]};
+      d.angle = batch.angle.empty() ? 0 : batch.angle[i];
+      add_body(d, error);
+    }
+    return n;
+  }
+  w.population.make_room(batch);
+  for (std::size_t i = 0; i < n; ++i) w.sleepers.mark_moving(w.population.add_disc(batch, i).index);
+  if (n != 0) w.plan_stale = w.placed = true;
+  w.queries.forget_moving();
+  w.spoil_lists();
+  return n;
+}
+
+bool World::remove_body(BodyId id) {
+  if (!is_valid(id)) return false;
+  impl_->remove(id.index);
+  return true;
+}
+
+bool World::is_valid(BodyId id) const { return impl_->population.is_valid(id); }
+
+BodyId World::id_of(std::uint32_t index) const {
+  const BodyStore& b = impl_->bodies;
+  if (index >= b.id_count || b.info[index].place == Place::none) return kNoBody;
+  return {index, b.info[index].generation};
+}
+
+std::optional<BodyState> World::body(BodyId id) const {
+  if (!is_valid(id)) return std::nullopt;
+  return impl_->state_of(id.index);
+}
+
+bool World::set_transform(BodyId id, Vec2 position, double angle) {
+  Impl& w = *impl_;
+  if (!w.can_move(id)) return false;
+  if (!finite(position.x) || !finite(position.y) || !finite(angle)) {
+    w.quarantine.doubtful.push_back(id);
+    return true;
+  }
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));  // what leaned on it where it was
+  if (angle != 0) w.let_turn();
+  w.population.place(id.index, position, angle);
+  w.spoil_lists();
+  w.dynamics.forces_stale = w.placed = true;
+  w.queries.forget_moving();
+  return true;
+}
+
+bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
+  Impl& w = *impl_;
+  if (!w.can_move(id)) return false;
+  if (!finite(velocity.x) || !finite(velocity.y) || !finite(angular_velocity)) {
+    w.quarantine.doubtful.push_back(id);
+    return true;
+  }
+  const Motion before = w.population.motion_of(w.bodies.info[id.index].slot);
+  if (angular_velocity != 0) w.let_turn();
+  w.population.set_velocity(id.index, velocity, angular_velocity);
+  w.pushed(id.index, before);
+  w.dynamics.forces_stale = true;
+  return true;
+}
+
+bool World::apply_impulse(BodyId id, Vec2 impulse) {
+  Impl& w = *impl_;
+  if (!w.can_move(id)) return false;
+  const std::size_t i = w.bodies.info[id.index].slot;
+  const double wm = static_cast<double>(w.bodies.properties(id.index).inv_mass);
+  const BodyState now = w.population.state_of(id.index);
+  const Vec2 v{now.vx + wm * impulse.x, now.vy + wm * impulse.y};
+  if (!finite(v.x) || !finite(v.y)) {
+    w.quarantine.doubtful.push_back(id);
+    return true;
+  }
+  const Motion before = w.population.motion_of(i);
+  w.bodies.put_velocity(i, w.population.capped(v));
+  w.pushed(id.index, before);
+  w.dynamics.forces_stale = true;
+  return true;
+}
+
+bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
+  Impl& w = *impl_;
+  if (!apply_impulse(id, impulse)) return false;
+  const std::size_t i = w.bodies.info[id.index].slot;
+  const Vec2 centre =
+      w.lattice.to_world(w.bodies.pos[2 * i], w.bodies.pos[2 * i + 1], w.bodies.disp[2 * i], w.bodies.disp[2 * i + 1]);
+  Vec2 arm{point.x - centre.x, point.y - centre.y};
+  if (w.desc.boundary == Boundary::periodic) {  // to the nearest of the repeated copies of the point
+    const double width = w.desc.bounds.xmax - w.desc.bounds.xmin;
+    const double height = w.desc.bounds.ymax - w.desc.bounds.ymin;
+    arm.x -= width * std::nearbyint(arm.x / width);
+    arm.y -= height * std::nearbyint(arm.y / height);
+  }
+  return apply_angular_impulse(id, arm.x * impulse.y - arm.y * impulse.x);
+}
+
+// The angular velocity changes by impulse / I; with the rim speed u = omega R and the gain g = R^2 / I that is
+// du = g impulse / R.
+bool World::apply_angular_impulse(BodyId id, double impulse) {
+  Impl& w = *impl_;
+  if (!w.can_move(id)) return false;
+  const BodyProperties& properties = w.bodies.properties(id.index);
+  if (properties.rim_gain == 0 || impulse == 0) return true;
+  const std::size_t i = w.bodies.info[id.index].slot;
+  const double change = static_cast<double>(properties.rim_gain) * impulse / static_cast<double>(properties.radius);
+  const Motion before = w.population.motion_of(i);
+  const auto rim_speed = static_cast<float>(static_cast<double>(before.rim_speed) + change);
+  if (!finite(static_cast<double>(rim_speed))) {
+    w.quarantine.doubtful.push_back(id);
+    return true;
+  }
+  w.let_turn();
+  w.bodies.rim_speed[i] = rim_speed;
+  w.pushed(id.index, before);
+  return true;
+}
+
+bool World::is_awake(BodyId id) const { return is_valid(id) && impl_->bodies.info[id.index].place == Place::moving; }
+
+bool World::wake(BodyId id) {
+  if (!is_valid(id)) return false;
+  impl_->settle_lists();
+  impl_->note_sleep(impl_->sleep.wake_body(impl_->sleep_source(), id.index));
+  return true;
+}
+
+std::string World::why_awake(BodyId id) const {
+  if (!is_valid(id)) return "there is no such body";
+  Impl& w = *impl_;
+  w.settle_lists();
+  return w.sleep.why_awake(w.sleep_source(), id.index, w.desc.sleeping, w.desc.dt);
+}
+
+}  // namespace psim

@@ -1,0 +1,148 @@
+// Joints of the public API: what is refused, and what they tell.
+#include <cmath>
+
+#include "base/rotor.h"
+#include "world/world_impl.h"
+
+namespace psim {
+namespace {
+
+bool finite(double v) { return std::isfinite(v); }
+bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
+bool finite(const std::optional<double>& v) { return !v || finite(*v); }
+
+Vec2 world_point(const BodyState& s, Vec2 p) {
+  const SineCosine turn = sine_cosine(s.angle);
+  return {s.x + turn.cosine * p.x - turn.sine * p.y, s.y + turn.sine * p.x + turn.cosine * p.y};
+}
+
+// One line of what is wrong with the numbers, or empty.
+std::string check_numbers(const JointDesc& d) {
+  if (!finite(d.anchor_a) || !finite(d.anchor_b)) return "anchors must be finite";
+  if (!finite(d.length)) return "length must be finite";
+  if (!(d.stiffness >= 0) || !finite(d.stiffness)) return "stiffness must be 0 or more and finite";
+  if (!(d.damping >= 0) || !finite(d.damping)) return "damping must be 0 or more and finite";
+  if (!finite(d.axis)) return "axis must be finite";
+  if (!finite(d.reference)) return "reference must be finite";
+  if (!finite(d.lower) || !finite(d.upper)) return "limits must be finite";
+  if (!finite(d.motor_speed)) return "motor speed must be finite";
+  if (!(d.motor_limit >= 0) || !finite(d.motor_limit)) {
+    return "motor limit must be 0 or more and finite";
+  }
+  if (d.type == JointType::prismatic && std::sqrt(d.axis.x * d.axis.x + d.axis.y * d.axis.y) < 1e-12) {
+    return "axis must not be zero";
+  }
+  if (d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
+  return {};
+}
+
+std::string check_length(JointType type, double length) {
+  if (type == JointType::distance && !(length > 0)) return "length must be above 0";
+  return length < 0 ? "length must not be negative" : "";
+}
+
+}  // namespace
+
+JointId World::add_joint(const JointDesc& desc, std::string& error) {
+  Impl& w = *impl_;
+  w.settle_lists();
+  error.clear();
+  const auto refuse = [&](std::string what) {
+    error = std::move(what);
+    return kNoJoint;
+  };
+  for (const BodyId id : {desc.a, desc.b}) {
+    if (!is_valid(id)) return refuse(id == desc.a ? "a is not a body" : "b is not a body");
+    if (w.bodies.info[id.index].place == Place::frozen) {
+      return refuse("a body whose numbers are broken cannot be joined");
+    }
+  }
+  if (desc.a == desc.b) return refuse("a and b must differ");
+  const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
+  if (!dynamic(desc.a) && !dynamic(desc.b)) return refuse("one of the bodies must be dynamic");
+  if (error = check_numbers(desc); !error.empty()) return kNoJoint;
+
+  JointDesc d = desc;
+  const BodyState a = w.state_of(d.a.index), b = w.state_of(d.b.index);
+  if (!d.length) {
+    const Vec2 p = world_point(a, d.anchor_a), q = world_point(b, d.anchor_b);
+    d.length = std::sqrt((q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y));
+  }
+  if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
+    if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
+  }
+  if (!d.reference) d.reference = b.angle - a.angle;
+  for (const BodyId body : {d.a, d.b}) w.disturb(body.index);
+  const JointId id = w.joints.add(d, w.bodies);
+  w.count_joints();
+  return id;
+}
+
+void World::Impl::count_joints() {
+  traits.joints = joints.count();
+  traits.exclusions = joints.any_exclusions();
+  spoil_lists();
+  plan_stale = true;
+}
+
+void World::Impl::remove_joints_of(std::uint32_t body) {
+  if (joints.empty()) return;
+  joints.each_joined(body, [&](std::uint32_t other) { disturb(other); });
+  joints.remove_of_body(body);
+  count_joints();
+}
+
+bool World::remove_joint(JointId id) {
+  if (!is_valid_joint(id)) return false;
+  impl_->settle_lists();
+  const JointDesc d = impl_->joints.desc(id);
+  for (const BodyId body : {d.a, d.b}) impl_->disturb(body.index);
+  impl_->joints.remove(id);
+  impl_->count_joints();
+  return true;
+}
+
+bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id); }
+
+std::size_t World::joint_count() const { return impl_->joints.count(); }
+
+bool World::set_motor(JointId id, double speed, double limit) {
+  if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
+  impl_->settle_lists();
+  const JointDesc d = impl_->joints.desc(id);
+  for (const BodyId body : {d.a, d.b}) impl_->disturb(body.index);
+  return impl_->joints.set_motor(id, speed, limit);
+}
+
+std::optional<JointState> World::joint(JointId id) const {
+  if (!is_valid_joint(id)) return std::nullopt;
+  const JointDesc& d = impl_->joints.desc(id);
+  const BodyState a = impl_->state_of(d.a.index), b = impl_->state_of(d.b.index);
+  JointState s;
+  s.a = d.a;
+  s.b = d.b;
+  s.type = d.type;
+  s.anchor_a = world_point(a, d.anchor_a);
+  s.anchor_b = world_point(b, d.anchor_b);
+  const double x = s.anchor_b.x - s.anchor_a.x, y = s.anchor_b.y - s.anchor_a.y;
+  switch (d.type) {
+    case JointType::revolute:
+    case JointType::weld:
+      s.value = b.angle - a.angle - *d.reference;
+      break;
+    case JointType::prismatic: {
+      const double size = std::sqrt(d.axis.x * d.axis.x + d.axis.y * d.axis.y);
+      const SineCosine turn = sine_cosine(a.angle);
+      s.value =
+          (x * (turn.cosine * d.axis.x - turn.sine * d.axis.y) + y * (turn.sine * d.axis.x + turn.cosine * d.axis.y)) /
+          size;
+      break;
+    }
+    default:
+      s.value = std::sqrt(x * x + y * y);
+  }
+  impl_->joints.load_of(id, s.force, s.torque);
+  return s;
+}
+
+}  // namespace psim

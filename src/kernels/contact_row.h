@@ -1,0 +1,135 @@
+// The row of one contact, which contacts of two bodies (contact_kernel.h) and contacts with fixed geometry
+// (static_contact_kernel.h) share. A View is a ContactView or a StaticContactView: its columns have the same names.
+// Notation and sources: contact_kernel.h.
+#pragma once
+
+#include "lane_vec.h"
+#include "views.h"
+
+namespace psim::kernels {
+namespace {
+
+/// The impulse vector l n + t (-ny, nx) of a normal and a tangent impulse.
+template <class L>
+[[gnu::always_inline]] inline Vec<L> impulse_of(Vec<L> n, F<L> l, F<L> t) {
+  return {l * n.x - t * n.y, l * n.y + t * n.x};
+}
+
+/// The lanes whose impulses turned with the normal, and the change l (n - n_old) + t (t - t_old) of their impulse.
+template <class L>
+struct Turned {
+  M<L> lanes;
+  Vec<L> impulse;
+};
+
+/// The normal and the gap anew in the lanes of `stale`. `d` leads from the first centre to the second now, `moved`
+/// is the part of it that is displacement since `prepare`: the gap is such that n.moved + gap is exact.
+template <class L, Model kModel, class View>
+[[gnu::always_inline]] inline Turned<L> turn_normal(const View& c, std::size_t k, M<L> stale, Vec<L> d, Vec<L> moved,
+                                                    F<L>& nx, F<L>& ny, F<L>& gap) {
+  const auto far = sqrt(d.x * d.x + d.y * d.y);
+  const auto use = stale & (0 < far);
+  const F<L> inverse = 1 / select(use, far, 1);
+  const auto was_x = nx, was_y = ny;
+  nx = select(use, d.x * inverse, nx);
+  ny = select(use, d.y * inverse, ny);
+  const auto along = nx * moved.x + ny * moved.y;
+  gap = select(use, far - L::load(c.rsum + k) - along, gap);
+  L::store(c.nx + k, nx);
+  L::store(c.ny + k, ny);
+  L::store(c.gap + k, gap);
+  const auto l = L::load(c.impulse + k);
+  const Vec<L> turn{nx - was_x, ny - was_y};
+  if constexpr (kModel == Model::rough) {
+    const auto t = L::load(c.friction + k);
+    return {use & ((l != 0) | (t != 0)), impulse_of<L>(turn, l, t)};
+  }
+  return {use & (l != 0), l * turn};
+}
+
+/// Where touching bodies meet with restitution: the lanes whose approach vn0 (before the kick, negative) is faster
+/// than the floor and closes the gap s within the substep. `target` is what to add to vn, e vn0.
+template <class L, class View>
+[[gnu::always_inline]] inline M<L> row_bounces(const View& c, const ContactParams& p, std::size_t k, F<L> vn0, F<L> s,
+                                               F<L>& target) {
+  target = L::load(c.e + k) * vn0;
+  const auto fast = vn0 < -p.impact_floor;
+  const auto near = s + vn0 * p.h < 0;
+  return fast & near & (0 < L::load(c.e + k));
+}
+
+/// Of pairs apart by s, those that pass each other at their present velocities: the closest point of
+/// the path of D = n (s + R) along u stays outside R,
+///   (D x u)^2 > R^2 u^2,  that is  vt^2 s (s + 2 R) > R^2 vn^2.
+/// A contact stops what crosses its tangent line within the substep; these never touch.
+template <class L>
+[[gnu::always_inline]] inline M<L> passing(F<L> s, F<L> radius, F<L> vn, F<L> vt) {
+  const auto miss = vt * vt * (s * (s + (radius + radius)));
+  const auto reach = radius * vn;
+  return reach * reach < miss;
+}
+
+/// The constants of the soft contact, in registers.
+template <class L>
+struct Softness {
+  explicit Softness(const ContactParams& p)
+      : inv_h(p.inv_h), rate(p.soft_rate), push(-p.push), mass(p.soft_mass), impulse(p.soft_impulse) {}
+  F<L> inv_h, rate, push, mass, impulse;
+};
+
+/// The impulse change of a row in the solve pass is m (mass vn + bias) + impulse l.
+template <class L>
+struct Aim {
+  M<L> apart;
+  F<L> bias, mass, impulse;
+};
+
+/// For the separation s: the approach of a gap that would close is stopped, an overlap is pushed out softly.
+template <class L>
+[[gnu::always_inline]] inline Aim<L> aim_of(const Softness<L>& soft, F<L> s) {
+  const auto apart = 0 < s;
+  return {apart, select(apart, s * soft.inv_h, max(s * soft.rate, soft.push)), select(apart, 1, soft.mass),
+          select(apart, 0, soft.impulse)};
+}
+
+/// In the lanes of `hit` the row parts with the velocity `target` instead, rigidly.
+template <class L>
+[[gnu::always_inline]] inline void aim_at_bounce(Aim<L>& aim, M<L> hit, F<L> target) {
+  aim.bias = select(hit, min(target, aim.bias), aim.bias);
+  aim.mass = select(hit, 1, aim.mass);
+  aim.impulse = select(hit, 0, aim.impulse);
+}
+
+/// A friction impulse within the cone: |t'| <= mu l.
+template <class L>
+[[gnu::always_inline]] inline F<L> within_cone(F<L> t, F<L> mu, F<L> l) {
+  const auto cap = mu * max(l, 0);
+  return max(min(t, cap), -cap);
+}
+
+/// After the last relax pass of a substep: of an impact's impulse l only min(l, l0) lasts, where l0 is the impulse
+/// at the substep's start. The rest is left in `start` for the spend pass.
+template <class L, class View>
+[[gnu::always_inline]] inline void part_impact(const View& c, std::size_t k, M<L> was, F<L> l) {
+  const auto lasts = min(l, max(L::load(c.start + k), 0));
+  L::store(c.start + k, keep(was, l - lasts));
+  L::store(c.impulse + k, select(was, lasts, l));
+}
+
+/// The impulse to be spent in the lanes of `hit`, with the friction that is beyond the cone of what lasts; `rest` is
+/// that friction.
+template <class L, Model kModel, class View>
+[[gnu::always_inline]] inline Vec<L> spent_impulse(const View& c, std::size_t k, F<L> spent, M<L> hit, F<L>& rest) {
+  const Vec<L> n = load_vec<L>(c.nx, c.ny, k);
+  if constexpr (kModel == Model::rough) {
+    const auto t = L::load(c.friction + k);
+    const auto held = within_cone<L>(t, L::load(c.mu + k), L::load(c.impulse + k));
+    rest = keep(hit, t - held);
+    L::store(c.friction + k, select(hit, held, t));
+    return impulse_of<L>(n, spent, rest);
+  }
+  return spent * n;
+}
+
+}  // namespace
+}  // namespace psim::kernels

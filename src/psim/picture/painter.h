@@ -1,0 +1,45 @@
+// Paints a scene at one moment: the world's sides, bodies by id, joints, wells.
+#pragma once
+
+#include <vector>
+
+#include "options/picture_options.h"
+#include "picture/canvas.h"
+#include "picture/picture_view.h"
+#include "picture/scene_shapes.h"
+
+namespace psim::cli {
+
+/// What gets the brightest colour, m/s, rad/s and N: nearly the most of the bodies that move, so that a stray does
+/// not leave the rest in the dark, and at least so much that what rests looks at rest.
+struct Brightest {
+  double speed = 1, spin = 1, force = 1;
+};
+Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes& shapes);
+
+class Painter {
+ public:
+  /// Reads the scene as long as it lives.
+  Painter(const Scene& scene, Colouring colouring);
+
+  /// Paints over whatever the canvas holds. Costs about 0.3 microseconds a disc of 3 pixels (docs/pictures.md).
+  void paint(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const;
+
+  const SceneShapes& shapes() const { return shapes_; }
+
+ private:
+  Colour colour_of(const Moment& moment, std::size_t row, const BodyDesc& body, bool is_line,
+                   const Brightest& bright) const;
+  void paint_world(Canvas& canvas, const PictureCamera& camera) const;
+  void paint_bodies(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const;
+  void paint_contacts(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
+  void paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
+  void paint_wells(Canvas& canvas, const PictureCamera& camera) const;
+
+  const Scene& scene_;
+  Colouring colouring_;
+  SceneShapes shapes_;
+  std::vector<SceneJoint> joints_;
+};
+
+}  // namespace psim::cli

@@ -1,0 +1,23 @@
+// Rules of `--check` that have files of their own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "check/overlaps.h"
+#include "check/survey.h"
+#include "psim/scene.h"
+
+namespace psim {
+
+using Lines = std::vector<std::string>;
+
+// check_polygons.cpp: what of the vertices is put right.
+void check_polygons(const Scene& scene, Lines& lines);
+
+// check_joints.cpp
+void check_joints(const Scene& scene, const Survey& survey, Lines& lines);
+/// Pairs that a joint without `collide` ties.
+MayOverlap jointed_pairs(const Scene& scene);
+
+}  // namespace psim

@@ -1,0 +1,85 @@
+// bodies[] of a scene file, and the keys that they share with groups.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "file/parse_limits.h"
+#include "file/parse_parts.h"
+
+namespace psim::scene {
+namespace {
+
+constexpr std::array<std::string_view, 3> kTypes = {"dynamic", "static", "kinematic"};
+constexpr std::array<std::string_view, 4> kOwnKeys = {"name", "shape", "position", "velocity"};
+
+BodyDesc read_body(const Node& node, Context& context, std::string& name) {
+  static constexpr auto kKeys = joined(kOwnKeys, kSharedBodyKeys);
+  node.expect_object(kKeys);
+  BodyDesc body;
+  if (const std::optional<Node> key = node.find("name")) {
+    name = key->name();
+    if (!name.empty() && !context.body_ids.emplace(name, context.body_count).second) {
+      key->fail("another body has the name \"" + printable(name) + "\": names are unique");
+    }
+  }
+  read_shared_body_keys(node, context, body);
+  const Node position = node.require("position"), shape = node.require("shape");
+  body.position = position.vec2(kCoordinate);
+  expect_inside(position, body.position, context.bounds);
+  body.shape = read_shape(shape, context, body.type);
+  body.velocity = node.vec2_or("velocity", body.velocity, kVelocity);
+  return body;
+}
+
+}  // namespace
+
+void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body) {
+  if (const std::optional<Node> type = node.find("type")) {
+    constexpr std::array<BodyType, 3> kOf = {BodyType::dynamic_body, BodyType::static_body, BodyType::kinematic_body};
+    body.type = kOf[type->one_of(kTypes)];
+  }
+  body.angle = node.number_or("angle", body.angle, kAngle);
+  body.angular_velocity = node.number_or("angular_velocity", body.angular_velocity, kAngularVelocity);
+  if (const std::optional<Node> material = node.find("material")) {
+    body.material = named_material(*material, context);
+  }
+  body.material.density = node.number_or("density", body.material.density, kDensity);
+  body.material.restitution = node.number_or("restitution", body.material.restitution, kRestitution);
+  body.material.friction = node.number_or("friction", body.material.friction, kFriction);
+  body.mass = node.number_or("mass", body.mass, kMass);
+  body.gravity_scale = node.number_or("gravity_scale", body.gravity_scale, kGravityScale);
+  body.fixed_rotation = node.boolean_or("fixed_rotation", body.fixed_rotation);
+  body.bullet = node.boolean_or("bullet", body.bullet);
+  if (const std::optional<Node> category = node.find("category")) {
+    body.filter.category = static_cast<std::uint32_t>(category->integer(0, kAllCategories));
+  }
+  if (const std::optional<Node> mask = node.find("mask")) {
+    body.filter.mask = static_cast<std::uint32_t>(mask->integer(0, kAllCategories));
+  }
+  if (const std::optional<Node> group = node.find("group")) {
+    body.filter.group = static_cast<std::int32_t>(group->signed_integer(-kLargestGroup, kLargestGroup));
+  }
+  if (const std::optional<Node> sensor = node.find("sensor")) {
+    body.sensor = sensor->boolean();
+    if (body.sensor && body.type == BodyType::dynamic_body) {
+      sensor->fail("makes a sensor of a dynamic body: \"static\" or \"kinematic\" only");
+    }
+  }
+}
+
+void read_bodies(const Node& scene, Context& context, Scene& out) {
+  const std::optional<Node> bodies = scene.find("bodies");
+  if (!bodies) return;
+  bodies->expect_array(0, kMostBodiesInGroup);
+  out.bodies.reserve(bodies->size());
+  out.body_names.resize(bodies->size());
+  for (std::size_t k = 0; k < bodies->size(); ++k) {
+    out.bodies.push_back(read_body(bodies->element(k), context, out.body_names[k]));
+    ++context.body_count;
+  }
+}
+
+}  // namespace psim::scene

@@ -1,0 +1,138 @@
+// The shapes of bodies and groups.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bodies/hull.h"
+#include "file/parse_limits.h"
+#include "file/parse_parts.h"
+
+namespace psim::scene {
+namespace {
+
+constexpr std::array<std::string_view, 6> kShapes = {"disc", "box", "polygon", "capsule", "segment", "chain"};
+constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
+constexpr std::array<std::string_view, 2> kBoxKeys = {"size", "radius"};
+constexpr std::array<std::string_view, 2> kPolygonKeys = {"vertices", "radius"};
+constexpr std::array<std::string_view, 3> kCapsuleKeys = {"p1", "p2", "radius"};
+constexpr std::array<std::string_view, 2> kSegmentKeys = {"p1", "p2"};
+constexpr std::array<std::string_view, 2> kChainKeys = {"vertices", "loop"};
+
+bool same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
+
+std::vector<Vec2> read_points(const Node& node, std::size_t least, std::size_t most) {
+  node.expect_array(least, most);
+  std::vector<Vec2> points;
+  points.reserve(node.size());
+  for (std::size_t k = 0; k < node.size(); ++k) {
+    points.push_back(node.element(k).vec2(kCoordinate));
+  }
+  return points;
+}
+
+SegmentShape read_segment(const Node& node) {
+  const Node p1 = node.require("p1"), p2 = node.require("p2");
+  const SegmentShape segment{p1.vec2(kCoordinate), p2.vec2(kCoordinate)};
+  if (same(segment.p1, segment.p2)) p2.fail("is p1: two points apart from each other");
+  return segment;
+}
+
+ChainShape read_chain(const Node& node) {
+  ChainShape chain;
+  chain.loop = node.boolean_or("loop", false);
+  const Node vertices = node.require("vertices");
+  chain.vertices = read_points(vertices, chain.loop ? 3 : 2, kMostChainVertices);
+  for (std::size_t k = 1; k < chain.vertices.size(); ++k) {
+    if (same(chain.vertices[k], chain.vertices[k - 1])) {
+      vertices.element(k).fail("is the vertex before it: two neighbours apart from each other");
+    }
+  }
+  if (chain.loop && same(chain.vertices.front(), chain.vertices.back())) {
+    vertices.element(vertices.size() - 1)
+        .fail("is the first vertex: a loop joins its last vertex to the first by itself");
+  }
+  return chain;
+}
+
+CapsuleShape read_capsule(const Node& node, const Context& context) {
+  const SegmentShape line = read_segment(node);
+  const Node radius = node.require("radius");
+  return {line.p1, line.p2, read_radius(radius, context)};
+}
+
+BoxShape read_box(const Node& node) {
+  const Node size = node.require("size");
+  const Vec2 sides = size.vec2(kRadius);
+  return {sides.x, sides.y, node.number_or("radius", 0, kRounding)};
+}
+
+PolygonShape read_polygon(const Node& node) {
+  const Node vertices = node.require("vertices");
+  PolygonShape polygon{read_points(vertices, 3, kMostPolygonVertices), 0};
+  polygon.radius = node.number_or("radius", 0, kRounding);
+  return polygon;
+}
+
+// Concave, crossing itself, without area, too small: what the engine cannot simulate.
+Shape checked(const Node& node, Shape shape) {
+  HullSet unused;
+  std::string error;
+  if (!make_hulls(shape, true, unused, error)) node.fail(std::move(error));
+  return shape;
+}
+
+}  // namespace
+
+double read_radius(const Node& radius, const Context& context) {
+  const double value = radius.number(kRadius);
+  const Bounds& b = context.bounds;
+  const double largest = std::max(b.xmax - b.xmin, b.ymax - b.ymin);
+  if (value > largest) {
+    radius.fail(number_text(value) + " is larger than the world: at most " + number_text(largest) +
+                ", the longer side of world.bounds");
+  }
+  return value;
+}
+
+Shape read_shape(const Node& shape, const Context& context, BodyType type) {
+  shape.expect_object(kShapes);
+  if (shape.size() != 1) {
+    shape.fail("has " + std::to_string(shape.size()) + " kinds of shape: exactly one of " + word_list(kShapes));
+  }
+  const std::string& kind = shape.json().get_ref<const Json::object_t&>().begin()->first;
+  const Node node = shape.require(kind);
+  if (kind == "disc") {
+    node.expect_object(kDiscKeys);
+    const Node radius = node.require("radius");
+    return DiscShape{read_radius(radius, context)};
+  }
+  if (kind == "box") {
+    node.expect_object(kBoxKeys);
+    return checked(node, read_box(node));
+  }
+  if (kind == "polygon") {
+    node.expect_object(kPolygonKeys);
+    return checked(node, read_polygon(node));
+  }
+  if (kind == "capsule") {
+    node.expect_object(kCapsuleKeys);
+    return checked(node, read_capsule(node, context));
+  }
+  if (kind == "segment") {
+    node.expect_object(kSegmentKeys);
+    return checked(node, read_segment(node));
+  }
+  node.expect_object(kChainKeys);
+  ChainShape chain = read_chain(node);
+  if (type == BodyType::dynamic_body) {
+    node.fail("is the shape of a dynamic body: a chain is \"static\" or \"kinematic\" only");
+  }
+  return chain;
+}
+
+}  // namespace psim::scene

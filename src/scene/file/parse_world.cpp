@@ -1,0 +1,147 @@
+// materials, world, step and fields of a scene file.
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "file/parse_limits.h"
+#include "file/parse_parts.h"
+
+namespace psim::scene {
+namespace {
+
+constexpr std::array<std::string_view, 3> kMaterialKeys = {"density", "restitution", "friction"};
+constexpr std::array<std::string_view, 5> kWorldKeys = {"bounds", "boundary", "gravity", "linear_damping", "material"};
+constexpr std::array<std::string_view, 3> kBoundaries = {"walls", "periodic", "open"};
+constexpr std::array<std::string_view, 6> kStepKeys = {
+    "dt", "substeps", "sleeping", "integrator", "restitution_threshold", "skin"};
+constexpr std::array<std::string_view, 4> kIntegrators = {"verlet", "euler", "rk4", "symplectic4"};
+constexpr std::array<std::string_view, 2> kFieldTypes = {"well", "drag"};
+constexpr std::array<std::string_view, 6> kWellKeys = {"type",      "position", "strength",
+                                                       "softening", "exponent", "range"};
+constexpr std::array<std::string_view, 3> kDragKeys = {"type", "linear", "quadratic"};
+
+Field read_field(const Node& field) {
+  field.expect_object();
+  const Node type = field.require("type");
+  if (type.one_of(kFieldTypes) == 0) {
+    field.expect_object(kWellKeys);
+    WellField well;
+    const Node position = field.require("position"), strength = field.require("strength");
+    well.position = position.vec2(kCoordinate);
+    well.strength = strength.number(kWellStrength);
+    well.softening = field.number_or("softening", well.softening, kLength);
+    well.exponent = field.number_or("exponent", well.exponent, kWellExponent);
+    well.range = field.number_or("range", well.range, kLength);
+    return well;
+  }
+  field.expect_object(kDragKeys);
+  DragField drag;
+  drag.linear = field.number_or("linear", drag.linear, kDamping);
+  drag.quadratic = field.number_or("quadratic", drag.quadratic, kDamping);
+  return drag;
+}
+
+}  // namespace
+
+std::string bounds_text(const Bounds& b) {
+  return '[' + number_text(b.xmin) + ", " + number_text(b.ymin) + ", " + number_text(b.xmax) + ", " +
+         number_text(b.ymax) + ']';
+}
+
+Bounds read_bounds(const Node& node) {
+  node.expect_array(4, 4);
+  const Bounds bounds{node.element(0).number(kCoordinate), node.element(1).number(kCoordinate),
+                      node.element(2).number(kCoordinate), node.element(3).number(kCoordinate)};
+  const double width = bounds.xmax - bounds.xmin, height = bounds.ymax - bounds.ymin;
+  if (!(width > 0 && height > 0)) {
+    node.fail(bounds_text(bounds) +
+              " is no area: [xmin, ymin, xmax, ymax] with xmin < xmax and "
+              "ymin < ymax");
+  }
+  if (width > kMostMetres || height > kMostMetres) {
+    node.fail(bounds_text(bounds) + " is too large: at most 1e9 m wide and high");
+  }
+  return bounds;
+}
+
+void expect_inside(const Node& node, Vec2 position, const Bounds& bounds) {
+  if (position.x >= bounds.xmin && position.x <= bounds.xmax && position.y >= bounds.ymin &&
+      position.y <= bounds.ymax) {
+    return;
+  }
+  node.fail('[' + number_text(position.x) + ", " + number_text(position.y) +
+            "] is outside the world: inside world.bounds " + bounds_text(bounds));
+}
+
+const Material& named_material(const Node& name, const Context& context) {
+  const std::string& wanted = name.string();
+  const auto found = context.materials.find(wanted);
+  if (found != context.materials.end()) return found->second;
+  std::vector<std::string_view> known;
+  for (const auto& [key, material] : context.materials) known.push_back(key);
+  constexpr std::size_t kMostListed = 20;
+  const std::string near = hint(wanted, known);
+  if (known.size() > kMostListed) known.resize(kMostListed);
+  name.fail("no material \"" + printable(wanted) + '"' + near +
+            (known.empty() ? "; the scene has no materials" : "; materials: " + word_list(known)));
+}
+
+void read_materials(const Node& scene, Context& context) {
+  const std::optional<Node> materials = scene.find("materials");
+  if (!materials) return;
+  materials->expect_object();
+  for (const auto& [name, unused] : materials->json().get_ref<const Json::object_t&>()) {
+    const Node node = materials->require(name);
+    node.expect_object(kMaterialKeys);
+    Material& material = context.materials[name];
+    material.density = node.number_or("density", material.density, kDensity);
+    material.restitution = node.number_or("restitution", material.restitution, kRestitution);
+    material.friction = node.number_or("friction", material.friction, kFriction);
+  }
+}
+
+void read_world(const Node& scene, Context& context, WorldDesc& world) {
+  const Node node = scene.require("world");
+  node.expect_object(kWorldKeys);
+  const Node bounds = node.require("bounds");
+  world.bounds = context.bounds = read_bounds(bounds);
+  if (const std::optional<Node> boundary = node.find("boundary")) {
+    constexpr std::array<Boundary, 3> kOf = {Boundary::walls, Boundary::periodic, Boundary::open};
+    world.boundary = kOf[boundary->one_of(kBoundaries)];
+  }
+  world.gravity = node.vec2_or("gravity", world.gravity, kGravity);
+  world.linear_damping = node.number_or("linear_damping", world.linear_damping, kDamping);
+  if (const std::optional<Node> material = node.find("material")) {
+    world.wall = named_material(*material, context);
+  } else if (const auto wall = context.materials.find("wall"); wall != context.materials.end()) {
+    world.wall = wall->second;
+  }
+}
+
+void read_step(const Node& scene, Scene& out) {
+  const std::optional<Node> step = scene.find("step");
+  if (!step) return;
+  step->expect_object(kStepKeys);
+  out.world.dt = step->number_or("dt", out.world.dt, kTimeStep);
+  if (const std::optional<Node> substeps = step->find("substeps")) {
+    out.world.substeps = static_cast<int>(substeps->integer(1, kMostSubsteps));
+  }
+  out.world.sleeping = step->boolean_or("sleeping", out.world.sleeping);
+  out.world.restitution_threshold = step->number_or("restitution_threshold", out.world.restitution_threshold, kSpeed);
+  out.world.skin = step->number_or("skin", out.world.skin, kSkin);
+  if (const std::optional<Node> integrator = step->find("integrator")) {
+    out.world.integrator = kAllIntegrators[integrator->one_of(kIntegrators)];
+  }
+}
+
+void read_fields(const Node& scene, WorldDesc& world) {
+  const std::optional<Node> fields = scene.find("fields");
+  if (!fields) return;
+  fields->expect_array(0, 1000);
+  for (std::size_t k = 0; k < fields->size(); ++k) {
+    world.fields.push_back(read_field(fields->element(k)));
+  }
+}
+
+}  // namespace psim::scene

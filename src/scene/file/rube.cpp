@@ -1,0 +1,390 @@
+// World and bodies of a R.U.B.E. scene. A body there has any number of fixtures, a body here has one
+// shape: each fixture becomes a body, welded to the first of them where it is dynamic.
+#include "file/rube.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "bodies/hull.h"
+#include "file/parse_limits.h"
+#include "place/shape_size.h"
+
+namespace psim::scene {
+namespace {
+
+constexpr std::array<std::string_view, 4> kShapes = {"circle", "polygon", "chain", "edge"};
+// Parts of a body without a group of their own get groups below this; those of the file have 16 bits.
+constexpr std::int32_t kPartGroups = -100'000;
+// Of the body's mass: what a fixture without density weighs.
+constexpr double kMassless = 1e-3;
+
+// A fixture: the shape in the frame of the file's body, and where that frame's origin is in the part's.
+struct Part {
+  BodyDesc body;
+  Vec2 origin;
+  Vec2 centre;           // of mass, in the frame of the file's body
+  double area = 0;       // mass / density
+  double gyration2 = 0;  // inertia about the centre / mass, m^2
+};
+
+struct Counts {
+  std::size_t several = 0, damped = 0, unused = 0, massless = 0;
+  std::string first_several, first_damped, first_unused, first_massless;
+
+  static void note(std::size_t& count, std::string& first, const Node& body) {
+    if (count++ == 0) first = path_text(body.path());
+  }
+};
+
+std::vector<Vec2> read_vertices(const Node& node, std::size_t least, std::size_t most) {
+  node.expect_object();
+  const Node x = node.require("x"), y = node.require("y");
+  x.expect_array(least, most);
+  y.expect_array(least, most);
+  if (x.size() != y.size()) {
+    y.fail(count_text(y.size()) + ", \"x\" has " + std::to_string(x.size()) + ": as many");
+  }
+  std::vector<Vec2> vertices;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    vertices.push_back({rube_number(x.element(k), kCoordinate), rube_number(y.element(k), kCoordinate)});
+  }
+  return vertices;
+}
+
+Shape read_chain(const Node& chain) {
+  const Node node = chain.require("vertices");
+  ChainShape shape{read_vertices(node, 2, kMostChainVertices), false};
+  const auto same = [](Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; };
+  std::vector<Vec2>& v = shape.vertices;
+  v.erase(std::unique(v.begin(), v.end(), same), v.end());
+  if (v.size() > 3 && same(v.front(), v.back())) {
+    v.pop_back();
+    shape.loop = true;
+  }
+  if (v.size() < 2) node.fail("are all one point: two apart from each other");
+  return shape;
+}
+
+// Of a fixture; a circle is a disc at `centre`.
+Shape read_shape(const Node& fixture, Vec2& centre) {
+  centre = {};
+  std::optional<Node> node;
+  std::string_view kind;
+  for (const std::string_view candidate : kShapes) {
+    if (const std::optional<Node> found = fixture.find(candidate)) {
+      if (node) fixture.fail("has two shapes: one of " + word_list(kShapes));
+      node.emplace(*found);
+      kind = candidate;
+    }
+  }
+  if (!node) fixture.fail("has no shape: one of " + word_list(kShapes));
+  const Node shape = fixture.require(kind);
+  shape.expect_object();
+  if (kind == "circle") {
+    centre = rube_vec2_or(shape, "center", {}, kCoordinate);
+    return DiscShape{rube_number(shape.require("radius"), kRadius)};
+  }
+  if (kind == "edge") {
+    return SegmentShape{rube_vec2_or(shape, "vertex1", {}, kCoordinate),
+                        rube_vec2_or(shape, "vertex2", {}, kCoordinate)};
+  }
+  if (kind == "chain") return read_chain(shape);
+  const Node vertices = shape.require("vertices");
+  return PolygonShape{read_vertices(vertices, 3, kMostPolygonVertices), 0};
+}
+
+Part read_fixture(const Node& node, const BodyDesc& body) {
+  node.expect_object();
+  Part part;
+  part.body = body;
+  Vec2 centre;
+  part.body.shape = read_shape(node, centre);
+  const bool line =
+      std::holds_alternative<ChainShape>(part.body.shape) || std::holds_alternative<SegmentShape>(part.body.shape);
+  if (line && body.type == BodyType::dynamic_body) {
+    node.fail("is a chain or an edge of a dynamic body (type 2): types 0 and 1 only");
+  }
+  HullSet hulls;
+  std::string error;
+  if (!make_hulls(part.body.shape, true, hulls, error)) node.fail(std::move(error));
+  part.area = hulls.mass.area;
+  part.gyration2 = hulls.mass.inertia;
+  part.centre = hulls.mass.centre;
+  if (const auto* disc = std::get_if<DiscShape>(&part.body.shape); disc && (centre.x != 0 || centre.y != 0)) {
+    part.centre = centre;
+    if (body.type == BodyType::kinematic_body) {
+      // It must turn about the body's place: a capsule that is nearly a disc.
+      part.body.shape = CapsuleShape{centre, {centre.x + 1e-3 * disc->radius, centre.y}, disc->radius};
+    } else {
+      part.body.position = to_world(centre, body.position, body.angle);
+      part.origin = {-centre.x, -centre.y};
+    }
+  }
+  Material& material = part.body.material;
+  material.density = rube_number_or(node, "density", 0, {0, kDensity.max});
+  material.friction = rube_number_or(node, "friction", 0, kFriction);
+  material.restitution = rube_number_or(node, "restitution", 0, kRestitution);
+  Filter& filter = part.body.filter;
+  constexpr std::int64_t k16Bits = 0xFFFF, kInt16 = 0x8000;
+  if (const auto bits = node.find("filter-categoryBits")) {
+    filter.category = static_cast<std::uint32_t>(bits->signed_integer(0, k16Bits));
+  }
+  if (const auto bits = node.find("filter-maskBits")) {
+    const std::int64_t mask = bits->signed_integer(-kInt16, k16Bits) & k16Bits;
+    if (mask != k16Bits) filter.mask = static_cast<std::uint32_t>(mask);
+  }
+  if (const auto group = node.find("filter-groupIndex")) {
+    filter.group = static_cast<std::int32_t>(group->signed_integer(-kInt16, kInt16 - 1));
+  }
+  if (node.boolean_or("sensor", false)) {
+    if (body.type == BodyType::dynamic_body) {
+      filter.mask = filter.category = 0;  // weighs, and touches nothing
+    } else {
+      part.body.sensor = true;
+    }
+  }
+  return part;
+}
+
+// A body without fixtures that joints may hold on to.
+Part empty_part(const BodyDesc& body) {
+  Part part;
+  part.body = body;
+  part.body.shape = DiscShape{0.1};
+  part.body.filter = {0, 0, 0};
+  part.body.sensor = body.type != BodyType::dynamic_body;
+  part.area = 3.14159265358979323846 * 0.01;
+  part.gyration2 = 0.005;
+  return part;
+}
+
+// The parts' masses and velocities, from the body's as a whole.
+void weigh(std::vector<Part>& parts, const Node& node, RubeBody& body, Counts& counts) {
+  double mass = 0;
+  for (const Part& part : parts) mass += part.area * part.body.material.density;
+  const bool massless = !(mass > 0);
+  if (massless) mass = rube_number_or(node, "massData-mass", 1, {0, kMass.max});
+  if (!(mass > 0)) mass = 1;
+  Vec2 centre;
+  double total = 0;
+  for (Part& part : parts) {
+    double own = part.area * part.body.material.density;
+    if (!(own > 0)) {
+      if (parts.size() > 1) Counts::note(counts.massless, counts.first_massless, node);
+      own = massless ? mass / static_cast<double>(parts.size()) : kMassless * mass;
+    }
+    part.body.material.density = std::clamp(own / part.area, kDensity.min, kDensity.max);
+    centre = {centre.x + own * part.centre.x, centre.y + own * part.centre.y};
+    total += own;
+  }
+  centre = {centre.x / total, centre.y / total};
+  body.mass = total;
+  body.inertia = 0;
+  for (Part& part : parts) {
+    const Vec2 arm{part.centre.x - centre.x, part.centre.y - centre.y};
+    const double own = part.area * part.body.material.density;
+    body.inertia += own * (part.gyration2 + arm.x * arm.x + arm.y * arm.y);
+    const Vec2 turned = to_world(arm, {}, part.body.angle);
+    part.body.velocity.x -= part.body.angular_velocity * turned.y;
+    part.body.velocity.y += part.body.angular_velocity * turned.x;
+  }
+}
+
+SceneJoint weld(std::uint64_t a, std::uint64_t b, Vec2 origin_a, Vec2 origin_b) {
+  SceneJoint joint;
+  joint.a = a;
+  joint.b = b;
+  joint.joint.type = JointType::weld;
+  joint.joint.anchor_a = origin_a;
+  joint.joint.anchor_b = origin_b;
+  return joint;
+}
+
+BodyDesc read_body_keys(const Node& node) {
+  constexpr std::array<BodyType, 3> kTypes = {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body};
+  BodyDesc body;
+  body.type = BodyType::static_body;
+  if (const auto type = node.find("type")) body.type = kTypes[type->integer(0, 2)];
+  body.position = rube_vec2_or(node, "position", {}, kCoordinate);
+  body.angle = rube_number_or(node, "angle", 0, kAngle);
+  const Vec2 velocity = rube_vec2_or(node, "linearVelocity", {}, kVelocity);
+  const double angular_velocity = rube_number_or(node, "angularVelocity", 0, kAngularVelocity);
+  if (body.type != BodyType::static_body) {
+    body.velocity = velocity;
+    body.angular_velocity = angular_velocity;
+  }
+  body.gravity_scale = rube_number_or(node, "gravityScale", 1, kGravityScale);
+  body.bullet = node.boolean_or("bullet", false);
+  body.fixed_rotation = node.boolean_or("fixedRotation", false);
+  return body;
+}
+
+// Which bodies joints name.
+std::set<std::uint64_t> jointed_bodies(const Node& root) {
+  std::set<std::uint64_t> named;
+  const auto joints = root.find("joint");
+  if (!joints || !joints->is_array()) return named;
+  for (std::size_t k = 0; k < joints->size(); ++k) {
+    const Node joint = joints->element(k);
+    joint.expect_object();
+    for (const std::string_view key : {"bodyA", "bodyB"}) {
+      const auto body = joint.find(key);
+      if (body && body->json().is_number_unsigned()) {
+        named.insert(body->json().get<std::uint64_t>());
+      }
+    }
+  }
+  return named;
+}
+
+RubeBody read_body(const Node& node, std::size_t number, bool jointed, Scene& scene, std::set<std::string>& names,
+                   Counts& counts) {
+  node.expect_object();
+  RubeBody out;
+  const BodyDesc keys = read_body_keys(node);
+  out.type = keys.type;
+  std::vector<Part> parts;
+  if (const auto fixtures = node.find("fixture")) {
+    fixtures->expect_array(0, 100'000);
+    for (std::size_t k = 0; k < fixtures->size(); ++k) {
+      const Node fixture = fixtures->element(k);
+      parts.push_back(read_fixture(fixture, keys));
+    }
+  }
+  if (parts.empty()) {
+    if (!jointed) {
+      Counts::note(counts.unused, counts.first_unused, node);
+      return out;
+    }
+    parts.push_back(empty_part(keys));
+  }
+  const bool dynamic = keys.type == BodyType::dynamic_body;
+  if (dynamic) weigh(parts, node, out, counts);
+  if (dynamic && parts.size() > 1) Counts::note(counts.several, counts.first_several, node);
+  if (rube_number_or(node, "linearDamping", 0, kDamping) > 0 ||
+      rube_number_or(node, "angularDamping", 0, kDamping) > 0) {
+    Counts::note(counts.damped, counts.first_damped, node);
+  }
+
+  out.in_scene = true;
+  out.id = scene.bodies.size();
+  out.origin = parts[0].origin;
+  std::string name;
+  if (const auto key = node.find("name")) name = key->name();
+  if (!name.empty() && !names.insert(name).second) name.clear();  // they may repeat there
+  for (Part& part : parts) {
+    if (!dynamic && part.body.material.density < kDensity.min) part.body.material.density = 1;
+    if (dynamic && parts.size() > 1 && part.body.filter.group == 0) {
+      part.body.filter.group = kPartGroups - static_cast<std::int32_t>(number);
+    }
+    const std::uint64_t id = scene.bodies.size();
+    if (dynamic && id != out.id) {
+      scene.joints.push_back(weld(out.id, id, out.origin, part.origin));
+    }
+    scene.bodies.push_back(std::move(part.body));
+    scene.body_names.push_back(std::exchange(name, {}));
+  }
+  return out;
+}
+
+// An open world, three times as wide and high as all there is and 100 m more on every side.
+Bounds roomy_bounds(const Scene& scene) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Bounds all{kFar, kFar, -kFar, -kFar};
+  for (const BodyDesc& body : scene.bodies) {
+    const Bounds own = extent(body.shape, body.position, body.angle);
+    all = {std::min(all.xmin, own.xmin), std::min(all.ymin, own.ymin), std::max(all.xmax, own.xmax),
+           std::max(all.ymax, own.ymax)};
+  }
+  if (!(all.xmin <= all.xmax)) all = {0, 0, 0, 0};
+  const double size = std::max(all.xmax - all.xmin, all.ymax - all.ymin) + 100;
+  return {std::floor(all.xmin - size), std::floor(all.ymin - size), std::ceil(all.xmax + size),
+          std::ceil(all.ymax + size)};
+}
+
+void add_note(Scene& scene, std::size_t count, const std::string& first, const char* one, const char* what) {
+  if (count == 0) return;
+  std::string line = first;
+  if (count > 1) line += " and " + std::to_string(count - 1) + " more";
+  scene.notes.push_back(line + ": " + one + what);
+}
+
+}  // namespace
+
+double rube_number(const Node& node, Range range) {
+  if (!node.is_string()) return node.number(range);
+  const std::string& text = node.string();
+  std::uint32_t bits = 0;
+  const auto end = std::from_chars(text.data(), text.data() + text.size(), bits, 16);
+  if (text.size() != 8 || end.ptr != text.data() + text.size()) {
+    node.fail("must be a number, or the eight hex digits of a float");
+  }
+  const double value = std::bit_cast<float>(bits);
+  if (!(value >= range.min && value <= range.max) || (range.above && value == range.min)) {
+    node.fail(number_text(value) + " is out of range: " + number_text(range.min) + " to " + number_text(range.max));
+  }
+  return value;
+}
+
+double rube_number_or(const Node& parent, std::string_view key, double absent, Range range) {
+  const auto node = parent.find(key);
+  return node ? rube_number(*node, range) : absent;
+}
+
+Vec2 rube_vec2_or(const Node& parent, std::string_view key, Vec2 absent, Range range) {
+  const auto node = parent.find(key);
+  if (!node) return absent;
+  if (node->is_number()) {
+    if (node->number(range) != 0) node->fail("must be 0 or an object with \"x\" and \"y\"");
+    return {0, 0};
+  }
+  node->expect_object();
+  return {rube_number(node->require("x"), range), rube_number(node->require("y"), range)};
+}
+
+bool is_rube(const Node& root) {
+  const auto bodies = root.find("body");
+  return bodies && bodies->is_array() && !root.find("psim");
+}
+
+Scene read_rube(const Node& root) {
+  Scene scene;
+  scene.description = "from R.U.B.E.";
+  scene.world.boundary = Boundary::open;
+  scene.world.gravity = rube_vec2_or(root, "gravity", {0, -10}, kGravity);
+  if (const auto rate = root.find("stepsPerSecond")) {
+    scene.world.dt = 1 / rube_number(*rate, {1, 1e6});
+  }
+  scene.world.sleeping = root.boolean_or("allowSleep", true);
+
+  const Node nodes = root.require("body");
+  nodes.expect_array(0, kMostBodiesInGroup);
+  const std::set<std::uint64_t> jointed = jointed_bodies(root);
+  std::set<std::string> names;
+  std::vector<RubeBody> bodies;
+  Counts counts;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    bodies.push_back(read_body(nodes.element(k), k, jointed.contains(k), scene, names, counts));
+  }
+  scene.world.bounds = roomy_bounds(scene);
+  add_note(scene, counts.several, counts.first_several, "several fixtures",
+           ": each becomes a body, welded to the first");
+  add_note(scene, counts.massless, counts.first_massless, "a fixture without density",
+           " among others weighs a thousandth of its body");
+  add_note(scene, counts.damped, counts.first_damped, "linearDamping and angularDamping", " are left out");
+  add_note(scene, counts.unused, counts.first_unused, "no fixture and no joint", ": left out");
+  read_rube_joints(root, bodies, scene);
+  return scene;
+}
+
+}  // namespace psim::scene

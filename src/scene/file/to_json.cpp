@@ -1,0 +1,338 @@
+// A Scene as text that parse_scene reads back to the same Scene. Numbers are the shortest that read
+// back to the same bits; what stands at its default is left out. The scene's own seed has no key:
+// it is mixed into the groups' seeds.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "file/parse_node.h"
+#include "place/placement.h"
+#include "place/shape_size.h"
+#include "psim/scene.h"
+
+namespace psim {
+namespace {
+
+constexpr std::string_view kTypeNames[] = {"dynamic", "static", "kinematic"};
+constexpr std::string_view kBoundaryNames[] = {"walls", "periodic", "open"};
+constexpr std::string_view kJointNames[] = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
+constexpr std::string_view kPinNames[] = {"none", "top", "corners", "left", "ends"};
+constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explicit"};
+
+template <class Enum>
+std::string_view name_of(Enum value, const std::string_view* names) {
+  return names[static_cast<std::size_t>(value)];
+}
+
+std::string text_of(double value) {
+  const std::string text = scene::number_text(value);
+  return text == "-0" ? "-0.0" : text;  // "-0" reads as the integer 0
+}
+
+std::string text_of(std::string_view words) {
+  return nlohmann::json(words).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string text_of(Vec2 v) { return '[' + text_of(v.x) + ", " + text_of(v.y) + ']'; }
+
+std::string text_of(const Bounds& b) {
+  return '[' + text_of(b.xmin) + ", " + text_of(b.ymin) + ", " + text_of(b.xmax) + ", " + text_of(b.ymax) + ']';
+}
+
+std::string text_of(bool value) { return value ? "true" : "false"; }
+
+template <class T>
+std::string list_of(const std::vector<T>& values) {
+  std::string text = "[";
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k > 0) text += ", ";
+    text += text_of(values[k]);
+  }
+  return text + ']';
+}
+
+// Members of one object, in the order of the calls.
+class Object {
+ public:
+  Object& raw(std::string_view key, std::string_view text) {
+    members_.push_back(text_of(key) + ": " + std::string(text));
+    return *this;
+  }
+  template <class T>
+  Object& add(std::string_view key, const T& value) {
+    return raw(key, text_of(value));
+  }
+  Object& add_unless(std::string_view key, double value, double absent) {
+    return value == absent ? *this : add(key, value);
+  }
+  Object& add_unless(std::string_view key, Vec2 value, Vec2 absent) {
+    return value.x == absent.x && value.y == absent.y ? *this : add(key, value);
+  }
+  Object& add_if(std::string_view key, bool value) { return value ? add(key, true) : *this; }
+
+  std::string one_line() const { return members_.empty() ? "{}" : "{ " + joined(", ") + " }"; }
+  std::string lines(std::size_t indent) const {
+    const std::string margin = '\n' + std::string(indent, ' ');
+    return members_.empty() ? "{}" : '{' + margin + "  " + joined("," + margin + "  ") + margin + '}';
+  }
+
+ private:
+  std::string joined(const std::string& between) const {
+    std::string text;
+    for (const std::string& member : members_) {
+      if (!text.empty()) text += between;
+      text += member;
+    }
+    return text;
+  }
+
+  std::vector<std::string> members_;
+};
+
+// One element a line.
+std::string array_lines(const std::vector<std::string>& elements, std::size_t indent) {
+  const std::string margin = '\n' + std::string(indent, ' ');
+  std::string text = "[";
+  for (std::size_t k = 0; k < elements.size(); ++k) {
+    text += (k > 0 ? "," : "") + margin + "  " + elements[k];
+  }
+  return text + margin + ']';
+}
+
+std::string material_text(const Material& m) {
+  return Object().add("density", m.density).add("restitution", m.restitution).add("friction", m.friction).one_line();
+}
+
+struct ShapeText {
+  std::string operator()(const DiscShape& disc) const {
+    return Object().raw("disc", Object().add("radius", disc.radius).one_line()).one_line();
+  }
+  std::string operator()(const SegmentShape& s) const {
+    return Object().raw("segment", Object().add("p1", s.p1).add("p2", s.p2).one_line()).one_line();
+  }
+  std::string operator()(const ChainShape& chain) const {
+    Object keys;
+    keys.raw("vertices", list_of(chain.vertices)).add_if("loop", chain.loop);
+    return Object().raw("chain", keys.one_line()).one_line();
+  }
+  std::string operator()(const BoxShape& box) const {
+    Object keys;
+    keys.add("size", Vec2{box.width, box.height}).add_unless("radius", box.radius, 0);
+    return Object().raw("box", keys.one_line()).one_line();
+  }
+  std::string operator()(const PolygonShape& polygon) const {
+    Object keys;
+    keys.raw("vertices", list_of(polygon.vertices)).add_unless("radius", polygon.radius, 0);
+    return Object().raw("polygon", keys.one_line()).one_line();
+  }
+  std::string operator()(const CapsuleShape& capsule) const {
+    Object keys;
+    keys.add("p1", capsule.p1).add("p2", capsule.p2).add("radius", capsule.radius);
+    return Object().raw("capsule", keys.one_line()).one_line();
+  }
+};
+
+void add_shared_keys(Object& out, const BodyDesc& body) {
+  const BodyDesc absent;
+  out.add_unless("angle", body.angle, absent.angle)
+      .add_unless("angular_velocity", body.angular_velocity, absent.angular_velocity)
+      .add_unless("density", body.material.density, absent.material.density)
+      .add_unless("restitution", body.material.restitution, absent.material.restitution)
+      .add_unless("friction", body.material.friction, absent.material.friction)
+      .add_unless("mass", body.mass, 0)
+      .add_unless("gravity_scale", body.gravity_scale, absent.gravity_scale)
+      .add_if("fixed_rotation", body.fixed_rotation)
+      .add_if("bullet", body.bullet);
+  if (body.filter.category != absent.filter.category) {
+    out.raw("category", std::to_string(body.filter.category));
+  }
+  if (body.filter.mask != absent.filter.mask) out.raw("mask", std::to_string(body.filter.mask));
+  if (body.filter.group != 0) out.raw("group", std::to_string(body.filter.group));
+  out.add_if("sensor", body.sensor);
+}
+
+std::string body_text(const BodyDesc& body, std::string_view name) {
+  Object out;
+  if (!name.empty()) out.add("name", name);
+  out.add("type", name_of(body.type, kTypeNames))
+      .raw("shape", std::visit(ShapeText{}, body.shape))
+      .add("position", body.position)
+      .add_unless("velocity", body.velocity, {});
+  add_shared_keys(out, body);
+  return out.one_line();
+}
+
+std::vector<double> column_or(const std::vector<double>& column, double each, std::size_t size) {
+  return column.empty() ? std::vector<double>(size, each) : column;
+}
+
+void add_listed_keys(Object& out, const GroupDesc& group) {
+  out.raw("x", list_of(group.x)).raw("y", list_of(group.y));
+  if (!is_disc(group.body.shape)) {
+    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+  } else if (group.radius.size() == group.x.size() && group.radius.size() != 1) {
+    out.raw("radius", list_of(group.radius));
+  } else {
+    out.add("radius", group.radius.empty() ? group.radius_min : group.radius[0]);
+  }
+  if (group.vx.empty() && group.vy.empty()) {
+    out.add_unless("velocity", group.velocity, {});
+    return;
+  }
+  const auto add_speeds = [&](std::string_view key, const std::vector<double>& column, double each) {
+    if (!column.empty() || each != 0) out.raw(key, list_of(column_or(column, each, group.x.size())));
+  };
+  add_speeds("vx", group.vx, group.velocity.x);
+  add_speeds("vy", group.vy, group.velocity.y);
+}
+
+std::string links_text(const LinkDesc& links) {
+  Object out;
+  out.add("type", name_of(links.type, kJointNames));
+  if (links.type == JointType::spring) {
+    out.add("stiffness", links.stiffness).add_unless("damping", links.damping, 0);
+  }
+  out.add_if("diagonals", links.diagonals);
+  if (links.pin != Pin::none) out.add("pin", name_of(links.pin, kPinNames));
+  return out.add_if("collide", links.collide).one_line();
+}
+
+std::string joint_text(const SceneJoint& scene_joint) {
+  const JointDesc& joint = scene_joint.joint;
+  const JointDesc absent;
+  const JointType type = joint.type;
+  const bool driven = type == JointType::revolute || type == JointType::prismatic;
+  Object out;
+  out.add("type", name_of(type, kJointNames))
+      .raw("a", std::to_string(scene_joint.a))
+      .raw("b", std::to_string(scene_joint.b))
+      .add_unless("anchor_a", joint.anchor_a, absent.anchor_a)
+      .add_unless("anchor_b", joint.anchor_b, absent.anchor_b);
+  if (type == JointType::distance || type == JointType::spring || type == JointType::rope) {
+    if (joint.length) out.add("length", *joint.length);
+  } else if (joint.reference) {
+    out.add("reference", *joint.reference);
+  }
+  if (type == JointType::spring) {
+    out.add("stiffness", joint.stiffness).add_unless("damping", joint.damping, 0);
+  }
+  if (type == JointType::weld) {
+    out.add_unless("stiffness", joint.stiffness, 0).add_unless("damping", joint.damping, 0);
+  }
+  if (type == JointType::prismatic) out.add_unless("axis", joint.axis, absent.axis);
+  if (driven) {
+    if (joint.lower) out.add("lower", *joint.lower);
+    if (joint.upper) out.add("upper", *joint.upper);
+    out.add_unless("motor_speed", joint.motor_speed, 0).add_unless("motor_limit", joint.motor_limit, 0);
+  }
+  return out.add_if("collide", joint.collide).one_line();
+}
+
+void add_placed_keys(Object& out, const GroupDesc& group) {
+  out.raw("count", std::to_string(group.count)).add("region", group.region);
+  if (!is_disc(group.body.shape)) {
+    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+  } else if (group.radius_min == group.radius_max) {
+    out.add("radius", group.radius_min);
+  } else {
+    out.add("radius", Vec2{group.radius_min, group.radius_max});
+  }
+  out.add_unless("jitter", group.jitter, 0)
+      .add_unless("velocity", group.velocity, {})
+      .add_unless("velocity_spread", group.velocity_spread, 0);
+  if (group.seed != 1) out.raw("seed", std::to_string(group.seed));
+  if (group.links) out.raw("links", links_text(*group.links));
+}
+
+std::string group_text(const GroupDesc& group) {
+  Object out;
+  out.add("layout", name_of(group.layout, kLayoutNames));
+  if (group.body.type != BodyType::dynamic_body) {
+    out.add("type", name_of(group.body.type, kTypeNames));
+  }
+  if (group.layout == Layout::explicit_list) {
+    add_listed_keys(out, group);
+  } else {
+    add_placed_keys(out, group);
+  }
+  add_shared_keys(out, group.body);
+  return out.lines(4);
+}
+
+struct FieldText {
+  std::string operator()(const WellField& well) const {
+    const WellField absent;
+    return Object()
+        .add("type", std::string_view("well"))
+        .add("position", well.position)
+        .add("strength", well.strength)
+        .add_unless("softening", well.softening, absent.softening)
+        .add_unless("exponent", well.exponent, absent.exponent)
+        .add_unless("range", well.range, absent.range)
+        .one_line();
+  }
+  std::string operator()(const DragField& drag) const {
+    return Object()
+        .add("type", std::string_view("drag"))
+        .add("linear", drag.linear)
+        .add("quadratic", drag.quadratic)
+        .one_line();
+  }
+};
+
+std::string world_text(const WorldDesc& world) {
+  return Object()
+      .add("bounds", world.bounds)
+      .add("boundary", name_of(world.boundary, kBoundaryNames))
+      .add("gravity", world.gravity)
+      .add_unless("linear_damping", world.linear_damping, 0)
+      .add("material", std::string_view("wall"))
+      .lines(2);
+}
+
+std::string step_text(const Scene& scene) {
+  return Object()
+      .add("dt", scene.world.dt)
+      .raw("substeps", std::to_string(scene.world.substeps))
+      .add("sleeping", scene.world.sleeping)
+      .add("integrator", integrator_name(scene.world.integrator))
+      .add_unless("restitution_threshold", scene.world.restitution_threshold, 0)
+      .add_unless("skin", scene.world.skin, 1)
+      .one_line();
+}
+
+}  // namespace
+
+std::string scene_to_json(const Scene& scene) {
+  std::vector<std::string> fields, bodies, groups, joints;
+  for (const Field& field : scene.world.fields) fields.push_back(std::visit(FieldText{}, field));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const bool named = k < scene.body_names.size();
+    bodies.push_back(body_text(scene.bodies[k], named ? scene.body_names[k] : std::string()));
+  }
+  for (std::size_t k = 0; k < scene.groups.size(); ++k) {
+    groups.push_back(group_text(seeded_group(scene, k)));
+  }
+
+  for (const SceneJoint& joint : scene.joints) joints.push_back(joint_text(joint));
+
+  Object out;
+  out.raw("psim", "1");
+  if (!scene.name.empty()) out.add("name", std::string_view(scene.name));
+  if (!scene.description.empty()) out.add("description", std::string_view(scene.description));
+  out.raw("world", world_text(scene.world))
+      .raw("step", step_text(scene))
+      .raw("materials", Object().raw("wall", material_text(scene.world.wall)).lines(2));
+  if (!fields.empty()) out.raw("fields", array_lines(fields, 2));
+  if (!bodies.empty()) out.raw("bodies", array_lines(bodies, 2));
+  if (!groups.empty()) out.raw("groups", array_lines(groups, 2));
+  if (!joints.empty()) out.raw("joints", array_lines(joints, 2));
+  return out.lines(0) + '\n';
+}
+
+}  // namespace psim

@@ -1,0 +1,140 @@
+// Scene -> World: `bodies` in order, then `groups`, so that ids are as the scene says; then joints.
+// O(n).
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "place/links.h"
+#include "place/placement.h"
+#include "place/shape_size.h"
+#include "psim/scene.h"
+
+namespace psim {
+namespace {
+
+bool add_body(World& world, const Scene& scene, std::size_t k, std::string& error) {
+  std::string what;
+  if (world.add_body(scene.bodies[k], what) != kNoBody) return true;
+  error = "bodies[" + std::to_string(k) + "]";
+  if (k < scene.body_names.size() && !scene.body_names[k].empty()) {
+    error += " \"" + scene.body_names[k] + "\"";
+  }
+  error += ": " + what;
+  return false;
+}
+
+// Bodies first..last-1 of a group of discs, which are all of this type.
+bool add_discs(World& world, const BodyDesc& body, const PlacedGroup& placed, std::size_t first, std::size_t last,
+               BodyType type, std::string& error) {
+  const std::size_t n = last - first;
+  const auto part = [&](const std::vector<double>& column) { return std::span(column).subspan(first, n); };
+  std::vector<double> angle, angular_velocity;
+  if (body.angle != 0) angle.assign(n, body.angle);
+  if (body.angular_velocity != 0) angular_velocity.assign(n, body.angular_velocity);
+  DiscBatch batch;
+  batch.x = part(placed.x);
+  batch.y = part(placed.y);
+  batch.radius = part(placed.radius);
+  batch.angle = angle;
+  batch.vx = part(placed.vx);
+  batch.vy = part(placed.vy);
+  batch.angular_velocity = angular_velocity;
+  batch.type = type;
+  batch.material = body.material;
+  batch.mass = body.mass;
+  batch.gravity_scale = body.gravity_scale;
+  batch.fixed_rotation = body.fixed_rotation;
+  batch.bullet = body.bullet;
+  batch.filter = body.filter;
+  std::uint32_t unused = 0;
+  return world.add_discs(batch, unused, error) == n;
+}
+
+bool add_one_by_one(World& world, const GroupDesc& group, const PlacedGroup& placed, std::string& error) {
+  BodyDesc body = group.body;
+  for (std::size_t k = 0; k < placed.x.size(); ++k) {
+    body.type = is_pinned(group, k) ? BodyType::static_body : group.body.type;
+    body.position = {placed.x[k], placed.y[k]};
+    body.velocity = {placed.vx[k], placed.vy[k]};
+    if (is_disc(group.body.shape)) body.shape = DiscShape{placed.radius[k]};
+    if (world.add_body(body, error) == kNoBody) {
+      error = "body " + std::to_string(k) + ": " + error;
+      return false;
+    }
+  }
+  return true;
+}
+
+bool add_placed(World& world, const GroupDesc& group, const PlacedGroup& placed, std::string& error) {
+  if (!is_disc(group.body.shape) || group.body.sensor) {
+    return add_one_by_one(world, group, placed, error);
+  }
+  const std::size_t n = placed.x.size();
+  for (std::size_t first = 0, last = 0; first < n; first = last) {
+    const bool pinned = is_pinned(group, first);
+    // Without pins a single batch.
+    const bool pins = group.links && group.links->pin != Pin::none;
+    last = pins ? first + 1 : n;
+    while (last < n && is_pinned(group, last) == pinned) ++last;
+    const BodyType type = pinned ? BodyType::static_body : group.body.type;
+    if (!add_discs(world, group.body, placed, first, last, type, error)) return false;
+  }
+  return true;
+}
+
+bool add_group(World& world, const Scene& scene, std::size_t k, std::string& error) {
+  const GroupDesc group = seeded_group(scene, k);
+  std::string what;
+  const std::optional<PlacedGroup> placed = place_group(group, what);
+  if (placed && add_placed(world, group, *placed, what)) return true;
+  error = "groups[" + std::to_string(k) + "]: " + what;
+  return false;
+}
+
+bool add_joint(World& world, const SceneJoint& joint, const std::string& name, std::string& error) {
+  JointDesc desc = joint.joint;
+  desc.a = world.id_of(static_cast<std::uint32_t>(joint.a));
+  desc.b = world.id_of(static_cast<std::uint32_t>(joint.b));
+  std::string what;
+  if (world.add_joint(desc, what) != kNoJoint) return true;
+  error = name + ": " + what;
+  return false;
+}
+
+bool add_joints(World& world, const Scene& scene, std::string& error) {
+  for (std::size_t k = 0; k < scene.joints.size(); ++k) {
+    const std::string name = "joints[" + std::to_string(k) + "]";
+    if (!add_joint(world, scene.joints[k], name, error)) return false;
+  }
+  const SceneBodies bodies(scene);
+  for (std::size_t k = 0; k < scene.groups.size(); ++k) {
+    std::vector<SceneJoint> links;
+    append_links(scene.groups[k], bodies.first_of_group(k), links);
+    const std::string name = "groups[" + std::to_string(k) + "].links";
+    for (const SceneJoint& link : links) {
+      if (!add_joint(world, link, name, error)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error) {
+  std::unique_ptr<World> world = World::create(scene.world, options, error);
+  if (!world) return nullptr;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    if (!add_body(*world, scene, k, error)) return nullptr;
+  }
+  for (std::size_t k = 0; k < scene.groups.size(); ++k) {
+    if (!add_group(*world, scene, k, error)) return nullptr;
+  }
+  if (!add_joints(*world, scene, error)) return nullptr;
+  return world;
+}
+
+}  // namespace psim

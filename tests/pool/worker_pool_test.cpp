@@ -1,0 +1,387 @@
+// The worker pool alone (src/core/base/worker_pool.h): every job runs once, whatever the number of jobs, threads and
+// pools, and whatever the operating system does to a worker. A small program, so that the thread sanitizer builds it in
+// seconds.
+#include "base/worker_pool.h"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "base/float_settings.h"
+
+namespace psim {
+namespace {
+
+using namespace std::chrono_literals;
+using Awake = WorkerPool::Awake;
+
+constexpr int kMostThreads = 16;
+
+/// Waits until `true_now()` holds; false after ten seconds, so that a fault is a failed test and no hanging one.
+template <class Condition>
+bool wait_until(const Condition& true_now) {
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (!true_now()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(50us);
+  }
+  return true;
+}
+
+/// Runs `count` jobs; the number of those that did not run exactly once.
+std::size_t wrong_jobs(WorkerPool& pool, std::size_t count) {
+  std::vector<std::atomic<int>> runs(count);
+  pool.run(count, [&](std::size_t i) { runs[i].fetch_add(1, std::memory_order_relaxed); });
+  std::size_t wrong = 0;
+  for (const auto& r : runs) wrong += r.load(std::memory_order_relaxed) != 1;
+  return wrong;
+}
+
+/// One job a thread, each of which waits for all the others: every thread of the pool runs one. Returns their handles,
+/// the caller's among them; fewer if a thread did not come.
+std::vector<pthread_t> all_threads(WorkerPool& pool) {
+  const auto threads = static_cast<std::size_t>(pool.threads());
+  std::vector<pthread_t> handles(threads);
+  std::atomic<std::size_t> arrived{0};
+  std::atomic<bool> complete{true};
+  pool.run(threads, [&](std::size_t i) {
+    handles[i] = pthread_self();
+    ++arrived;
+    if (!wait_until([&] { return arrived == threads; })) complete = false;
+  });
+  if (!complete) handles.clear();
+  return handles;
+}
+
+// ---- jobs ---------------------------------------------------------------------------------------
+
+TEST(WorkerPool, EveryJobRunsOnceForAnyNumberOfJobsAndThreads) {
+  for (int threads = 1; threads <= kMostThreads; ++threads) {
+    WorkerPool pool(threads);
+    const Awake awake(pool);
+    for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 8u, 15u, 16u, 17u, 100u, 5000u}) {
+      EXPECT_EQ(wrong_jobs(pool, count), 0u) << count << " jobs on " << threads << " threads";
+    }
+  }
+}
+
+TEST(WorkerPool, NoJobsAreNoCall) {
+  WorkerPool pool(3);
+  const Awake awake(pool);
+  for (int k = 0; k < 1000; ++k) pool.run(0, [](std::size_t) { ADD_FAILURE() << "there is no job"; });
+}
+
+TEST(WorkerPool, ARunThatHasReturnedLeavesNoJobBehind) {
+  WorkerPool pool(4);
+  const Awake awake(pool);
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<int> written(16, 0);  // plain numbers that end with the round: a late job would be a data race
+    pool.run(written.size(), [&](std::size_t i) { written[i] = k; });
+    for (const int w : written) ASSERT_EQ(w, k);
+  }
+}
+
+TEST(WorkerPool, AllThreadsTakePart) {
+  for (const int threads : {2, 3, 8, kMostThreads}) {
+    WorkerPool pool(threads);
+    const Awake awake(pool);
+    const std::vector<pthread_t> handles = all_threads(pool);
+    EXPECT_EQ(std::set<pthread_t>(handles.begin(), handles.end()).size(), static_cast<std::size_t>(threads));
+  }
+}
+
+TEST(WorkerPool, ResultsDoNotDependOnTheNumberOfThreads) {
+  constexpr std::size_t kSize = 4096, kJobs = 37;
+  const auto computed_by = [](int threads) {
+    WorkerPool pool(threads);
+    const Awake awake(pool);
+    std::vector<float> value(kSize, 1), next(kSize);
+    for (int pass = 0; pass < 50; ++pass) {
+      pool.run(kJobs, [&](std::size_t job) {
+        for (std::size_t i = job * kSize / kJobs; i < (job + 1) * kSize / kJobs; ++i) {
+          next[i] = 0.3f * value[i] + 0.7f * value[(i * 7 + 1) % kSize] + 1 / static_cast<float>(i + 1);
+        }
+      });
+      value.swap(next);
+    }
+    return value;
+  };
+  const std::vector<float> alone = computed_by(1);
+  for (int threads = 2; threads <= kMostThreads; ++threads) {
+    const std::vector<float> shared = computed_by(threads);
+    EXPECT_EQ(std::memcmp(alone.data(), shared.data(), kSize * sizeof(float)), 0) << threads << " threads";
+  }
+}
+
+// ---- awake and asleep ---------------------------------------------------------------------------
+
+TEST(WorkerPool, PoolsStartAndStop) {
+  for (int threads = 1; threads <= kMostThreads; ++threads) {
+    for (int k = 0; k < 5; ++k) WorkerPool pool(threads);  // never awake
+    for (int k = 0; k < 5; ++k) {
+      WorkerPool pool(threads);
+      const Awake awake(pool);  // awake without a run
+    }
+    for (int k = 0; k < 5; ++k) {
+      WorkerPool pool(threads);
+      const Awake awake(pool);
+      EXPECT_EQ(wrong_jobs(pool, 10), 0u);
+    }
+  }
+}
+
+TEST(WorkerPool, JobsRunWhileTheWorkersSleep) {
+  WorkerPool pool(4);
+  EXPECT_EQ(wrong_jobs(pool, 100), 0u);
+  { const Awake awake(pool); }
+  EXPECT_EQ(wrong_jobs(pool, 100), 0u);
+}
+
+TEST(WorkerPool, WorkersWakeForEveryStep) {
+  WorkerPool pool(3);
+  for (int step = 0; step < 500; ++step) {
+    const Awake awake(pool);
+    ASSERT_EQ(wrong_jobs(pool, static_cast<std::size_t>(step % 20)), 0u);
+    if (step % 50 != 0) continue;
+    ASSERT_EQ(all_threads(pool).size(), 3u);
+  }
+}
+
+TEST(WorkerPool, WorkersStayAwakeUntilTheOutermostEnds) {
+  WorkerPool pool(3);
+  const Awake outer(pool);
+  for (int k = 0; k < 20; ++k) {
+    {
+      const Awake inner(pool);
+      EXPECT_EQ(wrong_jobs(pool, 50), 0u);
+    }
+    ASSERT_EQ(all_threads(pool).size(), 3u) << "after the inner one ended";
+  }
+}
+
+TEST(WorkerPool, ManyPoolsRunAtOnce) {
+  constexpr int kHosts = 8;
+  std::atomic<std::size_t> wrong{0};
+  std::vector<std::thread> hosts;
+  for (int h = 0; h < kHosts; ++h) {
+    hosts.emplace_back([&wrong, h] {
+      for (int world = 0; world < 3; ++world) {
+        WorkerPool pool(1 + (h + world) % 4);
+        for (int step = 0; step < 20; ++step) {
+          const Awake awake(pool);
+          for (const std::size_t count : {1u, 5u, 40u}) wrong += wrong_jobs(pool, count);
+        }
+      }
+    });
+  }
+  for (std::thread& t : hosts) t.join();
+  EXPECT_EQ(wrong, 0u);
+}
+
+// ---- a worker that the operating system takes off its core ---------------------------------------
+
+// A signal stops a worker wherever it is, as the operating system does.
+std::atomic<int> stopped_workers{0}, stops{0};
+std::atomic<bool> hold_workers{false};
+
+void stop_here(int) {
+  ++stopped_workers;
+  ++stops;
+  const timespec a_while{0, 100'000};
+  do nanosleep(&a_while, nullptr);
+  while (hold_workers);
+  --stopped_workers;
+}
+
+class StoppedWorkers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    struct sigaction action {};
+    action.sa_handler = stop_here;
+    ASSERT_EQ(sigaction(SIGUSR1, &action, &before_), 0);
+  }
+  void TearDown() override { sigaction(SIGUSR1, &before_, nullptr); }
+
+  /// The workers of a pool, without the thread that calls.
+  static std::vector<pthread_t> workers_of(WorkerPool& pool) {
+    std::vector<pthread_t> handles = all_threads(pool);
+    std::erase_if(handles, [](pthread_t t) { return pthread_equal(t, pthread_self()); });
+    return handles;
+  }
+
+ private:
+  struct sigaction before_ {};
+};
+
+TEST_F(StoppedWorkers, NeverHoldARunUp) {
+  WorkerPool pool(4);
+  const Awake awake(pool);
+  const std::vector<pthread_t> workers = workers_of(pool);
+  ASSERT_EQ(workers.size(), 3u);
+  hold_workers = true;
+  for (const pthread_t t : workers) pthread_kill(t, SIGUSR1);
+  const bool all_stopped = wait_until([] { return stopped_workers == 3; });
+  // The caller alone does all jobs: if a run waited for a worker, this would hang.
+  std::size_t wrong = 0;
+  for (int k = 0; all_stopped && k < 100; ++k) wrong += wrong_jobs(pool, 200);
+  hold_workers = false;
+  EXPECT_TRUE(all_stopped);
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_TRUE(wait_until([] { return stopped_workers == 0; }));
+  // They come back with what they knew of an old run, find it closed, and take part in the next one.
+  EXPECT_EQ(all_threads(pool).size(), 4u);
+}
+
+TEST_F(StoppedWorkers, LoseNoJobWhereverTheyStop) {
+  WorkerPool pool(4);
+  std::optional<Awake> awake(pool);
+  const std::vector<pthread_t> workers = workers_of(pool);
+  ASSERT_EQ(workers.size(), 3u);
+  std::atomic<bool> done{false};
+  std::thread disturber([&] {
+    for (std::size_t k = 0; !done; ++k) {
+      pthread_kill(workers[k % workers.size()], SIGUSR1);
+      std::this_thread::sleep_for(20us);
+    }
+  });
+  std::size_t wrong = 0;
+  const int before = stops;
+  for (int step = 0; step < 200 || stops - before < 2000; ++step) {
+    if (step % 10 == 9) {  // stopped on the way to sleep or out of it, too
+      awake.reset();
+      awake.emplace(pool);
+    }
+    for (const std::size_t count : {1u, 2u, 9u, 64u}) wrong += wrong_jobs(pool, count);
+  }
+  done = true;
+  disturber.join();
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_TRUE(wait_until([] { return stopped_workers == 0; }));
+}
+
+// ---- what jobs throw ----------------------------------------------------------------------------
+
+TEST(WorkerPool, WhatAJobThrowsOnOneThreadReachesTheCaller) {
+  WorkerPool pool(1);
+  const Awake awake(pool);
+  int done = 0;
+  EXPECT_THROW(pool.run(5,
+                        [&](std::size_t i) {
+                          if (i == 3) throw std::bad_alloc();
+                          ++done;
+                        }),
+               std::bad_alloc);
+  EXPECT_EQ(done, 3);
+  EXPECT_EQ(wrong_jobs(pool, 10), 0u);
+}
+
+TEST(WorkerPool, WhatTheOnlyJobThrowsReachesTheCaller) {
+  WorkerPool pool(3);
+  const Awake awake(pool);
+  EXPECT_THROW(pool.run(1, [](std::size_t) { throw std::runtime_error("job"); }), std::runtime_error);
+  EXPECT_EQ(wrong_jobs(pool, 10), 0u);
+}
+
+// Jobs of other threads still run, so that nobody could take what is thrown.
+TEST(WorkerPoolDeathTest, WhatAJobThrowsAmongOthersEndsTheProgram) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto run = [] {
+    WorkerPool pool(3);
+    const Awake awake(pool);
+    pool.run(8, [](std::size_t) { throw std::runtime_error("thrown in a job"); });
+  };
+  EXPECT_DEATH(run(), "thrown in a job|terminate called recursively");  // two threads may throw at once
+}
+
+// ---- a host's job system ------------------------------------------------------------------------
+
+/// Jobs backwards, on a thread of the host.
+JobSystem backwards(std::atomic<int>& calls) {
+  return {[&calls](std::size_t count, const std::function<void(std::size_t)>& job) {
+            ++calls;
+            std::thread([&] {
+              for (std::size_t i = count; i-- > 0;) job(i);
+            }).join();
+          },
+          2};
+}
+
+TEST(WorkerPool, AHostRunsTheJobsUntilItIsTakenAway) {
+  for (const int threads : {1, 3}) {
+    WorkerPool pool(threads);
+    std::atomic<int> calls{0};
+    pool.set_job_system(backwards(calls));
+    {
+      const Awake awake(pool);
+      EXPECT_EQ(wrong_jobs(pool, 0), 0u);
+      EXPECT_EQ(calls, 0) << "no jobs are no call";
+      EXPECT_EQ(wrong_jobs(pool, 1), 0u);
+      EXPECT_EQ(wrong_jobs(pool, 100), 0u);
+      EXPECT_EQ(calls, 2);
+    }
+    pool.set_job_system({});
+    const Awake awake(pool);
+    EXPECT_EQ(wrong_jobs(pool, 100), 0u);
+    EXPECT_EQ(calls, 2);
+  }
+}
+
+// ---- floating-point settings --------------------------------------------------------------------
+
+/// The bits of the smallest normal number over 16, which is 0 where denormal results are flushed. Bits, because
+/// settings that read denormals as zero call the two equal. The compiler may not move the division to where other
+/// settings hold.
+[[gnu::noinline]] std::uint32_t sixteenth_of_the_smallest() {
+  volatile float least = std::numeric_limits<float>::min(), sixteen = 16, result = least / sixteen;
+  return std::bit_cast<std::uint32_t>(float{result});
+}
+
+TEST(WorkerPool, JobsSeeTheFloatSettingsOfTheStepOnEveryThread) {
+  WorkerPool pool(3);  // its threads begin with the settings of the host
+  const FloatSettings settings;
+  const std::uint32_t expected = sixteenth_of_the_smallest();
+  const Awake awake(pool);
+  std::atomic<int> arrived{0};
+  std::vector<std::uint32_t> seen(3, 1);
+  pool.run(3, [&](std::size_t i) {  // one job on each thread
+    ++arrived;
+    EXPECT_TRUE(wait_until([&] { return arrived == 3; }));
+    seen[i] = sixteenth_of_the_smallest();
+  });
+  for (const std::uint32_t s : seen) EXPECT_EQ(s, expected);
+}
+
+TEST(WorkerPool, AHostsThreadGetsItsOwnFloatSettingsBack) {
+  const std::uint32_t expected = [] {
+    const FloatSettings settings;
+    return sixteenth_of_the_smallest();
+  }();
+  WorkerPool pool(1);
+  std::uint32_t inside = 1, before = 1, after = 1;
+  pool.set_job_system({[&](std::size_t count, const std::function<void(std::size_t)>& job) {
+                         before = sixteenth_of_the_smallest();
+                         for (std::size_t i = 0; i < count; ++i) job(i);
+                         after = sixteenth_of_the_smallest();
+                       },
+                       1});
+  pool.run(2, [&](std::size_t) { inside = sixteenth_of_the_smallest(); });
+  EXPECT_EQ(inside, expected);
+  EXPECT_EQ(after, before);
+  EXPECT_NE(before, 0u) << "this test is for hosts that flush nothing";
+}
+
+}  // namespace
+}  // namespace psim
