@@ -8,7 +8,7 @@ using namespace psim::capi;
 
 namespace {
 
-psim_result stale(const Call& call, std::uint32_t index) {
+psim_result stale_body(const Call& call, std::uint32_t index) {
   return call.fail(PSIM_ERROR_STALE_ID, "there is no body " + std::to_string(index) + " of this generation");
 }
 
@@ -51,7 +51,7 @@ class Column {
 template <class Push>
 psim_result push(psim_world* world, const char* name, psim_body_id id, const Push& apply) {
   return guarded(world, name, [&](psim::World& w, const Call& call) -> psim_result {
-    if (!w.is_valid(to_cpp(id))) return stale(call, id.index);
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
     if (world->changed(apply)) return PSIM_OK;
     return call.fail(PSIM_ERROR_NOT_MOVABLE, "body " + std::to_string(id.index) + " is static or frozen");
   });
@@ -125,7 +125,7 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
 
 psim_result psim_world_remove_body(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.remove_body(to_cpp(id)); }) ? PSIM_OK : stale_body(call, id.index);
   });
 }
 
@@ -146,7 +146,7 @@ psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
     const auto s = w.body(to_cpp(id));
-    if (!s) return stale(call, id.index);
+    if (!s) return stale_body(call, id.index);
     *state = {to_c(s->id), s->x, s->y, s->angle, s->vx, s->vy, s->omega, s->radius, static_cast<int32_t>(s->type), 0};
     return PSIM_OK;
   });
@@ -180,7 +180,7 @@ int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {
 
 psim_result psim_world_wake(psim_world* world, psim_body_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.wake(to_cpp(id)); }) ? PSIM_OK : stale_body(call, id.index);
   });
 }
 

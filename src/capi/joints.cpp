@@ -6,7 +6,7 @@ using namespace psim::capi;
 
 namespace {
 
-psim_result stale(const Call& call, std::uint32_t index) {
+psim_result stale_joint(const Call& call, std::uint32_t index) {
   return call.fail(PSIM_ERROR_STALE_ID, "there is no joint " + std::to_string(index) + " of this generation");
 }
 
@@ -28,7 +28,7 @@ psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc,
 
 psim_result psim_world_remove_joint(psim_world* world, psim_joint_id id) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    return world->changed([&](auto& w) { return w.remove_joint(to_cpp(id)); }) ? PSIM_OK : stale(call, id.index);
+    return world->changed([&](auto& w) { return w.remove_joint(to_cpp(id)); }) ? PSIM_OK : stale_joint(call, id.index);
   });
 }
 
@@ -41,7 +41,7 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
     const auto s = w.joint(to_cpp(id));
-    if (!s) return stale(call, id.index);
+    if (!s) return stale_joint(call, id.index);
     *state = {to_c(s->a), to_c(s->b),        static_cast<int32_t>(s->type),
               0,          to_c(s->anchor_a), to_c(s->anchor_b),
               s->value,   to_c(s->force),    s->torque};
@@ -51,7 +51,7 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
 
 psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
-    if (!w.is_valid_joint(to_cpp(id))) return stale(call, id.index);
+    if (!w.is_valid_joint(to_cpp(id))) return stale_joint(call, id.index);
     if (world->changed([&](auto& one) { return one.set_motor(to_cpp(id), speed, limit); })) return PSIM_OK;
     return call.fail(PSIM_ERROR_ARGUMENT,
                      "only revolute and prismatic joints have a motor; speed must be finite and "

@@ -1,14 +1,11 @@
 #include "bodies/body_desc.h"
 
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace psim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-bool finite(double v) { return std::isfinite(v); }
 
 bool inside(const Bounds& b, double x, double y) { return x >= b.xmin && x <= b.xmax && y >= b.ymin && y <= b.ymax; }
 
@@ -28,8 +25,6 @@ std::string check_disc(double radius, double mass, const Material& m) {
   if (!(result > 1e-30 && result < 1e30)) return "mass must lie between 1e-30 and 1e30 kg";
   return {};
 }
-
-double value(std::span<const double> s, std::size_t i) { return s.empty() ? 0.0 : s[i]; }
 
 }  // namespace
 
@@ -63,8 +58,8 @@ std::string check(const DiscBatch& batch, const Bounds& bounds) {
   if (!finite(batch.gravity_scale)) return "gravity scale must be finite";
   const auto check_one = [&](std::size_t i) -> std::string {
     if (!inside(bounds, batch.x[i], batch.y[i])) return "position must lie inside the world's bounds";
-    if (!finite(value(batch.vx, i)) || !finite(value(batch.vy, i)) || !finite(value(batch.angle, i)) ||
-        !finite(value(batch.angular_velocity, i))) {
+    if (!finite(value_or_zero(batch.vx, i)) || !finite(value_or_zero(batch.vy, i)) ||
+        !finite(value_or_zero(batch.angle, i)) || !finite(value_or_zero(batch.angular_velocity, i))) {
       return "angle and velocities must be finite";
     }
     if (i != 0 && batch.radius.size() == 1) return {};
@@ -78,7 +73,7 @@ std::string check(const DiscBatch& batch, const Bounds& bounds) {
 }
 
 double disc_mass(double radius, double mass, const Material& m) {
-  return mass > 0 ? mass : m.density * kPi * radius * radius;
+  return mass > 0 ? mass : m.density * std::numbers::pi * radius * radius;
 }
 
 BodyProperties disc_properties(BodyType type, double radius, double mass, const Material& m, double gravity_scale,

@@ -1,6 +1,10 @@
 // Descriptions of bodies as the host gives them: what is refused, and the properties that a body gets.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "bodies/body_kind_table.h"
@@ -10,6 +14,10 @@
 
 namespace psim {
 
+inline bool finite(double v) { return std::isfinite(v); }
+inline bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
+inline bool finite(const std::optional<double>& v) { return !v || finite(*v); }
+
 /// omega r, m/s, within what floats can square.
 float rim_speed_of(double omega, float radius);
 
@@ -17,6 +25,9 @@ float rim_speed_of(double omega, float radius);
 /// hulls are made (make_hulls).
 std::string check(const BodyDesc& desc, const Bounds& bounds);
 std::string check(const DiscBatch& batch, const Bounds& bounds);
+
+/// The value of body i of a batch: 0 if the batch does not give it.
+inline double value_or_zero(std::span<const double> s, std::size_t i) { return s.empty() ? 0.0 : s[i]; }
 
 /// Mass of a disc, kg: `mass` if it is above 0, else from the density.
 double disc_mass(double radius, double mass, const Material& material);

@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <variant>
 
 namespace psim {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
 constexpr double kMostSize = 1e9;    // m: largest length or coordinate of a shape
 constexpr double kLeastSize = 1e-9;  // m: least size of a shape as a whole, since floats square it
 constexpr double kSame = 1e-6;       // two points nearer than this share of the size are one
@@ -225,7 +225,7 @@ struct Maker {
   }
 
   bool disc(Vec2 centre, double radius) {
-    return one({centre}, radius, {kPi * radius * radius, centre, 0.5 * radius * radius});
+    return one({centre}, radius, {std::numbers::pi * radius * radius, centre, 0.5 * radius * radius});
   }
 
   bool operator()(const DiscShape& s) { return check_size(s.radius, "radius", error) && disc({}, s.radius); }

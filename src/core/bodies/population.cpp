@@ -5,12 +5,6 @@
 #include "bodies/body_desc.h"
 
 namespace psim {
-namespace {
-
-double value(std::span<const double> s, std::size_t i) { return s.empty() ? 0.0 : s[i]; }
-
-}  // namespace
-
 double speed_limit(const Lattice& lattice, double dt) {
   const double pitch = std::fmin(lattice.pitch_x(), lattice.pitch_y());
   return std::fmin(kFarSteps * pitch / dt, 1e15);
@@ -131,8 +125,9 @@ BodyId Population::add_disc(const DiscBatch& batch, std::size_t i) {
   BodyProperties properties = disc_properties(batch.type, r, disc_mass(r, batch.mass, batch.material), batch.material,
                                               batch.gravity_scale, batch.fixed_rotation);
   properties.kind = bodies.kinds.acquire(kind) & BodyKindTable::kMost;
-  const std::uint32_t id = enter(properties, lattice_.to_lattice({batch.x[i], batch.y[i]}), value(batch.angle, i),
-                                 {value(batch.vx, i), value(batch.vy, i)}, value(batch.angular_velocity, i));
+  const std::uint32_t id =
+      enter(properties, lattice_.to_lattice({batch.x[i], batch.y[i]}), value_or_zero(batch.angle, i),
+            {value_or_zero(batch.vx, i), value_or_zero(batch.vy, i)}, value_or_zero(batch.angular_velocity, i));
   count(properties, +1);
   return {id, bodies.info[id].generation};
 }

@@ -9,8 +9,6 @@
 namespace psim {
 namespace {
 
-constexpr float kFar = 1e6f;  // m: the gap of a contact in place of which another one counts
-
 class StaticGeometry {
  public:
   StaticGeometry(const BodyStore& b, const StaticShapes& statics, const Walls& walls, const Lattice& lattice,
@@ -192,7 +190,7 @@ class StaticGeometry {
 
   // Another contact counts in place of this one.
   void drop(std::uint32_t at) {
-    c_.s_gap[at] = kFar;
+    c_.s_gap[at] = kNoGap;
     c_.s_refresh[at] = std::numeric_limits<float>::infinity();
     c_.s_impulse[at] = 0;
   }

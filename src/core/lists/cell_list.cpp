@@ -12,8 +12,8 @@
 namespace psim {
 namespace {
 
-constexpr std::uint32_t kChunkBodies = 16384;  // bodies a task
-constexpr std::uint32_t kMostChunks = 32;      // bounds the memory of counts by chunk and digit
+constexpr std::uint32_t kCellTaskBodies = 16384;  // bodies a task
+constexpr std::uint32_t kMostChunks = 32;         // bounds the memory of counts by chunk and digit
 constexpr std::uint32_t kTaskCells = 4096;
 constexpr int kDigitBits = 12;
 constexpr double kOtherAxis = 1.5;  // rows change their direction when the other axis is longer by this factor
@@ -78,7 +78,7 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodi
 }
 
 void CellList::cut_chunks(std::uint32_t n) {
-  const std::uint32_t each = std::max(kChunkBodies, (n + kMostChunks - 1) / kMostChunks);
+  const std::uint32_t each = std::max(kCellTaskBodies, (n + kMostChunks - 1) / kMostChunks);
   chunks_.resize((n + each - 1) / each);
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     chunks_[c].begin = static_cast<std::uint32_t>(c) * each;

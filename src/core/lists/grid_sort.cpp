@@ -11,8 +11,8 @@ using kernels::kBlock;
 
 constexpr std::uint32_t kLargeKey = 0xFFFFFFFEu;
 constexpr std::uint32_t kDeadKey = 0xFFFFFFFFu;
-constexpr std::uint32_t kChunkBodies = 4096;  // bodies a task, a multiple of the block
-constexpr std::uint32_t kRangeCells = 16384;  // cells a prefix task
+constexpr std::uint32_t kSortTaskBodies = 4096;  // bodies a task, a multiple of the block
+constexpr std::uint32_t kRangeCells = 16384;     // cells a prefix task
 
 }  // namespace
 
@@ -127,11 +127,11 @@ void GridSort::count(const BodyStore& b, const Grid& grid, float large, const ke
   key_.reserve(kernels::round_up_block(n));
   start_.reserve_loosely(std::size_t{grid.keys} + 2);
 
-  std::size_t chunk_count = (n + kChunkBodies - 1) / kChunkBodies;
+  std::size_t chunk_count = (n + kSortTaskBodies - 1) / kSortTaskBodies;
   chunks_.resize(chunk_count);
   for (std::size_t c = 0; c < chunk_count; ++c) {
-    chunks_[c].begin = static_cast<std::uint32_t>(c) * kChunkBodies;
-    chunks_[c].end = std::min(n, chunks_[c].begin + kChunkBodies);
+    chunks_[c].begin = static_cast<std::uint32_t>(c) * kSortTaskBodies;
+    chunks_[c].end = std::min(n, chunks_[c].begin + kSortTaskBodies);
   }
   const bool special = b.dead != 0 || large < 1e30f;
   pool.run(chunk_count, [&](std::size_t c) { find_keys(b, grid, large, special, k, chunks_[c]); });
@@ -267,8 +267,8 @@ std::uint32_t GridSort::sort(BodyStore& b, float large, bool mixed_radii, Worker
   const auto scatter = mixed_radii
                            ? (turns ? &GridSort::scatter_listed<true, true> : &GridSort::scatter_listed<true, false>)
                            : (turns ? &GridSort::scatter_listed<false, true> : &GridSort::scatter_listed<false, false>);
-  pool.run((n + kChunkBodies - 1) / kChunkBodies, [&](std::size_t c) {
-    (this->*scatter)(b, c * kChunkBodies, std::min<std::size_t>(n, (c + 1) * std::size_t{kChunkBodies}));
+  pool.run((n + kSortTaskBodies - 1) / kSortTaskBodies, [&](std::size_t c) {
+    (this->*scatter)(b, c * kSortTaskBodies, std::min<std::size_t>(n, (c + 1) * std::size_t{kSortTaskBodies}));
   });
   finish(b, sorted.small + sorted.large, mixed_radii);
   return sorted.small;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <type_traits>
 
+#include "contacts/contact_model.h"
 #include "manifolds/manifolds.h"
+#include "manifolds/stacks.h"
 
 namespace psim {
 namespace {
@@ -14,19 +16,17 @@ using kernels::kBlock;
 using kernels::ManifoldBlock;
 
 constexpr std::uint32_t kColours = ManifoldPair::kColours;  // one more class has blocks with a single lane
-constexpr float kFar = 1e6f;                                // m: the gap of a point that is not there
 constexpr float kOpen = -0.0f;
 
 // If a contact carries weight, the body below takes this share of its impulse in a sweep. So loads go down a pile no
 // faster than the contacts below can answer them (docs/decisions/007-manifolds.md).
 constexpr float kReaction = 0.5f;
-constexpr double kSupport = 0.5;  // a contact carries weight if the |cosine| between normal and gravity is larger
 
 constexpr float kMostOffset = 0.05f;  // share of the inner radius, see ManifoldPair::offset
 
 void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
   p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
-  p.gap[l] = kFar;
+  p.gap[l] = kNoGap;
   p.impulse[l] = kOpen;
   p.friction[l] = p.start[l] = 0;
 }

@@ -20,6 +20,9 @@
 
 namespace psim {
 
+/// A contact carries weight if the |cosine| between its normal and gravity is larger.
+constexpr double kSupport = 0.5;
+
 class Stacks {
  public:
   /// Finds the stacks among the pairs as they are now, and tells the pairs (ManifoldPair::stack)

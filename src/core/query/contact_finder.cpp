@@ -12,7 +12,6 @@ using kernels::kBlock;
 using Ref = ContactList::Ref;
 using Meeting = ContactWriter::Meeting;
 
-constexpr float kFar = 1e6f;             // m: the gap of a contact that another one stands for (narrow_phase)
 constexpr std::size_t kSleepers = 1024;  // a job
 constexpr std::size_t kWritten = 4096;   // contacts a job
 
@@ -169,7 +168,7 @@ void ContactFinder::find_statics(std::size_t index, const StripColours& colours)
     sequence = pair.body == last ? sequence + 1 : 0;
     last = pair.body;
     if (!counts(contacts_.s_impulse[pair.contact])) continue;
-    if (gaps && contacts_.s_gap[pair.contact] >= kFar) continue;
+    if (gaps && contacts_.s_gap[pair.contact] >= kNoGap) continue;
     const std::uint32_t id = id_of(pair.body);
     if (id == kNoSlot || (source_.any_kinematic && !is_dynamic(id)) || !writer_.stands(pair.shape)) continue;
     put(index, id, writer_.owner(pair.shape), Ref::kStatic, k, colours.of_static(table_.strips[index], pair, sequence));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "base/tasks.h"
 #include "contacts/softness.h"
@@ -36,8 +37,7 @@ constexpr int kMostSlices = 4;
 constexpr int kSweeps = 6;  // most impact sweeps in a substep; usually the third finds nothing
 
 void set_soft(ContactParams& p, double h, double frequency, double damping) {
-  constexpr double kPi = 3.14159265358979323846;
-  const double omega = 2 * kPi * frequency;
+  const double omega = 2 * std::numbers::pi * frequency;
   const double a1 = 2 * damping + h * omega;
   const double a2 = h * omega * a1;
   const double a3 = 1 / (1 + a2);
@@ -48,8 +48,7 @@ void set_soft(ContactParams& p, double h, double frequency, double damping) {
 
 // The same stiffness as compliance and rate of an overlap, see ManifoldBlock.
 void set_softness(double h, double frequency, float& soft, float& rate) {
-  constexpr double kPi = 3.14159265358979323846;
-  const double omega = 2 * kPi * frequency;
+  const double omega = 2 * std::numbers::pi * frequency;
   const double a1 = 2 * kManifoldDamping + h * omega;
   soft = static_cast<float>(1 / (h * omega * a1));
   rate = static_cast<float>(omega / a1);

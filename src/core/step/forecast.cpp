@@ -31,8 +31,6 @@ constexpr double kInItsLane = 0.1, kRemembered = 0.6;
 // On the looks at manifolds whose lists serve several frames: such manifolds last less often.
 constexpr double kLongLooks = 1.4;
 
-double n(std::uint64_t count) { return static_cast<double>(count); }
-
 }  // namespace
 
 double crowded(const WorkCounts& w) {

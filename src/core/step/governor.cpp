@@ -8,7 +8,6 @@ namespace {
 
 // Lists for more frames are worth it if a frame then takes no more than this share of what it takes now.
 constexpr double kWorthIt = 0.95;
-double n(std::uint64_t count) { return static_cast<double>(count); }
 
 // Bodies in a crowd have as many contacts as they have neighbours: so many pairs a body. Large ones among small ones
 // have more.

@@ -17,11 +17,6 @@ constexpr double kListedCrowd = 3.2;
 // Strips that the parts go through, all in all, on UnitCosts::strip.
 constexpr double kSearchStrips = 1, kNearStrips = 1, kColourStrips = 1, kLayOutStrips = 2;
 
-template <class Count>
-double n(Count count) {
-  return static_cast<double>(count);
-}
-
 double pairs(const Strip& s) { return n(s.pair_end - s.pair_begin); }
 double strip_pairs(const StepContext& c, std::size_t strip) { return pairs(c.neighbours.table.strips[strip]); }
 

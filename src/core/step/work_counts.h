@@ -5,6 +5,12 @@
 
 namespace psim {
 
+/// A count as a factor of a cost.
+template <class Count>
+constexpr double n(Count count) {
+  return static_cast<double>(count);
+}
+
 /// Moving bodies other than discs, and their manifolds.
 struct ManifoldCounts {
   std::uint64_t pairs = 0;   ///< manifolds

@@ -7,11 +7,7 @@
 #include "world/world_impl.h"
 
 namespace psim {
-namespace {
-
-bool finite(double v) { return std::isfinite(v); }
-
-}  // namespace
+namespace {}  // namespace
 
 void World::Impl::body_came(std::uint32_t id) {
   spoil_lists();

@@ -7,10 +7,6 @@
 namespace psim {
 namespace {
 
-bool finite(double v) { return std::isfinite(v); }
-bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
-bool finite(const std::optional<double>& v) { return !v || finite(*v); }
-
 Vec2 world_point(const BodyState& s, Vec2 p) {
   const SineCosine turn = sine_cosine(s.angle);
   return {s.x + turn.cosine * p.x - turn.sine * p.y, s.y + turn.sine * p.x + turn.cosine * p.y};

@@ -13,7 +13,7 @@ constexpr double kRimFrom = 3;      // pixels from the middle to the edge from w
 constexpr double kRimShare = 0.14;  // of that depth
 constexpr double kWidestRim = 16;   // pixels
 constexpr float kRimDarkening = 0.45f;
-constexpr float kNothing = 1e-6f;  // a share that rounding leaves
+constexpr float kRoundingShare = 1e-6f;  // a share that rounding leaves
 
 float linear_to_srgb(float l) { return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f; }
 
@@ -174,7 +174,7 @@ void Band::paint(const Look& look) {
     const std::ptrdiff_t shift = row.left - inside.left;
     for (std::size_t i = 0; i < row.shares.size(); ++i) {
       const float share = row.shares[i] * look.opacity;
-      if (share <= kNothing) continue;
+      if (share <= kRoundingShare) continue;
       Light light = look.light;
       if (look.has_rim) {
         const auto at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(i) + shift);
@@ -239,7 +239,7 @@ void Band::finish_row(int y, std::uint8_t* out) {
   Light* const pixels = pixels_.data() + static_cast<std::ptrdiff_t>(y - top_) * width_;
   for (int x = touched.left; x < touched.right; ++x) {
     const Light light = pixels[x];
-    if (light[3] <= kNothing) continue;
+    if (light[3] <= kRoundingShare) continue;
     write(out + 3 * x, light + behind_[static_cast<std::size_t>(x)] * (1 - std::min(light[3], 1.0f)));
   }
   if (touched.left < touched.right) std::fill(pixels + touched.left, pixels + touched.right, Light{});

@@ -9,7 +9,6 @@
 namespace psim::cli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFlat = 0.04;  // pixels between an arc and its chord
 
 constexpr std::array kCorners = {4, 8, 12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 384, 512};
@@ -22,7 +21,7 @@ using Circles = std::array<std::vector<Point>, kCorners.size()>;
 Circles make_circles() {
   Circles circles;
   for (std::size_t k = 0; k < kCorners.size(); ++k) {
-    const double angle = 2 * kPi / kCorners[k], r = wider(angle);
+    const double angle = 2 * std::numbers::pi / kCorners[k], r = wider(angle);
     for (int i = 0; i < kCorners[k]; ++i) {
       const double at = (i + 0.5) * angle;
       circles[k].push_back({r * std::cos(at), r * std::sin(at)});
@@ -36,7 +35,7 @@ Circles make_circles() {
 //   (m - 2) k^2 + 2 k = m a / sin a    for m chords of the angle a.
 void add_arc(Point centre, Point from, Point to, double radius, std::vector<Point>& out) {
   const double angle = std::fabs(std::atan2(from.x * to.y - from.y * to.x, from.x * to.x + from.y * to.y));
-  const double widest = std::min(std::sqrt(8 * kFlat / radius), kPi / 4);
+  const double widest = std::min(std::sqrt(8 * kFlat / radius), std::numbers::pi / 4);
   const int chords = std::clamp(static_cast<int>(std::ceil(angle / widest)), 2, 512);
   const double step = angle / chords, c = std::cos(step), s = std::sin(step);
   const double area = step > 1e-3 ? chords * step / s : chords;
@@ -57,7 +56,7 @@ std::span<const Point> unit_circle(double radius) {
   constexpr double kSquareBelow = 0.35;
   if (radius < kSquareBelow) return kCircles[0];
   // The sagitta of a chord of angle a is r a^2 / 8; half of it is outside of the circle.
-  const double wanted = 2 * kPi * std::sqrt(radius / (8 * 2 * kFlat));
+  const double wanted = 2 * std::numbers::pi * std::sqrt(radius / (8 * 2 * kFlat));
   const auto at = std::lower_bound(kCorners.begin() + 1, kCorners.end() - 1, wanted);
   return kCircles[static_cast<std::size_t>(at - kCorners.begin())];
 }

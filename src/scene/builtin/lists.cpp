@@ -1,6 +1,7 @@
 // Scenes whose discs are listed one by one. No libm beyond sqrt: the same lists everywhere.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "builtin/builtin.h"
 #include "place/random.h"
@@ -20,7 +21,7 @@ GroupDesc list(double radius, const Material& material) {
   return group;
 }
 
-void put(GroupDesc& group, double x, double y, double vx, double vy) {
+void put_moving(GroupDesc& group, double x, double y, double vx, double vy) {
   group.x.push_back(x);
   group.y.push_back(y);
   group.vx.push_back(vx);
@@ -45,7 +46,7 @@ Scene billiard(std::uint64_t n, std::uint64_t seed) {
   scene.world.wall = ball;
   scene.world.gravity = {0, 0};
   GroupDesc balls = list(kRadius, ball);
-  put(balls, rounded(table_x / 4, 1e6), rounded(table_y / 2, 1e6), 1.5, 0);
+  put_moving(balls, rounded(table_x / 4, 1e6), rounded(table_y / 2, 1e6), 1.5, 0);
   const RandomStream random_x(seed, 0), random_y(seed, 1);
   std::uint64_t k = 1;
   for (std::uint64_t row = 0; row < rows; ++row) {
@@ -54,8 +55,8 @@ Scene billiard(std::uint64_t n, std::uint64_t seed) {
       const double off_axis = static_cast<double>(place) - static_cast<double>(row) / 2;
       const double y = table_y / 2 + off_axis * kPitch;
       const double shake = 0.006 * kRadius;
-      put(balls, rounded(x + shake * random_x.plus_minus_one(k), 1e6),
-          rounded(y + shake * random_y.plus_minus_one(k), 1e6), 0, 0);
+      put_moving(balls, rounded(x + shake * random_x.plus_minus_one(k), 1e6),
+                 rounded(y + shake * random_y.plus_minus_one(k), 1e6), 0, 0);
     }
   }
   scene.groups.push_back(std::move(balls));
@@ -66,7 +67,6 @@ Scene billiard(std::uint64_t n, std::uint64_t seed) {
 // the speed of a circular orbit there and up to 1 % off it. From the field's formula
 //   v^2 / d = strength d / (d^2 + softening^2)^(3/2).
 Scene orbits(std::uint64_t n, std::uint64_t seed) {
-  constexpr double kPi = 3.14159265358979323846;
   constexpr double kGoldenCos = -0.7373688780783197, kGoldenSin = 0.6754902942615238;
   constexpr double kInner = 10;     // m
   constexpr double kRadius = 0.05;  // m
@@ -77,12 +77,13 @@ Scene orbits(std::uint64_t n, std::uint64_t seed) {
   const RandomStream random_x(seed, 0), random_y(seed, 1);
   double c = 1, s = 0, outer = kInner;
   for (std::uint64_t k = 0; k < n; ++k) {
-    const double d2 = kInner * kInner + static_cast<double>(k) / kPi;
+    const double d2 = kInner * kInner + static_cast<double>(k) / std::numbers::pi;
     const double d = std::sqrt(d2);
     const double to_centre2 = d2 + well.softening * well.softening;
     const double speed = std::sqrt(well.strength * d2 / (to_centre2 * std::sqrt(to_centre2)));
-    put(discs, rounded(d * c, 1e4), rounded(d * s, 1e4), rounded(speed * (-s + 0.01 * random_x.plus_minus_one(k)), 1e5),
-        rounded(speed * (c + 0.01 * random_y.plus_minus_one(k)), 1e5));
+    put_moving(discs, rounded(d * c, 1e4), rounded(d * s, 1e4),
+               rounded(speed * (-s + 0.01 * random_x.plus_minus_one(k)), 1e5),
+               rounded(speed * (c + 0.01 * random_y.plus_minus_one(k)), 1e5));
     outer = d;
     const double turned = c * kGoldenCos - s * kGoldenSin;
     s = s * kGoldenCos + c * kGoldenSin;

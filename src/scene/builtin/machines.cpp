@@ -2,6 +2,7 @@
 // so. Several shapes of one body there are several bodies that move alike here.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -11,8 +12,7 @@
 namespace psim::builtin {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDrumSpeed = 25 * kPi / 180;  // rad/s
+constexpr double kDrumSpeed = 25 * std::numbers::pi / 180;  // rad/s
 constexpr Vec2 kDrumCentre{0, 10};
 
 void add_turning(Scene& scene, Shape shape) {
@@ -70,7 +70,7 @@ Scene washer(std::uint64_t n, std::uint64_t) {
   const auto times = [](double f, Vec2 v) { return Vec2{f * v.x, f * v.y}; };
   for (int k = 0; k < kStones; ++k) {
     // Stones do not quite meet.
-    const double pitch = 2 * kPi / kStones, gap = 0.05 * pitch;
+    const double pitch = 2 * std::numbers::pi / kStones, gap = 0.05 * pitch;
     const Vec2 a = direction(k * pitch + gap), b = direction((k + 1) * pitch - gap);
     add_turning(scene, PolygonShape{{times(kInner, a), times(kOuter, a), times(kOuter, b), times(kInner, b)}, 0});
     if (k % 9 != 0) continue;
@@ -92,7 +92,7 @@ Scene spinner(std::uint64_t n, std::uint64_t) {
   ChainShape ring;
   ring.loop = true;
   for (int k = 0; k < kPoints; ++k) {
-    const SineCosine at = sine_cosine(2 * kPi * k / kPoints);
+    const SineCosine at = sine_cosine(2 * std::numbers::pi * k / kPoints);
     ring.vertices.push_back({kRing * at.cosine, kRing * at.sine});
   }
   BodyDesc ground = rigid(ring, middle, {1, 0, 0.1});
@@ -153,7 +153,7 @@ Scene rush(std::uint64_t n, std::uint64_t) {
     put(discs, distance * at.cosine, distance * at.sine);
     // Each just clear of the last, and of the turn before.
     angle += 1.05 / distance;
-    distance += 1.05 * 1.05 / (2 * kPi * distance);
+    distance += 1.05 * 1.05 / (2 * std::numbers::pi * distance);
   }
   const double reach = std::ceil(2 * distance + 10);
   scene.world.bounds = {-reach, -reach, reach, reach};

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "builtin/builtin.h"
 
 namespace psim::builtin {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Bone {
   std::size_t parent;
@@ -23,17 +22,17 @@ struct Bone {
 
 // Parents come first.
 constexpr std::array<Bone, 11> kBones = {{
-    {0, 0.95, -0.02, 0.02, 0.095, 0, 0, 0},                            // hip
-    {0, 1.2, -0.135, 0.135, 0.09, 1, -0.25 * kPi, 0},                  // torso
-    {1, 1.475, -0.038, 0.039, 0.08, 1.4, -0.3 * kPi, 0.1 * kPi},       // head
-    {0, 0.775, -0.125, 0.125, 0.06, 0.9, -0.05 * kPi, 0.4 * kPi},      // upper left leg
-    {3, 0.475, -0.155, 0.125, 0.045, 0.625, -0.5 * kPi, -0.02 * kPi},  // lower left leg
-    {0, 0.775, -0.125, 0.125, 0.06, 0.9, -0.05 * kPi, 0.4 * kPi},      // upper right leg
-    {5, 0.475, -0.155, 0.125, 0.045, 0.625, -0.5 * kPi, -0.02 * kPi},  // lower right leg
-    {1, 1.225, -0.125, 0.125, 0.035, 1.35, -0.1 * kPi, 0.8 * kPi},     // upper left arm
-    {7, 0.975, -0.125, 0.125, 0.03, 1.1, -0.2 * kPi, 0.3 * kPi},       // lower left arm
-    {1, 1.225, -0.125, 0.125, 0.035, 1.35, -0.1 * kPi, 0.8 * kPi},     // upper right arm
-    {9, 0.975, -0.125, 0.125, 0.03, 1.1, -0.2 * kPi, 0.3 * kPi},       // lower right arm
+    {0, 0.95, -0.02, 0.02, 0.095, 0, 0, 0},                                                      // hip
+    {0, 1.2, -0.135, 0.135, 0.09, 1, -0.25 * std::numbers::pi, 0},                               // torso
+    {1, 1.475, -0.038, 0.039, 0.08, 1.4, -0.3 * std::numbers::pi, 0.1 * std::numbers::pi},       // head
+    {0, 0.775, -0.125, 0.125, 0.06, 0.9, -0.05 * std::numbers::pi, 0.4 * std::numbers::pi},      // upper left leg
+    {3, 0.475, -0.155, 0.125, 0.045, 0.625, -0.5 * std::numbers::pi, -0.02 * std::numbers::pi},  // lower left leg
+    {0, 0.775, -0.125, 0.125, 0.06, 0.9, -0.05 * std::numbers::pi, 0.4 * std::numbers::pi},      // upper right leg
+    {5, 0.475, -0.155, 0.125, 0.045, 0.625, -0.5 * std::numbers::pi, -0.02 * std::numbers::pi},  // lower right leg
+    {1, 1.225, -0.125, 0.125, 0.035, 1.35, -0.1 * std::numbers::pi, 0.8 * std::numbers::pi},     // upper left arm
+    {7, 0.975, -0.125, 0.125, 0.03, 1.1, -0.2 * std::numbers::pi, 0.3 * std::numbers::pi},       // lower left arm
+    {1, 1.225, -0.125, 0.125, 0.035, 1.35, -0.1 * std::numbers::pi, 0.8 * std::numbers::pi},     // upper right arm
+    {9, 0.975, -0.125, 0.125, 0.03, 1.1, -0.2 * std::numbers::pi, 0.3 * std::numbers::pi},       // lower right arm
 }};
 
 // The first `bones` of a person; the parts of one do not meet.

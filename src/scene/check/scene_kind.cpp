@@ -15,15 +15,15 @@
 namespace psim {
 namespace {
 
-constexpr double kDense = 0.5;   // of the bodies' box
-constexpr double kBouncy = 0.3;  // mean restitution
+constexpr double kDense = 0.5;        // of the bodies' box
+constexpr double kBouncyScene = 0.3;  // mean restitution
 constexpr double kMixedMassRatio = 10;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double squared(double x) { return x * x; }
 
 /// Sums over the dynamic discs.
-struct Survey {
+struct DiscSums {
   double count = 0, area = 0, mass = 0, speed2 = 0, diameter = 0, bounce = 0, rough = 0;
   double x = 0, y = 0;
   double lightest = kInfinity, heaviest = 0;
@@ -50,7 +50,7 @@ double field_rate(const WorldDesc& world, Vec2 at, double speed) {
   return std::sqrt(steepness) + drag;
 }
 
-void see(const WorldDesc& world, const BodyDesc& body, Vec2 at, Vec2 velocity, double radius, Survey& survey) {
+void see(const WorldDesc& world, const BodyDesc& body, Vec2 at, Vec2 velocity, double radius, DiscSums& survey) {
   const double area = std::numbers::pi * radius * radius;
   const double mass = body.mass > 0 ? body.mass : body.material.density * area;
   const double speed = std::hypot(velocity.x, velocity.y);
@@ -79,8 +79,8 @@ double radius_of(const Shape& shape) {
   return std::sqrt(hulls.mass.area / std::numbers::pi);
 }
 
-Survey look_at(const Scene& scene) {
-  Survey survey;
+DiscSums sums_of(const Scene& scene) {
+  DiscSums survey;
   for (const BodyDesc& body : scene.bodies) {
     if (body.type != BodyType::dynamic_body) continue;
     see(scene.world, body, body.position, body.velocity, radius_of(body.shape), survey);
@@ -110,7 +110,7 @@ bool has_fields(const WorldDesc& world) {
 }
 
 /// How far the mean disc is above the lowest place of `box`, m.
-double drop(const Survey& s, const Bounds& box, Vec2 gravity, double g) {
+double drop(const DiscSums& s, const Bounds& box, Vec2 gravity, double g) {
   const auto along = [&](double x, double y) { return (x * gravity.x + y * gravity.y) / g; };
   double lowest = -kInfinity;
   for (const double x : {box.xmin, box.xmax}) {
@@ -119,7 +119,7 @@ double drop(const Survey& s, const Bounds& box, Vec2 gravity, double g) {
   return lowest - along(s.mean(s.x), s.mean(s.y));
 }
 
-double collision_rate(const Survey& s, const WorldDesc& world, double g) {
+double collision_rate(const DiscSums& s, const WorldDesc& world, double g) {
   const Bounds& room = world.boundary == Boundary::open ? s.box : world.bounds;
   const double covered = std::min(s.area / ((room.xmax - room.xmin) * (room.ymax - room.ymin)), 0.7);
   const double fall = g > 0 ? 2 * g * drop(s, room, world.gravity, g) : 0;
@@ -128,7 +128,7 @@ double collision_rate(const Survey& s, const WorldDesc& world, double g) {
   return 8 * covered * crowding * speed / (s.mean(s.diameter) * std::sqrt(2 * std::numbers::pi));
 }
 
-double load_rate(const Survey& s, const WorldDesc& world, double g, bool dense) {
+double load_rate(const DiscSums& s, const WorldDesc& world, double g, bool dense) {
   const bool upright = std::abs(world.gravity.y) >= std::abs(world.gravity.x);
   const Bounds& room = dense || world.boundary == Boundary::open ? s.box : world.bounds;
   const double width = upright ? room.xmax - room.xmin : room.ymax - room.ymin;
@@ -146,7 +146,7 @@ std::optional<SceneKind> parse_scene_kind(std::string_view name) {
 
 SceneTraits traits_of(const Scene& scene) {
   const WorldDesc& world = scene.world;
-  const Survey s = look_at(scene);
+  const DiscSums s = sums_of(scene);
   const double g = std::hypot(world.gravity.x, world.gravity.y);
   const bool dense = s.count > 0 && s.area > kDense * s.width() * s.height();
   SceneTraits traits;
@@ -155,7 +155,7 @@ SceneTraits traits_of(const Scene& scene) {
     traits.kind = SceneKind::fields;
     traits.because = "wells or quadratic drag";
     traits.rate = s.field_rate;
-  } else if (s.count == 0 || g == 0 || (s.mean(s.bounce) >= kBouncy && !dense)) {
+  } else if (s.count == 0 || g == 0 || (s.mean(s.bounce) >= kBouncyScene && !dense)) {
     traits.kind = SceneKind::gas;
     traits.because = g == 0 ? "no gravity" : "restitution of 0.3 or more, less than half of the box covered";
     traits.rate = s.count == 0 ? 0 : collision_rate(s, world, g);

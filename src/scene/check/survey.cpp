@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -14,8 +15,6 @@
 
 namespace psim {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // What bodies of one description have in common.
 struct Kind {
@@ -65,7 +64,7 @@ Owner owner_of(const BodyDesc& body, std::string name) {
 void see(Survey& survey, Owner& owner, const WorldDesc& world, const BodyDesc& body, const Kind& kind,
          PlacedBody placed, Vec2 velocity) {
   const double r = kind.hulls ? kind.inner : placed.radius;
-  const double area = kind.hulls ? kind.area : kPi * r * r;
+  const double area = kind.hulls ? kind.area : std::numbers::pi * r * r;
   const double mass = body.mass > 0 ? body.mass : body.material.density * area;
   const double speed = std::sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
   owner.has_bodies = true;

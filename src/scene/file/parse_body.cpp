@@ -12,7 +12,7 @@
 namespace psim::scene {
 namespace {
 
-constexpr std::array<std::string_view, 3> kTypes = {"dynamic", "static", "kinematic"};
+constexpr std::array<std::string_view, 3> kBodyTypes = {"dynamic", "static", "kinematic"};
 constexpr std::array<std::string_view, 4> kOwnKeys = {"name", "shape", "position", "velocity"};
 
 BodyDesc read_body(const Node& node, Context& context, std::string& name) {
@@ -39,7 +39,7 @@ BodyDesc read_body(const Node& node, Context& context, std::string& name) {
 void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body) {
   if (const std::optional<Node> type = node.find("type")) {
     constexpr std::array<BodyType, 3> kOf = {BodyType::dynamic_body, BodyType::static_body, BodyType::kinematic_body};
-    body.type = kOf[type->one_of(kTypes)];
+    body.type = kOf[type->one_of(kBodyTypes)];
   }
   body.angle = node.number_or("angle", body.angle, kAngle);
   body.angular_velocity = node.number_or("angular_velocity", body.angular_velocity, kAngularVelocity);

@@ -17,7 +17,7 @@ namespace psim::scene {
 namespace {
 
 // In the order of JointType.
-constexpr std::array<std::string_view, 6> kTypes = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
+constexpr std::array<std::string_view, 6> kJointTypes = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
 constexpr std::array<std::string_view, 3> kLinkTypes = {"distance", "spring", "rope"};
 constexpr std::array<std::string_view, 5> kPins = {"none", "top", "corners", "left", "ends"};
 
@@ -50,8 +50,8 @@ constexpr std::array kLinkKeys = {Key{"type", kAnyType},
 
 std::vector<std::string_view> names_of(unsigned types) {
   std::vector<std::string_view> names;
-  for (std::size_t k = 0; k < kTypes.size(); ++k) {
-    if (types >> k & 1u) names.push_back(kTypes[k]);
+  for (std::size_t k = 0; k < kJointTypes.size(); ++k) {
+    if (types >> k & 1u) names.push_back(kJointTypes[k]);
   }
   return names;
 }
@@ -63,8 +63,8 @@ void expect_keys(const Node& node, std::span<const Key> keys, JointType type) {
   node.expect_object(all);
   for (const Key& key : keys) {
     if (key.types & bit(type) || !node.find(key.name)) continue;
-    node.fail_at_key(key.name, "is no key of a " + std::string(kTypes[static_cast<std::size_t>(type)]) + " joint: of " +
-                                   word_list(names_of(key.types)) + " only");
+    node.fail_at_key(key.name, "is no key of a " + std::string(kJointTypes[static_cast<std::size_t>(type)]) +
+                                   " joint: of " + word_list(names_of(key.types)) + " only");
   }
 }
 
@@ -125,7 +125,7 @@ SceneJoint read_joint(const Node& node, const Context& context, const SceneBodie
   SceneJoint out;
   JointDesc& joint = out.joint;
   const Node type = node.require("type");
-  joint.type = static_cast<JointType>(type.one_of(kTypes));
+  joint.type = static_cast<JointType>(type.one_of(kJointTypes));
   expect_keys(node, kJointKeys, joint.type);
   const Node a = node.require("a"), b = node.require("b");
   out.a = read_body_id(a, context);

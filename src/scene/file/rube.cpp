@@ -22,7 +22,7 @@
 namespace psim::scene {
 namespace {
 
-constexpr std::array<std::string_view, 4> kShapes = {"circle", "polygon", "chain", "edge"};
+constexpr std::array<std::string_view, 4> kRubeShapes = {"circle", "polygon", "chain", "edge"};
 // Parts of a body without a group of their own get groups below this; those of the file have 16 bits.
 constexpr std::int32_t kPartGroups = -100'000;
 // Of the body's mass: what a fixture without density weighs.
@@ -61,7 +61,7 @@ std::vector<Vec2> read_vertices(const Node& node, std::size_t least, std::size_t
   return vertices;
 }
 
-Shape read_chain(const Node& chain) {
+Shape read_rube_chain(const Node& chain) {
   const Node node = chain.require("vertices");
   ChainShape shape{read_vertices(node, 2, kMostChainVertices), false};
   const auto same = [](Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; };
@@ -80,14 +80,14 @@ Shape read_shape(const Node& fixture, Vec2& centre) {
   centre = {};
   std::optional<Node> node;
   std::string_view kind;
-  for (const std::string_view candidate : kShapes) {
+  for (const std::string_view candidate : kRubeShapes) {
     if (const std::optional<Node> found = fixture.find(candidate)) {
-      if (node) fixture.fail("has two shapes: one of " + word_list(kShapes));
+      if (node) fixture.fail("has two shapes: one of " + word_list(kRubeShapes));
       node.emplace(*found);
       kind = candidate;
     }
   }
-  if (!node) fixture.fail("has no shape: one of " + word_list(kShapes));
+  if (!node) fixture.fail("has no shape: one of " + word_list(kRubeShapes));
   const Node shape = fixture.require(kind);
   shape.expect_object();
   if (kind == "circle") {
@@ -98,7 +98,7 @@ Shape read_shape(const Node& fixture, Vec2& centre) {
     return SegmentShape{rube_vec2_or(shape, "vertex1", {}, kCoordinate),
                         rube_vec2_or(shape, "vertex2", {}, kCoordinate)};
   }
-  if (kind == "chain") return read_chain(shape);
+  if (kind == "chain") return read_rube_chain(shape);
   const Node vertices = shape.require("vertices");
   return PolygonShape{read_vertices(vertices, 3, kMostPolygonVertices), 0};
 }
@@ -211,10 +211,10 @@ SceneJoint weld(std::uint64_t a, std::uint64_t b, Vec2 origin_a, Vec2 origin_b) 
 }
 
 BodyDesc read_body_keys(const Node& node) {
-  constexpr std::array<BodyType, 3> kTypes = {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body};
+  constexpr std::array<BodyType, 3> kOf = {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body};
   BodyDesc body;
   body.type = BodyType::static_body;
-  if (const auto type = node.find("type")) body.type = kTypes[type->integer(0, 2)];
+  if (const auto type = node.find("type")) body.type = kOf[type->integer(0, 2)];
   body.position = rube_vec2_or(node, "position", {}, kCoordinate);
   body.angle = rube_number_or(node, "angle", 0, kAngle);
   const Vec2 velocity = rube_vec2_or(node, "linearVelocity", {}, kVelocity);

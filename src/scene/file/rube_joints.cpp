@@ -67,7 +67,7 @@ void read_limits_and_motor(const Node& node, Range range, std::string_view limit
   }
 }
 
-void read_axis(const Node& node, JointDesc& joint) {
+void read_rube_axis(const Node& node, JointDesc& joint) {
   joint.axis = rube_vec2_or(node, "localAxisA", joint.axis, kCoordinate);
   if (!(std::hypot(joint.axis.x, joint.axis.y) > 1e-9)) {
     node.fail_at_key("localAxisA", "is no direction: x and y, not both zero");
@@ -90,7 +90,7 @@ void read_kind(const Node& node, Kind kind, const RubeBody& a, const RubeBody& b
     case Kind::prismatic:
       joint.type = JointType::prismatic;
       joint.reference = rube_number_or(node, "refAngle", 0, kAngle);
-      read_axis(node, joint);
+      read_rube_axis(node, joint);
       read_limits_and_motor(node, kCoordinate, "maxMotorForce", joint);
       break;
     case Kind::weld:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -136,9 +137,8 @@ bool place_at_random(const GroupDesc& g, PlacedGroup& out, std::string& error) {
             number_text(2 * g.radius_max) + " m: make the region larger or radius smaller";
     return false;
   }
-  constexpr double kPi = 3.14159265358979323846;
   double area = 0;
-  for (const double r : out.radius) area += kPi * r * r;
+  for (const double r : out.radius) area += std::numbers::pi * r * r;
   const double covered = area / (width * height);
   if (covered > 1) return does_not_fit(g, 0, covered, error);
 
