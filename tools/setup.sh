@@ -10,6 +10,8 @@ psim_packages=(g++ cmake ninja-build libcpu-features-dev libgtest-dev libbenchma
                nlohmann-json3-dev libfmt-dev libisal-dev libpng-dev binutils python3)
 # What psim-view needs on top; libgl1-mesa-dri draws where there is no graphics card.
 psim_view_packages=(libsdl2-dev libimgui-dev libgl1-mesa-dri)
+# What tests use besides: a screen, films, generated docs, counted instructions, other processors, the layout.
+psim_test_packages=(xvfb xauth ffmpeg doxygen valgrind qemu-user clang-format pkg-config)
 # The engines that tools/peers compares with, and what draws the result.
 psim_peers_packages=(libbox2d-dev libchipmunk-dev libbullet-dev libode-dev pkg-config
                      python3-matplotlib)
@@ -54,8 +56,8 @@ psim_install() {
   # With fresh package lists the first install succeeds; without any, or with stale ones, it
   # fails and an update comes first.
   "${apt[@]}" --no-install-recommends install "${missing[@]}" >/dev/null 2>&1 </dev/null && return 0
-  psim_quietly "apt-get update" "${apt[@]}" update || return 1
-  psim_quietly "apt-get install" "${apt[@]}" --no-install-recommends install "${missing[@]}"
+  psim_quietly "apt-get update" "${apt[@]}" -o Acquire::Retries=3 update || return 1
+  psim_quietly "apt-get install" "${apt[@]}" -o Acquire::Retries=3 --no-install-recommends install "${missing[@]}"
 }
 
 # True if build/PRESET was configured from this very place and by these presets.

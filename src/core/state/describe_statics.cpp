@@ -161,6 +161,7 @@ void TouchMemory::describe(A& a, std::uint32_t ids) {
   a.packed(own, ids);
   read.resize(own.size());
   std::vector<Touch*> touches;
+  touches.reserve(read.size());
   for (Touch& t : read) touches.push_back(&t);
   describe_touches(a, touches, ids, [&](std::size_t k) { return own[k]; });
   if constexpr (A::kLoading) {
