@@ -333,5 +333,23 @@ TEST(Hardening, RestitutionAndFrictionTooSmallForAFloatAreNone) {
   for (std::size_t k = 0; k < has.size(); ++k) EXPECT_EQ(has[k].needed, wanted[k].needed) << has[k].stage;
 }
 
+// A step takes such numbers for 0: a share of a time step was 0 / 0, and what was saved then was refused as damaged.
+TEST(Hardening, AfterATimeStepTooShortForADoubleWorldsAreSavedAndRestored) {
+  for (const double dt : {5e-324, 1e-320, 1e-309, 3e-308, 1e-200}) {
+    auto world = make(walled({-30, -30, 30, 30}));
+    for (int k = 0; k < 40; ++k) {
+      add(*world, disc({-20.0 + 5 * (k % 8), -20.0 + 5 * (k / 8)}, {40.0 - 9 * (k % 9), 30.0 - 7 * (k % 8)}, 0.5));
+    }
+    for (int k = 0; k < 20; ++k) {
+      world->step(k % 3 == 1 ? dt : 1.0 / 60);
+      std::vector<std::byte> saved;
+      world->save(saved);
+      std::string error;
+      ASSERT_TRUE(World::from_state(saved, {}, error)) << dt << " s, step " << k << ": " << error;
+    }
+    EXPECT_TRUE(all_finite(*world));
+  }
+}
+
 }  // namespace
 }  // namespace psim::test

@@ -2,6 +2,7 @@
 // work of lists and contacts is a table of parts (step/step_table.h).
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "base/float_settings.h"
 #include "base/stage_timer.h"
@@ -15,7 +16,8 @@ StepReport World::Impl::step(double dt) { return step(dt, {}, true); }
 // With the detail given, or with one that the governor chooses.
 StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   StepReport report;
-  if (!(dt > 0 && dt <= 10)) return report;  // World::create has the same limits
+  if (!(dt > 0 && dt <= 10)) return report;               // World::create has the same limits
+  dt = std::max(dt, std::numeric_limits<double>::min());  // FloatSettings would make a shorter one zero
   const FloatSettings settings;
   const Tracer::Clock::time_point begin = tracer.begin();
   const WorkerPool::Awake awake(pool);
