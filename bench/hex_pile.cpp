@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 
 namespace psim::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "fixtures.h"
 #include "workload.h"
 

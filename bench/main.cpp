@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/float_settings.h"
+#include "base/machine.h"
 #include "psim/isa.h"
 #include "psim/version.h"
 #include "workload.h"

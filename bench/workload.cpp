@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "psim/isa.h"
 
 namespace psim::bench {

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "support.h"
 #include "views.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "support.h"
 
 namespace psim::test {

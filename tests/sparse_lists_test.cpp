@@ -2,7 +2,7 @@
 // no more cells than bodies. Against brute force.
 #include <set>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "lists/broad_phase.h"
 #include "sanitized.h"
 #include "support.h"

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/float_settings.h"
+#include "base/machine.h"
 
 namespace psim {
 namespace {

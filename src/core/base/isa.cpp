@@ -3,7 +3,6 @@
 
 #include <iterator>
 
-#include "base/kernel_select.h"
 #include "base/machine.h"
 #include "isa_list.h"
 

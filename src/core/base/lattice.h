@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/rotor.h"
 #include "psim/types.h"
 
 namespace psim {
@@ -19,9 +20,6 @@ inline std::int32_t wrap_sub(std::int32_t a, std::int32_t b) {
 inline std::int32_t wrap_add(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
 }
-
-/// The length of a vector.
-inline double length_of(Vec2 v) { return std::sqrt(v.x * v.x + v.y * v.y); }
 
 /// A place as the engine holds it: a lattice point and an offset in metres.
 struct LatticePoint {
@@ -64,13 +62,10 @@ class Lattice {
   LatticePoint to_lattice(Vec2 place, Vec2 arm) const {
     if (arm.x == 0 && arm.y == 0) return to_lattice(place);
     LatticePoint p = to_lattice(place);
-    const double limit = wraps_ ? 0x1p62 : 0x1p30;
     const auto add = [&](std::int32_t& k, float& rest, double way, double pitch) {
-      const double all = static_cast<double>(rest) + way;
-      double steps = k + std::nearbyint(all / pitch);
-      steps = steps < limit ? (steps > -limit ? steps : -limit) : limit;
+      const double all = static_cast<double>(rest) + way, steps = clamped(k + std::nearbyint(all / pitch));
       rest = static_cast<float>(all - (steps - k) * pitch);
-      k = static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(steps)));
+      k = step_of(steps);
     };
     add(p.x, p.dx, arm.x, pitch_x_);
     add(p.y, p.dy, arm.y, pitch_y_);
@@ -80,13 +75,19 @@ class Lattice {
   Vec2 to_world(std::int32_t x, std::int32_t y, float dx, float dy) const {
     return {centre_.x + (x * pitch_x_ + static_cast<double>(dx)), centre_.y + (y * pitch_y_ + static_cast<double>(dy))};
   }
+  /// The vector from one place to another, m. The difference of the lattice points is exact.
+  Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
+    return {wrap_sub(to.x, from.x) * pitch_x_ + (static_cast<double>(to.dx) - static_cast<double>(from.dx)),
+            wrap_sub(to.y, from.y) * pitch_y_ + (static_cast<double>(to.dy) - static_cast<double>(from.dy))};
+  }
+  Vec2 to_world(const LatticePoint& p) const { return to_world(p.x, p.y, p.dx, p.dy); }
 
   /// Cuts the line from p to q at the edges of the lattice, so that its ends are not clamped one by one
   /// (Liang & Barsky 1984). A line that lies outside stays as it is, and so does any line where the lattice wraps.
   void clip(Vec2& p, Vec2& q) const {
     if (wraps_) return;
     double begin = 0, end = 1;
-    const Vec2 way{q.x - p.x, q.y - p.y};
+    const Vec2 way = q - p;
     const auto cut = [&](double from, double along, double half) {
       if (along == 0) return std::fabs(from) <= half;
       const double a = (-half - from) / along, b = (half - from) / along;
@@ -98,8 +99,8 @@ class Lattice {
     if (!cut(p.x - centre_.x, way.x, kReach * pitch_x_) || !cut(p.y - centre_.y, way.y, kReach * pitch_y_)) {
       return;
     }
-    if (end < 1) q = {p.x + end * way.x, p.y + end * way.y};
-    if (begin > 0) p = {p.x + begin * way.x, p.y + begin * way.y};
+    if (end < 1) q = p + end * way;
+    if (begin > 0) p = p + begin * way;
   }
 
   Vec2 centre() const { return centre_; }
@@ -108,18 +109,16 @@ class Lattice {
  private:
   void axis(double d, double pitch, std::int32_t& k, float& rest) const {
     d = std::fmin(std::fmax(d, -0x1p100), 0x1p100);  // the remainder must be finite as a float
-    double steps = std::nearbyint(d / pitch);
-    if (wraps_) {
-      rest = static_cast<float>(d - steps * pitch);
-      k = static_cast<std::int32_t>(
-          static_cast<std::uint32_t>(static_cast<std::int64_t>(std::fmin(std::fmax(steps, -0x1p62), 0x1p62))));
-      return;
-    }
-    const double limit = 0x1p30;
-    if (!(steps < limit)) steps = limit;
-    if (steps < -limit) steps = -limit;
-    rest = static_cast<float>(d - steps * pitch);
-    k = static_cast<std::int32_t>(steps);
+    const double steps = std::nearbyint(d / pitch), kept = clamped(steps);
+    rest = static_cast<float>(d - (wraps_ ? steps : kept) * pitch);
+    k = step_of(kept);
+  }
+  double clamped(double steps) const {
+    const double limit = wraps_ ? 0x1p62 : 0x1p30;
+    return steps < limit ? (steps > -limit ? steps : -limit) : limit;
+  }
+  static std::int32_t step_of(double steps) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(steps)));
   }
 
   double pitch_x_ = 1, pitch_y_ = 1;

@@ -14,26 +14,32 @@ namespace psim {
 
 #ifdef PSIM_X86_64
 
-bool cpu_has(kernels::CpuNeed need) {
+namespace {
+
+const cpu_features::X86Features& cpu() {
   static const cpu_features::X86Features features = cpu_features::GetX86Info().features;
+  return features;
+}
+
+[[gnu::target("avx")]] void zero_upper() { _mm256_zeroupper(); }
+
+constexpr std::uint32_t kStepFloatSettings = 0x9FC0;  // a value of MXCSR
+
+}  // namespace
+
+bool cpu_has(kernels::CpuNeed need) {
   if (need == kernels::CpuNeed::nothing) return true;
-  return (need == kernels::CpuNeed::avx2 ? features.avx2 : features.sse4_1) != 0;
+  return (need == kernels::CpuNeed::avx2 ? cpu().avx2 : cpu().sse4_1) != 0;
 }
 
 void pause_briefly() { _mm_pause(); }
 
-std::uint32_t float_settings() { return _mm_getcsr(); }
-void set_float_settings(std::uint32_t settings) { _mm_setcsr(settings); }
-
-namespace {
-
-[[gnu::target("avx")]] void zero_upper() { _mm256_zeroupper(); }
-
-}  // namespace
+void set_float_settings() { _mm_setcsr(kStepFloatSettings); }
+FloatSettings::FloatSettings() : before_(_mm_getcsr()) { set_float_settings(); }
+FloatSettings::~FloatSettings() { _mm_setcsr(before_); }
 
 void clear_upper_halves() {
-  static const bool avx = cpu_features::GetX86Info().features.avx != 0;
-  if (avx) zero_upper();
+  if (cpu().avx != 0) zero_upper();
 }
 
 #else
@@ -42,8 +48,9 @@ bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; 
 
 void pause_briefly() { std::this_thread::yield(); }
 
-std::uint32_t float_settings() { return kStepFloatSettings; }
-void set_float_settings(std::uint32_t) {}
+void set_float_settings() {}
+FloatSettings::FloatSettings() : before_(0) {}
+FloatSettings::~FloatSettings() { (void)before_; }
 
 void clear_upper_halves() {}
 

@@ -1,28 +1,43 @@
-// These functions hide how processors differ; only they and src/kernels/lanes_*.h know one. On processors other than
-// x86-64, and in builds with PSIM_PORTABLE, they do nothing or use standard C++.
+// What this machine can run: its instruction sets, the kernels for them and the floating-point mode of a step. Only
+// machine.cpp and src/kernels/lanes_*.h know one processor. On processors other than x86-64, and in builds with
+// PSIM_PORTABLE, the functions here do nothing or use standard C++.
 #pragma once
 
 #include <cstdint>
+
+#include "psim/isa.h"
 
 namespace psim {
 
 namespace kernels {
 enum class CpuNeed;
-}
+struct KernelTable;
+}  // namespace kernels
 
 /// Whether this CPU can run the kernels that need it. Never true of an instruction set that the build lacks.
 bool cpu_has(kernels::CpuNeed need);
 
+/// The kernel table of an ISA. The caller has checked isa_available.
+const kernels::KernelTable& kernels_of(Isa isa);
+
 /// A hint to the CPU that the thread waits in a loop.
 void pause_briefly();
 
-/// The floating-point settings of the calling thread (MXCSR of x86-64).
-std::uint32_t float_settings();
-void set_float_settings(std::uint32_t settings);
+/// Sets the calling thread to the floating-point settings of a step for good: round to nearest, no traps, denormals are
+/// flushed and read as zero. Denormals cost twenty times as much as other numbers and mean nothing here.
+void set_float_settings();
 
-/// The settings of every thread during a step: round to nearest, no traps, denormals are flushed and read as zero.
-/// Denormals cost twenty times as much as other numbers and mean nothing here.
-inline constexpr std::uint32_t kStepFloatSettings = 0x9FC0;
+/// The same from construction to destruction. The host's own settings come back at the end.
+class FloatSettings {
+ public:
+  FloatSettings();
+  ~FloatSettings();
+  FloatSettings(const FloatSettings&) = delete;
+  FloatSettings& operator=(const FloatSettings&) = delete;
+
+ private:
+  std::uint32_t before_;
+};
 
 /// SSE code runs at up to half its speed after AVX code that left the upper halves of registers in use. This
 /// function declares them unused.

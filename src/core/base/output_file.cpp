@@ -5,9 +5,7 @@
 
 #include <atomic>
 #include <cerrno>
-#include <climits>
-#include <cstdlib>
-#include <memory>
+#include <filesystem>
 
 namespace psim {
 namespace {
@@ -16,28 +14,7 @@ constexpr mode_t kAnyoneByUmask = 0666, kOwner = 0600, kGroup = 0070, kPermissio
 constexpr int kMostNames = 1000;
 constexpr int kMostLinks = 40;  // the limit of Linux
 
-std::string folder_of(const std::string& path) {
-  const std::size_t slash = path.find_last_of('/');
-  if (slash == std::string::npos) return ".";
-  return slash == 0 ? "/" : path.substr(0, slash);
-}
-
-std::string name_of(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
-
-// The path with links resolved, or empty if there is no such path; errno says why.
-std::string real_path(const std::string& path) {
-  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
-  return real ? std::string(real.get()) : std::string();
-}
-
-// The target of a link, which need not exist yet; empty if the path is no link.
-std::string link_target(const std::string& path) {
-  std::string to(PATH_MAX, '\0');
-  const ssize_t n = ::readlink(path.c_str(), to.data(), to.size());
-  if (n <= 0) return {};
-  to.resize(static_cast<std::size_t>(n));
-  return to.front() == '/' ? to : folder_of(path) + "/" + to;
-}
+std::string path_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
 bool is_same_file(const struct stat& file, int fd) {
   struct stat other = {};
@@ -46,19 +23,7 @@ bool is_same_file(const struct stat& file, int fd) {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path) { open(path); }
-
-OutputFile::~OutputFile() {
-  if (fd_ >= 0) ::close(fd_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
-}
-
-bool OutputFile::fail(int error) {
-  if (error_ == 0) error_ = error;
-  return false;
-}
-
-void OutputFile::open(const std::string& path) {
+OutputFile::OutputFile(const std::string& path) {
   struct stat old = {};
   const bool exists = ::stat(path.c_str(), &old) == 0;
   if (!exists && errno != ENOENT) {
@@ -71,6 +36,16 @@ void OutputFile::open(const std::string& path) {
     open_beside(exists);
     if (exists && fd_ >= 0) keep_owner_and_mode(old);
   }
+}
+
+OutputFile::~OutputFile() {
+  if (fd_ >= 0) ::close(fd_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+bool OutputFile::fail(int error) {
+  if (error_ == 0) error_ = error;
+  return false;
 }
 
 bool OutputFile::open_straight(const std::string& path, const struct stat& old) {
@@ -86,46 +61,52 @@ bool OutputFile::open_straight(const std::string& path, const struct stat& old) 
 }
 
 // Resolves links, so that the file behind a link is replaced and not the link, and so that the process may change its
-// folder meanwhile.
-bool OutputFile::find_target(std::string path, bool exists) {
-  if (exists) {
-    target_ = real_path(path);
-    if (target_.empty()) return fail(errno);
-    folder_ = folder_of(target_);
-    return true;
-  }
-  for (int k = 0; k < kMostLinks; ++k) {
-    const std::string to = link_target(path);
-    if (to.empty()) break;
-    path = to;
+// folder meanwhile. A link may lead to a file that does not exist yet.
+bool OutputFile::find_target(const std::string& name, bool exists) {
+  std::filesystem::path path = name;
+  std::error_code failed;
+  for (int k = 0; k < kMostLinks && !exists; ++k) {
+    const std::filesystem::path to = std::filesystem::read_symlink(path, failed);
+    if (failed) break;
+    path = path.parent_path() / to;  // an absolute target replaces the folder
   }
   if (path.empty()) return fail(ENOENT);
-  if (path.back() == '/') return fail(EISDIR);
-  folder_ = real_path(folder_of(path));
-  if (folder_.empty()) return fail(errno);
-  target_ = folder_ + "/" + name_of(path);
+  if (!path.has_filename()) return fail(EISDIR);
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  path = exists ? canonical(path, failed) : canonical(folder, failed) / path.filename();
+  if (failed) return fail(failed.value());
+  target_ = path;
+  folder_ = path.parent_path();
   return true;
 }
 
-std::string OutputFile::name_beside() const {
+// Gives `take` names beside the target until it takes one. Returns its last error.
+int OutputFile::take_name(const std::function<bool(const char*)>& take) {
   static std::atomic<unsigned> count = 0;
-  return folder_ + "/.psim-" + std::to_string(::getpid()) + "." + std::to_string(count++);
+  int error = EEXIST;
+  for (int k = 0; error == EEXIST && k < kMostNames; ++k) {
+    temporary_ = folder_ + "/.psim-" + std::to_string(::getpid()) + "." + std::to_string(count++);
+    error = take(temporary_.c_str()) ? 0 : errno;
+  }
+  if (error != 0) temporary_.clear();
+  return error;
 }
 
 void OutputFile::open_beside(bool exists) {
   const mode_t mode = exists ? kOwner : kAnyoneByUmask;
   const bool can_be_named_later = ::access("/proc/self/fd", X_OK) == 0;
-  errno = EOPNOTSUPP;
-  if (can_be_named_later) fd_ = ::open(folder_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
-  if (fd_ < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
-    errno = EEXIST;
-    for (int k = 0; fd_ < 0 && errno == EEXIST && k < kMostNames; ++k) {
-      temporary_ = name_beside();
-      fd_ = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
-    }
-    if (fd_ < 0) temporary_.clear();
+  int error = EOPNOTSUPP;
+  if (can_be_named_later) {
+    fd_ = ::open(folder_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
+    error = errno;
   }
-  if (fd_ < 0) fail(errno);
+  if (fd_ < 0 && (error == EOPNOTSUPP || error == EISDIR || error == EINVAL)) {
+    error = take_name([&](const char* name) {
+      fd_ = ::open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
+      return fd_ >= 0;
+    });
+  }
+  if (fd_ < 0) fail(error);
 }
 
 void OutputFile::keep_owner_and_mode(const struct stat& old) {
@@ -136,9 +117,7 @@ void OutputFile::keep_owner_and_mode(const struct stat& old) {
   ::fchmod(fd_, mode);
 }
 
-std::string OutputFile::path_for_program(int there) const {
-  return temporary_.empty() ? "/proc/self/fd/" + std::to_string(there) : temporary_;
-}
+std::string OutputFile::path_for_program(int there) const { return temporary_.empty() ? path_of(there) : temporary_; }
 
 void OutputFile::write(const void* data, std::size_t size) {
   const char* from = static_cast<const char*>(data);
@@ -159,14 +138,9 @@ bool OutputFile::give_name(bool to_disk) {
   const auto no_disk = [] { return errno == EINVAL || errno == EOPNOTSUPP || errno == EROFS; };
   if (to_disk && ::fsync(fd_) != 0 && !no_disk()) return fail(errno);
   if (temporary_.empty()) {
-    const std::string nameless = "/proc/self/fd/" + std::to_string(fd_);
-    int error = EEXIST;
-    for (int k = 0; error == EEXIST && k < kMostNames; ++k) {
-      const std::string name = name_beside();
-      const int linked = ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW);
-      error = linked == 0 ? 0 : errno;
-      if (error == 0) temporary_ = name;
-    }
+    const int error = take_name([&](const char* name) {
+      return ::linkat(AT_FDCWD, path_of(fd_).c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+    });
     if (error != 0) return fail(error);
   }
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) {

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include <cstddef>
+#include <functional>
 #include <string>
 
 namespace psim {
@@ -36,12 +37,11 @@ class OutputFile {
   std::string path_for_program(int there) const;
 
  private:
-  void open(const std::string& path);
   bool open_straight(const std::string& path, const struct stat& old);
-  bool find_target(std::string path, bool exists);
+  bool find_target(const std::string& name, bool exists);
   void open_beside(bool exists);
   void keep_owner_and_mode(const struct stat& old);
-  std::string name_beside() const;
+  int take_name(const std::function<bool(const char*)>& take);
   bool give_name(bool to_disk);
   bool fail(int error);
 

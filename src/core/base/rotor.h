@@ -1,5 +1,10 @@
-// Sine and cosine by polynomials of our own, because those of C libraries differ from one platform to another.
+// Vectors of the plane and rotations. Sine and cosine are polynomials of our own, because those of C libraries differ
+// from one platform to another.
 #pragma once
+
+#include <cmath>
+
+#include "psim/types.h"
 
 namespace psim {
 
@@ -9,5 +14,22 @@ struct SineCosine {
 
 /// Sine and cosine of a finite angle in radians, to about 1e-12 for |angle| < 1e6.
 SineCosine sine_cosine(double angle);
+
+/// A rotation in single precision: cosine and sine.
+struct Rotor {
+  float c = 1, s = 0;
+};
+inline Rotor rotor_of(double angle) {
+  const SineCosine q = sine_cosine(angle);
+  return {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
+}
+
+inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+inline Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
+inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline double length_of(Vec2 v) { return std::sqrt(dot(v, v)); }
+inline Vec2 turned(SineCosine q, Vec2 v) { return {q.cosine * v.x - q.sine * v.y, q.sine * v.x + q.cosine * v.y}; }
 
 }  // namespace psim

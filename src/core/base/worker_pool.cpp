@@ -1,9 +1,8 @@
 #include "base/worker_pool.h"
 
 #include <algorithm>
-#include <utility>
 
-#include "base/float_settings.h"
+#include "base/machine.h"
 
 namespace psim {
 namespace {
@@ -33,8 +32,6 @@ WorkerPool::~WorkerPool() {
   for (std::thread& t : workers_) t.join();
 }
 
-void WorkerPool::set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
-
 void WorkerPool::begin_step() {
   if (++awake_ > 1 || threads_ == 1 || host_.parallel_for) return;
   {
@@ -48,7 +45,13 @@ void WorkerPool::end_step() {
   if (--awake_ == 0) stepping_.store(false, std::memory_order_release);
 }
 
-void WorkerPool::pause() { pause_briefly(); }
+void WorkerPool::wait_a_moment(int spins) const {
+  if (crowded_ && spins > 64) {
+    std::this_thread::yield();
+  } else {
+    pause_briefly();
+  }
+}
 
 void WorkerPool::run_on_host(std::size_t count, Call call, const void* context) {
   host_.parallel_for(count, [call, context](std::size_t i) {
@@ -76,13 +79,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   done_.fetch_add(mine, std::memory_order_acq_rel);
   const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
   const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
-  for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) {
-    if (crowded_ && spins > 64) {
-      std::this_thread::yield();
-    } else {
-      pause();
-    }
-  }
+  for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) wait_a_moment(spins);
   if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
   for (std::size_t t = 0; t < threads; ++t) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
@@ -126,7 +123,7 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
 }
 
 void WorkerPool::worker(std::size_t index) {
-  set_float_settings(kStepFloatSettings);
+  set_float_settings();
   std::uint32_t seen = 1;
   for (;;) {
     if (!stepping_.load(std::memory_order_acquire)) {
@@ -137,11 +134,7 @@ void WorkerPool::worker(std::size_t index) {
     int spins = 0;
     std::uint32_t ticket = ticket_.load(std::memory_order_acquire);
     while ((ticket == seen || (ticket & 1u) != 0) && stepping_.load(std::memory_order_acquire)) {
-      if (crowded_ && ++spins > 64) {
-        std::this_thread::yield();
-      } else {
-        pause();
-      }
+      wait_a_moment(++spins);
       ticket = ticket_.load(std::memory_order_acquire);
     }
     if ((ticket & 1u) != 0 || ticket == seen) continue;

@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/trace.h"
@@ -23,6 +24,8 @@
 namespace psim {
 
 class WorkerPool {
+  using Call = void (*)(const void* context, std::size_t i);
+
  public:
   explicit WorkerPool(int threads);
   ~WorkerPool();
@@ -30,7 +33,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return threads_; }
-  void set_job_system(JobSystem jobs);
+  void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
   void set_tracer(Tracer* tracer) { tracer_ = tracer; }
 
   /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
@@ -48,20 +51,17 @@ class WorkerPool {
   template <class Job>
   void run(std::size_t count, const Job& job) {
     if (count == 0) return;
+    const Call call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
     if (host_.parallel_for) {
-      run_on_host(
-          count, [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); }, &job);
+      run_on_host(count, call, &job);
     } else if (threads_ == 1 || count == 1) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
-      run_here(
-          count, [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); }, &job);
+      run_here(count, call, &job);
     }
   }
 
  private:
-  using Call = void (*)(const void* context, std::size_t i);
-
   // One thread's share of a run: the next number to claim, with the ticket of the run above it.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> next{0};  // ticket << 32 | number
@@ -75,7 +75,7 @@ class WorkerPool {
   // noexcept: an exception in a job ends the program, because jobs of other threads still run.
   std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
   void worker(std::size_t index);
-  static void pause();
+  void wait_a_moment(int spins) const;
 
   int threads_;
   bool crowded_;   // there are more threads than cores, so waiting yields the core

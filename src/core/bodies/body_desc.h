@@ -7,8 +7,7 @@
 #include <span>
 #include <string>
 
-#include "bodies/body_kind_table.h"
-#include "bodies/body_property_table.h"
+#include "bodies/body_properties.h"
 #include "bodies/hull.h"
 #include "psim/desc.h"
 

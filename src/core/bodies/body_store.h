@@ -16,8 +16,7 @@
 
 #include "base/column.h"
 #include "base/lattice.h"
-#include "bodies/body_kind_table.h"
-#include "bodies/body_property_table.h"
+#include "bodies/body_properties.h"
 #include "bodies/shape_table.h"
 #include "psim/desc.h"
 #include "views.h"
@@ -39,53 +38,37 @@ struct BodyInfo {
 /// Ids of the kinematic bodies, with the velocities that the host gave them.
 using KinematicBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
 
+/// Frames of a body's present motion that are looked ahead: what margins of lists allow for, who may touch, who wakes.
+/// A quarter more than one frame, since speeds change within a step.
+inline constexpr double kMarginFrames = 1.25;
+
 class BodyStore {
+  MemoryMeter& meter_;  // stands first, since the columns take it
+
  public:
-  explicit BodyStore(MemoryMeter& meter)
-      : pos(meter),
-        vel(meter),
-        disp(meter),
-        id(meter),
-        radius(meter),
-        rim_speed(meter),
-        angle(meter),
-        vel0(meter),
-        rim_speed0(meter),
-        acc(meter),
-        drift_correction(meter),
-        pull(meter),
-        vel_remainder(meter),
-        disp_remainder(meter),
-        spare(meter),
-        arm_change(meter),
-        angle_change(meter),
-        event_time(meter),
-        linked(meter),
-        built(meter),
-        reach(meter),
-        info(meter) {}
+  explicit BodyStore(MemoryMeter& meter) : meter_(meter) {}
 
   // By slot.
-  Column<std::int32_t> pos;
-  Column<float> vel, disp;
-  Column<std::uint32_t> id;
-  Column<float> radius;
-  Column<float> rim_speed;  ///< only if the plan has rotation
-  Column<double> angle;     ///< only if the plan has rotation
-  Column<float> vel0, rim_speed0, acc;
-  Column<float> drift_correction;  ///< m, records: see BodyView; only if the plan has an integrator
-  Column<float> pull;              ///< gravity scale, 0 for kinematic bodies; only if the plan has scales
-  Column<float> vel_remainder;     ///< m/s, records: what velocities lost to rounding; only with fields
-  Column<float> disp_remainder;    ///< m, records: what offsets lost to rounding; only if the plan has an integrator
-  Column<float> spare;             ///< scratch of move_rests
-  Column<float> arm_change, angle_change;  ///< since the start of the frame: see BodyView; only with shapes or joints
-  Column<float> event_time;
-  Column<std::uint8_t> linked;
-  Column<std::int32_t> built;  ///< position when the lists were made
-  Column<float> reach;         ///< m: the radius plus the margin of the lists
+  Column<std::int32_t> pos{meter_};
+  Column<float> vel{meter_}, disp{meter_};
+  Column<std::uint32_t> id{meter_};
+  Column<float> radius{meter_};
+  Column<float> rim_speed{meter_};  ///< only if the plan has rotation
+  Column<double> angle{meter_};     ///< only if the plan has rotation
+  Column<float> vel0{meter_}, rim_speed0{meter_}, acc{meter_};
+  Column<float> drift_correction{meter_};  ///< m, records: see BodyView; only if the plan has an integrator
+  Column<float> pull{meter_};              ///< gravity scale, 0 for kinematic bodies; only if the plan has scales
+  Column<float> vel_remainder{meter_};     ///< m/s, records: what velocities lost to rounding; only with fields
+  Column<float> disp_remainder{meter_};    ///< m, records: the same for offsets; only if the plan has an integrator
+  Column<float> spare{meter_};             ///< scratch of move_rests
+  Column<float> arm_change{meter_}, angle_change{meter_};  ///< since the frame's start; only with shapes or joints
+  Column<float> event_time{meter_};
+  Column<std::uint8_t> linked{meter_};
+  Column<std::int32_t> built{meter_};  ///< position when the lists were made
+  Column<float> reach{meter_};         ///< m: the radius plus the margin of the lists
 
   // By id.
-  mutable Column<BodyInfo> info;
+  mutable Column<BodyInfo> info{meter_};
   BodyPropertyTable property_table;
   ShapeTable hulls;
   BodyKindTable kinds;
@@ -168,6 +151,24 @@ class BodyStore {
     }
   }
 
+  LatticePoint point(std::size_t slot) const {
+    return {pos[2 * slot], pos[2 * slot + 1], disp[2 * slot], disp[2 * slot + 1]};
+  }
+  void put_point(std::size_t slot, const LatticePoint& p) {
+    pos[2 * slot] = p.x;
+    pos[2 * slot + 1] = p.y;
+    disp[2 * slot] = p.dx;
+    disp[2 * slot + 1] = p.dy;
+  }
+  double angle_of(std::size_t slot) const { return angle.empty() ? 0 : angle[slot]; }
+  /// The angular velocity, rad/s.
+  double omega_of(std::size_t slot) const {
+    return rim_speed.empty() ? 0 : static_cast<double>(rim_speed[slot]) / static_cast<double>(radius[slot]);
+  }
+  Vec2 velocity(std::size_t slot) const {
+    return {static_cast<double>(vel[2 * slot]), static_cast<double>(vel[2 * slot + 1])};
+  }
+
   /// Sets the velocity of a slot, m/s. Where remainders are kept, the part that does not fit into a float goes there.
   void put_velocity(std::size_t slot, Vec2 v) {
     vel[2 * slot] = static_cast<float>(v.x);
@@ -211,24 +212,23 @@ class BodyStore {
     angle_change.reserve(total);
   }
 
+  /// What kernels see. A column that the plan does not have is null.
   kernels::BodyView view() {
-    kernels::BodyView v;
-    v.pos = pos.data();
-    v.vel = vel.data();
-    v.vel0 = vel0.data();
-    v.disp = disp.data();
-    v.acc = acc.empty() ? nullptr : acc.data();
-    v.vel_remainder = vel_remainder.empty() ? nullptr : vel_remainder.data();
-    v.disp_remainder = disp_remainder.empty() ? nullptr : disp_remainder.data();
-    v.drift_correction = drift_correction.empty() ? nullptr : drift_correction.data();
-    v.pull = pull.empty() ? nullptr : pull.data();
-    v.rim_speed = rim_speed.empty() ? nullptr : rim_speed.data();
-    v.rim_speed0 = rim_speed0.empty() ? nullptr : rim_speed0.data();
-    v.arm_change = arm_change.empty() ? nullptr : arm_change.data();
-    v.angle_change = angle_change.empty() ? nullptr : angle_change.data();
-    v.event_time = event_time.empty() ? nullptr : event_time.data();
-    v.linked = linked.data();
-    return v;
+    return {.pos = pos.data(),
+            .vel = vel.data(),
+            .vel0 = vel0.data(),
+            .disp = disp.data(),
+            .acc = acc.data(),
+            .vel_remainder = vel_remainder.data(),
+            .disp_remainder = disp_remainder.data(),
+            .drift_correction = drift_correction.data(),
+            .pull = pull.data(),
+            .rim_speed = rim_speed.data(),
+            .rim_speed0 = rim_speed0.data(),
+            .arm_change = arm_change.data(),
+            .angle_change = angle_change.data(),
+            .event_time = event_time.data(),
+            .linked = linked.data()};
   }
 
  private:

@@ -1,10 +1,13 @@
 // In: the shapes of descriptions. Out: hulls and mass properties. This runs when a body is added.
 #include "bodies/hull.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <variant>
+
+#include "base/rotor.h"
 
 namespace psim {
 namespace {
@@ -15,17 +18,10 @@ constexpr double kSame = 1e-6;       // two points nearer than this share of the
 
 using Points = std::vector<Vec2>;
 
-Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
-double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
-double length(Vec2 a) { return std::sqrt(dot(a, a)); }
-
 /// Angle between two unit vectors, 0..pi. tan(angle/4) by square roots, halved three times more;
 /// then the series of the arctangent.
 double angle_between(Vec2 a, Vec2 b) {
-  const double sine = 0.5 * length(a - b), cosine = 0.5 * length(a + b);  // both of half the angle
+  const double sine = 0.5 * length_of(a - b), cosine = 0.5 * length_of(a + b);  // both of half the angle
   double t = sine / (1 + cosine);
   for (int k = 0; k < 3; ++k) t /= 1 + std::sqrt(1 + t * t);
   const double z = t * t;
@@ -61,12 +57,12 @@ Sums rounded_sums(const Points& p, double radius) {
   if (!(radius > 0)) return sums;
   const auto normal = [&](std::size_t k) -> Vec2 {
     const Vec2 e = p[(k + 1) % n] - p[k];
-    return 1 / length(e) * Vec2{e.y, -e.x};
+    return 1 / length_of(e) * Vec2{e.y, -e.x};
   };
   for (std::size_t k = 0; k < n; ++k) {
     const Vec2 in = normal((k + n - 1) % n), out = normal(k);
     const Vec2 next = p[(k + 1) % n];
-    const double edge = length(next - p[k]);
+    const double edge = length_of(next - p[k]);
     sums.add(edge * radius, 0.5 * (p[k] + next) + 0.5 * radius * out,
              edge * radius * (edge * edge + radius * radius) / 12);
     // The sector's integrals over rho from 0 to r and over its directions u, about the vertex:
@@ -96,10 +92,8 @@ bool fail(std::string& error, std::string text) {
 
 bool check_points(const Points& points, std::string& error) {
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Vec2 p = points[k];
-    if (!(std::fabs(p.x) <= kMostSize && std::fabs(p.y) <= kMostSize)) {
-      return fail(error, vertex_name(k) + " must lie within 1e9 m of the body's place");
-    }
+    if (std::fabs(points[k].x) <= kMostSize && std::fabs(points[k].y) <= kMostSize) continue;
+    return fail(error, vertex_name(k) + " must lie within 1e9 m of the body's place");
   }
   return true;
 }
@@ -110,8 +104,7 @@ bool check_size(double size, const char* name, std::string& error) {
 }
 
 bool check_rounding(double radius, std::string& error) {
-  if (radius == 0) return true;
-  return check_size(radius, "radius, where it is not 0,", error);
+  return radius == 0 || check_size(radius, "radius, where it is not 0,", error);
 }
 
 /// The larger side of the box around the points.
@@ -136,8 +129,8 @@ void drop_needless(std::vector<Numbered>& p, double size) {
     const std::size_t n = p.size();
     const Vec2 before = p[(k + n - 1) % n].at, here = p[k].at, after = p[(k + 1) % n].at;
     const Vec2 u = here - before, v = after - here, w = after - before;
-    const bool repeated = length(u) <= kSame * size;
-    const bool straight = dot(u, v) > 0 && std::fabs(cross(u, w)) <= kSame * size * length(w);
+    const bool repeated = length_of(u) <= kSame * size;
+    const bool straight = dot(u, v) > 0 && std::fabs(cross(u, w)) <= kSame * size * length_of(w);
     if (repeated || straight) {
       p.erase(p.begin() + static_cast<std::ptrdiff_t>(k));
       k = 0;  // its neighbours may have become superfluous
@@ -164,9 +157,7 @@ bool tidy_polygon(const Points& given, Points& out, std::string& error) {
   for (std::size_t k = 1; k + 1 < n; ++k) {
     area += 0.5 * cross(p[k].at - p[0].at, p[k + 1].at - p[0].at);
   }
-  if (area < 0) {
-    for (std::size_t k = 0; k < n / 2; ++k) std::swap(p[k], p[n - 1 - k]);
-  }
+  if (area < 0) std::reverse(p.begin(), p.end());
   // All vertices to the left of every edge, those at its ends aside: convex and not self-crossing.
   // First each edge's next vertex, so that a dent is what the message names.
   for (std::size_t ahead = 2; ahead < n; ++ahead) {
@@ -190,20 +181,16 @@ bool make_hull(const Points& points, Vec2 origin, double radius, Hull& hull) {
   hull = {};
   hull.count = static_cast<std::int32_t>(points.size());
   hull.radius = static_cast<float>(radius);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Vec2 p = points[k] - origin;
-    hull.x[k] = static_cast<float>(p.x);
-    hull.y[k] = static_cast<float>(p.y);
+  const std::size_t n = points.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    hull.x[k] = static_cast<float>(points[k].x - origin.x);
+    hull.y[k] = static_cast<float>(points[k].y - origin.y);
   }
   finish_hull(hull);
-  const std::size_t n = points.size();
+  const auto vertex = [&](std::size_t k) { return Vec2{double{hull.x[k % n]}, double{hull.y[k % n]}}; };
   for (std::size_t k = 0; n > 2 && k < n; ++k) {
-    for (std::size_t other = 0; other < n; ++other) {
-      if (other == k || other == (k + 1) % n) continue;
-      const double ex = double{hull.x[(k + 1) % n]} - hull.x[k];
-      const double ey = double{hull.y[(k + 1) % n]} - hull.y[k];
-      const double dx = double{hull.x[other]} - hull.x[k], dy = double{hull.y[other]} - hull.y[k];
-      if (!(ex * dy - ey * dx > 0)) return false;
+    for (std::size_t other = k + 2; other < k + n; ++other) {  // the vertices that are no ends of edge k
+      if (!(cross(vertex(k + 1) - vertex(k), vertex(other) - vertex(k)) > 0)) return false;
     }
   }
   return n != 2 || hull.x[0] != hull.x[1] || hull.y[0] != hull.y[1];
@@ -233,7 +220,7 @@ struct Maker {
   bool operator()(const SegmentShape& s) {
     const Points ends{s.p1, s.p2};
     if (!check_points(ends, error)) return false;
-    const double span = length(s.p2 - s.p1);
+    const double span = length_of(s.p2 - s.p1);
     if (!check_size(span, "the length of a segment", error)) return false;
     return one(ends, 0, {span, 0.5 * (s.p1 + s.p2), span * span / 12});
   }
@@ -248,12 +235,12 @@ struct Maker {
     if (!check_size(size, "a chain's extent", error)) return false;
     Points p;  // without repeated vertices, which would be segments of no length
     for (const Vec2 v : s.vertices) {
-      if (p.empty() || length(v - p.back()) > kSame * kSame * size) p.push_back(v);
+      if (p.empty() || length_of(v - p.back()) > kSame * kSame * size) p.push_back(v);
     }
     if (s.loop) p.push_back(p[0]);
     Sums sums;
     for (std::size_t k = 0; k + 1 < p.size(); ++k) {
-      const double span = length(p[k + 1] - p[k]);
+      const double span = length_of(p[k + 1] - p[k]);
       sums.add(span, 0.5 * (p[k] + p[k + 1]) - p[0], span * span * span / 12);
     }
     out.mass = properties_of(sums, p[0]);
@@ -287,7 +274,7 @@ struct Maker {
     const Points ends{s.p1, s.p2};
     if (!check_points(ends, error) || !check_size(s.radius, "radius", error)) return false;
     const Vec2 middle = 0.5 * (s.p1 + s.p2);
-    if (length(s.p2 - s.p1) <= kSame * s.radius) return disc(middle, s.radius);
+    if (length_of(s.p2 - s.p1) <= kSame * s.radius) return disc(middle, s.radius);
     const Sums sums = rounded_sums({s.p1 - middle, s.p2 - middle}, s.radius);
     return one(ends, s.radius, {sums.area, middle, sums.polar / sums.area});
   }

@@ -3,8 +3,51 @@
 #include <cmath>
 
 #include "bodies/body_desc.h"
+#include "bodies/hull.h"
+#include "bodies/static_pieces.h"
 
 namespace psim {
+namespace {
+
+// One line that says what is wrong with the points of a line, or nothing.
+std::string check_line(const std::vector<Vec2>& points, bool loop) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!finite(points[k])) return "segment points must be finite";
+    if (k + 1 == points.size() && !loop) break;
+    const Vec2 next = points[(k + 1) % points.size()];
+    if (points[k].x == next.x && points[k].y == next.y) return "segment points must differ";
+  }
+  return {};
+}
+
+std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
+  const std::size_t n = chain.vertices.size();
+  if (n < (chain.loop ? 3u : 2u)) {
+    return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
+  }
+  for (std::size_t k = 0; k + 1 < n; ++k) pieces.segment(chain.vertices[k], chain.vertices[k + 1], 0, false);
+  if (chain.loop) pieces.segment(chain.vertices[n - 1], chain.vertices[0], 0, false);
+  return check_line(chain.vertices, chain.loop);
+}
+
+// Makes the pieces of a static body. One line that says what is wrong with its shape, or nothing.
+std::string cut_into_pieces(const BodyDesc& d, Pieces& pieces) {
+  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
+    pieces.disc({}, static_cast<float>(disc->radius));
+    return {};
+  }
+  if (const auto* line = std::get_if<SegmentShape>(&d.shape)) return cut_chain({{line->p1, line->p2}, false}, pieces);
+  if (const auto* chain = std::get_if<ChainShape>(&d.shape)) return cut_chain(*chain, pieces);
+  HullSet hulls;
+  std::string error;
+  if (make_hulls(d.shape, false, hulls, error)) {
+    for (const Hull& hull : hulls.parts) pieces.solid(hull);
+  }
+  return error;
+}
+
+}  // namespace
+
 double speed_limit(const Lattice& lattice, double dt) {
   const double pitch = std::fmin(lattice.pitch_x(), lattice.pitch_y());
   return std::fmin(kFarSteps * pitch / dt, 1e15);
@@ -14,7 +57,7 @@ Population::Population(const WorldDesc& desc, const Lattice& lattice, MemoryMete
     : bodies(meter), statics(meter, lattice), desc_(desc), lattice_(lattice) {}
 
 Vec2 Population::capped(Vec2 v) const {
-  const double speed = std::sqrt(v.x * v.x + v.y * v.y), limit = 0.999 * speed_limit(lattice_, desc_.dt);
+  const double speed = length_of(v), limit = 0.999 * speed_limit(lattice_, desc_.dt);
   return speed > limit ? Vec2{v.x / speed * limit, v.y / speed * limit} : v;
 }
 
@@ -67,12 +110,7 @@ void Population::count_alike(const BodyProperties& p, std::int64_t n, Traits& t)
 
 Traits Population::recounted() const {
   Traits t = traits;
-  for (std::uint64_t* counter :
-       {&t.moving, &t.discs, &t.kinematic_discs, &t.rough_discs, &t.same_mass, &t.same_radius, &t.same_properties,
-        &t.moving_bounce, &t.moving_rough, &t.kinematic, &t.odd_gravity, &t.fixed, &t.fixed_bounce, &t.fixed_rough,
-        &t.cornered, &t.filtered, &t.sensors, &t.bullets}) {
-    *counter = 0;
-  }
+  static_cast<BodyCounts&>(t) = {};
   std::vector<std::int64_t> alike(bodies.property_table.size());
   for (std::uint32_t id = 0; id < bodies.id_count; ++id) {
     const BodyInfo& info = bodies.info[id];
@@ -103,13 +141,59 @@ BodyId Population::add_moving(const BodyDesc& d, std::string& error) {
     kind.first_hull = bodies.hulls.acquire(hulls.parts);
     kind.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
   }
-  properties.kind = bodies.kinds.acquire(kind) & BodyKindTable::kMost;
+  properties.kind = bodies.kinds.acquire(kind) & kMostKinds;
   bodies.reserve_slots(1);
   const LatticePoint centre = lattice_.to_lattice(d.position, arm_of(kind, d.angle));
   const std::uint32_t id = enter(properties, centre, d.angle, d.velocity, d.angular_velocity);
   if (d.type == BodyType::kinematic_body) go_round(id, capped(d.velocity));
   count(properties, +1);
   return {id, bodies.info[id].generation};
+}
+
+BodyId Population::add_fixed(const BodyDesc& d, std::string& error) {
+  std::vector<Piece> list;
+  Pieces pieces(d.position, d.angle, lattice_, list);
+  error = cut_into_pieces(d, pieces);
+  if (!error.empty()) return kNoBody;
+  BodyKind kind;
+  kind.filter = d.filter;
+  kind.sensor = d.sensor;
+  if (d.sensor) {  // a sensor stops nothing: only queries and events know it
+    HullSet hulls;
+    if (!make_hulls(d.shape, false, hulls, error)) return kNoBody;
+    kind.first_hull = bodies.hulls.acquire(hulls.parts);
+    kind.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
+    list.clear();
+  }
+  const std::uint32_t entry = bodies.kinds.acquire(kind);
+  if (entry > kMostKinds) {
+    error = "too many kinds of body: at most 16,777,215";
+    return kNoBody;
+  }
+  BodyProperties properties;
+  properties.type = BodyType::static_body;
+  properties.kind = entry & kMostKinds;
+  const auto* disc = std::get_if<DiscShape>(&d.shape);
+  properties.radius = disc != nullptr ? static_cast<float>(disc->radius) : 0;
+  properties.restitution = coefficient(d.material.restitution);
+  properties.friction = coefficient(d.material.friction);
+
+  const std::uint32_t id = bodies.take_id();
+  BodyInfo& info = bodies.info[id];
+  info.properties = bodies.property_table.acquire(properties);
+  info.place = Place::fixed;
+  info.slot = static_cast<std::uint32_t>(fixed.size());
+  fixed.push_back(
+      {d.position.x, d.position.y, d.angle, properties.radius, id, static_cast<std::uint32_t>(statics.size())});
+  for (Piece& piece : list) {
+    piece.shape.owner = id;
+    piece.shape.restitution = properties.restitution;
+    piece.shape.friction = properties.friction;
+    statics.add(piece.shape, piece.shape.whole ? &piece.hull : nullptr);
+  }
+  ++bodies.fixed;
+  count_alike(properties, +1, traits);
+  return {id, info.generation};
 }
 
 void Population::make_room(const DiscBatch& batch) {
@@ -124,7 +208,7 @@ BodyId Population::add_disc(const DiscBatch& batch, std::size_t i) {
   const double r = batch.radius[batch.radius.size() == 1 ? 0 : i];
   BodyProperties properties = disc_properties(batch.type, r, disc_mass(r, batch.mass, batch.material), batch.material,
                                               batch.gravity_scale, batch.fixed_rotation);
-  properties.kind = bodies.kinds.acquire(kind) & BodyKindTable::kMost;
+  properties.kind = bodies.kinds.acquire(kind) & kMostKinds;
   const std::uint32_t id =
       enter(properties, lattice_.to_lattice({batch.x[i], batch.y[i]}), value_or_zero(batch.angle, i),
             {value_or_zero(batch.vx, i), value_or_zero(batch.vy, i)}, value_or_zero(batch.angular_velocity, i));
@@ -146,10 +230,7 @@ std::uint32_t Population::enter(const BodyProperties& properties, const LatticeP
   info.properties = bodies.property_table.acquire(properties);
   info.place = Place::moving;
   if (angle != 0 || omega != 0) let_turn();
-  bodies.pos[2 * slot] = p.x;
-  bodies.pos[2 * slot + 1] = p.y;
-  bodies.disp[2 * slot] = p.dx;
-  bodies.disp[2 * slot + 1] = p.dy;
+  bodies.put_point(slot, p);
   bodies.id[slot] = id;
   bodies.radius[slot] = properties.radius;
   bodies.linked[slot] = 0;
@@ -172,9 +253,8 @@ void Population::go_round(std::uint32_t id, Vec2 velocity) {
   const BodyKind& kind = bodies.kind(id);
   if (kind.centre_x == 0 && kind.centre_y == 0) return;
   const std::size_t i = bodies.info[id].slot;
-  const Vec2 arm = arm_of(kind, bodies.angle.empty() ? 0 : bodies.angle[i]);
-  const double omega =
-      bodies.rim_speed.empty() ? 0 : static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
+  const Vec2 arm = arm_of(kind, bodies.angle_of(i));
+  const double omega = bodies.omega_of(i);
   bodies.put_velocity(i, {velocity.x - omega * arm.y, velocity.y + omega * arm.x});
 }
 
@@ -239,11 +319,7 @@ void Population::place(std::uint32_t id, Vec2 position, double angle) {
     position.x = std::fmin(std::fmax(position.x, b.xmin), b.xmax);
     position.y = std::fmin(std::fmax(position.y, b.ymin), b.ymax);
   }
-  const LatticePoint p = lattice_.to_lattice(position, arm_of(bodies.kind(id), angle));
-  bodies.pos[2 * i] = p.x;
-  bodies.pos[2 * i + 1] = p.y;
-  bodies.disp[2 * i] = p.dx;
-  bodies.disp[2 * i + 1] = p.dy;
+  bodies.put_point(i, lattice_.to_lattice(position, arm_of(bodies.kind(id), angle)));
   if (!bodies.angle.empty()) bodies.angle[i] = angle;
   bodies.clear_remainders(i);
 }
@@ -275,34 +351,23 @@ BodyState Population::state_of(std::uint32_t id) const {
     s.angle = fixed[info.slot].angle;
     return s;
   }
-  const BodyKind& kind = bodies.kind(id);
   const std::size_t i = info.slot;
-  Vec2 arm;
-  Vec2 p = lattice_.to_world(bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.disp[2 * i], bodies.disp[2 * i + 1]);
-  if (kind.centre_x != 0 || kind.centre_y != 0) {
-    arm = arm_of(kind, bodies.angle.empty() ? 0 : bodies.angle[i]);
-    p = {p.x - arm.x, p.y - arm.y};
+  const Vec2 arm = arm_of(bodies.kind(id), bodies.angle_of(i));
+  Vec2 p = lattice_.to_world(bodies.point(i)), v = bodies.velocity(i);
+  if (arm.x != 0 || arm.y != 0) p = p - arm;
+  const auto with = [i](Vec2 of, const Column<float>& remainder) {
+    if (remainder.empty()) return of;
+    return of + Vec2{static_cast<double>(remainder[2 * i]), static_cast<double>(remainder[2 * i + 1])};
+  };
+  p = with(p, bodies.disp_remainder);
+  v = with(v, bodies.vel_remainder);
+  s.angle = bodies.angle_of(i);
+  s.omega = bodies.omega_of(i);
+  if (s.type == BodyType::kinematic_body && !bodies.rim_speed.empty()) {  // of its place, not of its centre
+    v = {v.x + s.omega * arm.y, v.y - s.omega * arm.x};
   }
-  s.x = p.x;
-  s.y = p.y;
-  s.vx = static_cast<double>(bodies.vel[2 * i]);
-  s.vy = static_cast<double>(bodies.vel[2 * i + 1]);
-  if (!bodies.vel_remainder.empty()) {
-    s.vx += static_cast<double>(bodies.vel_remainder[2 * i]);
-    s.vy += static_cast<double>(bodies.vel_remainder[2 * i + 1]);
-  }
-  if (!bodies.disp_remainder.empty()) {
-    s.x += static_cast<double>(bodies.disp_remainder[2 * i]);
-    s.y += static_cast<double>(bodies.disp_remainder[2 * i + 1]);
-  }
-  if (!bodies.rim_speed.empty()) {
-    s.angle = bodies.angle[i];
-    s.omega = static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
-    if (s.type == BodyType::kinematic_body) {  // the velocity of its place, not of its centre
-      s.vx += s.omega * arm.y;
-      s.vy -= s.omega * arm.x;
-    }
-  }
+  s.x = p.x, s.y = p.y;
+  s.vx = v.x, s.vy = v.y;
   return s;
 }
 

@@ -27,15 +27,15 @@ std::uint32_t Quarantine::settle(Population& population, const Lattice& lattice,
     if (bodies.id[i] == kNoSlot) continue;
     float& vx = bodies.vel[2 * std::size_t{i}];
     float& vy = bodies.vel[2 * std::size_t{i} + 1];
-    const float dx = bodies.disp[2 * std::size_t{i}], dy = bodies.disp[2 * std::size_t{i} + 1];
+    const LatticePoint at = bodies.point(i);
     const bool turns =
         bodies.rim_speed.empty() || (std::isfinite(bodies.rim_speed[i]) && std::isfinite(bodies.angle[i]));
-    if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(dx) || !std::isfinite(dy) || !turns) {
+    if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(at.dx) || !std::isfinite(at.dy) || !turns) {
       BodyState last = population.state_of(bodies.id[i]);
       if (!std::isfinite(last.angle)) last.angle = 0;
-      const Vec2 at = lattice.to_world(bodies.built[2 * std::size_t{i}], bodies.built[2 * std::size_t{i} + 1], 0, 0);
-      last.x = at.x;
-      last.y = at.y;
+      const Vec2 seen = lattice.to_world(bodies.built[2 * std::size_t{i}], bodies.built[2 * std::size_t{i} + 1], 0, 0);
+      last.x = seen.x;
+      last.y = seen.y;
       last.vx = last.vy = last.omega = 0;
       freeze(bodies.id[i], last);
       ++frozen;
@@ -91,24 +91,19 @@ bool Quarantine::bring_back(Population& population, const Lattice& lattice, cons
     if (bodies.id[i] == kNoSlot) continue;
     const BodyProperties& properties = bodies.properties(bodies.id[i]);
     std::int32_t* pos = bodies.pos.data() + 2 * std::size_t{i};
-    float* disp = bodies.disp.data() + 2 * std::size_t{i};
     float* vel = bodies.vel.data() + 2 * std::size_t{i};
     if (properties.type == BodyType::kinematic_body) {
       for (int axis = 0; axis < 2; ++axis) pos[axis] = std::clamp(pos[axis], -kFarSteps, kFarSteps);
       continue;
     }
-    Vec2 at = lattice.to_world(pos[0], pos[1], disp[0], disp[1]);
+    Vec2 at = lattice.to_world(bodies.point(i));
     const Vec2 before = at;
     const float e = std::fmax(properties.restitution, static_cast<float>(desc.wall.restitution));
     const auto radius = static_cast<double>(properties.radius);
     back(at.x, vel[0], b.xmin, b.xmax, radius, e);
     back(at.y, vel[1], b.ymin, b.ymax, radius, e);
     if (at.x == before.x && at.y == before.y) continue;
-    const LatticePoint p = lattice.to_lattice(at);
-    pos[0] = p.x;
-    pos[1] = p.y;
-    disp[0] = p.dx;
-    disp[1] = p.dy;
+    bodies.put_point(i, lattice.to_lattice(at));
     any = true;
   }
   return any;

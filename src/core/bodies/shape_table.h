@@ -1,8 +1,9 @@
 // The hulls of moving bodies. Bodies of one shape share a set of hulls.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <unordered_map>
 #include <vector>
 
@@ -34,20 +35,17 @@ class ShapeTable {
       return set.first;
     }
     Set set{static_cast<std::uint32_t>(hulls_.size()), static_cast<std::uint32_t>(parts.size()), 1};
-    std::uint32_t index = static_cast<std::uint32_t>(sets_.size());
-    for (std::size_t f = 0; f < free_.size(); ++f) {  // a gap of the same length
-      if (sets_[free_[f]].count != set.count) continue;
-      index = free_[f];
-      set.first = sets_[index].first;
-      free_.erase(free_.begin() + static_cast<std::ptrdiff_t>(f));
-      break;
-    }
-    if (index == sets_.size()) {
+    auto index = static_cast<std::uint32_t>(sets_.size());
+    const auto gap = std::find_if(free_.begin(), free_.end(), [&](auto k) { return sets_[k].count == set.count; });
+    if (gap == free_.end()) {
       sets_.push_back(set);
       hulls_.insert(hulls_.end(), parts.begin(), parts.end());
     } else {
+      index = *gap;
+      free_.erase(gap);
+      set.first = sets_[index].first;
       sets_[index] = set;
-      for (std::uint32_t k = 0; k < set.count; ++k) hulls_[set.first + k] = parts[k];
+      std::copy(parts.begin(), parts.end(), hulls_.begin() + set.first);
     }
     by_hash_.emplace(key, index);
     by_first_[set.first] = index;
@@ -57,11 +55,7 @@ class ShapeTable {
   void release(std::uint32_t first) {
     const std::uint32_t index = by_first_.at(first);
     if (--sets_[index].users != 0) return;
-    for (auto at = by_hash_.begin(); at != by_hash_.end(); ++at) {
-      if (at->second != index) continue;
-      by_hash_.erase(at);
-      break;
-    }
+    std::erase_if(by_hash_, [index](const auto& entry) { return entry.second == index; });
     by_first_.erase(first);
     free_.push_back(index);
   }
@@ -86,9 +80,7 @@ class ShapeTable {
     std::uint64_t h = parts.size();
     for (const Hull& hull : parts) {
       const auto add = [&h](float value) {
-        std::uint32_t bits;
-        std::memcpy(&bits, &value, sizeof bits);
-        h = (h ^ bits) * 0x9E3779B97F4A7C15u;
+        h = (h ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15u;
         h ^= h >> 29;
       };
       for (int k = 0; k < hull.count; ++k) add(hull.x[k]), add(hull.y[k]);
@@ -97,11 +89,8 @@ class ShapeTable {
     return h;
   }
   bool same(const Set& set, const std::vector<Hull>& parts) const {
-    if (set.users == 0 || set.count != parts.size()) return false;
-    for (std::uint32_t k = 0; k < set.count; ++k) {
-      if (!(hulls_[set.first + k] == parts[k])) return false;
-    }
-    return true;
+    return set.users != 0 && set.count == parts.size() &&
+           std::equal(parts.begin(), parts.end(), hulls_.begin() + set.first);
   }
 
   std::vector<Hull> hulls_{1};

@@ -11,21 +11,32 @@ namespace {
 // A hashed grid is faster (measured) where a shape shares its cell with more shapes than this on average.
 constexpr double kCrowded = 128;
 
+// Cuts a line to the part within `size` of the origin, where the body is.
+void cut_to(Vec2 (&ends)[2], double size) {
+  const Vec2 begin = ends[0], way = ends[1] - ends[0];
+  const double length = length_of(way);
+  if (!(length > 2 * size)) return;
+  const double along = -dot(begin, way) / length;  // of the body on the line
+  const double low = along - size, high = along + size;
+  if (high > 0 && high < length) ends[1] = begin + high / length * way;
+  if (low > 0 && low < length) ends[0] = begin + low / length * way;
+}
+
 }  // namespace
 
 void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
   statics_[number] = shape;
-  if (hull != nullptr) {
-    if (free_hulls_.empty()) {
-      statics_[number].hull = static_cast<std::uint32_t>(hulls_.size());
-      hulls_.push_back(*hull);
-    } else {
-      statics_[number].hull = free_hulls_.back();
-      free_hulls_.pop_back();
-      hulls_[statics_[number].hull] = *hull;
-    }
-  }
   ++alive_;
+  if (hull == nullptr) return;
+  std::uint32_t& at = statics_[number].hull;
+  if (free_hulls_.empty()) {
+    at = static_cast<std::uint32_t>(hulls_.size());
+    hulls_.push_back(*hull);
+  } else {
+    at = free_hulls_.back();
+    free_hulls_.pop_back();
+    hulls_[at] = *hull;
+  }
 }
 
 std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
@@ -65,82 +76,56 @@ void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
   const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
-  const double round = 2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+  const double round = 2 * px + 2 * py + size_of(s);
   const auto half = [&](std::int32_t way, double pitch) {
     return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
   };
   grid.insert(number, wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py));
 }
 
+// The reverse of put().
+void StaticShapes::drop(std::uint32_t number) {
+  statics_[number].alive = false;
+  if (statics_[number].whole) free_hulls_.push_back(statics_[number].hull);
+  --alive_;
+}
+
 void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
   for (std::uint32_t k = first; k < first + count; ++k) {
-    statics_[k].alive = false;
-    if (statics_[k].whole) free_hulls_.push_back(statics_[k].hull);
+    drop(k);
     sleepers_.remove(k);
-    --alive_;
   }
   left_.emplace_back(first, count);
 }
 
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
-  for (std::uint32_t i = first; i < count_ && statics_[i].owner == owner && statics_[i].alive; ++i) {
-    statics_[i].alive = false;
-    if (statics_[i].whole) free_hulls_.push_back(statics_[i].hull);
-    --alive_;
-  }
+  for (std::uint32_t i = first; i < count_ && statics_[i].owner == owner && statics_[i].alive; ++i) drop(i);
   dirty_ = true;
 }
-
-namespace {
-
-void cut_to(double ends[2][2], double size) {
-  const double ux = ends[1][0] - ends[0][0], uy = ends[1][1] - ends[0][1];
-  const double length = std::sqrt(ux * ux + uy * uy);
-  if (!(length > 2 * size)) return;
-  const double along = -(ends[0][0] * ux + ends[0][1] * uy) / length;  // of the body on the line
-  const double low = along - size, high = along + size;
-  const double x = ends[0][0], y = ends[0][1];
-  if (high > 0 && high < length) {
-    ends[1][0] = x + ux * (high / length);
-    ends[1][1] = y + uy * (high / length);
-  }
-  if (low > 0 && low < length) {
-    ends[0][0] = x + ux * (low / length);
-    ends[0][1] = y + uy * (low / length);
-  }
-}
-
-}  // namespace
 
 Hull StaticShapes::seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size, float rest_x,
                              float rest_y) const {
   const StaticShape& s = statics_[i];
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
-  const auto off = [](std::int32_t a, std::int32_t b, float da, float db, double pitch) {
-    return wrap_sub(a, b) * pitch + (static_cast<double>(da) - static_cast<double>(db));
-  };
-  const double at_x = off(s.p.x, x, s.p.dx, rest_x, px), at_y = off(s.p.y, y, s.p.dy, rest_y, py);
+  const LatticePoint from{x, y, rest_x, rest_y};
+  Vec2 ends[2] = {lattice_->way(from, s.p), {}};
   Hull hull;
   if (s.whole) {
     hull = hulls_[s.hull];
     for (int k = 0; k < hull.count; ++k) {
-      hull.x[k] = static_cast<float>(static_cast<double>(hull.x[k]) + at_x);
-      hull.y[k] = static_cast<float>(static_cast<double>(hull.y[k]) + at_y);
+      hull.x[k] = static_cast<float>(static_cast<double>(hull.x[k]) + ends[0].x);
+      hull.y[k] = static_cast<float>(static_cast<double>(hull.y[k]) + ends[0].y);
     }
     return hull;
   }
   hull.radius = s.radius;
-  hull.count = 1;
-  double ends[2][2] = {{at_x, at_y}, {0, 0}};
+  hull.count = s.segment ? 2 : 1;
   if (s.segment) {
-    hull.count = 2;
-    ends[1][0] = off(s.q.x, x, s.q.dx, rest_x, px);
-    ends[1][1] = off(s.q.y, y, s.q.dy, rest_y, py);
+    ends[1] = lattice_->way(from, s.q);
     cut_to(ends, size);
   }
   for (int k = 0; k < hull.count; ++k) {
-    hull.x[k] = static_cast<float>(ends[k][0]);
-    hull.y[k] = static_cast<float>(ends[k][1]);
+    hull.x[k] = static_cast<float>(ends[k].x);
+    hull.y[k] = static_cast<float>(ends[k].y);
   }
   finish_hull(hull);
   return hull;
@@ -168,8 +153,7 @@ void StaticShapes::box_of(const StaticShape& s, double box[4]) const {
   const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
   const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
   const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
-  const double size = static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
-  const double r = size + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
   box[0] = std::fmin(px, qx) - r;
   box[1] = std::fmax(px, qx) + r;
   box[2] = std::fmin(py, qy) - r;
@@ -323,10 +307,13 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
     box_of(statics_[i], box);
     return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
   };
+  // Drops those of the shapes found since `begin` that the test names.
+  const auto drop = [&out](std::size_t begin, const auto& test) {
+    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), test), out.end());
+  };
   if (!standing_.empty()) {
     standing_.near(x, y, steps(px), steps(py), out);
-    const auto far = [&](std::uint32_t i) { return apart(i) || beside(statics_[i], mx, my, r); };
-    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), far), out.end());
+    drop(from, [&](std::uint32_t i) { return apart(i) || beside(statics_[i], mx, my, r); });
   } else if (in_grid()) {
     std::int64_t range[4];
     cells_of(mx - r, mx + r, my - r, my + r, range);
@@ -336,22 +323,20 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
         out.insert(out.end(), cell_shape_.data() + cell_start_[cell], cell_shape_.data() + cell_start_[cell + 1]);
       }
     }
-    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(from), out.end(), apart), out.end());
+    drop(from, apart);
   }
   if (!sleepers_.empty()) {
-    const std::size_t resting = out.size();
+    const std::size_t standing = out.size();
     sleepers_.near(x, y, steps(px), steps(py), out);
-    // Distances are taken from the body, since in a periodic world a shape may lie beyond the seam.
-    const auto away = [&](std::uint32_t i) {
+    drop(standing, [&](std::uint32_t i) {  // as seen from the body: in a periodic world one may lie beyond the seam
       const StaticShape& s = statics_[i];
       if (!whole_wanted_ && s.whole) return true;
       const double ax = wrap_sub(s.p.x, x) * px, ay = wrap_sub(s.p.y, y) * py;
       const double bx = s.segment ? ax + wrap_sub(s.q.x, s.p.x) * px : ax;
       const double by = s.segment ? ay + wrap_sub(s.q.y, s.p.y) * py : ay;
-      const double far = r + 2 * px + 2 * py + static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius);
+      const double far = r + 2 * px + 2 * py + size_of(s);
       return std::fmin(ax, bx) > far || std::fmax(ax, bx) < -far || std::fmin(ay, by) > far || std::fmax(ay, by) < -far;
-    };
-    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(resting), out.end(), away), out.end());
+    });
   }
   const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
   if (out.end() - first < 2) return;

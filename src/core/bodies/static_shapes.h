@@ -73,8 +73,7 @@ class StaticShapes {
     int shift = 0;
     for (double r = lattice.pitch_x() / lattice.pitch_y(); r >= 1.5; r /= 2) ++shift;
     for (double r = lattice.pitch_x() / lattice.pitch_y(); r <= 0.75; r *= 2) --shift;
-    sleepers_.set_shape(shift);
-    standing_.set_shape(shift);
+    for (HashGrid* grid : {&sleepers_, &standing_}) grid->set_shape(shift);
   }
 
   /// For saved states (describe_statics.cpp); behind the bodies. Those that are read wait for the sleepers.
@@ -108,7 +107,6 @@ class StaticShapes {
   /// The segment that goes on from the end q of a chain's segment (`forward`), or that ends in its p; or null.
   const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
   bool any() const { return alive_ != 0; }
-  bool any_asleep() const { return !sleepers_.empty(); }
   /// Whether near() finds whole polygons. Nothing needs them while no moving body has corners.
   void find_whole(bool wanted) { whole_wanted_ = wanted; }
 
@@ -133,7 +131,9 @@ class StaticShapes {
   void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
   void box_of(const StaticShape& s, double box[4]) const;
   void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
+  void drop(std::uint32_t number);
   void enter(HashGrid& grid, std::uint32_t number) const;
+  double size_of(const StaticShape& s) const { return static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius); }
   bool beside(const StaticShape& s, double x, double y, double reach) const;
 
   Column<std::uint32_t> cell_start_, cell_shape_;

@@ -1,5 +1,5 @@
-// Numbers of bodies by kind: what the plan of a world is decided from (step/plan.h). Population counts the bodies, the
-// world fills in the rest.
+// What the plan of a world is decided from (step/plan.h). Population counts the bodies by kind, the world fills in the
+// rest.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace psim {
 
-struct Traits {
+struct BodyCounts {
   std::uint64_t moving = 0;           ///< dynamic and kinematic bodies
   std::uint64_t discs = 0;            ///< moving plain discs: their contacts have kernels of their own
   std::uint64_t kinematic_discs = 0;  ///< kinematic plain discs
@@ -27,6 +27,10 @@ struct Traits {
   std::uint64_t filtered = 0;  ///< bodies that do not collide with all others
   std::uint64_t sensors = 0;
   std::uint64_t bullets = 0;
+  friend bool operator==(const BodyCounts&, const BodyCounts&) = default;
+};
+
+struct Traits : BodyCounts {
   std::uint64_t joints = 0;
   bool exclusions = false;  ///< some joined bodies do not collide
   bool turning = false;     ///< some body has an angle or an angular velocity

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/margin.h"
+#include "bodies/body_store.h"
 
 namespace psim {
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace psim {
 namespace {
@@ -21,6 +22,10 @@ struct Vec {
   float x, y;
 };
 
+Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
+Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
+Vec operator-(Vec a) { return {-a.x, -a.y}; }
+Vec operator*(float f, Vec a) { return {f * a.x, f * a.y}; }
 Vec rotate(Rotor q, Vec v) { return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y}; }
 Vec unrotate(Rotor q, Vec v) { return {q.c * v.x + q.s * v.y, q.c * v.y - q.s * v.x}; }
 float dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
@@ -112,12 +117,8 @@ inline Clip clip(const Core& reference, int edge, const Core& incident) {
   int low = incident.next(c.facing), high = c.facing;
   float s0 = dot(c.tangent, incident.vertex(low)), s1 = dot(c.tangent, incident.vertex(high));
   if (s0 > s1) {
-    const float s = s0;
-    s0 = s1;
-    s1 = s;
-    const int v = low;
-    low = high;
-    high = v;
+    std::swap(s0, s1);
+    std::swap(low, high);
   }
   const float h0 = dot(c.normal, incident.vertex(low)) - c.offset;
   const float h1 = dot(c.normal, incident.vertex(high)) - c.offset;
@@ -148,6 +149,13 @@ inline void add_point(const Pair& p, Vec at, float gap, int feature, Manifold& m
   m.point[m.count++] = {b.x + p.d.x, b.y + p.d.y, b.x, b.y, gap, static_cast<std::uint16_t>(feature)};
 }
 
+/// `normal` goes from A to B.
+inline void set_normal(const Pair& p, Vec normal, Manifold& m) {
+  const Vec world = rotate(p.frame, normal);
+  m.nx = world.x;
+  m.ny = world.y;
+}
+
 /// Features: 0, an edge of A and a vertex of B; 1, an edge of B and a vertex of A; 2, vertices of A
 /// and B. The vertex is the end of the incident edge, even where a corner of the reference edge is nearer:
 /// otherwise boxes of the same width on each other would change names all the time.
@@ -156,10 +164,8 @@ inline int feature_of(int kind, int first, int second) { return kind << 6 | firs
 inline void face_points(const Pair& p, const Clip& c, bool of_b, Manifold& m) {
   const float radius = p.a.radius + p.b.radius;
   const float ahead = of_b ? p.b.radius - p.a.radius : p.a.radius - p.b.radius;
-  const Vec n = of_b ? Vec{-c.normal.x, -c.normal.y} : c.normal;
-  const Vec world = rotate(p.frame, n);
-  m.nx = world.x;
-  m.ny = world.y;
+  const Vec n = of_b ? -c.normal : c.normal;
+  set_normal(p, n, m);
   // Nearly parallel edges have the same names, whichever of them is the reference.
   const bool renamed = of_b && dot(n, p.a.normal(c.facing)) > 0.95f;
   const auto add = [&](int end) {
@@ -167,8 +173,8 @@ inline void face_points(const Pair& p, const Clip& c, bool of_b, Manifold& m) {
     if (!(gap <= p.margin)) return;
     int feature = feature_of(of_b ? 1 : 0, c.edge, c.vertex[end]);
     if (renamed) feature = feature_of(0, c.facing, c.ends[end]);
-    const float height = c.offset + 0.5f * (c.h[end] + ahead), t = c.t[end];
-    add_point(p, {c.normal.x * height + c.tangent.x * t, c.normal.y * height + c.tangent.y * t}, gap, feature, m);
+    const float height = c.offset + 0.5f * (c.h[end] + ahead);
+    add_point(p, height * c.normal + c.t[end] * c.tangent, gap, feature, m);
   };
   if (!(c.t[1] - c.t[0] > kPreference * p.size)) {
     add(c.h[1] < c.h[0] ? 1 : 0);
@@ -181,11 +187,8 @@ inline void face_points(const Pair& p, const Clip& c, bool of_b, Manifold& m) {
 /// Makes one point, midway between the surfaces, from a point of the core of B. `normal` goes from A to B.
 inline void one_point(const Pair& p, Vec normal, Vec on_b, float gap, int feature, Manifold& m) {
   if (!(gap <= p.margin)) return;
-  const Vec world = rotate(p.frame, normal);
-  m.nx = world.x;
-  m.ny = world.y;
-  const float back = p.b.radius + 0.5f * gap;
-  add_point(p, {on_b.x - normal.x * back, on_b.y - normal.y * back}, gap, feature, m);
+  set_normal(p, normal, m);
+  add_point(p, on_b - (p.b.radius + 0.5f * gap) * normal, gap, feature, m);
 }
 
 /// Finds the nearest two ends of an edge of A and one of B. Fails if the cores come nearer elsewhere.
@@ -194,19 +197,18 @@ inline bool vertex_point(const Pair& p, Vec normal, const int ends_a[2], const i
   int va = ends_a[0], vb = ends_b[0];
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
-      const float x = p.b.x[ends_b[j]] - p.a.x[ends_a[i]], y = p.b.y[ends_b[j]] - p.a.y[ends_a[i]];
-      const float square = x * x + y * y;
-      if (square < least) {
-        least = square;
-        va = ends_a[i];
-        vb = ends_b[j];
-      }
+      const Vec way = p.b.vertex(ends_b[j]) - p.a.vertex(ends_a[i]);
+      if (!(dot(way, way) < least)) continue;
+      least = dot(way, way);
+      va = ends_a[i];
+      vb = ends_b[j];
     }
   }
   const float distance = std::sqrt(least);
   const Vec from = p.a.vertex(va), to = p.b.vertex(vb);
   if (distance > kNoise * p.size) {
-    normal = {(to.x - from.x) / distance, (to.y - from.y) / distance};
+    const Vec way = to - from;
+    normal = {way.x / distance, way.y / distance};
     // The line between two points is the shortest if each is the farthest of its core along the line.
     float front = dot(normal, from), rear = dot(normal, to);
     for (int k = 0; k < p.a.count; ++k) {
@@ -234,20 +236,18 @@ inline void search_point(const Pair& p, Vec normal, Manifold& m) {
     const Core& vertices = kind == 0 ? p.b : p.a;
     for (int k = 0; k < edges.count; ++k) {
       const Vec start = edges.vertex(k), end = edges.vertex(edges.next(k));
-      const Vec edge{end.x - start.x, end.y - start.y};
+      const Vec edge = end - start;
       const float square = dot(edge, edge);
       for (int j = 0; j < vertices.count; ++j) {
         const Vec v = vertices.vertex(j);
-        const float share = dot({v.x - start.x, v.y - start.y}, edge) / (square > 0 ? square : 1);
-        const float at = std::fmin(std::fmax(share, 0.0f), 1.0f);
-        const Vec foot{start.x + at * edge.x, start.y + at * edge.y};
-        const Vec gap{v.x - foot.x, v.y - foot.y};
-        if (dot(gap, gap) < least) {
-          least = dot(gap, gap);
-          step = kind == 0 ? gap : Vec{-gap.x, -gap.y};
-          on_b = kind == 0 ? v : foot;
-          feature = feature_of(kind, k, j);
-        }
+        const float share = dot(v - start, edge) / (square > 0 ? square : 1);
+        const Vec foot = start + std::fmin(std::fmax(share, 0.0f), 1.0f) * edge;
+        const Vec gap = v - foot;
+        if (!(dot(gap, gap) < least)) continue;
+        least = dot(gap, gap);
+        step = kind == 0 ? gap : -gap;
+        on_b = kind == 0 ? v : foot;
+        feature = feature_of(kind, k, j);
       }
     }
   }
@@ -263,15 +263,14 @@ inline void deepest_point(const Pair& p, const Clip& c, bool of_b, Manifold& m) 
   float least = kFar;
   for (int k = 0; k < core.count; ++k) {
     const float along = dot(c.normal, core.vertex(k));
-    if (along < least) {
-      least = along;
-      deepest = k;
-    }
+    if (!(along < least)) continue;
+    least = along;
+    deepest = k;
   }
   const float depth = least - c.offset;
   Vec on_b = core.vertex(deepest);
-  if (of_b) on_b = {on_b.x - c.normal.x * depth, on_b.y - c.normal.y * depth};
-  one_point(p, of_b ? Vec{-c.normal.x, -c.normal.y} : c.normal, on_b, depth - (p.a.radius + p.b.radius),
+  if (of_b) on_b = on_b - depth * c.normal;
+  one_point(p, of_b ? -c.normal : c.normal, on_b, depth - (p.a.radius + p.b.radius),
             feature_of(of_b ? 1 : 0, c.edge, deepest), m);
 }
 
@@ -328,7 +327,7 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
   } else if (most < -p.noise) {
     deepest_point(p, c, use_b, m);
   } else {
-    const Vec normal = use_b ? Vec{-c.normal.x, -c.normal.y} : c.normal;
+    const Vec normal = use_b ? -c.normal : c.normal;
     if (!vertex_point(p, normal, use_b ? c.vertex : c.ends, use_b ? c.ends : c.vertex, m)) {
       search_point(p, normal, m);
     }
@@ -346,10 +345,9 @@ inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rot
   int edge = 0;
   for (int k = 0; hull.count > 1 && k < hull.count; ++k) {
     const float separation = hull.nx[k] * (v.x - hull.x[k]) + hull.ny[k] * (v.y - hull.y[k]);
-    if (separation > distance) {
-      distance = separation;
-      edge = k;
-    }
+    if (!(separation > distance)) continue;
+    distance = separation;
+    edge = k;
   }
   Manifold m;
   if (distance > radius + margin) return m;
@@ -398,19 +396,13 @@ inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, fl
     }
     return m;
   }
-  switch (a.count << 4 | b.count) {  // common pairs have unrolled loops
-    case 0x44:
-      return collide_cores<4, 4>(a, qa, b, qb, {dx, dy}, margin, preference);
-    case 0x24:
-      return collide_cores<2, 4>(a, qa, b, qb, {dx, dy}, margin, preference);
-    case 0x42:
-      return collide_cores<4, 2>(a, qa, b, qb, {dx, dy}, margin, preference);
-    case 0x22:
-      return collide_cores<2, 2>(a, qa, b, qb, {dx, dy}, margin, preference);
-    default:
-      break;
-  }
-  return collide_cores<0, 0>(a, qa, b, qb, {dx, dy}, margin, preference);
+  const Vec d{dx, dy};
+  const int counts = a.count << 4 | b.count;  // common pairs have unrolled loops
+  if (counts == 0x44) return collide_cores<4, 4>(a, qa, b, qb, d, margin, preference);
+  if (counts == 0x24) return collide_cores<2, 4>(a, qa, b, qb, d, margin, preference);
+  if (counts == 0x42) return collide_cores<4, 2>(a, qa, b, qb, d, margin, preference);
+  if (counts == 0x22) return collide_cores<2, 2>(a, qa, b, qb, d, margin, preference);
+  return collide_cores<0, 0>(a, qa, b, qb, d, margin, preference);
 }
 
 }  // namespace

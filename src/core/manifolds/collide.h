@@ -4,14 +4,10 @@
 
 #include <cstdint>
 
+#include "base/rotor.h"
 #include "bodies/hull.h"
 
 namespace psim {
-
-/// A rotation: cosine and sine.
-struct Rotor {
-  float c = 1, s = 0;
-};
 
 struct ManifoldPoint {
   float ax = 0, ay = 0;       ///< m: from A's centre, world axes, midway between the surfaces

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/margin.h"
+#include "bodies/body_store.h"
 #include "manifolds/collide_batch.h"
 #include "manifolds/manifolds.h"
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/tasks.h"
 #include "manifolds/stacks.h"
 
 namespace psim {
@@ -27,17 +28,12 @@ bool touch(const BodyStore& b, const ManifoldPair& pair) {
 // Whether the bodies of a link move against each other by more than gravity adds in a step, about. A direct solve would
 // throw bodies about that rock on each other.
 bool rocks(const BodyStore& b, const ManifoldPair& pair, double g, double dt) {
-  const auto motion = [&](std::uint32_t slot) {
-    if (slot == ManifoldPair::kNone) return Vec2{};
-    return Vec2{static_cast<double>(b.vel[2 * std::size_t{slot}]),
-                static_cast<double>(b.vel[2 * std::size_t{slot} + 1])};
-  };
-  const auto turning = [&](std::uint32_t slot) {
-    return slot == ManifoldPair::kNone ? 0 : std::fabs(static_cast<double>(b.rim_speed[slot]));
-  };
-  const Vec2 va = motion(pair.a), vb = motion(pair.b);
   if (pair.manifold.count != 2) return false;
-  return std::hypot(vb.x - va.x, vb.y - va.y) + turning(pair.a) + turning(pair.b) >
+  const bool fixed = pair.a == ManifoldPair::kNone;
+  const Vec2 moves = b.velocity(pair.b) - (fixed ? Vec2{} : b.velocity(pair.a));
+  const double turns_a = fixed ? 0 : std::fabs(static_cast<double>(b.rim_speed[pair.a]));
+  const double turns_b = std::fabs(static_cast<double>(b.rim_speed[pair.b]));
+  return std::hypot(moves.x, moves.y) + turns_a + turns_b >
          (pair.was_stack == ManifoldPair::kLoose ? kCalm : kShaken) * g * dt;
 }
 
@@ -79,14 +75,7 @@ void Stacks::find_supports(const BodyStore& b, const Manifolds& manifolds, Vec2 
     return -(gravity.x * static_cast<double>(pair.manifold.nx) + gravity.y * static_cast<double>(pair.manifold.ny)) / g;
   };
   standing_.resize(std::max<std::size_t>(standing_.size(), b.count));
-  const auto each_strip = [&](const auto& visit) {  // no two jobs of a phase share a body
-    const std::size_t grid = table.strips.size() - 1;
-    for (std::size_t parity = 0; parity < 2; ++parity) {
-      pool.run((grid + 1 - parity) / 2, [&](std::size_t k) { visit(2 * k + parity); });
-    }
-    visit(grid);
-  };
-  each_strip([&](std::size_t strip) {
+  run_phases(table.strips.size(), pool, [&](std::size_t strip) {
     for (const std::uint32_t k : manifolds.active_of(strip)) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       standing_[pair.b] = {};
@@ -94,7 +83,7 @@ void Stacks::find_supports(const BodyStore& b, const Manifolds& manifolds, Vec2 
     }
   });
   for (const std::uint32_t slot : manifolds.shaped()) standing_[slot] = {};
-  each_strip([&](std::size_t strip) {
+  run_phases(table.strips.size(), pool, [&](std::size_t strip) {
     for (const std::uint32_t k : manifolds.active_of(strip)) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       if (!(g > 0) || !touch(b, pair)) continue;
@@ -148,7 +137,7 @@ bool Stacks::follow_down(const BodyStore& b, const Manifolds& manifolds, std::ui
   run_.clear();
   bool steep = false;
   for (std::uint32_t slot = top; slot != kNone && standing_[slot].link;) {
-    Link link;
+    StackLink link;
     link.pair = standing_[slot].on;
     const ManifoldPair& pair = manifolds.pairs()[link.pair];
     link.b_above = pair.b == slot;
@@ -175,7 +164,7 @@ void Stacks::add_stack(const BodyStore& b, Manifolds& manifolds, std::size_t beg
 }
 
 void Stacks::place(const Manifolds& manifolds) {
-  for (Link& link : links_) {
+  for (StackLink& link : links_) {
     link.lane = manifolds.pairs()[link.pair].lane;
     link.strip = static_cast<std::uint32_t>(manifolds.strip_of(link.pair));
   }

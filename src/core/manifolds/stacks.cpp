@@ -21,10 +21,12 @@ double least(double a, double b) { return a < b ? a : b; }
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-}  // namespace
+ManifoldBlock& block_of(Manifolds& manifolds, const StackLink& link) {
+  return manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+}
 
-inline Stacks::Factor Stacks::factor_of(const double s[3][3]) {
-  Factor f;
+inline StackFactor factor_of(const double s[3][3]) {
+  StackFactor f;
   for (int k = 0; k < 3; ++k) f.scale[k] = s[k][k] > 0 ? 1 / std::sqrt(s[k][k]) : 0;
   const auto at = [&](int i, int j) { return s[i][j] * f.scale[i] * f.scale[j]; };
   const auto pivot = [](double value) { return value > kPivot ? 1 / value : 0; };
@@ -40,7 +42,7 @@ inline Stacks::Factor Stacks::factor_of(const double s[3][3]) {
 
 // Solves S x = b in place, for N right sides at once. A row whose pivot vanishes gives 0.
 template <int N>
-inline void Stacks::solve(const Factor& f, double (&x)[3][N]) {
+inline void solve_block(const StackFactor& f, double (&x)[3][N]) {
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < N; ++j) x[k][j] *= f.scale[k];
   }
@@ -57,8 +59,8 @@ inline void Stacks::solve(const Factor& f, double (&x)[3][N]) {
 }
 
 // Reads the parts of a link that stay the same within a step: rows and blocks.
-void Stacks::read_step(Manifolds& manifolds, Link& link) {
-  const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+void read_step(Manifolds& manifolds, StackLink& link) {
+  const ManifoldBlock& c = block_of(manifolds, link);
   const std::uint32_t l = link.lane % kernels::kBlock;
   const auto d = [](float value) { return static_cast<double>(value); };
   const double nx = d(c.nx[l]), ny = d(c.ny[l]), sign = link.b_above ? 1 : -1;
@@ -93,11 +95,11 @@ void Stacks::read_step(Manifolds& manifolds, Link& link) {
       link.a[i][j] = (wu + wl) * along + gu * link.up[i] * link.up[j] + gl * link.low[i] * link.low[j];
     }
   }
-  for (Reduced& reduced : link.reduced) reduced.rows = Reduced().rows;
+  for (ReducedLink& reduced : link.reduced) reduced.rows = ReducedLink().rows;
 }
 
 // The coupling with the link below, through the body that is the upper one there and the lower one here.
-void Stacks::couple(Link& link, const Link& under) {
+void couple(StackLink& link, const StackLink& under) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       link.full[i][j] =
@@ -107,9 +109,9 @@ void Stacks::couple(Link& link, const Link& under) {
 }
 
 // Finds which rows are active, and the residuals.
-inline void Stacks::read(const kernels::BodyView& v, Manifolds& manifolds, const kernels::ContactParams& p,
-                         double gravity, bool soft, Link& link) {
-  const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+inline void read_rows(const kernels::BodyView& v, Manifolds& manifolds, const kernels::ContactParams& p, double gravity,
+                      bool soft, StackLink& link) {
+  const ManifoldBlock& c = block_of(manifolds, link);
   const std::uint32_t l = link.lane % kernels::kBlock;
   const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const auto d = [](float value) { return static_cast<double>(value); };
@@ -145,13 +147,13 @@ inline void Stacks::read(const kernels::BodyView& v, Manifolds& manifolds, const
 }
 
 // Eliminates links from the free top down, starting with the first one whose active rows changed since the last time.
-void Stacks::reduce(Link* links, std::uint32_t n, bool soft) {
+void reduce(StackLink* links, std::uint32_t n, bool soft) {
   std::uint32_t fresh = n;  // the links below this one must be done
   while (fresh > 0 && links[fresh - 1].reduced[soft].rows == links[fresh - 1].rows) --fresh;
   if (fresh == 0) return;
   for (std::uint32_t k = std::min(fresh + 1, n); k-- > 0;) {
-    Link& link = links[k];
-    Reduced& reduced = link.reduced[soft];
+    StackLink& link = links[k];
+    ReducedLink& reduced = link.reduced[soft];
     if (k < fresh) {
       double s[3][3];
       for (int i = 0; i < 3; ++i) {
@@ -159,7 +161,7 @@ void Stacks::reduce(Link* links, std::uint32_t n, bool soft) {
         if (link.active(i)) s[i][i] += link.compliance(i);
       }
       if (k + 1 < n) {
-        const Link& over = links[k + 1];
+        const StackLink& over = links[k + 1];
         for (int m = 0; m < 3; ++m) {
           for (int i = 0; i < 3; ++i) {
             const double o = over.coupling(m, i, link);
@@ -174,42 +176,15 @@ void Stacks::reduce(Link* links, std::uint32_t n, bool soft) {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) reduced.m[i][j] = link.coupling(i, j, links[k - 1]);
     }
-    const Factor factor = reduced.factor;
-    solve(factor, reduced.m);
+    const StackFactor factor = reduced.factor;
+    solve_block(factor, reduced.m);
   }
 }
 
-void Stacks::solve_one(const kernels::BodyView& v, Manifolds& manifolds, const kernels::ContactParams& p,
-                       double gravity, bool soft, Stack& stack) {
-  Link* const links = links_.data() + stack.first;
-  const std::uint32_t n = stack.count;
-  if (!stack.read) {
-    for (std::uint32_t k = 0; k < n; ++k) {
-      read_step(manifolds, links[k]);
-      if (k > 0) couple(links[k], links[k - 1]);
-    }
-    stack.read = true;
-  }
-  for (std::uint32_t k = 0; k < n; ++k) {
-    read(v, manifolds, p, gravity, soft, links[k]);
-    for (int i = 0; i < 3; ++i) links[k].right[i] = links[k].active(i) ? links[k].r[i] : 0;
-  }
-  reduce(links, n, soft);
-  substitute(links, n, soft);
-  double fall = 0, bend = 0;
-  bound_step(manifolds, links, n, fall, bend);
-  const double step = bend > 0 ? least(most(fall / bend, 0), 1) : 0;
-  for (std::uint32_t k = 0; k < n; ++k) {
-    Link& link = links[k];
-    if (step < kGoodStep && bend > 0) manifolds.pair(link.pair).rest_frames = kRestFrames;
-    apply(v, manifolds, link, step);
-  }
-}
-
-void Stacks::substitute(Link* links, std::uint32_t n, bool soft) {
+void substitute(StackLink* links, std::uint32_t n, bool soft) {
   // The right side is reduced from the top down; then the unknowns follow from the bottom up.
   for (std::uint32_t k = n; k-- > 1;) {
-    const Link& link = links[k];
+    const StackLink& link = links[k];
     double* const right = links[k - 1].right;
     const auto& m = link.reduced[soft].m;
     for (int j = 0; j < 3; ++j) {
@@ -217,10 +192,10 @@ void Stacks::substitute(Link* links, std::uint32_t n, bool soft) {
     }
   }
   for (std::uint32_t k = 0; k < n; ++k) {
-    Link& link = links[k];
+    StackLink& link = links[k];
     double x[3][1] = {{link.right[0]}, {link.right[1]}, {link.right[2]}};
-    const Factor factor = link.reduced[soft].factor;
-    solve(factor, x);
+    const StackFactor factor = link.reduced[soft].factor;
+    solve_block(factor, x);
     for (int i = 0; i < 3; ++i) link.d[i] = x[i][0];
   }
   for (std::uint32_t k = 1; k < n; ++k) {
@@ -231,10 +206,10 @@ void Stacks::substitute(Link* links, std::uint32_t n, bool soft) {
 
 // d is minus the step. The step stays within the bounds and goes no further than the quadratic form falls along it:
 // `fall` and `bend` are the slope and the curvature of that form.
-void Stacks::bound_step(Manifolds& manifolds, Link* links, std::uint32_t n, double& fall, double& bend) {
+void bound_step(Manifolds& manifolds, StackLink* links, std::uint32_t n, double& fall, double& bend) {
   for (std::uint32_t k = 0; k < n; ++k) {
-    Link& link = links[k];
-    const ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+    StackLink& link = links[k];
+    const ManifoldBlock& c = block_of(manifolds, link);
     const std::uint32_t l = link.lane % kernels::kBlock;
     double pressed = 0, rubbed = 0;
     for (int i = 0; i < 2; ++i) {
@@ -255,8 +230,8 @@ void Stacks::bound_step(Manifolds& manifolds, Link* links, std::uint32_t n, doub
   }
 }
 
-void Stacks::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link& link, double step) {
-  ManifoldBlock& c = manifolds.strip(link.strip).blocks[link.lane / kernels::kBlock];
+void apply(const kernels::BodyView& v, Manifolds& manifolds, const StackLink& link, double step) {
+  ManifoldBlock& c = block_of(manifolds, link);
   const std::uint32_t l = link.lane % kernels::kBlock;
   const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const std::size_t upper = link.b_above ? b : a, lower = link.b_above ? a : b;
@@ -287,6 +262,35 @@ void Stacks::apply(const kernels::BodyView& v, Manifolds& manifolds, const Link&
   if (points == 0) return;
   for (int i = 0; i < 2; ++i) {
     if (c.point[i].impulse[l] > 0) add(c.point[i].friction[l], step * link.d[2] / points);
+  }
+}
+
+}  // namespace
+
+void Stacks::solve_one(const kernels::BodyView& v, Manifolds& manifolds, const kernels::ContactParams& p,
+                       double gravity, bool soft, Stack& stack) {
+  StackLink* const links = links_.data() + stack.first;
+  const std::uint32_t n = stack.count;
+  if (!stack.read) {
+    for (std::uint32_t k = 0; k < n; ++k) {
+      read_step(manifolds, links[k]);
+      if (k > 0) couple(links[k], links[k - 1]);
+    }
+    stack.read = true;
+  }
+  for (std::uint32_t k = 0; k < n; ++k) {
+    read_rows(v, manifolds, p, gravity, soft, links[k]);
+    for (int i = 0; i < 3; ++i) links[k].right[i] = links[k].active(i) ? links[k].r[i] : 0;
+  }
+  reduce(links, n, soft);
+  substitute(links, n, soft);
+  double fall = 0, bend = 0;
+  bound_step(manifolds, links, n, fall, bend);
+  const double step = bend > 0 ? least(most(fall / bend, 0), 1) : 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    StackLink& link = links[k];
+    if (step < kGoodStep && bend > 0) manifolds.pair(link.pair).rest_frames = kRestFrames;
+    apply(v, manifolds, link, step);
   }
 }
 

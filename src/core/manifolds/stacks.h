@@ -23,6 +23,43 @@ namespace psim {
 /// A contact carries weight if the |cosine| between its normal and gravity is larger.
 constexpr double kSupport = 0.5;
 
+/// Frames for which a link stays an ordinary contact after an impact or a short step.
+constexpr std::uint8_t kRestFrames = 8;
+
+/// The factors L D L^T of a symmetric S that is scaled to a unit diagonal.
+struct StackFactor {
+  double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};
+};
+/// A link after those above it were eliminated, for the rows that were active. It is valid while these rows stay
+/// active.
+struct ReducedLink {
+  unsigned rows = 0xFF;  // bits 1, 2, 4: active; 8, 16: with compliance; 0xFF: nothing is known yet
+  StackFactor factor;    // factors of the block
+  double m[3][3] = {};   // its inverse times the coupling with the link below
+};
+/// A 3 x 3 problem: two normals and one friction row.
+struct StackLink {
+  std::uint32_t pair = 0, strip = 0, lane = 0;
+  bool b_above = false;  // B stands on A
+  double closed = 0;     // m: a solve may close this gap
+  // The same for all solves of a step:
+  double dx[3] = {}, dy[3] = {};          // direction of each row, for the upper body
+  double up[3] = {}, low[3] = {};         // lever arm of each row, for the upper and the lower body
+  double wu = 0, gu = 0, wl = 0, gl = 0;  // inverse mass and R^2 / I of the two
+  double an = 0, bn = 0;                  // arm of the friction row
+  double a[3][3] = {}, soft[2] = {};      // own block; compliance of the normals
+  double full[3][3] = {};                 // coupling with the link below
+  ReducedLink reduced[2];                 // rigid, soft
+  // In one solve:
+  unsigned rows = 0;  // as in ReducedLink
+  double r[3] = {}, right[3] = {}, d[3] = {};
+  bool active(int row) const { return (rows >> row & 1u) != 0; }
+  double compliance(int row) const { return row < 2 && (rows >> (3 + row) & 1u) != 0 ? soft[row] : 0; }
+  double coupling(int row, int below, const StackLink& under) const {
+    return active(row) && under.active(below) ? full[row][below] : 0;
+  }
+};
+
 class Stacks {
  public:
   /// Finds the stacks among the pairs as they are now, and tells the pairs (ManifoldPair::stack)
@@ -34,12 +71,7 @@ class Stacks {
     links_.clear();
   }
   /// Gives the memory back. There are no shapes that could stand on each other.
-  void release() {
-    std::vector<Stack>().swap(stacks_);
-    std::vector<Link>().swap(links_);
-    std::vector<Link>().swap(run_);
-    std::vector<Standing>().swap(standing_);
-  }
+  void release() { *this = Stacks(); }
   bool any() const { return !stacks_.empty(); }
   std::size_t link_count() const { return stacks_.empty() ? 0 : links_.size(); }
 
@@ -61,13 +93,11 @@ class Stacks {
              bool soft, WorkerPool& pool);
 
   std::size_t bytes() const {
-    return (links_.capacity() + run_.capacity()) * sizeof(Link) + stacks_.capacity() * sizeof(Stack) +
+    return (links_.capacity() + run_.capacity()) * sizeof(StackLink) + stacks_.capacity() * sizeof(Stack) +
            standing_.capacity() * sizeof(Standing);
   }
 
  private:
-  /// Frames for which a link stays an ordinary contact after an impact or a short step.
-  static constexpr std::uint8_t kRestFrames = 8;
   static constexpr std::uint32_t kNone = ManifoldPair::kNone;
 
   // The contacts on which a body stands, and those that it carries.
@@ -77,39 +107,6 @@ class Stacks {
     float support = 0, side = 0;         // impulses
     bool link = false;                   // the body is the upper one of a link
     bool carries = false;                // the body is the lower one of a link
-  };
-  // The factors L D L^T of a symmetric S that is scaled to a unit diagonal.
-  struct Factor {
-    double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};
-  };
-  // A link after those above it were eliminated, for the rows that were active. It is valid while these rows stay
-  // active.
-  struct Reduced {
-    unsigned rows = 0xFF;  // bits 1, 2, 4: active; 8, 16: with compliance; 0xFF: nothing is known yet
-    Factor factor;         // factors of the block
-    double m[3][3] = {};   // its inverse times the coupling with the link below
-  };
-  // A 3 x 3 problem: two normals and one friction row.
-  struct Link {
-    std::uint32_t pair = 0, strip = 0, lane = 0;
-    bool b_above = false;  // B stands on A
-    double closed = 0;     // m: a solve may close this gap
-    // The same for all solves of a step:
-    double dx[3] = {}, dy[3] = {};          // direction of each row, for the upper body
-    double up[3] = {}, low[3] = {};         // lever arm of each row, for the upper and the lower body
-    double wu = 0, gu = 0, wl = 0, gl = 0;  // inverse mass and R^2 / I of the two
-    double an = 0, bn = 0;                  // arm of the friction row
-    double a[3][3] = {}, soft[2] = {};      // own block; compliance of the normals
-    double full[3][3] = {};                 // coupling with the link below
-    Reduced reduced[2];                     // rigid, soft
-    // In one solve:
-    unsigned rows = 0;  // as in Reduced
-    double r[3] = {}, right[3] = {}, d[3] = {};
-    bool active(int row) const { return (rows >> row & 1u) != 0; }
-    double compliance(int row) const { return row < 2 && (rows >> (3 + row) & 1u) != 0 ? soft[row] : 0; }
-    double coupling(int row, int below, const Link& under) const {
-      return active(row) && under.active(below) ? full[row][below] : 0;
-    }
   };
   struct Stack {
     std::uint32_t first = 0, count = 0;  // links, from the bottom
@@ -121,23 +118,11 @@ class Stacks {
   void mark_links(const BodyStore& bodies, const Manifolds& manifolds);
   bool follow_down(const BodyStore& bodies, const Manifolds& manifolds, std::uint32_t top);
   void add_stack(const BodyStore& bodies, Manifolds& manifolds, std::size_t begin, std::size_t end);
-  static Factor factor_of(const double s[3][3]);
-  template <int N>
-  static void solve(const Factor& factor, double (&x)[3][N]);
-  static void read_step(Manifolds& manifolds, Link& link);
-  static void couple(Link& link, const Link& under);
-  static void reduce(Link* links, std::uint32_t count, bool soft);
-  static void substitute(Link* links, std::uint32_t n, bool soft);
-  static void bound_step(Manifolds& manifolds, Link* links, std::uint32_t n, double& fall, double& bend);
   void solve_one(const kernels::BodyView& bodies, Manifolds& manifolds, const kernels::ContactParams& p, double gravity,
                  bool soft, Stack& stack);
-  static void apply(const kernels::BodyView& bodies, Manifolds& manifolds, const Link& link, double step);
-  static void read(const kernels::BodyView& bodies, Manifolds& manifolds, const kernels::ContactParams& p,
-                   double gravity, bool soft, Link& link);
-
   std::vector<Standing> standing_;  // by slot
-  std::vector<Link> run_;           // links of bodies that stand on each other, from the bottom
-  std::vector<Link> links_;
+  std::vector<StackLink> run_;      // links of bodies that stand on each other, from the bottom
+  std::vector<StackLink> links_;
   std::vector<Stack> stacks_;
 };
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "base/margin.h"
 #include "base/tasks.h"
+#include "bodies/body_store.h"
 #include "query/events.h"
 
 namespace psim {

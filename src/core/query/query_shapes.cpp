@@ -6,12 +6,6 @@
 namespace psim {
 namespace {
 
-Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
-double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
-
 // A core with one or two vertices has one edge; another has as many edges as vertices.
 int edges(const Outline& o) { return o.count > 2 ? o.count : 1; }
 Vec2 end_of(const Outline& o, int k) { return o.v[k + 1 < o.count ? k + 1 : 0]; }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/margin.h"
+#include "bodies/body_store.h"
 #include "sleep/sleep.h"
 
 namespace psim {

@@ -14,11 +14,6 @@ constexpr float kFast = 0.5f;  // a body is fast if it moves by more than this s
 constexpr float kDeep = 0.5f;
 constexpr std::size_t kTask = 512;
 
-Rotor rotor_of(double angle) {
-  const SineCosine q = sine_cosine(angle);
-  return {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
-}
-
 // How far the points of a body moved in the step, m.
 float way_of(const BodyStore& b, std::size_t i) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1];

@@ -84,9 +84,9 @@ void visit(A& a, BodyProperties& s) {
   numbers(a, s.inv_mass, s.mass, s.rim_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
   std::uint32_t kind = s.kind;
   BodyType type = s.type;
-  a.index(BodyKindTable::kMost + std::uint64_t{1}, kind);
+  a.index(kMostKinds + std::uint64_t{1}, kind);
   a.value(type);
-  s.kind = kind & BodyKindTable::kMost;
+  s.kind = kind & kMostKinds;
   s.type = type;
   a.require(s.inv_mass >= 0 && s.mass >= 0 && s.rim_gain >= 0 && s.radius >= 0 && s.restitution >= 0 &&
             s.restitution <= 1 && s.friction >= 0);

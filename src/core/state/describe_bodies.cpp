@@ -8,9 +8,9 @@ namespace psim {
 template <class A>
 void BodyPropertyTable::describe(A& a, std::size_t kinds) {
   a.list(list_, [&](Entry& e) {
-    visit(a, e.properties);
+    visit(a, e.value);
     a.value(e.users);
-    a.require(e.properties.kind < kinds);
+    a.require(e.value.kind < kinds);
   });
   describe_free(a, free_, 0, list_.size(), [&](std::size_t k) { return list_[k].users == 0; });
   a.value(last_);
@@ -19,14 +19,14 @@ void BodyPropertyTable::describe(A& a, std::size_t kinds) {
 template <class A>
 void BodyKindTable::describe(A& a, const ShapeTable& hulls) {
   a.list(list_, [&](Entry& e) {
-    BodyKind& k = e.kind;
+    BodyKind& k = e.value;
     numbers(a, k.first_hull, k.hull_count, k.centre_x, k.centre_y, k.inner, k.filter.category, k.filter.mask,
             k.filter.group, k.bullet, k.sensor, e.users);
     a.require(k.inner >= 0 && (k.hull_count == 0 ? k.first_hull == 0 : e.users == 0 || hulls.has(k)));
   });
   describe_free(a, free_, 1, list_.size(), [&](std::size_t k) { return list_[k].users == 0; });
   a.value(last_);
-  a.require(!list_.empty() && list_[0].kind == BodyKind{} && last_ < list_.size());
+  a.require(!list_.empty() && list_[0].value == BodyKind{} && last_ < list_.size());
 }
 
 bool ShapeTable::has(const BodyKind& kind) const {

@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "base/stage_timer.h"
 #include "base/tasks.h"
+#include "base/trace.h"
 #include "bodies/quarantine.h"
 #include "contacts/narrow_phase.h"
 

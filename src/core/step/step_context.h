@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "base/trace.h"
 #include "base/worker_pool.h"
 #include "bodies/population.h"

@@ -1,6 +1,6 @@
 #include "step/step_parts.h"
 
-#include "base/margin.h"
+#include "bodies/body_store.h"
 #include "step/step_work.h"
 
 namespace psim {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/stage_timer.h"
+#include "base/trace.h"
 
 namespace psim {
 

@@ -4,8 +4,8 @@
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into the
 // world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
-#include "base/float_settings.h"
 #include "base/invariant.h"
+#include "base/machine.h"
 #include "state/describe.h"
 #include "state/saved_contacts.h"
 #include "world/world_impl.h"

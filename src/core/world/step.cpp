@@ -4,8 +4,8 @@
 #include <chrono>
 #include <limits>
 
-#include "base/float_settings.h"
-#include "base/stage_timer.h"
+#include "base/machine.h"
+#include "base/trace.h"
 #include "step/motion.h"
 #include "world/world_impl.h"
 

@@ -2,7 +2,7 @@
 // work for the next one has begun.
 #include <algorithm>
 
-#include "base/float_settings.h"
+#include "base/machine.h"
 #include "query/contact_finder.h"
 #include "world/world_impl.h"
 

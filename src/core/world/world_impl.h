@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/kernel_select.h"
+#include "base/machine.h"
 #include "base/tasks.h"
 #include "base/trace.h"
 #include "base/worker_pool.h"

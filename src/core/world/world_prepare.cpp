@@ -1,6 +1,6 @@
 // World::prepare: a first step's work and room ahead of it.
-#include "base/float_settings.h"
-#include "base/stage_timer.h"
+#include "base/machine.h"
+#include "base/trace.h"
 #include "step/motion.h"
 #include "world/world_impl.h"
 

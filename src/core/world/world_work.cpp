@@ -2,7 +2,7 @@
 // must know of it.
 #include <algorithm>
 
-#include "base/margin.h"
+#include "bodies/body_store.h"
 #include "world/world_impl.h"
 
 namespace psim {

@@ -1,0 +1,143 @@
+// What equal bodies share: mass, radius and material, and the properties that few bodies have, such as a shape other
+// than a disc. The tables own them; a body names its entry.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "base/rotor.h"
+#include "psim/desc.h"
+
+namespace psim {
+
+class ShapeTable;
+
+/// Restitution or friction as a float. A step flushes denormals to zero (FloatSettings); this function does the same,
+/// so that bodies with a coefficient above 0 are the same ones inside and outside of a step.
+inline float coefficient(double value) {
+  const auto as_float = static_cast<float>(value);
+  return as_float < std::numeric_limits<float>::min() ? 0.0f : as_float;
+}
+
+/// Equal bodies share one entry: a million equal discs have a single one.
+struct BodyProperties {
+  float inv_mass = 0;  ///< 1/kg; 0: kinematic or static
+  float mass = 0;      ///< kg
+  float rim_gain = 0;  ///< r^2 / inertia, 1/kg; 0: the body does not turn
+  float radius = 0;    ///< m: of the circle about the centre of mass that holds the body
+  float gravity_scale = 1;
+  float restitution = 0;
+  float friction = 0;
+  std::uint32_t kind : 24 = 0;  ///< in BodyStore::kinds; 0: a plain disc that collides with all
+  BodyType type : 8 = BodyType::dynamic_body;
+  friend bool operator==(const BodyProperties&, const BodyProperties&) = default;
+};
+static_assert(sizeof(BodyProperties) == 32);
+
+/// A shape other than a disc, a filter, a mark as bullet or sensor. A plain disc that collides with all has entry 0.
+struct BodyKind {
+  std::uint32_t first_hull = 0;  ///< number of the first hull in the ShapeTable; 0: a plain disc
+  std::uint32_t hull_count = 0;
+  float centre_x = 0, centre_y = 0;  ///< m: centre of mass in the body's frame
+  float inner = 0;                   ///< m: least distance from the centre to the surface
+  Filter filter;
+  bool bullet = false;
+  bool sensor = false;
+  friend bool operator==(const BodyKind&, const BodyKind&) = default;
+};
+
+/// The vector from a body's place to its centre of mass, m, when the body is turned by `angle`.
+inline Vec2 arm_of(const BodyKind& kind, double angle) {
+  if (kind.centre_x == 0 && kind.centre_y == 0) return {};
+  return turned(sine_cosine(angle), {static_cast<double>(kind.centre_x), static_cast<double>(kind.centre_y)});
+}
+
+/// Whether two bodies collide, by their filters.
+inline bool meet(const Filter& a, const Filter& b) {
+  if (a.group == b.group && a.group != 0) return a.group > 0;
+  return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
+
+/// Entries by number, each with the number of its users. A new user whose value equals that of the entry taken last, or
+/// of one of the first kSearched entries, shares the entry. An entry without users is used again. At most kMost + 1
+/// entries.
+template <class T, std::uint32_t kMost, std::size_t kSearched>
+class SharedTable {
+ public:
+  std::size_t size() const { return list_.size(); }
+  std::uint32_t users(std::uint32_t i) const { return list_[i].users; }
+  const T& operator[](std::uint32_t i) const { return list_[i].value; }
+  std::size_t bytes() const { return list_.capacity() * sizeof(Entry); }
+
+  /// The number of the entry; kMost + 1 if there are too many.
+  std::uint32_t acquire(const T& value) {
+    const auto shares = [&](std::size_t i) { return list_[i].users != 0 && list_[i].value == value; };
+    const auto add_user = [&](std::size_t i) {
+      ++list_[i].users;
+      return last_ = static_cast<std::uint32_t>(i);
+    };
+    if (last_ < list_.size() && shares(last_)) return add_user(last_);
+    for (std::size_t i = 0; i < std::min(list_.size(), kSearched); ++i) {
+      if (shares(i)) return add_user(i);
+    }
+    if (free_.empty()) {
+      if (list_.size() > kMost) return kMost + 1;
+      last_ = static_cast<std::uint32_t>(list_.size());
+      list_.push_back({value, 1});
+    } else {
+      last_ = free_.back();
+      free_.pop_back();
+      list_[last_] = {value, 1};
+    }
+    return last_;
+  }
+  void release(std::uint32_t i) {
+    if (--list_[i].users == 0) free_.push_back(i);
+  }
+
+ protected:
+  struct Entry {
+    T value;
+    std::uint32_t users = 1;
+  };
+  std::vector<Entry> list_;
+  std::vector<std::uint32_t> free_;
+  std::uint32_t last_ = 0;
+};
+
+class BodyPropertyTable : public SharedTable<BodyProperties, 0xFFFFFFFFu, 0> {
+ public:
+  template <class A>
+  void describe(A& a, std::size_t kinds);  ///< for saved states
+
+  /// The heaviest dynamic body over the lightest; 1 if there is none. O(entries).
+  double mass_ratio() const {
+    float least = std::numeric_limits<float>::infinity(), most = 0;
+    for (const Entry& e : list_) {
+      if (e.users == 0 || !(e.value.mass > 0)) continue;
+      least = std::fmin(least, e.value.mass);
+      most = std::fmax(most, e.value.mass);
+    }
+    return most > 0 ? static_cast<double>(most) / static_cast<double>(least) : 1;
+  }
+};
+
+/// The number of an entry fits into 24 bits (BodyProperties::kind).
+inline constexpr std::uint32_t kMostKinds = (1u << 24) - 1;
+
+class BodyKindTable : public SharedTable<BodyKind, kMostKinds, 64> {
+ public:
+  BodyKindTable() { list_.resize(1); }
+  template <class A>
+  void describe(A& a, const ShapeTable& hulls);  ///< for saved states
+
+  std::uint32_t acquire(const BodyKind& kind) { return kind == BodyKind{} ? 0 : SharedTable::acquire(kind); }
+  void release(std::uint32_t i) {
+    if (i != 0) SharedTable::release(i);
+  }
+};
+
+}  // namespace psim
