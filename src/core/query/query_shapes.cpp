@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rotor.h"
+
 namespace psim {
 namespace {
 

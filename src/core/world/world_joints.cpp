@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/rotor.h"
+#include "bodies/body_desc.h"
 #include "world/world_impl.h"
 
 namespace psim {
