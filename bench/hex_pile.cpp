@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/machine.h"
+#include "kernel_table.h"
 
 namespace psim::bench {
 namespace {

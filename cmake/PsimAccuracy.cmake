@@ -1,7 +1,7 @@
 # The accuracy laboratory: psim and, where they are installed, other engines on the same scenes.
 # `accuracy --list` says which ones are in.
 
-file(GLOB _accuracy_sources CONFIGURE_DEPENDS bench/accuracy/*.cpp)
+file(GLOB _accuracy_sources CONFIGURE_DEPENDS bench/accuracy/*.cpp bench/accuracy/*/*.cpp)
 list(FILTER _accuracy_sources EXCLUDE REGEX "/(main|engine_(box2d24|box2d3|chipmunk))\\.cpp$")
 add_library(psim_accuracy STATIC ${_accuracy_sources})
 psim_target_defaults(psim_accuracy)
@@ -33,19 +33,19 @@ endfunction()
 find_path(PSIM_BOX2D24_INCLUDE box2d/b2_world.h)
 find_library(PSIM_BOX2D24_LIBRARY NAMES libbox2d.so)
 if(PSIM_BOX2D24_INCLUDE AND PSIM_BOX2D24_LIBRARY)
-  psim_engine(psim_accuracy bench/accuracy/engine_box2d24.cpp PSIM_WITH_BOX2D24
+  psim_engine(psim_accuracy bench/accuracy/engines/engine_box2d24.cpp PSIM_WITH_BOX2D24
     "${PSIM_BOX2D24_INCLUDE}" "${PSIM_BOX2D24_LIBRARY}")
 endif()
 
 find_package(box2d 3 CONFIG QUIET)
 if(box2d_FOUND AND TARGET box2d::box2d)
-  psim_engine(psim_accuracy bench/accuracy/engine_box2d3.cpp PSIM_WITH_BOX2D3
+  psim_engine(psim_accuracy bench/accuracy/engines/engine_box2d3.cpp PSIM_WITH_BOX2D3
     "$<TARGET_PROPERTY:box2d::box2d,INTERFACE_INCLUDE_DIRECTORIES>" box2d::box2d)
 endif()
 
 find_path(PSIM_CHIPMUNK_INCLUDE chipmunk/chipmunk_structs.h)
 find_library(PSIM_CHIPMUNK_LIBRARY NAMES chipmunk)
 if(PSIM_CHIPMUNK_INCLUDE AND PSIM_CHIPMUNK_LIBRARY)
-  psim_engine(psim_accuracy bench/accuracy/engine_chipmunk.cpp PSIM_WITH_CHIPMUNK
+  psim_engine(psim_accuracy bench/accuracy/engines/engine_chipmunk.cpp PSIM_WITH_CHIPMUNK
     "${PSIM_CHIPMUNK_INCLUDE}" "${PSIM_CHIPMUNK_LIBRARY}")
 endif()

@@ -5,7 +5,7 @@ file(GLOB _peers_sources CONFIGURE_DEPENDS bench/peers/*.cpp)
 list(FILTER _peers_sources EXCLUDE REGEX "/(main|engine_[a-z]+)\\.cpp$")
 add_library(psim_peers STATIC ${_peers_sources})
 psim_target_defaults(psim_peers)
-target_include_directories(psim_peers PUBLIC bench/peers PRIVATE tests)
+target_include_directories(psim_peers PUBLIC bench/peers PRIVATE tests/support)
 target_link_libraries(psim_peers PUBLIC psim_accuracy)
 
 add_executable(peers bench/peers/main.cpp)

@@ -3,17 +3,15 @@
 # SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
 
-file(GLOB _test_sources CONFIGURE_DEPENDS tests/*_test.cpp)
+file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
+list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|view)/")
 if(_test_sources AND TARGET psim_scene)
-  file(GLOB _test_helpers CONFIGURE_DEPENDS tests/*.cpp)
-  list(APPEND _test_sources ${_test_helpers})
-  list(REMOVE_DUPLICATES _test_sources)
   if(NOT TARGET accuracy)
     list(FILTER _test_sources EXCLUDE REGEX "/accuracy_cli_test\\.cpp$")
   endif()
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
-  target_include_directories(psim_tests PRIVATE tests src/kernels src/core src/scene)
+  target_include_directories(psim_tests PRIVATE tests tests/support src/kernels src/core src/scene)
   target_link_libraries(psim_tests PRIVATE psim_parts psim_reference psim_fuzz_inputs PNG::PNG ZLIB::ZLIB
                                            GTest::gtest GTest::gtest_main)
   # A quarter to a half of the time of compilation; what is tested keeps the preset's optimisation.
@@ -43,7 +41,7 @@ if(_test_sources AND TARGET psim_scene)
   # The measuring functions of `accuracy --stress`, which the Stress suites hold to their figures,
   # with psim as the only engine.
   file(GLOB _stress_sources CONFIGURE_DEPENDS bench/accuracy/stress*.cpp)
-  foreach(_part engines engine_psim model run)
+  foreach(_part engines/engines engines/engine_psim engines/model run)
     list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
   endforeach()
   target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
@@ -123,7 +121,7 @@ if(TARGET peers)
   file(GLOB _peers_tests CONFIGURE_DEPENDS tests/peers/*_test.cpp)
   add_executable(psim_peers_tests ${_peers_tests})
   psim_target_defaults(psim_peers_tests)
-  target_include_directories(psim_peers_tests PRIVATE tests)
+  target_include_directories(psim_peers_tests PRIVATE tests/support)
   target_link_libraries(psim_peers_tests PRIVATE psim_peers GTest::gtest GTest::gtest_main)
   target_compile_definitions(psim_peers_tests PRIVATE
     "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
@@ -231,7 +229,7 @@ if(TARGET psim-view)
   file(GLOB _view_tests CONFIGURE_DEPENDS tests/view/*_test.cpp)
   add_executable(psim_view_tests ${_view_tests})
   psim_target_defaults(psim_view_tests)
-  target_include_directories(psim_view_tests PRIVATE tests)
+  target_include_directories(psim_view_tests PRIVATE tests tests/support)
   target_link_libraries(psim_view_tests PRIVATE psim_view_model PNG::PNG GTest::gtest GTest::gtest_main)
   target_compile_definitions(psim_view_tests PRIVATE
     "PSIM_PROGRAM=\"$<TARGET_FILE:psim-view>\"")

@@ -21,18 +21,17 @@ if(NOT TARGET SDL2::SDL2 OR NOT PSIM_IMGUI_INCLUDE OR NOT PSIM_IMGUI_LIBRARY)
 endif()
 
 # What needs no window, and what is psim's own: for the program and its tests.
-set(_view_model body_columns camera catalogue frame_log history input_script sim_thread simulation
-                simulation_tools)
-list(TRANSFORM _view_model REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/view/\\1.cpp")
+file(GLOB _view_model CONFIGURE_DEPENDS src/view/model/*.cpp)
 add_library(psim_view_model STATIC ${_view_model})
 psim_target_defaults(psim_view_model)
 target_include_directories(psim_view_model PUBLIC src/view)
 target_link_libraries(psim_view_model PUBLIC psim_parts)
+psim_rooms(psim_view_model)
 
-file(GLOB _view_sources CONFIGURE_DEPENDS src/view/*.cpp)
-list(REMOVE_ITEM _view_sources ${_view_model})
-add_executable(psim-view ${_view_sources})
+file(GLOB _view_sources CONFIGURE_DEPENDS src/view/window/*.cpp)
+add_executable(psim-view src/view/main.cpp ${_view_sources})
 psim_target_defaults(psim-view)
+psim_rooms(psim-view)
 # The headers of others are not ours to keep free of warnings.
 target_include_directories(psim-view SYSTEM PRIVATE "${PSIM_IMGUI_INCLUDE}")
 target_link_libraries(psim-view PRIVATE psim_view_model

@@ -12,10 +12,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "case.h"
+#include "cases/case.h"
+#include "cases/gas_scenes.h"
 #include "check/scene_kind.h"
 #include "closed_forms.h"
-#include "gas_scenes.h"
 #include "hard_disc_fluid.h"
 #include "psim/psim.h"
 

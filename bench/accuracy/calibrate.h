@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "engine.h"
+#include "engines/engine.h"
 
 namespace psim::accuracy {
 

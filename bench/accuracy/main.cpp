@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "calibrate.h"
-#include "case.h"
+#include "cases/case.h"
 #include "csv.h"
-#include "engine.h"
+#include "engines/engine.h"
 #include "output/atomic_file.h"
 #include "report_stress.h"
 #include "sweep.h"

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <vector>
 
-#include "engine.h"
+#include "engines/engine.h"
 
 namespace psim::accuracy {
 

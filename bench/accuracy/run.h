@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "engine.h"
+#include "engines/engine.h"
 
 namespace psim::accuracy {
 

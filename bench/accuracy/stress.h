@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine.h"
-#include "model.h"
+#include "engines/engine.h"
+#include "engines/model.h"
 
 namespace psim::accuracy::stress {
 

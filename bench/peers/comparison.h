@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engines.h"
-#include "model.h"
+#include "engines/model.h"
 
 namespace psim::peers {
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "engines.h"
-#include "peer_bodies.h"
+#include "engines/peer_bodies.h"
 
 namespace psim::peers {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "body_outlines.h"
-#include "peer_bodies.h"
+#include "engines/peer_bodies.h"
 
 namespace psim::peers {
 namespace {

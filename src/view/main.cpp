@@ -12,7 +12,7 @@
 #include "output/atomic_file.h"
 #include "output/user_error.h"
 #include "psim/version.h"
-#include "view.h"
+#include "window/view.h"
 
 namespace psim::view {
 namespace {

@@ -5,14 +5,14 @@
 #include <memory>
 #include <numbers>
 
-#include "body_columns.h"
-#include "camera.h"
-#include "catalogue.h"
-#include "frame_log.h"
-#include "history.h"
-#include "input_script.h"
+#include "model/body_columns.h"
+#include "model/camera.h"
+#include "model/catalogue.h"
+#include "model/frame_log.h"
+#include "model/history.h"
+#include "model/input_script.h"
+#include "model/sim_thread.h"
 #include "output/user_error.h"
-#include "sim_thread.h"
 #include "small_scene.h"
 
 namespace psim::view {

@@ -1,13 +1,13 @@
 // What hands do to the viewer's world, and what it tells.
-#include "simulation.h"
+#include "model/simulation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
 
-#include "body_columns.h"
-#include "catalogue.h"
+#include "model/body_columns.h"
+#include "model/catalogue.h"
 #include "output/user_error.h"
 #include "small_scene.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "simulation.h"
+#include "model/simulation.h"
 
 namespace psim::view {
 

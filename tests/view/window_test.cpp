@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "../cli_runner.h"
-#include "camera.h"
+#include "cli_runner.h"
+#include "model/camera.h"
 
 namespace psim::test {
 namespace {

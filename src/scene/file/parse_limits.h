@@ -1,4 +1,4 @@
-// Which numbers the scene format allows. docs/scene.schema.json says the same, and tests/scene_schema_test.cpp compares
+// Which numbers the scene format allows. docs/scene.schema.json says the same, and tests/scene/scene_schema_test.cpp compares
 // the two.
 #pragma once
 
