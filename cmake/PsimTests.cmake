@@ -26,6 +26,7 @@ if(_test_sources AND TARGET psim_scene)
       target_compile_options(psim_tests PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
     endif()
   endif()
+  psim_rooms(psim_tests)
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
   target_compile_definitions(psim_tests PRIVATE
     "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""

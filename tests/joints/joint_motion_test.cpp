@@ -7,7 +7,7 @@
 namespace psim::test {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
+constexpr double kMotionDt = 1.0 / 60;
 
 using Scene = JointScene;
 
@@ -26,7 +26,7 @@ TEST(Joint, PendulumKeepsPeriodHeightAndLength) {
       const double swing = b.vy * b.x - b.vx * b.y;
       if (before > 0 && swing <= 0) {
         ++turns;
-        back = (frame - 1 + before / (before - swing)) * kDt;
+        back = (frame - 1 + before / (before - swing)) * kMotionDt;
         height = b.y;
       }
       before = swing;
@@ -51,7 +51,7 @@ TEST(Joint, PendulumSwingsTheSameInFields) {
     std::array<double, 2> y{kPi / 2, 0};
     for (int frame = 0; frame < 300; ++frame) {
       s.world->step();
-      runge_kutta(y, kDt, 20, [](const std::array<double, 2>& a) {
+      runge_kutta(y, kMotionDt, 20, [](const std::array<double, 2>& a) {
         return std::array<double, 2>{a[1], -kG * std::sin(a[0])};
       });
     }
@@ -74,7 +74,7 @@ TEST(Joint, DoublePendulumFollowsRungeKutta) {
   };
   for (int frame = 0; frame < 60; ++frame) {
     s.world->step();
-    runge_kutta(y, kDt, 100, slope);
+    runge_kutta(y, kMotionDt, 100, slope);
   }
   const BodyState b = s.at(p), c = s.at(q);
   EXPECT_NEAR(std::remainder(std::atan2(b.x, -b.y) - y[0], 2 * kPi), 0, 2e-3);
@@ -94,7 +94,7 @@ TEST(Joint, PinnedDiscSwingsAsAPhysicalPendulum) {
   double apart = 0, off = 0;
   for (int frame = 0; frame < 600; ++frame) {
     s.world->step();
-    runge_kutta(y, kDt, 50, slope);
+    runge_kutta(y, kMotionDt, 50, slope);
     const BodyState b = s.at(disc);
     const JointState j = s.joint(pin);
     apart = std::fmax(apart, std::hypot(j.anchor_b.x - j.anchor_a.x, j.anchor_b.y - j.anchor_a.y));
@@ -116,7 +116,7 @@ TEST(Joint, SpringKeepsAmplitudeAndFrequency) {
   for (int frame = 1; frame <= 60000; ++frame) {  // a period a second
     s.world->step();
     const double x = s.at(bob).x - 1;
-    if (frame <= 600) early = std::fmax(early, std::fabs(x - 0.1 * std::cos(w * frame * kDt)));
+    if (frame <= 600) early = std::fmax(early, std::fabs(x - 0.1 * std::cos(w * frame * kMotionDt)));
     if (frame > 59940) {
       most = std::fmax(most, x);
       least = std::fmin(least, x);
@@ -138,7 +138,7 @@ TEST(Joint, SpringBetweenTwoBodiesFallsFreelyAndKeepsMomentum) {
   double off = 0;
   for (int frame = 1; frame <= 120; ++frame) {
     s.world->step();
-    const double t = frame * kDt;
+    const double t = frame * kMotionDt;
     const BodyState a = s.at(p), b = s.at(q);
     off = std::fmax(off, std::fabs(b.x - a.x - 1 - 0.2 * std::cos(w * t)));
     EXPECT_NEAR((a.x + 3 * b.x) / 4, 0.9, 1e-5);
@@ -160,7 +160,7 @@ TEST(Joint, DampedSpringsFollowTheClosedForm) {
       s.join(d);
       for (int frame = 1; frame <= 120; ++frame) {
         s.world->step();
-        const double t = frame * kDt;
+        const double t = frame * kMotionDt;
         double exact;
         if (zeta < 1) {
           const double q = w * std::sqrt(1 - zeta * zeta);
@@ -206,7 +206,7 @@ TEST(Joint, RopeIsSlackThenTaut) {
   const JointId rope = s.join(d);
   for (int frame = 1; frame <= 36; ++frame) {  // taut after 0.628 s
     s.world->step();
-    const double t = frame * kDt;
+    const double t = frame * kMotionDt;
     ASSERT_NEAR(s.at(bob).y, -kG * t * t / 2, 1e-4);
     ASSERT_EQ(s.joint(rope).force.y, 0);
   }

@@ -182,13 +182,11 @@ void go(RandomWorld::Kind kind, unsigned from, unsigned to) {
   EXPECT_GT(waits, (to - from) / 2);
 }
 
-using Kind = RandomWorld::Kind;
+TEST(RenewalRandom, WorldsGoOnAfterRestores) { go(RandomWorld::Kind::discs, 0, 12); }
+TEST(RenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(RandomWorld::Kind::any, 0, 12); }
 
-TEST(RenewalRandom, WorldsGoOnAfterRestores) { go(Kind::discs, 0, 12); }
-TEST(RenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(Kind::any, 0, 12); }
-
-TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(Kind::discs, 100, 1100); }
-TEST(SlowRenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(Kind::any, 2000, 2500); }
+TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(RandomWorld::Kind::discs, 100, 1100); }
+TEST(SlowRenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(RandomWorld::Kind::any, 2000, 2500); }
 
 }  // namespace
 }  // namespace psim::test

@@ -5,7 +5,7 @@
 namespace psim::test {
 namespace {
 
-constexpr double kHalf = 60e3;  // m: of most worlds here
+constexpr double kHalfWorld = 60e3;  // m: of most worlds here
 
 Discs two_clouds(std::size_t n, Vec2 apart, double speed, Material m, Vec2 drift = {}) {
   const double side = std::sqrt(2.5 * static_cast<double>(n));
@@ -26,7 +26,7 @@ TEST(SparseWorld, TheSameBitsFromEveryIsaAndNumberOfThreads) {
     std::vector<std::uint64_t> first;
     for (const Isa isa : available_isas()) {
       for (const int threads : thread_counts()) {
-        WorldDesc desc = unbounded(kHalf, {0, 0});
+        WorldDesc desc = unbounded(kHalfWorld, {0, 0});
         if (wraps) desc.boundary = Boundary::periodic;
         auto world = make(desc, isa, threads);
         add(*world, two_clouds(700, {1e5, 7e4}, 4, material(0.5, 0.2)));
@@ -41,7 +41,7 @@ TEST(SparseWorld, TheSameBitsFromEveryIsaAndNumberOfThreads) {
 TEST(SparseWorld, CloudsThatComeFromFarMeet) {
   // 4 km apart at 1 km/s each: lists of cells, and then a grid when they are
   // one.
-  auto world = make(unbounded(kHalf, {0, 0}));
+  auto world = make(unbounded(kHalfWorld, {0, 0}));
   const Discs discs = two_clouds(400, {4000, 0}, 0, material(1), {1000, 0});
   add(*world, discs);
   const double before = world->diagnostics().kinetic;
@@ -64,7 +64,7 @@ TEST(SparseWorld, AClusterDoesTheSameAloneAndWithOthersFarAway) {
   // Until somebody touches in another order it is the same flight; then the
   // same laws: a pile in a far pan lies as it does alone.
   const auto settle = [](bool with_other) {
-    WorldDesc desc = unbounded(kHalf);
+    WorldDesc desc = unbounded(kHalfWorld);
     desc.sleeping = false;
     auto world = make(desc);
     const auto pan = [&](double x) {
@@ -93,7 +93,7 @@ TEST(SparseWorld, AClusterDoesTheSameAloneAndWithOthersFarAway) {
 TEST(SparseWorld, TwoBodiesThatHitGoTheSameWayWhateverElseThereIs) {
   // One pair far from a cloud: bit by bit what it does alone.
   const auto after = [](bool with_cloud) {
-    auto world = make(unbounded(kHalf, {0, 0}));
+    auto world = make(unbounded(kHalfWorld, {0, 0}));
     const BodyId a = add(*world, disc({-4e4, 2e4}, {3, 0.25}, 0.5, material(0.5)));
     const BodyId b = add(*world, disc({-4e4 + 2, 2e4 + 0.5}, {-1, 0}, 0.5, material(0.5)));
     if (with_cloud) add(*world, lattice(500, {3e4, 0, 3e4 + 40, 40}, 0.5, 3, material(0.5)));
@@ -107,7 +107,7 @@ TEST(SparseWorld, TwoBodiesThatHitGoTheSameWayWhateverElseThereIs) {
 
 TEST(SparseWorld, AWarmStepAllocatesNothing) {
   for (const int threads : {1, 3}) {
-    auto world = make(unbounded(kHalf, {0, 0}), best_isa(), threads);
+    auto world = make(unbounded(kHalfWorld, {0, 0}), best_isa(), threads);
     add(*world, two_clouds(1500, {1e5, 8e4}, 1, material(1)));
     run(*world, 200);
     std::uint64_t growths = 0;
@@ -118,7 +118,7 @@ TEST(SparseWorld, AWarmStepAllocatesNothing) {
 
 TEST(SparseWorld, MemoryIsThatOfTheSameBodiesSideBySide) {
   const auto bytes = [](Vec2 apart) {
-    auto world = make(unbounded(kHalf, {0, 0}));
+    auto world = make(unbounded(kHalfWorld, {0, 0}));
     add(*world, two_clouds(3000, apart, 3, material(0.5)));
     run(*world, 60);
     return static_cast<double>(world->memory_bytes());

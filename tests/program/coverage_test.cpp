@@ -14,18 +14,18 @@
 namespace psim::cli {
 namespace {
 
-constexpr int kSide = 40;
+constexpr int kPixels = 40;
 using Shares = std::vector<double>;
 
 Shares shares_of(const std::vector<std::vector<Point>>& loops) {
   Coverage coverage;
-  coverage.begin({0, 0, kSide, kSide});
+  coverage.begin({0, 0, kPixels, kPixels});
   for (const auto& loop : loops) coverage.polygon(loop);
-  Shares shares(kSide * kSide);
-  for (int y = 0; y < kSide; ++y) {
+  Shares shares(kPixels * kPixels);
+  for (int y = 0; y < kPixels; ++y) {
     const Coverage::Row row = coverage.take_row(y);
     for (std::size_t i = 0; i < row.shares.size(); ++i) {
-      shares[static_cast<std::size_t>(y * kSide + row.left) + i] = static_cast<double>(row.shares[i]);
+      shares[static_cast<std::size_t>(y * kPixels + row.left) + i] = static_cast<double>(row.shares[i]);
     }
   }
   return shares;
@@ -53,12 +53,12 @@ double sampled(int x, int y, const Inside& inside) {
 // A figure's rows do not depend on which of them are made.
 TEST(Coverage, SomeRowsAreThoseOfTheWhole) {
   std::mt19937 random(9);
-  std::uniform_real_distribution<double> place(-12, kSide + 12);
+  std::uniform_real_distribution<double> place(-12, kPixels + 12);
   Coverage whole, some;
   for (int figure = 0; figure < 200; ++figure) {
     std::vector<Point> loop;
     for (int k = 0; k < 3 + figure % 5; ++k) loop.push_back({place(random), place(random)});
-    const PixelBox box{figure % 3, 2, kSide - figure % 4, kSide - 1};
+    const PixelBox box{figure % 3, 2, kPixels - figure % 4, kPixels - 1};
     const int first = 2 + figure % 20, end = first + 1 + figure % 17;
     whole.begin(box);
     some.begin(box, first, end);
@@ -100,14 +100,14 @@ std::vector<Point> disc(double x, double y, double radius) {
 
 TEST(Coverage, EveryPixelOfAPolygonHasItsArea) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(-5, kSide + 5), size(0.3, 30), angle(0, 6.3);
+  std::uniform_real_distribution<double> place(-5, kPixels + 5), size(0.3, 30), angle(0, 6.3);
   for (int k = 0; k < 40; ++k) {  // some of them reach out of the picture
     const auto polygon = regular(3 + k % 6, place(random), place(random), size(random), angle(random));
     const Shares shares = shares_of({polygon});
-    for (int y = 0; y < kSide; y += 3) {
-      for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kPixels; y += 3) {
+      for (int x = 0; x < kPixels; ++x) {
         const double wanted = sampled(x, y, [&](double u, double v) { return is_within(polygon, u, v); });
-        ASSERT_NEAR(shares[static_cast<std::size_t>(y * kSide + x)], wanted, 0.03) << k << ' ' << x << ' ' << y;
+        ASSERT_NEAR(shares[static_cast<std::size_t>(y * kPixels + x)], wanted, 0.03) << k << ' ' << x << ' ' << y;
       }
     }
   }
@@ -119,9 +119,9 @@ TEST(Coverage, HalfPlanesAreExact) {
   const Shares left = shares_of({{{-far, -far}, {7.25, -far}, {7.25, far}, {-far, far}}});
   const Shares top = shares_of({{{-far, -far}, {far, -far}, {far, 3.5}, {-far, 3.5}}});
   const Shares corner = shares_of({{{10 - far, far}, {-far, -far}, {far, 10 - far}}});
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const auto at = static_cast<std::size_t>(y * kSide + x);
+  for (int y = 0; y < kPixels; ++y) {
+    for (int x = 0; x < kPixels; ++x) {
+      const auto at = static_cast<std::size_t>(y * kPixels + x);
       EXPECT_NEAR(left[at], x < 7 ? 1 : x == 7 ? 0.25 : 0, 1e-5);
       EXPECT_NEAR(top[at], y < 3 ? 1 : y == 3 ? 0.5 : 0, 1e-5);
       EXPECT_NEAR(corner[at], x + y < 9 ? 1 : x + y == 9 ? 0.5 : 0, 1e-3) << x << ' ' << y;
@@ -142,10 +142,10 @@ TEST(Coverage, EveryPixelOfADiscIsRight) {
   for (const double r : {0.5, 0.9, 1.65, 3.3, 12.0}) {
     const double cx = 20.37, cy = 19.81;
     const Shares shares = shares_of({disc(cx, cy, r)});
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kPixels; ++y) {
+      for (int x = 0; x < kPixels; ++x) {
         const double wanted = sampled(x, y, [&](double u, double v) { return std::hypot(u - cx, v - cy) < r; });
-        EXPECT_NEAR(shares[static_cast<std::size_t>(y * kSide + x)], wanted, 0.04) << r;
+        EXPECT_NEAR(shares[static_cast<std::size_t>(y * kPixels + x)], wanted, 0.04) << r;
       }
     }
   }
@@ -170,7 +170,7 @@ TEST(Coverage, WhatIsOutsideLeavesNoTrace) {
     EXPECT_NEAR(sum(shares_of({disc(at.x, at.y, 9)})), 0, 1e-4);
   }
   EXPECT_NEAR(sum(shares_of({disc(0, 0, 10)})), 25 * std::numbers::pi, 0.05);  // a quarter
-  EXPECT_NEAR(sum(shares_of({disc(20, 20, 1e7)})), kSide * kSide, 0.05);
+  EXPECT_NEAR(sum(shares_of({disc(20, 20, 1e7)})), kPixels * kPixels, 0.05);
 }
 
 TEST(Outline, RoundedPolygonsHaveTheAreaOfTheirDefinition) {

@@ -269,12 +269,6 @@ TEST(SceneLinks, AJointMayNotTieTwoPinnedBodies) {
 
 // ---- --check --------------------------------------------------------------------------------------
 
-std::string check_lines(const std::string& text) {
-  std::string all;
-  for (const std::string& line : check_scene(parsed_scene(text))) all += line + "\n";
-  return all;
-}
-
 TEST(SceneJointsCheck, SaysWhatWillGoWrong) {
   EXPECT_EQ(check_lines(joints_text(R"({"type": "distance", "a": 0, "b": 1, "length": 5})")), "");
   const auto says = [](std::string_view joint, std::string_view words) {

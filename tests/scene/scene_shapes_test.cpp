@@ -190,12 +190,6 @@ TEST(SceneShapes, ExtentFollowsTheAngle) {
 
 // ---- --check --------------------------------------------------------------------------------------
 
-std::string check_lines(const std::string& text) {
-  std::string all;
-  for (const std::string& line : check_scene(parsed_scene(text))) all += line + "\n";
-  return all;
-}
-
 TEST(SceneShapesCheck, SaysWhatOfAPolygonIsPutRight) {
   EXPECT_EQ(check_lines(polygon_text("[0, 0], [1, 0], [0, 1]")), "");
   EXPECT_NE(check_lines(polygon_text("[0, 0], [0, 1], [1, 0]")).find("clockwise"), std::string::npos);

@@ -11,7 +11,7 @@ std::uint64_t awake(const World& world) {
 }
 
 /// Until nobody moves but kinematic bodies.
-void settle(World& world, std::uint64_t kinematic = 0, int most = 3600) {
+void wait_for_rest(World& world, std::uint64_t kinematic = 0, int most = 3600) {
   while (most-- > 0 && world.step().awake > kinematic) {
   }
   ASSERT_GT(most, 0) << "it does not come to rest";
@@ -19,7 +19,7 @@ void settle(World& world, std::uint64_t kinematic = 0, int most = 3600) {
 
 Placed sleeping_stack(int n) {
   Placed p = stack(n);
-  settle(*p.world);
+  wait_for_rest(*p.world);
   EXPECT_EQ(awake(*p.world), 0u);
   return p;
 }
@@ -33,7 +33,7 @@ std::unique_ptr<World> sleeping_heap(int columns, int rows) {
     for (int k = 0; k < columns; ++k) discs.push(0.5 + k + 0.5 * (row % 2), 0.5 + 0.8661 * row, 0.4999);
   }
   add(*world, discs);
-  settle(*world);
+  wait_for_rest(*world);
   return world;
 }
 
@@ -110,14 +110,14 @@ TEST(SleepWake, StaleIdsWakeNobody) {
   Placed p = sleeping_stack(3);
   const BodyId gone = p.ids[2];
   p.world->remove_body(gone);
-  settle(*p.world);
+  wait_for_rest(*p.world);
   EXPECT_FALSE(p.world->wake(gone));
   EXPECT_FALSE(p.world->apply_impulse(gone, {1, 0}));
   EXPECT_FALSE(p.world->is_awake(gone));
   const BodyId next = add(*p.world, box({20, 0.5}, 1, 1, kGrip, 1));
   EXPECT_EQ(next.index, gone.index);
   EXPECT_NE(next.generation, gone.generation);
-  settle(*p.world);
+  wait_for_rest(*p.world);
   EXPECT_FALSE(p.world->wake(gone));
   EXPECT_EQ(awake(*p.world), 0u);
   EXPECT_NEAR(state(*p.world, next).y, 0.5, 1e-3);
@@ -136,7 +136,7 @@ TEST(SleepWake, AllOfAStackFallsInTheFrameInWhichItsSupportGoes) {
     const BodyId support = add(*world, table);
     std::vector<BodyId> ids;
     for (int k = 0; k < 6; ++k) ids.push_back(add(*world, box({0, k + 0.5}, 1, 1, kGrip, 1)));
-    settle(*world, kind == 2 ? 1 : 0);
+    wait_for_rest(*world, kind == 2 ? 1 : 0);
     if (kind == 1) world->remove_body(legs);
     world->remove_body(support);
     world->step();
@@ -144,7 +144,7 @@ TEST(SleepWake, AllOfAStackFallsInTheFrameInWhichItsSupportGoes) {
       EXPECT_TRUE(world->is_awake(id)) << kind;
       EXPECT_NEAR(state(*world, id).vy, -kG / 60, 0.01) << kind;
     }
-    settle(*world);
+    wait_for_rest(*world);
     EXPECT_NEAR(state(*world, ids[0]).y, -19.5, 0.01);
   }
 }
@@ -154,7 +154,7 @@ TEST(SleepWake, AKinematicFloorThatStartsToMoveTakesAlongWhatLiesOnIt) {
   const BodyId lift = add(*world, kinematic(box({0, -0.5}, 10, 1, kGrip)));
   std::vector<BodyId> ids;
   for (int k = 0; k < 4; ++k) ids.push_back(add(*world, box({-3.0 + 2 * k, 0.5}, 1, 1, kGrip, 1)));
-  settle(*world, 1);
+  wait_for_rest(*world, 1);
   EXPECT_EQ(awake(*world), 1u);
   world->set_velocity(lift, {0.5, 0.2}, 0);
   run(*world, 120);
@@ -180,7 +180,7 @@ TEST(SleepWake, JointsSleepAndWakeTogether) {
       joints.push_back(world->add_joint(rod, error));
       ids.push_back(next);
     }
-    settle(*world);
+    wait_for_rest(*world);
     EXPECT_EQ(awake(*world), 0u);
     if (cut) {
       EXPECT_TRUE(world->remove_joint(joints[2]));
@@ -191,7 +191,7 @@ TEST(SleepWake, JointsSleepAndWakeTogether) {
       EXPECT_TRUE(world->wake(ids[3]));
       EXPECT_EQ(awake(*world), 6u);
       EXPECT_TRUE(world->remove_body(ids[6]));
-      settle(*world);
+      wait_for_rest(*world);
       EXPECT_EQ(world->joint_count(), 5u);
     }
   }
@@ -208,7 +208,7 @@ TEST(SleepWake, AMotorStartsWhatItTurns) {
   pin.motor_limit = 10;
   std::string error;
   const JointId motor = world->add_joint(pin, error);
-  settle(*world);
+  wait_for_rest(*world);
   EXPECT_TRUE(world->set_motor(motor, 1, 10));
   run(*world, 60);
   EXPECT_NEAR(state(*world, wheel).angle, 1, 0.1);
@@ -281,7 +281,7 @@ TEST(SleepWake, TheCoreOfAPileSleepsWhileItsSurfaceIsStirred) {
   EXPECT_FALSE(world->is_awake(world->id_of(15)));  // in the middle of the lowest row
   EXPECT_LT(rms_speed(*world), 2);
   world->remove_body(paddle);
-  settle(*world);
+  wait_for_rest(*world);
   EXPECT_EQ(awake(*world), 0u);
 }
 
@@ -302,7 +302,7 @@ TEST(SleepWake, AnotherMassFarAwayLeavesAPileWhatItCarries) {
       }
       BodyId odd;
       if (!comes) odd = add(*world, other);
-      settle(*world);
+      wait_for_rest(*world);
       if (comes) add(*world, other);
       if (!comes) world->remove_body(odd);
       world->step();
@@ -331,10 +331,10 @@ TEST(SleepWake, NobodySleepsInTheAir) {
     const double angle = random.uniform(0, 3);
     p.put(k % 3 == 0 ? turned(box(at, 0.7, 0.5, kGrip), angle) : turned(capsule(at, 0.3, 0.2, kGrip), angle));
   }
-  settle(*p.world, 0, 7200);
+  wait_for_rest(*p.world, 0, 7200);
   for (int k = 0; k < 60; k += 7) {  // holes
     p.world->remove_body(p.ids[static_cast<std::size_t>(k)]);
-    settle(*p.world, 0, 7200);
+    wait_for_rest(*p.world, 0, 7200);
   }
   for (std::size_t k = 0; k < p.ids.size(); ++k) {
     if (p.world->is_valid(p.ids[k])) p.at[k] = {p.now(k).x, p.now(k).y};

@@ -23,6 +23,13 @@ inline Scene parsed_scene(const std::string& text) {
   return scene ? *scene : Scene();
 }
 
+/// What `psim --check` says of it.
+inline std::string check_lines(const std::string& text) {
+  std::string all;
+  for (const std::string& line : check_scene(parsed_scene(text))) all += line + "\n";
+  return all;
+}
+
 /// The text is refused in one line that names this place and holds this.
 inline void expect_refused(const std::string& text, std::string_view path, std::string_view words) {
   std::string error;
