@@ -34,7 +34,7 @@ void hold_joints(const BodyView& b, const JointShare& s, float sign, std::uint32
   }
   const F<L> part = 0.5f * sign, one = sign;
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
-    const auto d = one * L::load(s.push_spin + i) - part * L::load(s.rim_speed + i);
+    const auto d = one * L::load(s.push_rim_speed + i) - part * L::load(s.rim_speed + i);
     L::store(b.rim_speed + i, L::load(b.rim_speed + i) + d);
   }
 }

@@ -110,10 +110,10 @@ using JointBlocks = void*;
 /// What joints have done to the bodies in this substep (between `part_joints`: the rest of their
 /// velocities).
 struct JointShare {
-  float* vel = nullptr;        ///< m/s records
-  float* rim_speed = nullptr;  ///< m/s
-  float* push = nullptr;       ///< m/s records: for the drift alone, to take position errors back
-  float* push_spin = nullptr;  ///< m/s
+  float* vel = nullptr;             ///< m/s records
+  float* rim_speed = nullptr;       ///< m/s
+  float* push = nullptr;            ///< m/s records: for the drift alone, to take position errors back
+  float* push_rim_speed = nullptr;  ///< m/s
 };
 
 }  // namespace psim::kernels

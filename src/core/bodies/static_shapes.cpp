@@ -103,10 +103,8 @@ void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
   dirty_ = true;
 }
 
-Hull StaticShapes::seen_from(std::uint32_t i, std::int32_t x, std::int32_t y, double size, float rest_x,
-                             float rest_y) const {
+Hull StaticShapes::seen_from(std::uint32_t i, const LatticePoint& from, double size) const {
   const StaticShape& s = statics_[i];
-  const LatticePoint from{x, y, rest_x, rest_y};
   Vec2 ends[2] = {lattice_->way(from, s.p), {}};
   Hull hull;
   if (s.whole) {

@@ -7,44 +7,11 @@
 
 namespace psim {
 
-using kernels::JointBodies;
-using kernels::JointKind;
 using kernels::kBlock;
 
 namespace {
 
 constexpr std::uint32_t kJobBlocks = 64;  // 512 joints: a job takes some microseconds
-
-// Visits the stored impulses of a lane: there are up to five.
-template <class Each>
-void for_impulses(JointKind kind, JointBodies& b, std::uint32_t lane, const Each& each) {
-  switch (kind) {
-    case JointKind::rod:
-    case JointKind::spring:
-      each(0, static_cast<kernels::LineBlock&>(b).l[lane]);
-      break;
-    case JointKind::pin:
-    case JointKind::driven:
-    case JointKind::weld: {
-      auto& pin = static_cast<kernels::PinBlock&>(b);
-      each(0, pin.px[lane]);
-      each(1, pin.py[lane]);
-      if (kind == JointKind::weld) each(2, static_cast<kernels::WeldBlock&>(b).l[lane]);
-      if (kind != JointKind::driven) break;
-      auto& drive = static_cast<kernels::DrivenBlock&>(b).drive;
-      each(2, drive.limit_l[lane]);
-      each(3, drive.motor_l[lane]);
-      break;
-    }
-    case JointKind::slide: {
-      auto& slide = static_cast<kernels::SlideBlock&>(b);
-      each(0, slide.l[lane]);
-      each(1, slide.turn_l[lane]);
-      each(2, slide.drive.limit_l[lane]);
-      each(3, slide.drive.motor_l[lane]);
-    }
-  }
-}
 
 }  // namespace
 
@@ -54,8 +21,9 @@ void JointStore::save_impulses() {
     for (std::uint32_t lane = 0; lane < lanes_[list].size(); ++lane) {
       if (lanes_[list][lane] == kNoSlot) continue;
       Joint& j = joints_[lanes_[list][lane]];
-      for_impulses(j.kind, lists_.block(list, lane / kBlock), lane % kBlock,
-                   [&](int i, float& l) { j.impulse[i] = l; });
+      JointLists::visit_lane(lists_, list, lane, [&](auto& block, std::uint32_t k) {
+        JointLists::each_impulse(block, k, [&](int i, float l) { j.impulse[i] = l; });
+      });
     }
   }
 }
@@ -89,10 +57,11 @@ void JointStore::lay_out(const BodyStore& b) {
   }
   for (auto& lanes : lanes_) lanes.clear();
   std::vector<std::uint32_t> begin_of_colour;
+  const auto begin_colour = [&] {
+    for (const auto& lanes : lanes_) begin_of_colour.push_back(static_cast<std::uint32_t>(lanes.size() / kBlock));
+  };
   for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
-    for (std::uint32_t list = 0; list < kLists; ++list) {
-      begin_of_colour.push_back(static_cast<std::uint32_t>(lanes_[list].size() / kBlock));
-    }
+    begin_colour();
     for (const std::uint32_t i : of_class[colour]) {
       auto& lanes = lanes_[joints_[i].list];
       if (colour == kColours) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
@@ -101,21 +70,17 @@ void JointStore::lay_out(const BodyStore& b) {
     }
     for (auto& lanes : lanes_) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
   }
-  for (std::uint32_t list = 0; list < kLists; ++list) {
-    begin_of_colour.push_back(static_cast<std::uint32_t>(lanes_[list].size() / kBlock));
-  }
+  begin_colour();
   for (std::uint32_t list = 0; list < kLists; ++list) {
     lists_.assign(list, lanes_[list].size() / kBlock);
     for (std::uint32_t lane = 0; lane < lanes_[list].size(); ++lane) {
       if (lanes_[list][lane] == kNoSlot) continue;
-      Joint& j = joints_[lanes_[list][lane]];
-      JointBodies& at = lists_.block(list, lane / kBlock);
-      const std::uint32_t k = lane % kBlock;
-      for_impulses(j.kind, at, k, [&](int i, float& l) { l = j.impulse[i]; });
-      const BodyProperties& sa = b.properties(ids[j.body[0]]);
-      const BodyProperties& sb = b.properties(ids[j.body[1]]);
-      at.wa[k] = sa.inv_mass;
-      at.wb[k] = sb.inv_mass;
+      const Joint& j = joints_[lanes_[list][lane]];
+      JointLists::visit_lane(lists_, list, lane, [&](auto& block, std::uint32_t k) {
+        JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
+        block.wa[k] = b.properties(ids[j.body[0]]).inv_mass;
+        block.wb[k] = b.properties(ids[j.body[1]]).inv_mass;
+      });
     }
   }
   make_jobs(begin_of_colour);
@@ -135,7 +100,7 @@ void JointStore::make_jobs(const std::vector<std::uint32_t>& begin_of_colour) {
     if (blocks_here == 0) continue;
     total_blocks_ += blocks_here;
     const auto first = static_cast<std::uint32_t>(jobs_.size());
-    std::vector<BlockRange> rest;
+    std::vector<ListRange> rest;
     const bool whole = blocks_here <= kJobBlocks || colour == kColours;
     for (std::uint32_t list = 0; list < kLists; ++list) {
       std::uint32_t at = begin[list], last = end[list];

@@ -2,8 +2,10 @@
 // these have passes of their own (kernel_table.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -13,26 +15,6 @@ namespace psim {
 
 class JointLists {
  public:
-  /// Calls each(blocks) with the vector of every list.
-  template <class Self, class Each>
-  static decltype(auto) visit(Self& self, std::uint32_t list, const Each& each) {
-    const std::uint32_t held = list & 1u;
-    switch (kind_of(list)) {
-      case kernels::JointKind::rod:
-        return each(self.rods_[held]);
-      case kernels::JointKind::spring:
-        return each(self.springs_[held]);
-      case kernels::JointKind::pin:
-        return each(self.pins_[held]);
-      case kernels::JointKind::driven:
-        return each(self.driven_[held]);
-      case kernels::JointKind::slide:
-        return each(self.slides_[held]);
-      default:
-        return each(self.welds_[held]);
-    }
-  }
-
   static constexpr std::uint32_t kCount = 2 * kernels::kJointKinds;
 
   static std::uint32_t list_of(kernels::JointKind kind, bool held) {
@@ -40,14 +22,39 @@ class JointLists {
   }
   static kernels::JointKind kind_of(std::uint32_t list) { return static_cast<kernels::JointKind>(list / 2); }
 
+  /// Calls each(blocks) with the vector of a list.
+  template <std::size_t kKind = 0, class Self, class Each>
+  static decltype(auto) visit(Self& self, std::uint32_t list, const Each& each) {
+    if constexpr (kKind + 1 < kernels::kJointKinds) {
+      if (list / 2 != kKind) return visit<kKind + 1>(self, list, each);
+    }
+    return each(std::get<kKind>(self.blocks_)[list % 2]);
+  }
+  /// Calls each(block, lane) for a lane of a list.
+  template <class Self, class Each>
+  static void visit_lane(Self& self, std::uint32_t list, std::uint32_t lane, const Each& each) {
+    visit(self, list, [&](auto& all) { each(all[lane / kernels::kBlock], lane % kernels::kBlock); });
+  }
+  /// Calls each(i, impulse) for the stored impulses of a lane of a block: those of the anchors, then that of the angle,
+  /// then those of the drive. There are at most kImpulses.
+  static constexpr int kImpulses = 4;
+  template <class Block, class Each>
+  static void each_impulse(Block& b, std::uint32_t lane, const Each& each) {
+    int i = 0;
+    if constexpr (requires { b.px; }) {
+      each(i++, b.px[lane]);
+      each(i++, b.py[lane]);
+    }
+    if constexpr (requires { b.l; }) each(i++, b.l[lane]);
+    if constexpr (requires { b.turn_l; }) each(i++, b.turn_l[lane]);
+    if constexpr (requires { b.drive; }) {
+      each(i++, b.drive.limit_l[lane]);
+      each(i++, b.drive.motor_l[lane]);
+    }
+  }
+
   kernels::JointBlocks blocks(std::uint32_t list) {
     return visit(*this, list, [](auto& all) -> kernels::JointBlocks { return all.data(); });
-  }
-  kernels::JointBodies& block(std::uint32_t list, std::size_t i) {
-    return visit(*this, list, [i](auto& all) -> kernels::JointBodies& { return all[i]; });
-  }
-  const kernels::JointBodies& block(std::uint32_t list, std::size_t i) const {
-    return visit(*this, list, [i](auto& all) -> const kernels::JointBodies& { return all[i]; });
   }
   /// Replaces the blocks of a list by empty ones.
   void assign(std::uint32_t list, std::size_t count) {
@@ -60,17 +67,19 @@ class JointLists {
   std::size_t bytes() const {
     std::size_t sum = 0;
     for (std::uint32_t list = 0; list < kCount; ++list) {
-      visit(*this, list, [&](auto& all) { sum += all.capacity() * sizeof(all[0]); });
+      visit(*this, list, [&](const auto& all) { sum += all.capacity() * sizeof(all[0]); });
     }
     return sum;
   }
 
  private:
-  std::vector<kernels::LineBlock> rods_[2], springs_[2];
-  std::vector<kernels::PinBlock> pins_[2];
-  std::vector<kernels::DrivenBlock> driven_[2];
-  std::vector<kernels::SlideBlock> slides_[2];
-  std::vector<kernels::WeldBlock> welds_[2];
+  template <class Block>
+  using Lists = std::array<std::vector<Block>, 2>;
+
+  // By JointKind.
+  std::tuple<Lists<kernels::LineBlock>, Lists<kernels::LineBlock>, Lists<kernels::PinBlock>,
+             Lists<kernels::DrivenBlock>, Lists<kernels::SlideBlock>, Lists<kernels::WeldBlock>>
+      blocks_;
 };
 
 }  // namespace psim

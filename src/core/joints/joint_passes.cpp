@@ -10,10 +10,10 @@ using kernels::kBlock;
 
 namespace {
 
-void clear(Column<float>& vel, Column<float>& rim_speed, std::uint32_t begin, std::uint32_t end) {
+void clear(float* vel, float* rim_speed, std::uint32_t begin, std::uint32_t end) {
   const std::size_t from = std::size_t{begin} * kBlock, to = std::size_t{end} * kBlock;
-  std::fill(vel.data() + 2 * from, vel.data() + 2 * to, 0.0f);
-  std::fill(rim_speed.data() + from, rim_speed.data() + to, 0.0f);
+  std::fill(vel + 2 * from, vel + 2 * to, 0.0f);
+  std::fill(rim_speed + from, rim_speed + to, 0.0f);
 }
 
 }  // namespace
@@ -22,11 +22,11 @@ template <class Pass>
 void JointStore::sweep(const kernels::BodyView& view, const Pass& pass, const JointParams& p, bool backwards,
                        WorkerPool& pool) {
   for (std::size_t n = 0; n < phases_.size(); ++n) {
-    const Phase& phase = phases_[backwards ? phases_.size() - 1 - n : n];
+    const BlockRange& phase = phases_[backwards ? phases_.size() - 1 - n : n];
     pool.run(phase.end - phase.begin, [&](std::size_t i) {
-      const Job& job = jobs_[phase.begin + i];
+      const BlockRange& job = jobs_[phase.begin + i];
       for (std::uint32_t at = job.begin; at < job.end; ++at) {
-        const BlockRange& r = ranges_[at];
+        const ListRange& r = ranges_[at];
         pass[r.list / 2][r.list & 1u](view, lists_.blocks(r.list), p, r.begin, r.end);
       }
     });
@@ -61,7 +61,7 @@ void JointStore::warm(const kernels::BodyView& view, const kernels::KernelTable&
   if (empty()) return;
   for_shares(
       [&](std::uint32_t begin, std::uint32_t end) {
-        clear(share_vel_, share_spin_, begin, end);
+        clear(share().vel, share().rim_speed, begin, end);
         k.part_joints(view, share(), begin, end);
       },
       pool);
@@ -73,29 +73,21 @@ void JointStore::warm(const kernels::BodyView& view, const kernels::KernelTable&
 void JointStore::solve(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool) {
   if (empty()) return;
   if (!parted_) part(view, k, pool);
+  parted_ = false;
   sweep_all(view, k.solve_joints, false, pool);
   for_shares(
       [&](std::uint32_t begin, std::uint32_t end) {
         k.part_joints(view, share(), begin, end);
-        clear(push_vel_, push_spin_, begin, end);
+        clear(share().push, share().push_rim_speed, begin, end);
       },
       pool);
-  parted_ = false;
   kernels::BodyView pushed = view;
-  pushed.vel = push_vel_.data();
-  pushed.rim_speed = push_spin_.data();
+  pushed.vel = share().push;
+  pushed.rim_speed = share().push_rim_speed;
   for (int n = 0; n < sweeps_ / 2; ++n) sweep(pushed, k.push_joints, params_, (n & 1) != 0, pool);
 }
 
-void JointStore::hold(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool) {
-  shift(view, k, 1, pool);
-}
-
-void JointStore::release(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool) {
-  shift(view, k, -1, pool);
-}
-
-void JointStore::shift(const kernels::BodyView& view, const kernels::KernelTable& k, float sign, WorkerPool& pool) {
+void JointStore::hold(const kernels::BodyView& view, const kernels::KernelTable& k, float sign, WorkerPool& pool) {
   if (empty()) return;
   for_shares([&](std::uint32_t begin, std::uint32_t end) { k.hold_joints(view, share(), sign, begin, end); }, pool);
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/rotor.h"
-#include "joints/joint_spring.h"
 #include "joints/joint_store.h"
 
 namespace psim {
@@ -25,12 +24,68 @@ constexpr std::uint32_t kSmallGap = 8;           // blocks without joints that a
 
 float narrow(double v) { return static_cast<float>(v); }
 
-Vec2 turned(double c, double s, Vec2 p) { return {c * p.x - s * p.y, s * p.x + c * p.y}; }
+// A spring as a row of a joint (docs/joints.md, Springs).
+struct SpringRow {
+  double push = 0;  // k' h, N s/m or N m s
+  double drag = 0;  // k' h^2 / 4 + c' h / 2, kg or kg m^2
+};
+
+// std::exp would tie the bits to a version of the library. This is the series of sinh, doubled.
+double sinh_of(double x) {
+  int doublings = 0;
+  while (x > 0.5) {
+    x /= 2;
+    ++doublings;
+  }
+  const double z = x * x;
+  double s = x + x * z * (1.0 / 6 + z * (1.0 / 120 + z * (1.0 / 5040 + z / 362880)));
+  for (; doublings > 0; --doublings) s = 2 * s * std::sqrt(1 + s * s);
+  return s;
+}
+
+// The implicit midpoint rule moves an oscillator of stiffness k', damping c' exactly as one of
+// frequency w and damping rate r moves in reality, if the roots s' = (2/h) tanh(s h/2) belong to
+// them (bilinear transform, frequencies warped beforehand; Tustin 1947). With q^2 = w^2 - r^2,
+//   k'/m = 4/h^2 (S + Q)/(1 + S - Q),  c'/m = 4/h sinh(a) cosh(a)/(1 + S - Q)
+//   a = r h/2,  S = sinh^2 a,  Q = sin^2(q h/2)
+// A spring that h does not resolve (w h > 1) is damped, critically from w h = 2 on. Undamped it would gain energy from
+// rotation and from other joints.
+// `mass`, kg, is the effective mass of the row. With angles the units are N m, N m s and kg m^2.
+SpringRow spring_row(double stiffness, double damping, double mass, double h) {
+  SpringRow out;
+  if (!(mass > 0) || !(stiffness > 0 || damping > 0)) return out;
+  const double w = std::sqrt(stiffness / mass);
+  const double r = std::fmax(damping / (2 * mass), w * std::fmin(std::fmax(w * h - 1, 0), 1));
+  const double a = r * h / 2;
+  double k = 0, c = 0;  // h^2/4 k'/m, h/4 c'/m
+  if (w > r) {
+    const double s = sinh_of(a), q = sine_cosine(std::sqrt(w * w - r * r) * h / 2).sine;
+    const double below = 1 + s * s - q * q;
+    k = (s * s + q * q) / below;
+    c = s * std::sqrt(1 + s * s) / below;
+  } else {  // overdamped: Q = -sinh^2 b
+    const double b = std::sqrt(r * r - w * w) * h / 2;
+    const double less = a + b > 0 ? w * w * h * h / 4 / (a + b) : 0;  // a - b
+    const double t = sinh_of(std::fmin(less, 30.0));
+    if (a < 15) {
+      const double s = sinh_of(a), sb = sinh_of(b);
+      const double below = 1 + s * s + sb * sb;
+      k = sinh_of(a + b) * t / below;
+      c = s * std::sqrt(1 + s * s) / below;
+    } else {
+      k = t / std::sqrt(1 + t * t);
+      c = (1 + k) / 2;
+    }
+  }
+  out.push = 4 * mass * k / h;
+  out.drag = mass * (k + 2 * c);
+  return out;
+}
 
 // The effective mass of pulling the anchors apart, kg, along the line `apart` from one to the other.
 double line_mass(const JointBodies& b, std::uint32_t k, const JointMember& ma, const JointMember& mb, Vec2 arm_a,
                  Vec2 arm_b, Vec2 apart) {
-  const double far = std::sqrt(apart.x * apart.x + apart.y * apart.y);
+  const double far = length_of(apart);
   const double nx = far > 0 ? apart.x / far : 0, ny = far > 0 ? apart.y / far : 1;
   const double sa = arm_a.x * ny - arm_a.y * nx, sb = arm_b.x * ny - arm_b.y * nx;
   const auto part = [&](float w, float g, double s, double inverse) {
@@ -55,18 +110,13 @@ double pinned_inertia(const JointBodies& b, std::uint32_t k, const JointMember& 
 }
 
 void fill_line(kernels::LineBlock& at, std::uint32_t k, const JointDesc& d, Vec2 apart) {
-  const double far = std::sqrt(apart.x * apart.x + apart.y * apart.y);
+  const double far = length_of(apart);
   at.dx0[k] = narrow(apart.x);
   at.dy0[k] = narrow(apart.y);
   at.far0[k] = narrow(far);
   at.c0[k] = narrow(far - *d.length);
   at.top[k] = d.type == JointType::rope ? 0.0f : 1e30f;
   if (at.nx[k] == 0 && at.ny[k] == 0) at.ny[k] = 1;
-}
-
-void fill_pin(kernels::PinBlock& at, std::uint32_t k, Vec2 apart) {
-  at.cx0[k] = narrow(apart.x);
-  at.cy0[k] = narrow(apart.y);
 }
 
 // `way` is -1 if the row runs from b to a.
@@ -88,12 +138,9 @@ void fill_spring(Block& at, std::uint32_t k, const JointDesc& d, double mass, do
 
 // The axis in the frame of side A. If A is body b, it points the other way and is turned by the reference angle.
 Vec2 axis_of(const JointDesc& d, bool swapped) {
-  const double size = std::sqrt(d.axis.x * d.axis.x + d.axis.y * d.axis.y);
+  const double size = length_of(d.axis);
   const Vec2 axis{d.axis.x / size, d.axis.y / size};
-  if (!swapped) return axis;
-  const SineCosine back = sine_cosine(-d.reference.value_or(0));
-  const Vec2 seen = turned(back.cosine, back.sine, axis);
-  return {-seen.x, -seen.y};
+  return swapped ? -1.0 * turned(sine_cosine(-d.reference.value_or(0)), axis) : axis;
 }
 
 }  // namespace
@@ -109,32 +156,23 @@ void JointStore::find_members(const BodyStore& b, const std::vector<FixedBody>& 
       const BodyInfo& info = b.info[id];
       const BodyKind& kind = b.kind(id);
       m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
-      m.centre_x = static_cast<double>(kind.centre_x);
-      m.centre_y = static_cast<double>(kind.centre_y);
       m.fixed = info.place != Place::moving;
       if (m.fixed) {
         const FixedBody& f = fixed[info.slot];
-        const LatticePoint p = lattice.to_lattice({f.x, f.y});
-        m.x = p.x;
-        m.y = p.y;
-        m.rest_x = static_cast<double>(p.dx);
-        m.rest_y = static_cast<double>(p.dy);
+        m.at = lattice.to_lattice({f.x, f.y});
         m.angle = f.angle;
-        m.centre_x = m.centre_y = 0;
+        m.centre = {};
         m.inverse_radius = 1;
         m.number = static_record_;
       } else {
         const std::size_t slot = info.slot;
-        m.x = b.pos[2 * slot];
-        m.y = b.pos[2 * slot + 1];
-        m.rest_x = m.rest_y = 0;
+        m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
         m.angle = b.angle[slot];
+        m.centre = {static_cast<double>(kind.centre_x), static_cast<double>(kind.centre_y)};
         m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
         m.number = numbers.number(info.slot);
       }
-      const SineCosine turn = sine_cosine(m.angle);
-      m.c = turn.cosine;
-      m.s = turn.sine;
+      m.turn = sine_cosine(m.angle);
     }
   });
 }
@@ -168,93 +206,62 @@ void JointStore::find_shares(const SolverBodies& numbers) {
   }
   const std::size_t all = std::size_t{body_blocks} * kBlock;
   share_vel_.reserve(2 * all);
-  share_spin_.reserve(all);
+  share_rim_speed_.reserve(all);
   push_vel_.reserve(2 * (all + kBlock));
-  push_spin_.reserve(all + kBlock);
+  push_rim_speed_.reserve(all + kBlock);
   std::fill_n(push_vel_.data() + 2 * all, 2 * kBlock, 0.0f);  // the record of static bodies and empty lanes
-  std::fill_n(push_spin_.data() + all, kBlock, 0.0f);
-}
-
-void JointStore::fill_lane(std::uint32_t list, JointBodies& b, std::uint32_t k, Joint* j) {
-  if (j == nullptr) {
-    b.body[2 * k] = b.body[2 * k + 1] = padding_;
-    return;
-  }
-  const JointMember& ma = members_[j->body[0]];
-  const JointMember& mb = members_[j->body[1]];
-  b.body[2 * k] = ma.number;
-  b.body[2 * k + 1] = mb.number;
-  b.ra[k] = narrow(ma.inverse_radius);
-  b.rb[k] = narrow(mb.inverse_radius);
-  b.ga[k] = b.ga0[k] = narrow(ma.rim_gain);
-  b.gb[k] = b.gb0[k] = narrow(mb.rim_gain);
-  fill_kind(list, b, k, *j, ma, mb);
+  std::fill_n(push_rim_speed_.data() + all, kBlock, 0.0f);
 }
 
 // Fills the arms of a lane and the rows of its kind.
-void JointStore::fill_kind(std::uint32_t list, JointBodies& b, std::uint32_t k, const Joint& joint,
-                           const JointMember& ma, const JointMember& mb) const {
+template <class Block>
+void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const {
   const JointDesc& d = joint.desc;
-  const Vec2 anchor_a = joint.swapped ? d.anchor_b : d.anchor_a;
-  const Vec2 anchor_b = joint.swapped ? d.anchor_a : d.anchor_b;
-  const Vec2 arm_a = turned(ma.c, ma.s, {anchor_a.x - ma.centre_x, anchor_a.y - ma.centre_y});
-  const Vec2 arm_b = turned(mb.c, mb.s, {anchor_b.x - mb.centre_x, anchor_b.y - mb.centre_y});
-  b.ax0[k] = narrow(arm_a.x * ma.inverse_radius);
-  b.ay0[k] = narrow(arm_a.y * ma.inverse_radius);
-  b.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
-  b.by0[k] = narrow(arm_b.y * mb.inverse_radius);
-  // The vector from the anchor of A to that of B, without the offsets in `disp`. Differences of lattice points are
-  // exact.
-  const Vec2 apart{wrap_sub(mb.x, ma.x) * pitch_x_ + (mb.rest_x - ma.rest_x) + (arm_b.x - arm_a.x),
-                   wrap_sub(mb.y, ma.y) * pitch_y_ + (mb.rest_y - ma.rest_y) + (arm_b.y - arm_a.y)};
+  const JointMember& ma = members_[joint.body[0]];
+  const JointMember& mb = members_[joint.body[1]];
+  at.body[2 * k] = ma.number;
+  at.body[2 * k + 1] = mb.number;
+  at.ra[k] = narrow(ma.inverse_radius);
+  at.rb[k] = narrow(mb.inverse_radius);
+  at.ga[k] = at.ga0[k] = narrow(ma.rim_gain);
+  at.gb[k] = at.gb0[k] = narrow(mb.rim_gain);
+  const Vec2 arm_a = turned(ma.turn, (joint.swapped ? d.anchor_b : d.anchor_a) - ma.centre);
+  const Vec2 arm_b = turned(mb.turn, (joint.swapped ? d.anchor_a : d.anchor_b) - mb.centre);
+  at.ax0[k] = narrow(arm_a.x * ma.inverse_radius);
+  at.ay0[k] = narrow(arm_a.y * ma.inverse_radius);
+  at.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
+  at.by0[k] = narrow(arm_b.y * mb.inverse_radius);
+  // The vector from the anchor of A to that of B, without the offsets in `disp`.
+  const Vec2 apart = lattice_->way(ma.at, mb.at) + (arm_b - arm_a);
   const double sign = joint.swapped ? -1 : 1;
-  const double angle = (mb.angle - ma.angle) - sign * d.reference.value_or(0);
-  switch (JointLists::kind_of(list)) {
-    case JointKind::rod:
-      fill_line(static_cast<kernels::LineBlock&>(b), k, d, apart);
-      break;
-    case JointKind::spring: {
-      auto& at = static_cast<kernels::LineBlock&>(b);
-      fill_line(at, k, d, apart);
-      fill_spring(at, k, d, line_mass(b, k, ma, mb, arm_a, arm_b, apart), h_);
-      break;
-    }
-    case JointKind::pin:
-      fill_pin(static_cast<kernels::PinBlock&>(b), k, apart);
-      break;
-    case JointKind::driven: {
-      auto& at = static_cast<kernels::DrivenBlock&>(b);
-      fill_pin(at, k, apart);
-      at.angle0[k] = narrow(angle);
-      fill_drive(at.drive, k, d, sign, h_);
-      break;
-    }
-    case JointKind::weld: {
-      auto& at = static_cast<kernels::WeldBlock&>(b);
-      fill_pin(at, k, apart);
-      at.angle0[k] = narrow(angle);
-      if (!(d.stiffness > 0)) break;
-      fill_spring(at, k, d, pinned_inertia(b, k, ma, mb, arm_a, arm_b), h_);
-      break;
-    }
-    case JointKind::slide: {
-      auto& at = static_cast<kernels::SlideBlock&>(b);
-      const Vec2 u = turned(ma.c, ma.s, axis_of(d, joint.swapped));
-      at.ux0[k] = narrow(u.x);
-      at.uy0[k] = narrow(u.y);
-      at.along0[k] = narrow(u.x * apart.x + u.y * apart.y);
-      at.off0[k] = narrow(u.x * apart.y - u.y * apart.x);
-      at.angle0[k] = narrow(angle);
-      fill_drive(at.drive, k, d, 1, h_);
-    }
+  if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
+  if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
+    fill_line(at, k, d, apart);
+    if (joint.kind == JointKind::spring) fill_spring(at, k, d, line_mass(at, k, ma, mb, arm_a, arm_b, apart), h_);
+  } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
+    const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
+    at.ux0[k] = narrow(u.x);
+    at.uy0[k] = narrow(u.y);
+    at.along0[k] = narrow(dot(u, apart));
+    at.off0[k] = narrow(cross(u, apart));
+    fill_drive(at.drive, k, d, 1, h_);
+  } else {
+    at.cx0[k] = narrow(apart.x);
+    at.cy0[k] = narrow(apart.y);
+  }
+  if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
+  if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {
+    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(at, k, ma, mb, arm_a, arm_b), h_);
   }
 }
 
 void JointStore::fill(std::uint32_t list, std::uint32_t index) {
-  JointBodies& b = lists_.block(list, index);
-  for (std::uint32_t k = 0; k < kBlock; ++k) {
-    const std::uint32_t i = lanes_[list][std::size_t{index} * kBlock + k];
-    fill_lane(list, b, k, i == kNoSlot ? nullptr : &joints_[i]);
+  for (std::uint32_t lane = index * kBlock; lane < (index + 1) * kBlock; ++lane) {
+    const std::uint32_t joint = lanes_[list][lane];
+    JointLists::visit_lane(lists_, list, lane, [&](auto& block, std::uint32_t k) {
+      if (joint != kNoSlot) return fill_rows(block, k, joints_[joint]);
+      block.body[2 * k] = block.body[2 * k + 1] = padding_;
+    });
   }
 }
 
@@ -267,8 +274,7 @@ void JointStore::prepare(const BodyStore& b, const std::vector<FixedBody>& fixed
   stale_ = false;
   static_record_ = numbers.dummies();
   padding_ = static_record_ + 1;
-  pitch_x_ = lattice.pitch_x();
-  pitch_y_ = lattice.pitch_y();
+  lattice_ = &lattice;
   h_ = h;
   params_.h = narrow(h);
   params_.inv_h = narrow(1 / h);

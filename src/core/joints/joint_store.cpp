@@ -8,7 +8,6 @@
 namespace psim {
 
 using kernels::JointKind;
-using kernels::kBlock;
 
 namespace {
 
@@ -28,8 +27,6 @@ JointKind kind_of(const JointDesc& d) {
   }
   return JointKind::weld;
 }
-
-double wide(float v) { return static_cast<double>(v); }
 
 }  // namespace
 
@@ -51,14 +48,12 @@ void JointStore::exclude(const JointDesc& d, int sign) {
 }
 
 JointId JointStore::add(const JointDesc& d, const BodyStore& bodies) {
-  std::uint32_t index;
   if (free_.empty()) {
-    index = static_cast<std::uint32_t>(joints_.size());
+    free_.push_back(static_cast<std::uint32_t>(joints_.size()));
     joints_.emplace_back();
-  } else {
-    index = free_.back();
-    free_.pop_back();
   }
+  const std::uint32_t index = free_.back();
+  free_.pop_back();
   Joint& j = joints_[index];
   const std::uint32_t generation = j.generation;
   j = Joint{};
@@ -97,7 +92,7 @@ void JointStore::release_blocks() {
   drop(first_, exclusive_, bodies_, members_, ranges_, share_ranges_, jobs_, share_jobs_, phases_, marks_);
   for (auto& lanes : lanes_) drop(lanes);
   lists_ = JointLists();
-  for (Column<float>* c : {&share_vel_, &share_spin_, &push_vel_, &push_spin_}) c->release();
+  for (Column<float>* c : {&share_vel_, &share_rim_speed_, &push_vel_, &push_rim_speed_}) c->release();
   total_blocks_ = 0;
   stale_ = bodies_stale_ = true;
 }
@@ -110,18 +105,24 @@ void JointStore::remove_of_body(std::uint32_t body) {
 }
 
 // The joints of a body form a linked list, the latest number first: it begins in first_ and goes on in `next` of the
-// joint's side. Its order does not depend on when the joints came, so it need not be saved.
+// joint's side. Its order does not depend on when the joints came, so it need not be saved. This finds the link where
+// joint `index` is, or belongs.
+std::uint32_t* JointStore::link_to(std::uint32_t index, std::uint32_t body) {
+  std::uint32_t* link = &first_[body];
+  while (*link != kNoSlot && *link > index) {
+    Joint& other = joints_[*link];
+    link = &other.next[other.desc.a.index == body ? 0 : 1];
+  }
+  return link;
+}
+
 void JointStore::tie(std::uint32_t index) {
   Joint& j = joints_[index];
   const std::uint32_t ends[2] = {j.desc.a.index, j.desc.b.index};
   const std::size_t most = std::max(ends[0], ends[1]);
   if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
   for (int side = 0; side < 2; ++side) {
-    std::uint32_t* link = &first_[ends[side]];
-    while (*link != kNoSlot && *link > index) {
-      Joint& other = joints_[*link];
-      link = &other.next[other.desc.a.index == ends[side] ? 0 : 1];
-    }
+    std::uint32_t* const link = link_to(index, ends[side]);
     j.next[side] = *link;
     *link = index;
   }
@@ -129,15 +130,8 @@ void JointStore::tie(std::uint32_t index) {
 
 void JointStore::untie(std::uint32_t index) {
   const Joint& j = joints_[index];
-  const std::uint32_t ends[2] = {j.desc.a.index, j.desc.b.index};
-  for (int side = 0; side < 2; ++side) {
-    std::uint32_t* link = &first_[ends[side]];
-    while (*link != index) {
-      Joint& other = joints_[*link];
-      link = &other.next[other.desc.a.index == ends[side] ? 0 : 1];
-    }
-    *link = j.next[side];
-  }
+  *link_to(index, j.desc.a.index) = j.next[0];
+  *link_to(index, j.desc.b.index) = j.next[1];
 }
 
 bool JointStore::set_motor(JointId id, double speed, double limit) {
@@ -186,36 +180,24 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
   force = {};
   torque = 0;
   if (j.lane == kNoSlot || !(h_ > 0)) return;
-  const std::uint32_t k = j.lane % kBlock;
-  const kernels::JointBodies& block = lists_.block(j.list, j.lane / kBlock);
-  switch (j.kind) {
-    case JointKind::rod:
-    case JointKind::spring: {
-      const auto& b = static_cast<const kernels::LineBlock&>(block);
-      force = {wide(b.l[k]) * wide(b.nx[k]), wide(b.l[k]) * wide(b.ny[k])};
-      break;
+  JointLists::visit_lane(lists_, j.list, j.lane, [&](const auto& b, std::uint32_t k) {
+    double l[JointLists::kImpulses] = {};
+    JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = static_cast<double>(impulse); });
+    const auto along = [&](float x, float y, double f) {
+      return f * Vec2{static_cast<double>(x), static_cast<double>(y)};
+    };
+    if constexpr (requires { b.nx; }) {
+      force = along(b.nx[k], b.ny[k], l[0]);
+    } else if constexpr (requires { b.ux; }) {
+      force = along(b.ux[k], b.uy[k], l[2] + l[3]) + along(-b.uy[k], b.ux[k], l[0]);
+      torque = l[1];
+    } else {
+      force = {l[0], l[1]};
+      torque = l[2] + l[3];
     }
-    case JointKind::pin:
-    case JointKind::driven:
-    case JointKind::weld: {
-      const auto& b = static_cast<const kernels::PinBlock&>(block);
-      force = {wide(b.px[k]), wide(b.py[k])};
-      if (j.kind == JointKind::weld) torque = wide(static_cast<const kernels::WeldBlock&>(b).l[k]);
-      if (j.kind != JointKind::driven) break;
-      const kernels::Drive& drive = static_cast<const kernels::DrivenBlock&>(b).drive;
-      torque = wide(drive.limit_l[k]) + wide(drive.motor_l[k]);
-      break;
-    }
-    case JointKind::slide: {
-      const auto& b = static_cast<const kernels::SlideBlock&>(block);
-      const double l = wide(b.l[k]), t = wide(b.drive.limit_l[k]) + wide(b.drive.motor_l[k]);
-      const double ux = wide(b.ux[k]), uy = wide(b.uy[k]);
-      force = {t * ux - l * uy, t * uy + l * ux};
-      torque = wide(b.turn_l[k]);
-    }
-  }
+  });
   const double per_h = (j.swapped ? -1 : 1) / h_;
-  force = {force.x * per_h, force.y * per_h};
+  force = per_h * force;
   torque *= per_h;
 }
 

@@ -4,7 +4,8 @@
 //   prepare         once a frame: makes stale blocks anew, then sets every lane for the present places of its bodies
 //   warm            applies stored impulses: in the first substep of a frame; with fields in every one
 //   solve, relax    run in every substep
-//   hold, release   run before and after the drift, which moves bodies with half of what joints did
+//   hold            runs before the drift (sign 1) and after it (sign -1), so that the drift moves bodies with half of
+//                   what the joints did
 //
 // joint_store.cpp does what the host asks for, joint_layout.cpp makes the blocks, joint_prepare.cpp fills
 // them, joint_passes.cpp runs the passes.
@@ -17,6 +18,7 @@
 
 #include "base/column.h"
 #include "base/lattice.h"
+#include "base/tasks.h"
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
@@ -31,10 +33,10 @@ namespace psim {
 /// A body with joints, in this frame.
 struct JointMember {
   std::uint32_t number = 0;  ///< the number that the solver uses for the body
-  std::int32_t x = 0, y = 0;
-  double rest_x = 0, rest_y = 0;  ///< m: of a static body its offset from the lattice point
-  double c = 1, s = 0, angle = 0;
-  double centre_x = 0, centre_y = 0;  ///< m: the centre of mass in the frame of the body
+  LatticePoint at;           ///< without the offset of a moving body, which kernels add
+  double angle = 0;
+  SineCosine turn;
+  Vec2 centre;  ///< m: the centre of mass in the frame of the body
   double inverse_radius = 1, rim_gain = 0;
   bool fixed = false;
 };
@@ -45,7 +47,7 @@ class JointStore {
   void describe(A& a, const BodyStore& bodies);  ///< for saved states; behind the bodies
 
   explicit JointStore(MemoryMeter& meter)
-      : share_vel_(meter), share_spin_(meter), push_vel_(meter), push_spin_(meter) {}
+      : share_vel_(meter), share_rim_speed_(meter), push_vel_(meter), push_rim_speed_(meter) {}
 
   /// Adds a joint. Its description was checked, and all optional values but the limits are set.
   JointId add(const JointDesc& d, const BodyStore& bodies);
@@ -84,7 +86,7 @@ class JointStore {
     }
   }
   std::size_t column_bytes() const {
-    return share_vel_.bytes() + share_spin_.bytes() + push_vel_.bytes() + push_spin_.bytes();
+    return share_vel_.bytes() + share_rim_speed_.bytes() + push_vel_.bytes() + push_rim_speed_.bytes();
   }
 
   /// The force and torque of a joint on body b in the last substep, N and N m. O(1).
@@ -127,8 +129,7 @@ class JointStore {
 
   void warm(const kernels::BodyView& view, const kernels::KernelTable& k, float factor, WorkerPool& pool);
   void solve(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
-  void hold(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
-  void release(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
+  void hold(const kernels::BodyView& view, const kernels::KernelTable& k, float sign, WorkerPool& pool);
   void relax(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
 
  private:
@@ -145,16 +146,10 @@ class JointStore {
     std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< the next joint in the lists of the bodies a and b
     std::uint32_t list = 0, lane = 0;            ///< the lane is 8 block + lane
     std::uint32_t body[2] = {0, 0};              ///< numbers in members_ of the sides A and B
-    float impulse[5] = {};                       ///< kept while the blocks are made anew
+    float impulse[JointLists::kImpulses] = {};   ///< kept while the blocks are made anew
   };
-  struct BlockRange {
+  struct ListRange {
     std::uint32_t list = 0, begin = 0, end = 0;
-  };
-  struct Job {
-    std::uint32_t begin = 0, end = 0;  ///< in ranges_
-  };
-  struct Phase {
-    std::uint32_t begin = 0, end = 0;  ///< in jobs_
   };
 
   static std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
@@ -163,6 +158,7 @@ class JointStore {
   template <class A>
   void check_joint(A& a, const Joint& joint, const BodyStore& bodies) const;
   void tie_all(const BodyStore& bodies);
+  std::uint32_t* link_to(std::uint32_t index, std::uint32_t body);
   void tie(std::uint32_t index);
   void untie(std::uint32_t index);
   void exclude(const JointDesc& d, int sign);
@@ -173,9 +169,8 @@ class JointStore {
                     const Lattice& lattice, WorkerPool& pool);
   void find_shares(const SolverBodies& numbers);
   void fill(std::uint32_t list, std::uint32_t block);
-  void fill_lane(std::uint32_t list, kernels::JointBodies& block, std::uint32_t lane, Joint* joint);
-  void fill_kind(std::uint32_t list, kernels::JointBodies& block, std::uint32_t k, const Joint& joint,
-                 const JointMember& ma, const JointMember& mb) const;
+  template <class Block>
+  void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;
   template <class Pass>
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards,
              WorkerPool& pool);
@@ -184,8 +179,9 @@ class JointStore {
   template <class Each>
   void for_shares(const Each& each, WorkerPool& pool);
   void part(const kernels::BodyView& view, const kernels::KernelTable& k, WorkerPool& pool);
-  void shift(const kernels::BodyView& view, const kernels::KernelTable& k, float sign, WorkerPool& pool);
-  kernels::JointShare share() { return {share_vel_.data(), share_spin_.data(), push_vel_.data(), push_spin_.data()}; }
+  kernels::JointShare share() {
+    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data()};
+  }
 
   std::vector<Joint> joints_;
   std::vector<std::uint32_t> free_;
@@ -199,19 +195,19 @@ class JointStore {
   std::vector<JointMember> members_;   // in the order of bodies_
   JointLists lists_;
   std::vector<std::uint32_t> lanes_[kLists];  // by lane: the joint, or kNoSlot
-  std::vector<BlockRange> ranges_, share_ranges_;
-  std::vector<Job> jobs_, share_jobs_;
-  std::vector<Phase> phases_;
+  std::vector<ListRange> ranges_, share_ranges_;
+  std::vector<BlockRange> jobs_, share_jobs_;  // in the ranges
+  std::vector<BlockRange> phases_;             // in jobs_
   std::vector<std::uint8_t> marks_;
   std::uint32_t total_blocks_ = 0;
 
   std::uint32_t static_record_ = 0, padding_ = 0;
-  double pitch_x_ = 1, pitch_y_ = 1;
+  const Lattice* lattice_ = nullptr;  // that of the last prepare
   double h_ = 0;
   int sweeps_ = 1;
   bool parted_ = false;  // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
-  Column<float> share_vel_, share_spin_, push_vel_, push_spin_;
+  Column<float> share_vel_, share_rim_speed_, push_vel_, push_rim_speed_;
 };
 
 }  // namespace psim

@@ -74,24 +74,35 @@ void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, fl
   }
 }
 
+struct Stiffness {
+  float soft, rate;
+};
+
+Stiffness stiffness_of(const ManifoldParams& params, bool fixed, bool loaded, bool bounces) {
+  if (bounces && !loaded) return {params.bouncing_soft[fixed], params.bouncing_rate[fixed]};
+  const std::size_t kind = (fixed ? 1u : 0u) + (loaded ? 2u : 0u);
+  return {params.soft[kind], params.rate[kind]};
+}
+
+Stiffness stack_stiffness(const ManifoldParams& params, const ManifoldPair& pair) {
+  const bool fixed = pair.stack == ManifoldPair::kOnFixed;
+  return {params.stack_soft[fixed], params.stack_rate[fixed]};
+}
+
 // Sets compliance, push-out rate and half-reactions of a lane.
 void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const ManifoldParams& params,
                    bool loaded) {
   const Manifold& m = pair.manifold;
-  const std::size_t kind = (pair.fixed_a ? 1u : 0u) + (loaded ? 2u : 0u);
-  c.soft[l] = params.soft[kind];
-  c.rate[l] = params.rate[kind];
+  const bool bounces = c.e[l] > 0;
+  const Stiffness of = pair.stack == ManifoldPair::kLoose ? stiffness_of(params, pair.fixed_a, loaded, bounces)
+                                                          : stack_stiffness(params, pair);
+  c.soft[l] = of.soft;
+  c.rate[l] = of.rate;
   c.share_a[l] = c.share_b[l] = 1;
   const double g = length_of(params.gravity);
-  if (pair.stack != ManifoldPair::kLoose) {
-    c.soft[l] = params.stack_soft[pair.stack == ManifoldPair::kOnFixed];
-    c.rate[l] = params.stack_rate[pair.stack == ManifoldPair::kOnFixed];
-  } else if (c.e[l] > 0 && !loaded) {  // the impulse of an impact is applied at once
-    c.soft[l] = params.bouncing_soft[pair.fixed_a ? 1 : 0];
-    c.rate[l] = params.bouncing_rate[pair.fixed_a ? 1 : 0];
-  } else if (!pair.fixed_a && !loaded && g > 0) {
-    const double down =
-        (params.gravity.x * static_cast<double>(m.nx) + params.gravity.y * static_cast<double>(m.ny)) / g;
+  // The impulse of an impact is applied at once, that of a stack exactly.
+  if (pair.stack == ManifoldPair::kLoose && !bounces && !pair.fixed_a && !loaded && g > 0) {
+    const double down = dot(params.gravity, {static_cast<double>(m.nx), static_cast<double>(m.ny)}) / g;
     if (down <= -kSupport) c.share_a[l] = kReaction;
     if (down >= kSupport) c.share_b[l] = kReaction;
   }
@@ -149,14 +160,8 @@ bool Manifolds::fit(std::size_t strips) {
 }
 
 void Manifolds::clear() {
-  accept();
-  own_end_ = 0;
-  indexed_ = false;
-  pairs_.clear();
+  forget();
   old_pairs_.clear();
-  owner_.clear();
-  begin_.clear();
-  cuts_.clear();
   strips_.clear();
   shaped_.clear();
   ghosts_.clear();
@@ -222,17 +227,14 @@ void Manifolds::write_gaps(StripBlocks& strip, const ManifoldPair& pair) const {
 void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
   std::uint32_t at = 0;
   for (std::uint32_t k = 0; k < 4; ++k) {
-    const bool fixed = k / 2 != 0, loaded = k % 2 != 0;
-    const std::size_t kind = (fixed ? 1u : 0u) + (loaded ? 2u : 0u);
-    const float soft = params.soft[kind], rate = params.rate[kind];
-    const float bouncing_soft = loaded ? soft : params.bouncing_soft[fixed];
-    const float bouncing_rate = loaded ? rate : params.bouncing_rate[fixed];
+    const Stiffness plain = stiffness_of(params, k / 2 != 0, k % 2 != 0, false);
+    const Stiffness bouncing = stiffness_of(params, k / 2 != 0, k % 2 != 0, true);
     for (; at < strip.end[k]; ++at) {
       ManifoldBlock& c = strip.blocks[at];
       for (std::uint32_t l = 0; l < kBlock; ++l) {
         const bool there = c.rate[l] != 0, bounces = c.e[l] > 0;
-        c.soft[l] = !there ? 0.0f : bounces ? bouncing_soft : soft;
-        c.rate[l] = !there ? 0.0f : bounces ? bouncing_rate : rate;
+        c.soft[l] = !there ? 0.0f : bounces ? bouncing.soft : plain.soft;
+        c.rate[l] = !there ? 0.0f : bounces ? bouncing.rate : plain.rate;
       }
     }
   }
@@ -240,8 +242,9 @@ void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
     const ManifoldPair& pair = pairs_[k];
     if (pair.stack == ManifoldPair::kLoose) continue;
     ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
-    c.soft[pair.lane % kBlock] = params.stack_soft[pair.stack == ManifoldPair::kOnFixed];
-    c.rate[pair.lane % kBlock] = params.stack_rate[pair.stack == ManifoldPair::kOnFixed];
+    const Stiffness of = stack_stiffness(params, pair);
+    c.soft[pair.lane % kBlock] = of.soft;
+    c.rate[pair.lane % kBlock] = of.rate;
   }
 }
 
@@ -393,14 +396,9 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 }
 
 std::size_t Manifolds::bytes() const {
-  std::size_t sum = (pairs_.capacity() + old_pairs_.capacity() + before_.capacity()) * sizeof(ManifoldPair) +
-                    renewed_.capacity() * sizeof(Renewed) +
-                    (first_.capacity() + owner_.capacity() + shaped_.capacity()) * sizeof(std::uint32_t) +
-                    entries_.capacity() * sizeof(Entry);
-  for (const StripBlocks& s : strips_) {
-    sum += s.blocks.capacity() * sizeof(ManifoldBlock) +
-           (s.active.capacity() + s.laid.capacity() + s.rewrite.capacity()) * sizeof(std::uint32_t);
-  }
+  const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
+  std::size_t sum = of(pairs_, old_pairs_, before_, renewed_, first_, owner_, shaped_, entries_);
+  for (const StripBlocks& s : strips_) sum += of(s.blocks, s.active, s.laid, s.rewrite);
   for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
   return sum;
 }

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
-#include "bodies/body_store.h"
 #include "manifolds/collide_batch.h"
 #include "manifolds/manifolds.h"
 
@@ -13,31 +14,53 @@ namespace psim {
 /// Frames of motion within which contacts are looked for.
 inline constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);
 
-/// How the two sides of a pair stand now.
-struct Manifolds::Stand {
-  std::int32_t x, y;     // lattice steps from A (or 0) to B
-  float rest_x, rest_y;  // m: the same for the offsets
-  Rotor qa, qb;
-  float vx, vy;  // m/s: the velocity of B relative to A
-  float inner;   // m: the smaller inner radius
-  float wanted;  // m: bodies with a smaller gap may touch within the step
-};
-
-/// Pairs of one kind that wait until a kernel has a full batch.
-struct Manifolds::Waiting {
-  struct Lane {
-    ManifoldPair* pair;
-    Stand now;
-    const Hull* a;
-    const Hull* b;
-    std::optional<Hull> own_a, own_b;  // hulls that are made for the pair
+/// Looks at the pairs of a step.
+struct Manifolds::Look {
+  /// How the two sides of a pair stand now.
+  struct Stand {
+    LatticePoint at;  // from A (or 0) to B
+    Rotor qa, qb;
+    float vx, vy;  // m/s: the velocity of B relative to A
+    float inner;   // m: the smaller inner radius
+    float wanted;  // m: bodies with a smaller gap may touch within the step
   };
-  CollideBatch batch;
-  Lane lane[kernels::kBlock];
-  Batches batches;
-};
+  /// Pairs of one kind that wait until a kernel has a full batch.
+  struct Waiting {
+    struct Lane {
+      ManifoldPair* pair;
+      Stand now;
+      const Hull* a;
+      const Hull* b;
+      std::optional<Hull> own_a, own_b;  // hulls that are made for the pair
+    };
+    CollideBatch batch;
+    Lane lane[kernels::kBlock];
+    Batches batches;
+  };
 
-/// A hull against the plane at distance `offset` from its centre along the inward normal.
-Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin);
+  bool is_shape(std::size_t slot) const { return (manifolds.kind_[slot] & kShape) != 0; }
+  const Hull& hull_of(std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const;
+  bool lasts(ManifoldPair& pair, Stand& now) const;
+  void find(ManifoldPair& pair, const Stand& now, Waiting* waiting) const;
+  void settle(Waiting& waiting, std::uint32_t kind) const;
+  void take(ManifoldPair& pair, const Stand& now, const Manifold& found, const Hull* a, const Hull& hull_b) const;
+  void fade(ManifoldPair& pair) const;
+  /// Looks at pairs. Returns how many that were known before were looked at anew.
+  std::uint32_t look(std::span<ManifoldPair> pairs, Batches& batches) const;
+
+  // manifold_ahead.cpp
+  bool end_on(const ManifoldPair& pair, const Hull& piece, const Manifold& m, Vec2& face) const;
+  void smooth_joint(ManifoldPair& pair, const Hull& hull, Rotor q, const Hull& piece, float margin) const;
+  void judge(ManifoldPair& pair, float inner, float vx, float vy) const;
+  void foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const Hull& hull, Vec2 way, float mx, float my,
+               float inner) const;
+  void see_fixed(std::span<ManifoldPair> pairs, std::vector<std::uint64_t>& ghosts) const;
+
+  const Manifolds& manifolds;
+  const BodyStore& b;
+  const ManifoldParams& params;
+  const float g = manifolds.g_;
+  const float dt = static_cast<float>(params.dt);
+};
 
 }  // namespace psim

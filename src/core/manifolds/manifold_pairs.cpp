@@ -97,27 +97,6 @@ void Manifolds::recall_touch(const BodyStore& b, const StaticShapes& statics, co
   }
 }
 
-// Gives recalled impulses to the points of the manifold that was found.
-void Manifolds::take_recalled(ManifoldPair& pair) {
-  const Manifold& m = pair.manifold;
-  if (m.count == 2 && pair.recalled == 2) {
-    if (runs_backwards(m)) {
-      std::swap(pair.impulse[0], pair.impulse[1]);
-      std::swap(pair.friction[0], pair.friction[1]);
-    }
-  } else {  // the number of points changed: they share the sum
-    const auto share = [&](float(&of)[2]) {
-      const float each = (of[0] + of[1]) / static_cast<float>(std::max(m.count, 1));
-      of[0] = each;
-      of[1] = m.count == 2 ? each : 0.0f;
-    };
-    share(pair.impulse);
-    share(pair.friction);
-  }
-  pair.recalled = 0;
-  pair.balanced = ManifoldPair::kUnbalanced;
-}
-
 // Decides what becomes of a pair of the lists. Two discs stay in the lists.
 Manifolds::Fate Manifolds::fate(const BodyStore& b, const Joined* joined, std::uint32_t i, std::uint32_t j) const {
   if ((kind_[i] | kind_[j]) == 0 && joined == nullptr) return Fate::stays;
@@ -129,20 +108,14 @@ Manifolds::Fate Manifolds::fate(const BodyStore& b, const Joined* joined, std::u
 Manifolds::Fate Manifolds::fate(const BodyStore& b, const StaticShapes& statics, const Joined* joined,
                                 const StaticPair& static_pair) const {
   const std::uint8_t kind = kind_[static_pair.body];
-  const bool wall = static_pair.shape >= kWallLeft, shape = (kind & kShape) != 0;
-  const auto joined_to = [&] {
-    return joined != nullptr && (*joined)(b.id[static_pair.body], statics[static_pair.shape].owner);
-  };
-  if (wall ? kind == kDisc : kind == kDisc && !statics[static_pair.shape].whole) {
-    if (!wall && any_filter_ && !meet(Filter{}, b.kind(statics[static_pair.shape].owner).filter)) return Fate::goes;
-    return !wall && joined_to() ? Fate::goes : Fate::stays;
-  }
+  const bool shape = (kind & kShape) != 0;
   if ((kind & (kKinematic | kSensor)) != 0 && shape) return Fate::goes;
-  if (!wall) {
+  if (static_pair.shape < kWallLeft) {
     const StaticShape& piece = statics[static_pair.shape];
+    const std::uint32_t id = b.id[static_pair.body];
     if (shape ? piece.face : piece.whole) return Fate::goes;
-    if (any_filter_ && !meet(b.kind(b.id[static_pair.body]).filter, b.kind(piece.owner).filter)) return Fate::goes;
-    if (joined_to()) return Fate::goes;
+    if (any_filter_ && !meet(b.kind(id).filter, b.kind(piece.owner).filter)) return Fate::goes;
+    if (joined != nullptr && (*joined)(id, piece.owner)) return Fate::goes;
   }
   if ((kind & kSensor) != 0) return Fate::goes;
   return shape ? Fate::manifold : Fate::stays;
@@ -211,38 +184,26 @@ void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& statics, 
     table.first[i] = kept | mark;
     for (; p < s.pair_end && table.owner[p] == i; ++p) {
       const std::uint32_t j = table.other[p];
-      switch (fate(b, joined, i, j)) {
-        case Fate::stays:
-          table.owner[kept] = i;
-          table.other[kept++] = j;
-          break;
-        case Fate::manifold:
-          name(b, i, j, out.pairs.emplace_back());
-          recall_all();
-          break;
-        case Fate::goes:
-          break;
+      const Fate what = fate(b, joined, i, j);
+      if (what == Fate::stays) {
+        table.owner[kept] = i;
+        table.other[kept++] = j;
+      } else if (what == Fate::manifold) {
+        name(b, i, j, out.pairs.emplace_back());
+        recall_all();
       }
     }
   }
   s.pair_end = kept;
 
-  std::vector<StaticPair>& static_contacts = table.static_contacts[index];
-  std::size_t stay = 0;
-  for (const StaticPair& static_pair : static_contacts) {
-    switch (fate(b, statics, joined, static_pair)) {
-      case Fate::stays:
-        static_contacts[stay++] = static_pair;
-        break;
-      case Fate::manifold:
-        name(b, statics, static_pair, out.pairs.emplace_back());
-        recall_all();
-        break;
-      case Fate::goes:
-        break;
+  std::erase_if(table.static_contacts[index], [&](const StaticPair& static_pair) {
+    const Fate what = fate(b, statics, joined, static_pair);
+    if (what == Fate::manifold) {
+      name(b, statics, static_pair, out.pairs.emplace_back());
+      recall_all();
     }
-  }
-  static_contacts.resize(stay);
+    return what != Fate::stays;
+  });
 }
 
 void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTable& table, bool sorted,
@@ -267,13 +228,10 @@ void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTab
         continue;
       }
       const BodyKind& kind = b.kinds[properties.kind];
-      std::uint8_t flags = 0;
-      if (kind.hull_count != 0) flags |= kShape;
-      if (kind.filter != Filter{}) flags |= kFiltered;
-      if (kind.sensor) flags |= kSensor;
-      if (held) flags |= kKinematic;
-      kind_[i] = flags;
-      if (kind.hull_count != 0) shaped_.push_back(i);
+      const bool shape = kind.hull_count != 0;
+      kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
+                                           (kind.sensor ? kSensor : 0) | (held ? kKinematic : 0));
+      if (shape) shaped_.push_back(i);
     }
   }
   new_pairs_ = 0;
@@ -359,29 +317,26 @@ void Manifolds::sort_out_renewed(const BodyStore& b, const StaticShapes& statics
   if (!indexed_) index(pairs_, own_end_, b.id_count);
   indexed_ = true;
   renewed_.clear();
-  std::erase_if(pairs, [&](std::uint64_t pair) {
-    const auto i = static_cast<std::uint32_t>(pair >> 32), j = static_cast<std::uint32_t>(pair);
-    const Fate what = fate(b, joined, i, j);
+  // Returns whether the pair leaves the lists. All fixed pieces of a body stay together, also those that strips have,
+  // since see_fixed() needs all of them to find which ones count.
+  const auto leaves = [&](Fate what, const auto&... sides) {
     if (what != Fate::manifold) return what == Fate::goes;
     const auto put = [&](const PairName& part) {
-      if (recall(part, pairs_) == PairName::kNone) renewed_.push_back({part, PairName::kNone});
+      const std::uint32_t before = recall(part, pairs_);
+      if (before == PairName::kNone || part.a == PairName::kNone) renewed_.push_back({part, before});
     };
-    PairName pair_name;
-    name(b, i, j, pair_name);
-    put(pair_name);
-    each_other_part(b, pair_name, put);
+    PairName first;
+    name(b, sides..., first);
+    put(first);
+    each_other_part(b, first, put);
     return true;
+  };
+  std::erase_if(pairs, [&](std::uint64_t pair) {
+    const auto i = static_cast<std::uint32_t>(pair >> 32), j = static_cast<std::uint32_t>(pair);
+    return leaves(fate(b, joined, i, j), i, j);
   });
-  // All fixed pieces of a body stay together, since see_fixed() needs all of them to find which ones count.
   std::erase_if(static_contacts, [&](const StaticPair& static_pair) {
-    const Fate what = fate(b, statics, joined, static_pair);
-    if (what != Fate::manifold) return what == Fate::goes;
-    const auto put = [&](const PairName& part) { renewed_.push_back({part, recall(part, pairs_)}); };
-    PairName pair_name;
-    name(b, statics, static_pair, pair_name);
-    put(pair_name);
-    each_other_part(b, pair_name, put);
-    return true;
+    return leaves(fate(b, statics, joined, static_pair), statics, static_pair);
   });
 }
 

@@ -27,37 +27,54 @@ constexpr float kNearby = 0.02f;  // contacts are looked for up to this share of
 float smaller(float a, float b) { return a < b ? a : b; }  // std::fmin is a call
 float larger(float a, float b) { return a > b ? a : b; }
 
+// Gives recalled impulses to the points of the manifold that was found.
+void take_recalled(ManifoldPair& pair) {
+  const Manifold& m = pair.manifold;
+  if (m.count == 2 && pair.recalled == 2) {
+    if (runs_backwards(m)) {
+      std::swap(pair.impulse[0], pair.impulse[1]);
+      std::swap(pair.friction[0], pair.friction[1]);
+    }
+  } else {  // the number of points changed: they share the sum
+    const auto share = [&](float(&of)[2]) {
+      const float each = (of[0] + of[1]) / static_cast<float>(std::max(m.count, 1));
+      of[0] = each;
+      of[1] = m.count == 2 ? each : 0.0f;
+    };
+    share(pair.impulse);
+    share(pair.friction);
+  }
+  pair.recalled = 0;
+  pair.balanced = ManifoldPair::kUnbalanced;
+}
+
 }  // namespace
 
 // The hull of a body. That of a disc is made in `disc`.
-const Hull& Manifolds::hull_of(const BodyStore& b, std::size_t slot, std::uint16_t part,
-                               std::optional<Hull>& disc) const {
-  if ((kind_[slot] & kShape) == 0) return disc.emplace(disc_hull(b.radius[slot]));
+const Hull& Manifolds::Look::hull_of(std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const {
+  if (!is_shape(slot)) return disc.emplace(disc_hull(b.radius[slot]));
   return b.hulls[b.kind(b.id[slot]).first_hull + part];
 }
 
 // Whether the manifold of a pair still holds. If so, its gaps are computed anew. Fills in how the pair stands.
-bool Manifolds::lasts(const BodyStore& b, const ManifoldParams& params, ManifoldPair& pair, Stand& now) const {
-  const Lattice& lattice = *params.lattice;
+bool Manifolds::Look::lasts(ManifoldPair& pair, Stand& now) const {
   const bool fixed = pair.a == ManifoldPair::kNone;
   const std::size_t j = pair.b, i = fixed ? 0 : pair.a;
-  const auto rotor_of = [&](std::size_t slot) {
-    return (kind_[slot] & kShape) == 0 ? Rotor{} : rotor(static_cast<std::uint32_t>(slot));
+  const auto rotor = [&](std::size_t slot) {
+    return is_shape(slot) ? manifolds.rotor(static_cast<std::uint32_t>(slot)) : Rotor{};
   };
-  const auto inner_of = [&](std::size_t slot) { return (kind_[slot] & kShape) == 0 ? b.radius[slot] : inner_[slot]; };
+  const auto inner_of = [&](std::size_t slot) { return is_shape(slot) ? manifolds.inner_[slot] : b.radius[slot]; };
   // The vector from A to B now, and how far it moved since the hulls were looked at.
-  now.x = fixed ? b.pos[2 * j] : wrap_sub(b.pos[2 * j], b.pos[2 * i]);
-  now.y = fixed ? b.pos[2 * j + 1] : wrap_sub(b.pos[2 * j + 1], b.pos[2 * i + 1]);
-  now.rest_x = fixed ? b.disp[2 * j] : b.disp[2 * j] - b.disp[2 * i];
-  now.rest_y = fixed ? b.disp[2 * j + 1] : b.disp[2 * j + 1] - b.disp[2 * i + 1];
-  now.qb = rotor_of(j);
-  now.qa = fixed ? Rotor{} : rotor_of(i);
-  const float move_x = static_cast<float>(wrap_sub(now.x, pair.base_x) * lattice.pitch_x() +
-                                          (static_cast<double>(now.rest_x) - static_cast<double>(pair.base_dx)));
-  const float move_y = static_cast<float>(wrap_sub(now.y, pair.base_y) * lattice.pitch_y() +
-                                          (static_cast<double>(now.rest_y) - static_cast<double>(pair.base_dy)));
+  now.at = b.point(j);
+  if (!fixed) {
+    const LatticePoint a = b.point(i);
+    now.at = {wrap_sub(now.at.x, a.x), wrap_sub(now.at.y, a.y), now.at.dx - a.dx, now.at.dy - a.dy};
+  }
+  now.qb = rotor(j);
+  now.qa = fixed ? Rotor{} : rotor(i);
+  const Vec2 move = params.lattice->way(pair.base, now.at);
+  const auto move_x = static_cast<float>(move.x), move_y = static_cast<float>(move.y);
   // Bodies with a smaller gap may touch within the step.
-  const auto dt = static_cast<float>(params.dt);
   now.vx = b.vel[2 * j], now.vy = b.vel[2 * j + 1];
   float rim_speed = std::fabs(b.rim_speed[j]);
   now.inner = inner_of(j);
@@ -67,7 +84,7 @@ bool Manifolds::lasts(const BodyStore& b, const ManifoldParams& params, Manifold
     rim_speed += std::fabs(b.rim_speed[i]);
     now.inner = smaller(inner_of(i), now.inner);
   }
-  const float closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g_ * dt;
+  const float closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g * dt;
   now.wanted = kNearby * now.inner + kAheadFrames * dt * closing;
 
   const auto turned = [](Rotor to, Rotor from) { return std::fabs(from.c * to.s - from.s * to.c); };
@@ -94,50 +111,39 @@ bool Manifolds::lasts(const BodyStore& b, const ManifoldParams& params, Manifold
 }
 
 // Looks at the hulls of a pair: at once, or together with others of its kind.
-void Manifolds::find(const BodyStore& b, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
-                     Waiting* waiting) const {
+void Manifolds::Look::find(ManifoldPair& pair, const Stand& now, Waiting* waiting) const {
   const std::size_t j = pair.b;
-  const double px = params.lattice->pitch_x(), py = params.lattice->pitch_y();
   const float margin = now.wanted + 2 * kLasting * now.inner;
   std::optional<Hull> own_a, own_b;
-  const Hull& hull_b = hull_of(b, j, pair.part_b, own_b);
+  const Hull& hull_b = hull_of(j, pair.part_b, own_b);
   pair.round_b = hull_b.radius;
   pair.round_a = 0;
   if (pair.a == ManifoldPair::kNone && pair.shape >= kWallLeft) {
-    const auto off = [](std::int32_t a, std::int32_t w, float rest_a, float rest_w, double pitch) {
-      return static_cast<float>(wrap_sub(a, w) * pitch + (static_cast<double>(rest_a) - static_cast<double>(rest_w)));
-    };
     ++waiting->batches.alone;
-    const Walls& w = params.walls;
-    const auto meet = [&](float nx, float ny, float offset) {
-      take(b, params, pair, now, meet_plane(hull_b, now.qb, nx, ny, offset, margin), nullptr, hull_b);
+    const Vec2 low = params.lattice->way(params.walls.low, now.at),
+               high = params.lattice->way(params.walls.high, now.at);
+    const auto meet = [&](float nx, float ny, double offset) {
+      take(pair, now, meet_plane(hull_b, now.qb, nx, ny, static_cast<float>(offset), margin), nullptr, hull_b);
     };
-    switch (pair.shape) {
-      case kWallLeft:
-        return meet(1, 0, off(now.x, w.low.x, now.rest_x, w.low.dx, px));
-      case kWallRight:
-        return meet(-1, 0, -off(now.x, w.high.x, now.rest_x, w.high.dx, px));
-      case kWallBottom:
-        return meet(0, 1, off(now.y, w.low.y, now.rest_y, w.low.dy, py));
-      default:
-        return meet(0, -1, -off(now.y, w.high.y, now.rest_y, w.high.dy, py));
-    }
+    if (pair.shape == kWallLeft) return meet(1, 0, low.x);
+    if (pair.shape == kWallRight) return meet(-1, 0, -high.x);
+    if (pair.shape == kWallBottom) return meet(0, 1, low.y);
+    return meet(0, -1, -high.y);
   }
   float dx = 0, dy = 0;
   if (pair.a == ManifoldPair::kNone) {
-    const StaticShape& s = (*params.statics)[pair.shape];
-    own_a = params.statics->seen_from(pair.shape, b.pos[2 * j], b.pos[2 * j + 1],
-                                      4 * static_cast<double>(b.radius[j] + margin + s.radius), now.rest_x, now.rest_y);
+    const float size = b.radius[j] + margin + (*params.statics)[pair.shape].radius;
+    own_a = params.statics->seen_from(pair.shape, b.point(j), 4 * static_cast<double>(size));
   } else {
-    dx = static_cast<float>(now.x * px + static_cast<double>(now.rest_x));
-    dy = static_cast<float>(now.y * py + static_cast<double>(now.rest_y));
+    const Vec2 way = params.lattice->way({}, now.at);
+    dx = static_cast<float>(way.x), dy = static_cast<float>(way.y);
   }
-  const Hull& hull_a = own_a ? *own_a : hull_of(b, pair.a, pair.part_a, own_a);
+  const Hull& hull_a = own_a ? *own_a : hull_of(pair.a, pair.part_a, own_a);
   pair.round_a = hull_a.radius;
   const std::uint32_t kind = CollideBatch::kind_of(hull_a, hull_b);
   if (kind == CollideBatch::kKinds) {
     ++waiting->batches.alone;
-    take(b, params, pair, now, collide(hull_a, now.qa, hull_b, now.qb, dx, dy, margin), &hull_a, hull_b);
+    take(pair, now, collide(hull_a, now.qa, hull_b, now.qb, dx, dy, margin), &hull_a, hull_b);
     return;
   }
   Waiting& of_kind = waiting[kind];
@@ -147,35 +153,32 @@ void Manifolds::find(const BodyStore& b, const ManifoldParams& params, ManifoldP
   lane.a = own_a ? &lane.own_a.emplace(*own_a) : &hull_a;
   lane.b = own_b ? &lane.own_b.emplace(*own_b) : &hull_b;
   of_kind.batch.add(*lane.a, now.qa, *lane.b, now.qb, dx, dy, margin);
-  if (of_kind.batch.full()) settle(b, params, of_kind, kind);
+  if (of_kind.batch.full()) settle(of_kind, kind);
 }
 
 // Finds the manifolds of the pairs that wait.
-void Manifolds::settle(const BodyStore& b, const ManifoldParams& params, Waiting& waiting, std::uint32_t kind) const {
+void Manifolds::Look::settle(Waiting& waiting, std::uint32_t kind) const {
   waiting.batch.solve(*params.kernels, kind);
   const std::uint32_t alone = waiting.batch.alone();
   waiting.batches.add({waiting.batch.in_lanes() ? kernels::kBlock : 0u, waiting.batch.count() - alone, alone});
   for (std::uint32_t k = 0; k < waiting.batch.count(); ++k) {
     const Waiting::Lane& lane = waiting.lane[k];
-    take(b, params, *lane.pair, lane.now, waiting.batch.manifold(k), lane.a, *lane.b);
+    take(*lane.pair, lane.now, waiting.batch.manifold(k), lane.a, *lane.b);
   }
   waiting.batch.clear();
 }
 
 // Puts a manifold that was found into its pair.
-void Manifolds::take(const BodyStore& b, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
-                     const Manifold& found, const Hull* a, const Hull& hull_b) const {
+void Manifolds::Look::take(ManifoldPair& pair, const Stand& now, const Manifold& found, const Hull* a,
+                           const Hull& hull_b) const {
   const bool fixed = pair.a == ManifoldPair::kNone;
   const float margin = now.wanted + 2 * kLasting * now.inner;
   const Manifold old = pair.manifold;
   pair.manifold = found;
   if (fixed && a != nullptr && (*params.statics)[pair.shape].segment) {
-    smooth_joint(params, pair, hull_b, now.qb, *a, margin);
+    smooth_joint(pair, hull_b, now.qb, *a, margin);
   }
-  pair.base_x = now.x;
-  pair.base_y = now.y;
-  pair.base_dx = now.rest_x;
-  pair.base_dy = now.rest_y;
+  pair.base = now.at;
   pair.turn_a = now.qa;
   pair.turn_b = now.qb;
   pair.margin = margin;
@@ -198,43 +201,37 @@ void Manifolds::take(const BodyStore& b, const ManifoldParams& params, ManifoldP
     std::copy(impulse, impulse + 2, pair.impulse);
     std::copy(friction, friction + 2, pair.friction);
   }
-  judge(b, params, pair, now.inner, now.vx, now.vy);
+  judge(pair, now.inner, now.vx, now.vy);
   if (pair.ahead && !fixed) {
-    const auto dt = static_cast<float>(params.dt);
-    const double px = params.lattice->pitch_x(), py = params.lattice->pitch_y();
-    foresee(b, params, pair, *a, now.qa, hull_b, static_cast<float>(now.x * px + static_cast<double>(now.rest_x)),
-            static_cast<float>(now.y * py + static_cast<double>(now.rest_y)), now.vx * dt, now.vy * dt, now.inner);
+    foresee(pair, *a, now.qa, hull_b, params.lattice->way({}, now.at), now.vx * dt, now.vy * dt, now.inner);
   }
 }
 
 // Offsets fade once neither side sleeps: the contact comes to the overlap that belongs to its stiffness.
-void Manifolds::fade(const StaticShapes& statics, ManifoldPair& pair) {
-  const bool asleep = pair.a == PairName::kNone && pair.shape < kWallLeft && statics[pair.shape].asleep;
+void Manifolds::Look::fade(ManifoldPair& pair) const {
+  const bool asleep = pair.a == PairName::kNone && pair.shape < kWallLeft && (*params.statics)[pair.shape].asleep;
   if (asleep) return;
   for (float& offset : pair.offset) offset = std::fabs(offset) > 1e-9f ? kFading * offset : 0.0f;
 }
 
-// Refreshes the manifolds of pairs [begin, end). Returns how many pairs that were known before were looked at anew.
-std::uint32_t Manifolds::look(const BodyStore& b, const ManifoldParams& params, std::uint32_t begin, std::uint32_t end,
-                              Batches& batches) {
+std::uint32_t Manifolds::Look::look(std::span<ManifoldPair> pairs, Batches& batches) const {
   std::uint32_t looks = 0;
   Waiting waiting[CollideBatch::kKinds];
-  for (std::uint32_t k = begin; k < end; ++k) {
-    ManifoldPair& pair = pairs_[k];
+  for (ManifoldPair& pair : pairs) {
     if (pair.moved) continue;
     pair.stack = ManifoldPair::kLoose;
     if (pair.rest_frames != 0) --pair.rest_frames;
-    if (pair.balanced > 0) fade(*params.statics, pair);
+    if (pair.balanced > 0) fade(pair);
     Stand now;
-    if (lasts(b, params, pair, now)) {
-      judge(b, params, pair, now.inner, now.vx, now.vy);
+    if (lasts(pair, now)) {
+      judge(pair, now.inner, now.vx, now.vy);
       if (!pair.ahead) continue;
     }
     looks += pair.margin >= 0;
-    find(b, params, pair, now, waiting);
+    find(pair, now, waiting);
   }
   for (std::uint32_t kind = 0; kind < CollideBatch::kKinds; ++kind) {
-    if (waiting[kind].batch.count() != 0) settle(b, params, waiting[kind], kind);
+    if (waiting[kind].batch.count() != 0) settle(waiting[kind], kind);
   }
   for (const Waiting& of_kind : waiting) batches.add(of_kind.batches);
   return looks;
@@ -256,7 +253,7 @@ void Manifolds::begin_refresh(const BodyStore& b, const ManifoldParams& params, 
 }
 
 // Runs once all pairs of a strip were looked at.
-void Manifolds::finish_strip(const BodyStore& b, const ManifoldParams& params, std::size_t index) {
+void Manifolds::finish_strip(const Look& look, std::size_t index) {
   bool stale = stale_[index] != 0;
   std::vector<std::uint64_t>& ghosts = found_[index].ghosts;
   ghosts.clear();
@@ -264,7 +261,7 @@ void Manifolds::finish_strip(const BodyStore& b, const ManifoldParams& params, s
     std::uint32_t end = k + 1;
     if (pairs_[k].a == PairName::kNone) {
       while (end < begin_[index + 1] && pairs_[end].a == PairName::kNone && pairs_[end].b == pairs_[k].b) ++end;
-      see_fixed(b, params, k, end, ghosts);
+      look.see_fixed({&pairs_[k], &pairs_[end - 1] + 1}, ghosts);
     }
     k = end;
   }
@@ -287,14 +284,15 @@ void Manifolds::finish_strip(const BodyStore& b, const ManifoldParams& params, s
 void Manifolds::refresh(BodyStore& b, const ManifoldParams& params, std::size_t begin, std::size_t end,
                         WorkerPool& pool) {
   if (begin == 0) begin_refresh(b, params, pool);
+  const Look look{*this, b, params};
   pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
     c.batches = {};
-    c.looks = look(b, params, c.begin, c.end, c.batches);
-    if (c.whole) finish_strip(b, params, c.strip);
+    c.looks = look.look({pairs_.data() + c.begin, pairs_.data() + c.end}, c.batches);
+    if (c.whole) finish_strip(look, c.strip);
   });
   for (std::size_t k = begin; k < end; ++k) {
-    if (cuts_[k].last && !cuts_[k].whole) finish_strip(b, params, cuts_[k].strip);
+    if (cuts_[k].last && !cuts_[k].whole) finish_strip(look, cuts_[k].strip);
   }
   if (end != cuts_.size()) return;
   ghosts_.clear();

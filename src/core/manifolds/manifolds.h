@@ -61,8 +61,7 @@ struct ManifoldPair : PairName {
   std::uint32_t lane = kNone;  ///< 8 block + lane in the blocks of the strip
   // When the hulls were looked at the last time:
   Manifold manifold;
-  std::int32_t base_x = 0, base_y = 0;  ///< lattice steps from A (or 0) to B
-  float base_dx = 0, base_dy = 0;       ///< m: the same for the offsets
+  LatticePoint base;  ///< from A (or 0) to B
   Rotor turn_a, turn_b;
   float margin = -1;  ///< m: gaps up to here were found; < 0: the hulls were never looked at
   float gap[2] = {};  ///< m, now
@@ -325,35 +324,13 @@ class Manifolds {
   void each_other_part(const BodyStore& bodies, const PairName& pair, const Each& each) const;
   static void recall_touch(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent,
                            ManifoldPair& pair);
-  static void take_recalled(ManifoldPair& pair);
-  static void fade(const StaticShapes& statics, ManifoldPair& pair);
   static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,
                       std::uint32_t lane);
   std::uint32_t recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
-  struct Stand;  // manifold_look.h
-  struct Waiting;
+  struct Look;  // manifold_look.h
   void swap_pairs();
   void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
-  void finish_strip(const BodyStore& bodies, const ManifoldParams& params, std::size_t strip);
-  std::uint32_t look(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin, std::uint32_t end,
-                     Batches& batches);
-  bool lasts(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, Stand& now) const;
-  void find(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
-            Waiting* waiting) const;
-  void settle(const BodyStore& bodies, const ManifoldParams& params, Waiting& waiting, std::uint32_t kind) const;
-  void take(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Stand& now,
-            const Manifold& found, const Hull* a, const Hull& b) const;
-  const Hull& hull_of(const BodyStore& bodies, std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const;
-  static bool end_on(const ManifoldParams& params, const ManifoldPair& pair, const Hull& piece, const Manifold& m,
-                     double& fx, double& fy);
-  static void smooth_joint(const ManifoldParams& params, ManifoldPair& pair, const Hull& hull, Rotor q,
-                           const Hull& piece, float margin);
-  void judge(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, float inner, float vx,
-             float vy) const;
-  void foresee(const BodyStore& bodies, const ManifoldParams& params, ManifoldPair& pair, const Hull& a, Rotor qa,
-               const Hull& b, float dx, float dy, float mx, float my, float inner) const;
-  void see_fixed(const BodyStore& bodies, const ManifoldParams& params, std::uint32_t begin, std::uint32_t end,
-                 std::vector<std::uint64_t>& ghosts);
+  void finish_strip(const Look& look, std::size_t strip);
   void write_gaps(StripBlocks& strip, const ManifoldPair& pair) const;
   void soften(StripBlocks& strip, const ManifoldParams& params) const;
   /// By run of a strip and colour: the number of pairs, then the next free lane.

@@ -1,4 +1,4 @@
-// Motions and rays against one hull. A ray costs O(vertices), a motion a few calls of nearest().
+// Planes, motions and rays against one hull. A plane or a ray costs O(vertices), a motion a few calls of nearest().
 #include <algorithm>
 #include <cmath>
 
@@ -73,6 +73,35 @@ RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, dou
   return {static_cast<float>(best), static_cast<float>(c * bx - s * by), static_cast<float>(s * bx + c * by)};
 }
 
+Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin) {
+  Manifold m;
+  m.nx = nx;
+  m.ny = ny;
+  float x[Hull::kMost] = {}, y[Hull::kMost] = {}, gap[Hull::kMost] = {};
+  int first = 0;
+  for (int k = 0; k < hull.count; ++k) {
+    x[k] = q.c * hull.x[k] - q.s * hull.y[k];
+    y[k] = q.s * hull.x[k] + q.c * hull.y[k];
+    gap[k] = (nx * x[k] + ny * y[k]) + offset - hull.radius;
+    if (gap[k] < gap[first]) first = k;
+  }
+  const auto add = [&](int k) {
+    if (!(gap[k] <= margin)) return;
+    ManifoldPoint& p = m.point[m.count++];
+    const float middle = hull.radius + 0.5f * gap[k];
+    p.bx = x[k] - nx * middle;
+    p.by = y[k] - ny * middle;
+    p.gap = gap[k];
+    p.feature = static_cast<std::uint16_t>(k);
+  };
+  add(first);
+  if (hull.count == 1) return m;
+  const int next = (first + 1) % hull.count, before = (first + hull.count - 1) % hull.count;
+  const int second = gap[before] < gap[next] ? before : next;
+  if (second != first) add(second);
+  return m;
+}
+
 float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, double turn, float dx, float dy, float mx,
                      float my, float slack) {
   // B's points turn about its centre, so those of its core move by at most this much; turning the
@@ -82,9 +111,8 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
   double target = slack, close_enough = slack + std::max(0.1 * slack, fine);
   double share = 0, most = 1;
   for (int k = 0; k < kMostAdvances; ++k) {
-    const SineCosine turned = sine_cosine(angle_b + share * turn);
-    const Rotor qb{static_cast<float>(turned.cosine), static_cast<float>(turned.sine)};
-    const Nearest now = nearest(a, qa, b, qb, static_cast<float>(dx + share * mx), static_cast<float>(dy + share * my));
+    const Nearest now = nearest(a, qa, b, rotor_of(angle_b + share * turn), static_cast<float>(dx + share * mx),
+                                static_cast<float>(dy + share * my));
     if (k == 0 && now.distance <= close_enough) {
       // The hulls touch from the start, for example because a body slides, rolls or tips over. Contacts see to that.
       // Only a body that would go through is stopped: at half its inner radius deep, and in any case before its

@@ -11,7 +11,6 @@
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
 #include "manifolds/collide.h"
-#include "manifolds/manifold_look.h"
 #include "manifolds/manifolds.h"
 #include "psim/contact.h"
 #include "sleep/sleepers.h"
@@ -127,8 +126,8 @@ class ContactWriter {
     const LatticePoint b = place(slot_b);
     LatticePoint a;
     if (pair.a != PairName::kNone) a = place(slot_a);
-    const Vec2 moved{wrap_sub(wrap_sub(b.x, a.x), pair.base_x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base_dx)),
-                     wrap_sub(wrap_sub(b.y, a.y), pair.base_y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base_dy))};
+    const Vec2 moved{wrap_sub(wrap_sub(b.x, a.x), pair.base.x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base.dx)),
+                     wrap_sub(wrap_sub(b.y, a.y), pair.base.y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base.dy))};
     // The arm from a centre to its point. All of it but the rounding has turned with the body since.
     const auto turned = [](Rotor to, Rotor from, double x, double y) {
       const double c = d(from.c) * d(to.c) + d(from.s) * d(to.s), s = d(from.c) * d(to.s) - d(from.s) * d(to.c);
@@ -230,7 +229,7 @@ class ContactWriter {
       return;
     }
     const double reach = d(b_.properties(id).radius) + margin + d(statics_[shape].radius);
-    const Hull piece = statics_.seen_from(shape, s.at.x, s.at.y, 4 * reach, s.at.dx, s.at.dy);
+    const Hull piece = statics_.seen_from(shape, s.at, 4 * reach);
     share(touch, collide(piece, {}, s.hulls[0], s.q, 0, 0, most), other, id, centre, false, times, out);
   }
 

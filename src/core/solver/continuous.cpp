@@ -52,7 +52,7 @@ void Continuous::stop_at_fixed(BodyStore& b, const Manifolds& manifolds, const S
     const StaticShape& s = statics[k];
     if (s.face || manifolds.is_ghost(slot, k)) continue;
     if (filters && !meet(kind.filter, b.kind(s.owner).filter)) continue;
-    const Hull piece = statics.seen_from(k, b.pos[2 * i], b.pos[2 * i + 1], 4 * static_cast<double>(reach));
+    const Hull piece = statics.seen_from(k, {b.pos[2 * i], b.pos[2 * i + 1], 0, 0}, 4 * static_cast<double>(reach));
     for (std::uint32_t part = 0; part < kind.hull_count; ++part) {
       const Hull& mine = b.hulls[kind.first_hull + part];
       const float t = time_of_impact(piece, Rotor{}, mine, angle, swing, 0, 0, mx, my, -kDeep * kind.inner);

@@ -149,10 +149,10 @@ void Solver::Run::substep(bool first_of_step) {
   if (first) warm(first_of_step);
   solve();
   if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, true, pool_);
-  if (joined_) joints_.hold(view_, k_, pool_);
+  if (joined_) joints_.hold(view_, k_, 1, pool_);
   drift();
   if (!kinematics_.empty()) carry_kinematics();
-  if (joined_) joints_.release(view_, k_, pool_);
+  if (joined_) joints_.hold(view_, k_, -1, pool_);
   if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, false, pool_);
   relax();
   if (bounce_) spend();

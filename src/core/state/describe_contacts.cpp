@@ -39,7 +39,7 @@ void ManifoldPair::describe(A& a) {
   numbers(a, this->a, b, shape, id_a, id_b, owner, part_a, part_b, fixed_a, lane);
   numbers(a, manifold.nx, manifold.ny, manifold.count);
   for (ManifoldPoint& q : manifold.point) numbers(a, q.ax, q.ay, q.bx, q.by, q.gap, q.feature);
-  numbers(a, base_x, base_y, base_dx, base_dy, turn_a.c, turn_a.s, turn_b.c, turn_b.s, margin);
+  numbers(a, base.x, base.y, base.dx, base.dy, turn_a.c, turn_a.s, turn_b.c, turn_b.s, margin);
   for (int k = 0; k < 2; ++k) numbers(a, gap[k], impulse[k], friction[k], offset[k]);
   numbers(a, round_a, round_b, active, ahead, ghost, moved, lasting, changed, stack, was_stack, rest_frames, recalled,
           colour, balanced);
