@@ -128,7 +128,7 @@ class ImpactSweep : public Workload {
   }
 
   void pass(const KernelTable& k) override {
-    k.sweep[kPlain](bodies_, contacts_, params_, 0, pile_.blocks_of_contacts, &virial_);
+    k.sweep[kPlain][0](bodies_, contacts_, params_, 0, pile_.blocks_of_contacts, &virial_);
   }
   void restart() override { start_.restore(); }
 
@@ -206,7 +206,7 @@ void register_contact_kernels() {
     register_kernel(e.name, [e](std::uint32_t n) { return std::make_unique<Contacts>(n, e); });
   }
   register_kernel("ImpactSweep", [](std::uint32_t n) { return std::make_unique<ImpactSweep>(n); });
-  register_kernel("SolveSingles", [](std::uint32_t n) { return std::make_unique<Statics>(n); });
+  register_kernel("SolveStaticContacts", [](std::uint32_t n) { return std::make_unique<Statics>(n); });
 }
 
 }  // namespace psim::bench

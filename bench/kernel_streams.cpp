@@ -25,7 +25,7 @@ struct StreamState : Discs {
     params.kick_x = 0.01f;
     params.kick_y = -0.04f;
     params.smooth_limit2 = 1;
-    for (Column<float>* c : {&acc, &vel_remainder, &disp_remainder, &bend}) {
+    for (Column<float>* c : {&acc, &vel_remainder, &disp_remainder, &correction}) {
       c->reserve(2 * kernels::round_up_block(n));
     }
     bodies = view();
@@ -33,7 +33,7 @@ struct StreamState : Discs {
     in_field.acc = acc.data();
     in_field.vel_remainder = vel_remainder.data();
     in_field.disp_remainder = disp_remainder.data();
-    in_field.drift_correction = bend.data();
+    in_field.drift_correction = correction.data();
     well.strength = 1e-3;  // velocities hardly change
     well.softening2 = 1;
     well.range2 = 1e30;
@@ -54,7 +54,7 @@ struct StreamState : Discs {
   StreamParams params;
   std::uint32_t block_end;
   Column<std::uint32_t> keys{meter};
-  Column<float> acc{meter}, vel_remainder{meter}, disp_remainder{meter}, bend{meter};
+  Column<float> acc{meter}, vel_remainder{meter}, disp_remainder{meter}, correction{meter};
   BodyView bodies, in_field;
   kernels::WellTerms well;
   kernels::FieldParams field;
@@ -107,7 +107,7 @@ constexpr Entry kStreams[] = {
     {"AdvanceRk4", 0xFF, 41 + 40, advance<kernels::Method::rk4>},
     {"AdvanceSymplectic4", 0xFF, 41 + 40, advance<kernels::Method::symplectic4>},
     {"DriftBent", 0xFF, 49 + 16,
-     [](StreamState& s, const KernelTable& k) { k.drift_bent(s.in_field, s.field, 0, s.block_end); }},
+     [](StreamState& s, const KernelTable& k) { k.drift_corrected(s.in_field, s.field, 0, s.block_end); }},
     {"ListAge", 0, 32,
      [](StreamState& s, const KernelTable& k) {
        sink = k.list_age(s.bodies, s.built.data(), s.radius.data(), s.reach.data(), s.params, 0.02f, 0, s.block_end);

@@ -136,7 +136,7 @@ template <class L>
 }
 
 /// The solve pass: push out softly, or stop the approach of a gap that would close.
-template <class L, Model kModel, bool Bounce>
+template <class L, Model kModel, Bounce kBounce>
 void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t begin,
                     std::uint32_t end) {
   const F<L> zero = 0, half = 0.5f;
@@ -147,9 +147,9 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const std::uint32_t* slot = c.body + 2 * k;
     const auto l = L::load(c.impulse + k);
     typename L::Signs settled{};
-    if constexpr (Bounce) {
+    if constexpr (kBounce != Bounce::none) {
       settled = negative(L::load(c.impact + k));
-      if (!p.again) L::store(c.start + k, l);
+      if constexpr (kBounce == Bounce::edge) L::store(c.start + k, l);
       if (all(settled) && !any(l != zero)) {  // settled, nothing to take back
         L::store(c.impulse + k, open);
         continue;
@@ -162,7 +162,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const auto ddx = dbx - dax, ddy = dby - day;
     const auto sideways = abs(nx * ddy - ny * ddx);
     auto stale = refresh < sideways;
-    if constexpr (Bounce) stale = select(settled, L::none(), stale);
+    if constexpr (kBounce != Bounce::none) stale = select(settled, L::none(), stale);
     if (any(stale)) refresh_normals<L, kModel>(b, c, p, k, stale, ddx, ddy, nx, ny, gap);
     const auto s = gap + (nx * ddx + ny * ddy);
     auto aim = aim_of<L>(soft, s);
@@ -170,7 +170,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     L::template gather<2>(b.vel, slot, vax, vay);
     L::template gather<2>(b.vel, slot + 1, vbx, vby);
     const auto vn = nx * (vbx - vax) + ny * (vby - vay);
-    if constexpr (Bounce) {
+    if constexpr (kBounce != Bounce::none) {
       F<L> target;
       const auto hit = bouncing<L>(b, c, p, k, nx, ny, s, target);
       aim_at_bounce<L>(aim, hit, target);
@@ -183,10 +183,10 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
       const auto past = aim.apart & passing<L>(s, L::load(c.rsum + k), vn, vt);
       next = select(past, zero, next);
     }
-    if constexpr (Bounce) next = select(settled, zero, next);
+    if constexpr (kBounce != Bounce::none) next = select(settled, zero, next);
     const auto change = next - l;
     next = select(aim.apart & (next <= zero), open, next);
-    if constexpr (Bounce) next = select(settled, open, next);
+    if constexpr (kBounce != Bounce::none) next = select(settled, open, next);
     L::store(c.impulse + k, next);
     const auto moved = change != zero;
     if (!any(moved)) continue;
@@ -198,7 +198,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
 ///   vt = t.(vB - vA) - uB - uA,  dt = -mt vt,  |t'| <= mu l',  t = (-ny, nx), u = omega r.
 /// What an impact with restitution adds is not carried into the next substep: it is left in `start`
 /// for spend_contacts.
-template <class L, Model kModel, bool Bounce>
+template <class L, Model kModel, Bounce kBounce>
 void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t begin,
                     std::uint32_t end) {
   const F<L> zero = 0, half = 0.5f;
@@ -213,7 +213,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
       if constexpr (kModel == Model::rough) left = left | (t != zero);
       if (!any(left)) {
         if constexpr (kModel == Model::rough) L::store(c.friction + k, zero);
-        if constexpr (Bounce) L::store(c.start + k, zero);
+        if constexpr (kBounce != Bounce::none) L::store(c.start + k, zero);
         continue;
       }
     }
@@ -224,7 +224,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const auto rx = vbx - vax, ry = vby - vay;
     auto vn = nx * rx + ny * ry;
     M<L> was{};
-    if constexpr (Bounce) {
+    if constexpr (kBounce != Bounce::none) {
       F<L> target;
       const auto hit = bouncing<L>(b, c, p, k, nx, ny, -1e30f, target);
       was = hit & (zero < l);
@@ -250,7 +250,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
       turn_apart<L>(b, c, k, dt, ua, ub);
     }
     push_apart<L, kModel>(b, c, k, moved, px, py, vax, vay, vbx, vby);
-    if (Bounce && !p.more) part_impact<L>(c, k, was, next);
+    if constexpr (kBounce == Bounce::edge) part_impact<L>(c, k, was, next);
   }
 }
 

@@ -5,7 +5,7 @@
 //
 // accelerate   the mean acceleration of leapfrog (drift-kick-drift), for the kick of stream_kernel.h
 // advance      another method's whole kick: (x, v) -> (x + way, v + dv) as if no contact acted
-// drift_bent   x += way, or what contacts made of it
+// drift_corrected   x += way, or what contacts made of it
 //
 // Velocities and offsets are float records, each with a record of what rounding took from it, so
 // a body's state has about 48 bits. Cost by body, well and evaluation: a square root and a division.
@@ -217,7 +217,7 @@ template <class L, Method kMethod, bool kDrag>
 }
 
 /// The kick of a method, and how its way differs from the mean of old and new velocity:
-///   v0 = v,  v = v0 + dv,  acc = dv / h,  bend = way - h (v0 + v)/2.
+///   v0 = v,  v = v0 + dv,  acc = dv / h,  correction = way - h (v0 + v)/2.
 template <class L, Method kMethod, bool kDrag>
 void advance(const BodyView& b, const FieldParams& p, std::uint32_t begin, std::uint32_t end) {
   const D<L> zero = 0, half = p.h / 2, per_h = 1 / p.h;
@@ -234,21 +234,21 @@ void advance(const BodyView& b, const FieldParams& p, std::uint32_t begin, std::
       s.v = v0 + rest;
       const Change<L> c = change_of<L, kMethod, kDrag>(p, s);
       const VecD<L> exact = s.v + c.dv, v = rounded<L>(exact);
-      const VecD<L> bend = c.way - half * (v0 + v);
+      const VecD<L> correction = c.way - half * (v0 + v);
       const VecD<L> none = {zero, zero};
       store_pair<L>(b.vel0 + 2 * body, v0);
       store_pair<L>(b.vel + 2 * body, select(mine, v, v0));
       store_pair<L>(b.vel_remainder + 2 * body, select(mine, exact - v, rest));
       store_pair<L>(b.acc + 2 * body, select(mine, per_h * (v - v0), none));
-      store_pair<L>(b.drift_correction + 2 * body, select(mine, bend, none));
+      store_pair<L>(b.drift_correction + 2 * body, select(mine, correction, none));
     }
   }
 }
 
-/// x += h (v0 + v)/2 + bend where what contacts added is smooth, |v - v0|^2 <= smooth |acc|^2: the
+/// x += h (v0 + v)/2 + correction where what contacts added is smooth, |v - v0|^2 <= smooth |acc|^2: the
 /// method's way, and resting impulses act over the whole substep; else x += h v. Euler: always h v.
 template <class L>
-void drift_bent(const BodyView& b, const FieldParams& p, std::uint32_t begin, std::uint32_t end) {
+void drift_corrected(const BodyView& b, const FieldParams& p, std::uint32_t begin, std::uint32_t end) {
   const D<L> h = p.h, half = p.h / 2, limit = p.smooth;
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
@@ -256,10 +256,10 @@ void drift_bent(const BodyView& b, const FieldParams& p, std::uint32_t begin, st
       const std::size_t body = static_cast<std::size_t>(block) * kBlock + r;
       const auto mine = L::mask_d(b.linked + body);
       const VecD<L> v = load_pair<L>(b.vel + 2 * body), v0 = load_pair<L>(b.vel0 + 2 * body);
-      const VecD<L> bend = load_pair<L>(b.drift_correction + 2 * body);
+      const VecD<L> correction = load_pair<L>(b.drift_correction + 2 * body);
       const auto bound = limit * norm2(load_pair<L>(b.acc + 2 * body));
       const auto smooth = norm2(v - v0) <= bound;
-      const VecD<L> way = select(smooth, half * (v0 + v) + bend, h * v);
+      const VecD<L> way = select(smooth, half * (v0 + v) + correction, h * v);
       const VecD<L> d = load_pair<L>(b.disp + 2 * body), rest = load_pair<L>(b.disp_remainder + 2 * body);
       const VecD<L> exact = d + rest + way, to = rounded<L>(exact);
       store_pair<L>(b.disp + 2 * body, select(mine, to, d));

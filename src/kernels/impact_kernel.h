@@ -7,9 +7,9 @@
 //   dd = d + t0 u,  q = dd.u (parting if q >= 0),  c = dd.dd - R^2,
 //   t = t0 + c / (-q + sqrt(q^2 - u.u c))        (t0 if c <= 0)
 // If t < h: n at t, J = -(1 + e) n.u m, v +- w J n, x -+ t w J n (so that x + v h is right), tl = t.
-// Friction: Jt = clamp(-mt vt, +- mu J) with spin u = omega r, -q Jt each.
+// Friction: Jt = clamp(-mt vt, +- mu J) with rim speeds u = omega r, -q Jt each.
 // A pair apart with no hit ahead is settled too: no speculative impulse. Impacts slower than the
-// floor are left to the solver (impact mark stays clear), and so are, in the last sweep, impacts
+// floor are left to the solver (impact mark stays clear), and so are, in the last sweep (least_e = 1), impacts
 // that are not fully elastic. Impacts from p.due on are left to a later sweep: a body that has several
 // takes them nearly in their order. Returns true if any lane collided or has yet to; `virial` receives
 // J |d| of every collision.
@@ -31,12 +31,12 @@ template <class L>
   return j * excess - j;
 }
 
-template <class L, Model kModel>
+template <class L, Model kModel, Sweep kSweep>
 bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t begin,
                     std::uint32_t end, double* virial) {
   const F<L> zero = 0, one = 1, half = 0.5f;
   const F<L> h = p.h, set = -0.0f;
-  const F<L> floor = p.bounce_floor, due = p.due;
+  const F<L> floor = p.bounce_floor, due = p.due, least_e = p.least_e;
   bool busy = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
@@ -44,15 +44,16 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     // `impact` holds +1: not for sweeps; +0: pending; -0: settled.
     auto mark = L::load(c.impact + k);
     const auto eligible = mark <= zero;
-    if (p.first_sweep) mark = select(eligible, zero, mark);
+    if constexpr (kSweep == Sweep::first) mark = select(eligible, zero, mark);
     if (!any(eligible)) continue;
     const std::uint32_t* slot = c.body + 2 * k;
     const auto ta = L::template gather1<2>(b.event_time, slot);
     const auto tb = L::template gather1<2>(b.event_time, slot + 1);
-    // No impact left to this sweep, and no body had an event since: the one before said all.
-    auto asked = zero < max(ta, tb);
-    if (p.sliced) asked = asked | select(negative(mark), L::none(), eligible);
-    if (!p.first_sweep && !any(asked)) continue;
+    if constexpr (kSweep != Sweep::first) {  // is an impact left to this sweep, or had a body an event since?
+      auto asked = zero < max(ta, tb);
+      if constexpr (kSweep == Sweep::sliced) asked = asked | select(negative(mark), L::none(), eligible);
+      if (!any(asked)) continue;
+    }
     I<L> iax, iay, ibx, iby;
     L::template gather_int<2>(b.pos, slot, iax, iay);
     L::template gather_int<2>(b.pos, slot + 1, ibx, iby);
@@ -92,8 +93,7 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
       const auto bounce = e * abs(vn);
       const auto elastic = one <= e;
       const auto keen = elastic | (floor <= bounce);
-      hit = soon & (keen & (vn < zero));
-      if (p.last_sweep) hit = hit & elastic;
+      hit = (soon & (least_e <= e)) & (keen & (vn < zero));
       const auto later = but_not(hit, t < due);
       if (any(later)) busy = true;
       hit = but_not(hit, later);
@@ -150,19 +150,19 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
 
 /// The same for fixed shapes. Flat faces (refresh infinite) follow the parabola
 /// s + un t + gn t^2/2 = 0; round ones the chord at the mean velocity, refined twice.
-template <class L, Model kModel>
+template <class L, Model kModel, Sweep kSweep>
 bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactParams& p, std::uint32_t begin,
                    std::uint32_t end, double* virial) {
   const F<L> zero = 0, one = 1, half = 0.5f, two = 2;
   const F<L> h = p.h, set = -0.0f;
-  const F<L> floor = p.bounce_floor, due = p.due;
+  const F<L> floor = p.bounce_floor, due = p.due, least_e = p.least_e;
   bool busy = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
     const auto e = L::load(c.e + k);
     auto mark = L::load(c.impact + k);
     const auto eligible = mark <= zero;
-    if (p.first_sweep) mark = select(eligible, zero, mark);
+    if constexpr (kSweep == Sweep::first) mark = select(eligible, zero, mark);
     if (!any(eligible)) continue;
     const std::uint32_t* slot = c.body + k;
     F<L> dx, dy, vx, vy;
@@ -222,8 +222,7 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
       ny = select(flat, ny, yt * inverse);
       vn = nx * (vx + gx * t) + ny * (vy + gy * t);
       const auto keen = floor <= e * abs(vn);
-      hit = soon & (keen & (vn < zero));
-      if (p.last_sweep) hit = hit & (one <= e);
+      hit = (soon & (least_e <= e)) & (keen & (vn < zero));
       const auto later = but_not(hit, t < due);
       if (any(later)) busy = true;
       hit = but_not(hit, later);

@@ -8,9 +8,9 @@
 //   warm   stored impulses (first substep of a frame)
 //   solve  finds l so that the position error stays what it is at x', to second order:
 //            vn + curve = 0,   curve = h x (centripetal acceleration of the error)
-//   push   takes a share of the error back, vn = -rate C: b.vel and b.spin are velocities for this
+//   push   takes a share of the error back, vn = -rate C: b.vel and b.rim_speed are velocities for this
 //          substep's drift alone, from 0
-//   relax  finds n', turns half of the impulse (adds l/2 (n' - n), kept in `ex`, `spin_a` ...) and makes
+//   relax  finds n', turns half of the impulse (adds l/2 (n' - n), kept in `ex`, `ea` ...) and makes
 //          the velocities agree with the joint, vn' = 0. The next kick repeats what the substep did, so
 //          that the next solve turns the other half, adding the same again.
 //
@@ -41,7 +41,7 @@ template <class L>
 }
 
 /// Calls each(block, first lane, arms, motion) for all lanes of some blocks. The motion is that of b.vel
-/// and b.spin and goes back there.
+/// and b.rim_speed and goes back there.
 template <class L, bool kFixedA, class Block, class Each>
 [[gnu::always_inline]] inline void by_lane(const BodyView& b, JointBlocks blocks, std::uint32_t begin,
                                            std::uint32_t end, const Each& each) {
@@ -59,7 +59,7 @@ template <class L, bool kFixedA, class Block, class Each>
 
 // ---- rows -----------------------------------------------------------------------------------------
 
-/// Impulse p on B, and spin impulses qa, qb (arm / R x impulse).
+/// Adds the impulse p to B and takes it from A; qa and qb are arm / R x impulse, which change the rim speeds.
 template <class L, bool kFixedA>
 [[gnu::always_inline]] inline void push(TwoBodies<L>& m, const Arms<L>& j, Vec<L> p, F<L> qa, F<L> qb) {
   apply_impulse<L, kFixedA>(m, p.x, p.y, qa, qb, j.wa, j.wb, j.ga, j.gb);
@@ -166,7 +166,7 @@ template <class L, bool kFixedA, class Block>
 [[gnu::always_inline]] inline void turn_half(TwoBodies<L>& m, const Arms<L>& arms, Block& j, std::uint32_t k,
                                              const Row<L>& e) {
   if constexpr (requires { j.ex; }) store_vec<L>(j.ex, j.ey, k, e.n);
-  store_vec<L>(j.spin_a, j.spin_b, k, {e.sa, e.sb});
+  store_vec<L>(j.ea, j.eb, k, {e.sa, e.sb});
   push<L, kFixedA>(m, arms, e.n, e.sa, e.sb);
 }
 
@@ -175,7 +175,7 @@ template <class L, bool kFixedA, class Block>
 [[gnu::always_inline]] inline void turn_on(TwoBodies<L>& m, const Arms<L>& arms, const Block& j, std::uint32_t k) {
   Vec<L> e{0, 0};
   if constexpr (requires { j.ex; }) e = load_vec<L>(j.ex, j.ey, k);
-  push<L, kFixedA>(m, arms, e, L::load(j.spin_a + k), L::load(j.spin_b + k));
+  push<L, kFixedA>(m, arms, e, L::load(j.ea + k), L::load(j.eb + k));
 }
 
 /// There was none.
@@ -183,7 +183,7 @@ template <class L, class Block>
 [[gnu::always_inline]] inline void forget_turn(Block& j, std::uint32_t k) {
   const Vec<L> none{0, 0};
   if constexpr (requires { j.ex; }) store_vec<L>(j.ex, j.ey, k, none);
-  store_vec<L>(j.spin_a, j.spin_b, k, none);
+  store_vec<L>(j.ea, j.eb, k, none);
 }
 
 }  // namespace

@@ -20,27 +20,27 @@ template <class L>
   const auto d = d0 + dd;
   const auto far = sqrt(dot(d, d));
   const auto apart = 1e-12f < far;
-  const F<L> bend = 1 / select(apart, far, 1);
+  const F<L> curvature = 1 / select(apart, far, 1);
   // |d| - |d0| = dd.(d0 + d) / (|d| + |d0|), so that nothing cancels
   const auto both = far + far0;
   const auto grown = dot(dd, d0 + d) / select(apart, both, 1);
   const auto c = L::load(j.c0 + k) + select(apart, grown, far - far0);
-  const Vec<L> n{select(apart, d.x * bend, L::load(j.nx + k)), select(apart, d.y * bend, L::load(j.ny + k))};
+  const Vec<L> n{select(apart, d.x * curvature, L::load(j.nx + k)), select(apart, d.y * curvature, L::load(j.ny + k))};
   const auto row = anchor_row<L>(arms, n);
   const auto turns = arms.ga * (row.sa * row.sa) + arms.gb * (row.sb * row.sb);
   store_vec<L>(j.nx, j.ny, k, n);
   L::store(j.c + k, c);
-  L::store(j.bend + k, bend);
+  L::store(j.curvature + k, curvature);
   L::store(j.mass + k, safe_inverse<L>(arms.wa + arms.wb + turns));
   return row;
 }
 
 /// h x acceleration at which the distance of the anchors grows by itself.
 template <class L>
-[[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v, F<L> bend,
-                                              F<L> h) {
+[[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v,
+                                              F<L> curvature, F<L> h) {
   const auto sideways = abs(cross(n, v));
-  const auto share = min(sideways * bend * h, 1);
+  const auto share = min(sideways * curvature * h, 1);
   return sideways * share + dot(n, anchor_pull<L>(m, arms, h));
 }
 
@@ -67,7 +67,7 @@ void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, st
     const auto v = anchor_velocity<L>(m, arms);
     const auto vn = dot(row.n, v), c = L::load(j.c + k), l = L::load(j.l + k);
     const auto mass = L::load(j.mass + k);
-    const auto curve = line_curve<L>(m, arms, row.n, v, L::load(j.bend + k), h);
+    const auto curve = line_curve<L>(m, arms, row.n, v, L::load(j.curvature + k), h);
     F<L> next;
     if constexpr (kSpring) {
       const auto before = gather_motion<L>(b.vel0, b.rim_speed0, j.body + 2 * k);

@@ -147,9 +147,9 @@ void solve_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, s
     const auto w = m.ua * arms.ra;
     const auto v = anchor_velocity<L>(m, arms);
     const auto turn = max(min(h * w, 0.5f), -0.5f);
-    const auto bend =
+    const auto curve =
         dot(r.across.n, anchor_pull<L>(m, arms, h)) - turn * (two * dot(r.along.n, v) + w * L::load(j.off + k));
-    hold_slide<L, kFixedA, false>(p, j, k, arms, m, r, {slide_speed<L>(m, r.across) + bend, turning<L>(m, arms)});
+    hold_slide<L, kFixedA, false>(p, j, k, arms, m, r, {slide_speed<L>(m, r.across) + curve, turning<L>(m, arms)});
   };
   by_lane<L, kFixedA, SlideBlock>(b, blocks, begin, end, each);
 }

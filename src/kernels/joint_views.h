@@ -26,8 +26,7 @@ struct JointBodies {
   float ra[kBlock], rb[kBlock];                              ///< 1 / R, 1/m
   float ax0[kBlock], ay0[kBlock], bx0[kBlock], by0[kBlock];  ///< arms / R at the frame's start
   float ax[kBlock], ay[kBlock], bx[kBlock], by[kBlock];      ///< and now
-  float spin_a[kBlock],
-      spin_b[kBlock];  ///< N s: half of what turning the impulses adds to the levers' impulse
+  float ea[kBlock], eb[kBlock];  ///< N s: half of what turning the impulses adds to those of the levers
 };
 
 /// Rod, rope and spring: one row along the line of the anchors.
@@ -38,7 +37,7 @@ struct alignas(kAlign) LineBlock : JointBodies {
   float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
   float push[kBlock], drag[kBlock];         ///< springs: k' h, N s/m, and k' h^2 / 4 + c' h / 2, kg
   float nx[kBlock], ny[kBlock], c[kBlock];  ///< now
-  float bend[kBlock];                       ///< 1 / distance of the anchors, 1/m
+  float curvature[kBlock];                  ///< 1 / distance of the anchors, 1/m
   float mass[kBlock];                       ///< kg
   float l[kBlock];                          ///< N s
   float ex[kBlock], ey[kBlock];             ///< N s: half of what turning the normal adds to the impulse

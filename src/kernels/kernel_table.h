@@ -31,30 +31,34 @@ struct KernelTable {
   // advance.
   void (*accelerate[2])(const BodyView&, const FieldParams&, Range, Range);
   void (*advance[kMethods][2])(const BodyView&, const FieldParams&, Range, Range);
-  void (*drift_bent)(const BodyView&, const FieldParams&, Range, Range);
+  void (*drift_corrected)(const BodyView&, const FieldParams&, Range, Range);
   // Pair search (pair_kernel.h): bodies, not blocks.
   bool (*find_pairs)(const PairRow&, std::uint32_t begin, std::uint32_t end, PairList&);
   bool (*find_near)(const PairRow&, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList&);
   std::uint32_t (*select_pairs)(const BodyView&, const PairSelection&, std::uint32_t begin, std::uint32_t end);
-  // Contacts (contact_kernel.h, static_contact_kernel.h, impact_kernel.h), by model and restitution.
+  // Contacts (contact_kernel.h, static_contact_kernel.h, impact_kernel.h), by model, and by restitution and sweep.
   void (*prepare)(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
   void (*warm[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*solve[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*relax[kModels][2])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  void (*solve[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
+  void (*relax[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
   void (*spend[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  bool (*sweep[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range, double* virial);
+  bool (*sweep[kModels][kSweeps])(const BodyView&, const ContactView&, const ContactParams&, Range, Range,
+                                  double* virial);
   void (*warm_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
-  void (*solve_static[kModels][2])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
-  void (*relax_static[kModels][2])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
+  void (*solve_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Range,
+                                          Range);
+  void (*relax_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Range,
+                                          Range);
   void (*spend_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
-  bool (*sweep_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range,
-                                double* virial);
-  // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax by restitution too.
+  bool (*sweep_static[kModels][kSweeps])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range,
+                                         double* virial);
+  // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax also by restitution and by whether the sweep
+  // is an inner one.
   void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Range, Range);
-  void (*solve_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
-  void (*relax_manifolds[2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
+  void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
+  void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Range, Range);
-  void (*swing_bodies)(const BodyView&, const float* radius, float h, Range, Range);
+  void (*turn_bodies)(const BodyView&, const float* radius, float h, Range, Range);
   // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.
   using Collide = void (*)(HullPairs*, Range, Range);
   Collide collide[2][3];

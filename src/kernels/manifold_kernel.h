@@ -47,7 +47,7 @@ template <class L, bool kFixedA>
   L::template scatter1<2>(rim_speed, slot + 1, m.ub);
 }
 
-/// Impulses along n (and spins by at, bt) or, with the arms exchanged, along t.
+/// Impulses along n, which change the rim speeds by at and bt, or, with the arms exchanged, along t.
 template <class L, bool kFixedA>
 [[gnu::always_inline]] inline void apply_impulse(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b, F<L> wa,
                                                  F<L> wb, F<L> ga, F<L> gb) {
@@ -127,7 +127,8 @@ template <class L>
   return fast & near & (0 < e);
 }
 
-template <class L, bool kFixedA, bool kBounce>
+/// kInner: not the first sweep of the pass over these contacts.
+template <class L, bool kFixedA, bool kBounce, bool kInner>
 void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
                      std::uint32_t end) {
   const F<L> zero = 0, open = -0.0f;
@@ -173,7 +174,7 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
           bias = select(hit, min(target, bias), bias);
           compliance = select(hit, zero, compliance);
         }
-        if (!p.again) L::store(point.start + k, x.l);
+        if constexpr (!kInner) L::store(point.start + k, x.l);
         x.k = w + (ga * (x.at * x.at) + gb * (x.bt * x.bt));
         x.a = x.k + compliance * x.k;
         x.q = vn + (m.ub * x.bt - m.ua * x.at) + bias;
@@ -198,7 +199,8 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
   }
 }
 
-template <class L, bool kFixedA, bool kBounce>
+/// kInner: not the last sweep of the pass over these contacts.
+template <class L, bool kFixedA, bool kBounce, bool kInner>
 void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
                      std::uint32_t end) {
   const F<L> zero = 0;
@@ -216,7 +218,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       if (all(negative(l1) & negative(l2)) && !any(left)) {
         L::store(p1.friction + k, zero);
         L::store(p2.friction + k, zero);
-        if (kBounce && !p.more) {
+        if constexpr (kBounce && !kInner) {
           L::store(p1.start + k, zero);
           L::store(p2.start + k, zero);
         }
@@ -291,9 +293,9 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       rub(p1, n1, t1, l1);
       rub(p2, n2, t2, l2);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
-      if constexpr (!kFixedA) {
+      if constexpr (!kFixedA && !kInner) {
         const F<L> one = 1;
-        if (!p.more && bits((sa < one) | (sb < one))) {
+        if (any((sa < one) | (sb < one))) {
           // What shares kept back is the next substep's from its start: it repeats v - v0.
           const auto lasts = [&](const ManifoldBlock::Point& point, F<L> n, M<L> was) {
             const auto start = max(L::load(point.start + k), zero);
@@ -309,7 +311,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
           scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
         }
       }
-      if (kBounce && !p.more) {
+      if constexpr (kBounce && !kInner) {
         const auto settle = [&](ManifoldBlock::Point& point, F<L> n, M<L> was) {
           const auto lasts = min(n, max(L::load(point.start + k), zero));
           L::store(point.start + k, keep(was, n - lasts));
@@ -362,7 +364,7 @@ void spend_manifolds(const BodyView& b, ManifoldBlock* blocks, std::uint32_t beg
 /// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d).
 /// Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
 template <class L>
-void swing_bodies(const BodyView& b, const float* radius, float h, std::uint32_t begin, std::uint32_t end) {
+void turn_bodies(const BodyView& b, const float* radius, float h, std::uint32_t begin, std::uint32_t end) {
   const F<L> one = 1, two = 2, step = h;
   const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
   for (std::uint32_t block = begin; block < end; ++block) {

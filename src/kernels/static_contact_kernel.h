@@ -62,7 +62,7 @@ template <class L>
   return row_bounces<L>(c, p, k, vn0, s, target);
 }
 
-template <class L, Model kModel, bool Bounce>
+template <class L, Model kModel, Bounce kBounce>
 void solve_statics(const BodyView& b, const StaticContactView& c, const ContactParams& p, std::uint32_t begin,
                    std::uint32_t end) {
   const F<L> zero = 0, one = 1;
@@ -83,12 +83,12 @@ void solve_statics(const BodyView& b, const StaticContactView& c, const ContactP
     const auto l = L::load(c.impulse + k);
     const auto vn = nx * vx + ny * vy;
     typename L::Signs settled{};
-    if constexpr (Bounce) {
+    if constexpr (kBounce != Bounce::none) {
       F<L> target;
       const auto hit = bouncing_static<L>(b, c, p, k, nx, ny, s, target);
       aim_at_bounce<L>(aim, hit, target);
       settled = negative(L::load(c.impact + k));
-      if (!p.again) L::store(c.start + k, l);
+      if constexpr (kBounce == Bounce::edge) L::store(c.start + k, l);
     }
     const auto m = kModel == Model::plain ? one : L::load(c.mass + k);
     const auto dl = m * (aim.mass * vn + aim.bias) + aim.impulse * l;
@@ -99,10 +99,10 @@ void solve_statics(const BodyView& b, const StaticContactView& c, const ContactP
       const auto past = aim.apart & passing<L>(s, L::load(c.rsum + k), vn, vt);
       next = select(round & past, zero, next);
     }
-    if constexpr (Bounce) next = select(settled, zero, next);
+    if constexpr (kBounce != Bounce::none) next = select(settled, zero, next);
     const auto change = next - l;
     next = select(aim.apart & (next <= zero), open, next);
-    if constexpr (Bounce) next = select(settled, open, next);
+    if constexpr (kBounce != Bounce::none) next = select(settled, open, next);
     L::store(c.impulse + k, next);
     auto px = change * nx, py = change * ny;
     if constexpr (kModel != Model::plain) {
@@ -113,7 +113,7 @@ void solve_statics(const BodyView& b, const StaticContactView& c, const ContactP
   }
 }
 
-template <class L, Model kModel, bool Bounce>
+template <class L, Model kModel, Bounce kBounce>
 void relax_statics(const BodyView& b, const StaticContactView& c, const ContactParams& p, std::uint32_t begin,
                    std::uint32_t end) {
   const F<L> zero = 0, one = 1;
@@ -126,7 +126,7 @@ void relax_statics(const BodyView& b, const StaticContactView& c, const ContactP
     L::template gather<1>(b.vel, slot, vx, vy);
     auto vn = nx * vx + ny * vy;
     M<L> was{};
-    if constexpr (Bounce) {
+    if constexpr (kBounce != Bounce::none) {
       F<L> target;
       const auto hit = bouncing_static<L>(b, c, p, k, nx, ny, -1e30f, target);
       was = hit & (zero < l);
@@ -154,7 +154,7 @@ void relax_statics(const BodyView& b, const StaticContactView& c, const ContactP
       px = w * px, py = w * py;
     }
     L::template scatter<1>(b.vel, slot, vx + px, vy + py);
-    if (Bounce && !p.more) part_impact<L>(c, k, was, next);
+    if constexpr (kBounce == Bounce::edge) part_impact<L>(c, k, was, next);
   }
 }
 

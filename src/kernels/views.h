@@ -143,13 +143,9 @@ struct ContactParams {
   float warm = 0;                      ///< factor on stored impulses (new h / old h)
   float gravity_x = 0, gravity_y = 0;  ///< m/s^2
   float bounce_floor = 0;              ///< m/s: e |vn| below this is left to the solver
-  bool first_sweep = true;             ///< of the substep: marks of the one before are stale
-  bool sliced = false;                 ///< sweeps leave late impacts to the next ones, see due
   float due = 1e30f;                   ///< s into the substep: later impacts wait for another sweep
-  bool last_sweep = false;             ///< what would still collide is left to the solver, unless elastic
+  float least_e = 0;                   ///< impacts with less restitution are left to the solver
   float impact_floor = 0;              ///< m/s: slower approaches of touching bodies do not bounce
-  bool again = false;                  ///< solve: not the substep's first sweep over these contacts
-  bool more = false;                   ///< relax: not the last one
 };
 
 /// Contacts between two bodies, in blocks of 8 that share no body within a colour. Lane l of block
@@ -200,6 +196,16 @@ struct StaticContactView {
   float* impact = nullptr;
   float* start = nullptr;
 };
+
+/// What an impact sweep is: the first one of the substep, before which all marks are stale; a later one; or a later one
+/// where sweeps leave late impacts to those after them (ContactParams::due).
+enum class Sweep : std::uint8_t { first, later, sliced };
+inline constexpr int kSweeps = 3;
+
+/// Whether contacts have restitution, and which sweep of a pass it is: contacts under heavy loads have several. `edge`
+/// is the first one of the solve pass, the last one of the relax pass, or the only one; `inner` is any other.
+enum class Bounce : std::uint8_t { none, edge, inner };
+inline constexpr int kBounces = 3;
 
 /// Which columns the contact passes read: equal masses; any masses; any masses and friction.
 enum class Model : std::uint8_t { plain, massed, rough };

@@ -113,7 +113,7 @@ std::vector<Block> make_blocks(Random& random, const Crowd& crowd, bool fixed) {
     if constexpr (std::is_same_v<Block, LineBlock>) {
       along_unit(b.nx, b.ny);
       each(b.mass, 0.1, 1);
-      for (float* column : {b.far0, b.bend, b.push, b.drag}) each(column, 0.5, 2);
+      for (float* column : {b.far0, b.curvature, b.push, b.drag}) each(column, 0.5, 2);
       for (std::size_t k = 0; k < kBlock; ++k) {
         const double x = static_cast<double>(b.dx0[k]), y = static_cast<double>(b.dy0[k]);
         b.far0[k] = static_cast<float>(std::sqrt(x * x + y * y));
@@ -381,7 +381,7 @@ TEST(JointKernel, SpringImpulsesAreThoseOfTheMidpointRule) {
       const Pair then(warm, b, lane), now(crowd, b, lane), before(crowd, b, lane, true);
       const P2 v = then.anchors();
       const double sideways = std::fabs(nx * v.y - ny * v.x);
-      const double curve = sideways * std::fmin(sideways * wide(b.bend[lane]) * h, 1.0);
+      const double curve = sideways * std::fmin(sideways * wide(b.curvature[lane]) * h, 1.0);
       const double l = -wide(b.push[lane]) * (wide(b.c[lane]) + h / 4 * curve) -
                        wide(b.drag[lane]) * (along(before.anchors()) + along(now.anchors()));
       EXPECT_NEAR(wide(b.l[lane]), l, 2e-5);

@@ -164,19 +164,21 @@ template <>
 struct Kind<true> {
   static ContactView view(State& s, Model m, bool bounce) { return s.c.pairs(m, bounce); }
   static auto warm(const KernelTable& k, std::size_t m) { return k.warm[m]; }
-  static auto solve(const KernelTable& k, std::size_t m, bool b) { return k.solve[m][b]; }
-  static auto relax(const KernelTable& k, std::size_t m, bool b) { return k.relax[m][b]; }
+  static auto solve(const KernelTable& k, std::size_t m, Bounce b) { return k.solve[m][static_cast<int>(b)]; }
+  static auto relax(const KernelTable& k, std::size_t m, Bounce b) { return k.relax[m][static_cast<int>(b)]; }
   static auto spend(const KernelTable& k, std::size_t m) { return k.spend[m]; }
-  static auto sweep(const KernelTable& k, std::size_t m) { return k.sweep[m]; }
+  static auto sweep(const KernelTable& k, std::size_t m, Sweep kind) { return k.sweep[m][static_cast<int>(kind)]; }
 };
 template <>
 struct Kind<false> {
   static StaticContactView view(State& s, Model m, bool bounce) { return s.c.static_contacts(m, bounce); }
   static auto warm(const KernelTable& k, std::size_t m) { return k.warm_static[m]; }
-  static auto solve(const KernelTable& k, std::size_t m, bool b) { return k.solve_static[m][b]; }
-  static auto relax(const KernelTable& k, std::size_t m, bool b) { return k.relax_static[m][b]; }
+  static auto solve(const KernelTable& k, std::size_t m, Bounce b) { return k.solve_static[m][static_cast<int>(b)]; }
+  static auto relax(const KernelTable& k, std::size_t m, Bounce b) { return k.relax_static[m][static_cast<int>(b)]; }
   static auto spend(const KernelTable& k, std::size_t m) { return k.spend_static[m]; }
-  static auto sweep(const KernelTable& k, std::size_t m) { return k.sweep_static[m]; }
+  static auto sweep(const KernelTable& k, std::size_t m, Sweep kind) {
+    return k.sweep_static[m][static_cast<int>(kind)];
+  }
 };
 
 template <bool Pairs>
@@ -190,12 +192,13 @@ void compare_passes(std::uint64_t seed) {
       compare(s, [&](const KernelTable& k, State& at) {
         Of::warm(k, m)(at.b.view(own, rim_speed), Of::view(at, model, false), p, i, n);
       });
-      for (const bool bounce : {false, true}) {
+      for (const Bounce kind : {Bounce::none, Bounce::edge, Bounce::inner}) {
+        const bool bounce = kind != Bounce::none;
         compare(s, [&](const KernelTable& k, State& at) {
-          Of::solve(k, m, bounce)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
+          Of::solve(k, m, kind)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
         });
         compare(s, [&](const KernelTable& k, State& at) {
-          Of::relax(k, m, bounce)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
+          Of::relax(k, m, kind)(at.b.view(own, rim_speed), Of::view(at, model, bounce), p, i, n);
         });
       }
       compare(s, [&](const KernelTable& k, State& at) {
@@ -214,19 +217,20 @@ void compare_sweeps(std::uint64_t seed) {
   for_contacts(seed, Pairs, [&](const State& s, bool own, std::uint32_t i, std::uint32_t n) {
     for (const Model model : kAllModels) {
       const bool rim_speed = model == Model::rough;
-      const auto sweep = [&](const State& from, bool first, bool last) {
+      const auto sweep = [&](const State& from, Sweep kind, bool last) {
         ContactParams p = contact_params();
-        p.first_sweep = first;
-        p.last_sweep = last;
+        p.least_e = last ? 1.0f : 0.0f;
         return compare(from, [&](const KernelTable& k, State& at) {
-          at.flag = Of::sweep(k, index_of(model))(at.b.view(own, rim_speed, true), Of::view(at, model, true), p, i, n,
-                                                  &at.virial);
+          at.flag = Of::sweep(k, index_of(model), kind)(at.b.view(own, rim_speed, true), Of::view(at, model, true), p,
+                                                        i, n, &at.virial);
         });
       };
-      sweep(s, true, true);
-      const State swept = sweep(s, true, false);
+      sweep(s, Sweep::first, true);
+      const State swept = sweep(s, Sweep::first, false);
       hits += swept.flag;
-      for (const bool last : {false, true}) later_hits += sweep(swept, false, last).flag;
+      for (const bool last : {false, true}) {
+        for (const Sweep kind : {Sweep::later, Sweep::sliced}) later_hits += sweep(swept, kind, last).flag;
+      }
     }
   });
   EXPECT_GT(hits, 100);

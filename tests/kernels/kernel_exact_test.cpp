@@ -122,7 +122,7 @@ TEST_F(KernelExact, DriftBent) {
     FieldSet fields(random);
     for (const double smooth : {fields.p.smooth, 1.0, -1.0}) {
       fields.p.smooth = smooth;
-      compare(s, [&](const KernelTable& k, State& at) { k.drift_bent(at.b.field_view(false), fields.p, i, n); });
+      compare(s, [&](const KernelTable& k, State& at) { k.drift_corrected(at.b.field_view(false), fields.p, i, n); });
     }
   });
 }

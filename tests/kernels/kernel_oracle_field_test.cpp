@@ -51,7 +51,7 @@ Motion substep_error(std::size_t method, double h, std::size_t drag) {
   fields.p.smooth = method == 0 ? -1 : 4 * h * h;  // Euler
   const Bodies old = b;
   scalar().advance[method][drag](b.field_view(true), fields.p, 0, 5);
-  scalar().drift_bent(b.field_view(true), fields.p, 0, 5);
+  scalar().drift_corrected(b.field_view(true), fields.p, 0, 5);
   Motion worst;
   for (std::size_t i = 0; i < b.count; ++i) {
     const Motion before = motion(old, i), after = motion(b, i);
@@ -131,7 +131,7 @@ TEST(KernelOracle, DriftBentGoesTheMethodsWayOnlyWhereTheChangeIsSmooth) {
     FieldSet fields(random);
     fields.p.smooth = smooth;
     const Bodies old = b;
-    scalar().drift_bent(b.field_view(false), fields.p, 0, 5);
+    scalar().drift_corrected(b.field_view(false), fields.p, 0, 5);
     const double h = fields.p.h;
     int smooth_ones = 0;
     for (std::size_t i = 0; i < b.count; ++i) {

@@ -57,12 +57,11 @@ TEST(KernelOracle, SweepHitsAtTheAnalyticTime) {
         const Bodies old = s.b;
         ContactParams p = contact_params();
         p.gravity_y = 0;
-        p.last_sweep = false;
         double virial = 0;
         const BodyView view = s.b.view(false, model == Model::rough, true);
         const std::size_t m = index_of(model);
-        const bool any = pair ? scalar().sweep[m](view, s.c.pairs(model, true), p, 0, 1, &virial)
-                              : scalar().sweep_static[m](view, s.c.static_contacts(model, true), p, 0, 1, &virial);
+        const bool any = pair ? scalar().sweep[m][0](view, s.c.pairs(model, true), p, 0, 1, &virial)
+                              : scalar().sweep_static[m][0](view, s.c.static_contacts(model, true), p, 0, 1, &virial);
         ASSERT_TRUE(any);
         EXPECT_TRUE(std::signbit(s.c.impact[0]));
         const std::size_t i = s.c.body[0], j = s.c.body[s.c.step - 1];
@@ -111,8 +110,8 @@ TEST(KernelOracle, SweepHitsFlatFacesOnTheParabola) {
     const double t = (-un - std::sqrt(un * un - 2 * gn * s)) / gn;
     const Bodies old = h.b;
     double virial = 0;
-    const bool any = scalar().sweep_static[0](h.b.view(false, false, true), h.c.static_contacts(Model::plain, true), p,
-                                              0, 1, &virial);
+    const bool any = scalar().sweep_static[0][0](h.b.view(false, false, true), h.c.static_contacts(Model::plain, true),
+                                                 p, 0, 1, &virial);
     ASSERT_EQ(any, t < double{kSubstep}) << seed;
     if (!any) continue;
     EXPECT_NEAR(double{h.b.event_time[j]}, t, 1e-6);
@@ -131,9 +130,9 @@ TEST(KernelOracle, SweepSettlesMissesAndLeavesTheRest) {
     change(s);
     const Bodies before = s.b;
     ContactParams p = contact_params();
-    p.last_sweep = last;
+    p.least_e = last ? 1.0f : 0.0f;
     double virial = 0;
-    EXPECT_FALSE(scalar().sweep[0](s.b.view(false, false, true), s.c.pairs(Model::plain, true), p, 0, 1, &virial));
+    EXPECT_FALSE(scalar().sweep[0][0](s.b.view(false, false, true), s.c.pairs(Model::plain, true), p, 0, 1, &virial));
     EXPECT_EQ(before.vel, s.b.vel);
     EXPECT_EQ(before.disp, s.b.disp);
     EXPECT_EQ(virial, 0);

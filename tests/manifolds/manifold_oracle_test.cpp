@@ -198,10 +198,10 @@ TEST(ManifoldOracle, RelaxStopsClosedPointsAndRubsWithinTheCone) {
       Taste taste;
       taste.fixed_a = fixed_a;
       taste.smooth = 0;
+      taste.inner = true;  // what shares keep back is not settled yet
       const Scene before = make_scene(seed, 1, taste);
       Scene after = before;
-      ContactParams p = contact_params();
-      p.more = true;  // what shares keep back is not settled yet
+      const ContactParams p = contact_params();
       kPasses[2].run(kernels_of(Isa::scalar), after, taste, p);
       for (std::uint32_t l = 0; l < kBlock; ++l) {
         const LaneOf x(before, 0, l), y(after, 0, l);

@@ -25,6 +25,7 @@ struct Scene {
 struct Taste {
   bool fixed_a = false;
   bool bounce = false;
+  bool inner = false;     // an inner sweep of a pass
   double lone = 0.3;      // chance of one point
   double padding = 0.15;  // of an empty lane
   double zero = 0.1;      // of a signed zero in an impulse
@@ -130,20 +131,20 @@ inline const Pass kPasses[] = {
      }},
     {"solve",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
-       k.solve_manifolds[t.fixed_a][t.bounce](s.view(), s.blocks.data(), p, 0,
-                                              static_cast<std::uint32_t>(s.blocks.size()));
+       k.solve_manifolds[t.fixed_a][t.bounce][t.inner](s.view(), s.blocks.data(), p, 0,
+                                                       static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"relax",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
-       k.relax_manifolds[t.fixed_a][t.bounce](s.view(), s.blocks.data(), p, 0,
-                                              static_cast<std::uint32_t>(s.blocks.size()));
+       k.relax_manifolds[t.fixed_a][t.bounce][t.inner](s.view(), s.blocks.data(), p, 0,
+                                                       static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"spend",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams&) {
        k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"angle_change", [](const KernelTable& k, Scene& s, const Taste&,
-                        const ContactParams& p) { k.swing_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
+                        const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
 };
 
 }  // namespace psim::test::manifold_scene

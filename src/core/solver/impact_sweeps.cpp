@@ -45,27 +45,30 @@ void Solver::Run::impacts() {
   std::atomic<bool> any{true};
   SweepMemory& memory = solver_.sweep_memory_;
   memory.start(table_.strips.size());
+  const std::size_t later = static_cast<std::size_t>(slices_ > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
+  std::size_t kind = static_cast<std::size_t>(kernels::Sweep::first);
   const auto sweep_statics = [&](int sweep, bool all) {
     for_statics([&](std::size_t strip, const Strip& s) {
       if (!all && !memory.asks_static(strip, sweep)) return;
-      if (k_.sweep_static[model_](view_, statics_, static_, s.static_begin, s.static_end, &solver_.virial_[strip])) {
+      if (k_.sweep_static[model_][kind](view_, statics_, static_, s.static_begin, s.static_end,
+                                        &solver_.virial_[strip])) {
         memory.static_pair[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
     });
   };
   const int sweeps = impact_sweeps_;
-  pair_.sliced = static_.sliced = slices_ > 1;
   int sweep = 0;
   for (; sweep < sweeps && any.load(); ++sweep) {
     any.store(false);
-    pair_.first_sweep = static_.first_sweep = sweep == 0;
-    pair_.last_sweep = static_.last_sweep = sweep + 1 == sweeps;
+    if (sweep != 0) kind = later;
+    // In the last sweep, what would still collide is left to the solver, unless it is elastic.
+    pair_.least_e = static_.least_e = sweep + 1 == sweeps ? 1.0f : 0.0f;
     pair_.due = static_.due =
         sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices_) : 1e30f;
     for_pairs([&](std::size_t strip, const Strip& s) {
       if (!memory.asks_pairs(strip, sweep)) return;
-      if (k_.sweep[model_](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
+      if (k_.sweep[model_][kind](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
         memory.pairs[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
@@ -74,7 +77,7 @@ void Solver::Run::impacts() {
   }
   swept_ += limited_ && sweep == sweeps ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep;
   if (any.load()) {  // there were too many events: at least no body leaves through a wall
-    static_.last_sweep = false;
+    static_.least_e = 0;
     sweep_statics(sweeps, true);
   }
 }

@@ -219,23 +219,26 @@ void Solver::Run::solve() {
   for_pairs([&](std::size_t, const Strip& s) {
     k_.solve[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });
-  const auto solve_manifolds = [&](bool fixed, bool loaded) {
+  const auto solve_manifolds = [&](bool fixed, bool loaded, bool inner) {
     for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      k_.solve_manifolds[fixed][bounce_](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+      k_.solve_manifolds[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
     });
   };
-  solve_manifolds(false, false);
+  solve_manifolds(false, false, false);
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
-    loaded_pair_.again = loaded_static_.again = sweep != 0;
+    const bool inner = sweep != 0;
     for_loaded(
-        [&](const Strip& s) { k_.solve[model_][bounce_](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end); },
         [&](const Strip& s) {
-          k_.solve_static[model_][bounce_](view_, statics_, loaded_static_, s.static_loaded_begin, s.static_end);
+          k_.solve[model_][bounce_ << inner](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
+        },
+        [&](const Strip& s) {
+          k_.solve_static[model_][bounce_ << inner](view_, statics_, loaded_static_, s.static_loaded_begin,
+                                                    s.static_end);
         });
-    solve_manifolds(false, true);
-    solve_manifolds(true, true);
+    solve_manifolds(false, true, inner);
+    solve_manifolds(true, true, inner);
   }
-  solve_manifolds(true, false);
+  solve_manifolds(true, false, false);
   for_statics([&](std::size_t, const Strip& s) {
     k_.solve_static[model_][bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
   });
@@ -244,11 +247,11 @@ void Solver::Run::solve() {
 void Solver::Run::drift() {
   for_bodies([&](std::uint32_t begin, std::uint32_t end) {
     if (advance_) {
-      k_.drift_bent(view_, field_, begin, end);
+      k_.drift_corrected(view_, field_, begin, end);
     } else {
       k_.drift(view_, drift_, begin, end);
     }
-    if (turns_) k_.swing_bodies(view_, bodies_.radius.data(), stream_.h, begin, end);
+    if (turns_) k_.turn_bodies(view_, bodies_.radius.data(), stream_.h, begin, end);
     if (bodies_.rim_speed.empty()) return;
     for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved_.count()); ++n) {
       if (view_.linked[n] == 0) continue;
@@ -286,23 +289,26 @@ void Solver::Run::relax() {
   for_pairs([&](std::size_t, const Strip& s) {
     k_.relax[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
   });
-  const auto relax_manifolds = [&](bool fixed, bool loaded) {
+  const auto relax_manifolds = [&](bool fixed, bool loaded, bool inner) {
     for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      k_.relax_manifolds[fixed][bounce_](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+      k_.relax_manifolds[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
     });
   };
-  relax_manifolds(false, false);
+  relax_manifolds(false, false, false);
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
-    loaded_pair_.more = loaded_static_.more = sweep + 1 != loaded_sweeps_;
+    const bool inner = sweep + 1 != loaded_sweeps_;
     for_loaded(
-        [&](const Strip& s) { k_.relax[model_][bounce_](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end); },
         [&](const Strip& s) {
-          k_.relax_static[model_][bounce_](view_, statics_, loaded_static_, s.static_loaded_begin, s.static_end);
+          k_.relax[model_][bounce_ << inner](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
+        },
+        [&](const Strip& s) {
+          k_.relax_static[model_][bounce_ << inner](view_, statics_, loaded_static_, s.static_loaded_begin,
+                                                    s.static_end);
         });
-    relax_manifolds(false, true);
-    relax_manifolds(true, true);
+    relax_manifolds(false, true, inner);
+    relax_manifolds(true, true, inner);
   }
-  relax_manifolds(true, false);
+  relax_manifolds(true, false, false);
   for_statics([&](std::size_t, const Strip& s) {
     k_.relax_static[model_][bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
   });

@@ -89,7 +89,7 @@ class Solver::Run {
   double threshold_;  // m/s
   StreamParams stream_, drift_;
   ContactParams pair_, static_, loaded_pair_, loaded_static_;
-  std::size_t model_, bounce_;
+  std::size_t model_, bounce_;  // of the tables of kernels: bounce_ << 1 is Bounce::inner
   bool rough_, turns_;
   int slices_, loaded_sweeps_, impact_sweeps_;
   bool limited_ = false;  // the number of sweeps over impacts is limited
