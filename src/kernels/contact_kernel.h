@@ -213,7 +213,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
       if constexpr (kModel == Model::rough) left = left | (t != zero);
       if (!any(left)) {
         if constexpr (kModel == Model::rough) L::store(c.friction + k, zero);
-        if constexpr (kBounce != Bounce::none) L::store(c.start + k, zero);
+        if constexpr (kBounce == Bounce::edge) L::store(c.start + k, zero);
         continue;
       }
     }

@@ -1,5 +1,6 @@
 // The search for pairs and the passes over contacts on every instruction set against the scalar one (kernel_exact.h).
 #include "kernel_exact.h"
+#include "kernel_grid.h"
 
 namespace psim::test::exact {
 namespace {

@@ -1,6 +1,7 @@
 // Pair search (pair_kernel.h) against all pairs.
 #include <set>
 
+#include "kernel_grid.h"
 #include "kernel_oracle.h"
 
 namespace psim::test {
