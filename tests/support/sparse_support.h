@@ -45,7 +45,12 @@ struct Broad {
     p.bounds = {bounds.xmin - lattice.centre().x, bounds.ymin - lattice.centre().y, bounds.xmax - lattice.centre().x,
                 bounds.ymax - lattice.centre().y};
     bodies.pad_tail();
-    broad.build(bodies, shapes, p, kernels_of(isa), pool, table);
+    kernels = kernels_of(isa);
+    broad.measure(p);
+    broad.count();
+    broad.move(table, 0, broad.moves());
+    broad.find_lists(table);
+    broad.finish();
   }
 
   double distance(std::uint32_t i, std::uint32_t j) const {
@@ -95,9 +100,10 @@ struct Broad {
   MemoryMeter memory;
   BodyStore bodies{memory};
   StaticShapes shapes{memory, lattice};
-  BroadPhase broad{memory, lattice};
-  PairTable table{memory};
+  kernels::KernelTable kernels = kernels_of(best_isa());
   WorkerPool pool;
+  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool}};
+  PairTable table{memory};
   std::uint32_t next_id = 0;
 };
 

@@ -37,15 +37,15 @@ double bin_end(std::size_t bin) {
 // the estimated number of comparisons: within the cells, and of each large body with the bodies under its box and
 // with the other large bodies. `area` is the area that the bodies are spread over. Many large bodies must save
 // more than a few, because the estimate for them is rough and their search is one strip for one thread.
-double BroadPhase::choose_reach(const BodyStore& b, double most, double area) const {
+double BroadPhase::choose_reach(double area) const {
   constexpr double kMany = 0.125, kWorthMany = 0.6;
   // Costs in comparisons: of a pair of large bodies; of finding the cells of one; of a row of cells.
   constexpr double kPair = 0.6, kFound = 500, kRow = 48;
-  const double n = b.count;
+  const double n = b_.count, most = static_cast<double>(all_.most);
   if (!(18 * most * most * n / area > kFewCandidates && n > 64)) return most;
   std::array<std::uint32_t, kBins> count{};
-  for (std::uint32_t i = 0; i < b.count; ++i) {
-    if (b.id[i] != kNoSlot) ++count[bin_of(b.reach[i])];
+  for (std::uint32_t i = 0; i < b_.count; ++i) {
+    if (b_.id[i] != kNoSlot) ++count[bin_of(b_.reach[i])];
   }
   double best = 1e300, above = 0, large_area = 0, large_reach = 0;
   double chosen = most;
@@ -68,51 +68,49 @@ double BroadPhase::choose_reach(const BodyStore& b, double most, double area) co
   return chosen;
 }
 
-void BroadPhase::set_reach(double reach, float most) {
+void BroadPhase::set_reach(double reach) {
   most_ = static_cast<float>(reach);
-  large_ = reach < static_cast<double>(most) ? most_ : 1e30f;
+  large_ = reach < static_cast<double>(all_.most) ? most_ : 1e30f;
 }
 
 // The least width of cells, m.
 double BroadPhase::least_edge(double reach) const {
-  return 2 * reach * 1.00001 + 4 * std::max(lattice_->pitch_x(), lattice_->pitch_y());
+  return 2 * reach * 1.00001 + 4 * std::max(lattice_.pitch_x(), lattice_.pitch_y());
 }
 
 // Chooses the grid over the bodies' box: cells as wide as two reaches, or wider where bodies are sparse.
-void BroadPhase::choose_grid(const BodyStore& b, const BroadPhaseParams& p, const std::int32_t extent[4], float most) {
-  const double n = b.count;
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
-  const double steps_x = p.periodic ? 0x1p32 : static_cast<double>(extent[2]) - extent[0] + 1;
-  const double steps_y = p.periodic ? 0x1p32 : static_cast<double>(extent[3]) - extent[1] + 1;
+void BroadPhase::choose_grid() {
+  const bool wraps = params_.periodic;
+  const std::int32_t* const extent = all_.extent;
+  const double px = lattice_.pitch_x(), py = lattice_.pitch_y();
+  const double steps_x = wraps ? 0x1p32 : static_cast<double>(extent[2]) - extent[0] + 1;
+  const double steps_y = wraps ? 0x1p32 : static_cast<double>(extent[3]) - extent[1] + 1;
   const double width = steps_x * px, height = steps_y * py;
-  const double sum = 2 * static_cast<double>(most);
+  const double sum = 2 * static_cast<double>(all_.most);
   area_ = box_ = std::max(width, sum) * std::max(height, sum);
-  const double reach = choose_reach(b, static_cast<double>(most), box_);
-  set_reach(reach, most);
-  const double edge = std::max(least_edge(reach), std::sqrt(width * height / (kCellsABody * n + 64)));
+  const double reach = choose_reach(box_);
+  set_reach(reach);
+  const double edge = std::max(least_edge(reach), std::sqrt(width * height / (kCellsABody * b_.count + 64)));
+  const double limit = 4 * kCellsABody * b_.count + 256;
   const auto cells = [&](double length) {
-    const double c = p.periodic ? std::floor(length / edge) : std::floor(length / edge) + 1;
-    return static_cast<std::int32_t>(std::clamp(c, 1.0, 4.0 * kCellsABody * n + 256));
+    return static_cast<std::int32_t>(std::clamp(std::floor(length / edge) + (wraps ? 0 : 1), 1.0, limit));
   };
   grid_ = Grid{};
-  grid_.periodic = p.periodic;
+  grid_.periodic = wraps;
   kernels::GridView& g = grid_.view;
   g.cols = cells(width);
   g.rows = cells(height);
   // In a long thin world the other axis bounds the number of cells.
-  const double limit = 4 * kCellsABody * n + 256;
   if (static_cast<double>(g.cols) * g.rows > limit) {
     g.cols = std::max(1, static_cast<std::int32_t>(limit / g.rows));
   }
-  if (p.periodic && (g.cols < 3 || g.rows < 3)) {
+  if (wraps && (g.cols < 3 || g.rows < 3)) {
     large_ = -1;  // too few cells to tell east from west: all bodies are compared with all
     g.cols = g.rows = 1;
   }
-  grid_.cell_x = p.periodic ? width / g.cols : std::max(edge, width / g.cols);
-  grid_.cell_y = p.periodic ? height / g.rows : std::max(edge, height / g.rows);
-  if (p.periodic) {
-    g.mid_x = g.mid_y = 0;
-  } else {
+  grid_.cell_x = wraps ? width / g.cols : std::max(edge, width / g.cols);
+  grid_.cell_y = wraps ? height / g.rows : std::max(edge, height / g.rows);
+  if (!wraps) {
     g.mid_x = static_cast<std::int32_t>((static_cast<std::int64_t>(extent[0]) + extent[2]) / 2);
     g.mid_y = static_cast<std::int32_t>((static_cast<std::int64_t>(extent[1]) + extent[3]) / 2);
   }
@@ -125,71 +123,68 @@ void BroadPhase::choose_grid(const BodyStore& b, const BroadPhaseParams& p, cons
 }
 
 // The cost of the grid's cells beyond that of a list of cells, ns a body, for the given density around bodies.
-double BroadPhase::waste(const BodyStore& b, float most, double density) const {
-  const double filled = b.count / density;  // infinite if the density is not known
+double BroadPhase::waste(double density) const {
+  const double filled = b_.count / density;  // infinite if the density is not known
   if (large_ < 0 || !(box_ > 2 * filled)) return 0;
   const double tests = 4.5 * density * grid_.cell_x * grid_.cell_y;
   if (kTest * tests < kListing / 2) return 0;
-  const double edge = least_edge(choose_reach(b, static_cast<double>(most), filled));
+  const double edge = least_edge(choose_reach(filled));
   return kTest * (tests - 4.5 * density * edge * edge);
 }
 
 // Chooses the cells of the list. False if the world is too small for them.
-bool BroadPhase::choose_cells(const BodyStore& b, const BroadPhaseParams& p, const std::int32_t extent[4], float most,
-                              double density) {
-  const double reach = choose_reach(b, static_cast<double>(most), b.count / density);
-  const double edge = least_edge(reach);
-  const double steps[2] = {edge / lattice_->pitch_x(), edge / lattice_->pitch_y()};
-  if (!sort_.listed().lay(extent, steps, p.periodic, b.count)) return false;
-  set_reach(reach, most);
+bool BroadPhase::choose_cells(double density) {
+  const double reach = choose_reach(b_.count / density), edge = least_edge(reach);
+  const double steps[2] = {edge / lattice_.pitch_x(), edge / lattice_.pitch_y()};
+  if (!sort_.listed().lay(all_.extent, steps, params_.periodic, b_.count)) return false;
+  set_reach(reach);
   return true;
 }
 
 // Chooses the cells and finds the cell of each body. A grid is tried first. Whether it serves is known from the
 // density of the last build, or, if the density may have changed, from a sample of how full its cells are.
-void BroadPhase::count(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) {
-  const Measure& all = all_;
+void BroadPhase::count() {
   const double last_box = box_;
-  const bool more = b.count > sorted_ + sorted_ / 8;
-  choose_grid(b, params_, all.extent, all.most);
+  const bool more = b_.count > sorted_ + sorted_ / 8;
+  choose_grid();
   double density = density_;
-  bool list = waste(b, all.most, density) > (listed_ ? kListing / 2 : kListing);
+  bool list = waste(density) > (listed_ ? kListing / 2 : kListing);
   if (!list) {
-    sort_.count(b, grid_, large_, k, pool);
-    if (params_.sample) tests_ = 0.5 * sort_.neighbours(b, grid_);
+    sort_.count(grid_, large_);
+    if (params_.sample) tests_ = 0.5 * sort_.neighbours(grid_);
     if (!(density_ > 0) || box_ > 1.5 * last_box || more) {
-      density = sort_.neighbours(b, grid_) / (9 * grid_.cell_x * grid_.cell_y);
-      list = waste(b, all.most, density) > kListing;
+      density = sort_.neighbours(grid_) / (9 * grid_.cell_x * grid_.cell_y);
+      list = waste(density) > kListing;
     }
   }
-  listed_ = list && choose_cells(b, params_, all.extent, all.most, density);
-  if (list && !listed_) sort_.count(b, grid_, large_, k, pool);  // the world has too few cells for a list
+  listed_ = list && choose_cells(density);
+  if (list && !listed_) sort_.count(grid_, large_);  // the world has too few cells for a list
 }
 
 double BroadPhase::tests() const {
   if (!listed_ && tests_ > 0) return tests_;
   if (!listed_) return 4.5 * density_ * grid_.cell_x * grid_.cell_y;
   const CellList& cells = sort_.listed();
-  return 4.5 * density_ * cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) * lattice_->pitch_y();
+  return 4.5 * density_ * cells.cell_steps(0) * lattice_.pitch_x() * cells.cell_steps(1) * lattice_.pitch_y();
 }
 
 // About 64 bodies count the others in a square of 8 radii, among at most 60,000 bodies.
-double BroadPhase::area_about(const BodyStore& b, double radius, double bounds) const {
+double BroadPhase::area_about(double radius, double bounds) const {
   if (area_ > 0) return area_;
-  if (b.count < kFew || b.count * radius * radius * kThin > bounds) return bounds;
-  const std::uint32_t stride = std::max(1u, b.count / 64), skip = b.count / 60'000 + 1;
+  if (b_.count < kFew || b_.count * radius * radius * kThin > bounds) return bounds;
+  const std::uint32_t stride = std::max(1u, b_.count / 64), skip = b_.count / 60'000 + 1;
   const double half = 8 * radius;
-  const double far_x = half / lattice_->pitch_x(), far_y = half / lattice_->pitch_y();
+  const double far_x = half / lattice_.pitch_x(), far_y = half / lattice_.pitch_y();
   double found = 0, samples = 0;
-  for (std::size_t i = stride / 2; i < b.count; i += stride, samples += 1) {
-    for (std::size_t j = 0; j < b.count; j += skip) {
-      const double dx = wrap_sub(b.pos[2 * j], b.pos[2 * i]);
-      const double dy = wrap_sub(b.pos[2 * j + 1], b.pos[2 * i + 1]);
+  for (std::size_t i = stride / 2; i < b_.count; i += stride, samples += 1) {
+    for (std::size_t j = 0; j < b_.count; j += skip) {
+      const double dx = wrap_sub(b_.pos[2 * j], b_.pos[2 * i]);
+      const double dy = wrap_sub(b_.pos[2 * j + 1], b_.pos[2 * i + 1]);
       found += i != j && std::fabs(dx) < far_x && std::fabs(dy) < far_y ? skip : 0;
     }
   }
   const double density = found / (samples * 4 * half * half);
-  return std::min(bounds, b.count / density);
+  return std::min(bounds, b_.count / density);
 }
 
 // Samples the cells around every n-th body.

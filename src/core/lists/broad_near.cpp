@@ -35,17 +35,16 @@ double BroadPhase::expected_near(std::size_t strip) const {
 }
 
 // The pieces of one strip run one after the other, because they write to one list.
-void BroadPhase::find_near(BodyStore& b, const StaticShapes& statics, WorkerPool& pool, PairTable& table,
-                           std::size_t begin, std::size_t end) {
+void BroadPhase::find_near(PairTable& table, std::size_t begin, std::size_t end) {
   const auto strip_of = [&](std::size_t piece) { return std::size_t{near_pieces_[piece].strip}; };
   const std::size_t first = strip_of(begin);
-  pool.run(strip_of(end - 1) + 1 - first, [&](std::size_t n) {
+  pool_.run(strip_of(end - 1) + 1 - first, [&](std::size_t n) {
     const auto at = std::partition_point(near_pieces_.begin(), near_pieces_.end(),
                                          [&](const Near& p) { return p.strip < first + n; });
     for (auto k = std::max(begin, static_cast<std::size_t>(at - near_pieces_.begin()));
          k < end && strip_of(k) == first + n; ++k) {
-      find_statics(b, statics, near_pieces_[k], table);
-      if (near_pieces_[k].last) link(b, table, first + n);
+      find_statics(near_pieces_[k], table);
+      if (near_pieces_[k].last) link(table, first + n);
     }
   });
   if (end != nears()) return;
@@ -60,10 +59,11 @@ void BroadPhase::find_near(BodyStore& b, const StaticShapes& statics, WorkerPool
   table.mark_strips();
 }
 
-void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) const {
+void BroadPhase::link(const PairTable& table, std::size_t index) const {
   const Strip& s = table.strips[index];
-  const auto mark = [&](std::uint32_t slot) {
-    std::atomic_ref<std::uint8_t>(b.linked[slot]).store(0xFF, std::memory_order_relaxed);
+  std::uint8_t* const linked = b_.linked.data();
+  const auto mark = [=](std::uint32_t slot) {
+    std::atomic_ref<std::uint8_t>(linked[slot]).store(0xFF, std::memory_order_relaxed);
   };
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     mark(table.owner[p]);
@@ -72,34 +72,33 @@ void BroadPhase::link(BodyStore& b, const PairTable& table, std::size_t index) c
   for (const StaticPair& pair : table.static_contacts[index]) mark(pair.body);
 }
 
-void BroadPhase::near_body(const BodyStore& b, const StaticShapes& statics, std::uint32_t i,
-                           std::vector<std::uint32_t>& found, std::vector<StaticPair>& out) const {
+void BroadPhase::near_body(std::uint32_t i, std::vector<std::uint32_t>& found, std::vector<StaticPair>& out) const {
   const BroadPhaseParams& p = params_;
-  const double reach = static_cast<double>(b.reach[i]) + common_way();
-  const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
+  const double reach = static_cast<double>(b_.reach[i]) + common_way();
+  const std::int32_t* at = b_.built.data() + 2 * std::size_t{i};
   if (p.walls) {
-    const double x = at[0] * lattice_->pitch_x(), y = at[1] * lattice_->pitch_y();
+    const double x = at[0] * lattice_.pitch_x(), y = at[1] * lattice_.pitch_y();
     if (x - reach < p.bounds.xmin) out.push_back({i, kWallLeft, 0});
     if (x + reach > p.bounds.xmax) out.push_back({i, kWallRight, 0});
     if (y - reach < p.bounds.ymin) out.push_back({i, kWallBottom, 0});
     if (y + reach > p.bounds.ymax) out.push_back({i, kWallTop, 0});
   }
-  if (statics.any()) {
+  if (statics_.any()) {
     found.clear();
-    statics.near(at[0], at[1], static_cast<float>(reach), found);
+    statics_.near(at[0], at[1], static_cast<float>(reach), found);
     for (const std::uint32_t shape : found) out.push_back({i, shape, 0});
   }
 }
 
 // How far the common velocity goes within the margin's time: fixed shapes move by that against it.
 double BroadPhase::common_way() const {
-  const double x = static_cast<double>(params_.margin.common_x), y = static_cast<double>(params_.margin.common_y);
-  return std::sqrt(x * x + y * y) * static_cast<double>(params_.margin.time);
+  const Vec2 common{static_cast<double>(params_.margin.common_x), static_cast<double>(params_.margin.common_y)};
+  return length_of(common) * static_cast<double>(params_.margin.time);
 }
 
 // True if no wall or fixed shape is near the box of all bodies of a piece.
-bool BroadPhase::nothing_near(const BodyStore& b, const StaticShapes& statics, const Near& piece) const {
-  const std::int32_t* const at = b.built.data();
+bool BroadPhase::nothing_near(const Near& piece) const {
+  const std::int32_t* const at = b_.built.data();
   std::int32_t low[2] = {INT32_MAX, INT32_MAX}, high[2] = {INT32_MIN, INT32_MIN};
   float most = 0;
   for (std::size_t i = piece.begin; i < piece.end; ++i) {
@@ -107,11 +106,11 @@ bool BroadPhase::nothing_near(const BodyStore& b, const StaticShapes& statics, c
       low[axis] = std::min(low[axis], at[2 * i + axis]);
       high[axis] = std::max(high[axis], at[2 * i + axis]);
     }
-    most = std::max(most, b.reach[i]);
+    most = std::max(most, b_.reach[i]);
   }
   if (piece.begin == piece.end) return true;
   const double reach = static_cast<double>(most) + common_way();
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
+  const double px = lattice_.pitch_x(), py = lattice_.pitch_y();
   const double xmin = low[0] * px, xmax = high[0] * px, ymin = low[1] * py, ymax = high[1] * py;
   const BroadPhaseParams& p = params_;
   if (p.walls && (xmin - reach < p.bounds.xmin || xmax + reach > p.bounds.xmax || ymin - reach < p.bounds.ymin ||
@@ -119,24 +118,23 @@ bool BroadPhase::nothing_near(const BodyStore& b, const StaticShapes& statics, c
     return false;
   }
   const auto r = static_cast<double>(static_cast<float>(reach));  // rounded as the bodies' own queries are
-  return statics.surely_none(xmin - r, xmax + r, ymin - r, ymax + r);
+  return statics_.surely_none(xmin - r, xmax + r, ymin - r, ymax + r);
 }
 
 // Walls: only bodies in rows and columns that a wall can reach are looked at;
 // where cells are listed, only cells that the longest reach brings to a wall.
 // Fixed shapes: every body queries their grid, if any lies near its piece.
-void BroadPhase::find_statics(const BodyStore& b, const StaticShapes& statics, const Near& piece,
-                              PairTable& table) const {
+void BroadPhase::find_statics(const Near& piece, PairTable& table) const {
   const BroadPhaseParams& p = params_;
   const std::size_t index = piece.strip;
   std::vector<StaticPair>& out = table.static_contacts[index];
   if (piece.first) out.clear();
   const Strip& s = table.strips[index];
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), extra = common_way();
-  const auto look = [&](std::uint32_t i) { near_body(b, statics, i, table.found[index], out); };
+  const double px = lattice_.pitch_x(), py = lattice_.pitch_y(), extra = common_way();
+  const auto look = [&](std::uint32_t i) { near_body(i, table.found[index], out); };
   const bool large_group = index + 1 == table.strips.size();
   if (large_group || fixed_) {
-    if (fixed_ && nothing_near(b, statics, piece)) return;
+    if (fixed_ && nothing_near(piece)) return;
     for (std::uint32_t i = piece.begin; i < piece.end; ++i) look(i);
     return;
   }
@@ -146,7 +144,7 @@ void BroadPhase::find_statics(const BodyStore& b, const StaticShapes& statics, c
     const double low_x = (p.bounds.xmin + reach) / px, high_x = (p.bounds.xmax - reach) / px;
     const double low_y = (p.bounds.ymin + reach) / py, high_y = (p.bounds.ymax - reach) / py;
     for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
-      const std::int32_t* at = b.built.data() + 2 * std::size_t{i};
+      const std::int32_t* at = b_.built.data() + 2 * std::size_t{i};
       if (at[0] < low_x || at[0] > high_x || at[1] < low_y || at[1] > high_y) look(i);
     }
     return;

@@ -26,56 +26,65 @@ void make_statics(PairTable& table, std::size_t strips) {
 
 }  // namespace
 
-bool BroadPhase::lists_serve(BodyStore& b, float time, const kernels::KernelTable& k, WorkerPool& pool) {
-  const std::uint32_t blocks = b.blocks();
+BroadPhase::BroadPhase(const Surroundings& s)
+    : lattice_(s.lattice),
+      b_(s.bodies),
+      statics_(s.statics),
+      k_(s.kernels),
+      pool_(s.pool),
+      sort_(s),
+      large_cells_(s.memory),
+      picked_owner_(s.memory),
+      picked_other_(s.memory) {}
+
+bool BroadPhase::lists_serve(float time) {
+  const std::uint32_t blocks = b_.blocks();
   const std::size_t tasks = stream_tasks(blocks);
   kernels::StreamParams p;
-  p.pitch_x = static_cast<float>(lattice_->pitch_x());
-  p.pitch_y = static_cast<float>(lattice_->pitch_y());
+  p.pitch_x = static_cast<float>(lattice_.pitch_x());
+  p.pitch_y = static_cast<float>(lattice_.pitch_y());
   std::atomic<bool> serve{true};
-  const kernels::BodyView view = b.view();
-  pool.run(tasks, [&](std::size_t t) {
+  const kernels::BodyView view = b_.view();
+  pool_.run(tasks, [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     if (!serve.load(std::memory_order_relaxed)) return;  // another task already found that the lists do not serve
-    const float age = k.list_age(view, b.built.data(), b.radius.data(), b.reach.data(), p, time, r.begin, r.end);
+    const float age = k_.list_age(view, b_.built.data(), b_.radius.data(), b_.reach.data(), p, time, r.begin, r.end);
     if (!(age <= 0)) serve.store(false, std::memory_order_relaxed);
   });
   return serve.load();
 }
 
 // Sorts the bodies into their cells.
-void BroadPhase::move(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool, PairTable& table,
-                      std::size_t begin, std::size_t end) {
+void BroadPhase::move(PairTable& table, std::size_t begin, std::size_t end) {
   if (!listed_) {
-    const std::uint32_t small = sort_.move(b, params_.mixed_radii, begin, end, pool);
+    const std::uint32_t small = sort_.move(params_.mixed_radii, begin, end);
     if (end != sort_.moves()) return;
     table.large_begin = small;
     density_ = sample_density(small);
   } else {
-    table.large_begin = sort_.sort(b, large_, params_.mixed_radii, pool);
+    table.large_begin = sort_.sort(large_, params_.mixed_radii);
     const CellList& cells = sort_.listed();
-    const double cell = cells.cell_steps(0) * lattice_->pitch_x() * cells.cell_steps(1) * lattice_->pitch_y();
-    density_ = std::max((cells.neighbours(sort_.keys(), table.large_begin) - 1) / (9 * cell), b.count / box_);
-    area_ = b.count / density_;
+    const double cell = cells.cell_steps(0) * lattice_.pitch_x() * cells.cell_steps(1) * lattice_.pitch_y();
+    density_ = std::max((cells.neighbours(sort_.keys(), table.large_begin) - 1) / (9 * cell), b_.count / box_);
+    area_ = b_.count / density_;
   }
-  sorted_ = b.count;
+  sorted_ = b_.count;
   if (chained_) {
-    next_origin_.resize(b.count);
-    for (std::size_t i = 0; i < b.count; ++i) {
+    next_origin_.resize(b_.count);
+    for (std::size_t i = 0; i < b_.count; ++i) {
       const std::uint32_t at = from()[i];
       next_origin_[i] = at < origin_.size() ? origin_[at] : kNoSlot;
     }
     origin_.swap(next_origin_);
   }
-  const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) { place(b, params_.ahead, k, stream_range(t, blocks)); });
-  open_lists(b, pool, table, false);
+  place(params_.ahead);
+  open_lists(table, false);
 }
 
 // Cuts the rows into strips of about equal numbers of bodies. O(rows); with listed cells O(strips log cells).
-void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) const {
+void BroadPhase::cut_strips(PairTable& table) const {
   table.strips.clear();
-  const std::uint32_t target = strip_bodies(b.count);
+  const std::uint32_t target = strip_bodies(b_.count);
   if (listed_) {
     cut_listed_rows(target, table);
   } else {
@@ -90,7 +99,7 @@ void BroadPhase::cut_strips(const BodyStore& b, PairTable& table) const {
   }
   Strip large;
   large.body_begin = table.large_begin;
-  large.body_end = b.count;
+  large.body_end = b_.count;
   table.strips.push_back(large);
 }
 
@@ -125,141 +134,133 @@ void BroadPhase::cut_listed_rows(std::uint32_t target, PairTable& table) const {
 }
 
 // Writes into `built` the places at which the bodies are searched for.
-void BroadPhase::place(BodyStore& b, float ahead, const kernels::KernelTable& k, BlockRange r) const {
+void BroadPhase::place(float ahead) const {
+  const std::uint32_t blocks = b_.blocks();
+  pool_.run(stream_tasks(blocks), [&](std::size_t t) { place(ahead, stream_range(t, blocks)); });
+}
+
+void BroadPhase::place(float ahead, BlockRange r) const {
   if (ahead == 0) {
-    std::copy(b.pos.data() + std::size_t{r.begin} * 2 * kBlock, b.pos.data() + std::size_t{r.end} * 2 * kBlock,
-              b.built.data() + std::size_t{r.begin} * 2 * kBlock);
+    std::copy(b_.pos.data() + std::size_t{r.begin} * 2 * kBlock, b_.pos.data() + std::size_t{r.end} * 2 * kBlock,
+              b_.built.data() + std::size_t{r.begin} * 2 * kBlock);
     return;
   }
   kernels::StreamParams p;
-  p.inv_pitch_x = static_cast<float>(1 / lattice_->pitch_x());
-  p.inv_pitch_y = static_cast<float>(1 / lattice_->pitch_y());
-  k.look_ahead(b.view(), p, ahead, b.built.data(), r.begin, r.end);
+  p.inv_pitch_x = static_cast<float>(1 / lattice_.pitch_x());
+  p.inv_pitch_y = static_cast<float>(1 / lattice_.pitch_y());
+  k_.look_ahead(b_.view(), p, ahead, b_.built.data(), r.begin, r.end);
 }
 
-void BroadPhase::build(BodyStore& b, StaticShapes& statics, const BroadPhaseParams& p, const kernels::KernelTable& k,
-                       WorkerPool& pool, PairTable& table) {
-  measure(b, statics, p, k, pool);
-  count(b, k, pool);
-  move(b, k, pool, table, 0, moves());
-  find_lists(b, statics, k, pool, table);
-  finish(b, k, pool);
+void BroadPhase::build_again(PairTable& table) {
+  fixed_ = statics_.any();
+  move_again(table);
+  find_lists(table);
 }
 
-void BroadPhase::build_again(BodyStore& b, StaticShapes& statics, const kernels::KernelTable& k, WorkerPool& pool,
-                             PairTable& table) {
-  fixed_ = statics.any();
-  move_again(b, k, pool, table);
-  find_lists(b, statics, k, pool, table);
+void BroadPhase::count_again() {
+  if (!listed_) sort_.count(grid_, large_);
 }
 
-void BroadPhase::count_again(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) {
-  if (!listed_) sort_.count(b, grid_, large_, k, pool);
-}
-
-void BroadPhase::move_again(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool, PairTable& table) {
-  count_again(b, k, pool);
+void BroadPhase::move_again(PairTable& table) {
+  count_again();
   table.large_begin =
-      listed_ ? sort_.sort(b, large_, params_.mixed_radii, pool) : sort_.move(b, params_.mixed_radii, pool);
-  open_lists(b, pool, table, true);
+      listed_ ? sort_.sort(large_, params_.mixed_radii) : sort_.move(params_.mixed_radii, 0, sort_.moves());
+  open_lists(table, true);
 }
 
-void BroadPhase::find_lists(BodyStore& b, const StaticShapes& statics, const kernels::KernelTable& k, WorkerPool& pool,
-                            PairTable& table) {
+void BroadPhase::find_lists(PairTable& table) {
   std::size_t done = 0;
   do {
     const std::size_t all = searches();
-    search(b, k, pool, table, done, all);
+    search(table, done, all);
     done = all;
   } while (done != searches());
-  find_near(b, statics, pool, table, 0, nears());
+  find_near(table, 0, nears());
 }
 
 // Measures how far the bodies reach, and their box.
-void BroadPhase::measure(BodyStore& b, StaticShapes& statics, const BroadPhaseParams& p, const kernels::KernelTable& k,
-                         WorkerPool& pool) {
+void BroadPhase::measure(const BroadPhaseParams& p) {
   params_ = p;
-  statics.build_grid();
-  fixed_ = statics.any();
-  b.reach.reserve(kernels::round_up_block(b.count));
-  b.built.reserve(2 * kernels::round_up_block(b.count));
-  const kernels::BodyView view = b.view();
-  const std::uint32_t blocks = b.blocks();
+  statics_.build_grid();
+  fixed_ = statics_.any();
+  b_.reach.reserve(kernels::round_up_block(b_.count));
+  b_.built.reserve(2 * kernels::round_up_block(b_.count));
+  const kernels::BodyView view = b_.view();
+  const std::uint32_t blocks = b_.blocks();
   const std::size_t tasks = stream_tasks(blocks);
-  std::vector<Measure>& measures = measures_;
-  measures.resize(tasks);
-  pool.run(tasks, [&](std::size_t t) {
+  measures_.resize(tasks);
+  pool_.run(tasks, [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
-    Measure& m = measures[t];
-    m.most = k.reaches(view, b.radius.data(), p.margin, b.reach.data(), r.begin, r.end);
-    place(b, p.ahead, k, r);
-    const std::int32_t* at = b.built.data() + 2 * std::size_t{r.begin} * kBlock;
+    Measure& m = measures_[t];
+    m.most = k_.reaches(view, b_.radius.data(), p.margin, b_.reach.data(), r.begin, r.end);
+    place(p.ahead, r);
+    const std::int32_t* at = b_.built.data() + 2 * std::size_t{r.begin} * kBlock;
     m.extent[0] = m.extent[2] = at[0];
     m.extent[1] = m.extent[3] = at[1];
-    k.extent(b.built.data(), m.extent, r.begin, r.end);
+    k_.extent(b_.built.data(), m.extent, r.begin, r.end);
   });
   pad_reach_ = next_pad_reach_;
-  if (b.count % kBlock != 0) next_pad_reach_ = b.reach[b.count];
-  all_ = measures[0];
-  for (const Measure& m : measures) {
+  if (b_.count % kBlock != 0) next_pad_reach_ = b_.reach[b_.count];
+  all_ = measures_[0];
+  for (const Measure& m : measures_) {
     all_.most = std::max(all_.most, m.most);
-    all_.extent[0] = std::min(all_.extent[0], m.extent[0]);
-    all_.extent[1] = std::min(all_.extent[1], m.extent[1]);
-    all_.extent[2] = std::max(all_.extent[2], m.extent[2]);
-    all_.extent[3] = std::max(all_.extent[3], m.extent[3]);
+    for (const int axis : {0, 1}) {
+      all_.extent[axis] = std::min(all_.extent[axis], m.extent[axis]);
+      all_.extent[2 + axis] = std::max(all_.extent[2 + axis], m.extent[2 + axis]);
+    }
   }
 }
 
 // Called when bodies lie in cell order: cuts strips and makes room for their pairs; with `again` as much as before.
-void BroadPhase::open_lists(BodyStore& b, WorkerPool& pool, PairTable& table, bool again) {
+void BroadPhase::open_lists(PairTable& table, bool again) {
   // Padding slots move with the last body and get its reach. In a small world they get the reach of the lists before
   // these, because new lists are cheap there and round less (docs/decisions/009-lists-that-last.md).
-  for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
-    b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
-    b.built[2 * i + 1] = b.built[2 * std::size_t{b.count - 1} + 1];
-    b.reach[i] = b.count < kSmallWorld ? pad_reach_ : b.reach[b.count - 1];
+  for (std::size_t i = b_.count; i < kernels::round_up_block(b_.count); ++i) {
+    b_.built[2 * i] = b_.built[2 * std::size_t{b_.count - 1}];
+    b_.built[2 * i + 1] = b_.built[2 * std::size_t{b_.count - 1} + 1];
+    b_.reach[i] = b_.count < kSmallWorld ? pad_reach_ : b_.reach[b_.count - 1];
   }
-  table.body_count = b.count;
+  table.body_count = b_.count;
   table.renewed_begin = PairTable::kNoneRenewed;
-  table.first.reserve(std::size_t{b.count} + 1);
-  cut_strips(b, table);
+  table.first.reserve(std::size_t{b_.count} + 1);
+  cut_strips(table);
   const std::size_t strips = table.strips.size();
   make_statics(table, strips);
-  const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
-    std::fill(b.linked.data() + std::size_t{r.begin} * kBlock, b.linked.data() + std::size_t{r.end} * kBlock,
-              params_.link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
-  });
+  link_none_or_all(params_.link_all);
   if (!again) {
     if (params_.outer > 0) pairs_a_body_.assign(strips - 1, 2 * params_.outer * params_.outer * density_);
     for (double& pairs : pairs_a_body_) pairs *= params_.growth;
     for (double& pairs : pairs_a_piece_) pairs *= params_.growth;
   }
-  cut_large(table);
-  large_cells_.build(b.built.data(), b.reach.data(), table.large_begin, b.count, *lattice_);
+  large_pieces_.clear();
+  for (std::uint32_t i = table.large_begin; i < b_.count; i += kLargePiece) {
+    large_pieces_.push_back({i, std::min(i + kLargePiece, b_.count), 0, 0});
+  }
+  large_cells_.build(b_.built.data(), b_.reach.data(), table.large_begin, b_.count, lattice_);
   pending_.resize(strips - 1 + large_pieces_.size());
   std::iota(pending_.begin(), pending_.end(), 0u);
   full_.assign(pending_.size(), 0);
   searched_ = 0;
-  give_room(table);
+  give_first_room(table);
+}
+
+// What bodies are marked as before the lists link them.
+void BroadPhase::link_none_or_all(bool all) const {
+  const std::uint32_t blocks = b_.blocks();
+  pool_.run(stream_tasks(blocks), [&](std::size_t t) {
+    const BlockRange r = stream_range(t, blocks);
+    std::fill(b_.linked.data() + std::size_t{r.begin} * kBlock, b_.linked.data() + std::size_t{r.end} * kBlock,
+              all ? std::uint8_t{0xFF} : std::uint8_t{0});
+  });
 }
 
 // Lists for one step used the places that bodies will have; from now on `built` holds their present places.
-void BroadPhase::finish(BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool) const {
-  if (params_.ahead == 0) return;
-  const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) { place(b, 0, k, stream_range(t, blocks)); });
+void BroadPhase::finish() const {
+  if (params_.ahead != 0) place(0);
 }
 
-void BroadPhase::keep_origin() {
-  if (!chained_) origin_.assign(from(), from() + sorted_);
-  chained_ = true;
-}
-
-void BroadPhase::select(BodyStore& b, float time, const std::vector<float>& slack, bool link_all,
-                        const PairTable& candidates, PairTable& table, const kernels::KernelTable& k, WorkerPool& pool,
-                        std::size_t begin, std::size_t end) {
+void BroadPhase::select(float time, const std::vector<float>& slack, bool link_all, const PairTable& candidates,
+                        PairTable& table, std::size_t begin, std::size_t end) {
   if (begin == 0) {
     table.first.reserve(std::size_t{candidates.body_count} + 1);
     picked_owner_.reserve(candidates.owner.capacity());
@@ -269,28 +270,23 @@ void BroadPhase::select(BodyStore& b, float time, const std::vector<float>& slac
     table.large_begin = candidates.large_begin;
     table.strips.assign(candidates.strips.begin(), candidates.strips.end());
     make_statics(table, table.strips.size());
-    const std::uint32_t blocks = b.blocks();
-    pool.run(stream_tasks(blocks), [&](std::size_t t) {
-      const BlockRange r = stream_range(t, blocks);
-      std::fill(b.linked.data() + std::size_t{r.begin} * kBlock, b.linked.data() + std::size_t{r.end} * kBlock,
-                link_all ? std::uint8_t{0xFF} : std::uint8_t{0});
-    });
+    link_none_or_all(link_all);
   }
-  const kernels::BodyView view = b.view();
+  const kernels::BodyView view = b_.view();
   kernels::PairSelection selection;
   selection.owner = candidates.owner.data();
   selection.other = candidates.other.data();
-  selection.radius = b.radius.data();
-  selection.pitch_x = static_cast<float>(lattice_->pitch_x());
-  selection.pitch_y = static_cast<float>(lattice_->pitch_y());
+  selection.radius = b_.radius.data();
+  selection.pitch_x = static_cast<float>(lattice_.pitch_x());
+  selection.pitch_y = static_cast<float>(lattice_.pitch_y());
   selection.time = time;
-  pool.run(end - begin, [&](std::size_t n) {
+  pool_.run(end - begin, [&](std::size_t n) {
     Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
     mine.slack = slack[begin + n];
     mine.out_owner = picked_owner_.data() + s.pair_begin;
     mine.out_other = picked_other_.data() + s.pair_begin;
-    s.pair_end = s.pair_begin + k.select_pairs(view, mine, s.pair_begin, s.pair_end);
+    s.pair_end = s.pair_begin + k_.select_pairs(view, mine, s.pair_begin, s.pair_end);
   });
   if (end != table.strips.size()) return;
   std::uint32_t total = 0;
@@ -306,9 +302,8 @@ void BroadPhase::select(BodyStore& b, float time, const std::vector<float>& slac
   }
 }
 
-void BroadPhase::pack(BodyStore& b, const PairTable& candidates, PairTable& table, WorkerPool& pool, std::size_t begin,
-                      std::size_t end) {
-  pool.run(end - begin, [&](std::size_t n) {
+void BroadPhase::pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end) {
+  pool_.run(end - begin, [&](std::size_t n) {
     const std::size_t index = begin + n;
     const Strip& s = table.strips[index];
     const std::uint32_t from = candidates.strips[index].pair_begin;
@@ -322,7 +317,7 @@ void BroadPhase::pack(BodyStore& b, const PairTable& candidates, PairTable& tabl
     for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
     table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
                                         candidates.static_contacts[index].end());
-    link(b, table, index);
+    link(table, index);
   });
   if (end == table.strips.size()) table.mark_strips();
 }

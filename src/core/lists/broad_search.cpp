@@ -10,21 +10,29 @@ namespace psim {
 
 using kernels::kBlock;
 
-kernels::PairRow BroadPhase::view(const BodyStore& b) const {
-  kernels::PairRow v;
-  v.pos = b.built.data();
-  v.reach = b.reach.data();
-  v.key = sort_.keys();
-  v.start = listed_ ? sort_.listed().start() : sort_.start();
-  v.next_row = 1;
-  v.pitch_x = static_cast<float>(lattice_->pitch_x());
-  v.pitch_y = static_cast<float>(lattice_->pitch_y());
-  return v;
+namespace {
+
+// Where a search writes, which has room from pair_begin to pair_end.
+template <class Searched>
+kernels::PairList list_of(PairTable& table, const Searched& of) {
+  return {table.owner.data(), table.other.data(), table.first.data(), of.pair_begin, of.pair_end};
+}
+
+}  // namespace
+
+kernels::PairRow BroadPhase::view() const {
+  return {.pos = b_.built.data(),
+          .reach = b_.reach.data(),
+          .key = sort_.keys(),
+          .start = listed_ ? sort_.listed().start() : sort_.start(),
+          .next_row = 1,
+          .pitch_x = static_cast<float>(lattice_.pitch_x()),
+          .pitch_y = static_cast<float>(lattice_.pitch_y())};
 }
 
 // The slots and neighbours of a row of the grid, as the pair kernel takes them.
-kernels::PairRow BroadPhase::row_view(const BodyStore& b, std::uint32_t row) const {
-  kernels::PairRow v = view(b);
+kernels::PairRow BroadPhase::row_view(std::uint32_t row) const {
+  kernels::PairRow v = view();
   const auto stride = static_cast<std::int32_t>(grid_.view.stride);
   v.next_row = stride;
   if (grid_.periodic) {
@@ -37,41 +45,33 @@ kernels::PairRow BroadPhase::row_view(const BodyStore& b, std::uint32_t row) con
   return v;
 }
 
-bool BroadPhase::search_strip(const BodyStore& b, const kernels::KernelTable& k, std::size_t index,
-                              PairTable& table) const {
+bool BroadPhase::search_strip(std::size_t index, PairTable& table) const {
   Strip& s = table.strips[index];
-  kernels::PairList list;
-  list.owner = table.owner.data();
-  list.other = table.other.data();
-  list.first = table.first.data();
-  list.count = s.pair_begin;
-  list.capacity = s.pair_end;
-  if (!(listed_ ? search_listed(b, k, s, list) : search_rows(b, k, s, list))) return false;
+  kernels::PairList list = list_of(table, s);
+  if (!(listed_ ? search_listed(s, list) : search_rows(s, list))) return false;
   s.pair_end = list.count;
   return true;
 }
 
-bool BroadPhase::search_rows(const BodyStore& b, const kernels::KernelTable& k, const Strip& s,
-                             kernels::PairList& list) const {
+bool BroadPhase::search_rows(const Strip& s, kernels::PairList& list) const {
   const std::uint32_t* start = sort_.start();
   for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
     const std::uint32_t begin = start[row * grid_.view.stride];
     const std::uint32_t end = start[(row + 1) * grid_.view.stride];
     if (begin == end) continue;
-    if (!k.find_pairs(row_view(b, row), begin, end, list)) return false;
+    if (!k_.find_pairs(row_view(row), begin, end, list)) return false;
   }
   return true;
 }
 
 // Listed cells know the bodies of the row above, so a strip is one run. In a
 // periodic world the first and the last cell of a row are searched one by one.
-bool BroadPhase::search_listed(const BodyStore& b, const kernels::KernelTable& k, const Strip& s,
-                               kernels::PairList& list) const {
-  const kernels::PairRow v = view(b);
+bool BroadPhase::search_listed(const Strip& s, kernels::PairList& list) const {
+  const kernels::PairRow v = view();
   const CellList& cells = sort_.listed();
-  if (!cells.periodic()) return k.find_pairs(v, s.body_begin, s.body_end, list);
+  if (!cells.periodic()) return k_.find_pairs(v, s.body_begin, s.body_end, list);
   const auto run = [&](std::uint32_t from, std::uint32_t to) {
-    return from == to || k.find_pairs(v, cells.first(from), cells.first(to), list);
+    return from == to || k_.find_pairs(v, cells.first(from), cells.first(to), list);
   };
   if (s.body_begin == s.body_end) return true;
   std::uint32_t from = sort_.keys()[s.body_begin] / 4;
@@ -82,19 +82,18 @@ bool BroadPhase::search_listed(const BodyStore& b, const kernels::KernelTable& k
     const bool last = cells.column(to - 1) == cells.last_column();
     if (last) --to;
     if (from < to && cells.column(from) == 0) {
-      if (!search_seam(b, k, from++, list)) return false;
+      if (!search_seam(from++, list)) return false;
     }
     if (!run(from, to)) return false;
-    if (last && !search_seam(b, k, to, list)) return false;
+    if (last && !search_seam(to, list)) return false;
     from = next_row;
   }
   return true;
 }
 
 // Searches a cell at the west or the east end of a row, also across the seam.
-bool BroadPhase::search_seam(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t cell,
-                             kernels::PairList& list) const {
-  const kernels::PairRow v = view(b);
+bool BroadPhase::search_seam(std::uint32_t cell, kernels::PairList& list) const {
+  const kernels::PairRow v = view();
   const CellList& cells = sort_.listed();
   const std::uint32_t* const s = cells.start() + 4 * std::size_t{cell};
   const std::uint64_t row = cells.row(cell), above = cells.row_above(row);
@@ -110,9 +109,9 @@ bool BroadPhase::search_seam(const BodyStore& b, const kernels::KernelTable& k, 
   for (std::uint32_t i = cells.first(cell); i < cells.first(cell + 1); ++i) {
     list.first[i] = list.count;
     if (list.count + kBlock > list.capacity) return false;
-    if (!k.find_near(v, i, i + 1, s[2], list) || !k.find_near(v, i, s[0], s[3], list) ||
-        (!west && !k.find_near(v, i, across[0], across[1], list)) ||
-        !k.find_near(v, i, across_above[0], across_above[1], list)) {
+    if (!k_.find_near(v, i, i + 1, s[2], list) || !k_.find_near(v, i, s[0], s[3], list) ||
+        (!west && !k_.find_near(v, i, across[0], across[1], list)) ||
+        !k_.find_near(v, i, across_above[0], across_above[1], list)) {
       return false;
     }
   }
@@ -120,33 +119,26 @@ bool BroadPhase::search_seam(const BodyStore& b, const kernels::KernelTable& k, 
 }
 
 // Compares some of the large bodies with the bodies in the grid under their box, and with the large bodies after them.
-bool BroadPhase::search_large(const BodyStore& b, const kernels::KernelTable& k, std::size_t piece, PairTable& table) {
+bool BroadPhase::search_large(std::size_t piece, PairTable& table) {
   LargePiece& s = large_pieces_[piece];
-  kernels::PairList list;
-  list.owner = table.owner.data();
-  list.other = table.other.data();
-  list.first = table.first.data();
-  list.count = s.pair_begin;
-  list.capacity = s.pair_end;
-  const kernels::PairRow v = view(b);
+  kernels::PairList list = list_of(table, s);
+  const kernels::PairRow v = view();
   for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
     table.first[i] = list.count;
     if (list.count + kBlock > list.capacity) return false;
-    if (table.large_begin != 0 && !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) {
+    if (table.large_begin != 0 && !search_box(i, list)) return false;
+    if (!(large_cells_.any() ? large_cells_.find(i, k_, list) : k_.find_near(v, i, i + 1, b_.count, list)))
       return false;
-    }
-    if (!(large_cells_.any() ? large_cells_.find(i, k, list) : k.find_near(v, i, i + 1, b.count, list))) return false;
   }
   s.pair_end = list.count;
   return true;
 }
 
-bool BroadPhase::around(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t i, std::uint32_t large_begin,
-                        kernels::PairList& list) const {
+bool BroadPhase::around(std::uint32_t i, std::uint32_t large_begin, kernels::PairList& list) const {
   if (list.count + kBlock > list.capacity) return false;
-  if (large_begin != 0 && !(listed_ ? search_listed_box(b, k, i, list) : search_box(b, k, i, list))) return false;
-  if (large_cells_.any()) return large_cells_.around(b.built.data() + 2 * std::size_t{i}, b.reach[i], list);
-  return k.find_near(view(b), i, large_begin, b.count, list);
+  if (large_begin != 0 && !search_box(i, list)) return false;
+  if (large_cells_.any()) return large_cells_.around(b_.built.data() + 2 * std::size_t{i}, b_.reach[i], list);
+  return k_.find_near(view(), i, large_begin, b_.count, list);
 }
 
 // Call after all searches: moves the pairs of the large bodies' pieces side by side.
@@ -174,13 +166,16 @@ void BroadPhase::join_large(PairTable& table) {
   s.pair_end = to;
 }
 
-// Compares a large body with the bodies in the grid.
-bool BroadPhase::search_box(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t i,
-                            kernels::PairList& list) const {
-  const kernels::PairRow v = view(b);
-  const std::uint32_t* start = sort_.start();
+// Compares a large body with the bodies in the cells.
+bool BroadPhase::search_box(std::uint32_t i, kernels::PairList& list) const {
+  const kernels::PairRow v = view();
+  const double reach = static_cast<double>(b_.reach[i]) + static_cast<double>(most_);
+  const auto compare = [&](std::uint32_t from, std::uint32_t to) { return k_.find_near(v, i, from, to, list); };
+  if (listed_) {
+    const double half[2] = {reach / lattice_.pitch_x(), reach / lattice_.pitch_y()};
+    return sort_.listed().in_box(b_.built.data() + 2 * std::size_t{i}, half, compare);
+  }
   const kernels::GridView& g = grid_.view;
-  const double reach = static_cast<double>(b.reach[i]) + static_cast<double>(most_);
   const auto span = [](std::int32_t at, std::int32_t mid, float scale, float offset, double cells, std::int32_t n,
                        bool periodic, std::int64_t out[2]) {
     const double c = static_cast<double>(wrap_sub(at, mid)) * static_cast<double>(scale) + static_cast<double>(offset);
@@ -196,35 +191,18 @@ bool BroadPhase::search_box(const BodyStore& b, const kernels::KernelTable& k, s
     }
   };
   std::int64_t cols[2], rows[2];
-  span(b.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols, grid_.periodic, cols);
-  span(b.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows, grid_.periodic, rows);
+  span(b_.built[2 * i], g.mid_x, g.scale_x, g.offset_x, reach / grid_.cell_x, g.cols, grid_.periodic, cols);
+  span(b_.built[2 * i + 1], g.mid_y, g.scale_y, g.offset_y, reach / grid_.cell_y, g.rows, grid_.periodic, rows);
   for (std::int64_t r = rows[0]; r <= rows[1]; ++r) {
     const auto row = static_cast<std::uint32_t>((r % g.rows + g.rows) % g.rows);
-    const std::uint32_t base = row * g.stride;
-    const auto run = [&](std::int64_t c0, std::int64_t c1) {
-      return k.find_near(v, i, start[base + static_cast<std::uint32_t>(c0)],
-                         start[base + static_cast<std::uint32_t>(c1) + 1], list);
-    };
-    bool ok = true;
-    if (cols[0] < 0) {
-      ok = run(cols[0] + g.cols, g.cols - 1) && run(0, cols[1]);
-    } else if (cols[1] >= g.cols) {
-      ok = run(0, cols[1] - g.cols) && run(cols[0], g.cols - 1);
-    } else {
-      ok = run(cols[0], cols[1]);
-    }
+    const std::uint32_t* const start = sort_.start() + row * g.stride;
+    const auto run = [&](std::int64_t from, std::int64_t last) { return compare(start[from], start[last + 1]); };
+    const bool ok = cols[0] < 0         ? run(cols[0] + g.cols, g.cols - 1) && run(0, cols[1])
+                    : cols[1] >= g.cols ? run(0, cols[1] - g.cols) && run(cols[0], g.cols - 1)
+                                        : run(cols[0], cols[1]);
     if (!ok) return false;
   }
   return true;
-}
-
-bool BroadPhase::search_listed_box(const BodyStore& b, const kernels::KernelTable& k, std::uint32_t i,
-                                   kernels::PairList& list) const {
-  const kernels::PairRow v = view(b);
-  const double reach = static_cast<double>(b.reach[i]) + static_cast<double>(most_);
-  const double half[2] = {reach / lattice_->pitch_x(), reach / lattice_->pitch_y()};
-  return sort_.listed().in_box(b.built.data() + 2 * std::size_t{i}, half,
-                               [&](std::uint32_t from, std::uint32_t to) { return k.find_near(v, i, from, to, list); });
 }
 
 // Expected pairs a body of a strip, from the last build of it and of its neighbours.
@@ -255,12 +233,11 @@ BroadPhase::Search BroadPhase::search_at(std::size_t search, const PairTable& ta
 
 // Every search writes its pairs into room of its own. After all searches, those
 // whose room was too small get more; they are the same ones on every ISA.
-void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, WorkerPool& pool, PairTable& table,
-                        std::size_t begin, std::size_t end) {
+void BroadPhase::search(PairTable& table, std::size_t begin, std::size_t end) {
   const std::size_t strips = table.strips.size() - 1;
-  pool.run(end - begin, [&](std::size_t n) {
+  pool_.run(end - begin, [&](std::size_t n) {
     const std::uint32_t s = pending_[begin - searched_ + n];
-    full_[s] = s < strips ? !search_strip(b, k, s, table) : !search_large(b, k, s - strips, table);
+    full_[s] = s < strips ? !search_strip(s, table) : !search_large(s - strips, table);
   });
   if (end != searches()) return;
   searched_ = end;
@@ -274,58 +251,46 @@ void BroadPhase::search(const BodyStore& b, const kernels::KernelTable& k, Worke
   }
 }
 
-void BroadPhase::cut_large(const PairTable& table) {
-  const Strip& s = table.strips.back();
-  large_pieces_.clear();
-  for (std::uint32_t i = s.body_begin; i < s.body_end; i += kLargePiece) {
-    large_pieces_.push_back({i, std::min(i + kLargePiece, s.body_end), 0, 0});
-  }
-}
-
-// Calls each(unit, strip or piece) for all pending searches.
-template <class Each>
-void BroadPhase::each_pending(PairTable& table, const Each& each) {
+// Gives each pending search room for wanted(pairs a body that are expected, strip or piece) pairs, from `room` on.
+template <class Wanted>
+void BroadPhase::give_room(PairTable& table, std::uint32_t room, const Wanted& wanted) {
+  const auto give = [&](double pairs_a_body, auto& of) {
+    const double pairs = wanted(pairs_a_body, of);
+    of.pair_begin = room;
+    room += static_cast<std::uint32_t>(pairs) + kBlock;
+    of.pair_end = room;
+  };
   const std::size_t strips = table.strips.size() - 1;
   for (const std::uint32_t s : pending_) {
     if (s < strips) {
-      each(expected_pairs(s), table.strips[s]);
+      give(expected_pairs(s), table.strips[s]);
     } else {
-      each(expected_of_large(s - strips), large_pieces_[s - strips]);
+      give(expected_of_large(s - strips), large_pieces_[s - strips]);
     }
   }
-}
-
-// Gives room to all searches, by the numbers of the last build.
-void BroadPhase::give_room(PairTable& table) {
-  std::uint32_t room = 0;
-  scattered_ = false;
-  each_pending(table, [&](double pairs_a_body, auto& of) {
-    of.pair_begin = room;
-    room += static_cast<std::uint32_t>(pairs_a_body * (of.body_end - of.body_begin) + 64) + kBlock;
-    of.pair_end = room;
-  });
   table.owner.reserve_loosely(room + kBlock);
   table.other.reserve_loosely(room + kBlock);
   table.pair_room = room;
+}
+
+// Gives room to all searches, by the numbers of the last build.
+void BroadPhase::give_first_room(PairTable& table) {
+  scattered_ = false;
+  give_room(table, 0,
+            [](double pairs_a_body, const auto& of) { return pairs_a_body * (of.body_end - of.body_begin) + 64; });
 }
 
 // Gives more room to the searches that ran full, by how far they came. What the others found stays.
 void BroadPhase::give_more_room(PairTable& table) {
   constexpr double kReserve = 1.2, kMost = 16;
   const bool all = pending_.size() == full_.size();
-  std::uint32_t room = all ? 0 : table.pair_room;
   scattered_ = !all && (scattered_ || pending_.back() + 1 >= table.strips.size());
-  each_pending(table, [&](double, auto& of) {
+  give_room(table, all ? 0 : table.pair_room, [&](double, const auto& of) {
     const double had = of.pair_end - of.pair_begin, bodies = of.body_end - of.body_begin;
-    const double done =
-        table.owner[of.pair_end - kBlock] - of.body_begin + 0.5;  // the last block that is surely written
-    of.pair_begin = room;
-    room += static_cast<std::uint32_t>(had * std::min(kReserve * std::max(bodies / done, 1.0), kMost)) + kBlock;
-    of.pair_end = room;
+    const std::uint32_t reached = table.owner[of.pair_end - kBlock];  // of the last block that is surely written
+    const double done = reached - of.body_begin + 0.5;
+    return had * std::min(kReserve * std::max(bodies / done, 1.0), kMost);
   });
-  table.owner.reserve_loosely(room + kBlock);
-  table.other.reserve_loosely(room + kBlock);
-  table.pair_room = room;
 }
 
 // Notes the number of pairs, from which the next build guesses.
@@ -341,13 +306,12 @@ void BroadPhase::note_pairs(const PairTable& table) {
 }
 
 // Counts as pair_kernel.h searches: four of the own run and four of the row above, then eight of each at a time.
-void BroadPhase::sample_lanes(const BodyStore& b, std::uint32_t large_begin, std::uint64_t& lanes,
-                              std::uint64_t& used) const {
+void BroadPhase::sample_lanes(std::uint32_t large_begin, std::uint64_t& lanes, std::uint64_t& used) const {
   if (listed_) return;
   const auto eights = [](std::uint32_t n) { return n > 4 ? (n - 4 + 7) / 8 * 8 : 0; };
   for (std::uint32_t i = 0; i < large_begin; i += 64) {
     const std::uint32_t key = sort_.keys()[i];
-    const kernels::PairRow row = row_view(b, key / grid_.view.stride);
+    const kernels::PairRow row = row_view(key / grid_.view.stride);
     const std::uint32_t* const above = row.start + static_cast<std::int32_t>(key) + row.next_row;
     const std::uint32_t own = row.start[key + 2] - (i + 1), next = above[2] - above[-1];
     lanes += 8 + eights(own) + eights(next);

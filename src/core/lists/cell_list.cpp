@@ -88,22 +88,22 @@ void CellList::cut_chunks(std::uint32_t n) {
 
 std::uint32_t CellList::room_of_moved() const { return std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved); }
 
-void CellList::name_bodies(const BodyStore& b, float large, Chunk& chunk) {
+void CellList::name_bodies(float large, Chunk& chunk) {
   const Axis ra = axis_[row_axis_], ca = axis_[1 - row_axis_];
-  const std::int32_t* const row_at = b.built.data() + row_axis_;
-  const std::int32_t* const column_at = b.built.data() + (1 - row_axis_);
+  const std::int32_t* const row_at = b_.built.data() + row_axis_;
+  const std::int32_t* const column_at = b_.built.data() + (1 - row_axis_);
   std::uint64_t* const out = spare_name_.data();
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
     const std::uint64_t name = cell_at(ra, row_at[2 * i]) * stride_ + cell_at(ca, column_at[2 * i]);
     out[i] = name << slot_bits_ | i;
   }
   chunk.large = chunk.dead = 0;
-  if (b.dead == 0 && !(large < 1e30f)) return;
+  if (b_.dead == 0 && !(large < 1e30f)) return;
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-    if (b.id[i] == kNoSlot) {
+    if (b_.id[i] == kNoSlot) {
       out[i] = (rows_ * stride_ + 1) << slot_bits_ | i;
       ++chunk.dead;
-    } else if (b.reach[i] > large) {
+    } else if (b_.reach[i] > large) {
       out[i] = (rows_ * stride_) << slot_bits_ | i;
       ++chunk.large;
     }
@@ -112,11 +112,11 @@ void CellList::name_bodies(const BodyStore& b, float large, Chunk& chunk) {
 
 // A stable counting sort of names by some of their bits: each chunk counts,
 // counts become places (by digit, then by chunk), each chunk moves its own.
-void CellList::sort_by_digit(int shift, int bits, WorkerPool& pool) {
+void CellList::sort_by_digit(int shift, int bits) {
   const std::size_t digits = std::size_t{1} << bits;
   const std::uint64_t* const from = spare_name_.data();
   std::uint64_t* const to = name_.data();
-  pool.run(chunks_.size(), [&](std::size_t c) {
+  pool_.run(chunks_.size(), [&](std::size_t c) {
     std::uint32_t* const count = counts_.data() + c * digits;
     const std::uint64_t mask = digits - 1;
     const int low = shift;
@@ -128,13 +128,10 @@ void CellList::sort_by_digit(int shift, int bits, WorkerPool& pool) {
   std::uint32_t place = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
-      std::uint32_t& count = counts_[c * digits + d];
-      const std::uint32_t here = count;
-      count = place;
-      place += here;
+      place += std::exchange(counts_[c * digits + d], place);
     }
   }
-  pool.run(chunks_.size(), [&](std::size_t c) {
+  pool_.run(chunks_.size(), [&](std::size_t c) {
     std::uint32_t* const next = counts_.data() + c * digits;
     std::uint64_t* const out = to;
     const std::uint64_t mask = digits - 1;
@@ -170,10 +167,10 @@ void CellList::find_moved(const std::uint32_t* keys, std::uint32_t room, std::si
 
 // Puts the names in order by merging, if most bodies are in the same cell as at
 // the last sort: those are in order already.
-bool CellList::merge_moved(const BodyStore& b, float large, const std::uint32_t* keys, WorkerPool& pool) {
+bool CellList::merge_moved(float large, const std::uint32_t* keys) {
   const std::uint32_t room = room_of_moved();
-  pool.run(chunks_.size(), [&](std::size_t c) {
-    name_bodies(b, large, chunks_[c]);
+  pool_.run(chunks_.size(), [&](std::size_t c) {
+    name_bodies(large, chunks_[c]);
     find_moved(keys, room, c);
   });
   std::uint64_t* const moved = moved_.data();
@@ -198,7 +195,7 @@ bool CellList::merge_moved(const BodyStore& b, float large, const std::uint32_t*
     chunk.moved = static_cast<std::uint32_t>(end - begin);
     end = begin;
   }
-  pool.run(chunks_.size(), [&](std::size_t c) {
+  pool_.run(chunks_.size(), [&](std::size_t c) {
     const std::uint64_t* m = moved;
     std::uint64_t* out = name_.data();
     for (std::size_t k = 0; k < c; ++k) {
@@ -216,8 +213,8 @@ bool CellList::merge_moved(const BodyStore& b, float large, const std::uint32_t*
   return true;
 }
 
-SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool) {
-  const std::uint32_t n = b.count;
+SortCount CellList::sort(float large, std::uint32_t* order, std::uint32_t* keys) {
+  const std::uint32_t n = b_.count;
   const std::size_t padded = kernels::round_up_block(n) + kernels::kBlock;
   name_.reserve(padded);
   spare_name_.reserve(padded);
@@ -226,7 +223,7 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
   moved_.reserve(chunks_.size() * room_of_moved());
   bool merged = false;
   if (sorted_ != 0 && patience_ == 0) {
-    merged = merge_moved(b, large, keys, pool);
+    merged = merge_moved(large, keys);
     if (!merged) patience_ = kPatience;
   } else if (patience_ > 0) {
     --patience_;
@@ -236,8 +233,8 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
     const int passes = (wanted + kDigitBits - 1) / kDigitBits;
     const int bits = (wanted + passes - 1) / passes;
     counts_.reserve(chunks_.size() << kDigitBits);
-    pool.run(chunks_.size(), [&](std::size_t c) { name_bodies(b, large, chunks_[c]); });
-    for (int k = 0; k < passes; ++k) sort_by_digit(slot_bits_ + k * bits, bits, pool);
+    pool_.run(chunks_.size(), [&](std::size_t c) { name_bodies(large, chunks_[c]); });
+    for (int k = 0; k < passes; ++k) sort_by_digit(slot_bits_ + k * bits, bits);
     name_.swap(spare_name_);
   }
   SortCount out;
@@ -249,10 +246,10 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
   for (std::size_t i = out.small; i < n; ++i) {
     order[i] = static_cast<std::uint32_t>(name_[i] & ((std::uint64_t{1} << slot_bits_) - 1));
   }
-  list_cells(out.small, order, keys, pool);
+  list_cells(out.small, order, keys);
   sorted_ = out.small;
   stays_ = sorted_ != 0;
-  pool.run((cells_ + kTaskCells - 1) / kTaskCells, [&](std::size_t t) {
+  pool_.run((cells_ + kTaskCells - 1) / kTaskCells, [&](std::size_t t) {
     const auto begin = static_cast<std::uint32_t>(t) * kTaskCells;
     find_neighbours(begin, std::min(cells_, begin + kTaskCells));
   });
@@ -260,7 +257,7 @@ SortCount CellList::sort(const BodyStore& b, float large, std::uint32_t* order, 
 }
 
 // Numbers the cells of the sorted bodies.
-void CellList::list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool) {
+void CellList::list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys) {
   const std::uint64_t* const from = name_.data();
   const std::uint64_t slots = (std::uint64_t{1} << slot_bits_) - 1;
   const auto begins = [=](std::uint32_t i) { return (from[i] ^ from[i - 1]) > slots; };
@@ -279,15 +276,11 @@ void CellList::list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint3
     return cells;
   };
   if (chunks_.size() > 1) {
-    pool.run(chunks_.size(), [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
+    pool_.run(chunks_.size(), [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
   }
   cells_ = 0;
-  for (Chunk& c : chunks_) {
-    const std::uint32_t here = c.cells;
-    c.cells = cells_;
-    cells_ += here;
-  }
-  pool.run(chunks_.size(), [&](std::size_t c) {
+  for (Chunk& c : chunks_) cells_ += std::exchange(c.cells, cells_);
+  pool_.run(chunks_.size(), [&](std::size_t c) {
     Chunk& chunk = chunks_[c];
     std::uint64_t* const name = spare_name_.data();
     std::uint32_t* const first = start_.data() + 1;
@@ -353,11 +346,6 @@ void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
   }
 }
 
-std::uint32_t CellList::find(std::uint64_t row, std::uint64_t column) const {
-  const std::uint64_t* const end = name_.data() + cells_;
-  return static_cast<std::uint32_t>(std::lower_bound(name_.data(), end, row * stride_ + column) - name_.data());
-}
-
 // Steps of doubling length go away from the guess until the cell lies between two of them.
 std::uint32_t CellList::find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
   const std::uint64_t name = row * stride_ + column;
@@ -387,16 +375,11 @@ void CellList::span(int axis, std::int32_t at, double half, Range out[2]) const 
     return std::min((k * a.per) >> 32, a.cells - 1);
   };
   out[1] = {};
-  if (!periodic_) {
-    out[0] = {cell(low), cell(high) + 1};
-  } else if (high - low + 2 * a.width >= 0x1p32) {
+  if (periodic_ && high - low + 2 * a.width >= 0x1p32) {
     out[0] = {0, a.cells};
-  } else if (low < 0) {
-    out[0] = {0, cell(high) + 1};
-    out[1] = {cell(low + 0x1p32), a.cells};
-  } else if (high >= 0x1p32) {
-    out[0] = {0, cell(high - 0x1p32) + 1};
-    out[1] = {cell(low), a.cells};
+  } else if (periodic_ && (low < 0 || high >= 0x1p32)) {
+    out[0] = {0, cell(low < 0 ? high : high - 0x1p32) + 1};
+    out[1] = {cell(low < 0 ? low + 0x1p32 : low), a.cells};
   } else {
     out[0] = {cell(low), cell(high) + 1};
   }

@@ -18,11 +18,11 @@
 // line lie in many rows. O(bodies), whatever their box; 33 bytes a body.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
+#include "bodies/surroundings.h"
 
 namespace psim {
 
@@ -38,8 +38,7 @@ class CellList {
   bool sound() const;
   bool holds(const BodyStore& bodies, bool periodic) const;
 
-  explicit CellList(MemoryMeter& meter)
-      : name_(meter), spare_name_(meter), moved_(meter), counts_(meter), start_(meter) {}
+  explicit CellList(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 
   /// Chooses cells at least `edge` lattice steps wide for the box {x low, y low,
   /// x high, y high} of `bodies` bodies, or for the whole of a periodic world.
@@ -50,7 +49,7 @@ class CellList {
   /// exceeds `large` come after those, dead bodies last. order[k] becomes the
   /// slot that comes k-th, keys[k] four times its cell. On entry `keys` holds
   /// the keys of the last sort: they tell which bodies stayed in their cells.
-  SortCount sort(const BodyStore& bodies, float large, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool);
+  SortCount sort(float large, std::uint32_t* order, std::uint32_t* keys);
 
   /// Forgets the cells and keys of the last sort.
   void forget() {
@@ -71,7 +70,10 @@ class CellList {
   std::uint64_t row_above(std::uint64_t row) const { return row + 1 == rows_ ? 0 : row + 1; }
   /// The first cell of a row at or after a column; if there is none, the first
   /// cell of a later row. O(log cells).
-  std::uint32_t find(std::uint64_t row, std::uint64_t column) const;
+  std::uint32_t find(std::uint64_t row, std::uint64_t column) const {
+    const std::uint64_t* const names = name_.data();
+    return static_cast<std::uint32_t>(std::lower_bound(names, names + cells_, row * stride_ + column) - names);
+  }
   /// The same; fast if the result is near `guess`.
   std::uint32_t find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const;
 
@@ -130,24 +132,27 @@ class CellList {
   bool serves(const Axis& a, const std::int32_t box[4], int axis, double edge, bool periodic) const;
   void span(int axis, std::int32_t at, double half, Range out[2]) const;
   void cut_chunks(std::uint32_t bodies);
-  void name_bodies(const BodyStore& bodies, float large, Chunk& chunk);
-  bool merge_moved(const BodyStore& bodies, float large, const std::uint32_t* keys, WorkerPool& pool);
+  void name_bodies(float large, Chunk& chunk);
+  bool merge_moved(float large, const std::uint32_t* keys);
   /// Number of moved bodies that fit into the room of a chunk.
   std::uint32_t room_of_moved() const;
   void find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t chunk);
-  void sort_by_digit(int shift, int bits, WorkerPool& pool);
-  void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys, WorkerPool& pool);
+  void sort_by_digit(int shift, int bits);
+  void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys);
   void find_neighbours(std::uint32_t begin, std::uint32_t end);
 
+  const BodyStore& b_;
+  WorkerPool& pool_;
+  MemoryMeter& meter_;
   // During a sort: a name for each body, with its slot in the low bits. Afterwards: the names of the cells.
-  Column<std::uint64_t> name_, spare_name_;
+  Column<std::uint64_t> name_{meter_}, spare_name_{meter_};
   int slot_bits_ = 0;
-  Column<std::uint64_t> moved_;   // names of the bodies that went to another cell
-  std::uint32_t sorted_ = 0;      // number of bodies in the last sort; 0: its keys are gone
-  bool stays_ = false;            // the cells kept their places
-  int patience_ = 0;              // sorts to go before moved bodies are looked for again
-  Column<std::uint32_t> counts_;  // by chunk and digit
-  Column<std::uint32_t> start_;
+  Column<std::uint64_t> moved_{meter_};   // names of the bodies that went to another cell
+  std::uint32_t sorted_ = 0;              // number of bodies in the last sort; 0: its keys are gone
+  bool stays_ = false;                    // the cells kept their places
+  int patience_ = 0;                      // sorts to go before moved bodies are looked for again
+  Column<std::uint32_t> counts_{meter_};  // by chunk and digit
+  Column<std::uint32_t> start_{meter_};
   std::vector<Chunk> chunks_;
   Axis axis_[2];
   int row_axis_ = 1;

@@ -10,12 +10,11 @@
 // Where most of the box is empty, CellList finds the order of the bodies instead, and they are moved here.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "kernel_table.h"
+#include "bodies/surroundings.h"
 #include "lists/cell_list.h"
 
 namespace psim {
@@ -30,36 +29,22 @@ struct Grid {
 
 class GridSort {
  public:
-  explicit GridSort(MemoryMeter& meter)
-      : key_(meter),
-        start_(meter),
-        counts_(meter),
-        from_(meter),
-        pos_(meter),
-        vel_(meter),
-        disp_(meter),
-        id_(meter),
-        radius_(meter),
-        reach_(meter),
-        spin_(meter),
-        angle_(meter),
-        key_sorted_(meter),
-        listed_(meter) {}
+  explicit GridSort(const Surroundings& s) : b_(s.bodies), k_(s.kernels), pool_(s.pool), meter_(s.memory), listed_(s) {}
 
-  /// Finds the cell of every body, and where each cell's bodies will lie.
-  void count(const BodyStore& bodies, const Grid& grid, float large, const kernels::KernelTable& k, WorkerPool& pool);
+  /// Finds the cell of every body, and where each cell's bodies will lie. A body whose reach exceeds `large`, m, is in
+  /// no cell.
+  void count(const Grid& grid, float large);
   /// Mean number of bodies in a body's cell and the eight cells around it, from a sample of about 100 bodies.
   /// Call after count().
-  double neighbours(const BodyStore& bodies, const Grid& grid) const;
-  /// Moves the bodies to their cells and drops dead ones. Bodies whose reach exceeds `large` go last.
-  /// Afterwards from()[slot] is the slot before. Returns the first large slot.
-  std::uint32_t move(BodyStore& bodies, bool mixed_radii, WorkerPool& pool);
-  /// The same in moves() pieces, in order. The columns change with the last piece, which returns the slot.
+  double neighbours(const Grid& grid) const;
+  /// Moves the bodies to their cells and drops dead ones, in moves() pieces, in order. Large bodies go last. The
+  /// columns change with the last piece, which returns the first large slot. Afterwards from()[slot] is the slot
+  /// before.
   std::size_t moves() const { return chunks_.size(); }
-  std::uint32_t move(BodyStore& bodies, bool mixed_radii, std::size_t begin, std::size_t end, WorkerPool& pool);
+  std::uint32_t move(bool mixed_radii, std::size_t begin, std::size_t end);
 
   /// Counts and moves at once, into the cells of listed(), whose extent was chosen by CellList::lay.
-  std::uint32_t sort(BodyStore& bodies, float large, bool mixed_radii, WorkerPool& pool);
+  std::uint32_t sort(float large, bool mixed_radii);
   CellList& listed() { return listed_; }
   const CellList& listed() const { return listed_; }
 
@@ -72,9 +57,14 @@ class GridSort {
     disp_.reserve(2 * all);
   }
   /// Gives back the scratch columns of radii or rotation if they are not needed any more.
-  void forget(bool radii, bool rotation);
+  void forget(bool radii, bool rotation) {
+    if (radii) radius_.release();
+    if (!rotation) return;
+    rim_speed_.release();
+    angle_.release();
+  }
   std::size_t radii_bytes() const { return radius_.bytes(); }
-  std::size_t rotation_bytes() const { return spin_.bytes() + angle_.bytes(); }
+  std::size_t rotation_bytes() const { return rim_speed_.bytes() + angle_.bytes(); }
 
   const std::uint32_t* from() const { return from_.data(); }
   const std::uint32_t* keys() const { return key_sorted_.data(); }
@@ -89,25 +79,32 @@ class GridSort {
     std::uint32_t large = 0, dead = 0;  // number of large and of dead bodies
   };
 
-  void find_keys(const BodyStore& bodies, const Grid& grid, float large, bool special, const kernels::KernelTable& k,
-                 Chunk& chunk);
+  void find_keys(const Grid& grid, float large, bool special, Chunk& chunk);
+  std::size_t find_windows(const Grid& grid, float large);
   void count_chunk(const Chunk& chunk);
-  void reserve(const BodyStore& bodies, bool mixed_radii);
+  void place_cells(std::uint32_t keys);
+  void reserve(bool mixed_radii);
   template <bool kRadii, bool kTurns>
-  void move_one(const BodyStore& bodies, std::size_t to, std::size_t from);
+  void move_one(const BodyStore& b, std::size_t to, std::size_t from);
   template <bool kRadii, bool kTurns>
-  void scatter_chunk(const BodyStore& bodies, const Chunk& chunk, std::uint32_t large_at, std::uint32_t dead_at);
+  void scatter_chunk(const BodyStore& b, const Chunk& chunk, std::uint32_t large_at, std::uint32_t dead_at);
+  void finish(std::uint32_t count, bool mixed_radii);
   template <bool kRadii, bool kTurns>
-  void scatter_listed(const BodyStore& bodies, std::size_t begin, std::size_t end);
-  void finish(BodyStore& bodies, std::uint32_t count, bool mixed_radii);
+  void scatter_listed(const BodyStore& b, std::size_t begin, std::size_t end);
+  template <class Scatter>
+  Scatter for_columns(bool mixed_radii, const std::array<Scatter, 4>& scatters) const;
 
-  Column<std::uint32_t> key_, start_, counts_, from_;
-  Column<std::int32_t> pos_;
-  Column<float> vel_, disp_;
-  Column<std::uint32_t> id_;
-  Column<float> radius_, reach_, spin_;
-  Column<double> angle_;
-  Column<std::uint32_t> key_sorted_;
+  BodyStore& b_;
+  const kernels::KernelTable& k_;
+  WorkerPool& pool_;
+  MemoryMeter& meter_;
+  Column<std::uint32_t> key_{meter_}, start_{meter_}, counts_{meter_}, from_{meter_};
+  Column<std::int32_t> pos_{meter_};
+  Column<float> vel_{meter_}, disp_{meter_};
+  Column<std::uint32_t> id_{meter_};
+  Column<float> radius_{meter_}, reach_{meter_}, rim_speed_{meter_};
+  Column<double> angle_{meter_};
+  Column<std::uint32_t> key_sorted_{meter_};
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> range_sum_;
   CellList listed_;

@@ -84,7 +84,7 @@ void plan_flight(const BodyStore& bodies, const ListSettings& world, const Sampl
   const double r = s.radius;
   const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
   const double area =
-      world.broad->area_about(bodies, r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
+      world.broad->area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
   const double density = std::fmax(bodies.count / area, world.broad->density());
   // Without restitution impacts only slow bodies down.

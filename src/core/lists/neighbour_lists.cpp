@@ -7,13 +7,7 @@
 
 namespace psim {
 
-bool NeighbourLists::serve(BodyStore& bodies, double dt, const kernels::KernelTable& k, WorkerPool& pool) {
-  const double time = (selects() ? 1.0 : kMarginFrames) * dt;
-  return broad.lists_serve(bodies, static_cast<float>(time), k, pool);
-}
-
-void NeighbourLists::measure(BodyStore& bodies, StaticShapes& statics, const ListSettings& world, double dt,
-                             const kernels::KernelTable& k, WorkerPool& pool) {
+void NeighbourLists::measure(const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
   const ListPlan plan = plan_lists(bodies, world, dt);
   const bool selected = plan.mode != ListMode::persistent;
@@ -41,19 +35,17 @@ void NeighbourLists::measure(BodyStore& bodies, StaticShapes& statics, const Lis
   const Vec2 c = broad.lattice().centre();
   p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y};
   renewal.forget();
-  broad.measure(bodies, statics, p, k, pool);
+  broad.measure(p);
 }
 
-bool NeighbourLists::move(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin,
-                          std::size_t end) {
+bool NeighbourLists::move(std::size_t begin, std::size_t end) {
   const bool last = end == broad.moves();
   if (last && !selects()) table.swap(old_table);
-  broad.move(bodies, k, pool, found(), begin, end);
+  broad.move(found(), begin, end);
   return last;
 }
 
-void NeighbourLists::select(BodyStore& bodies, const ListSettings& world, double dt, const kernels::KernelTable& k,
-                            WorkerPool& pool, std::size_t begin, std::size_t end) {
+void NeighbourLists::select(const ListSettings& world, double dt, std::size_t begin, std::size_t end) {
   constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
   if (begin == 0) {
     table.swap(old_table);
@@ -66,12 +58,7 @@ void NeighbourLists::select(BodyStore& bodies, const ListSettings& world, double
     const double speed = std::fmin(made.speed, kReserve * speeds.at(s));
     slack[s] = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
   }
-  broad.select(bodies, static_cast<float>(kMarginFrames * dt), slack, world.link_all, candidates, table, k, pool, begin,
-               end);
-}
-
-bool NeighbourLists::may_renew(const BodyStore& bodies) const {
-  return !selects() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count;
+  broad.select(static_cast<float>(kMarginFrames * dt), slack, world.link_all, candidates, table, begin, end);
 }
 
 }  // namespace psim

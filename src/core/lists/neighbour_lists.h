@@ -33,8 +33,14 @@ struct ListNumbers {
 };
 
 struct NeighbourLists {
-  NeighbourLists(MemoryMeter& meter, const Lattice& lattice)
-      : broad(meter, lattice), renewal(meter), table(meter), old_table(meter), candidates(meter) {}
+  explicit NeighbourLists(const Surroundings& s)
+      : bodies(s.bodies),
+        pool(s.pool),
+        broad(s),
+        renewal(s, broad),
+        table(s.memory),
+        old_table(s.memory),
+        candidates(s.memory) {}
 
   /// Whether each step selects its pairs from the candidates.
   bool selects() const { return mode != ListMode::persistent; }
@@ -43,23 +49,25 @@ struct NeighbourLists {
   const PairTable& found() const { return selects() ? candidates : table; }
 
   /// Whether the lists can serve dt seconds more. O(bodies).
-  bool serve(BodyStore& bodies, double dt, const kernels::KernelTable& k, WorkerPool& pool);
+  bool serve(double dt) { return broad.lists_serve(static_cast<float>((selects() ? 1.0 : kMarginFrames) * dt)); }
   /// Decides how new lists for steps of dt seconds are made. The broad phase then counts cells, moves the bodies in
   /// their order and searches.
-  void measure(BodyStore& bodies, StaticShapes& statics, const ListSettings& world, double dt,
-               const kernels::KernelTable& k, WorkerPool& pool);
+  void measure(const ListSettings& world, double dt);
   /// Moves [begin, end) of the bodies' moves to cell order. True with the last: then they lie in the new order, and
   /// persistent lists have begun a new table.
-  bool move(BodyStore& bodies, const kernels::KernelTable& k, WorkerPool& pool, std::size_t begin, std::size_t end);
+  bool move(std::size_t begin, std::size_t end);
   /// Selects the pairs that can meet within dt seconds, of strips [begin, end) of the candidates, into a new table.
   /// No slack is more than what speeds all over the world ask for; it is less where all move alike
   /// (docs/decisions/013-slack-by-strip.md).
-  void select(BodyStore& bodies, const ListSettings& world, double dt, const kernels::KernelTable& k, WorkerPool& pool,
-              std::size_t begin, std::size_t end);
+  void select(const ListSettings& world, double dt, std::size_t begin, std::size_t end);
   /// Whether lists can be made anew for a few bodies alone.
-  bool may_renew(const BodyStore& bodies) const;
+  bool may_renew() const {
+    return !selects() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count;
+  }
   std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + slack.capacity() * sizeof(float); }
 
+  BodyStore& bodies;
+  WorkerPool& pool;
   BroadPhase broad;
   ListRenewal renewal;
   StripSpeeds speeds;

@@ -21,33 +21,33 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 
 }  // namespace
 
-bool ListRenewal::find(BodyStore& b, const Lattice& lattice, float time, const kernels::KernelTable& k,
-                       WorkerPool& pool) {
-  const std::uint32_t blocks = b.blocks(), most = b.count / kShare;
+bool ListRenewal::find(float time) {
+  const std::uint32_t blocks = b_.blocks(), most = b_.count / kShare;
   const std::size_t tasks = stream_tasks(blocks);
-  const kernels::BodyView view = b.view();
+  const kernels::BodyView view = b_.view();
   kernels::StreamParams p;
-  p.pitch_x = static_cast<float>(lattice.pitch_x());
-  p.pitch_y = static_cast<float>(lattice.pitch_y());
+  p.pitch_x = static_cast<float>(lattice_.pitch_x());
+  p.pitch_y = static_cast<float>(lattice_.pitch_y());
   if (stale_.size() < tasks) stale_.resize(tasks);
   std::atomic<std::uint32_t> sum{0};
-  pool.run(tasks, [&](std::size_t t) {
+  pool_.run(tasks, [&](std::size_t t) {
     std::vector<std::uint32_t>& stale = stale_[t];
     stale.clear();
     const auto age = [&](std::uint32_t begin, std::uint32_t end) {
-      return k.list_age(view, b.built.data(), b.radius.data(), b.reach.data(), p, time, begin, end);
+      return k_.list_age(view, b_.built.data(), b_.radius.data(), b_.reach.data(), p, time, begin, end);
     };
     const BlockRange r = stream_range(t, blocks);
     if (sum.load(std::memory_order_relaxed) > most || age(r.begin, r.end) <= 0) return;
     for (std::uint32_t block = r.begin; block < r.end; ++block) {
       if (age(block, block + 1) <= 0) continue;
-      for (std::size_t i = std::size_t{block} * kBlock; i < std::min<std::size_t>(b.count, (block + 1) * kBlock); ++i) {
+      for (std::size_t i = std::size_t{block} * kBlock; i < std::min<std::size_t>(b_.count, (block + 1) * kBlock);
+           ++i) {
         // The same arithmetic as in the list_age kernel.
-        const float x = static_cast<float>(wrap_sub(b.pos[2 * i], b.built[2 * i])) * p.pitch_x;
-        const float y = static_cast<float>(wrap_sub(b.pos[2 * i + 1], b.built[2 * i + 1])) * p.pitch_y;
-        const float u = b.vel[2 * i], v = b.vel[2 * i + 1];
+        const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * p.pitch_x;
+        const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * p.pitch_y;
+        const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
         const float next = std::sqrt(u * u + v * v) * time;
-        if (std::sqrt(x * x + y * y) + next - (b.reach[i] - b.radius[i]) > 0) {
+        if (std::sqrt(x * x + y * y) + next - (b_.reach[i] - b_.radius[i]) > 0) {
           stale.push_back(static_cast<std::uint32_t>(i));
         }
       }
@@ -97,36 +97,34 @@ void ListRenewal::forget() {
 }
 
 // Sets the place at which a body was last searched for. Padding slots follow the last body.
-void ListRenewal::place(BodyStore& b, std::uint32_t slot, std::int32_t x, std::int32_t y, float reach) {
-  const std::size_t end = slot + 1 == b.count ? kernels::round_up_block(b.count) : slot + 1;
-  for (std::size_t i = slot; i < end; ++i) {
-    b.built[2 * i] = x;
-    b.built[2 * i + 1] = y;
-    b.reach[i] = reach;
+void ListRenewal::place(const Renewed& at) {
+  const std::size_t end = at.slot + 1 == b_.count ? kernels::round_up_block(b_.count) : at.slot + 1;
+  for (std::size_t i = at.slot; i < end; ++i) {
+    b_.built[2 * i] = at.x;
+    b_.built[2 * i + 1] = at.y;
+    b_.reach[i] = at.reach;
   }
 }
 
 // Counts the found bodies as renewed from now on.
-void ListRenewal::admit(const BodyStore& b) {
-  if (renewed_.empty()) spare(b.count);
+void ListRenewal::admit() {
+  if (renewed_.empty()) spare(b_.count);
   const auto before = static_cast<std::ptrdiff_t>(renewed_.size());
   for (const std::uint32_t slot : found_) {
-    if (mark_[slot] == kListed) {
-      renewed_.push_back({slot, b.built[2 * std::size_t{slot}], b.built[2 * std::size_t{slot} + 1], b.reach[slot]});
-    }
+    if (mark_[slot] == kListed) renewed_.push_back(place_of(slot));
     mark_[slot] = kFound;
   }
   std::inplace_merge(renewed_.begin(), renewed_.begin() + before, renewed_.end(),
                      [](const Renewed& x, const Renewed& y) { return x.slot < y.slot; });
 }
 
-void ListRenewal::sort_places(const BroadPhase& broad, const BodyStore& b) {
-  const std::size_t axis = broad.wide() ? 0 : 1;
+void ListRenewal::sort_places() {
+  const std::size_t axis = broad_.wide() ? 0 : 1;
   std::erase_if(places_, [&](const Place& p) { return mark_[p.slot] == kFound; });
   const auto before = static_cast<std::ptrdiff_t>(places_.size());
   for (const std::uint32_t slot : found_) {
-    places_.push_back({static_cast<std::uint32_t>(b.built[2 * std::size_t{slot} + axis]), slot});
-    most_ = std::max(most_, b.reach[slot]);
+    places_.push_back({static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]), slot});
+    most_ = std::max(most_, b_.reach[slot]);
   }
   const auto less = [](const Place& x, const Place& y) {
     return x.along != y.along ? x.along < y.along : x.slot < y.slot;
@@ -137,16 +135,15 @@ void ListRenewal::sort_places(const BroadPhase& broad, const BodyStore& b) {
 }
 
 // Finds the pairs of a found body that no strip has. Of two found bodies the one with the lower slot takes the pair.
-void ListRenewal::search(const BroadPhase& broad, const BodyStore& b, const kernels::KernelTable& k,
-                         const PairTable& table, std::uint32_t slot, Scratch& s) const {
+void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s) const {
   const auto keep = [&](std::uint32_t other) {
-    if (b.id[other] == kNoSlot || table.find_listed(slot, other) != PairTable::kNoPair) return;
+    if (b_.id[other] == kNoSlot || table.find_listed(slot, other) != PairTable::kNoPair) return;
     s.pairs.push_back(key_of(slot, other));
   };
   kernels::PairList list;
   for (;;) {
     list = {s.owner.data(), s.other.data(), nullptr, 0, static_cast<std::uint32_t>(s.owner.size())};
-    if (broad.around(b, k, slot, table.large_begin, list)) break;
+    if (broad_.around(slot, table.large_begin, list)) break;
     s.owner.resize(2 * s.owner.size());
     s.other.resize(s.owner.size());
   }
@@ -154,17 +151,16 @@ void ListRenewal::search(const BroadPhase& broad, const BodyStore& b, const kern
     if (mark_[list.other[n]] == kListed) keep(list.other[n]);
   }
   // Renewed bodies need not lie in their cells any more: they are searched along one axis.
-  const std::size_t axis = broad.wide() ? 0 : 1;
-  const Lattice& lattice = broad.lattice();
-  const auto px = static_cast<float>(lattice.pitch_x()), py = static_cast<float>(lattice.pitch_y());
-  const double reach = static_cast<double>(b.reach[slot]) + static_cast<double>(most_);
-  const double steps = reach * 1.0001 / (axis == 0 ? lattice.pitch_x() : lattice.pitch_y()) + 2;
+  const std::size_t axis = broad_.wide() ? 0 : 1;
+  const auto px = static_cast<float>(lattice_.pitch_x()), py = static_cast<float>(lattice_.pitch_y());
+  const double reach = static_cast<double>(b_.reach[slot]) + static_cast<double>(most_);
+  const double steps = reach * 1.0001 / (axis == 0 ? lattice_.pitch_x() : lattice_.pitch_y()) + 2;
   const auto meet = [&](const Place& p) {
     const std::size_t i = slot, j = p.slot;
     if (i == j || (mark_[j] == kFound && j < i)) return;
-    const float dx = static_cast<float>(wrap_sub(b.built[2 * j], b.built[2 * i])) * px;
-    const float dy = static_cast<float>(wrap_sub(b.built[2 * j + 1], b.built[2 * i + 1])) * py;
-    const float sum = b.reach[i] + b.reach[j];
+    const float dx = static_cast<float>(wrap_sub(b_.built[2 * j], b_.built[2 * i])) * px;
+    const float dy = static_cast<float>(wrap_sub(b_.built[2 * j + 1], b_.built[2 * i + 1])) * py;
+    const float sum = b_.reach[i] + b_.reach[j];
     if (dx * dx + dy * dy < sum * sum) keep(p.slot);
   };
   const auto along = [&](std::uint32_t from, std::uint32_t to) {
@@ -176,7 +172,7 @@ void ListRenewal::search(const BroadPhase& broad, const BodyStore& b, const kern
   };
   if (steps >= 0x1p31) return along(0, 0xFFFFFFFFu);
   const auto half = static_cast<std::uint32_t>(steps);
-  const auto mid = static_cast<std::uint32_t>(b.built[2 * std::size_t{slot} + axis]);
+  const auto mid = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
   if (mid - half <= mid + half) return along(mid - half, mid + half);
   along(0, mid + half);  // coordinates wrap around
   along(mid - half, 0xFFFFFFFFu);
@@ -197,9 +193,9 @@ void ListRenewal::join(const PairTable& table) {
   pairs_.insert(pairs_.end(), next, fresh_.end());
 }
 
-void ListRenewal::link(BodyStore& b, std::uint32_t slot) {
-  if (b.linked[slot] != 0) return;
-  b.linked[slot] = 0xFF;
+void ListRenewal::link(std::uint32_t slot) {
+  if (b_.linked[slot] != 0) return;
+  b_.linked[slot] = 0xFF;
   linked_.push_back(slot);
 }
 
@@ -264,71 +260,63 @@ void ListRenewal::put_statics(PairTable& table) {
   }
 }
 
-void ListRenewal::search_all(const BroadPhase& broad, BodyStore& b, const StaticShapes& statics,
-                             const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table) {
-  sort_places(broad, b);
+void ListRenewal::search_all(const PairTable& table) {
+  sort_places();
   const std::size_t jobs = (found_.size() + kJob - 1) / kJob;
   scratch_.resize(std::max(scratch_.size(), jobs));
   for (Scratch& s : scratch_) s.pairs.clear();
-  pool.run(jobs, [&](std::size_t job) {
+  pool_.run(jobs, [&](std::size_t job) {
     for (std::size_t n = job * kJob; n < std::min(found_.size(), (job + 1) * kJob); ++n) {
-      search(broad, b, k, table, found_[n], scratch_[job]);
+      search(table, found_[n], scratch_[job]);
     }
   });
   fresh_.clear();
   for (const Scratch& s : scratch_) fresh_.insert(fresh_.end(), s.pairs.begin(), s.pairs.end());
   sort_keys(fresh_.begin(), fresh_.end());
   for (const std::uint64_t pair : fresh_) {
-    link(b, static_cast<std::uint32_t>(pair >> 32));
-    link(b, static_cast<std::uint32_t>(pair));
+    link(static_cast<std::uint32_t>(pair >> 32));
+    link(static_cast<std::uint32_t>(pair));
   }
   near_.clear();
-  for (const std::uint32_t slot : found_) broad.near_body(b, statics, slot, statics_, near_);
-  for (const StaticPair& static_pair : near_) link(b, static_pair.body);
+  for (const std::uint32_t slot : found_) broad_.near_body(slot, statics_, near_);
+  for (const StaticPair& static_pair : near_) link(static_pair.body);
 }
 
-bool ListRenewal::look(const BroadPhase& broad, BodyStore& b, const StaticShapes& statics, const HeavyLoads* loads,
-                       const kernels::ReachParams& margin, const kernels::KernelTable& k, WorkerPool& pool,
-                       const PairTable& table) {
+bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& margin, const PairTable& table) {
   known_ = false;
-  admit(b);
+  admit();
   for (const std::uint32_t slot : found_) {
-    const float u = b.vel[2 * std::size_t{slot}], v = b.vel[2 * std::size_t{slot} + 1];
-    place(b, slot, b.pos[2 * std::size_t{slot}], b.pos[2 * std::size_t{slot} + 1],
-          b.radius[slot] + (margin.skin + std::sqrt(u * u + v * v) * margin.time));
+    const std::size_t i = slot;
+    const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
+    const float room = margin.skin + std::sqrt(u * u + v * v) * margin.time;
+    place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + room});
   }
-  search_all(broad, b, statics, k, pool, table);
+  search_all(table);
   return loads == nullptr || std::none_of(fresh_.begin(), fresh_.end(), [&](std::uint64_t pair) {
            return loads->heavy(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
          });
 }
 
-bool ListRenewal::put(BodyStore& b, PairTable& table) {
+bool ListRenewal::put(PairTable& table) {
   join(table);
-  if (pairs_.size() > kPairsABody * (b.count / kShare)) return false;
+  if (pairs_.size() > kPairsABody * (b_.count / kShare)) return false;
   put_pairs(table);
   put_statics(table);
   return true;
 }
 
-void ListRenewal::finish() {
-  for (const std::uint32_t slot : found_) mark_[slot] = kRenewed;
-  found_.clear();
-}
-
 // Leaves in `renewed_` the places at which the bodies were last searched for.
-void ListRenewal::turn_back(BodyStore& b) {
+void ListRenewal::turn_back() {
   for (Renewed& r : renewed_) {
-    const Renewed now{r.slot, b.built[2 * std::size_t{r.slot}], b.built[2 * std::size_t{r.slot} + 1], b.reach[r.slot]};
-    place(b, r.slot, r.x, r.y, r.reach);
+    const Renewed now = place_of(r.slot);
+    place(r);
     r = now;
   }
 }
 
-void ListRenewal::look_again(const BroadPhase& broad, BodyStore& b, const StaticShapes& statics,
-                             const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table) {
-  turn_back(b);
-  spare(b.count);
+void ListRenewal::look_again(const PairTable& table) {
+  turn_back();
+  spare(b_.count);
   found_.clear();
   places_.clear();
   most_ = 0;
@@ -338,9 +326,9 @@ void ListRenewal::look_again(const BroadPhase& broad, BodyStore& b, const Static
   }
   std::vector<std::uint32_t> linked;
   linked.swap(linked_);
-  search_all(broad, b, statics, k, pool, table);
+  search_all(table);
   linked_.swap(linked);
-  for (const std::uint32_t slot : linked_) b.linked[slot] = 0xFF;
+  for (const std::uint32_t slot : linked_) b_.linked[slot] = 0xFF;
 }
 
 std::size_t ListRenewal::bytes() const {

@@ -10,11 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/column.h"
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
-#include "kernel_table.h"
+#include "bodies/surroundings.h"
 #include "lists/broad_phase.h"
 #include "lists/heavy_loads.h"
 #include "lists/pair_table.h"
@@ -26,7 +22,8 @@ class ListRenewal {
   template <class A>
   void describe(A& a, std::size_t slots);  ///< for saved states
 
-  explicit ListRenewal(MemoryMeter& meter) : mark_(meter) {}
+  ListRenewal(const Surroundings& s, const BroadPhase& broad)
+      : b_(s.bodies), lattice_(s.lattice), k_(s.kernels), pool_(s.pool), broad_(broad), mark_(s.memory) {}
 
   /// At most one body in kShare is renewed; if more need it, all lists are made again. The pairs of renewed bodies
   /// are a single job of every pass.
@@ -34,7 +31,7 @@ class ListRenewal {
 
   /// Finds the bodies whose margin does not last for `time` seconds more. False if too many bodies are renewed, those
   /// of before included. O(bodies).
-  bool find(BodyStore& bodies, const Lattice& lattice, float time, const kernels::KernelTable& k, WorkerPool& pool);
+  bool find(float time);
   bool any() const { return known_ && !found_.empty(); }
   std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }
   /// Discards what find() found, because velocities may have changed.
@@ -46,9 +43,7 @@ class ListRenewal {
   /// Searches around the bodies that find() found, with margins of skin + |v| `margin.time`, and fills pairs() and
   /// near(). False if a pair has one body that is much heavier than the other: then all lists must be made again.
   /// O(found log renewed).
-  bool look(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics, const HeavyLoads* loads,
-            const kernels::ReachParams& margin, const kernels::KernelTable& k, WorkerPool& pool,
-            const PairTable& table);
+  bool look(const HeavyLoads* loads, const kernels::ReachParams& margin, const PairTable& table);
   bool found(std::uint32_t slot) const { return mark_[slot] == kFound; }
   /// New pairs that no strip has, as lower slot << 32 | higher slot, ascending, and fixed shapes near bodies, by body.
   /// The manifolds take out the pairs that are theirs.
@@ -56,9 +51,12 @@ class ListRenewal {
   std::vector<StaticPair>& near() { return near_; }
   /// Puts the new pairs into `table`. False if they are too many: then all lists must be made again. O(pairs of renewed
   /// bodies).
-  bool put(BodyStore& bodies, PairTable& table);
+  bool put(PairTable& table);
   /// Ends a renewal: the found bodies are no longer marked as found.
-  void finish();
+  void finish() {
+    for (const std::uint32_t slot : found_) mark_[slot] = kRenewed;
+    found_.clear();
+  }
   /// Whether the fixed shapes near some body changed, or their order did.
   bool statics_changed() const { return statics_changed_; }
   std::uint32_t renewed() const { return static_cast<std::uint32_t>(renewed_.size()); }
@@ -69,9 +67,8 @@ class ListRenewal {
   /// Call when all lists were made anew: no body is renewed.
   void forget();
   /// After a saved state came back: bodies as the lists were made by, then, once those are there, what was renewed.
-  void turn_back(BodyStore& bodies);
-  void look_again(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics,
-                  const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
+  void turn_back();
+  void look_again(const PairTable& table);
 
   std::size_t bytes() const;
 
@@ -90,18 +87,25 @@ class ListRenewal {
   };
   enum Mark : std::uint8_t { kListed = 0, kRenewed = 1, kFound = 2 };
 
-  static void place(BodyStore& bodies, std::uint32_t slot, std::int32_t x, std::int32_t y, float reach);
-  void admit(const BodyStore& bodies);
-  void sort_places(const BroadPhase& broad, const BodyStore& bodies);
-  void search(const BroadPhase& broad, const BodyStore& bodies, const kernels::KernelTable& k, const PairTable& table,
-              std::uint32_t slot, Scratch& s) const;
+  Renewed place_of(std::uint32_t slot) const {
+    const std::size_t i = slot;
+    return {slot, b_.built[2 * i], b_.built[2 * i + 1], b_.reach[i]};
+  }
+  void place(const Renewed& at);
+  void admit();
+  void sort_places();
+  void search(const PairTable& table, std::uint32_t slot, Scratch& s) const;
   void join(const PairTable& table);
   void put_pairs(PairTable& table);
   void put_statics(PairTable& table);
-  void link(BodyStore& bodies, std::uint32_t slot);
-  void search_all(const BroadPhase& broad, BodyStore& bodies, const StaticShapes& statics,
-                  const kernels::KernelTable& k, WorkerPool& pool, const PairTable& table);
+  void link(std::uint32_t slot);
+  void search_all(const PairTable& table);
 
+  BodyStore& b_;
+  const Lattice& lattice_;
+  const kernels::KernelTable& k_;
+  WorkerPool& pool_;
+  const BroadPhase& broad_;
   std::vector<std::uint32_t> found_;          // slots, ascending
   std::vector<Renewed> renewed_;              // by slot, ascending
   std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build

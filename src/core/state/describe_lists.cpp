@@ -42,8 +42,8 @@ bool BroadPhase::grid_fits(const BodyStore& bodies, bool periodic) const {
          g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
          grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
          grid_.cell_y > 0 && grid_.periodic == periodic &&
-         g.scale_x == static_cast<float>(lattice_->pitch_x() / grid_.cell_x) &&
-         g.scale_y == static_cast<float>(lattice_->pitch_y() / grid_.cell_y) &&
+         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
+         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
          g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
 }
 

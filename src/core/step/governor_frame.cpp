@@ -64,8 +64,7 @@ void Governor::choose_end(const StepContext& c, double dt, bool first, Frame& fr
   const WorkCounts counts = count_work(c);
   int horizon = c.progress.horizon;
   const bool lasting = !c.neighbours.selects() && !c.progress.makes_lists();
-  if (frame.elapsed > 1 && horizon > 1 && lasting &&
-      !c.neighbours.serve(c.bodies, dt * std::min(frame.elapsed, horizon), c.kernels, c.pool)) {
+  if (frame.elapsed > 1 && horizon > 1 && lasting && !c.neighbours.serve(dt * std::min(frame.elapsed, horizon))) {
     horizon = 1;
   }
   const int most = std::min(c.desc.substeps, 255);

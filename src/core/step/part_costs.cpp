@@ -48,7 +48,7 @@ double whole_measure(const UnitCosts& ns, const WorkCounts& w) { return kMeasure
 
 double piece_count(const StepContext& c, const WorkCounts&, std::size_t) {
   const UnitCosts& ns = c.governor.costs();
-  const double share = c.neighbours.broad.lists_cells() ? kListedCount : c.plan.radii ? kMixedCount : kCount;
+  const double share = c.neighbours.broad.listed() ? kListedCount : c.plan.radii ? kMixedCount : kCount;
   return share * ns.sort * n(c.bodies.count) + ns.cell * n(c.neighbours.broad.cell_count());
 }
 double whole_count(const UnitCosts& ns, const WorkCounts& w) {
@@ -67,7 +67,7 @@ double piece_search(const StepContext& c, const WorkCounts& w, std::size_t piece
   const BroadPhase::Search s = broad.search_at(piece, c.neighbours.found());
   const double each = s.large ? 2 * ns.strip + (ns.pair + 12 * ns.test) * s.pairs + 1.75 * ns.test * s.others
                               : ns.search + ns.test * broad.tests() + ns.pair * s.pairs;
-  const double longer = broad.lists_cells() ? 1 + kListedCrowd * crowded(w) : 1;
+  const double longer = broad.listed() ? 1 + kListedCrowd * crowded(w) : 1;
   return longer * each * s.bodies + ns.strip;
 }
 double whole_search(const UnitCosts& ns, const WorkCounts& w) {

@@ -30,9 +30,7 @@ ListSettings list_settings(const StepContext& c, const Span& span) {
   return s;
 }
 
-bool find_renewed(const StepContext& c, float seconds) {
-  return c.neighbours.renewal.find(c.bodies, c.lattice, seconds, c.kernels, c.pool);
-}
+bool find_renewed(const StepContext& c, float seconds) { return c.neighbours.renewal.find(seconds); }
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
 void link_bodies(const StepContext& c) {
@@ -58,7 +56,7 @@ bool put_renewed(const StepContext& c) {
     manifolds.sort_out_renewed(c.bodies, c.statics, c.joints.any_exclusions() ? &joined : nullptr, renewal.pairs(),
                                renewal.near(), c.pool);
   }
-  if (!renewal.put(c.bodies, c.neighbours.table)) return false;
+  if (!renewal.put(c.neighbours.table)) return false;
   if (c.sorts_out()) manifolds.put_renewed([&renewal](std::uint32_t slot) { return renewal.found(slot); });
   renewal.finish();
   c.contacts.discs.renew(c.bodies, c.statics, c.desc.wall, renewal.statics_changed(), c.neighbours.table, c.pool);
@@ -76,10 +74,10 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
   if (!lists.stale) {
     if (lists.mode == ListMode::one_step) {
       lists.stale = true;
-    } else if (lists.may_renew(c.bodies) && !c.contacts.solved.compact()) {
+    } else if (lists.may_renew() && !c.contacts.solved.compact()) {
       lists.stale = !find_renewed(c, static_cast<float>(kMarginFrames * span.frame));
     } else {
-      lists.stale = !lists.serve(c.bodies, lists.selects() ? span.step : span.frame, c.kernels, c.pool);
+      lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
     }
   }
   c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
@@ -99,8 +97,7 @@ void renew(const StepContext& c, const Span& span, StepReport& report, PieceRang
     kernels::ReachParams margin = lists.broad.margin();
     margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
     const HeavyLoads* const loads = c.plan.loads ? &c.contacts.loads : nullptr;
-    lists.stale = !renewal.look(lists.broad, c.bodies, c.statics, loads, margin, c.kernels, c.pool, lists.table) ||
-                  !put_renewed(c);
+    lists.stale = !renewal.look(loads, margin, lists.table) || !put_renewed(c);
   }
   c.progress.contacts = lists.stale ? ContactState::due : ContactState::kept;
   if (!lists.stale) report.renewed = found;
@@ -108,39 +105,37 @@ void renew(const StepContext& c, const Span& span, StepReport& report, PieceRang
 
 void measure(const StepContext& c, const Span& span, StepReport&, PieceRange) {
   if (!c.bodies.rim_speed.empty()) c.bodies.add_rotation();
-  c.neighbours.measure(c.bodies, c.statics, list_settings(c, span), span.step, c.kernels, c.pool);
+  c.neighbours.measure(list_settings(c, span), span.step);
   c.neighbours.made.span = span.step / span.frame;
   c.progress.lists = ListState::begun;
 }
 
-void count(const StepContext& c, const Span&, StepReport&, PieceRange) {
-  c.neighbours.broad.count(c.bodies, c.kernels, c.pool);
-}
+void count(const StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
 
 void move(const StepContext& c, const Span&, StepReport&, PieceRange p) {
-  if (!c.neighbours.move(c.bodies, c.kernels, c.pool, p.begin, p.end)) return;
+  if (!c.neighbours.move(p.begin, p.end)) return;
   if (c.plan.fields) move_rests(c.bodies, c.neighbours.broad.from(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
 
 void search(const StepContext& c, const Span&, StepReport&, PieceRange p) {
-  c.neighbours.broad.search(c.bodies, c.kernels, c.pool, c.neighbours.found(), p.begin, p.end);
+  c.neighbours.broad.search(c.neighbours.found(), p.begin, p.end);
 }
 
 void near(const StepContext& c, const Span&, StepReport& report, PieceRange p) {
-  c.neighbours.broad.find_near(c.bodies, c.statics, c.pool, c.neighbours.found(), p.begin, p.end);
+  c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
   if (p.end == c.neighbours.broad.nears()) report.rebuilt = true;
 }
 
 void select(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
   c.progress.contacts = ContactState::replaced;
   c.neighbours.made.selected_span = span.step / span.frame;
-  c.neighbours.select(c.bodies, list_settings(c, span), span.step, c.kernels, c.pool, p.begin, p.end);
+  c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
 }
 
 void pack(const StepContext& c, const Span&, StepReport&, PieceRange p) {
-  c.neighbours.broad.pack(c.bodies, c.neighbours.candidates, c.neighbours.table, c.pool, p.begin, p.end);
+  c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
 }
 
 void group(const StepContext& c, const Span&, StepReport&, PieceRange) {

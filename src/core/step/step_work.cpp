@@ -58,7 +58,7 @@ void StepWork::accept(const StepContext& c) {
   }
   if (progress.makes_lists()) {
     c.neighbours.broad.forget_origin();
-    c.neighbours.broad.finish(c.bodies, c.kernels, c.pool);
+    c.neighbours.broad.finish();
   }
   begin_again();
 }

@@ -228,7 +228,7 @@ void World::Impl::StateKeeper::load(Loader& loader, const WorldDesc& desc) {
     remake_lists(loader);
   } else {
     carried_.make_table(lists_.table, w_.contacts.discs);
-    if (last_) lists_.broad.build_again(w_.bodies, w_.statics, w_.kernels, w_.pool, lists_.candidates);
+    if (last_) lists_.broad.build_again(lists_.candidates);
   }
   Manifolds& manifolds = w_.contacts.manifolds;
   manifolds.describe(loader, around_manifolds());
@@ -258,8 +258,8 @@ void World::Impl::StateKeeper::remake_lists(Loader& loader) {
   const std::uint64_t builds = w_.contacts.discs.builds();
   std::vector<Saved::Done> done;
   done.swap(w_.saved.done);
-  lists_.renewal.turn_back(w_.bodies);
-  lists_.broad.build_again(w_.bodies, w_.statics, w_.kernels, w_.pool, lists_.table);
+  lists_.renewal.turn_back();
+  lists_.broad.build_again(lists_.table);
   lists_.stale = w_.contacts.impulses_valid = true;
   work.progress = {};
   work.progress.part = part_named("group");
@@ -269,7 +269,7 @@ void World::Impl::StateKeeper::remake_lists(Loader& loader) {
   w_.accept_work();
   if (lists_.renewal.renewed() != 0) {
     w_.contacts.discs.lift(lists_.table);
-    lists_.renewal.look_again(lists_.broad, w_.bodies, w_.statics, w_.kernels, w_.pool, lists_.table);
+    lists_.renewal.look_again(lists_.table);
     put_renewed(c);
   }
   loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
@@ -293,10 +293,10 @@ void World::Impl::StateKeeper::redo_work() {
       lists_.table.swap(lists_.old_table);
       now.contacts = ContactState::replaced;
     }
-    lists_.broad.move_again(bodies, w_.kernels, w_.pool, lists_.found());
+    lists_.broad.move_again(lists_.found());
     now.part = part_named("search");
   } else if (now.makes_lists()) {
-    lists_.broad.count_again(bodies, w_.kernels, w_.pool);
+    lists_.broad.count_again();
     now.part = part_named("move");
   } else {
     now.part = next_part(c, part_named(lists_.selects() ? "select" : "look"));

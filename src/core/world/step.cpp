@@ -107,7 +107,7 @@ bool World::Impl::meet(double dt, const Span& span, bool governed, StepReport& r
 void World::Impl::finish_contacts(double dt, const Span& span, StepReport& report) {
   // Lists that last were found to serve one frame; this step may make up for more.
   const bool lasting = !step_work.untouched() && !step_work.progress.lays_out();
-  if (lasting && report.detail.frames > 1 && !neighbours.serve(bodies, dt, kernels, pool)) spoil_lists();
+  if (lasting && report.detail.frames > 1 && !neighbours.serve(dt)) spoil_lists();
   step_work.finish(context(), span, report);
   contacts.kept = !step_work.progress.lays_out();
   accept_work();

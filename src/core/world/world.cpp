@@ -63,7 +63,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
       kernels(kernels_of(o.isa)),
       lattice(d.bounds, d.boundary == Boundary::periodic),
       population(desc, lattice, memory),
-      neighbours(memory, lattice),
+      neighbours({memory, lattice, bodies, statics, kernels, pool}),
       contacts(memory),
       joints(memory),
       sleep(memory),

@@ -26,7 +26,7 @@ void World::Impl::survey_lanes(const StepReport& report) {
   const PairTable& lists = neighbours.found();
   if (report.rebuilt) {
     Ledger::Lanes& search = ledger.lanes_of(LaneUser::search);
-    neighbours.broad.sample_lanes(bodies, lists.large_begin, search.all, search.used);
+    neighbours.broad.sample_lanes(lists.large_begin, search.all, search.used);
   }
   for (const Strip& s : lists.strips) {
     if (!neighbours.selects()) break;
