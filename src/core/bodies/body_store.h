@@ -60,7 +60,7 @@ class BodyStore {
   Column<float> pull{meter_};              ///< gravity scale, 0 for kinematic bodies; only if the plan has scales
   Column<float> vel_remainder{meter_};     ///< m/s, records: what velocities lost to rounding; only with fields
   Column<float> disp_remainder{meter_};    ///< m, records: the same for offsets; only if the plan has an integrator
-  Column<float> spare{meter_};             ///< scratch of move_rests
+  Column<float> spare{meter_};             ///< scratch of move_remainders
   Column<float> arm_change{meter_}, angle_change{meter_};  ///< since the frame's start; only with shapes or joints
   Column<float> event_time{meter_};
   Column<std::uint8_t> linked{meter_};

@@ -1,5 +1,5 @@
-// The variant of the contact kernels that a scene needs. The plan chooses it; the contact store lays its columns out
-// by it.
+// What all contacts have in common: the variant of the kernels that a scene needs, and how soft contacts with fixed
+// geometry are. The plan chooses the variant; the contact store lays its columns out by it.
 #pragma once
 
 #include "views.h"
@@ -15,5 +15,15 @@ struct ContactModel {
   bool bounce = false;
   friend bool operator==(const ContactModel&, const ContactModel&) = default;
 };
+
+/// The frequency of a contact with fixed geometry over that of a contact of two moving bodies.
+inline constexpr double kFixedStiffness = 2;
+
+/// A body that sleeps is fixed geometry, but its overlaps come from the softer contacts of moving bodies. A load that
+/// balances an overlap s between two moving bodies of inverse masses wa and wb balances the overlap yield(wa, wb) s if
+/// A is fixed. This follows from l = -h omega^2 s / (wa + wb), where h is the substep.
+inline float yield_of_sleeper(float wa, float wb) {
+  return wb / (wa + wb) / static_cast<float>(kFixedStiffness * kFixedStiffness);
+}
 
 }  // namespace psim

@@ -13,6 +13,9 @@ namespace {
 using kernels::kBlock;
 using kernels::Model;
 
+// Open contacts have an impulse of -0.
+float pressing(float impulse) { return impulse > 0 ? impulse : 0.0f; }
+
 float mixed_friction(float a, float b) { return std::sqrt(a * b); }
 
 // The lane in which the pair (a, b), in either order, was laid out before; or none.
@@ -27,10 +30,8 @@ std::uint32_t find_pair(const PairTable& old, std::uint32_t a, std::uint32_t b) 
 std::uint32_t find_static(const PairTable& old, std::uint32_t body, std::uint32_t shape) {
   if (body >= old.body_count) return kNoLane;
   const std::vector<StaticPair>& list = old.static_contacts[old.strip_of(body)];
-  auto at =
-      std::lower_bound(list.begin(), list.end(), body, [](const StaticPair& s, std::uint32_t b) { return s.body < b; });
-  for (; at != list.end() && at->body == body; ++at) {
-    if (at->shape == shape) return at->contact;
+  for (const StaticPair& pair : std::ranges::equal_range(list, body, {}, &StaticPair::body)) {
+    if (pair.shape == shape) return pair.contact;
   }
   return kNoLane;
 }
@@ -74,7 +75,7 @@ void ContactStore::colour_strip(const PairTable& table, std::size_t index) {
   const std::uint32_t last = s.loaded ? kLoaded : kColours;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     const std::uint32_t a = table.owner[p], b = table.other[p];
-    const bool loaded = s.loaded && (loads_->at(a) || loads_->at(b));
+    const bool loaded = s.loaded && (loads_.at(a) || loads_.at(b));
     const std::uint32_t taken = used_[a] | used_[b] | (loaded ? (1u << kLoaded) - 1 : 0);
     auto c = static_cast<std::uint32_t>(std::countr_zero(~taken));
     if (c >= (loaded ? kColours : last)) c = loaded ? kLoadedOverflow : kOverflow;
@@ -89,8 +90,19 @@ void ContactStore::colour_strip(const PairTable& table, std::size_t index) {
 // The static contacts of a body get one class after another. Those under heavy loads have classes of their own.
 std::uint32_t ContactStore::static_class(const Strip& s, std::uint32_t body, std::uint32_t sequence) const {
   if (!s.loaded) return std::min(sequence, kOverflow);
-  if (loads_->at(body)) return sequence < kColours - kLoaded ? kLoaded + sequence : kLoadedOverflow;
+  if (loads_.at(body)) return sequence < kColours - kLoaded ? kLoaded + sequence : kLoadedOverflow;
   return sequence < kLoaded ? sequence : kOverflow;
+}
+
+// Calls each(contact, its class) for the static contacts of a strip.
+template <class List, class Each>
+void ContactStore::each_static(const Strip& s, List& list, const Each& each) const {
+  std::uint32_t last = kNoSlot, sequence = 0;
+  for (auto& pair : list) {
+    sequence = pair.body == last ? sequence + 1 : 0;
+    last = pair.body;
+    each(pair, static_class(s, pair.body, sequence));
+  }
 }
 
 std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence) {
@@ -104,20 +116,20 @@ std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& s
 bool ContactStore::is_loaded(const PairTable& table, std::size_t index) const {
   const Strip& s = table.strips[index];
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    if (loads_->at(table.owner[p]) || loads_->at(table.other[p])) return true;
+    if (loads_.at(table.owner[p]) || loads_.at(table.other[p])) return true;
   }
   const auto& static_contacts = table.static_contacts[index];
   return std::any_of(static_contacts.begin(), static_contacts.end(),
-                     [&](const StaticPair& pair) { return loads_->at(pair.body); });
+                     [&](const StaticPair& pair) { return loads_.at(pair.body); });
 }
 
-void ContactStore::fill_pair(const BodyStore& b, std::uint32_t i, std::uint32_t j, std::size_t lane) {
-  body[2 * lane] = numbers_->number(i);
-  body[2 * lane + 1] = numbers_->number(j);
-  rsum[lane] = b.radius[i] + b.radius[j];
+void ContactStore::fill_pair(std::uint32_t i, std::uint32_t j, std::size_t lane) {
+  body[2 * lane] = numbers_.number(i);
+  body[2 * lane + 1] = numbers_.number(j);
+  rsum[lane] = b_.radius[i] + b_.radius[j];
   if (model_.model == Model::plain && !model_.bounce) return;
-  const BodyProperties& ia = alike_ != nullptr ? *alike_ : b.properties(b.id[i]);
-  const BodyProperties& ib = alike_ != nullptr ? *alike_ : b.properties(b.id[j]);
+  const BodyProperties& ia = alike_ != nullptr ? *alike_ : b_.properties(b_.id[i]);
+  const BodyProperties& ib = alike_ != nullptr ? *alike_ : b_.properties(b_.id[j]);
   if (model_.bounce) e[lane] = std::max(ia.restitution, ib.restitution);
   if (model_.model == Model::plain) return;
   const float w = ia.inv_mass + ib.inv_mass;
@@ -163,11 +175,11 @@ void ContactStore::pad_pair(std::size_t lane, std::uint32_t dummy) {
 
 // Lays out the pairs of a strip in order. Calls each(pair, lane) once all is set but the impulses.
 template <class Each>
-void ContactStore::place_pairs(const BodyStore& b, PairTable& table, std::size_t index, const Each& each) {
+void ContactStore::place_pairs(PairTable& table, std::size_t index, const Each& each) {
   const Strip& s = table.strips[index];
   const Counts& counts = counts_[index];
   // Each strip has two dummies beyond the last block of bodies.
-  const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
+  const auto dummy = numbers_.dummies() + 2 * static_cast<std::uint32_t>(index);
   Counts next = Layout(counts, s.block_begin, s.loaded).begin;
   pad(counts, next, [&](std::uint32_t lane) { pad_pair(lane, dummy); });
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
@@ -175,25 +187,24 @@ void ContactStore::place_pairs(const BodyStore& b, PairTable& table, std::size_t
     const std::uint32_t at = next[c];
     next[c] += c < kColours ? 1 : kBlock;
     table.contact[p] = at;
-    fill_pair(b, table.owner[p], table.other[p], at);
+    fill_pair(table.owner[p], table.other[p], at);
     each(p, at);
   }
 }
 
-void ContactStore::lay_out_strip(const BodyStore& b, PairTable& table, const PairTable& old, const std::uint32_t* from,
+void ContactStore::lay_out_strip(PairTable& table, const PairTable& old, const std::uint32_t* from,
                                  const TouchMemory& recent, std::size_t index) {
   const bool rough = model_.model == Model::rough, plain = model_.model == Model::plain;
   const bool carry = old.body_count != 0;
-  place_pairs(b, table, index, [&](std::uint32_t p, std::uint32_t at) {
+  place_pairs(table, index, [&](std::uint32_t p, std::uint32_t at) {
     const std::uint32_t i = table.owner[p], j = table.other[p];
     const std::uint32_t before =
         !carry ? kNoLane : (from != nullptr ? find_pair(old, from[i], from[j]) : find_pair(old, i, j));
-    const float l = before == kNoLane ? 0.0f : old_impulse_[before];
-    impulse[at] = l > 0 ? l : 0.0f;
+    impulse[at] = before == kNoLane ? 0.0f : pressing(old_impulse_[before]);
     if (rough) friction[at] = before == kNoLane ? 0.0f : old_friction_[before];
     if (before != kNoLane || recent.empty()) return;
-    if (const Touch* touch = recent.find(TouchKey::bodies(b.id[i], b.id[j]))) {
-      const float unit = touch->times(plain, b.properties(b.id[i]).mass);
+    if (const Touch* touch = recent.find(TouchKey::bodies(b_.id[i], b_.id[j]))) {
+      const float unit = touch->times(plain, b_.properties(b_.id[i]).mass);
       impulse[at] = unit * touch->impulse[0];
       if (rough) friction[at] = unit * touch->friction[0];
     }
@@ -211,50 +222,47 @@ void ContactStore::lift(const PairTable& table) {
 }
 
 // The pairs that the strip kept come first, as before; then come those of renewed bodies in order.
-void ContactStore::lay_out_renewed(const BodyStore& b, PairTable& table) {
+void ContactStore::lay_out_renewed(PairTable& table) {
   const bool rough = model_.model == Model::rough;
   auto before = lifted_.cbegin();
-  place_pairs(b, table, table.strips.size() - 1, [&](std::uint32_t p, std::uint32_t at) {
+  place_pairs(table, table.strips.size() - 1, [&](std::uint32_t p, std::uint32_t at) {
     const std::uint32_t i = table.owner[p], j = table.other[p];
     if (p >= table.renewed_begin) {
       while (before != lifted_.cend() && (before->owner != i ? before->owner < i : before->other < j)) ++before;
     }
     const bool known = before != lifted_.cend() && before->owner == i && before->other == j;
-    const float l = known ? before->impulse : 0.0f;
-    impulse[at] = l > 0 ? l : 0.0f;
+    impulse[at] = known ? pressing(before->impulse) : 0.0f;
     if (rough) friction[at] = known ? before->friction : 0.0f;
     if (known) ++before;
   });
 }
 
-void ContactStore::renew(const BodyStore& b, const StaticShapes& statics, const Material& wall, bool static_contacts,
-                         PairTable& table, WorkerPool& pool) {
+void ContactStore::renew(bool static_contacts, PairTable& table) {
   const std::size_t last = table.strips.size() - 1;
   colour_.reserve_loosely(table.pair_room);
-  table.strips[last].loaded = loads_->any() && is_loaded(table, last);
+  table.strips[last].loaded = loads_.any() && is_loaded(table, last);
   colour_strip(table, last);
   if (static_contacts) swap_statics();
   place_strips(table);
   make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{static_blocks_} * kBlock);
-  lay_out_renewed(b, table);
+  lay_out_renewed(table);
   if (static_contacts) {
     const TouchMemory none;
-    pool.run(table.strips.size(), [&](std::size_t strip) {
-      lay_out_statics(b, statics, wall, table, none, strip, [](const StaticPair& pair) { return pair.contact; });
+    pool_.run(table.strips.size(), [&](std::size_t strip) {
+      lay_out_statics(table, none, strip, [](const StaticPair& pair) { return pair.contact; });
     });
   }
   ++builds_;
 }
 
 // Writes all numbers of a static contact into its lane but normal and impulses.
-void ContactStore::fill_static(const BodyStore& b, const StaticShapes& statics, const Material& wall,
-                               const StaticPair& pair, std::size_t lane) {
-  s_body[lane] = numbers_->number(pair.body);
+void ContactStore::fill_static(const StaticPair& pair, std::size_t lane) {
+  s_body[lane] = numbers_.number(pair.body);
   s_shape[lane] = pair.shape;
-  const BodyProperties& properties = b.properties(b.id[pair.body]);
+  const BodyProperties& properties = b_.properties(b_.id[pair.body]);
   const bool is_wall = pair.shape >= kWallLeft;
-  const float we = is_wall ? static_cast<float>(wall.restitution) : statics[pair.shape].restitution;
-  const float wm = is_wall ? static_cast<float>(wall.friction) : statics[pair.shape].friction;
+  const float we = is_wall ? static_cast<float>(wall_.restitution) : statics_[pair.shape].restitution;
+  const float wm = is_wall ? static_cast<float>(wall_.friction) : statics_[pair.shape].friction;
   if (model_.bounce) s_e[lane] = std::max(properties.restitution, we);
   if (model_.model == Model::plain) return;
   s_wb[lane] = properties.inv_mass;
@@ -288,83 +296,60 @@ void ContactStore::pad_static(std::size_t lane, std::uint32_t dummy) {
 
 // before(pair) gives the lane that a static contact had, or kNoLane.
 template <class Before>
-void ContactStore::lay_out_statics(const BodyStore& b, const StaticShapes& statics, const Material& wall,
-                                   PairTable& table, const TouchMemory& recent, std::size_t index,
+void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t index,
                                    const Before& lane_before) {
   std::vector<StaticPair>& list = table.static_contacts[index];
   if (list.empty()) return;
   const Strip& s = table.strips[index];
   const Counts& counts = static_counts_[index];
-  const auto dummy = numbers_->dummies() + 2 * static_cast<std::uint32_t>(index);
+  const auto dummy = numbers_.dummies() + 2 * static_cast<std::uint32_t>(index);
   Counts next = Layout(counts, s.static_begin, s.loaded).begin;
   pad(counts, next, [&](std::uint32_t lane) { pad_static(lane, dummy); });
-  std::uint32_t last = kNoSlot, sequence = 0;
-  for (StaticPair& pair : list) {
-    sequence = pair.body == last ? sequence + 1 : 0;
-    last = pair.body;
-    const std::uint32_t c = static_class(s, pair.body, sequence);
+  each_static(s, list, [&](StaticPair& pair, std::uint32_t c) {
     const std::uint32_t at = next[c];
     next[c] += c < kColours ? 1 : kBlock;
     const std::uint32_t before = lane_before(pair);
+    const auto kept = [&](const Column<float>& old) { return before == kNoLane ? 0.0f : old[before]; };
     pair.contact = at;
-    fill_static(b, statics, wall, pair, at);
-    const float l = before == kNoLane ? 0.0f : old_s_impulse_[before];
-    s_impulse[at] = l > 0 ? l : 0.0f;
+    fill_static(pair, at);
+    s_impulse[at] = pressing(kept(old_s_impulse_));
     // The narrow phase keeps a pressed contact on the side where it was.
-    s_nx[at] = before == kNoLane ? 0.0f : old_s_nx_[before];
-    s_ny[at] = before == kNoLane ? 0.0f : old_s_ny_[before];
-    if (rough()) s_friction[at] = before == kNoLane ? 0.0f : old_s_friction_[before];
-    if (before == kNoLane && !recent.empty()) recall_static(b, statics, recent, pair, at);
-  }
+    s_nx[at] = kept(old_s_nx_);
+    s_ny[at] = kept(old_s_ny_);
+    if (rough()) s_friction[at] = kept(old_s_friction_);
+    if (before == kNoLane && !recent.empty()) recall_static(recent, pair, at);
+  });
 }
 
 // Gives a new contact the impulse that it had before one of its sides fell asleep or woke.
-void ContactStore::recall_static(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent,
-                                 const StaticPair& pair, std::size_t lane) {
-  const bool asleep = pair.shape < kWallLeft && statics[pair.shape].asleep;
-  const std::uint32_t id = b.id[pair.body];
+void ContactStore::recall_static(const TouchMemory& recent, const StaticPair& pair, std::size_t lane) {
+  const bool asleep = pair.shape < kWallLeft && statics_[pair.shape].asleep;
+  const std::uint32_t id = b_.id[pair.body];
   const Touch* touch =
-      recent.find(asleep ? TouchKey::bodies(id, statics[pair.shape].owner) : TouchKey::fixed(id, pair.shape));
+      recent.find(asleep ? TouchKey::bodies(id, statics_[pair.shape].owner) : TouchKey::fixed(id, pair.shape));
   if (touch == nullptr) return;
-  const float unit = touch->times(model_.model == Model::plain, b.properties(id).mass);
+  const float unit = touch->times(model_.model == Model::plain, b_.properties(id).mass);
   s_impulse[lane] = unit * touch->impulse[0];
   if (rough()) s_friction[lane] = unit * touch->friction[0];
 }
 
-void ContactStore::begin(const BodyStore& b, const SolverBodies& numbers, ContactModel model,
-                         const BodyProperties* alike, const HeavyLoads& loads, PairTable& table, WorkerPool& pool) {
-  if (model != model_) {  // columns that the new model does not read give their memory back
-    if (model.model != Model::rough) {
-      for (Column<float>* c :
-           {&mu, &friction, &old_friction_, &tmass, &qa, &qb, &s_mu, &s_friction, &old_s_friction_, &s_tmass, &s_qb}) {
-        c->release();
-      }
-    }
-    if (model.model == Model::plain) {
-      for (Column<float>* c : {&mass, &wa, &wb, &s_mass, &s_wb}) c->release();
-    }
-    if (!model.bounce) {
-      for (Column<float>* c : {&e, &impact, &start, &s_e, &s_impact, &s_start}) c->release();
-    }
-    model_ = model;
-  }
+void ContactStore::begin(ContactModel model, const BodyProperties* alike, PairTable& table) {
+  model_ = model;
   alike_ = alike;
-  numbers_ = &numbers;
-  loads_ = &loads;
   const std::size_t strips = table.strips.size();
   counts_.resize(std::max(counts_.size(), strips));
   static_counts_.resize(counts_.size());
-  used_.reserve(kernels::round_up_block(b.count));
+  used_.reserve(kernels::round_up_block(b_.count));
   colour_.reserve_loosely(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
   for (Strip& s : table.strips) s.loaded = false;
-  if (loads.any()) {
-    pool.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
+  if (loads_.any()) {
+    pool_.run(strips, [&](std::size_t k) { table.strips[k].loaded = is_loaded(table, k); });
   }
 }
 
-void ContactStore::colour(const PairTable& table, std::size_t begin, std::size_t end, WorkerPool& pool) {
-  run_phases(table.strips.size(), begin, end, pool, [&](std::size_t strip) { colour_strip(table, strip); });
+void ContactStore::colour(const PairTable& table, std::size_t begin, std::size_t end) {
+  run_phases(table.strips.size(), begin, end, pool_, [&](std::size_t strip) { colour_strip(table, strip); });
 }
 
 // Finds out which blocks each strip has.
@@ -375,12 +360,7 @@ void ContactStore::place_strips(PairTable& table) {
     Strip& s = table.strips[k];
     Counts& static_contacts = static_counts_[k];
     static_contacts.fill(0);
-    std::uint32_t last = kNoSlot, sequence = 0;
-    for (const StaticPair& pair : table.static_contacts[k]) {
-      sequence = pair.body == last ? sequence + 1 : 0;
-      last = pair.body;
-      ++static_contacts[static_class(s, pair.body, sequence)];
-    }
+    each_static(s, table.static_contacts[k], [&](const StaticPair&, std::uint32_t c) { ++static_contacts[c]; });
     const Layout pairs(counts_[k], pair_blocks_, s.loaded), fixed(static_contacts, static_blocks_, s.loaded);
     s.block_begin = pair_blocks_;
     s.loaded_begin = pairs.loaded;
@@ -388,10 +368,8 @@ void ContactStore::place_strips(PairTable& table) {
     s.static_begin = static_blocks_;
     s.static_loaded_begin = fixed.loaded;
     s.static_end = static_blocks_ = fixed.end;
-    s.colours = 0;
-    for (std::uint32_t c = 0; c < kColours; ++c) {
-      if (counts_[k][c] != 0) s.colours = c + 1;
-    }
+    s.colours = kColours;
+    while (s.colours != 0 && counts_[k][s.colours - 1] == 0) --s.colours;
     colours_ = std::max(colours_, s.colours);
     pair_count_ += s.pair_end - s.pair_begin;
     static_count_ += table.static_contacts[k].size();
@@ -400,18 +378,17 @@ void ContactStore::place_strips(PairTable& table) {
   }
 }
 
-void ContactStore::lay_out(const BodyStore& b, const StaticShapes& statics, const Material& wall, PairTable& table,
-                           const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
-                           std::size_t begin, std::size_t end, WorkerPool& pool) {
+void ContactStore::lay_out(PairTable& table, const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
+                           std::size_t begin, std::size_t end) {
   if (begin == 0) {
     place_strips(table);
     swap_impulses();
     laying_ = true;
     make_room(std::size_t{pair_blocks_} * kBlock, std::size_t{static_blocks_} * kBlock);
   }
-  pool.run(end - begin, [&](std::size_t n) {
-    lay_out_strip(b, table, old, from, recent, begin + n);
-    lay_out_statics(b, statics, wall, table, recent, begin + n, [&](const StaticPair& pair) {
+  pool_.run(end - begin, [&](std::size_t n) {
+    lay_out_strip(table, old, from, recent, begin + n);
+    lay_out_statics(table, recent, begin + n, [&](const StaticPair& pair) {
       return find_static(old, from != nullptr ? from[pair.body] : pair.body, pair.shape);
     });
   });

@@ -9,10 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/column.h"
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
+#include "bodies/surroundings.h"
 #include "contacts/contact_model.h"
 #include "contacts/solver_bodies.h"
 #include "contacts/touch_memory.h"
@@ -24,42 +21,56 @@
 namespace psim {
 
 class ContactStore {
+  const BodyStore& b_;
+  const StaticShapes& statics_;
+  WorkerPool& pool_;
+  const Material& wall_;
+  const SolverBodies& numbers_;
+  const HeavyLoads& loads_;
+  MemoryMeter& meter_;  // stands before the columns, which take it
+
  public:
   template <class A>
   void describe(A& a);  ///< for saved states
   const ContactModel& model() const { return model_; }
 
-  explicit ContactStore(MemoryMeter& meter);
+  ContactStore(const Surroundings& s, const Material& wall, const SolverBodies& numbers, const HeavyLoads& loads)
+      : b_(s.bodies),
+        statics_(s.statics),
+        pool_(s.pool),
+        wall_(wall),
+        numbers_(numbers),
+        loads_(loads),
+        meter_(s.memory) {}
 
   /// A layout in parts, since a step may be spread over frames: begin(), then colour() and lay_out(), each for strips
   /// [begin, end) from the first strip to the last; accept() ends it. Impulses are carried over from the `old` table;
   /// `from` maps new slots to old ones (null: they are the same). `alike` are the properties of all moving bodies, if
   /// they agree. Contacts of bodies in `loads` come last in their strip. `recent` has the impulses of contacts whose
   /// sides fell asleep or woke. O(pairs).
-  void begin(const BodyStore& bodies, const SolverBodies& numbers, ContactModel model, const BodyProperties* alike,
-             const HeavyLoads& loads, PairTable& table, WorkerPool& pool);
-  void colour(const PairTable& table, std::size_t begin, std::size_t end, WorkerPool& pool);
-  void lay_out(const BodyStore& bodies, const StaticShapes& statics, const Material& wall, PairTable& table,
-               const PairTable& old, const std::uint32_t* from, const TouchMemory& recent, std::size_t begin,
-               std::size_t end, WorkerPool& pool);
+  void begin(ContactModel model, const BodyProperties* alike, PairTable& table);
+  void colour(const PairTable& table, std::size_t begin, std::size_t end);
+  void lay_out(PairTable& table, const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
+               std::size_t begin, std::size_t end);
   /// The last strip gets other pairs when bodies are renewed (renewal.h): first lift() takes the impulses of its pairs,
   /// then renew() colours the new ones and lays them out with these impulses. With `static_contacts`, contacts with
   /// fixed shapes are laid out, too; StaticPair::contact is the lane that each had. All other contacts stay. O(pairs of
   /// the strip + strips + static contacts).
   void lift(const PairTable& table);
-  void renew(const BodyStore& bodies, const StaticShapes& statics, const Material& wall, bool static_contacts,
-             PairTable& table, WorkerPool& pool);
+  void renew(bool static_contacts, PairTable& table);
   /// Swaps the impulses of the old table and of the new one, as far as it is laid out. Both exist until accept() or
   /// give_up().
-  void turn_back();
-  void accept();                       ///< the new impulses count from now on
+  void turn_back() {
+    if (laying_) swap_impulses();
+  }
+  void accept() {  ///< the new impulses count from now on
+    if (laying_) ++builds_;
+    laying_ = false;
+  }
   void give_up() { laying_ = false; }  ///< the impulses that are in place count
 
   /// Makes room for so many contacts, which are laid out later.
   void spare(std::size_t pairs, std::size_t static_contacts);
-
-  /// Forgets all impulses, since the model changed or the lists belong to another state of the world.
-  void forget();
 
   kernels::ContactView pairs();
   kernels::StaticContactView static_contacts();
@@ -86,12 +97,15 @@ class ContactStore {
   void set_builds(std::uint64_t builds) { builds_ = builds; }
 
   // Pair contacts, by lane.
-  Column<std::uint32_t> body;  ///< two numbers a lane, see SolverBodies
-  Column<float> nx, ny, gap, rsum, impulse, mass, wa, wb, mu, friction, tmass, qa, qb, e, impact, start;
+  Column<std::uint32_t> body{meter_};  ///< two numbers a lane, see SolverBodies
+  Column<float> nx{meter_}, ny{meter_}, gap{meter_}, rsum{meter_}, impulse{meter_}, mass{meter_}, wa{meter_},
+      wb{meter_}, mu{meter_}, friction{meter_}, tmass{meter_}, qa{meter_}, qb{meter_}, e{meter_}, impact{meter_},
+      start{meter_};
   // Static contacts, by lane.
-  Column<std::uint32_t> s_body, s_shape;
-  Column<float> s_nx, s_ny, s_gap, s_base_x, s_base_y, s_rsum, s_refresh, s_impulse, s_mass, s_wb, s_mu, s_friction,
-      s_tmass, s_qb, s_e, s_impact, s_start;
+  Column<std::uint32_t> s_body{meter_}, s_shape{meter_};
+  Column<float> s_nx{meter_}, s_ny{meter_}, s_gap{meter_}, s_base_x{meter_}, s_base_y{meter_}, s_rsum{meter_},
+      s_refresh{meter_}, s_impulse{meter_}, s_mass{meter_}, s_wb{meter_}, s_mu{meter_}, s_friction{meter_},
+      s_tmass{meter_}, s_qb{meter_}, s_e{meter_}, s_impact{meter_}, s_start{meter_};
 
  private:
   // The colours of pairs. A body with more partners overflows into blocks of one lane. Contacts under heavy loads have
@@ -106,21 +120,20 @@ class ContactStore {
   void place_strips(PairTable& table);
   void swap_impulses();
   void swap_statics();
-  void lay_out_strip(const BodyStore& bodies, PairTable& table, const PairTable& old, const std::uint32_t* from,
-                     const TouchMemory& recent, std::size_t strip);
-  void lay_out_renewed(const BodyStore& bodies, PairTable& table);
+  void lay_out_strip(PairTable& table, const PairTable& old, const std::uint32_t* from, const TouchMemory& recent,
+                     std::size_t strip);
+  void lay_out_renewed(PairTable& table);
   template <class Each>
-  void place_pairs(const BodyStore& bodies, PairTable& table, std::size_t strip, const Each& each);
+  void place_pairs(PairTable& table, std::size_t strip, const Each& each);
   template <class Before>
-  void lay_out_statics(const BodyStore& bodies, const StaticShapes& statics, const Material& wall, PairTable& table,
-                       const TouchMemory& recent, std::size_t strip, const Before& before);
-  void fill_pair(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, std::size_t lane);
+  void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const Before& before);
+  void fill_pair(std::uint32_t a, std::uint32_t b, std::size_t lane);
   void pad_pair(std::size_t lane, std::uint32_t dummy);
-  void fill_static(const BodyStore& bodies, const StaticShapes& statics, const Material& wall, const StaticPair& pair,
-                   std::size_t lane);
+  void fill_static(const StaticPair& pair, std::size_t lane);
   void pad_static(std::size_t lane, std::uint32_t dummy);
-  void recall_static(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent,
-                     const StaticPair& pair, std::size_t lane);
+  void recall_static(const TouchMemory& recent, const StaticPair& pair, std::size_t lane);
+  template <class List, class Each>
+  void each_static(const Strip& s, List& list, const Each& each) const;
   template <class Each>
   void pad(const Counts& counts, const Counts& begin, const Each& each);
   bool is_loaded(const PairTable& table, std::size_t strip) const;
@@ -129,13 +142,12 @@ class ContactStore {
 
   ContactModel model_;
   const BodyProperties* alike_ = nullptr;
-  const SolverBodies* numbers_ = nullptr;
-  const HeavyLoads* loads_ = nullptr;
-  Column<std::uint32_t> used_;   // by slot: the colours that are taken
-  Column<std::uint8_t> colour_;  // by pair
-  std::vector<Counts> counts_;   // by strip
+  Column<std::uint32_t> used_{meter_};   // by slot: the colours that are taken
+  Column<std::uint8_t> colour_{meter_};  // by pair
+  std::vector<Counts> counts_;           // by strip
   std::vector<Counts> static_counts_;
-  Column<float> old_impulse_, old_friction_, old_s_impulse_, old_s_friction_, old_s_nx_, old_s_ny_;
+  Column<float> old_impulse_{meter_}, old_friction_{meter_}, old_s_impulse_{meter_}, old_s_friction_{meter_},
+      old_s_nx_{meter_}, old_s_ny_{meter_};
   std::uint32_t pair_blocks_ = 0, static_blocks_ = 0, colours_ = 0;
   std::uint64_t pair_count_ = 0, static_count_ = 0, loaded_blocks_ = 0, builds_ = 0;
   struct Lifted {  // the impulses of a pair of the last strip
@@ -145,5 +157,12 @@ class ContactStore {
   std::vector<Lifted> lifted_;
   bool laying_ = false;  // the impulses of the last step are in the old columns
 };
+
+/// The narrow phase of discs, at the start of a step: fills nx and ny and gap of every lane of `contacts`, and base and
+/// refresh of static contacts, from lattice positions. `refresh` is the sideways motion, m, after which a normal is
+/// computed anew within the step. A kernel computes pairs of discs; contacts with walls, segments and fixed discs are
+/// computed one by one. O(candidates).
+void narrow_phase(const Surroundings& s, SolverBodies& solved, const Walls& walls, float refresh,
+                  const PairTable& table, ContactStore& contacts);
 
 }  // namespace psim

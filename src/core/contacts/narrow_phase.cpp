@@ -1,24 +1,23 @@
-#include "contacts/narrow_phase.h"
-
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "contacts/softness.h"
+#include "contacts/contact_store.h"
 
 namespace psim {
 namespace {
 
 class StaticGeometry {
  public:
-  StaticGeometry(const BodyStore& b, const StaticShapes& statics, const Walls& walls, const Lattice& lattice,
-                 float refresh, ContactStore& c)
-      : b_(b),
-        statics_(statics),
+  StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, ContactStore& c)
+      : b_(s.bodies),
+        statics_(s.statics),
         walls_(walls),
+        lattice_(s.lattice),
         c_(c),
-        px_(lattice.pitch_x()),
-        py_(lattice.pitch_y()),
+        px_(lattice_.pitch_x()),
+        py_(lattice_.pitch_y()),
         refresh_(refresh) {}
 
   /// Sees to all contacts of one body: list[begin..end).
@@ -50,7 +49,7 @@ class StaticGeometry {
       }
     }
     const StaticShape& s = statics_[pair.shape];
-    standing(pair, s, x, y, r);
+    standing(pair, s, r);
     if (s.asleep) yield(pair, s);
   }
 
@@ -63,30 +62,28 @@ class StaticGeometry {
     c_.s_refresh[at] = std::numeric_limits<float>::infinity();
   }
 
-  void standing(const StaticPair& pair, const StaticShape& s, std::int32_t x, std::int32_t y, float r) {
-    const double ax = wrap_sub(x, s.p.x) * px_ - static_cast<double>(s.p.dx);
-    const double ay = wrap_sub(y, s.p.y) * py_ - static_cast<double>(s.p.dy);
-    if (!s.segment) return round(pair, ax, ay, s.radius, r);
-    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
-    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
-    const double uu = ux * ux + uy * uy;
-    const double along = ax * ux + ay * uy;
+  void standing(const StaticPair& pair, const StaticShape& s, float r) {
+    const Vec2 a = from_start(pair, s);
+    if (!s.segment) return round(pair, a.x, a.y, s.radius, r);
+    const Vec2 u = lattice_.way(s.p, s.q);
+    const double uu = u.x * u.x + u.y * u.y;
+    const double along = a.x * u.x + a.y * u.y;
     if (along < 0 || along > uu) {
       ++corners_;
-      if (along < 0) return round(pair, ax, ay, s.radius, r);
-      return round(pair, ax - ux, ay - uy, s.radius, r);
+      if (along < 0) return round(pair, a.x, a.y, s.radius, r);
+      return round(pair, a.x - u.x, a.y - u.y, s.radius, r);
     }
     const double length = std::sqrt(uu);
-    const double side = (ux * ay - uy * ax) / length;  // left of p->q is positive
+    const double side = (u.x * a.y - u.y * a.x) / length;  // left of p->q is positive
     double sign = side < 0 || s.face ? -1 : 1;
     if (s.face && side > 0) ++inside_;
     // A disc that its neighbours press through a thin segment still counts on the side from which it came.
     const std::uint32_t at = pair.contact;
     if (c_.s_impulse[at] > 0 && !s.face) {
-      const double was = static_cast<double>(c_.s_nx[at]) * -uy + static_cast<double>(c_.s_ny[at]) * ux;
+      const double was = static_cast<double>(c_.s_nx[at]) * -u.y + static_cast<double>(c_.s_ny[at]) * u.x;
       if (was != 0) sign = was < 0 ? -1 : 1;
     }
-    face(pair, static_cast<float>(-uy / length * sign), static_cast<float>(ux / length * sign),
+    face(pair, static_cast<float>(-u.y / length * sign), static_cast<float>(u.x / length * sign),
          static_cast<float>(side * sign) - (r + s.radius));
   }
 
@@ -177,15 +174,17 @@ class StaticGeometry {
 
   bool is_face(const StaticPair& pair) const { return pair.shape < kWallLeft && statics_[pair.shape].face; }
 
+  // The vector from the start of a shape to the lattice point of the body, m.
+  Vec2 from_start(const StaticPair& pair, const StaticShape& s) const {
+    const std::size_t i = pair.body;
+    return lattice_.way(s.p, {b_.pos[2 * i], b_.pos[2 * i + 1], 0, 0});
+  }
+
   // How far the centre of a body lies outside of the line of an edge, m.
   double outside(const StaticPair& pair) const {
     const StaticShape& s = statics_[pair.shape];
-    const std::size_t i = pair.body;
-    const double ax = wrap_sub(b_.pos[2 * i], s.p.x) * px_ - static_cast<double>(s.p.dx);
-    const double ay = wrap_sub(b_.pos[2 * i + 1], s.p.y) * py_ - static_cast<double>(s.p.dy);
-    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
-    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
-    return (uy * ax - ux * ay) / std::sqrt(ux * ux + uy * uy);
+    const Vec2 a = from_start(pair, s), u = lattice_.way(s.p, s.q);
+    return (u.y * a.x - u.x * a.y) / length_of(u);
   }
 
   // Another contact counts in place of this one.
@@ -206,16 +205,15 @@ class StaticGeometry {
     const std::size_t i = pair.body;
     const double ax = x + wrap_sub(b_.pos[2 * i], s.p.x) * px_ - static_cast<double>(s.p.dx);
     const double ay = y + wrap_sub(b_.pos[2 * i + 1], s.p.y) * py_ - static_cast<double>(s.p.dy);
-    const double ux = wrap_sub(s.q.x, s.p.x) * px_ + (static_cast<double>(s.q.dx) - static_cast<double>(s.p.dx));
-    const double uy = wrap_sub(s.q.y, s.p.y) * py_ + (static_cast<double>(s.q.dy) - static_cast<double>(s.p.dy));
-    const double t = std::fmin(std::fmax((ax * ux + ay * uy) / (ux * ux + uy * uy), 0), 1);
-    const double dx = ax - t * ux, dy = ay - t * uy;
-    return std::sqrt(dx * dx + dy * dy);
+    const Vec2 u = lattice_.way(s.p, s.q);
+    const double t = std::fmin(std::fmax((ax * u.x + ay * u.y) / (u.x * u.x + u.y * u.y), 0), 1);
+    return length_of({ax - t * u.x, ay - t * u.y});
   }
 
   const BodyStore& b_;
   const StaticShapes& statics_;
   const Walls& walls_;
+  const Lattice& lattice_;
   ContactStore& c_;
   double px_, py_;
   float refresh_;
@@ -224,20 +222,21 @@ class StaticGeometry {
 
 }  // namespace
 
-void narrow_phase(BodyStore& b, SolverBodies& solved, const StaticShapes& statics, const Walls& walls,
-                  const Lattice& lattice, float refresh, PairTable& table, ContactStore& contacts,
-                  const kernels::KernelTable& k, WorkerPool& pool) {
-  solved.load(b, pool);
-  const kernels::BodyView bodies = solved.view(b);
+void narrow_phase(const Surroundings& s, SolverBodies& solved, const Walls& walls, float refresh,
+                  const PairTable& table, ContactStore& contacts) {
+  solved.load();
+  const kernels::BodyView bodies = solved.view();
   const kernels::ContactView pairs = contacts.pairs();
   kernels::ContactParams p;
-  p.pitch_x = static_cast<float>(lattice.pitch_x());
-  p.pitch_y = static_cast<float>(lattice.pitch_y());
-  pool.run(table.strips.size(), [&](std::size_t index) {
-    const Strip& s = table.strips[index];
-    if (s.block_begin != s.block_end) k.prepare(bodies, pairs, p, s.block_begin, s.block_end);
+  p.pitch_x = static_cast<float>(s.lattice.pitch_x());
+  p.pitch_y = static_cast<float>(s.lattice.pitch_y());
+  s.pool.run(table.strips.size(), [&](std::size_t index) {
+    const Strip& strip = table.strips[index];
+    if (strip.block_begin != strip.block_end) {
+      s.kernels.prepare(bodies, pairs, p, strip.block_begin, strip.block_end);
+    }
     const std::vector<StaticPair>& list = table.static_contacts[index];
-    StaticGeometry geometry(b, statics, walls, lattice, refresh, contacts);
+    StaticGeometry geometry(s, walls, refresh, contacts);
     for (std::size_t begin = 0; begin < list.size();) {
       std::size_t end = begin + 1;
       while (end < list.size() && list[end].body == list[begin].body) ++end;

@@ -7,10 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/column.h"
 #include "base/tasks.h"
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
+#include "bodies/surroundings.h"
 #include "lists/pair_table.h"
 
 namespace psim {
@@ -20,29 +18,22 @@ class SolverBodies {
   template <class A>
   void describe(A& a);  ///< for saved states
 
-  explicit SolverBodies(MemoryMeter& meter)
-      : number_(meter),
-        slot_(meter),
-        pos_(meter),
-        vel_(meter),
-        disp_(meter),
-        vel0_(meter),
-        spin_(meter),
-        spin0_(meter),
-        event_time_(meter),
-        linked_(meter) {}
+  explicit SolverBodies(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 
   /// Chooses the bodies for the lists of `table`: copies of the linked ones, numbered in the order of their slots, if
   /// `compact` and there are few enough; else all bodies as they stand. `extra` records beyond them stay at rest for
   /// padding lanes.
-  void choose(BodyStore& bodies, const PairTable& table, bool compact, bool impacts, WorkerPool& pool);
+  void choose(const PairTable& table, bool compact, bool impacts);
 
   /// Makes room for copies of so many bodies.
-  void spare(std::size_t bodies, bool turning, bool impacts);
+  void spare(std::size_t bodies, bool turning, bool impacts) {
+    number_.reserve(kernels::round_up_block(bodies));
+    make_room(bodies, turning, impacts);
+  }
 
   /// Copies places and motion in before the solver, and motion out after it. Does nothing if not compact.
-  void load(const BodyStore& bodies, WorkerPool& pool);
-  void store(BodyStore& bodies, WorkerPool& pool) const;
+  void load();
+  void store() const;
 
   /// The number that the solver uses for a slot.
   std::uint32_t number(std::uint32_t slot) const { return compact_ ? number_[slot] : slot; }
@@ -55,30 +46,40 @@ class SolverBodies {
   bool compact() const { return compact_; }
 
   /// Gives the columns of rotation or of impact times back where they are not wanted any more.
-  void forget(bool rotation, bool impacts);
-  std::size_t rotation_bytes() const { return spin_.bytes() + spin0_.bytes(); }
+  void forget(bool rotation, bool impacts) {
+    if (rotation) {
+      rim_speed_.release();
+      rim_speed0_.release();
+    }
+    if (impacts) event_time_.release();
+  }
+  std::size_t rotation_bytes() const { return rim_speed_.bytes() + rim_speed0_.bytes(); }
   std::size_t impact_bytes() const { return event_time_.bytes(); }
 
-  kernels::BodyView view(BodyStore& bodies);
+  kernels::BodyView view();
 
  private:
   template <bool kTurns>
-  void load_range(const BodyStore& bodies, BlockRange range);
+  void load_range(BlockRange range);
   template <bool kTurns>
-  void store_range(BodyStore& bodies, BlockRange range) const;
-  void take_all(BodyStore& bodies, std::size_t strips, bool impacts);
+  void store_range(BlockRange range) const;
+  void take_all(std::size_t strips, bool impacts);
   void make_room(std::size_t all, bool turning, bool impacts);
   // The columns are missing if the first body that turns came after the copies were chosen.
-  bool turns(const BodyStore& b) const { return !b.rim_speed.empty() && !spin_.empty(); }
-  void count_linked(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
+  bool turns() const { return !b_.rim_speed.empty() && !rim_speed_.empty(); }
+  void count_linked(const PairTable& table);
 
+  BodyStore& b_;
+  WorkerPool& pool_;
+  MemoryMeter& meter_;
   bool compact_ = false;
   std::uint32_t count_ = 0;
-  Column<std::uint32_t> number_;  ///< by slot
-  Column<std::uint32_t> slot_;    ///< by number
-  Column<std::int32_t> pos_;
-  Column<float> vel_, disp_, vel0_, spin_, spin0_, event_time_;
-  Column<std::uint8_t> linked_;
+  Column<std::uint32_t> number_{meter_};  ///< by slot
+  Column<std::uint32_t> slot_{meter_};    ///< by number
+  Column<std::int32_t> pos_{meter_};
+  Column<float> vel_{meter_}, disp_{meter_}, vel0_{meter_}, rim_speed_{meter_}, rim_speed0_{meter_},
+      event_time_{meter_};
+  Column<std::uint8_t> linked_{meter_};
   std::vector<std::uint32_t> strip_begin_;
 };
 

@@ -236,10 +236,7 @@ void ListRenewal::put_statics(PairTable& table) {
     std::vector<StaticPair>& list = table.static_contacts[table.strip_of(slot)];
     mine_.clear();
     for (; near != near_.cend() && near->body == slot; ++near) mine_.push_back(*near);
-    const auto begin = std::lower_bound(list.begin(), list.end(), slot,
-                                        [](const StaticPair& s, std::uint32_t body) { return s.body < body; });
-    auto end = begin;
-    while (end != list.end() && end->body == slot) ++end;
+    const auto [begin, end] = std::ranges::equal_range(list, slot, {}, &StaticPair::body);
     bool same = static_cast<std::size_t>(end - begin) == mine_.size();
     for (std::size_t n = 0; n < mine_.size(); ++n) {
       StaticPair& mine = mine_[n];

@@ -13,8 +13,15 @@
 namespace psim {
 
 struct Contacts {
-  explicit Contacts(MemoryMeter& meter) : solved(meter), loads(meter), discs(meter), manifolds(meter) {}
+  Contacts(const Surroundings& s, const Material& wall)
+      : surroundings(s), solved(s), loads(s.memory), discs(s, wall, solved, loads), manifolds(s.memory) {}
 
+  /// Normals and gaps of the contacts of discs.
+  void find_gaps(const Walls& walls, float refresh, const PairTable& table) {
+    narrow_phase(surroundings, solved, walls, refresh, table, discs);
+  }
+
+  const Surroundings surroundings;
   SolverBodies solved;                   ///< the bodies that the solver works on
   HeavyLoads loads;                      ///< bodies that carry much heavier ones
   ContactStore discs;                    ///< contacts of discs with discs and with fixed shapes

@@ -7,6 +7,21 @@
 
 namespace psim {
 
+using kernels::Method;
+
+std::string_view integrator_name(Integrator integrator) {
+  constexpr std::string_view kNames[] = {"verlet", "euler", "rk4", "symplectic4"};
+  const auto number = static_cast<std::size_t>(integrator);
+  return number < std::size(kNames) ? kNames[number] : "?";
+}
+
+std::optional<Integrator> parse_integrator(std::string_view name) {
+  for (const Integrator integrator : kAllIntegrators) {
+    if (name == integrator_name(integrator)) return integrator;
+  }
+  return std::nullopt;
+}
+
 double linear_drag(const std::vector<Field>& fields) {
   double k = 0;
   for (const Field& f : fields) {
@@ -62,19 +77,8 @@ Forces::Forces(const WorldDesc& world, const Lattice& lattice)
     t.fraction = static_cast<std::uint32_t>((power - whole) * 0x1p30) << 2;
     terms_.push_back(t);
   }
-  switch (world.integrator) {
-    case Integrator::verlet:
-      break;
-    case Integrator::euler:
-      method_ = kernels::Method::euler;
-      break;
-    case Integrator::rk4:
-      method_ = kernels::Method::rk4;
-      break;
-    case Integrator::symplectic4:
-      method_ = kernels::Method::symplectic4;
-      break;
-  }
+  constexpr std::optional<Method> kMethodOf[] = {std::nullopt, Method::euler, Method::rk4, Method::symplectic4};
+  method_ = kMethodOf[static_cast<std::size_t>(world.integrator)];
 }
 
 kernels::FieldParams Forces::params(double h) const {
@@ -91,7 +95,7 @@ kernels::FieldParams Forces::params(double h) const {
   p.fade = std::exp(-linear_ * h);
   p.half_fade = std::exp(-linear_ * h / 2);
   p.fade_span = linear_ > 0 ? -std::expm1(-linear_ * h) / linear_ : h;
-  p.smooth = method_ == kernels::Method::euler ? -1 : 4 * h * h;
+  p.smooth = method_ == Method::euler ? -1 : 4 * h * h;
   return p;
 }
 
@@ -112,20 +116,20 @@ void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
   });
 }
 
-void move_rests(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
+void move_remainders(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
   const std::uint32_t blocks = b.blocks();
-  for (Column<float>* rest : {&b.vel_remainder, &b.disp_remainder}) {
-    if (rest->empty()) continue;
-    b.spare.reserve(rest->capacity());
+  for (Column<float>* column : {&b.vel_remainder, &b.disp_remainder}) {
+    if (column->empty()) continue;
+    b.spare.reserve(column->capacity());
     pool.run(stream_tasks(blocks), [&](std::size_t t) {
       const BlockRange r = stream_range(t, blocks);
       for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
         for (std::size_t axis = 0; axis < 2; ++axis) {
-          b.spare[2 * std::size_t{i} + axis] = i < b.count ? (*rest)[2 * std::size_t{from[i]} + axis] : 0.0f;
+          b.spare[2 * std::size_t{i} + axis] = i < b.count ? (*column)[2 * std::size_t{from[i]} + axis] : 0.0f;
         }
       }
     });
-    rest->swap(b.spare);
+    column->swap(b.spare);
   }
 }
 

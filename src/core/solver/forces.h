@@ -47,7 +47,7 @@ class Forces {
 
 /// Moves the remainders of velocities and offsets along with the bodies, after a sort moved these from slot from[i] to
 /// slot i. Padding has no remainders.
-void move_rests(BodyStore& bodies, const std::uint32_t* from, WorkerPool& pool);
+void move_remainders(BodyStore& bodies, const std::uint32_t* from, WorkerPool& pool);
 
 /// Linear drag of all fields, 1/s: part of the damping, integrated exactly.
 double linear_drag(const std::vector<Field>& fields);

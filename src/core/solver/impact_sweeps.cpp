@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "solver/solver_run.h"
 
@@ -29,7 +30,7 @@ double pressing(const BodyStore& b, double gravity) {
 }  // namespace
 
 void Solver::Run::set_floors() {
-  const double pressed = pressing(bodies_, gravity_);
+  const double pressed = pressing(bodies, gravity_);
   for (ContactParams* p : {&pair_, &static_, &loaded_pair_, &loaded_static_}) {
     p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold_));
     p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold_));
@@ -44,14 +45,14 @@ void Solver::Run::impacts() {
   });
   std::atomic<bool> any{true};
   SweepMemory& memory = solver_.sweep_memory_;
-  memory.start(table_.strips.size());
+  memory.start(table.strips.size());
   const std::size_t later = static_cast<std::size_t>(slices_ > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
   std::size_t kind = static_cast<std::size_t>(kernels::Sweep::first);
   const auto sweep_statics = [&](int sweep, bool all) {
     for_statics([&](std::size_t strip, const Strip& s) {
       if (!all && !memory.asks_static(strip, sweep)) return;
-      if (k_.sweep_static[model_][kind](view_, statics_, static_, s.static_begin, s.static_end,
-                                        &solver_.virial_[strip])) {
+      if (kernels.sweep_static[model_][kind](view_, statics_, static_, s.static_begin, s.static_end,
+                                             &solver_.virial_[strip])) {
         memory.static_pair[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
@@ -68,7 +69,7 @@ void Solver::Run::impacts() {
         sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices_) : 1e30f;
     for_pairs([&](std::size_t strip, const Strip& s) {
       if (!memory.asks_pairs(strip, sweep)) return;
-      if (k_.sweep[model_][kind](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
+      if (kernels.sweep[model_][kind](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
         memory.pairs[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
@@ -83,24 +84,22 @@ void Solver::Run::impacts() {
 }
 
 void Solver::Run::spend() {
-  for_pairs([&](std::size_t, const Strip& s) { k_.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end); });
-  for (const bool fixed : {false, true}) {
-    for (const bool loaded : {false, true}) {
-      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-        k_.spend_manifolds[fixed](view_, blocks, begin, end);
-      });
-    }
-  }
+  for_pairs(
+      [&](std::size_t, const Strip& s) { kernels.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end); });
+  for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+    kernels.spend_manifolds[fixed](view_, blocks, begin, end);
+  });
   for_statics([&](std::size_t, const Strip& s) {
-    k_.spend_static[model_](view_, statics_, static_, s.static_begin, s.static_end);
+    kernels.spend_static[model_](view_, statics_, static_, s.static_begin, s.static_end);
   });
 }
 
 // Marks the contacts that the impact sweeps may settle: those with restitution whose bodies both rest on nothing, and
 // those that are fully elastic.
-void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore& c, WorkerPool& pool) {
-  const auto strips = static_cast<std::uint32_t>(table.strips.size());
-  const std::uint32_t bodies = b.dummies() + 2 * strips + 8;
+void Solver::mark_impacts(const SolverInput& in) {
+  ContactStore& c = in.contacts;
+  const auto strips = static_cast<std::uint32_t>(in.table.strips.size());
+  const std::uint32_t bodies = in.solved.dummies() + 2 * strips + 8;
   constexpr std::uint32_t kLine = 64;  // bytes: a strip marks bodies of no other strip in its own cache line
   touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
@@ -112,49 +111,52 @@ void Solver::mark_impacts(const SolverBodies& b, PairTable& table, ContactStore&
     for (std::size_t l = 0; l < 8; ++l) any |= mask_from(impulse[l], kTiniest);
     return any != 0;
   };
+  // Touches the bodies of all contacts of blocks [begin, end) that press, `sides` a contact, or else `nobody`.
+  const auto touch_pressing = [&](const float* impulse, const std::uint32_t* body, auto sides, std::uint32_t nobody,
+                                  std::size_t begin, std::size_t end) {
+    bool any = false;
+    for (std::size_t block = begin; block < end; ++block) {
+      if (!any_presses(impulse + 8 * block)) continue;
+      any = true;
+      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
+        const std::uint32_t presses = mask_from(impulse[k], kTiniest);
+        for (std::size_t side = 0; side < sides; ++side) {
+          touch(nobody ^ ((nobody ^ body[sides * k + side]) & presses));
+        }
+      }
+    }
+    return any;
+  };
+  constexpr std::integral_constant<std::size_t, 1> kOne;
+  constexpr std::integral_constant<std::size_t, 2> kTwo;
   pressing_.assign(strips, 0);
-  pool.run(strips, [&](std::size_t index) {
-    const Strip& s = table.strips[index];
+  in.pool.run(strips, [&](std::size_t index) {
+    const Strip& s = in.table.strips[index];
     const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
-    bool pressing = false;
-    for (std::size_t block = s.block_begin; block < s.block_end; ++block) {
-      if (!any_presses(&c.impulse[8 * block])) continue;
-      pressing = true;
-      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
-        const std::uint32_t presses = mask_from(c.impulse[k], kTiniest);
-        touch(nobody ^ ((nobody ^ c.body[2 * k]) & presses));
-        touch(nobody ^ ((nobody ^ c.body[2 * k + 1]) & presses));
-      }
-    }
-    for (std::size_t block = s.static_begin; block < s.static_end; ++block) {
-      if (!any_presses(&c.s_impulse[8 * block])) continue;
-      pressing = true;
-      for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
-        touch(nobody ^ ((nobody ^ c.s_body[k]) & mask_from(c.s_impulse[k], kTiniest)));
-      }
-    }
-    pressing_[index] = pressing;
+    const bool pairs = touch_pressing(c.impulse.data(), c.body.data(), kTwo, nobody, s.block_begin, s.block_end);
+    const bool fixed = touch_pressing(c.s_impulse.data(), c.s_body.data(), kOne, nobody, s.static_begin, s.static_end);
+    pressing_[index] = pairs || fixed;
   });
   // 0 means that it may be settled; resting is 0 or 1
   const auto mark = [](float e, std::uint32_t resting) {
     const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
   };
-  pool.run(strips, [&](std::size_t index) {
-    const Strip& s = table.strips[index];
-    if (!table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {  // no body of these strips rests
-      for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k)
-        c.impact[k] = mark(c.e[k], 0);
-      for (std::size_t k = std::size_t{s.static_begin} * 8; k < std::size_t{s.static_end} * 8; ++k)
-        c.s_impact[k] = mark(c.s_e[k], 0);
-      return;
-    }
-    for (std::size_t k = std::size_t{s.block_begin} * 8; k < std::size_t{s.block_end} * 8; ++k) {
-      const std::uint32_t resting = touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]];
-      c.impact[k] = mark(c.e[k], resting);
-    }
-    for (std::size_t k = std::size_t{s.static_begin} * 8; k < std::size_t{s.static_end} * 8; ++k) {
-      c.s_impact[k] = mark(c.s_e[k], touched_[c.s_body[k]]);
+  const auto mark_lanes = [&](float* impact, const float* e, std::size_t begin, std::size_t end, const auto& resting) {
+    for (std::size_t k = 8 * begin; k < 8 * end; ++k) impact[k] = mark(e[k], resting(k));
+  };
+  in.pool.run(strips, [&](std::size_t index) {
+    const Strip& s = in.table.strips[index];
+    const auto mark_both = [&](const auto& pair_rests, const auto& body_rests) {
+      mark_lanes(c.impact.data(), c.e.data(), s.block_begin, s.block_end, pair_rests);
+      mark_lanes(c.s_impact.data(), c.s_e.data(), s.static_begin, s.static_end, body_rests);
+    };
+    if (in.table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {
+      mark_both([&](std::size_t k) -> std::uint32_t { return touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]]; },
+                [&](std::size_t k) -> std::uint32_t { return touched_[c.s_body[k]]; });
+    } else {
+      const auto none = [](std::size_t) { return 0u; };
+      mark_both(none, none);
     }
   });
 }

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "base/tasks.h"
-#include "contacts/softness.h"
 #include "solver/solver_run.h"
 
 namespace psim {
@@ -56,21 +55,10 @@ void set_softness(double h, double frequency, float& soft, float& rate) {
 
 }  // namespace
 
-Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table,
-                 ContactStore& contacts, Manifolds& manifolds, Stacks& stacks, JointStore& joints,
-                 const SolverParams& params, const Forces* forces, const KinematicBodies& kinematics,
-                 const kernels::KernelTable& k, WorkerPool& pool)
-    : solver_(solver),
-      bodies_(bodies),
-      solved_(solved),
-      table_(table),
-      manifolds_(manifolds),
-      columns_(stacks),
-      joints_(joints),
-      kinematics_(kinematics),
-      k_(k),
-      pool_(pool),
-      view_(solved.view(bodies)),
+Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& params)
+    : SolverInput(in),
+      solver_(solver),
+      view_(solved.view()),
       pairs_(contacts.pairs()),
       statics_(contacts.static_contacts()),
       h_(params.dt / params.substeps),
@@ -89,20 +77,20 @@ Solver::Run::Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const 
     impact_sweeps_ = params.most_sweeps;
     slices_ = std::min(slices_, std::max(impact_sweeps_ / 2, 1));  // the last sweeps look for all impacts that are left
   }
-  set_motion(params, forces != nullptr);
+  set_motion(params);
   set_contacts(params);
   if (forces) field_ = forces->params(h_);
   const bool drag = field_.quadratic != 0;
-  accelerate_ = k.accelerate[drag];
+  accelerate_ = kernels.accelerate[drag];
   if (varying_ && forces->method()) {
-    advance_ = k.advance[static_cast<std::size_t>(*forces->method())][drag || field_.linear != 0];
+    advance_ = kernels.advance[static_cast<std::size_t>(*forces->method())][drag || field_.linear != 0];
   }
   if (!kinematics.empty()) bodies.find_slots();
   solver.kinematic_at_.resize(std::max(solver.kinematic_at_.size(), 2 * kinematics.size()));
 }
 
 // Sets how a substep kicks, damps and moves bodies.
-void Solver::Run::set_motion(const SolverParams& params, bool has_forces) {
+void Solver::Run::set_motion(const SolverParams& params) {
   stream_.h = static_cast<float>(h_);
   stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
   stream_.damp_remainder = static_cast<float>(std::exp(-params.damping * h_) - static_cast<double>(stream_.damp));
@@ -116,7 +104,7 @@ void Solver::Run::set_motion(const SolverParams& params, bool has_forces) {
   drift_ = stream_;
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
   drift_.h = static_cast<float>(c > 0 ? span / std::exp(-std::fmin(c * h_, kMostDamped)) : h_);
-  drift_.smooth_limit2 = has_forces ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
+  drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
 }
 
 // Sets stiffness and limits of the contacts of discs.
@@ -145,21 +133,20 @@ void Solver::Run::substep(bool first_of_step) {
   if (bounce_) impacts();
   if (advance_) force(advance_);
   kick(first);
-  if (!kinematics_.empty()) hold();
+  if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   solve();
-  if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, true, pool_);
-  if (joined_) joints_.hold(view_, k_, 1, pool_);
+  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, true, pool);
+  if (joined_) joints.hold(view_, kernels, 1, pool);
   drift();
-  if (!kinematics_.empty()) carry_kinematics();
-  if (joined_) joints_.hold(view_, k_, -1, pool_);
-  if (columns_.any()) columns_.solve(view_, manifolds_, pair_, gravity_, false, pool_);
+  if (!kinematics.empty()) carry_kinematics();
+  if (joined_) joints.hold(view_, kernels, -1, pool);
+  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, false, pool);
   relax();
   if (bounce_) spend();
 }
 
-template <class Kernel>
-void Solver::Run::force(Kernel kernel) {
+void Solver::Run::force(FieldPass kernel) {
   const Clock::time_point start = Clock::now();
   for_bodies([&](std::uint32_t begin, std::uint32_t end) { kernel(view_, field_, begin, end); });
   forces_time_ += Clock::now() - start;
@@ -168,7 +155,7 @@ void Solver::Run::force(Kernel kernel) {
 // Applies gravity and, in the later substeps of a frame, the impulses of contacts in the substep before.
 void Solver::Run::kick(bool first) {
   for_bodies([&](std::uint32_t begin, std::uint32_t end) {
-    if (!advance_) (first ? k_.kick_first : k_.kick_again)(view_, stream_, begin, end);
+    if (!advance_) (first ? kernels.kick_first : kernels.kick_again)(view_, stream_, begin, end);
     if (!rough_ && !turns_) return;
     for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
       const float u = view_.rim_speed[i];
@@ -180,19 +167,19 @@ void Solver::Run::kick(bool first) {
 
 // Kinematic bodies keep their velocities; the centre of one that turns about another point goes round.
 void Solver::Run::hold() {
-  for (std::size_t n = 0; n < kinematics_.size(); ++n) {
-    const std::uint32_t id = kinematics_[n].first;
-    const std::size_t i = bodies_.info[id].slot;
-    Vec2 v = kinematics_[n].second;
-    if (!bodies_.rim_speed.empty()) {
-      const double omega = static_cast<double>(bodies_.rim_speed[i]) / static_cast<double>(bodies_.radius[i]);
-      const Vec2 arm = arm_of(bodies_.kind(id), bodies_.angle[i] + omega * h_ / 2);
+  for (std::size_t n = 0; n < kinematics.size(); ++n) {
+    const std::uint32_t id = kinematics[n].first;
+    const std::size_t i = bodies.info[id].slot;
+    Vec2 v = kinematics[n].second;
+    if (!bodies.rim_speed.empty()) {
+      const double omega = static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
+      const Vec2 arm = arm_of(bodies.kind(id), bodies.angle[i] + omega * h_ / 2);
       v = {v.x - omega * arm.y, v.y + omega * arm.x};
     }
-    bodies_.vel[2 * i] = bodies_.vel0[2 * i] = static_cast<float>(v.x);
-    bodies_.vel[2 * i + 1] = bodies_.vel0[2 * i + 1] = static_cast<float>(v.y);
-    solver_.kinematic_at_[2 * n] = bodies_.disp[2 * i];
-    solver_.kinematic_at_[2 * n + 1] = bodies_.disp[2 * i + 1];
+    bodies.vel[2 * i] = bodies.vel0[2 * i] = static_cast<float>(v.x);
+    bodies.vel[2 * i + 1] = bodies.vel0[2 * i + 1] = static_cast<float>(v.y);
+    solver_.kinematic_at_[2 * n] = bodies.disp[2 * i];
+    solver_.kinematic_at_[2 * n + 1] = bodies.disp[2 * i + 1];
   }
 }
 
@@ -200,118 +187,92 @@ void Solver::Run::warm(bool first_of_step) {
   ContactParams warm_pair = pair_, warm_static = static_;
   if (!first_of_step) warm_pair.warm = warm_static.warm = 1;
   for_pairs(
-      [&](std::size_t, const Strip& s) { k_.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end); });
-  for (const bool fixed : {false, true}) {
-    for (const bool loaded : {false, true}) {
-      for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-        k_.warm_manifolds[fixed](view_, blocks, warm_pair.warm, begin, end);
-      });
-    }
-  }
-  for_statics([&](std::size_t, const Strip& s) {
-    k_.warm_static[model_](view_, statics_, warm_static, s.static_begin, s.static_end);
+      [&](std::size_t, const Strip& s) { kernels.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end); });
+  for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+    kernels.warm_manifolds[fixed](view_, blocks, warm_pair.warm, begin, end);
   });
-  if (joined_) joints_.warm(view_, k_, warm_pair.warm, pool_);
+  for_statics([&](std::size_t, const Strip& s) {
+    kernels.warm_static[model_](view_, statics_, warm_static, s.static_begin, s.static_end);
+  });
+  if (joined_) joints.warm(view_, kernels, warm_pair.warm, pool);
+}
+
+// One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with fixed
+// shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
+template <class Pairs, class Statics, class Blocks>
+void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
+  for_pairs(
+      [&](std::size_t, const Strip& s) { pass_pairs[bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin); });
+  const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
+    for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+      pass_blocks[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+    });
+  };
+  pass_manifolds(false, false, false);
+  for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
+    const bool inner = sweep != outer;
+    const std::size_t kind = bounce_ << inner;
+    for_loaded([&](const Strip& s) { pass_pairs[kind](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end); },
+               [&](const Strip& s) {
+                 pass_statics[kind](view_, statics_, loaded_static_, s.static_loaded_begin, s.static_end);
+               });
+    pass_manifolds(false, true, inner);
+    pass_manifolds(true, true, inner);
+  }
+  pass_manifolds(true, false, false);
+  for_statics([&](std::size_t, const Strip& s) {
+    pass_statics[bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
+  });
 }
 
 void Solver::Run::solve() {
-  if (joined_) joints_.solve(view_, k_, pool_);
-  for_pairs([&](std::size_t, const Strip& s) {
-    k_.solve[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
-  });
-  const auto solve_manifolds = [&](bool fixed, bool loaded, bool inner) {
-    for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      k_.solve_manifolds[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
-    });
-  };
-  solve_manifolds(false, false, false);
-  for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
-    const bool inner = sweep != 0;
-    for_loaded(
-        [&](const Strip& s) {
-          k_.solve[model_][bounce_ << inner](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
-        },
-        [&](const Strip& s) {
-          k_.solve_static[model_][bounce_ << inner](view_, statics_, loaded_static_, s.static_loaded_begin,
-                                                    s.static_end);
-        });
-    solve_manifolds(false, true, inner);
-    solve_manifolds(true, true, inner);
-  }
-  solve_manifolds(true, false, false);
-  for_statics([&](std::size_t, const Strip& s) {
-    k_.solve_static[model_][bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
-  });
+  if (joined_) joints.solve(view_, kernels, pool);
+  pass(kernels.solve[model_], kernels.solve_static[model_], kernels.solve_manifolds, 0);
+}
+
+void Solver::Run::relax() {
+  if (joined_) joints.relax(view_, kernels, pool);
+  pass(kernels.relax[model_], kernels.relax_static[model_], kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 
 void Solver::Run::drift() {
   for_bodies([&](std::uint32_t begin, std::uint32_t end) {
     if (advance_) {
-      k_.drift_corrected(view_, field_, begin, end);
+      kernels.drift_corrected(view_, field_, begin, end);
     } else {
-      k_.drift(view_, drift_, begin, end);
+      kernels.drift(view_, drift_, begin, end);
     }
-    if (turns_) k_.turn_bodies(view_, bodies_.radius.data(), stream_.h, begin, end);
-    if (bodies_.rim_speed.empty()) return;
-    for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved_.count()); ++n) {
+    if (turns_) kernels.turn_bodies(view_, bodies.radius.data(), stream_.h, begin, end);
+    if (bodies.rim_speed.empty()) return;
+    for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved.count()); ++n) {
       if (view_.linked[n] == 0) continue;
       if (view_.rim_speed[n] == 0) continue;
-      const std::size_t i = solved_.slot(n);
-      bodies_.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(bodies_.radius[i]));
+      const std::size_t i = solved.slot(n);
+      bodies.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(bodies.radius[i]));
     }
   });
 }
 
 // The places of kinematic bodies go straight on, since nothing damps them.
 void Solver::Run::carry_kinematics() {
-  for (std::size_t n = 0; n < kinematics_.size(); ++n) {
-    const std::uint32_t id = kinematics_[n].first;
-    const std::size_t i = bodies_.info[id].slot;
-    bodies_.clear_remainders(i);
-    float way_x = stream_.h * bodies_.vel[2 * i], way_y = stream_.h * bodies_.vel[2 * i + 1];
-    if (!bodies_.rim_speed.empty()) {
-      const double omega = static_cast<double>(bodies_.rim_speed[i]) / static_cast<double>(bodies_.radius[i]);
-      const BodyKind& kind = bodies_.kind(id);
-      const Vec2 now = arm_of(kind, bodies_.angle[i]);
-      const Vec2 before = arm_of(kind, bodies_.angle[i] - omega * h_);
+  for (std::size_t n = 0; n < kinematics.size(); ++n) {
+    const std::uint32_t id = kinematics[n].first;
+    const std::size_t i = bodies.info[id].slot;
+    bodies.clear_remainders(i);
+    float way_x = stream_.h * bodies.vel[2 * i], way_y = stream_.h * bodies.vel[2 * i + 1];
+    if (!bodies.rim_speed.empty()) {
+      const double omega = static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
+      const BodyKind& kind = bodies.kind(id);
+      const Vec2 now = arm_of(kind, bodies.angle[i]);
+      const Vec2 before = arm_of(kind, bodies.angle[i] - omega * h_);
       if (now.x != before.x || now.y != before.y) {
-        way_x = static_cast<float>(h_ * kinematics_[n].second.x + (now.x - before.x));
-        way_y = static_cast<float>(h_ * kinematics_[n].second.y + (now.y - before.y));
+        way_x = static_cast<float>(h_ * kinematics[n].second.x + (now.x - before.x));
+        way_y = static_cast<float>(h_ * kinematics[n].second.y + (now.y - before.y));
       }
     }
-    bodies_.disp[2 * i] = solver_.kinematic_at_[2 * n] + way_x;
-    bodies_.disp[2 * i + 1] = solver_.kinematic_at_[2 * n + 1] + way_y;
+    bodies.disp[2 * i] = solver_.kinematic_at_[2 * n] + way_x;
+    bodies.disp[2 * i + 1] = solver_.kinematic_at_[2 * n + 1] + way_y;
   }
-}
-
-void Solver::Run::relax() {
-  if (joined_) joints_.relax(view_, k_, pool_);
-  for_pairs([&](std::size_t, const Strip& s) {
-    k_.relax[model_][bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin);
-  });
-  const auto relax_manifolds = [&](bool fixed, bool loaded, bool inner) {
-    for_manifolds(fixed, loaded, [&](kernels::ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      k_.relax_manifolds[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
-    });
-  };
-  relax_manifolds(false, false, false);
-  for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
-    const bool inner = sweep + 1 != loaded_sweeps_;
-    for_loaded(
-        [&](const Strip& s) {
-          k_.relax[model_][bounce_ << inner](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end);
-        },
-        [&](const Strip& s) {
-          k_.relax_static[model_][bounce_ << inner](view_, statics_, loaded_static_, s.static_loaded_begin,
-                                                    s.static_end);
-        });
-    relax_manifolds(false, true, inner);
-    relax_manifolds(true, true, inner);
-  }
-  relax_manifolds(true, false, false);
-  for_statics([&](std::size_t, const Strip& s) {
-    k_.relax_static[model_][bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
-  });
 }
 
 // Lists the strips with contacts under heavy loads: even strips, odd strips, then the group of large bodies.
@@ -329,9 +290,10 @@ void Solver::find_loaded(const PairTable& table) {
 
 // Counts closed contacts and sums impulse times distance. The impulses are those of the last substep; the sum over a
 // step counts them once for each substep.
-void Solver::sum_up(const PairTable& table, const ContactStore& c, int substeps, WorkerPool& pool) {
-  pool.run(table.strips.size(), [&](std::size_t index) {
-    const Strip& s = table.strips[index];
+void Solver::sum_up(const SolverInput& in, int substeps) {
+  const ContactStore& c = in.contacts;
+  in.pool.run(in.table.strips.size(), [&](std::size_t index) {
+    const Strip& s = in.table.strips[index];
     double sum = 0;
     std::uint64_t closed = 0;
     for (std::size_t l = std::size_t{s.block_begin} * 8; l < std::size_t{s.block_end} * 8; ++l) {
@@ -367,23 +329,20 @@ void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p
   }
 }
 
-SolverReport Solver::run(BodyStore& b, SolverBodies& solved, PairTable& table, ContactStore& contacts,
-                         Manifolds& manifolds, Stacks& stacks, JointStore& joints, const SolverParams& params,
-                         const Forces* forces, const KinematicBodies& kinematics, const kernels::KernelTable& k,
-                         WorkerPool& pool) {
-  virial_.assign(table.strips.size(), 0.0);
-  closed_by_strip_.assign(table.strips.size(), 0);
-  find_loaded(table);
-  if (params.model.bounce) mark_impacts(solved, table, contacts, pool);
-  Run run(*this, b, solved, table, contacts, manifolds, stacks, joints, params, forces, kinematics, k, pool);
+SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
+  virial_.assign(in.table.strips.size(), 0.0);
+  closed_by_strip_.assign(in.table.strips.size(), 0);
+  find_loaded(in.table);
+  if (params.model.bounce) mark_impacts(in);
+  Run run(*this, in, params);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;
-  solved.store(b, pool);
-  sum_up(table, contacts, params.substeps, pool);
+  in.solved.store();
+  sum_up(in, params.substeps);
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
-  for (std::size_t s = 0; s < manifolds.strips(); ++s) closed_ += manifolds.closed(s);
+  for (std::size_t s = 0; s < in.manifolds.strips(); ++s) closed_ += in.manifolds.closed(s);
   for (std::size_t s = 0; s < virial_.size(); ++s) {
     report.virial += virial_[s];
     closed_ += closed_by_strip_[s];

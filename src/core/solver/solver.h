@@ -4,8 +4,8 @@
 // In: contacts with normals and gaps. In and out: velocities, displacements, impulses.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "base/worker_pool.h"
@@ -18,7 +18,6 @@
 #include "manifolds/manifolds.h"
 #include "manifolds/stacks.h"
 #include "solver/forces.h"
-#include "solver/impact_sweeps.h"
 
 namespace psim {
 
@@ -39,10 +38,63 @@ struct SolverParams {
   int most_sweeps = 0;  ///< most sweeps over impacts in a substep; 0: as many as it takes
 };
 
+/// What the solver works on in a step.
+struct SolverInput {
+  BodyStore& bodies;
+  SolverBodies& solved;
+  const PairTable& table;
+  ContactStore& contacts;
+  Manifolds& manifolds;
+  Stacks& stacks;
+  JointStore& joints;
+  const Forces* forces;  ///< null where accelerations are uniform
+  const KinematicBodies& kinematics;
+  const kernels::KernelTable& kernels;
+  WorkerPool& pool;
+};
+
 /// What the passes of a step did.
 struct SolverReport {
   double virial = 0;     ///< N s m; m^2/s where all masses are equal: multiply by the mass
   double forces_ms = 0;  ///< time spent on accelerations
+};
+
+/// Notes in which sweep over impacts each strip last had an event. If there was no event around a strip since it was
+/// looked at, a second look would find the same, and the strip is left out.
+struct SweepMemory {
+  static constexpr int kNever = -2;
+  std::vector<int> pairs, static_pair;  ///< by strip
+
+  void start(std::size_t strips) {
+    pairs.assign(strips, kNever);
+    static_pair.assign(strips, kNever);
+  }
+  std::size_t bytes() const { return (pairs.capacity() + static_pair.capacity()) * sizeof(int); }
+
+  /// The bodies of a pair lie in its strip and in the next one; those of the last strip lie anywhere.
+  bool asks_pairs(std::size_t strip, int sweep) const {
+    const std::size_t large = pairs.size() - 1;
+    if (sweep == 0 || strip == large) return true;
+    const std::size_t next = neighbour(strip, strip + 1 == large, 1);
+    return std::max(
+               {pairs[strip], pairs[next], pairs[before(strip)], pairs[large], static_pair[strip], static_pair[next]}) +
+               1 >=
+           sweep;
+  }
+  bool asks_static(std::size_t strip, int sweep) const {
+    const std::size_t large = pairs.size() - 1;
+    if (sweep == 0 || strip == large) return true;
+    return std::max({pairs[strip], pairs[before(strip)], pairs[large], static_pair[strip]}) + 1 >= sweep;
+  }
+
+ private:
+  std::size_t before(std::size_t strip) const { return neighbour(strip, strip == 0, pairs.size() - 2); }
+  // Across a seam the last strip meets the first. There are seams only if the number of strips is even: with an odd
+  // number both ends belong to the same phase and may not look at each other.
+  std::size_t neighbour(std::size_t strip, bool at_end, std::size_t by) const {
+    const std::size_t strips = pairs.size() - 1;
+    return at_end && strips % 2 == 1 ? strip : (strip + by) % strips;
+  }
 };
 
 class Solver {
@@ -50,11 +102,8 @@ class Solver {
   template <class A>
   void describe(A& a);  ///< for saved states
 
-  /// Runs all substeps. `forces` is null where accelerations are uniform.
-  SolverReport run(BodyStore& bodies, SolverBodies& solved, PairTable& table, ContactStore& contacts,
-                   Manifolds& manifolds, Stacks& stacks, JointStore& joints, const SolverParams& params,
-                   const Forces* forces, const KinematicBodies& kinematics, const kernels::KernelTable& k,
-                   WorkerPool& pool);
+  /// Runs all substeps.
+  SolverReport run(const SolverInput& in, const SolverParams& params);
 
   /// Compliance and push-out rate of contacts for a substep of `h`, stiffness as of `stiff_substep`:
   /// between moving bodies, with fixed ones, and the same under heavy loads.
@@ -83,8 +132,8 @@ class Solver {
  private:
   class Run;
   void find_loaded(const PairTable& table);
-  void mark_impacts(const SolverBodies& bodies, PairTable& table, ContactStore& contacts, WorkerPool& pool);
-  void sum_up(const PairTable& table, const ContactStore& contacts, int substeps, WorkerPool& pool);
+  void mark_impacts(const SolverInput& in);
+  void sum_up(const SolverInput& in, int substeps);
 
   std::vector<std::uint8_t> touched_;              // by slot: the body has a contact
   std::vector<std::uint8_t> pressing_;             // by strip: some of its contacts press

@@ -24,22 +24,22 @@ inline constexpr float kTiniest =
     std::numeric_limits<float>::min();  // x >= kTiniest means x > 0, since denormals are zero
 
 // The data of all substeps of a step, and the stages in the order of a substep.
-class Solver::Run {
+class Solver::Run : SolverInput {
   using ContactParams = kernels::ContactParams;
   using StreamParams = kernels::StreamParams;
+  using ManifoldBlock = kernels::ManifoldBlock;
+  using FieldPass = void (*)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t, std::uint32_t);
   using Clock = std::chrono::steady_clock;
 
  public:
-  Run(Solver& solver, BodyStore& bodies, SolverBodies& solved, const PairTable& table, ContactStore& contacts,
-      Manifolds& manifolds, Stacks& stacks, JointStore& joints, const SolverParams& params, const Forces* forces,
-      const KinematicBodies& kinematics, const kernels::KernelTable& k, WorkerPool& pool);
+  Run(Solver& solver, const SolverInput& in, const SolverParams& params);
 
   void substep(bool first_of_step);
   double swept() const { return swept_; }
   double forces_ms() const { return std::chrono::duration<double, std::milli>(forces_time_).count(); }
 
  private:
-  void set_motion(const SolverParams& params, bool has_forces);
+  void set_motion(const SolverParams& params);
   void set_contacts(const SolverParams& params);
   template <class Each>
   void for_pairs(const Each& each);
@@ -51,12 +51,15 @@ class Solver::Run {
   void go_over_manifolds(bool fixed, bool loaded, const Each& each);
   template <class Each>
   [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
-    if (manifolds_.any()) go_over_manifolds(fixed, loaded, each);
+    if (manifolds.any()) go_over_manifolds(fixed, loaded, each);
   }
   template <class Each>
+  void for_all_manifolds(const Each& each);
+  template <class Each>
   void for_bodies(const Each& each);
-  template <class Kernel>
-  void force(Kernel kernel);
+  void force(FieldPass kernel);
+  template <class Pairs, class Statics, class Blocks>
+  void pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer);
 
   void set_floors();
   void impacts();
@@ -70,16 +73,7 @@ class Solver::Run {
   void spend();
 
   Solver& solver_;
-  BodyStore& bodies_;
-  SolverBodies& solved_;
-  const PairTable& table_;
-  Manifolds& manifolds_;
-  Stacks& columns_;
-  JointStore& joints_;
-  const bool joined_ = !joints_.empty();
-  const KinematicBodies& kinematics_;
-  const kernels::KernelTable& k_;
-  WorkerPool& pool_;
+  const bool joined_ = !joints.empty();
   const kernels::BodyView view_;
   const kernels::ContactView pairs_;
   const kernels::StaticContactView statics_;
@@ -95,17 +89,16 @@ class Solver::Run {
   bool limited_ = false;  // the number of sweeps over impacts is limited
   bool varying_;          // accelerations are computed anew in every substep
   kernels::FieldParams field_;
-  void (*accelerate_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t, std::uint32_t);
-  // The kick of the integrator, if the world asks for another one than leapfrog.
-  void (*advance_)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t, std::uint32_t) = nullptr;
-  double swept_ = 0;  // sweeps over impacts so far
+  FieldPass accelerate_;
+  FieldPass advance_ = nullptr;  // the kick of the integrator, if the world asks for another one than leapfrog
+  double swept_ = 0;             // sweeps over impacts so far
   Clock::duration forces_time_{};
 };
 
 template <class Each>
 void Solver::Run::for_pairs(const Each& each) {
-  run_phases(table_.strips.size(), pool_, [&](std::size_t k) {
-    const Strip& s = table_.strips[k];
+  run_phases(table.strips.size(), pool, [&](std::size_t k) {
+    const Strip& s = table.strips[k];
     if (s.block_begin != s.block_end) each(k, s);
   });
 }
@@ -113,8 +106,8 @@ void Solver::Run::for_pairs(const Each& each) {
 // Contacts with fixed shapes come last in every pass.
 template <class Each>
 void Solver::Run::for_statics(const Each& each) {
-  pool_.run(table_.strips.size(), [&](std::size_t k) {
-    const Strip& s = table_.strips[k];
+  pool.run(table.strips.size(), [&](std::size_t k) {
+    const Strip& s = table.strips[k];
     if (s.static_begin != s.static_end) each(k, s);
   });
 }
@@ -124,7 +117,7 @@ template <class Pairs, class Statics>
 void Solver::Run::for_loaded(const Pairs& pairs, const Statics& static_contacts) {
   const std::vector<std::uint32_t>& loaded = solver_.loaded_;
   const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
-    pool_.run(end - begin, [&](std::size_t k) { each(table_.strips[loaded[begin + k]]); });
+    pool.run(end - begin, [&](std::size_t k) { each(table.strips[loaded[begin + k]]); });
   };
   run(0, solver_.loaded_odd_, pairs);
   run(solver_.loaded_odd_, solver_.loaded_large_, pairs);
@@ -138,21 +131,33 @@ template <class Each>
 void Solver::Run::go_over_manifolds(bool fixed, bool loaded, const Each& each) {
   const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
   const auto one = [&](std::size_t index) {
-    Manifolds::StripBlocks& s = manifolds_.strip(index);
+    Manifolds::StripBlocks& s = manifolds.strip(index);
     const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
     if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
   };
-  if (fixed && kinematics_.empty()) {
-    pool_.run(table_.strips.size(), one);
+  if (fixed && kinematics.empty()) {
+    pool.run(table.strips.size(), one);
   } else {
-    run_phases(table_.strips.size(), pool_, one);
+    run_phases(table.strips.size(), pool, one);
+  }
+}
+
+// Calls each(fixed, blocks, begin, end) for all manifolds, those with a fixed side last.
+template <class Each>
+void Solver::Run::for_all_manifolds(const Each& each) {
+  for (const bool fixed : {false, true}) {
+    for (const bool loaded : {false, true}) {
+      for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+        each(fixed, blocks, begin, end);
+      });
+    }
   }
 }
 
 template <class Each>
 void Solver::Run::for_bodies(const Each& each) {
-  const std::uint32_t blocks = solved_.blocks();
-  pool_.run(stream_tasks(blocks), [&](std::size_t t) {
+  const std::uint32_t blocks = solved.blocks();
+  pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     each(r.begin, r.end);
   });

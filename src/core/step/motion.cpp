@@ -7,7 +7,6 @@
 #include "base/tasks.h"
 #include "base/trace.h"
 #include "bodies/quarantine.h"
-#include "contacts/narrow_phase.h"
 
 namespace psim {
 namespace {
@@ -113,11 +112,10 @@ void prepare_contacts(const StepContext& c, double dt) {
   if (c.plan.manifolds) lay_out_manifolds(c, dt);
   if (no_contact_of_discs(c)) {
     c.ledger.skip_if(!c.contacts.manifolds.any(), Skip::narrow_phase);
-    c.contacts.solved.load(c.bodies, c.pool);  // bodies may be linked by pairs that must not collide
+    c.contacts.solved.load();  // bodies may be linked by pairs that must not collide
     return;
   }
-  narrow_phase(c.bodies, c.contacts.solved, c.statics, c.walls, c.lattice, kRefreshOfRadius * c.population.least_radius,
-               c.neighbours.table, c.contacts.discs, c.kernels, c.pool);
+  c.contacts.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, c.neighbours.table);
 }
 
 void note_skips(const StepContext& c) {
@@ -165,9 +163,10 @@ std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, St
 void run_substeps(const StepContext& c, const SolverParams& p, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   Contacts& contacts = c.contacts;
-  const SolverReport done = c.dynamics.solver.run(c.bodies, contacts.solved, c.neighbours.table, contacts.discs,
-                                                  contacts.manifolds, contacts.stacks, c.joints, p,
-                                                  c.dynamics.forces.get(), c.population.kinematics, c.kernels, c.pool);
+  const SolverReport done = c.dynamics.solver.run(
+      {c.bodies, contacts.solved, c.neighbours.table, contacts.discs, contacts.manifolds, contacts.stacks, c.joints,
+       c.dynamics.forces.get(), c.population.kinematics, c.kernels, c.pool},
+      p);
   const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
   report.virial = done.virial * (per_mass ? static_cast<double>(c.population.first_mass) : 1.0);
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;

@@ -59,7 +59,7 @@ bool put_renewed(const StepContext& c) {
   if (!renewal.put(c.neighbours.table)) return false;
   if (c.sorts_out()) manifolds.put_renewed([&renewal](std::uint32_t slot) { return renewal.found(slot); });
   renewal.finish();
-  c.contacts.discs.renew(c.bodies, c.statics, c.desc.wall, renewal.statics_changed(), c.neighbours.table, c.pool);
+  c.contacts.discs.renew(renewal.statics_changed(), c.neighbours.table);
   return true;
 }
 
@@ -114,7 +114,7 @@ void count(const StepContext& c, const Span&, StepReport&, PieceRange) { c.neigh
 
 void move(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   if (!c.neighbours.move(p.begin, p.end)) return;
-  if (c.plan.fields) move_rests(c.bodies, c.neighbours.broad.from(), c.pool);
+  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.from(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
@@ -149,7 +149,7 @@ void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
   }
   if (c.plan.turns) c.bodies.keep_turns(true);
   const bool copies = lists.selects() && !c.plan.forces && !c.plan.turns;
-  contacts.solved.choose(c.bodies, lists.table, copies, c.plan.restitution, c.pool);
+  contacts.solved.choose(lists.table, copies, c.plan.restitution);
   if (c.plan.loads) {
     contacts.loads.begin(c.bodies, lists.table, c.pool);
   } else {
@@ -178,18 +178,16 @@ void keep(const StepContext& c, const Span&, StepReport&, PieceRange p) {
 void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   Contacts& contacts = c.contacts;
   if (p.begin == 0) {
-    contacts.discs.begin(c.bodies, contacts.solved, c.plan.model,
-                         c.plan.materials ? nullptr : &c.population.first_properties, contacts.loads,
-                         c.neighbours.table, c.pool);
+    const BodyProperties* const alike = c.plan.materials ? nullptr : &c.population.first_properties;
+    contacts.discs.begin(c.plan.model, alike, c.neighbours.table);
   }
-  contacts.discs.colour(c.neighbours.table, p.begin, p.end, c.pool);
+  contacts.discs.colour(c.neighbours.table, p.begin, p.end);
 }
 
 void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   NeighbourLists& lists = c.neighbours;
   const std::uint32_t* const from = lists.stale ? lists.broad.origin() : nullptr;
-  c.contacts.discs.lay_out(c.bodies, c.statics, c.desc.wall, lists.table, lists.old_table, from, c.sleepers.recent,
-                           p.begin, p.end, c.pool);
+  c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleepers.recent, p.begin, p.end);
   if (p.end != lists.table.strips.size()) return;
   if (lists.stale) c.dynamics.forces_stale = true;
   lists.stale = false;

@@ -64,7 +64,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
       lattice(d.bounds, d.boundary == Boundary::periodic),
       population(desc, lattice, memory),
       neighbours({memory, lattice, bodies, statics, kernels, pool}),
-      contacts(memory),
+      contacts({memory, lattice, bodies, statics, kernels, pool}, desc.wall),
       joints(memory),
       sleep(memory),
       pool(o.threads) {

@@ -13,7 +13,6 @@
 #include "base/worker_pool.h"
 #include "bodies/population.h"
 #include "bodies/quarantine.h"
-#include "contacts/narrow_phase.h"
 #include "joints/joint_store.h"
 #include "lists/neighbour_lists.h"
 #include "manifolds/contacts.h"

@@ -71,8 +71,7 @@ Diagnostics World::diagnostics() const {
   if (w.neighbours.stale || !w.contacts_stand() || w.saved.bare || w.frame == 0) return d;
   // The narrow phase over the present lists gives the present separations.
   ContactStore& discs = w.contacts.discs;
-  narrow_phase(w.bodies, w.contacts.solved, w.statics, w.walls, w.lattice, 0, w.neighbours.table, discs, w.kernels,
-               w.pool);
+  w.contacts.find_gaps(w.walls, 0, w.neighbours.table);
   float deepest = w.contacts.manifolds.deepest();
   for (std::size_t l = 0; l < std::size_t{discs.pair_blocks()} * kernels::kBlock; ++l) {
     deepest = std::fmax(deepest, -discs.gap[l]);
