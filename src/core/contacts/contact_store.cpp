@@ -30,10 +30,9 @@ std::uint32_t find_pair(const PairTable& old, std::uint32_t a, std::uint32_t b) 
 std::uint32_t find_static(const PairTable& old, std::uint32_t body, std::uint32_t shape) {
   if (body >= old.body_count) return kNoLane;
   const std::vector<StaticPair>& list = old.static_contacts[old.strip_of(body)];
-  for (const StaticPair& pair : std::ranges::equal_range(list, body, {}, &StaticPair::body)) {
-    if (pair.shape == shape) return pair.contact;
-  }
-  return kNoLane;
+  const auto [begin, end] = contacts_of(list, body);
+  const auto at = std::find_if(begin, end, [&](const StaticPair& pair) { return pair.shape == shape; });
+  return at == end ? kNoLane : at->contact;
 }
 
 std::uint32_t blocks_of(std::uint32_t lanes) { return (lanes + kBlock - 1) / kBlock; }

@@ -34,6 +34,13 @@ struct StaticPair {
   std::uint32_t contact = 0;  ///< 8 block + lane
 };
 
+/// The contacts of a body with fixed shapes in the list of its strip: the first one, and past the last one.
+template <class List>
+auto contacts_of(List& list, std::uint32_t body) {
+  const auto less = [](const StaticPair& x, const StaticPair& y) { return x.body < y.body; };
+  return std::equal_range(list.begin(), list.end(), StaticPair{body}, less);
+}
+
 struct PairTable {
   explicit PairTable(MemoryMeter& meter) : first(meter), owner(meter), other(meter), contact(meter) {}
 

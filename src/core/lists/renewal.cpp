@@ -236,7 +236,7 @@ void ListRenewal::put_statics(PairTable& table) {
     std::vector<StaticPair>& list = table.static_contacts[table.strip_of(slot)];
     mine_.clear();
     for (; near != near_.cend() && near->body == slot; ++near) mine_.push_back(*near);
-    const auto [begin, end] = std::ranges::equal_range(list, slot, {}, &StaticPair::body);
+    const auto [begin, end] = contacts_of(list, slot);
     bool same = static_cast<std::size_t>(end - begin) == mine_.size();
     for (std::size_t n = 0; n < mine_.size(); ++n) {
       StaticPair& mine = mine_[n];
