@@ -133,6 +133,27 @@ void refuse_options_before_diff(const CLI::App& app) {
   }
 }
 
+// Options that say what a file says already, or that need one another.
+void refuse_contradictions(const CLI::App& app, const Typed& typed, const Options& options) {
+  const auto given = [&app](const char* name) { return app.count(name) > 0; };
+  if (options.governor && given("--governor-replay")) {
+    throw UserError("--governor-replay: does what the log says; --governor on would choose anew");
+  }
+  if (given("--governor-replay") && typed.governor_replay.empty()) {
+    refuse("--governor-replay", "", "needs a file name");
+  }
+  for (const char* name :
+       {"--seed", "--dt", "--substeps", "--integrator", "--sleep", "--skin", "--target-error", "--target-ms"}) {
+    if (given("--restore") && given(name)) throw UserError(fmt::format("{}: the state of --restore says it", name));
+  }
+  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator",
+                           "--sleep", "--skin", "--governor"}) {
+    if (given("--replay") && given(name)) throw UserError(fmt::format("{}: the recording of --replay says it", name));
+  }
+  if (given("--replay") && given("--budget"))
+    throw UserError("--budget: belongs to a run, and a replay has none to keep");
+}
+
 }  // namespace
 
 std::optional<Options> parse_options(int argc, const char* const* argv) {
@@ -168,26 +189,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   options.governor_log = typed.governor_log;
   options.profile = typed.profile;
   options.governor_replay = typed.governor_replay;
-  if (options.governor && given("--governor-replay")) {
-    throw UserError("--governor-replay: does what the log says; --governor on would choose anew");
-  }
-  if (given("--governor-replay") && typed.governor_replay.empty()) {
-    refuse("--governor-replay", "", "needs a file name");
-  }
+  refuse_contradictions(app, typed, options);
   options.save = typed.save;
   options.restore = typed.restore;
   options.record = typed.record;
   options.replay = typed.replay;
-  for (const char* name :
-       {"--seed", "--dt", "--substeps", "--integrator", "--sleep", "--skin", "--target-error", "--target-ms"}) {
-    if (given("--restore") && given(name)) throw UserError(fmt::format("{}: the state of --restore says it", name));
-  }
-  for (const char* name : {"--scene", "--particles", "--seed", "--frames", "--dt", "--substeps", "--integrator",
-                           "--sleep", "--skin", "--governor"}) {
-    if (given("--replay") && given(name)) throw UserError(fmt::format("{}: the recording of --replay says it", name));
-  }
-  if (given("--replay") && given("--budget"))
-    throw UserError("--budget: belongs to a run, and a replay has none to keep");
   options.budget_ms =
       number<double>("--budget", typed.budget, given("--budget"), 1e-9, 1e9, "must be a number of milliseconds above 0")
           .value_or(options.budget_ms);

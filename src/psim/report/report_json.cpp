@@ -32,6 +32,44 @@ Json target_json(const Target& target) {
   return json;
 }
 
+// What the run left out, and of each stage how often.
+Json ledger_json(const RunReport& report) {
+  Json json = {{"asleep_mean", report.per_frame(report.asleep_sum)},
+               {"lists_kept_frames", report.lists_kept},
+               {"lists_renewed_frames", report.frames_renewed},
+               {"bodies_renewed", report.renewed_sum},
+               {"pairs_reused_mean", report.per_frame(report.reused_sum)},
+               {"fast_frames", report.fast_frames},
+               {"fast_mean", report.per_frame(report.fast_sum)},
+               {"substeps_saved", report.substeps_saved}};
+  Json& stages = json["stages"] = Json::object();
+  for (std::size_t k = 0; k < kSkipNames.size(); ++k) {
+    stages[std::string(kSkipNames[k])] = {{"run", report.frame_ms.count() - report.frames_skipped[k]},
+                                          {"skipped", report.frames_skipped[k]}};
+  }
+  return json;
+}
+
+Json profile_json(const Profile& profile) {
+  Json json = {{"threads_busy", profile.busy()}, {"imbalance", profile.imbalance()}};
+  const std::vector<Profile::Row> rows = profile.rows();
+  if (!rows.empty()) json["bottleneck"] = rows[0].stage;
+  for (const Profile::Row& row : rows) {
+    json["stages"][std::string(row.stage)] = {{"mean", row.mean_ms},
+                                              {"p99", row.p99_ms},
+                                              {"share", row.share},
+                                              {"threads_busy", row.busy},
+                                              {"recent_mean", row.recent_mean_ms},
+                                              {"recent_p99", row.recent_p99_ms}};
+  }
+  json["recent_frames"] = Profile::kRecent;
+  Json& lanes = json["lanes"] = Json::object();
+  for (const LaneUse& use : profile.lanes) {
+    lanes[use.kernels] = {{"lanes", use.lanes}, {"used", use.used}};
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string report_json(const RunReport& report) {
@@ -82,38 +120,8 @@ std::string report_json(const RunReport& report) {
   for (const auto& [stage, frames] : report.skipped) {
     if (frames > 0) skipped[stage] = frames;
   }
-  json["ledger"] = {{"asleep_mean", report.per_frame(report.asleep_sum)},
-                    {"lists_kept_frames", report.lists_kept},
-                    {"lists_renewed_frames", report.frames_renewed},
-                    {"bodies_renewed", report.renewed_sum},
-                    {"pairs_reused_mean", report.per_frame(report.reused_sum)},
-                    {"fast_frames", report.fast_frames},
-                    {"fast_mean", report.per_frame(report.fast_sum)},
-                    {"substeps_saved", report.substeps_saved}};
-  Json& stages = json["ledger"]["stages"] = Json::object();
-  for (std::size_t k = 0; k < kSkipNames.size(); ++k) {
-    stages[std::string(kSkipNames[k])] = {{"run", frame.count() - report.frames_skipped[k]},
-                                          {"skipped", report.frames_skipped[k]}};
-  }
-  if (report.profile) {
-    Json& profile =
-        json["profile"] = {{"threads_busy", report.profile->busy()}, {"imbalance", report.profile->imbalance()}};
-    const std::vector<Profile::Row> rows = report.profile->rows();
-    if (!rows.empty()) profile["bottleneck"] = rows[0].stage;
-    for (const Profile::Row& row : rows) {
-      profile["stages"][std::string(row.stage)] = {{"mean", row.mean_ms},
-                                                   {"p99", row.p99_ms},
-                                                   {"share", row.share},
-                                                   {"threads_busy", row.busy},
-                                                   {"recent_mean", row.recent_mean_ms},
-                                                   {"recent_p99", row.recent_p99_ms}};
-    }
-    profile["recent_frames"] = Profile::kRecent;
-    Json& lanes = profile["lanes"] = Json::object();
-    for (const LaneUse& use : report.profile->lanes) {
-      lanes[use.kernels] = {{"lanes", use.lanes}, {"used", use.used}};
-    }
-  }
+  json["ledger"] = ledger_json(report);
+  if (report.profile) json["profile"] = profile_json(*report.profile);
   if (report.governed) {
     json["governor"] = {{"frames_cut", report.frames_cut},
                         {"frames_waited", report.frames_waited},
