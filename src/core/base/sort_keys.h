@@ -4,12 +4,38 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <iterator>
+#include <vector>
 
 namespace psim {
 
 template <std::random_access_iterator Iterator>
 requires std::integral<std::iter_value_t<Iterator>>
 void sort_keys(Iterator begin, Iterator end) { std::sort(begin, end); }
+
+/// Sorts by `less`, which goes by first_of(element) first, a number below `ids`. Where there are many elements, they are
+/// counted by their first number. Equal elements keep their order.
+template <class T, class FirstOf, class Less>
+void sort_by_first(std::vector<T>& list, std::vector<T>& scratch, std::vector<std::uint32_t>& count, std::uint32_t ids,
+                   const FirstOf& first_of, const Less& less) {
+  if (list.size() < 256 || list.size() < ids / 8) {
+    std::stable_sort(list.begin(), list.end(), less);
+    return;
+  }
+  count.assign(std::size_t{ids} + 1, 0);
+  for (const T& element : list) ++count[std::size_t{first_of(element)} + 1];
+  for (std::size_t k = 1; k < count.size(); ++k) count[k] += count[k - 1];
+  scratch.resize(list.size());
+  for (const T& element : list) scratch[count[first_of(element)]++] = element;
+  list.swap(scratch);
+  for (std::size_t k = 1; k < list.size(); ++k) {  // insertion sort: few elements have the same first number
+    const T element = list[k];
+    std::size_t at = k;
+    for (; at > 0 && less(element, list[at - 1]); --at) list[at] = list[at - 1];
+    list[at] = element;
+  }
+}
 
 }  // namespace psim

@@ -86,6 +86,7 @@ class BodyStore {
 
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
   std::uint32_t dead = 0;
+  std::uint32_t awake() const { return count - dead; }
   std::size_t living = 0, moving = 0, fixed = 0, kinematic = 0;
   std::size_t asleep = 0;  ///< of the moving bodies: they sleep and have no slot
 

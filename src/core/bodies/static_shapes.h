@@ -76,7 +76,7 @@ class StaticShapes {
     for (HashGrid* grid : {&sleepers_, &standing_}) grid->set_shape(shift);
   }
 
-  /// For saved states (describe_statics.cpp); behind the bodies. Those that are read wait for the sleepers.
+  /// For saved states (describe_bodies.cpp); behind the bodies. Those that are read wait for the sleepers.
   template <class A>
   void describe(A& a, const BodyStore& bodies);
   /// Of a state that is read: the piece of a plain disc that sleeps. False if its number is that of something else.

@@ -30,8 +30,12 @@ class ContactStore {
   MemoryMeter& meter_;  // stands before the columns, which take it
 
  public:
+  /// For saved states. Their impulses are saved by pair (state/saved_contacts.h).
   template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(A& a) {
+    values(a, model_.model, model_.bounce, pair_blocks_, static_blocks_, colours_, pair_count_, static_count_,
+           loaded_blocks_, builds_);
+  }
   const ContactModel& model() const { return model_; }
 
   ContactStore(const Surroundings& s, const Material& wall, const SolverBodies& numbers, const HeavyLoads& loads)

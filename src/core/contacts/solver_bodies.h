@@ -16,7 +16,9 @@ namespace psim {
 class SolverBodies {
  public:
   template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(A& a) {  // for saved states
+    values(a, count_, compact_);
+  }
 
   explicit SolverBodies(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 

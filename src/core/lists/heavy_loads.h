@@ -17,7 +17,9 @@ namespace psim {
 class HeavyLoads {
  public:
   template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(A& a) {  // for saved states
+    a.value(visits_);
+  }
 
   /// The least ratio of masses that counts as heavy.
   static constexpr float kLeastRatio = 8;

@@ -5,7 +5,7 @@
 //   selected each step  broad phase -> candidates -> select -> table  contacts are laid out in every step
 //
 // `table` is what contacts are made from; `old_table` is the one before, by which the impulses of the last step lie
-// until the new contacts have taken them over (step/step_progress.h).
+// until the new contacts have taken them over (step/step_context.h).
 #pragma once
 
 #include <cstdint>

@@ -29,6 +29,7 @@ struct Contacts {
   Stacks stacks;                         ///< bodies that stand on each other one by one
   bool kept = false;                     ///< the contacts of this step are those of the last one
   bool impulses_valid = false;           ///< the table's impulses belong to the present plan's contact model
+  bool bare = false;                     ///< a state came back: contacts have impulses, but no geometry or colours
   std::array<float, 4> softness_laid{};  ///< compliance and rate in the lanes of manifolds, alone and under heavy loads
 };
 

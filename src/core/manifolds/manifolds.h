@@ -87,9 +87,6 @@ struct ManifoldPair : PairName {
   float offset[2] = {};
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
-
-  template <class A>
-  void describe(A& a);  ///< for saved states
 };
 
 /// Whether the points of a manifold lie against the direction in which its edge is read. The direction is the same for

@@ -1,14 +1,21 @@
-// The memory of World::contacts and World::strips: none before the first call.
+// World::contacts: who touched at the end of the last step, where, and how hard.
+//
+// In: the lists, what their contacts carry, what sleepers keep. Out: one Contact a point, ordered by a, then b, then
+// normal and point. Nothing runs and no memory is held before the first call; no result of a step depends on it.
+// O(contacts); docs/queries-events.md has the times.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "psim/contact.h"
+#include "query/observed.h"
 
 namespace psim {
 
+/// The memory of World::contacts and World::strips.
 struct ContactList {
   /// A contact before it is written: who touches, and where the contact is found.
   struct Ref {
@@ -57,5 +64,17 @@ struct ContactList {
     return n;
   }
 };
+
+/// What contacts are told by, beside their lists. While the work for the next step is under way (`begun`), an open
+/// contact and one that overlaps without an impulse look alike, and bodies may lie in other slots than the lists say
+/// (ContactList::slot).
+struct LastStep {
+  bool begun = false;           ///< the work for the next step is under way
+  bool with_manifolds = false;  ///< some contacts are manifolds
+  int substeps = 1;             ///< an impulse of a substep counts as often
+  double disc_mass = 1;         ///< kg: impulses of discs are divided by it where all discs have one mass; else 1
+};
+
+std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list);
 
 }  // namespace psim

@@ -7,13 +7,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/lattice.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
 #include "manifolds/collide.h"
 #include "manifolds/manifolds.h"
 #include "psim/contact.h"
-#include "sleep/sleepers.h"
+#include "query/observed.h"
 
 namespace psim {
 
@@ -36,15 +33,7 @@ class ContactWriter {
 
   static double d(float v) { return static_cast<double>(v); }
 
-  ContactWriter(const BodyStore& b, const StaticShapes& statics, const Lattice& lattice, const Walls& walls,
-                const Sleepers& sleepers)
-      : b_(b),
-        statics_(statics),
-        lattice_(lattice),
-        walls_(walls),
-        sleepers_(sleepers),
-        px_(lattice.pitch_x()),
-        py_(lattice.pitch_y()) {}
+  explicit ContactWriter(const Observed& world) : world_(world) {}
 
   /// `first` and `second` are ids, or kNoSlot for a wall. The normal goes from first to second.
   Contact contact(std::uint32_t first, std::uint32_t second, Vec2 point, const Meeting& m, double impulse,
@@ -61,10 +50,6 @@ class ContactWriter {
     return c;
   }
 
-  LatticePoint place(std::size_t slot) const {
-    return {b_.pos[2 * slot], b_.pos[2 * slot + 1], b_.disp[2 * slot], b_.disp[2 * slot + 1]};
-  }
-  Vec2 world(const LatticePoint& p) const { return lattice_.to_world(p.x, p.y, p.dx, p.dy); }
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
     return {wrap_sub(to.x, from.x) * px_ + (d(to.dx) - d(from.dx)),
             wrap_sub(to.y, from.y) * py_ + (d(to.dy) - d(from.dy))};
@@ -82,7 +67,7 @@ class ContactWriter {
     const auto off = [](std::int32_t a, std::int32_t wall, float rest_a, float rest_w, double pitch) {
       return wrap_sub(a, wall) * pitch + (d(rest_a) - d(rest_w));
     };
-    const Walls& w = walls_;
+    const Walls& w = world_.walls;
     switch (shape) {
       case kWallLeft:
         return {1, 0, off(at.x, w.low.x, at.dx, w.low.dx, px_) - r};
@@ -123,9 +108,9 @@ class ContactWriter {
     const Manifold& m = pair.manifold;
     const ManifoldPoint& p = m.point[k];
     const double nx = d(m.nx), ny = d(m.ny);
-    const LatticePoint b = place(slot_b);
+    const LatticePoint b = world_.place(slot_b);
     LatticePoint a;
-    if (pair.a != PairName::kNone) a = place(slot_a);
+    if (pair.a != PairName::kNone) a = world_.place(slot_a);
     const Vec2 moved{wrap_sub(wrap_sub(b.x, a.x), pair.base.x) * px_ + (d(b.dx) - d(a.dx) - d(pair.base.dx)),
                      wrap_sub(wrap_sub(b.y, a.y), pair.base.y) * py_ + (d(b.dy) - d(a.dy) - d(pair.base.dy))};
     // The arm from a centre to its point. All of it but the rounding has turned with the body since.
@@ -144,7 +129,7 @@ class ContactWriter {
     }
     // The arm ends midway between the surfaces as they were; of a contact that lay ahead it ends where they meet.
     const double back = d(pair.round_b) + (gap - (pair.ahead ? 0 : d(p.gap))) / 2;
-    const Vec2 centre = world(b);
+    const Vec2 centre = world_.to_world(b);
     point = {centre.x + arm.x - back * nx, centre.y + arm.y - back * ny};
     return {nx, ny, gap};
   }
@@ -157,7 +142,7 @@ class ContactWriter {
       s.at = sleepers_.list[info.slot].at;
       angle = sleepers_.list[info.slot].angle;
     } else {
-      s.at = place(info.slot);
+      s.at = world_.place(info.slot);
       if (!b_.angle.empty()) angle = b_.angle[info.slot];
     }
     const BodyKind& kind = b_.kind(id);
@@ -180,7 +165,7 @@ class ContactWriter {
     const double times = substeps * d(touch.times(false, b_.properties(sa.count == 0 ? a : b).mass));
     const Vec2 to = way(sa.at, sb.at);
     const double margin = kStill * std::fmin(sa.inner, sb.inner);
-    const Vec2 centre = world(sa.at);
+    const Vec2 centre = world_.to_world(sa.at);
     if (sa.count == 0 && sb.count == 0) {
       const Meeting m = discs(to, sa.radius + sb.radius, 0, 1);
       if (m.gap > margin) return;
@@ -208,7 +193,7 @@ class ContactWriter {
                   std::vector<Contact>& out) const {
     const Stand s = stand(id);
     const double times = substeps * d(touch.times(false, b_.properties(id).mass));
-    const Vec2 centre = world(s.at);
+    const Vec2 centre = world_.to_world(s.at);
     const double margin = kStill * s.inner;
     const std::uint32_t other = owner(shape);
     if (s.count == 0) {
@@ -264,12 +249,11 @@ class ContactWriter {
     }
   }
 
-  const BodyStore& b_;
-  const StaticShapes& statics_;
-  const Lattice& lattice_;
-  const Walls& walls_;
-  const Sleepers& sleepers_;
-  double px_, py_;
+  const Observed& world_;
+  const BodyStore& b_ = world_.bodies;
+  const StaticShapes& statics_ = world_.statics;
+  const Sleepers& sleepers_ = world_.sleep.sleepers;
+  const double px_ = world_.lattice.pitch_x(), py_ = world_.lattice.pitch_y();
 };
 
 }  // namespace psim

@@ -41,12 +41,12 @@ double meeting(Vec2 d, Vec2 u, double r) {
 
 }  // namespace
 
-Vec2 EventList::closing(const EventSource& s, const Candidate& c) {
+Vec2 EventList::closing(const Observed& s, const Candidate& c) {
   if (c.kind != Candidate::kManifold) {
     const Vec2 a = velocity(s.bodies, c.slot_a), b = velocity(s.bodies, c.slot_b);
     return {b.x - a.x, b.y - a.y};
   }
-  const ManifoldPoint& p = s.manifolds.pairs()[c.at].manifold.point[c.corner];
+  const ManifoldPoint& p = s.contacts.manifolds.pairs()[c.at].manifold.point[c.corner];
   const Vec2 a = velocity(s.bodies, c.slot_a, static_cast<double>(p.ax), static_cast<double>(p.ay));
   const Vec2 b = velocity(s.bodies, c.slot_b, static_cast<double>(p.bx), static_cast<double>(p.by));
   return {b.x - a.x, b.y - a.y};
@@ -54,7 +54,7 @@ Vec2 EventList::closing(const EventSource& s, const Candidate& c) {
 
 // Appends a candidate if its bodies come near fast enough. `d` leads from the point of A to that of B. Round surfaces
 // meet where the points are `reach` apart; if `reach` is 0 they are flat, with `gap` between them along the normal.
-void EventList::consider(const EventSource& s, Candidate c, Vec2 d, double reach, double gap, double dt,
+void EventList::consider(const Observed& s, Candidate c, Vec2 d, double reach, double gap, double dt,
                          std::vector<Candidate>& out) const {
   const BodyStore& b = s.bodies;
   const Vec2 u = closing(s, c);
@@ -77,7 +77,7 @@ void EventList::consider(const EventSource& s, Candidate c, Vec2 d, double reach
   const Vec2 centre = s.lattice.to_world(b.pos[2 * j], b.pos[2 * j + 1], b.disp[2 * j], b.disp[2 * j + 1]);
   Vec2 arm;
   if (c.kind == Candidate::kManifold) {
-    const ManifoldPair& pair = s.manifolds.pairs()[c.at];
+    const ManifoldPair& pair = s.contacts.manifolds.pairs()[c.at];
     const ManifoldPoint& p = pair.manifold.point[c.corner];
     // The point lies midway between the bodies, unless they meet within the step: then it is the point of that moment.
     const double half = pair.ahead ? 0 : static_cast<double>(p.gap) / 2;
@@ -91,16 +91,16 @@ void EventList::consider(const EventSource& s, Candidate c, Vec2 d, double reach
 }
 
 // Whether two bodies move against each other fast enough, in any direction.
-bool EventList::fast(const EventSource& s, std::uint32_t slot_a, std::uint32_t slot_b) const {
+bool EventList::fast(const Observed& s, std::uint32_t slot_a, std::uint32_t slot_b) const {
   const Vec2 a = velocity(s.bodies, slot_a), b = velocity(s.bodies, slot_b);
   const double x = b.x - a.x, y = b.y - a.y;
   return x * x + y * y > options_.hit_speed * options_.hit_speed;
 }
 
-void EventList::approach(const EventSource& s, double dt) {
+void EventList::approach(const Observed& s, double dt) {
   candidates_.clear();
   if (!options_.hits) return;
-  const std::uint32_t blocks = s.contacts.pair_blocks();
+  const std::uint32_t blocks = s.contacts.discs.pair_blocks();
   const std::size_t tasks = stream_tasks(blocks);
   found_.resize(std::max(found_.size(), tasks));
   s.pool.run(tasks, [&](std::size_t t) {
@@ -112,15 +112,15 @@ void EventList::approach(const EventSource& s, double dt) {
   approach_manifolds(s, dt);
 }
 
-void EventList::approach_pairs(const EventSource& s, BlockRange r, double dt, std::vector<Candidate>& out) const {
+void EventList::approach_pairs(const Observed& s, BlockRange r, double dt, std::vector<Candidate>& out) const {
   const BodyStore& b = s.bodies;
-  const ContactStore& c = s.contacts;
-  const std::uint32_t dummies = s.solved.dummies();
+  const ContactStore& c = s.contacts.discs;
+  const std::uint32_t dummies = s.contacts.solved.dummies();
   for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
     if (c.body[2 * l] >= dummies) continue;
     Candidate pair;
-    pair.slot_a = s.solved.slot(c.body[2 * l]);
-    pair.slot_b = s.solved.slot(c.body[2 * l + 1]);
+    pair.slot_a = s.contacts.solved.slot(c.body[2 * l]);
+    pair.slot_b = s.contacts.solved.slot(c.body[2 * l + 1]);
     if (!fast(s, pair.slot_a, pair.slot_b)) continue;
     pair.at = static_cast<std::uint32_t>(l);
     pair.id_a = b.id[pair.slot_a];
@@ -133,16 +133,16 @@ void EventList::approach_pairs(const EventSource& s, BlockRange r, double dt, st
   }
 }
 
-void EventList::approach_statics(const EventSource& s, double dt) {
+void EventList::approach_statics(const Observed& s, double dt) {
   const BodyStore& b = s.bodies;
-  const ContactStore& c = s.contacts;
-  const std::uint32_t dummies = s.solved.dummies();
+  const ContactStore& c = s.contacts.discs;
+  const std::uint32_t dummies = s.contacts.solved.dummies();
   for (std::size_t l = 0; l < std::size_t{c.static_blocks()} * kBlock; ++l) {
     if (c.s_body[l] >= dummies) continue;
     Candidate static_pair;
     static_pair.kind = Candidate::kStatic;
     static_pair.at = static_cast<std::uint32_t>(l);
-    static_pair.slot_b = s.solved.slot(c.s_body[l]);
+    static_pair.slot_b = s.contacts.solved.slot(c.s_body[l]);
     if (!fast(s, kNoSlot, static_pair.slot_b)) continue;
     static_pair.id_b = b.id[static_pair.slot_b];
     if (c.s_shape[l] < kWallLeft) static_pair.id_a = s.statics[c.s_shape[l]].owner;
@@ -154,9 +154,9 @@ void EventList::approach_statics(const EventSource& s, double dt) {
   }
 }
 
-void EventList::approach_manifolds(const EventSource& s, double dt) {
-  for (std::uint32_t k = 0; k < s.manifolds.pairs().size(); ++k) {
-    const ManifoldPair& p = s.manifolds.pairs()[k];
+void EventList::approach_manifolds(const Observed& s, double dt) {
+  for (std::uint32_t k = 0; k < s.contacts.manifolds.pairs().size(); ++k) {
+    const ManifoldPair& p = s.contacts.manifolds.pairs()[k];
     if (p.lane == PairName::kNone) continue;
     for (int corner = 0; corner < p.manifold.count; ++corner) {
       Candidate pair;
@@ -175,19 +175,19 @@ void EventList::approach_manifolds(const EventSource& s, double dt) {
 }
 
 // Keeps the candidates that were answered: each pair once, at the highest speed.
-void EventList::keep_hits(const EventSource& s) {
+void EventList::keep_hits(const Observed& s) {
   const BodyStore& b = s.bodies;
   const auto there = [&](std::uint32_t slot, std::uint32_t id) { return slot == kNoSlot || b.id[slot] == id; };
   const auto closed = [&](const Candidate& c) {
     switch (c.kind) {
       case Candidate::kPair:
-        return !std::signbit(s.contacts.impulse[c.at]);
+        return !std::signbit(s.contacts.discs.impulse[c.at]);
       case Candidate::kStatic:
-        return !std::signbit(s.contacts.s_impulse[c.at]);
+        return !std::signbit(s.contacts.discs.s_impulse[c.at]);
       case Candidate::kManifold:
         break;
     }
-    return s.manifolds.closed(s.manifolds.strip_of(c.at), s.manifolds.pairs()[c.at]);
+    return s.contacts.manifolds.closed(s.contacts.manifolds.strip_of(c.at), s.contacts.manifolds.pairs()[c.at]);
   };
   std::erase_if(candidates_, [&](const Candidate& c) {
     if (!there(c.slot_a, c.id_a) || !there(c.slot_b, c.id_b)) return true;  // a body left in this step

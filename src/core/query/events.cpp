@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <iterator>
 
 #include "base/sort_keys.h"
@@ -84,24 +85,8 @@ void EventList::body_left(BodyId id, bool same) {
   if (!same) removed_.push_back(id);
 }
 
-// Sorts by a, then b: where there are many, by counting how many each a has.
 void EventList::sort(Keys& keys, std::uint32_t ids) {
-  if (keys.size() < 256 || keys.size() < ids / 8) {
-    sort_keys(keys.begin(), keys.end());
-    return;
-  }
-  count_.assign(std::size_t{ids} + 1, 0);
-  for (const std::uint64_t key : keys) ++count_[first_of(key) + 1];
-  for (std::size_t k = 1; k < count_.size(); ++k) count_[k] += count_[k - 1];
-  scratch_.resize(keys.size());
-  for (const std::uint64_t key : keys) scratch_[count_[first_of(key)]++] = key;
-  keys.swap(scratch_);
-  for (std::size_t k = 1; k < keys.size(); ++k) {  // insertion sort: each a has few
-    const std::uint64_t key = keys[k];
-    std::size_t at = k;
-    for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
-    keys[at] = key;
-  }
+  sort_by_first(keys, scratch_, count_, ids, first_of, std::less<>());
 }
 
 // Pairs of removed bodies have ended, even if other bodies have their ids now.
@@ -116,38 +101,39 @@ void EventList::retire(Keys& before, Keys& ended) const {
   before.erase(at, before.end());
 }
 
-BodyId EventList::handle(const EventSource& source, std::uint32_t id, bool gone) const {
+BodyId EventList::handle(const Observed& world, std::uint32_t id, bool gone) const {
   if (gone) {
     for (const BodyId& removed : removed_) {
       if (removed.index == id) return removed;
     }
   }
-  return {id, source.bodies.info[id].generation};
+  return {id, world.bodies.info[id].generation};
 }
 
-void EventList::tell(const EventSource& source, Keys& keys, bool gone, std::vector<TouchEvent>& out) const {
+void EventList::tell(const Observed& world, Keys& keys, bool gone, std::vector<TouchEvent>& out) const {
   sort_keys(keys.begin(), keys.end());
   out.clear();
   for (const std::uint64_t key : keys) {
-    out.push_back({handle(source, first_of(key), gone), handle(source, second_of(key), gone)});
+    out.push_back({handle(world, first_of(key), gone), handle(world, second_of(key), gone)});
   }
 }
 
 // Notes the ids of the bodies in each lane.
-void EventList::name_lanes(const EventSource& source) {
-  const BodyStore& b = source.bodies;
-  const ContactStore& c = source.contacts;
-  const std::uint32_t dummies = source.solved.dummies();
+void EventList::name_lanes(const Observed& world) {
+  const BodyStore& b = world.bodies;
+  const ContactStore& c = world.contacts.discs;
+  const SolverBodies& solved = world.contacts.solved;
+  const bool kinematic = world.any_kinematic();
   const auto blocks = static_cast<std::uint32_t>(touching_.size());
-  source.pool.run(stream_tasks(blocks), [&](std::size_t t) {
+  world.pool.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
       lane_key_[l] = kNoKey;
-      if (c.body[2 * l] >= dummies) continue;
-      const std::uint32_t i = b.id[source.solved.slot(c.body[2 * l])];
-      const std::uint32_t j = b.id[source.solved.slot(c.body[2 * l + 1])];
+      if (c.body[2 * l] >= solved.dummies()) continue;
+      const std::uint32_t i = b.id[solved.slot(c.body[2 * l])];
+      const std::uint32_t j = b.id[solved.slot(c.body[2 * l + 1])];
       if (i == kNoSlot || j == kNoSlot) continue;  // a body left in this step
-      if (source.kinematic && !dynamic(b, i) && !dynamic(b, j)) continue;
+      if (kinematic && !dynamic(b, i) && !dynamic(b, j)) continue;
       lane_key_[l] = key_of(i, j);
     }
     for (std::size_t k = r.begin; k < r.end; ++k) {
@@ -156,10 +142,11 @@ void EventList::name_lanes(const EventSource& source) {
   });
 }
 
-void EventList::compare_pairs(const EventSource& source) {
-  const ContactStore& c = source.contacts;
-  const std::uint32_t blocks = source.stepped ? c.pair_blocks() : 0;
-  if (source.stepped && build_ == c.builds() && !left_ && touching_.size() == blocks) {
+void EventList::compare_pairs(const Observed& world) {
+  const ContactStore& c = world.contacts.discs;
+  const bool stepped = world.bodies.awake() != 0;
+  const std::uint32_t blocks = stepped ? c.pair_blocks() : 0;
+  if (stepped && build_ == c.builds() && !left_ && touching_.size() == blocks) {
     for (std::size_t k = 0; k < blocks; ++k) {
       const unsigned closed = closed_bits(c.impulse.data() + k * kBlock);
       unsigned changed = closed ^ touching_[k];
@@ -194,7 +181,7 @@ void EventList::compare_pairs(const EventSource& source) {
   }
   lane_key_.resize(std::size_t{blocks} * kBlock);
   touching_.resize(blocks);
-  name_lanes(source);
+  name_lanes(world);
   paired_.clear();
   for (std::size_t k = 0; k < blocks; ++k) {
     unsigned closed = touching_[k];
@@ -202,34 +189,37 @@ void EventList::compare_pairs(const EventSource& source) {
       if ((closed & 1) != 0 && lane_key_[l] != kNoKey) paired_.push_back(lane_key_[l]);
     }
   }
-  build_ = source.stepped ? c.builds() : 0;
+  build_ = stepped ? c.builds() : 0;
   retire(before_, ended_);
-  sort(paired_, source.bodies.id_count);
+  sort(paired_, world.bodies.id_count);
   differences(before_, paired_, began_, ended_);
 }
 
-void EventList::compare_rest(const EventSource& source) {
-  const BodyStore& b = source.bodies;
-  const ContactStore& c = source.contacts;
+void EventList::compare_rest(const Observed& world) {
+  const BodyStore& b = world.bodies;
+  const ContactStore& c = world.contacts.discs;
+  const SolverBodies& solved = world.contacts.solved;
+  const Manifolds& manifolds = world.contacts.manifolds;
+  const bool kinematic = world.any_kinematic();
   const auto here = [&](std::uint32_t id) {
     return b.info[id].place == Place::moving || b.info[id].place == Place::fixed || b.info[id].place == Place::asleep;
   };
   now_.clear();
-  if (source.stepped) {
+  if (b.awake() != 0) {
     for (std::size_t k = 0; k < c.static_blocks(); ++k) {
       unsigned closed = closed_bits(c.s_impulse.data() + k * kBlock);
       for (std::size_t l = k * kBlock; closed != 0; closed >>= 1, ++l) {
-        if ((closed & 1) == 0 || c.s_body[l] >= source.solved.dummies()) continue;
+        if ((closed & 1) == 0 || c.s_body[l] >= solved.dummies()) continue;
         if (c.s_shape[l] >= kWallLeft) continue;
-        const std::uint32_t id = b.id[source.solved.slot(c.s_body[l])];
-        if (id == kNoSlot || (source.kinematic && !dynamic(b, id))) continue;
-        now_.push_back(key_of(id, source.statics[c.s_shape[l]].owner));
+        const std::uint32_t id = b.id[solved.slot(c.s_body[l])];
+        if (id == kNoSlot || (kinematic && !dynamic(b, id))) continue;
+        now_.push_back(key_of(id, world.statics[c.s_shape[l]].owner));
       }
     }
-    for (std::size_t s = 0; s < source.manifolds.strip_count(); ++s) {
-      for (const std::uint32_t k : source.manifolds.active_of(s)) {
-        const ManifoldPair& pair = source.manifolds.pairs()[k];
-        if (pair.id_a == ManifoldPair::kNone || !source.manifolds.closed(s, pair)) continue;
+    for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
+      for (const std::uint32_t k : manifolds.active_of(s)) {
+        const ManifoldPair& pair = manifolds.pairs()[k];
+        if (pair.id_a == ManifoldPair::kNone || !manifolds.closed(s, pair)) continue;
         if (here(pair.id_a) && here(pair.id_b)) now_.push_back(key_of(pair.id_a, pair.id_b));
       }
     }
@@ -245,15 +235,15 @@ void EventList::compare_rest(const EventSource& source) {
 
 // Sleepers still touch what they touched, though no contact says so; and a pair of discs becomes another kind of
 // contact once one of them sleeps.
-void EventList::settle_sleepers(const EventSource& source) {
-  const BodyStore& b = source.bodies;
+void EventList::settle_sleepers(const Observed& world) {
+  const BodyStore& b = world.bodies;
   const auto place = [&](std::uint32_t id) { return b.info[id].place; };
   const auto asleep = [&](std::uint64_t key) {
     const Place p = place(first_of(key)), q = place(second_of(key));
     return p != Place::moving && q != Place::moving && (p == Place::asleep || q == Place::asleep);
   };
   retire(slept_, ended_);
-  if (!source.slept) return;
+  if (!world.sleep.sleepers.changed) return;
   sort_keys(began_.begin(), began_.end());
   sort_keys(ended_.begin(), ended_.end());
   // A pair that both ended and began only changed its kind, unless its id belongs to another body now.
@@ -290,19 +280,19 @@ void EventList::settle_sleepers(const EventSource& source) {
   std::inplace_merge(slept_.begin(), slept_.begin() + static_cast<std::ptrdiff_t>(before), slept_.end());
 }
 
-void EventList::gather_sensed(const EventSource& source, const QueryIndex& index, const QuerySource& queries) {
-  const BodyStore& b = source.bodies;
+void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
+  const BodyStore& b = world.bodies;
   now_.clear();
   if (b.moving != 0) {
-    const QueryIndex::Part& moving = index.moving(queries);
-    const QueryIndex::Part& sleeping = index.sleeping(queries);
+    const QueryIndex::Part& moving = index.part(world, QueryIndex::kMoving);
+    const QueryIndex::Part& sleeping = index.part(world, QueryIndex::kSleeping);
     // Finds the bodies that overlap an item of a sensor in `part`.
     const auto look = [&](const QueryIndex::Part& part, const QueryItem& item) {
       const BodyKind& kind = b.kind(item.body);
       if (!kind.sensor) return;
       const Vec2 at{item.x, item.y};
       const double reach = static_cast<double>(item.radius);
-      const Outline mine = QueryIndex::outline(queries, part, item, {});
+      const Outline mine = QueryIndex::outline(world, part, item, {});
       for (const QueryIndex::Part* in : {&moving, &sleeping}) {
         in->grid.in_box({at.x - reach, at.y - reach}, {at.x + reach, at.y + reach},
                         [&](const QueryItem& other, Vec2 shift) {
@@ -312,14 +302,14 @@ void EventList::gather_sensed(const EventSource& source, const QueryIndex& index
                           if (b.info[other.body].place == Place::frozen) return;
                           const BodyKind& theirs = b.kind(other.body);
                           if (theirs.sensor || !meet(kind.filter, theirs.filter)) return;
-                          if (!overlap(mine, QueryIndex::outline(queries, *in, other, to))) return;
+                          if (!overlap(mine, QueryIndex::outline(world, *in, other, to))) return;
                           now_.push_back(std::uint64_t{item.body} << 32 | other.body);
                         });
       }
     };
-    const QueryIndex::Part& fixed = index.fixed(queries);
+    const QueryIndex::Part& fixed = index.part(world, QueryIndex::kFixed);
     for (const QueryItem& item : fixed.grid.items()) look(fixed, item);
-    if (source.kinematic) {
+    if (world.any_kinematic()) {
       for (const QueryItem& item : moving.grid.items()) look(moving, item);
     }
   }
@@ -330,22 +320,22 @@ void EventList::gather_sensed(const EventSource& source, const QueryIndex& index
   retire(sensed_, ended_);
   differences(sensed_, now_, began_, ended_);
   sensed_ = now_;
-  tell(source, began_, false, sensor_begin_);
-  tell(source, ended_, true, sensor_end_);
+  tell(world, began_, false, sensor_begin_);
+  tell(world, ended_, true, sensor_end_);
 }
 
-void EventList::collect(const EventSource& source, const QueryIndex& index, const QuerySource& queries) {
+void EventList::collect(const Observed& world, const QueryIndex& index) {
   if (options_.contacts) {
     began_.clear();
     ended_.clear();
-    compare_pairs(source);
-    compare_rest(source);
-    settle_sleepers(source);
-    tell(source, began_, false, begin_);
-    tell(source, ended_, true, end_);
+    compare_pairs(world);
+    compare_rest(world);
+    settle_sleepers(world);
+    tell(world, began_, false, begin_);
+    tell(world, ended_, true, end_);
   }
-  if (options_.hits) keep_hits(source);
-  if (options_.sensors) gather_sensed(source, index, queries);
+  if (options_.hits) keep_hits(world);
+  if (options_.sensors) gather_sensed(world, index);
   candidates_.clear();
   removed_.clear();
   left_ = false;

@@ -13,30 +13,10 @@
 #include <vector>
 
 #include "base/tasks.h"
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
-#include "contacts/contact_store.h"
-#include "contacts/solver_bodies.h"
-#include "manifolds/manifolds.h"
 #include "psim/events.h"
 #include "query/query_index.h"
 
 namespace psim {
-
-/// The parts of a world from which events are found.
-struct EventSource {
-  const BodyStore& bodies;
-  const SolverBodies& solved;
-  const ContactStore& contacts;
-  const Manifolds& manifolds;
-  const StaticShapes& statics;
-  const Lattice& lattice;
-  WorkerPool& pool;
-  bool kinematic = false;  ///< some bodies are kinematic
-  bool stepped = true;     ///< there was a step, and the contacts are those of it
-  bool slept = false;      ///< some bodies fell asleep or woke since the last step
-};
 
 class EventList {
  public:
@@ -50,9 +30,9 @@ class EventList {
   void body_left(BodyId id, bool same);
 
   /// Before the solver: notes which contacts may become hits. O(contacts), if the host asks for hits.
-  void approach(const EventSource& source, double dt);
+  void approach(const Observed& world, double dt);
   /// After the step: finds all events. O(contacts) for touching; a query for each sensor.
-  void collect(const EventSource& source, const QueryIndex& index, const QuerySource& queries);
+  void collect(const Observed& world, const QueryIndex& index);
 
   /// Empties the lists: nothing happens in a step that waits.
   void clear();
@@ -77,23 +57,23 @@ class EventList {
     Vec2 point;             // m
   };
 
-  void name_lanes(const EventSource& source);
-  void compare_pairs(const EventSource& source);
-  void compare_rest(const EventSource& source);
-  void settle_sleepers(const EventSource& source);
-  void gather_sensed(const EventSource& source, const QueryIndex& index, const QuerySource& queries);
+  void name_lanes(const Observed& world);
+  void compare_pairs(const Observed& world);
+  void compare_rest(const Observed& world);
+  void settle_sleepers(const Observed& world);
+  void gather_sensed(const Observed& world, const QueryIndex& index);
   // event_hits.cpp
-  void approach_pairs(const EventSource& source, BlockRange blocks, double dt, std::vector<Candidate>& out) const;
-  void approach_statics(const EventSource& source, double dt);
-  void approach_manifolds(const EventSource& source, double dt);
-  void keep_hits(const EventSource& source);
-  static Vec2 closing(const EventSource& source, const Candidate& candidate);
-  void consider(const EventSource& source, Candidate candidate, Vec2 d, double reach, double gap, double dt,
+  void approach_pairs(const Observed& world, BlockRange blocks, double dt, std::vector<Candidate>& out) const;
+  void approach_statics(const Observed& world, double dt);
+  void approach_manifolds(const Observed& world, double dt);
+  void keep_hits(const Observed& world);
+  static Vec2 closing(const Observed& world, const Candidate& candidate);
+  void consider(const Observed& world, Candidate candidate, Vec2 d, double reach, double gap, double dt,
                 std::vector<Candidate>& out) const;
-  bool fast(const EventSource& source, std::uint32_t slot_a, std::uint32_t slot_b) const;
+  bool fast(const Observed& world, std::uint32_t slot_a, std::uint32_t slot_b) const;
   void retire(Keys& before, Keys& ended) const;
-  BodyId handle(const EventSource& source, std::uint32_t id, bool gone) const;
-  void tell(const EventSource& source, Keys& keys, bool gone, std::vector<TouchEvent>& out) const;
+  BodyId handle(const Observed& world, std::uint32_t id, bool gone) const;
+  void tell(const Observed& world, Keys& keys, bool gone, std::vector<TouchEvent>& out) const;
   void sort(Keys& keys, std::uint32_t ids);
 
   EventOptions options_;

@@ -6,7 +6,6 @@
 
 #include "query/contact_list.h"
 #include "query/events.h"
-#include "query/publish.h"
 #include "query/query_index.h"
 #include "query/readout.h"
 
@@ -21,13 +20,13 @@ struct Observers {
 
   /// Bodies fell asleep or woke.
   void forget_sleep() {
-    queries.forget_sleeping();
-    queries.forget_moving();
+    queries.forget(QueryIndex::kSleeping);
+    queries.forget(QueryIndex::kMoving);
   }
   /// The bodies are those of another state.
   void forget_all() {
     forget_sleep();
-    queries.forget_fixed();
+    queries.forget(QueryIndex::kFixed);
   }
   std::size_t bytes() const {
     return publisher.bytes() + queries.bytes() + events.bytes() + contacts.bytes() + columns.bytes();

@@ -23,13 +23,13 @@ double nearest_copy(double at, double period) {
 
 struct Question {
   const QueryIndex& index;
-  const QuerySource& source;
+  const Observed& world;
   const QueryFilter& filter;
-  bool any_kinematic = false;
+  Vec2 period = world.period();  // m
 
   bool wants(std::uint32_t id) const {
-    const BodyProperties& properties = source.bodies.properties(id);
-    const BodyKind& kind = source.bodies.kinds[properties.kind];
+    const BodyProperties& properties = world.bodies.properties(id);
+    const BodyKind& kind = world.bodies.kinds[properties.kind];
     if (kind.sensor && !filter.sensors) return false;
     if ((kind.filter.category & filter.mask) == 0) return false;
     switch (properties.type) {
@@ -46,21 +46,22 @@ struct Question {
   // Calls each(part) for the grids that may hold wanted bodies.
   template <class Each>
   void parts(const Each& each) const {
-    if (filter.fixed && source.bodies.fixed != 0) each(index.fixed(source));
-    if ((filter.dynamic && source.bodies.living != source.bodies.fixed) || (filter.kinematic && any_kinematic)) {
-      each(index.moving(source));
+    const BodyStore& b = world.bodies;
+    if (filter.fixed && b.fixed != 0) each(index.part(world, QueryIndex::kFixed));
+    if ((filter.dynamic && b.living != b.fixed) || (filter.kinematic && world.any_kinematic())) {
+      each(index.part(world, QueryIndex::kMoving));
     }
-    if (filter.dynamic && !source.sleepers.empty()) each(index.sleeping(source));
+    if (filter.dynamic && !world.sleep.sleepers.empty()) each(index.part(world, QueryIndex::kSleeping));
   }
 
-  BodyId id(std::uint32_t index) const { return {index, source.bodies.info[index].generation}; }
+  BodyId id(std::uint32_t index) const { return {index, world.bodies.info[index].generation}; }
 
   // A point in the coordinates of the grids. In a periodic world it is the copy nearest to the middle.
   Vec2 place(Vec2 p) const {
-    const Vec2 centre = source.lattice.centre();
+    const Vec2 centre = world.lattice.centre();
     Vec2 at{p.x - centre.x, p.y - centre.y};
-    at.x = nearest_copy(at.x, source.period.x);
-    at.y = nearest_copy(at.y, source.period.y);
+    at.x = nearest_copy(at.x, period.x);
+    at.y = nearest_copy(at.y, period.y);
     return at;
   }
 };
@@ -87,7 +88,7 @@ struct Ray {
     whole = length;
     if (!(length > 0)) return;
     u = {way.x / length, way.y / length};
-    const Vec2 period = q.source.period;
+    const Vec2 period = q.period;
     if (period.x > 0 && u.x != 0) length = std::fmin(length, period.x / std::fabs(u.x));
     if (period.y > 0 && u.y != 0) length = std::fmin(length, period.y / std::fabs(u.y));
   }
@@ -110,7 +111,7 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
       if (miss * miss > r * r) return;
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
-                             : enter(QueryIndex::outline(q.source, part.pieces[item.piece], to), ray.u, limit);
+                             : enter(QueryIndex::outline(q.world, part.pieces[item.piece], to), ray.u, limit);
       if (e.at >= 0 && e.at <= limit && q.wants(item.body)) each(Entered{e.at, item.body, e.normal});
     };
     if (ray.length > 0) {
@@ -152,7 +153,7 @@ class Gatherer {
 
  private:
   bool meets(const Outline& shape, const QueryIndex::Part& part, const QueryItem& item, Vec2 to) const {
-    return psim::overlap(shape, QueryIndex::outline(q_.source, part, item, to));
+    return psim::overlap(shape, QueryIndex::outline(q_.world, part, item, to));
   }
 
   const Question& q_;
@@ -165,13 +166,9 @@ struct Boxed {
   Vec2 middle, half;
 
   Boxed(const Hull& hull, Vec2 turn) : outline(outline_of(hull, turn, {})) {
-    Vec2 low = outline.v[0], high = outline.v[0];
-    for (std::int32_t k = 1; k < outline.count; ++k) {
-      low = {std::fmin(low.x, outline.v[k].x), std::fmin(low.y, outline.v[k].y)};
-      high = {std::fmax(high.x, outline.v[k].x), std::fmax(high.y, outline.v[k].y)};
-    }
-    middle = {low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
-    half = {high.x - middle.x + outline.radius, high.y - middle.y + outline.radius};
+    const Box box = box_of(outline);
+    middle = box.middle();
+    half = {box.high.x - middle.x + outline.radius, box.high.y - middle.y + outline.radius};
     for (std::int32_t k = 0; k < outline.count; ++k) {
       outline.v[k] = {outline.v[k].x - middle.x, outline.v[k].y - middle.y};
     }
@@ -182,7 +179,7 @@ struct Boxed {
 
 std::optional<RayHit> Queries::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const {
   if (!sane(from) || !sane(to)) return {};
-  const Question q{index_, source_, filter, any_kinematic_};
+  const Question q{index, world, filter};
   const Ray ray(q, from, to);
   std::optional<Entered> best;
   double limit = ray.length;
@@ -197,7 +194,7 @@ std::optional<RayHit> Queries::ray_cast(Vec2 from, Vec2 to, const QueryFilter& f
 
 std::vector<RayHit> Queries::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const {
   if (!sane(from) || !sane(to)) return {};
-  const Question q{index_, source_, filter, any_kinematic_};
+  const Question q{index, world, filter};
   const Ray ray(q, from, to);
   std::vector<Entered> all;
   double limit = ray.length;
@@ -218,7 +215,7 @@ std::vector<BodyId> Queries::overlap(const Shape& shape, Vec2 position, double a
   HullSet hulls;
   std::string error;
   if (!sane(position) || !std::isfinite(angle) || !make_hulls(shape, false, hulls, error)) return {};
-  const Question q{index_, source_, filter, any_kinematic_};
+  const Question q{index, world, filter};
   Gatherer found(q);
   const SineCosine turn = sine_cosine(angle);
   for (const Hull& hull : hulls.parts) {
@@ -231,11 +228,11 @@ std::vector<BodyId> Queries::overlap(const Shape& shape, Vec2 position, double a
 std::vector<BodyId> Queries::in_region(const Bounds& region, const QueryFilter& filter) const {
   const Vec2 low{region.xmin, region.ymin}, high{region.xmax, region.ymax};
   if (!sane(low) || !sane(high) || !(low.x <= high.x && low.y <= high.y)) return {};
-  const Question q{index_, source_, filter, any_kinematic_};
+  const Question q{index, world, filter};
   const Vec2 middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
   Vec2 half{high.x - middle.x, high.y - middle.y};
-  if (q.source.period.x > 0) half.x = std::fmin(half.x, q.source.period.x / 2);
-  if (q.source.period.y > 0) half.y = std::fmin(half.y, q.source.period.y / 2);
+  if (q.period.x > 0) half.x = std::fmin(half.x, q.period.x / 2);
+  if (q.period.y > 0) half.y = std::fmin(half.y, q.period.y / 2);
   Outline box;
   box.count = 4;
   box.v[0] = {-half.x, -half.y};
@@ -249,7 +246,7 @@ std::vector<BodyId> Queries::in_region(const Bounds& region, const QueryFilter& 
 
 std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const QueryFilter& filter) const {
   if (!sane(point) || !sane(reach) || !(reach >= 0)) return {};
-  const Question q{index_, source_, filter, any_kinematic_};
+  const Question q{index, world, filter};
   const Vec2 at = q.place(point);
   std::optional<NearPoint> best;
   std::uint32_t body = 0;
@@ -260,7 +257,7 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
       if (to.x * to.x + to.y * to.y > far * far * (1 + 1e-12)) return;
       const NearPoint n = item.piece == QueryIndex::kDisc
                               ? near_point(to, r)
-                              : near_point(QueryIndex::outline(q.source, part.pieces[item.piece], to));
+                              : near_point(QueryIndex::outline(q.world, part.pieces[item.piece], to));
       if (n.distance > reach || !q.wants(item.body)) return;
       if (best && n.distance == best->distance) {  // at equal distance the lowest id comes first, then the lowest point
         if (item.body > body) return;

@@ -14,21 +14,15 @@
 
 namespace psim {
 
-class Queries {
- public:
-  Queries(const QueryIndex& index, const QuerySource& source, bool any_kinematic)
-      : index_(index), source_(source), any_kinematic_(any_kinematic) {}
+struct Queries {
+  const QueryIndex& index;
+  const Observed world;
 
   std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const;
   std::vector<RayHit> ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const;
   std::vector<BodyId> overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter) const;
   std::vector<BodyId> in_region(const Bounds& region, const QueryFilter& filter) const;
   std::optional<ClosestHit> closest(Vec2 point, double reach, const QueryFilter& filter) const;
-
- private:
-  const QueryIndex& index_;
-  const QuerySource source_;
-  bool any_kinematic_;
 };
 
 }  // namespace psim

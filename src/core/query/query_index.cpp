@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/rotor.h"
-#include "query/publish.h"
 
 namespace psim {
 namespace {
@@ -11,8 +10,8 @@ namespace {
 // Puts the pieces of bodies into a grid.
 class Filler {
  public:
-  Filler(const QuerySource& source, QueryIndex::Part& part, std::size_t room) : source_(source), part_(part) {
-    part_.grid.begin(source.period, room);
+  Filler(const Observed& world, QueryIndex::Part& part, std::size_t room) : world_(world), part_(part) {
+    part_.grid.begin(world.period(), room);
     part_.pieces.clear();
   }
 
@@ -31,8 +30,7 @@ class Filler {
   }
 
   void fixed(const StaticShape& s, std::uint32_t number) {
-    const Lattice& lattice = source_.lattice;
-    const Vec2 p = place(lattice, s.p.x, s.p.y, s.p.dx, s.p.dy);
+    const Vec2 p = world_.from_centre(s.p);
     if (s.whole) {
       QueryPiece piece;
       piece.kind = QueryPiece::kWholeStatic;
@@ -44,26 +42,18 @@ class Filler {
     QueryPiece piece;
     piece.kind = QueryPiece::kSegment;
     piece.radius = s.radius;
-    piece.way = place(lattice, wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy);
+    piece.way = world_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
     piece.way.x -= static_cast<double>(s.p.dx);
     piece.way.y -= static_cast<double>(s.p.dy);
     round(s.owner, piece, p);
   }
 
-  static Vec2 place(const Lattice& lattice, std::int32_t x, std::int32_t y, float dx, float dy) {
-    return {x * lattice.pitch_x() + static_cast<double>(dx), y * lattice.pitch_y() + static_cast<double>(dy)};
-  }
-
  private:
   // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
   void round(std::uint32_t id, QueryPiece piece, Vec2 at) {
-    const Outline o = QueryIndex::outline(source_, piece, {});
-    Vec2 low = o.v[0], high = o.v[0];
-    for (std::int32_t k = 1; k < o.count; ++k) {
-      low = {std::fmin(low.x, o.v[k].x), std::fmin(low.y, o.v[k].y)};
-      high = {std::fmax(high.x, o.v[k].x), std::fmax(high.y, o.v[k].y)};
-    }
-    const Vec2 middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
+    const Outline o = QueryIndex::outline(world_, piece, {});
+    const Box box = box_of(o);
+    const Vec2 middle = box.middle();
     double reach = 0;
     for (std::int32_t k = 0; k < o.count; ++k) {
       const double x = o.v[k].x - middle.x, y = o.v[k].y - middle.y;
@@ -76,26 +66,26 @@ class Filler {
         {at.x + middle.x, at.y + middle.y, static_cast<float>((reach + o.radius) * (1 + 0x1p-22)), id, number});
   }
 
-  const QuerySource& source_;
+  const Observed& world_;
   QueryIndex::Part& part_;
 };
 
-void fill_moving(const QuerySource& source, QueryIndex::Part& part) {
-  const BodyStore& b = source.bodies;
-  Filler filler(source, part, b.count + source.frozen.size());
+void fill_moving(const Observed& world, QueryIndex::Part& part) {
+  const BodyStore& b = world.bodies;
+  Filler filler(world, part, b.count + world.population.frozen.size());
   for (std::size_t i = 0; i < b.count; ++i) {
     const std::uint32_t id = b.id[i];
     if (id == kNoSlot) continue;
-    const Vec2 at = Filler::place(source.lattice, b.pos[2 * i], b.pos[2 * i + 1], b.disp[2 * i], b.disp[2 * i + 1]);
-    const std::uint32_t kind = source.all_discs ? 0 : b.properties(id).kind;
+    const Vec2 at = world.from_centre(world.place(i));
+    const std::uint32_t kind = world.population.traits.cornered == 0 ? 0 : b.properties(id).kind;
     if (kind == 0 || b.kinds[kind].hull_count == 0) {
       filler.disc(id, at, b.radius[i]);
     } else {
       filler.hulls(id, b.kinds[kind], at, b.angle.empty() ? 0 : b.angle[i]);
     }
   }
-  for (const BodyState& s : source.frozen) {
-    const Vec2 centre = source.lattice.centre();
+  for (const BodyState& s : world.population.frozen) {
+    const Vec2 centre = world.lattice.centre();
     Vec2 at{s.x - centre.x, s.y - centre.y};
     const BodyKind& kind = b.kind(s.id.index);
     if (kind.hull_count == 0) {
@@ -110,11 +100,11 @@ void fill_moving(const QuerySource& source, QueryIndex::Part& part) {
   part.grid.build();
 }
 
-void fill_sleeping(const QuerySource& source, QueryIndex::Part& part) {
-  const BodyStore& b = source.bodies;
-  Filler filler(source, part, source.sleepers.size());
-  for (const Sleeper& s : source.sleepers) {
-    const Vec2 at = Filler::place(source.lattice, s.at.x, s.at.y, s.at.dx, s.at.dy);
+void fill_sleeping(const Observed& world, QueryIndex::Part& part) {
+  const BodyStore& b = world.bodies;
+  Filler filler(world, part, world.sleep.sleepers.list.size());
+  for (const Sleeper& s : world.sleep.sleepers.list) {
+    const Vec2 at = world.from_centre(s.at);
     const BodyProperties& properties = b.properties(s.id);
     const BodyKind& kind = b.kinds[properties.kind];
     if (kind.hull_count == 0) {
@@ -126,15 +116,15 @@ void fill_sleeping(const QuerySource& source, QueryIndex::Part& part) {
   part.grid.build();
 }
 
-void fill_fixed(const QuerySource& source, QueryIndex::Part& part) {
-  const StaticShapes& statics = source.statics;
-  Filler filler(source, part, statics.size());
+void fill_fixed(const Observed& world, QueryIndex::Part& part) {
+  const StaticShapes& statics = world.statics;
+  Filler filler(world, part, statics.size());
   for (std::uint32_t k = 0; k < statics.size(); ++k) {
     if (statics[k].alive && !statics[k].face && !statics[k].asleep) filler.fixed(statics[k], k);
   }
-  const Vec2 centre = source.lattice.centre();
-  for (const FixedBody& body : source.fixed) {
-    const BodyKind& kind = source.bodies.kind(body.id);
+  const Vec2 centre = world.lattice.centre();
+  for (const FixedBody& body : world.population.fixed) {
+    const BodyKind& kind = world.bodies.kind(body.id);
     if (!kind.sensor) continue;
     filler.hulls(body.id, kind, {body.x - centre.x, body.y - centre.y}, body.angle);
   }
@@ -143,13 +133,13 @@ void fill_fixed(const QuerySource& source, QueryIndex::Part& part) {
 
 }  // namespace
 
-Outline QueryIndex::outline(const QuerySource& source, const QueryPiece& piece, Vec2 centre) {
+Outline QueryIndex::outline(const Observed& world, const QueryPiece& piece, Vec2 centre) {
   const Vec2 at{centre.x + piece.at.x, centre.y + piece.at.y};
   switch (piece.kind) {
     case QueryPiece::kHull:
-      return outline_of(source.bodies.hulls[piece.hull], piece.way, at);
+      return outline_of(world.bodies.hulls[piece.hull], piece.way, at);
     case QueryPiece::kWholeStatic:
-      return outline_of(source.statics.hull(source.statics[piece.hull]), piece.way, at);
+      return outline_of(world.statics.hull(world.statics[piece.hull]), piece.way, at);
     case QueryPiece::kSegment:
       break;
   }
@@ -161,8 +151,8 @@ Outline QueryIndex::outline(const QuerySource& source, const QueryPiece& piece, 
   return line;
 }
 
-Outline QueryIndex::outline(const QuerySource& source, const Part& part, const QueryItem& item, Vec2 at) {
-  if (item.piece != kDisc) return outline(source, part.pieces[item.piece], at);
+Outline QueryIndex::outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at) {
+  if (item.piece != kDisc) return outline(world, part.pieces[item.piece], at);
   Outline disc;
   disc.count = 1;
   disc.radius = static_cast<double>(item.radius);
@@ -170,33 +160,22 @@ Outline QueryIndex::outline(const QuerySource& source, const Part& part, const Q
   return disc;
 }
 
-const QueryIndex::Part& QueryIndex::made(const QuerySource& source, std::atomic<bool>& ready, Part& part,
-                                         Fill fill) const {
-  if (ready.load(std::memory_order_acquire)) return part;
+const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
+  static constexpr void (*kFill[])(const Observed&, Part&) = {fill_moving, fill_sleeping, fill_fixed};
+  if (ready_[who].load(std::memory_order_acquire)) return parts_[who];
   const std::lock_guard<std::mutex> lock(making_);
-  if (!ready.load(std::memory_order_relaxed)) {
-    fill(source, part);
-    ready.store(true, std::memory_order_release);
+  if (!ready_[who].load(std::memory_order_relaxed)) {
+    kFill[who](world, parts_[who]);
+    ready_[who].store(true, std::memory_order_release);
   }
-  return part;
-}
-
-const QueryIndex::Part& QueryIndex::moving(const QuerySource& source) const {
-  return made(source, moving_ready_, moving_, fill_moving);
-}
-
-const QueryIndex::Part& QueryIndex::sleeping(const QuerySource& source) const {
-  return made(source, sleeping_ready_, sleeping_, fill_sleeping);
-}
-
-const QueryIndex::Part& QueryIndex::fixed(const QuerySource& source) const {
-  return made(source, fixed_ready_, fixed_, fill_fixed);
+  return parts_[who];
 }
 
 std::size_t QueryIndex::bytes() const {
   const std::lock_guard<std::mutex> lock(making_);
-  return moving_.grid.bytes() + sleeping_.grid.bytes() + fixed_.grid.bytes() +
-         (moving_.pieces.capacity() + sleeping_.pieces.capacity() + fixed_.pieces.capacity()) * sizeof(QueryPiece);
+  std::size_t sum = 0;
+  for (const Part& part : parts_) sum += part.grid.bytes() + part.pieces.capacity() * sizeof(QueryPiece);
+  return sum;
 }
 
 }  // namespace psim

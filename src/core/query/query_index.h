@@ -10,13 +10,9 @@
 #include <mutex>
 #include <vector>
 
-#include "base/lattice.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
-#include "psim/world.h"
+#include "query/observed.h"
 #include "query/query_grid.h"
 #include "query/query_shapes.h"
-#include "sleep/sleepers.h"
 
 namespace psim {
 
@@ -30,18 +26,6 @@ struct QueryPiece {
   Kind kind = kHull;
 };
 
-/// The parts of a world from which the grids are made.
-struct QuerySource {
-  const BodyStore& bodies;
-  const StaticShapes& statics;
-  const std::vector<FixedBody>& fixed;
-  const std::vector<BodyState>& frozen;
-  const std::vector<Sleeper>& sleepers;
-  const Lattice& lattice;
-  Vec2 period;             ///< m; 0: not periodic
-  bool all_discs = false;  ///< all moving bodies are discs
-};
-
 class QueryIndex {
  public:
   static constexpr std::uint32_t kDisc = 0xFFFFFFFFu;  ///< QueryItem::piece
@@ -52,30 +36,24 @@ class QueryIndex {
     std::vector<QueryPiece> pieces;
   };
 
-  /// Bodies moved, came or went.
-  void forget_moving() { moving_ready_.store(false, std::memory_order_relaxed); }
-  /// Bodies fell asleep or woke.
-  void forget_sleeping() { sleeping_ready_.store(false, std::memory_order_relaxed); }
-  void forget_fixed() { fixed_ready_.store(false, std::memory_order_relaxed); }
+  /// Whose grids there are: moving and frozen bodies, bodies that sleep, and fixed geometry.
+  enum Who : std::uint8_t { kMoving, kSleeping, kFixed };
 
-  const Part& moving(const QuerySource& source) const;
-  const Part& sleeping(const QuerySource& source) const;
-  const Part& fixed(const QuerySource& source) const;
+  /// They moved, came or went, fell asleep or woke.
+  void forget(Who who) { ready_[who].store(false, std::memory_order_relaxed); }
+  const Part& part(const Observed& world, Who who) const;
 
   /// The outline of a piece if the centre of its item lies at `at`.
-  static Outline outline(const QuerySource& source, const QueryPiece& piece, Vec2 at);
+  static Outline outline(const Observed& world, const QueryPiece& piece, Vec2 at);
   /// The outline of an item, which may be a disc.
-  static Outline outline(const QuerySource& source, const Part& part, const QueryItem& item, Vec2 at);
+  static Outline outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at);
 
   std::size_t bytes() const;
 
  private:
-  using Fill = void (*)(const QuerySource&, Part&);
-  const Part& made(const QuerySource& source, std::atomic<bool>& ready, Part& part, Fill fill) const;
-
   mutable std::mutex making_;
-  mutable std::atomic<bool> moving_ready_{false}, sleeping_ready_{false}, fixed_ready_{false};
-  mutable Part moving_, sleeping_, fixed_;
+  mutable std::atomic<bool> ready_[3]{};
+  mutable Part parts_[3];
 };
 
 }  // namespace psim

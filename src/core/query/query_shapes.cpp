@@ -38,6 +38,15 @@ bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
 
 }  // namespace
 
+Box box_of(const Outline& o) {
+  Box box{o.v[0], o.v[0]};
+  for (int k = 1; k < o.count; ++k) {
+    box.low = {std::fmin(box.low.x, o.v[k].x), std::fmin(box.low.y, o.v[k].y)};
+    box.high = {std::fmax(box.high.x, o.v[k].x), std::fmax(box.high.y, o.v[k].y)};
+  }
+  return box;
+}
+
 Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at) {
   Outline out;
   out.count = hull.count;

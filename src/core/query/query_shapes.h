@@ -16,6 +16,13 @@ struct Outline {
   double radius = 0;  ///< m
 };
 
+/// The smallest box about the core of an outline.
+struct Box {
+  Vec2 low, high;
+  Vec2 middle() const { return {low.x / 2 + high.x / 2, low.y / 2 + high.y / 2}; }
+};
+Box box_of(const Outline& outline);
+
 /// A hull turned by (cosine, sine) and moved to `at`.
 Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at);
 

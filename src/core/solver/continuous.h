@@ -21,7 +21,9 @@ namespace psim {
 class Continuous {
  public:
   template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(A& a) {  // for saved states
+    a.value(looked_);
+  }
 
   /// Cuts the motion of fast shapes at fixed geometry, and of `bullets` (ids) at other moving bodies.
   /// Returns how many motions were cut. O(shapes), plus the shapes along the ways of fast ones.

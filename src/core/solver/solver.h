@@ -100,7 +100,9 @@ struct SweepMemory {
 class Solver {
  public:
   template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(A& a) {  // for saved states
+    values(a, closed_, sweeps_);
+  }
 
   /// Runs all substeps.
   SolverReport run(const SolverInput& in, const SolverParams& params);

@@ -5,14 +5,16 @@
 // description calls an index therefore cannot come back out of range, whoever made the bytes. Loader stops at the
 // first fault: from there on it reads zeros, and ok() is false.
 //
-//   value, numbers     single numbers; enums and bools are checked, and sizes refuse NaN (Loader::refuse_nan)
-//   index, maybe_index numbers that count something: below a bound, or kNone
+//   values             everything that is given, in turn: numbers, structs with fields() (describe.h), optionals,
+//                      vectors, variants; enums and bools are checked, and sizes refuse NaN (Loader::refuse_nan)
+//   index              numbers that count something: below a bound
 //   list               a vector of things, with its length
 //   plain              many values without padding, copied as they are
 //   packed             many numbers that are often alike or near each other, in as few bytes as each run of them needs
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -22,7 +24,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/column.h"
@@ -34,9 +39,9 @@ static_assert(std::endian::native == std::endian::little, "saved states are litt
 template <class T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// The last value of an enum that is saved. Every such enum names its own (describe.h).
+/// Names an enum: last_of(Enum<E>()) is the last value of an enum that is saved (describe.h).
 template <class E>
-inline constexpr std::uint64_t kLastOf = 0;
+struct Enum {};
 
 /// 64-bit hash of bytes: finds damage, no defence against forgery.
 std::uint64_t hash_of(const std::byte* data, std::size_t size);
@@ -51,6 +56,16 @@ struct ArchiveHeader {
   std::uint64_t hash = 0;  ///< of what follows the header
 };
 
+/// Reads the header of a file of ours, a saved state or a recording (`what`). Returns what is wrong with it, or an empty string.
+template <class Header>
+std::string read_header(std::span<const std::byte> bytes, const char* what, Header& header) {
+  if (bytes.size() < sizeof header) return "it is cut short";
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic != Header::kMagic) return std::string("it is no ") + what + " of psim";
+  if (header.format == Header::kFormat) return {};
+  return "its format is " + std::to_string(header.format) + ", this psim reads " + std::to_string(Header::kFormat);
+}
+
 /// The unsigned integer that holds the bits of a number.
 template <std::size_t kBytes>
 using BitsOf = std::conditional_t<
@@ -64,7 +79,49 @@ inline constexpr std::size_t kPackedRun = 128;
 /// A bound that all numbers keep.
 inline constexpr std::uint64_t kAnyNumber = ~std::uint64_t{0};
 
-class Saver {
+/// What both archives do alike, in terms of their length(), one_index() and packed().
+template <class Self>
+class Archive {
+ public:
+  /// Numbers below a bound. 0 if one that is read is not.
+  template <class... T>
+  void index(std::uint64_t bound, T&... v) {
+    (self().one_index(bound, v), ...);
+  }
+  template <class T, class Each>
+  void list(std::vector<T>& v, const Each& each) {
+    if constexpr (Self::kLoading) v.clear();  // elements keep nothing of those before
+    self().length(v, 1);
+    for (T& element : v) {
+      each(element);
+      if (!self().ok()) break;
+    }
+  }
+  template <class T>
+  void plain(std::vector<T>& v) {
+    self().length(v, sizeof(T));
+    self().plain(v.data(), v.size());
+  }
+  /// A list of numbers below `bound`.
+  template <Number T>
+  void packed(std::vector<T>& v, std::uint64_t bound = kAnyNumber) {
+    self().length(v, 0);
+    self().packed(v.size(), [&](std::size_t k) -> T& { return v[k]; });
+    if constexpr (std::is_integral_v<T> && Self::kLoading) {
+      for (const T x : v) self().require(bound == kAnyNumber || static_cast<std::uint64_t>(x) < bound);
+    }
+  }
+  /// The first n numbers of a column, which has room for them.
+  template <Number T>
+  void packed(Column<T>& column, std::size_t n) {
+    self().packed(n, [&](std::size_t k) -> T& { return column[k]; });
+  }
+
+ private:
+  Self& self() { return static_cast<Self&>(*this); }
+};
+
+class Saver : public Archive<Saver> {
  public:
   static constexpr bool kLoading = false;
 
@@ -88,19 +145,7 @@ class Saver {
   void value(const T& v) {
     put(&v, sizeof v);
   }
-  template <class... T>
-  void index(std::uint64_t, const T&... v) {
-    (value(v), ...);
-  }
-  template <class... T>
-  void maybe_index(std::uint64_t, const T&... v) {
-    (value(v), ...);
-  }
-  template <class T, class Each>
-  void list(std::vector<T>& v, const Each& each) {
-    value(static_cast<std::uint64_t>(v.size()));
-    for (T& element : v) each(element);
-  }
+  using Archive::packed, Archive::plain;
   template <class T>
   void plain(T* data, std::size_t n) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -109,11 +154,6 @@ class Saver {
   template <class T>
   void plain(Column<T>& column, std::size_t n) {
     plain(column.data(), n);
-  }
-  template <class T>
-  void plain(std::vector<T>& v) {
-    value(static_cast<std::uint64_t>(v.size()));
-    plain(v.data(), v.size());
   }
   /// n numbers; at(k) is the k-th, by reference.
   template <class At>
@@ -139,11 +179,6 @@ class Saver {
       }
     }
   }
-  template <Number T>
-  void packed(std::vector<T>& v, std::uint64_t = kAnyNumber) {
-    value(static_cast<std::uint64_t>(v.size()));
-    packed(v.size(), [&](std::size_t k) -> T& { return v[k]; });
-  }
 
   bool ok() const { return true; }
   void require(bool) {}
@@ -151,6 +186,16 @@ class Saver {
   bool fits(std::uint64_t) const { return true; }
 
  private:
+  friend Archive;
+
+  template <class T>
+  void length(const std::vector<T>& v, std::size_t) {
+    value(static_cast<std::uint64_t>(v.size()));
+  }
+  template <Number T>
+  void one_index(std::uint64_t, const T& v) {
+    value(v);
+  }
   void make_room(std::size_t more) {
     if (at_ + more > bytes_.size()) bytes_.resize(std::max(at_ + more, 2 * bytes_.size() + 1024));
   }
@@ -166,7 +211,7 @@ class Saver {
   std::size_t at_ = kBegin;
 };
 
-class Loader {
+class Loader : public Archive<Loader> {
  public:
   static constexpr bool kLoading = true;
 
@@ -191,28 +236,10 @@ class Loader {
     T read{};
     if (!take(&read, sizeof read)) return;
     if constexpr (std::is_floating_point_v<T>) require(!refuses_nan_ || !std::isnan(read));
-    if constexpr (std::is_enum_v<T>) require(static_cast<std::uint64_t>(read) <= kLastOf<T>);
+    if constexpr (std::is_enum_v<T>) require(static_cast<std::uint64_t>(read) <= last_of(Enum<T>()));
     if (ok()) v = read;
   }
-  /// Numbers below a bound. 0 if one is not.
-  template <class... T>
-  void index(std::uint64_t bound, T&... v) {
-    (one_index(bound, v, false), ...);
-  }
-  /// The same, or the largest number of the type, which means none.
-  template <class... T>
-  void maybe_index(std::uint64_t bound, T&... v) {
-    (one_index(bound, v, true), ...);
-  }
-  template <class T, class Each>
-  void list(std::vector<T>& v, const Each& each) {
-    v.clear();
-    v.resize(length(1));
-    for (T& element : v) {
-      each(element);
-      if (!ok()) break;
-    }
-  }
+  using Archive::packed, Archive::plain;
   template <class T>
   void plain(T* data, std::size_t n) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -223,11 +250,6 @@ class Loader {
     if (!fits(n)) return;
     column.reserve(n);
     plain(column.data(), n);
-  }
-  template <class T>
-  void plain(std::vector<T>& v) {
-    v.resize(length(sizeof(T)));
-    plain(v.data(), v.size());
   }
   template <class At>
   void packed(std::size_t n, const At& at) {
@@ -245,15 +267,6 @@ class Loader {
         std::memcpy(&above, bytes_.data() + at_, width);
         put_bits(at(begin + k), static_cast<Bits>(least + above));
       }
-    }
-  }
-  /// A list of numbers below `bound`.
-  template <Number T>
-  void packed(std::vector<T>& v, std::uint64_t bound = kAnyNumber) {
-    v.resize(length(0));
-    packed(v.size(), [&](std::size_t k) -> T& { return v[k]; });
-    if constexpr (std::is_integral_v<T>) {
-      for (const T x : v) require(bound == kAnyNumber || static_cast<std::uint64_t>(x) < bound);
     }
   }
 
@@ -276,19 +289,14 @@ class Loader {
   std::byte peek() const { return bytes_[at_]; }
 
  private:
+  friend Archive;
   static constexpr std::uint64_t kThingsAByte = 16;
 
   Loader(std::span<const std::byte> bytes, std::size_t at) : bytes_(bytes), at_(at) {}
 
   std::string fault_of_header() const {
     ArchiveHeader header;
-    if (bytes_.size() < sizeof header) return "it is cut short";
-    std::memcpy(&header, bytes_.data(), sizeof header);
-    if (header.magic != ArchiveHeader::kMagic) return "it is no saved state of psim";
-    if (header.format != ArchiveHeader::kFormat) {
-      return "its format is " + std::to_string(header.format) + ", this psim reads " +
-             std::to_string(ArchiveHeader::kFormat);
-    }
+    if (std::string fault = read_header(bytes_, "saved state", header); !fault.empty()) return fault;
     if (header.size != bytes_.size()) {
       return "it has " + std::to_string(bytes_.size()) + " bytes of " + std::to_string(header.size);
     }
@@ -301,25 +309,25 @@ class Loader {
     at_ += n;
     return true;
   }
-  // Of a list whose elements take at least so many bytes each; 0: packed.
-  std::size_t length(std::size_t bytes) {
+  // Makes room for a list whose elements take at least so many bytes each; 0: packed.
+  template <class T>
+  void length(std::vector<T>& v, std::size_t bytes) {
     std::uint64_t n = 0;
     value(n);
     require(bytes == 0 ? fits(n) : n <= left() / bytes);
-    return ok() ? static_cast<std::size_t>(n) : 0;
+    v.resize(ok() ? static_cast<std::size_t>(n) : 0);
   }
   template <class T>
-  void one_index(std::uint64_t bound, T& v, bool may_be_none) {
+  void one_index(std::uint64_t bound, T& v) {
     value(v);
-    const bool none = may_be_none && v == std::numeric_limits<T>::max();
-    if (none || static_cast<std::uint64_t>(v) < bound) return;
+    if (static_cast<std::uint64_t>(v) < bound) return;
     v = 0;
     require(false);
   }
   template <class T, class Bits>
   void put_bits(T& to, Bits bits) {
     if constexpr (std::is_enum_v<T>) {
-      require(bits <= kLastOf<T>);
+      require(bits <= last_of(Enum<T>()));
       to = ok() ? static_cast<T>(bits) : T{};
     } else if constexpr (std::is_same_v<T, bool>) {
       require(bits <= 1);
@@ -335,18 +343,50 @@ class Loader {
   bool refuses_nan_ = false;
 };
 
-/// Every number in turn.
+/// Whatever is given, in turn: one_value() finds out what it is made of.
 template <class A, class... T>
-void numbers(A& a, T&... v) {
-  (a.value(v), ...);
+void values(A& a, T&... v) {
+  (one_value(a, v), ...);
 }
 
+/// A number; or the members of a struct, as fields() ties them.
 template <class A, class T>
-void maybe(A& a, std::optional<T>& v) {
+void one_value(A& a, T& v) {
+  if constexpr (Number<T>) {
+    a.value(v);
+  } else {
+    std::apply([&a](auto&... member) { values(a, member...); }, fields(v));
+  }
+}
+template <class A, class T, std::size_t kCount>
+void one_value(A& a, T (&v)[kCount]) {
+  for (T& element : v) one_value(a, element);
+}
+template <class A, class T, std::size_t kCount>
+void one_value(A& a, std::array<T, kCount>& v) {
+  for (T& element : v) one_value(a, element);
+}
+template <class A, class T>
+void one_value(A& a, std::vector<T>& v) {
+  a.list(v, [&a](T& element) { one_value(a, element); });
+}
+template <class A, class T>
+void one_value(A& a, std::optional<T>& v) {
   bool any = v.has_value();
   a.value(any);
   if constexpr (A::kLoading) v = any ? std::optional<T>(T{}) : std::nullopt;
-  if (any) a.value(*v);
+  if (any) one_value(a, *v);
+}
+/// A variant, by the number of its alternative.
+template <class A, class... T>
+void one_value(A& a, std::variant<T...>& v) {
+  auto which = static_cast<std::uint8_t>(v.index());
+  a.index(sizeof...(T), which);
+  if constexpr (A::kLoading) {
+    std::uint8_t k = 0;
+    ((which == k++ ? static_cast<void>(v.template emplace<T>()) : void()), ...);
+  }
+  std::visit([&a](auto& alternative) { one_value(a, alternative); }, v);
 }
 
 }  // namespace psim

@@ -1,8 +1,7 @@
 // How saved states and recordings write the small types that several parts of a world share (archive.h).
 #pragma once
 
-#include <utility>
-#include <variant>
+#include <tuple>
 
 #include "bodies/body_store.h"
 #include "manifolds/manifolds.h"
@@ -12,76 +11,43 @@
 
 namespace psim {
 
-template <>
-inline constexpr std::uint64_t kLastOf<BodyType> = 2;
-template <>
-inline constexpr std::uint64_t kLastOf<Boundary> = 2;
-template <>
-inline constexpr std::uint64_t kLastOf<Integrator> = 3;
-template <>
-inline constexpr std::uint64_t kLastOf<JointType> = 5;
-template <>
-inline constexpr std::uint64_t kLastOf<kernels::JointKind> = 5;
-template <>
-inline constexpr std::uint64_t kLastOf<kernels::Model> = 2;
-template <>
-inline constexpr std::uint64_t kLastOf<Place> = 4;
-template <>
-inline constexpr std::uint64_t kLastOf<ManifoldPair::StackRole> = 2;
+constexpr std::uint64_t last_of(Enum<BodyType>) { return 2; }
+constexpr std::uint64_t last_of(Enum<Boundary>) { return 2; }
+constexpr std::uint64_t last_of(Enum<Integrator>) { return 3; }
+constexpr std::uint64_t last_of(Enum<JointType>) { return 5; }
+constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 5; }
+constexpr std::uint64_t last_of(Enum<kernels::Model>) { return 2; }
+constexpr std::uint64_t last_of(Enum<Place>) { return 4; }
+constexpr std::uint64_t last_of(Enum<ManifoldPair::StackRole>) { return 2; }
 
-template <class A>
-void visit(A& a, Vec2& v) {
-  numbers(a, v.x, v.y);
+// ---- the members of a struct, in the order in which they are saved
+inline auto fields(Vec2& v) { return std::tie(v.x, v.y); }
+inline auto fields(Bounds& b) { return std::tie(b.xmin, b.ymin, b.xmax, b.ymax); }
+inline auto fields(LatticePoint& p) { return std::tie(p.x, p.y, p.dx, p.dy); }
+inline auto fields(BodyId& id) { return std::tie(id.index, id.generation); }
+inline auto fields(Material& m) { return std::tie(m.density, m.restitution, m.friction); }
+inline auto fields(Filter& f) { return std::tie(f.category, f.mask, f.group); }
+inline auto fields(WellField& w) { return std::tie(w.position, w.strength, w.softening, w.exponent, w.range); }
+inline auto fields(DragField& d) { return std::tie(d.linear, d.quadratic); }
+inline auto fields(WorldDesc& d) {
+  return std::tie(d.bounds, d.boundary, d.gravity, d.linear_damping, d.wall, d.dt, d.substeps, d.integrator,
+                  d.restitution_threshold, d.sleeping, d.skin, d.fields);
 }
-template <class A>
-void visit(A& a, LatticePoint& p) {
-  numbers(a, p.x, p.y, p.dx, p.dy);
-}
-template <class A>
-void visit(A& a, BodyId& id) {
-  numbers(a, id.index, id.generation);
+inline auto fields(JointDesc& d) {
+  return std::tie(d.type, d.a, d.b, d.anchor_a, d.anchor_b, d.length, d.stiffness, d.damping, d.axis, d.reference,
+                  d.lower, d.upper, d.motor_speed, d.motor_limit, d.collide);
 }
 
 template <class A>
-void visit(A& a, Hull& h) {
-  for (int k = 0; k < Hull::kMost; ++k) numbers(a, h.x[k], h.y[k], h.nx[k], h.ny[k]);
-  numbers(a, h.radius, h.reach, h.inner, h.count);
+void one_value(A& a, Hull& h) {
+  for (int k = 0; k < Hull::kMost; ++k) values(a, h.x[k], h.y[k], h.nx[k], h.ny[k]);
+  values(a, h.radius, h.reach, h.inner, h.count);
   a.require(h.count >= 0 && h.count <= Hull::kMost && h.radius >= 0 && h.reach >= 0 && h.inner >= 0);
 }
 
-/// A variant, by the number of its alternative: each(alternative).
-template <class A, class V, class Each>
-void alternatives(A& a, V& v, const Each& each) {
-  auto which = static_cast<std::uint8_t>(v.index());
-  a.index(std::variant_size_v<V>, which);
-  if constexpr (A::kLoading) {
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      ((which == I ? static_cast<void>(v.template emplace<I>()) : void()), ...);
-    }
-    (std::make_index_sequence<std::variant_size_v<V>>());
-  }
-  std::visit(each, v);
-}
-
 template <class A>
-void visit(A& a, WorldDesc& d) {
-  numbers(a, d.bounds.xmin, d.bounds.ymin, d.bounds.xmax, d.bounds.ymax, d.boundary, d.gravity.x, d.gravity.y,
-          d.linear_damping, d.wall.density, d.wall.restitution, d.wall.friction, d.dt, d.substeps, d.integrator,
-          d.restitution_threshold, d.sleeping, d.skin);
-  a.list(d.fields, [&](Field& field) {
-    alternatives(a, field, [&](auto& f) {
-      if constexpr (std::is_same_v<decltype(f), WellField&>) {
-        numbers(a, f.position.x, f.position.y, f.strength, f.softening, f.exponent, f.range);
-      } else {
-        numbers(a, f.linear, f.quadratic);
-      }
-    });
-  });
-}
-
-template <class A>
-void visit(A& a, BodyProperties& s) {
-  numbers(a, s.inv_mass, s.mass, s.rim_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
+void one_value(A& a, BodyProperties& s) {
+  values(a, s.inv_mass, s.mass, s.rim_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
   std::uint32_t kind = s.kind;
   BodyType type = s.type;
   a.index(kMostKinds + std::uint64_t{1}, kind);
@@ -92,20 +58,16 @@ void visit(A& a, BodyProperties& s) {
             s.restitution <= 1 && s.friction >= 0);
 }
 
-template <class A>
-void visit(A& a, JointDesc& d) {
-  a.value(d.type);
-  visit(a, d.a);
-  visit(a, d.b);
-  visit(a, d.anchor_a);
-  visit(a, d.anchor_b);
-  maybe(a, d.length);
-  numbers(a, d.stiffness, d.damping);
-  visit(a, d.axis);
-  maybe(a, d.reference);
-  maybe(a, d.lower);
-  maybe(a, d.upper);
-  numbers(a, d.motor_speed, d.motor_limit, d.collide);
+/// Members of n structs, each as a column: of(k) is the k-th struct.
+template <class A, class Of, class... Member>
+void columns(A& a, std::size_t n, const Of& of, Member... member) {
+  (a.packed(
+       n, [&](std::size_t k) -> auto& { return of(k).*member; }),
+   ...);
+}
+template <class A, class Of>
+void lattice_points(A& a, std::size_t n, const Of& of) {
+  columns(a, n, of, &LatticePoint::x, &LatticePoint::y, &LatticePoint::dx, &LatticePoint::dy);
 }
 
 /// Entries of a list that nobody uses, each once, in the order in which they will be given away again.
@@ -122,8 +84,8 @@ void describe_free(A& a, std::vector<std::uint32_t>& list, std::size_t begin, st
 }
 
 /// Defines a class's describe() for both archives, where it is written outside its header.
-#define PSIM_DESCRIBED(Class, ...)                      \
-  template void Class::describe(Saver&, ##__VA_ARGS__); \
-  template void Class::describe(Loader&, ##__VA_ARGS__)
+#define PSIM_DESCRIBED(Class, ...)                                  \
+  template void Class::describe(Saver& __VA_OPT__(, ) __VA_ARGS__); \
+  template void Class::describe(Loader& __VA_OPT__(, ) __VA_ARGS__)
 
 }  // namespace psim

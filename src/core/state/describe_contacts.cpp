@@ -1,62 +1,145 @@
-// What contacts of shapes are, what contacts of discs count, and what events compare the next step with.
-#include "contacts/contact_store.h"
-#include "contacts/solver_bodies.h"
-#include "lists/heavy_loads.h"
+// What bodies have to do with each other: the lists of who may meet, contacts of shapes, joints, and what events compare
+// the next step with.
+#include <cmath>
+
+#include "joints/joint_store.h"
+#include "lists/broad_phase.h"
+#include "lists/renewal.h"
 #include "manifolds/manifolds.h"
 #include "query/events.h"
-#include "solver/continuous.h"
-#include "solver/solver.h"
 #include "state/describe.h"
 
 namespace psim {
 
-// Their impulses are saved by pair (saved_contacts.h).
+// ---- lists: how they were made, which is all that making them again needs, and their strips
+
 template <class A>
-void ContactStore::describe(A& a) {
-  numbers(a, model_.model, model_.bounce, pair_blocks_, static_blocks_, colours_, pair_count_, static_count_,
-          loaded_blocks_, builds_);
+void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cells) {
+  BroadPhaseParams& p = params_;
+  kernels::GridView& g = grid_.view;
+  a.refuse_nan(true);
+  values(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.sample, p.growth,
+         p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
+  values(a, all_.most, all_.extent, sorted_);
+  values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
+  values(a, grid_.cell_x, grid_.cell_y, grid_.periodic, grid_.keys, listed_, large_, most_, box_, area_, density_,
+         pad_reach_, next_pad_reach_, pairs_a_large_, near_pairs_, tests_, fixed_);
+  for (std::vector<double>* guess : {&pairs_a_body_, &pairs_a_piece_, &near_a_body_}) {
+    a.packed(*guess);
+    if constexpr (A::kLoading) {
+      a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
+    }
+  }
+  a.refuse_nan(false);
+  sort_.listed().describe(a);
+  if constexpr (!A::kLoading) return;
+  a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
+  a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
+            pairs_a_large_ <= kMostGuess);
+  if (!cells || !a.ok()) return;
+  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits(bodies, periodic)));
+}
+
+// Whether every cell that a body may get lies in the grid.
+bool BroadPhase::grid_fits(const BodyStore& bodies, bool periodic) const {
+  const kernels::GridView& g = grid_.view;
+  const double room = 64.0 * bodies.count + 65536;
+  return g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
+         g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
+         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
+         grid_.cell_y > 0 && grid_.periodic == periodic &&
+         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
+         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
+         g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
 }
 
 template <class A>
-void SolverBodies::describe(A& a) {
-  numbers(a, count_, compact_);
+void CellList::describe(A& a) {
+  for (Axis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
+  values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
+  a.require((row_axis_ == 0 || row_axis_ == 1) && (!stays_ || sound()));
+  if constexpr (A::kLoading) sorted_ = 0;
 }
-template <class A>
-void Solver::describe(A& a) {
-  numbers(a, closed_, sweeps_);
+
+// Whether the cells that are laid fit together.
+bool CellList::sound() const {
+  for (const Axis& x : axis_) {
+    if (x.per < 1 || x.per > std::uint64_t{1} << 32 || x.cells < 1 || x.cells > x.per + 1) return false;
+    if (x.width != 0x1p32 / static_cast<double>(x.per) || (periodic_ && x.cells != x.per)) return false;
+  }
+  return rows_ == axis_[row_axis_].cells && stride_ == axis_[1 - row_axis_].cells + 1 && slot_bits_ >= 0 &&
+         slot_bits_ <= 32 &&
+         static_cast<double>(rows_ + 1) * static_cast<double>(stride_) < std::ldexp(1.0, 64 - slot_bits_);
 }
-template <class A>
-void HeavyLoads::describe(A& a) {
-  a.value(visits_);
+
+// Whether every body lies in one of them.
+bool CellList::holds(const BodyStore& bodies, bool periodic) const {
+  if (!sound() || periodic_ != periodic || bodies.count >= std::uint64_t{1} << slot_bits_) return false;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    for (std::size_t k = 0; k < bodies.count; ++k) {
+      if (cell_at(axis_[axis], bodies.built[2 * k + axis]) >= axis_[axis].cells) return false;
+    }
+  }
+  return true;
 }
+
+// Where renewed bodies were when all lists were made. Where they are looked for now, the bodies say.
 template <class A>
-void Continuous::describe(A& a) {
-  a.value(looked_);
+void ListRenewal::describe(A& a, std::size_t slots) {
+  a.list(renewed_, [&](Renewed& x) {
+    a.index(slots, x.slot);
+    values(a, x.x, x.y, x.reach);
+  });
+  a.packed(linked_, slots);
+  a.value(time_);
+  if constexpr (A::kLoading) mark_.reserve(slots);
 }
 
 template <class A>
-void ManifoldPair::describe(A& a) {
-  numbers(a, this->a, b, shape, id_a, id_b, owner, part_a, part_b, fixed_a, lane);
-  numbers(a, manifold.nx, manifold.ny, manifold.count);
-  for (ManifoldPoint& q : manifold.point) numbers(a, q.ax, q.ay, q.bx, q.by, q.gap, q.feature);
-  numbers(a, base.x, base.y, base.dx, base.dy, turn_a.c, turn_a.s, turn_b.c, turn_b.s, margin);
-  for (int k = 0; k < 2; ++k) numbers(a, gap[k], impulse[k], friction[k], offset[k]);
-  numbers(a, round_a, round_b, active, ahead, ghost, moved, lasting, changed, stack, was_stack, rest_frames, recalled,
-          colour, balanced);
-  a.require(manifold.count >= 0 && manifold.count <= 2 && recalled <= 2 && (this->a == kNone) == (shape != kNone));
-  a.require(colour < 4 * kColours || colour == kAlone);
+void PairTable::describe(A& a) {
+  values(a, body_count, large_begin);
+  a.list(strips, [&](Strip& s) { values(a, s.body_begin, s.body_end, s.row_begin, s.row_end); });
+  if constexpr (!A::kLoading) return;
+  a.require(a.fits(body_count) && (body_count == 0 || (large_begin <= body_count && !strips.empty())));
+  std::uint32_t at = 0;
+  for (const Strip& strip : strips) {
+    a.require(strip.body_begin == at && strip.body_end >= at && strip.body_end <= body_count);
+    at = strip.body_end;
+  }
+  a.require(body_count == 0 || at == body_count);
+}
+
+PSIM_DESCRIBED(BroadPhase, const BodyStore&, bool, bool);
+PSIM_DESCRIBED(ListRenewal, std::size_t);
+PSIM_DESCRIBED(PairTable);
+
+// ---- contacts and events
+
+inline auto fields(ManifoldPoint& q) { return std::tie(q.ax, q.ay, q.bx, q.by, q.gap, q.feature); }
+inline auto fields(Rotor& q) { return std::tie(q.c, q.s); }
+
+template <class A>
+void one_value(A& a, ManifoldPair& p) {
+  values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
+  values(a, p.manifold.nx, p.manifold.ny, p.manifold.count, p.manifold.point);
+  values(a, p.base, p.turn_a, p.turn_b, p.margin);
+  for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
+  values(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.stack, p.was_stack,
+         p.rest_frames, p.recalled, p.colour, p.balanced);
+  a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
+  a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
+  a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
 
 template <class A>
 void Manifolds::describe(A& a, const ManifoldsAround& around) {
-  a.list(pairs_, [&](ManifoldPair& p) { p.describe(a); });
+  values(a, pairs_);
   a.packed(begin_);
   a.list(strips_, [&](StripBlocks& s) {
     a.plain(s.blocks);
     a.packed(s.active);
     a.packed(s.laid);
-    for (std::uint32_t& end : s.end) a.value(end);
-    numbers(a, s.colours, s.points);
+    values(a, s.end, s.colours, s.points);
   });
   a.packed(ghosts_);
   a.packed(special_);
@@ -66,10 +149,9 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   a.value(kinds);
   if (kinds) {
     if constexpr (A::kLoading) kind_.reserve(around.slots);
-    a.packed(
-        around.slots, [&](std::size_t k) -> auto& { return kind_[k]; });
+    a.packed(kind_, around.slots);
   }
-  numbers(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
+  values(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
   if constexpr (!A::kLoading) return;
   if (!kinds) kind_.release();
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
@@ -150,7 +232,7 @@ void Manifolds::complete(std::size_t slots) {
 
 template <class A>
 void EventList::describe(A& a, std::uint32_t ids) {
-  numbers(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, left_, build_);
+  values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, left_, build_);
   a.list(removed_, [&](BodyId& id) {
     a.index(ids, id.index);
     a.value(id.generation);
@@ -173,15 +255,75 @@ void EventList::describe(A& a, std::uint32_t ids) {
 
 PSIM_DESCRIBED(Manifolds, const ManifoldsAround&);
 PSIM_DESCRIBED(EventList, std::uint32_t);
-template void ContactStore::describe(Saver&);
-template void ContactStore::describe(Loader&);
-template void SolverBodies::describe(Saver&);
-template void SolverBodies::describe(Loader&);
-template void Solver::describe(Saver&);
-template void Solver::describe(Loader&);
-template void HeavyLoads::describe(Saver&);
-template void HeavyLoads::describe(Loader&);
-template void Continuous::describe(Saver&);
-template void Continuous::describe(Loader&);
+
+// ---- joints: what the host asked for, and the blocks with what they did in the last substep. Which joint lies in which
+// lane, and who is joined to whom, follows from that.
+
+template <class A>
+void JointStore::describe(A& a, const BodyStore& bodies) {
+  if constexpr (!A::kLoading) save_impulses();
+  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse); });
+  describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
+  bool laid = !stale_;
+  values(a, laid, h_);
+  if constexpr (A::kLoading) {
+    for (const Joint& j : joints_) check_joint(a, j, bodies);
+    if (!a.ok()) joints_.clear(), free_.clear();
+    tie_all(bodies);
+    stale_ = bodies_stale_ = true;
+    if (laid && a.ok()) {
+      bodies_stale_ = true;
+      lay_out(bodies);
+      stale_ = false;
+    }
+  }
+  for (std::uint32_t k = 0; k < kLists && laid; ++k) {
+    JointLists::visit(lists_, k, [&](auto& blocks) {
+      const std::size_t n = blocks.size();
+      a.plain(blocks);
+      if constexpr (A::kLoading) {
+        a.require(blocks.size() == n);
+        blocks.resize(n);
+      }
+    });
+  }
+}
+
+template <class A>
+void JointStore::check_joint(A& a, const Joint& j, const BodyStore& b) const {
+  if (!j.alive) return;
+  const BodyId ends[2] = {j.desc.a, j.desc.b};
+  a.require(ends[0].index != ends[1].index && j.desc.length && j.desc.reference);
+  bool dynamic = false;
+  for (const BodyId& end : ends) {
+    a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
+    if (!a.ok()) return;
+    const Place place = b.info[end.index].place;
+    a.require(place == Place::moving || place == Place::asleep || place == Place::fixed);
+    dynamic = dynamic || b.properties(end.index).inv_mass > 0;
+  }
+  a.require(dynamic);
+}
+
+// What follows from the joints.
+void JointStore::tie_all(const BodyStore& b) {
+  count_ = 0;
+  first_.clear();
+  exclusions_.clear();
+  exclusive_.clear();
+  for (auto& lanes : lanes_) lanes.clear();
+  for (std::uint32_t k = 0; k < joints_.size(); ++k) {
+    Joint& j = joints_[k];
+    j.lane = kNoSlot;
+    if (!j.alive) continue;
+    ++count_;
+    j.swapped = !(b.properties(j.desc.b.index).inv_mass > 0);
+    j.list = JointLists::list_of(j.kind, j.swapped || !(b.properties(j.desc.a.index).inv_mass > 0));
+    tie(k);
+    exclude(j.desc, +1);
+  }
+}
+
+PSIM_DESCRIBED(JointStore, const BodyStore&);
 
 }  // namespace psim

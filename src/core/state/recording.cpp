@@ -31,65 +31,25 @@ struct RecordHeader {
   }
 };
 
-template <class A, Number T>
-void visit(A& a, T& v) {
-  a.value(v);
+}  // namespace
+
+// ---- what calls of the host are given
+static auto fields(StepDetail& d) {
+  return std::tie(d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
 }
-template <class A>
-void visit(A& a, StepDetail& d) {
-  numbers(a, d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
-}
-template <class A>
-void visit(A& a, JointId& id) {
-  numbers(a, id.index, id.generation);
-}
-template <class A>
-void visit(A& a, Material& m) {
-  numbers(a, m.density, m.restitution, m.friction);
-}
-template <class A>
-void visit(A& a, Filter& f) {
-  numbers(a, f.category, f.mask, f.group);
+static auto fields(JointId& id) { return std::tie(id.index, id.generation); }
+static auto fields(DiscShape& s) { return std::tie(s.radius); }
+static auto fields(SegmentShape& s) { return std::tie(s.p1, s.p2); }
+static auto fields(ChainShape& s) { return std::tie(s.vertices, s.loop); }
+static auto fields(BoxShape& s) { return std::tie(s.width, s.height, s.radius); }
+static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
+static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
+static auto fields(BodyDesc& d) {
+  return std::tie(d.type, d.shape, d.position, d.angle, d.velocity, d.angular_velocity, d.material, d.mass,
+                  d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter);
 }
 
-template <class A>
-void visit(A& a, Shape& shape) {
-  const auto vertices = [&](std::vector<Vec2>& v) { a.list(v, [&](Vec2& p) { visit(a, p); }); };
-  alternatives(a, shape, [&](auto& s) {
-    using S = std::remove_cvref_t<decltype(s)>;
-    if constexpr (std::is_same_v<S, DiscShape>) {
-      a.value(s.radius);
-    } else if constexpr (std::is_same_v<S, SegmentShape>) {
-      visit(a, s.p1);
-      visit(a, s.p2);
-    } else if constexpr (std::is_same_v<S, ChainShape>) {
-      vertices(s.vertices);
-      a.value(s.loop);
-    } else if constexpr (std::is_same_v<S, BoxShape>) {
-      numbers(a, s.width, s.height, s.radius);
-    } else if constexpr (std::is_same_v<S, PolygonShape>) {
-      vertices(s.vertices);
-      a.value(s.radius);
-    } else {
-      visit(a, s.p1);
-      visit(a, s.p2);
-      a.value(s.radius);
-    }
-  });
-}
-
-template <class A>
-void visit(A& a, BodyDesc& d) {
-  a.value(d.type);
-  visit(a, d.shape);
-  visit(a, d.position);
-  a.value(d.angle);
-  visit(a, d.velocity);
-  a.value(d.angular_velocity);
-  visit(a, d.material);
-  numbers(a, d.mass, d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor);
-  visit(a, d.filter);
-}
+namespace {
 
 // What a DiscBatch looks at.
 struct Discs {
@@ -97,10 +57,10 @@ struct Discs {
 };
 
 template <class A>
-void visit(A& a, DiscBatch& b, Discs& discs) {
+void describe(A& a, DiscBatch& b, Discs& discs) {
   const auto column = [&](std::span<const double>& seen, std::vector<double>& own) {
     if constexpr (!A::kLoading) own.assign(seen.begin(), seen.end());
-    a.list(own, [&](double& v) { a.value(v); });
+    values(a, own);
     seen = own;
   };
   column(b.x, discs.x);
@@ -110,10 +70,7 @@ void visit(A& a, DiscBatch& b, Discs& discs) {
   column(b.vx, discs.vx);
   column(b.vy, discs.vy);
   column(b.angular_velocity, discs.angular_velocity);
-  a.value(b.type);
-  visit(a, b.material);
-  numbers(a, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet);
-  visit(a, b.filter);
+  values(a, b.type, b.material, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet, b.filter);
 }
 
 }  // namespace
@@ -128,7 +85,7 @@ struct Recorder::Log {
   template <class... T>
   void add(Op op, T... args) {
     saver.value(op);
-    (visit(saver, args), ...);
+    values(saver, args...);
   }
   // Writes down a call of kCalls, and does it.
   template <std::size_t kCall, class... T>
@@ -176,7 +133,7 @@ std::size_t Recorder::add_discs(const DiscBatch& batch, std::uint32_t& first, st
   DiscBatch copy = batch;
   Discs discs;
   log_->add(Op::add_discs);
-  visit(log_->saver, copy, discs);
+  describe(log_->saver, copy, discs);
   return added;
 }
 
@@ -235,7 +192,7 @@ struct Replay::State {
   template <class T>
   T get() {
     T v{};
-    visit(*log, v);
+    values(*log, v);
     return v;
   }
   void check() {
@@ -253,7 +210,7 @@ struct Replay::State {
   template <class R, class... T>
   void call(R (World::*function)(T...)) {
     std::tuple<std::decay_t<T>...> args;
-    std::apply([&](auto&... arg) { (visit(*log, arg), ...); }, args);
+    std::apply([&](auto&... arg) { values(*log, arg...); }, args);
     if (log->ok()) std::apply([&](auto&... arg) { (*world.*function)(arg...); }, args);
   }
   void call(std::size_t which) {
@@ -290,7 +247,7 @@ bool Replay::State::perform(Op op) {
     case Op::add_discs: {
       DiscBatch batch;
       Discs discs;
-      visit(*log, batch, discs);
+      describe(*log, batch, discs);
       std::uint32_t first = 0;
       w.add_discs(batch, first, error);
       break;
@@ -309,20 +266,11 @@ Replay::~Replay() = default;
 
 std::unique_ptr<Replay> Replay::open(std::span<const std::byte> recording, const RunOptions& options,
                                      std::string& error) {
-  error.clear();
   RecordHeader header;
-  if (recording.size() < sizeof header) {
-    error = "it is cut short";
-    return nullptr;
-  }
-  std::memcpy(&header, recording.data(), sizeof header);
+  error = read_header(recording, "recording", header);
+  if (!error.empty()) return nullptr;
   const auto rest = recording.subspan(sizeof header);
-  if (header.magic != RecordHeader::kMagic) {
-    error = "it is no recording of psim";
-  } else if (header.format != RecordHeader::kFormat) {
-    error =
-        "its format is " + std::to_string(header.format) + ", this psim reads " + std::to_string(RecordHeader::kFormat);
-  } else if (recording.size() < header.size) {
+  if (recording.size() < header.size) {
     error = "it is cut short";
   } else if (recording.size() > header.size || header.hash_with(rest) != header.hash || header.state > rest.size()) {
     error = "it is damaged";

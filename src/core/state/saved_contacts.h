@@ -21,7 +21,7 @@ class SavedContacts {
 
   template <class A>
   void describe(A& a, const PairTable& table, const StaticShapes& statics, bool named);
-  bool empty() const { return impulse_.empty() && renewed_.empty() && s_impulse_.empty(); }
+  bool empty() const { return empty(kImpulse) && renewed_.empty() && empty(kStatic); }
 
   /// Makes `table`, whose strips are there, of the names: contacts lie in the order of their pairs.
   void make_table(PairTable& table, ContactStore& contacts) const;
@@ -33,11 +33,17 @@ class SavedContacts {
     std::uint32_t owner = 0, other = 0;
     float impulse = 0, friction = 0;
   };
-  void clear();
+  // What contacts carry, and where it lies in their store: by pair, and from kStatic on by static contact. There is no
+  // friction where nothing rubs, and gaps only if they are asked for.
+  enum Carried { kImpulse, kFriction, kStatic, kStaticFriction, kNormalX, kNormalY, kGap, kColumns };
+  static constexpr Column<float> ContactStore::*kLanes[kColumns] = {
+      &ContactStore::impulse, &ContactStore::friction, &ContactStore::s_impulse, &ContactStore::s_friction,
+      &ContactStore::s_nx,    &ContactStore::s_ny,     &ContactStore::s_gap};
+  static bool is_friction(int column) { return column == kFriction || column == kStaticFriction; }
+  bool empty(int column) const { return carried_[column].empty(); }
 
   std::vector<std::uint32_t> strip_pairs_, strip_statics_;  // by strip: how many
-  std::vector<float> impulse_, friction_;                   // by pair; no friction where there is none
-  std::vector<float> s_impulse_, s_friction_, s_nx_, s_ny_, s_gap_;
+  std::vector<float> carried_[kColumns];
   std::vector<std::uint32_t> owned_, other_;  // names: by body, by pair
   std::vector<std::uint32_t> s_body_, s_shape_;
   std::vector<Renewed> renewed_;

@@ -17,8 +17,9 @@ namespace {
 
 struct PackHeader {
   static constexpr std::uint64_t kMagic = 0x31304B50'6D697370u;  // "psimPK01"
+  static constexpr std::uint64_t kFormat = ArchiveHeader::kFormat;
   std::uint64_t magic = kMagic;
-  std::uint64_t format = ArchiveHeader::kFormat;
+  std::uint64_t format = kFormat;
   std::uint64_t size = 0;  ///< of the state, bytes
   std::uint64_t hash = 0;  ///< of the state
 };
@@ -34,6 +35,32 @@ std::string because() { return std::strerror(errno); }
 
 }  // namespace
 
+std::uint64_t hash_of(const std::byte* data, std::size_t size) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15u ^ size;
+  const auto mix = [](std::uint64_t& to, std::uint64_t v) {
+    to = (to ^ v) * 0xD6E8FEB86659FD93u;
+    to ^= to >> 32;
+  };
+  const auto take = [&] {
+    std::uint64_t v;
+    std::memcpy(&v, data, 8);
+    data += 8, size -= 8;
+    return v;
+  };
+  if (size >= 32) {  // four that do not wait for each other
+    std::uint64_t lane[4] = {hash, hash + 1, hash + 2, hash + 3};
+    while (size >= 32) {
+      for (std::uint64_t& l : lane) mix(l, take());
+    }
+    for (const std::uint64_t l : lane) mix(hash, l);
+  }
+  while (size >= 8) mix(hash, take());
+  std::uint64_t last = 0;
+  if (size != 0) std::memcpy(&last, data, size);
+  mix(hash, last);
+  return hash ^ (hash >> 29);
+}
+
 std::vector<std::byte> pack_state(std::span<const std::byte> state) {
   PackHeader header;
   header.size = state.size();
@@ -46,19 +73,10 @@ std::vector<std::byte> pack_state(std::span<const std::byte> state) {
 
 bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state, std::string& error) {
   PackHeader header;
-  error.clear();
-  if (packed.size() < sizeof header) {
-    error = "it is cut short";
-    return false;
-  }
-  std::memcpy(&header, packed.data(), sizeof header);
+  error = read_header(packed, "saved state", header);
+  if (!error.empty()) return false;
   const auto rest = packed.subspan(sizeof header);
-  if (header.magic != PackHeader::kMagic) {
-    error = "it is no saved state of psim";
-  } else if (header.format != ArchiveHeader::kFormat) {
-    error = "its format is " + std::to_string(header.format) + ", this psim reads " +
-            std::to_string(ArchiveHeader::kFormat);
-  } else if (rest.size() < header.size) {
+  if (rest.size() < header.size) {
     error = "it is cut short";
   } else if (rest.size() > header.size || hash_of(rest.data(), rest.size()) != header.hash) {
     error = "it is damaged";

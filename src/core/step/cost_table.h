@@ -49,6 +49,44 @@ struct UnitCosts {
   double strip = 50;          ///< a strip, each time that its lists are gone through
 };
 
+/// How work of one kind differs: factors, the same on every machine. tools/cost-table leaves them as they are.
+namespace cost {
+
+// Factors on UnitCosts::touch, a contact that presses: where bodies of several sizes turn, where they bounce, both.
+inline constexpr double kMixedTouch = 1.4, kBouncing = 4, kMixedBouncing = 5;
+// On UnitCosts::lay_out and select, where bodies of several sizes bounce: for all contacts that press.
+inline constexpr double kMixedPressing = 1, kMixedSelect = 2;
+// On UnitCosts::lay_out, where some contacts may be under heavy loads; on a lane under one, of which a strip has few.
+inline constexpr double kLoads = 1.4, kSparse = 1.7;
+// On UnitCosts::narrow, a lane, once a step. With restitution: which contacts impacts are looked for at. Where bodies
+// of several sizes fly about: what lies far apart in memory. Both.
+inline constexpr double kMarking = 1.9, kMixed = 1.5, kMixedMarking = 2.4;
+// On UnitCosts::sweep, a lane: the first sweep over impacts; each of the others, which passes over most lanes; and
+// those where bodies of several sizes fly about. `any` counts for all lanes, `free` for those between bodies on which
+// nothing rests.
+struct SweepCost {
+  double any, free;
+};
+inline constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 2};
+inline constexpr double kSweepStrips = 0.7;  // on UnitCosts::strip
+// On UnitCosts::sort, a body: how fast bodies move is asked of a few in a strip, of all where masses differ.
+inline constexpr double kSpeeds = 0.1, kUnevenSpeeds = 0.36;
+// On UnitCosts::column: a manifold that stays in its lane. On keep: a manifold that is copied to be remembered.
+inline constexpr double kInItsLane = 0.1, kRemembered = 0.6;
+// On the looks at manifolds whose lists serve several frames: such manifolds last less often.
+inline constexpr double kLongLooks = 1.4;
+// Shares of UnitCosts::sort that the parts of sorting bodies take; more where radii differ or cells are listed.
+inline constexpr double kMeasure = 0.2, kCount = 0.3, kMove = 0.5;
+inline constexpr double kMixedCount = 0.6, kListedCount = 2, kMixedMove = 1;
+// Shares of UnitCosts::group that the parts of taking manifolds out of the lists take.
+inline constexpr double kGather = 0.25, kSortOut = 0.35, kKeep = 0.4;
+// Bodies of several sizes that press each other are searched for longer in cells that are listed.
+inline constexpr double kListedCrowd = 3.2;
+// On UnitCosts::strip: how often strips are gone through to lay contacts out.
+inline constexpr double kLayOutStrips = 2;
+
+}  // namespace cost
+
 /// What the heaps of World::measure_costs cost there, as shares of what these costs predict for them.
 struct HeapShares {
   double lists, rest, pass;

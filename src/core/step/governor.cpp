@@ -1,9 +1,36 @@
+// The governor asks the step table for costs and knows no part by name.
 #include "step/governor.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "step/step_work.h"
+
 namespace psim {
+
+using namespace cost;
+
+double rest_ns(const UnitCosts& c, const WorkCounts& w) {
+  const bool bounces = w.sweeps > 0;
+  const double a_lane = bounces ? (w.has.mixed ? kMixedMarking : kMarking) : w.has.mixed ? kMixed : 0;
+  return c.narrow * (n(w.contacts) + a_lane * n(w.lanes)) + (w.has.copies ? c.load_body * n(w.solved) : 0) +
+         c.column * (n(w.manifolds.writes) + kInItsLane * n(w.manifolds.pairs)) +
+         (w.has.sorted ? c.joint_sorted : c.joint) * n(w.joints) + (c.move + (w.has.stops ? c.stop : 0)) * n(w.bodies) +
+         c.sleep * n(w.sleep_looks) + (w.has.stops ? c.flight * n(w.flights) : 0);
+}
+
+double substep_ns(const UnitCosts& c, const WorkCounts& w) {
+  const double free = std::max(0.0, 1 - 2 * n(w.touching) / std::max(n(w.lanes), 1.0));
+  const auto cost = [&](const SweepCost& of) { return of.any + of.free * free; };
+  const double pressing = w.sweeps > 0 ? (w.has.mixed ? kMixedBouncing : kBouncing) : w.has.mixed ? kMixedTouch : 1;
+  const double sweeps =
+      w.sweeps > 0 ? cost(kFirstSweep) + cost(w.has.mixed ? kNextMixedSweep : kNextSweep) * (w.sweeps - 1) : 0;
+  return c.body_pass * n(w.solved) + (c.pass + c.sweep * sweeps) * n(w.lanes) +
+         kSweepStrips * c.strip * n(w.lists.strips) * w.sweeps + c.touch * pressing * n(w.touching) +
+         kSparse * (c.pass + c.touch) * n(w.loaded_lanes) + c.strip * n(w.lists.strips) +
+         c.shape_pass * n(w.manifolds.lanes) + c.joint_pass * n(w.joints);
+}
+
 namespace {
 
 // Lists for more frames are worth it if a frame then takes no more than this share of what it takes now.
@@ -31,6 +58,136 @@ WorkCounts grown(const WorkCounts& w, const Governor::Growth& by) {
   return then;
 }
 
+// Frames after which a step that the host makes begin again is done at once, whatever it costs.
+constexpr int kPatience = 3;
+
+// How much more lists for so many frames hold than the present ones.
+Governor::Growth list_growth(const StepContext& c, int frames) {
+  const ListNumbers& made = c.neighbours.made;
+  if (!c.neighbours.selects() || !(made.reach > 0)) return {};
+  const double touching = 2 * static_cast<double>(c.population.least_radius);
+  const double a_frame = std::max(made.reach - touching, 0.0) / (made.span * std::max(made.frames, 1.0));
+  const double reach = touching + a_frame * std::max<double>(frames, made.frames);
+  return {reach * reach / (made.reach * made.reach), frames / made.selected_span};
+}
+
+// ns to keep all manifolds as they were beside looking at them.
+double remember_ns(const UnitCosts& c, const WorkCounts& w) { return kRemembered * c.keep * n(w.manifolds.pairs); }
+
+// Substeps that fit beside the rest.
+int fitting(const UnitCosts& costs, const WorkCounts& w, double ns, int most) {
+  const double each = substep_ns(costs, w), room = ns - rest_ns(costs, w);
+  if (room < 0) return 0;
+  if (!(each > 0) || room >= most * each) return most;
+  return static_cast<int>(std::floor(room / each));
+}
+
+// Lists that a step would make.
+struct Lists {
+  int frames = 1;      // that they serve
+  double a_frame = 0;  // ns of a step's work for each of them
+};
+Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::function<Governor::Growth(int)>& growth) {
+  const UnitCosts& costs = g.costs();
+  const double room = g.room_ns() - costs.step;
+  const auto all = [&](const WorkCounts& then, int frames) {
+    return ahead_ns(costs, then) + rest_ns(costs, then) + frames * substep_ns(costs, then);
+  };
+  Lists best{1, all(w, 1)};
+  if (best.a_frame <= room) return best;
+  for (int frames = 2; frames <= Governor::kMostFrames; ++frames) {
+    const WorkCounts then = growth ? grown(w, growth(frames)) : w;
+    if (fitting(costs, then, room, most) < frames) break;  // no substep is longer than a frame
+    const double a_frame = all(then, frames) / frames;
+    if (a_frame < kWorthIt * best.a_frame) best = {frames, a_frame};
+    if (a_frame > room) continue;
+    const WorkCounts later = growth ? grown(w, growth(frames + 1)) : w;
+    const bool spare = frames < Governor::kMostFrames && fitting(costs, later, room, most) > frames;
+    return {frames + (spare ? 1 : 0), a_frame};  // one to spare: counts change
+  }
+  return best;
+}
+
+struct Offer {
+  Governor::Choice choice;
+  double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
+};
+Offer offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
+  const double room = g.room_ns() - g.costs().step;
+  const int fits = fitting(g.costs(), w, left, most), next = fitting(g.costs(), w, room, most);
+  const int here = left >= room ? std::max(fits, 1) : fits;
+  Offer of;
+  of.choice.substeps = here;
+  of.choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
+  const int later = std::min({std::max(next, 1), elapsed + 1, horizon});
+  of.choice.solves = here >= 1 && of.choice.frames * (elapsed + 1) >= later * elapsed;
+  if (of.choice.solves) {
+    of.pace = fits == 0 ? 0.0 : 1.0 * of.choice.frames / elapsed;
+  } else {
+    of.pace = next == 0 ? 0.0 : 1.0 * later / (elapsed + 1);
+  }
+  return of;
+}
+
+// What is left of a frame, and what it may not put off.
+struct Frame {
+  double spent = 0;        // ns that are predicted so far
+  int elapsed = 1;         // frames of the step, this one among them
+  bool late = false;       // the step was made to begin again too often: it ends in this frame
+  bool committed = false;  // contacts were changed in place and not remembered: the step ends in this frame
+};
+
+// Does pieces until the next one does not fit; at least one.
+void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& frame, StepReport& report) {
+  const UnitCosts& costs = c.governor.costs();
+  const double room_ns = c.governor.room_ns();
+  StepProgress& now = work.progress;
+  while (!work.done()) {
+    const StepPart& part = work.part();
+    const std::size_t all = part.pieces(c);
+    const WorkCounts counts = count_work(c);
+    const bool in_place = work.in_place(c);
+    if (in_place && now.at == 0 && !step_parts()[now.part - 1u].in_place) {
+      const double left = in_place_ns(costs, counts) + rest_ns(costs, counts) + substep_ns(costs, counts);
+      now.spread = frame.elapsed > 1 || frame.spent + left > room_ns;
+      if (now.spread) frame.spent += remember_ns(costs, counts);
+    }
+    const bool whole = frame.late || (in_place && !now.spread);
+    std::size_t end = now.at;
+    for (; end < all; ++end) {
+      const double cost = part.cost_ns(c, counts, end);
+      if (frame.spent + cost > room_ns && frame.spent > costs.step && !whole) break;
+      frame.spent += cost;
+    }
+    if (end == now.at && all != 0) break;
+    frame.committed = frame.committed || (in_place && !now.spread);
+    report.detail.pieces += static_cast<std::uint32_t>(end - now.at);
+    work.run(c, span, report, end);
+  }
+}
+
+// All is ready: does the step end in this frame, with how many substeps, and how many frames does it make up for?
+void choose_end(const StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
+  const UnitCosts& costs = c.governor.costs();
+  const WorkCounts counts = count_work(c);
+  int horizon = c.progress.horizon;
+  const bool lasting = !c.neighbours.selects() && !c.progress.makes_lists();
+  if (frame.elapsed > 1 && horizon > 1 && lasting && !c.neighbours.serve(dt * std::min(frame.elapsed, horizon))) {
+    horizon = 1;
+  }
+  const int most = std::min(c.desc.substeps, 255);
+  const Governor::Choice choice =
+      c.governor.choose(counts, c.governor.room_ns() - frame.spent, frame.elapsed, horizon, most);
+  detail.solves = choice.solves || frame.late || frame.committed || first;
+  if (!detail.solves) return;
+  detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
+  detail.frames = static_cast<std::uint8_t>(choice.frames);
+  const bool few = choice.solves ? choice.sweeps != 0 : counts.sweeps > Governor::kFewSweeps;
+  detail.sweeps = few ? Governor::kFewSweeps : 0;
+  detail.pieces = 0;
+  frame.spent += rest_ns(costs, counts) + detail.substeps * substep_ns(costs, with_sweeps(counts, detail.sweeps));
+}
+
 }  // namespace
 
 CostModel::CostModel() : CostModel(cost_model(UnitCosts{})) {}
@@ -46,65 +203,46 @@ void Governor::set(const GovernorDesc& desc) {
   costs_ = unit_costs(desc.costs);
 }
 
-// Substeps that fit beside the rest.
-int Governor::fitting(const WorkCounts& w, double ns, int most) const {
-  const double each = substep_ns(costs_, w), room = ns - rest_ns(costs_, w);
-  if (room < 0) return 0;
-  if (!(each > 0) || room >= most * each) return most;
-  return static_cast<int>(std::floor(room / each));
-}
-
-Governor::Lists Governor::lists_for(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
-  const double room = room_ns() - costs_.step;
-  const auto all = [&](const WorkCounts& then, int frames) {
-    return ahead_ns(costs_, then) + rest_ns(costs_, then) + frames * substep_ns(costs_, then);
-  };
-  Lists best{1, all(w, 1)};
-  if (best.a_frame <= room) return best;
-  for (int frames = 2; frames <= kMostFrames; ++frames) {
-    const WorkCounts then = growth ? grown(w, growth(frames)) : w;
-    if (fitting(then, room, most) < frames) break;  // no substep is longer than a frame
-    const double a_frame = all(then, frames) / frames;
-    if (a_frame < kWorthIt * best.a_frame) best = {frames, a_frame};
-    if (a_frame > room) continue;
-    const WorkCounts later = growth ? grown(w, growth(frames + 1)) : w;
-    const bool spare = frames < kMostFrames && fitting(later, room, most) > frames;
-    return {frames + (spare ? 1 : 0), a_frame};  // one to spare: counts change
-  }
-  return best;
-}
-
 int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
-  const Lists whole = lists_for(w, most, growth);
+  const Lists whole = lists_for(*this, w, most, growth);
   if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - costs_.step) return whole.frames;
-  const Lists cut = lists_for(with_sweeps(w, kFewSweeps), most, growth);
+  const Lists cut = lists_for(*this, with_sweeps(w, kFewSweeps), most, growth);
   return cut.a_frame < kWorthIt * whole.a_frame ? cut.frames : whole.frames;
 }
 
-Governor::Offer Governor::offer(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
-  const double room = room_ns() - costs_.step;
-  const int fits = fitting(w, left, most), next = fitting(w, room, most);
-  const int here = left >= room ? std::max(fits, 1) : fits;
-  Offer of;
-  of.choice.substeps = here;
-  of.choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
-  const int later = std::min({std::max(next, 1), elapsed + 1, horizon});
-  of.choice.solves = here >= 1 && of.choice.frames * (elapsed + 1) >= later * elapsed;
-  if (of.choice.solves) {
-    of.pace = fits == 0 ? 0.0 : 1.0 * of.choice.frames / elapsed;
-  } else {
-    of.pace = next == 0 ? 0.0 : 1.0 * later / (elapsed + 1);
-  }
-  return of;
-}
-
 Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
-  const Offer whole = offer(w, left, elapsed, horizon, most);
+  const Offer whole = offer(*this, w, left, elapsed, horizon, most);
   if (w.sweeps <= kFewSweeps) return whole.choice;
-  Offer cut = offer(with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
+  Offer cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
   if (whole.pace > 0 && cut.pace <= whole.pace) return whole.choice;
   cut.choice.sweeps = kFewSweeps;
   return cut.choice;
+}
+
+void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, bool first, StepReport& report) const {
+  StepProgress& now = work.progress;
+  StepDetail& detail = report.detail;
+  if (work.untouched()) {
+    const auto growth = [&c](int frames) { return list_growth(c, frames); };
+    now.horizon = static_cast<std::uint8_t>(first ? 1 : horizon(count_work(c), std::min(c.desc.substeps, 255), growth));
+  }
+  detail.horizon = now.horizon;
+  const Span span{dt, dt * detail.horizon};
+  Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
+  if (first) work.finish(c, span, report);
+  do_pieces(c, work, span, frame, report);
+  detail.solves = false;
+  if (work.done()) choose_end(c, dt, first, frame, detail);
+  report.predicted_ms = frame.spent * 1e-6;
+}
+
+bool Governor::fits_again(const StepContext& c, StepReport& report) const {
+  const WorkCounts work = count_work(c);
+  double spent = report.predicted_ms * 1e6;
+  if (spent + ahead_ns(costs_, work) + rest_ns(costs_, work) <= room_ns()) return true;
+  spent -= report.detail.substeps * substep_ns(costs_, with_sweeps(work, report.detail.sweeps));
+  report.predicted_ms = spent * 1e-6;
+  return false;
 }
 
 }  // namespace psim

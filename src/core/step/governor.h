@@ -5,10 +5,14 @@
 #include <functional>
 
 #include "step/cost_table.h"
-#include "step/forecast.h"
 #include "step/work_counts.h"
 
 namespace psim {
+
+/// Predicted ns of what comes after the parts of the step table but for the substeps, and of one substep: linear in the
+/// counts, with a few factors for how work of one kind differs. docs/governor.md has where the numbers come from.
+double rest_ns(const UnitCosts& costs, const WorkCounts& work);
+double substep_ns(const UnitCosts& costs, const WorkCounts& work);
 
 class StepWork;
 struct Span;
@@ -60,20 +64,6 @@ class Governor {
  private:
   /// Of the budget: what is left is for what the model does not know.
   static constexpr double kShare = 0.75;
-  struct Frame;
-  void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& frame, StepReport& report) const;
-  void choose_end(const StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) const;
-  int fitting(const WorkCounts& work, double ns, int most) const;
-  struct Lists {
-    int frames = 1;      // that they serve
-    double a_frame = 0;  // ns of a step's work for each of them
-  };
-  Lists lists_for(const WorkCounts& work, int most_substeps, const std::function<Growth(int)>& growth) const;
-  struct Offer {
-    Choice choice;
-    double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
-  };
-  Offer offer(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
 
   GovernorDesc desc_;
   UnitCosts costs_;

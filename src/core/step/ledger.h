@@ -75,4 +75,9 @@ class Ledger {
   bool surveying_ = false;
 };
 
+struct StepContext;
+
+/// How full the blocks of the kernels are after a step (`rebuilt`: it made new lists), for World::lane_use.
+void survey_lanes(const StepContext& c, bool rebuilt);
+
 }  // namespace psim

@@ -101,7 +101,7 @@ void lay_out_manifolds(const StepContext& c, double dt) {
   const std::array<float, 4> soft{p.soft[0], p.rate[0], p.soft[2], p.rate[2]};  // the others follow from these
   p.changed = soft != c.contacts.softness_laid;
   c.contacts.softness_laid = soft;
-  p.asleep = !c.sleepers.empty();
+  p.asleep = !c.sleep.sleepers.empty();
   c.ledger.lanes.vector += c.contacts.manifolds.batches().used;
   c.ledger.lanes.scalar += c.contacts.manifolds.batches().alone;
   c.contacts.manifolds.lay_out(c.bodies, c.contacts.loads, p, c.contacts.solved.dummies(), c.pool);
@@ -145,7 +145,6 @@ std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, St
   }
   const SolverParams p = solver_params(c, dt, report.detail);
   const double h = dt / p.substeps;
-  c.dynamics.stiff_substep = p.stiff_substep;
   if (c.plan.turns) {
     c.pool.run(stream_tasks(c.bodies.blocks()), [&](std::size_t t) {
       const BlockRange r = stream_range(t, c.bodies.blocks());

@@ -2,14 +2,192 @@
 
 #include <algorithm>
 
-#include "step/part_costs.h"
-#include "step/step_parts.h"
+#include "step/step_work.h"
 
 namespace psim {
 namespace {
 
-namespace run = step_parts_run;
-using namespace part_costs;
+// ---- what a part does
+
+// Frames of its motion that a renewed body has room for: few bodies are renewed, so that much room costs little, and
+// they are renewed seldom.
+constexpr double kRenewedFrames = 2.5;
+
+ListSettings list_settings(const StepContext& c, const Span& span) {
+  ListSettings s;
+  s.desc = &c.desc;
+  s.broad = &c.neighbours.broad;
+  s.least_radius = c.population.least_radius;
+  s.uneven = c.plan.uneven;
+  s.restitution = c.plan.restitution;
+  s.mixed_radii = c.plan.radii;
+  s.link_all = c.plan.fields;
+  s.governed = c.governor.on();
+  s.makes_room = c.detailed || c.governor.on() || span.step > span.frame;
+  s.selected = c.neighbours.selects();
+  s.frames = c.neighbours.made.frames;
+  return s;
+}
+
+bool find_renewed(const StepContext& c, float seconds) { return c.neighbours.renewal.find(seconds); }
+
+// Kinematic and joined bodies are the solver's, whether or not the lists name them.
+void link_bodies(const StepContext& c) {
+  if (!c.population.kinematics.empty()) {
+    c.bodies.find_slots();
+    for (const auto& [id, velocity] : c.population.kinematics) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
+  }
+  if (!c.joints.empty()) {
+    c.bodies.find_slots();
+    for (const std::uint32_t id : c.joints.bodies()) {
+      if (c.bodies.info[id].place == Place::moving) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
+    }
+  }
+}
+
+// Each does some of the pieces of its part, in order.
+namespace run {
+
+// Finds out whether there must be new lists.
+void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+  NeighbourLists& lists = c.neighbours;
+  if (c.sleep.sleepers.woke) c.sleep.keep_touches_of_woken(c.sleep_source(), c.contacts.impulses_valid);
+  c.bodies.pad_tail();
+  c.progress.lists = ListState::kept;
+  if (!lists.stale) {
+    if (lists.mode == ListMode::one_step) {
+      lists.stale = true;
+    } else if (lists.may_renew() && !c.contacts.solved.compact()) {
+      lists.stale = !find_renewed(c, static_cast<float>(kMarginFrames * span.frame));
+    } else {
+      lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
+    }
+  }
+  c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
+  if (lists.stale || (!lists.selects() && lists.renewal.any())) return;
+  c.ledger.skip(Skip::broad_phase);
+  c.ledger.skip_if(!lists.selects(), Skip::colouring);
+}
+
+// Makes the lists of those bodies anew that used up their margin; of all, if they are too many.
+void renew(const StepContext& c, const Span& span, StepReport& report, PieceRange) {
+  NeighbourLists& lists = c.neighbours;
+  ListRenewal& renewal = lists.renewal;
+  if (!renewal.known()) lists.stale = !find_renewed(c, renewal.time());
+  const std::uint32_t found = renewal.count();
+  if (!lists.stale) {
+    c.contacts.discs.lift(lists.table);
+    kernels::ReachParams margin = lists.broad.margin();
+    margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
+    const HeavyLoads* const loads = c.plan.loads ? &c.contacts.loads : nullptr;
+    lists.stale = !renewal.look(loads, margin, lists.table) || !put_renewed(c);
+  }
+  c.progress.contacts = lists.stale ? ContactState::due : ContactState::kept;
+  if (!lists.stale) report.renewed = found;
+}
+
+void measure(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+  if (!c.bodies.rim_speed.empty()) c.bodies.add_rotation();
+  c.neighbours.measure(list_settings(c, span), span.step);
+  c.neighbours.made.span = span.step / span.frame;
+  c.progress.lists = ListState::begun;
+}
+
+void count(const StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
+
+void move(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  if (!c.neighbours.move(p.begin, p.end)) return;
+  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.from(), c.pool);
+  c.progress.lists = ListState::sorted;
+  if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
+}
+
+void search(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  c.neighbours.broad.search(c.neighbours.found(), p.begin, p.end);
+}
+
+void near(const StepContext& c, const Span&, StepReport& report, PieceRange p) {
+  c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
+  if (p.end == c.neighbours.broad.nears()) report.rebuilt = true;
+}
+
+void select(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+  c.progress.contacts = ContactState::replaced;
+  c.neighbours.made.selected_span = span.step / span.frame;
+  c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
+}
+
+void pack(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
+}
+
+void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
+  Contacts& contacts = c.contacts;
+  NeighbourLists& lists = c.neighbours;
+  link_bodies(c);
+  if (!contacts.impulses_valid) {
+    lists.old_table.body_count = 0;
+    lists.old_table.strips.clear();
+    if (c.sorts_out()) contacts.manifolds.forget();
+  }
+  if (c.plan.turns) c.bodies.keep_turns(true);
+  const bool copies = lists.selects() && !c.plan.forces && !c.plan.turns;
+  contacts.solved.choose(lists.table, copies, c.plan.restitution);
+  if (c.plan.loads) {
+    contacts.loads.begin(c.bodies, lists.table, c.pool);
+  } else {
+    contacts.loads.forget();
+  }
+}
+
+void loads(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  c.contacts.loads.go_on(c.neighbours.table, c.pool, p.begin, p.end);
+}
+
+void gather(const StepContext& c, const Span&, StepReport&, PieceRange) {
+  c.contacts.manifolds.begin_collect(c.bodies, c.plan.filters, c.neighbours.table, c.neighbours.stale, c.pool);
+}
+
+void sort_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
+  c.contacts.manifolds.sort_out(c.bodies, c.statics, c.joints.any_exclusions() ? &joined : nullptr, c.neighbours.table,
+                                p.begin, p.end, c.pool);
+}
+
+void keep(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  c.contacts.manifolds.keep(c.bodies, c.statics, c.sleep.sleepers.recent, p.begin, p.end, c.pool);
+}
+
+void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  Contacts& contacts = c.contacts;
+  if (p.begin == 0) {
+    const BodyProperties* const alike = c.plan.materials ? nullptr : &c.population.first_properties;
+    contacts.discs.begin(c.plan.model, alike, c.neighbours.table);
+  }
+  contacts.discs.colour(c.neighbours.table, p.begin, p.end);
+}
+
+void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+  NeighbourLists& lists = c.neighbours;
+  const std::uint32_t* const from = lists.stale ? lists.broad.origin() : nullptr;
+  c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleep.sleepers.recent, p.begin, p.end);
+  if (p.end != lists.table.strips.size()) return;
+  if (lists.stale) c.dynamics.forces_stale = true;
+  lists.stale = false;
+}
+
+void look(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+  Manifolds& manifolds = c.contacts.manifolds;
+  const bool in_place = !c.progress.makes_lists() && !c.neighbours.selects();
+  if (p.begin == 0 && c.progress.spread && in_place) manifolds.remember(c.pool);
+  manifolds.refresh(c.bodies, c.manifold_params(span.step), p.begin, p.end, c.pool);
+}
+
+void stand(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+  c.contacts.stacks.find(c.bodies, c.contacts.manifolds, c.manifold_params(span.step), c.neighbours.table, c.pool);
+}
+
+}  // namespace run
 
 // ---- when a part applies
 bool always(const StepContext&) { return true; }
@@ -32,6 +210,155 @@ std::size_t found_strips(const StepContext& c) { return c.neighbours.found().str
 std::size_t strips(const StepContext& c) { return c.neighbours.table.strips.size(); }
 std::size_t load_pieces(const StepContext& c) { return c.contacts.loads.pieces(); }
 std::size_t looks(const StepContext& c) { return c.contacts.manifolds.look_pieces(); }
+
+using namespace cost;
+
+// ---- what a part costs: piece_* is one piece, whole_* all of it where only counts are known
+double pairs(const Strip& s) { return n(s.pair_end - s.pair_begin); }
+double strip_pairs(const StepContext& c, std::size_t strip) { return pairs(c.neighbours.table.strips[strip]); }
+
+// Manifolds of the large bodies' strip. Where large bodies consist of several hulls a pair has several manifolds.
+double large_manifolds(const StepContext& c, std::size_t strip) {
+  const Manifolds& m = c.contacts.manifolds;
+  if (strip + 1 != c.neighbours.table.strips.size() || m.strip_count() == 0) return 0;
+  return n(m.count_of(m.strip_count() - 1));
+}
+
+// The share of contacts that press, where bodies of several sizes bounce; else 0.
+double crowded(const WorkCounts& w) {
+  return w.has.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
+}
+
+// ns of a candidate that is selected from, of a contact of discs that is laid out, and to find how fast bodies move in
+// their strips before a step selects.
+double select_ns(const UnitCosts& ns, const WorkCounts& w) { return ns.select * (1 + kMixedSelect * crowded(w)); }
+double lay_out_ns(const UnitCosts& ns, const WorkCounts& w) {
+  return (w.has.rough || w.sweeps > 0 ? ns.lay_out_rough : ns.lay_out) * (1 + kMixedPressing * crowded(w)) *
+         (w.has.loads ? kLoads : 1);
+}
+double speeds_ns(const UnitCosts& ns, const WorkCounts& w) {
+  return (w.has.uneven ? kUnevenSpeeds : kSpeeds) * ns.sort * n(w.bodies);
+}
+
+double piece_check(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t) {
+  return ns.check * n(c.bodies.count) + (c.sleep.sleepers.woke ? ns.sleep * n(w.contacts + 6 * w.manifolds.pairs) : 0);
+}
+double whole_check(const UnitCosts& ns, const WorkCounts& w) { return ns.check * n(w.bodies); }
+
+double piece_renew(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t) {
+  return 2 * ns.search * n(c.neighbours.renewal.count()) + ns.check * n(c.bodies.count) +
+         (c.sorts_out() ? kGather * ns.group * n(w.manifolds.pairs) : 0);
+}
+
+double piece_measure(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
+  return kMeasure * ns.sort * n(c.bodies.count);
+}
+double whole_measure(const UnitCosts& ns, const WorkCounts& w) { return kMeasure * ns.sort * n(w.bodies); }
+
+double piece_count(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
+  const double share = c.neighbours.broad.listed() ? kListedCount : c.plan.radii ? kMixedCount : kCount;
+  return share * ns.sort * n(c.bodies.count) + ns.cell * n(c.neighbours.broad.cell_count());
+}
+double whole_count(const UnitCosts& ns, const WorkCounts& w) {
+  return kCount * ns.sort * n(w.bodies) + ns.cell * n(w.lists.cells);
+}
+
+double piece_move(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
+  return (c.plan.radii ? kMixedMove : kMove) * ns.sort * n(c.bodies.count) / n(c.neighbours.broad.moves());
+}
+double whole_move(const UnitCosts& ns, const WorkCounts& w) { return kMove * ns.sort * n(w.bodies); }
+
+double piece_search(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  const BroadPhase& broad = c.neighbours.broad;
+  const BroadPhase::Search s = broad.search_at(piece, c.neighbours.found());
+  const double each = s.large ? 2 * ns.strip + (ns.pair + 12 * ns.test) * s.pairs + 1.75 * ns.test * s.others
+                              : ns.search + ns.test * broad.tests() + ns.pair * s.pairs;
+  const double longer = broad.listed() ? 1 + kListedCrowd * crowded(w) : 1;
+  return longer * each * s.bodies + ns.strip;
+}
+double whole_search(const UnitCosts& ns, const WorkCounts& w) {
+  const double found = n(w.lists.candidates != 0 ? w.lists.candidates : w.contacts + w.manifolds.pairs);
+  return ns.search * n(w.bodies) + ns.pair * found + ns.test * w.lists.tests + ns.strip * n(w.lists.strips);
+}
+
+double piece_near(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  const BroadPhase::Near& near = c.neighbours.broad.near_at(piece);
+  const double each =
+      w.has.fixed ? ns.near_fixed + ns.near_shape * c.neighbours.broad.expected_near(near.strip) : ns.near;
+  return each * n(near.end - near.begin) + ns.strip;
+}
+double whole_near(const UnitCosts& ns, const WorkCounts& w) {
+  return (w.has.fixed ? ns.near_fixed : ns.near) * n(w.bodies) + (w.has.fixed ? ns.near_shape * n(w.lists.near) : 0) +
+         ns.strip * n(w.lists.strips);
+}
+
+double piece_select(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  return (piece == 0 ? speeds_ns(ns, w) : 0) + select_ns(ns, w) * pairs(c.neighbours.candidates.strips[piece]) +
+         ns.strip;
+}
+double whole_select(const UnitCosts& ns, const WorkCounts& w) {
+  return w.lists.candidates == 0 ? 0 : speeds_ns(ns, w) + select_ns(ns, w) * n(w.lists.candidates);
+}
+
+double piece_pack(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
+  const Strip& s = c.neighbours.found().strips[piece];
+  return ns.pack * (strip_pairs(c, piece) + 0.3 * n(s.body_end - s.body_begin)) + ns.strip;
+}
+double whole_pack(const UnitCosts& ns, const WorkCounts& w) {
+  return w.lists.candidates == 0 ? 0 : ns.pack * (n(w.contacts) + n(w.bodies));
+}
+
+double piece_group(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
+  return (c.plan.loads ? ns.load * n(c.bodies.count) : 0) + (c.neighbours.selects() ? ns.pack * n(c.bodies.count) : 0);
+}
+
+double piece_loads(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
+  return 0.6 * ns.load * n(c.contacts.loads.pairs_in(c.neighbours.table, piece)) + ns.strip;
+}
+double whole_loads(const UnitCosts& ns, const WorkCounts& w) {
+  return (w.has.loads ? ns.load * w.lists.visits : 0) * n(w.contacts);
+}
+
+double whole_gather(const UnitCosts& ns, const WorkCounts& w) { return kGather * ns.group * n(w.manifolds.pairs); }
+
+double piece_sort_out(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  const double shaped = n(w.manifolds.pairs) / std::max(n(w.manifolds.pairs + w.contacts), 1.0);  // of the pairs, about
+  return kSortOut * ns.group * std::max(shaped * strip_pairs(c, piece), large_manifolds(c, piece)) + ns.strip;
+}
+double whole_sort_out(const UnitCosts& ns, const WorkCounts& w) { return kSortOut * ns.group * n(w.manifolds.pairs); }
+
+double piece_keep(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
+  return kKeep * ns.group * n(c.contacts.manifolds.count_of(piece));
+}
+double whole_keep(const UnitCosts& ns, const WorkCounts& w) { return kKeep * ns.group * n(w.manifolds.pairs); }
+
+// Pieces are strips in the order of phases, not of the table; one strip costs about as much as another.
+double piece_colour(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
+  return ns.colour * strip_pairs(c, piece) + ns.strip;
+}
+double whole_colour(const UnitCosts& ns, const WorkCounts& w) {
+  return ns.colour * n(w.contacts) + ns.strip * n(w.lists.strips);
+}
+
+double piece_lay_out(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  const double contacts = strip_pairs(c, piece) + n(c.neighbours.table.static_contacts[piece].size());
+  return lay_out_ns(ns, w) * contacts + 3 * ns.strip;
+}
+double whole_lay_out(const UnitCosts& ns, const WorkCounts& w) {
+  return lay_out_ns(ns, w) * n(w.contacts) + kLayOutStrips * ns.strip * n(w.lists.strips);
+}
+
+double whole_look(const UnitCosts& ns, const WorkCounts& w) {
+  const std::uint64_t anew = std::min(w.manifolds.looks, w.manifolds.pairs);
+  return (w.has.long_lists ? kLongLooks : 1.0) * (ns.look * n(anew) + ns.keep * n(w.manifolds.pairs - anew));
+}
+double piece_look(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
+  if (w.manifolds.pairs == 0) return 0;
+  return whole_look(ns, w) / n(w.manifolds.pairs) * n(c.contacts.manifolds.pairs_in(piece));
+}
+
+double whole_stand(const UnitCosts& ns, const WorkCounts& w) { return ns.stand * n(w.manifolds.pairs); }
+double nothing(const UnitCosts&, const WorkCounts&) { return 0; }
 
 constexpr Stage kLists = Stage::broad_phase, kPairs = Stage::narrow_phase, kColours = Stage::colouring;
 
@@ -60,7 +387,7 @@ constexpr StepPart kParts[] = {
     {"loads", kColours, "bodies under much heavier ones, where the plan asks", "a strip, for each pass",
      loads_found, load_pieces, run::loads, piece_loads, whole_loads},
     {"gather", kColours, "shapes, filters, joints: what is known of the manifolds of before", "one",
-     sorted_out, one, run::gather, piece_gather, whole_gather},
+     sorted_out, one, run::gather, nullptr, whole_gather},
     {"sort_out", kColours, "takes manifolds, and pairs that must not collide, out of the lists of discs", "a strip",
      sorted_out, strips, run::sort_out, piece_sort_out, whole_sort_out},
     {"keep", kColours, "gives manifolds what is known of them", "a strip",
@@ -70,9 +397,9 @@ constexpr StepPart kParts[] = {
     {"lay_out", kColours, "blocks of 8 lanes that share no body, with the impulses of before", "a strip",
      laid_out, strips, run::lay_out, piece_lay_out, whole_lay_out},
     {"look", kPairs, "shapes: who touches, where, how far apart", "some pairs of a strip",
-     shapes_move, looks, run::look, piece_look, look_ns, true},
+     shapes_move, looks, run::look, piece_look, whole_look, true},
     {"stand", kPairs, "shapes: which bodies stand on each other one by one", "one",
-     shapes_move, one, run::stand, piece_stand, whole_stand, true},
+     shapes_move, one, run::stand, nullptr, whole_stand, true},
 };
 // clang-format on
 
@@ -89,6 +416,25 @@ std::uint8_t part_named(std::string_view name) {
 std::uint8_t next_part(const StepContext& c, std::uint8_t row) {
   while (row < std::size(kParts) && !kParts[row].applies(c)) ++row;
   return row;
+}
+
+double StepPart::cost_ns(const StepContext& c, const WorkCounts& work, std::size_t piece) const {
+  const UnitCosts& ns = c.governor.costs();
+  return piece_ns != nullptr ? piece_ns(ns, c, work, piece) : whole_ns(ns, work);
+}
+
+double ahead_ns(const UnitCosts& ns, const WorkCounts& work) {
+  double sum = 0;
+  for (const StepPart& part : kParts) sum += part.whole_ns(ns, work);
+  return sum;
+}
+
+double in_place_ns(const UnitCosts& ns, const WorkCounts& work) {
+  double sum = 0;
+  for (const StepPart& part : kParts) {
+    if (part.in_place) sum += part.whole_ns(ns, work);
+  }
+  return sum;
 }
 
 }  // namespace psim

@@ -29,17 +29,22 @@ struct StepPart {
   bool (*applies)(const StepContext&);
   std::size_t (*pieces)(const StepContext&);
   void (*run)(const StepContext&, const Span&, StepReport&, PieceRange);
-  /// Predicted ns of one piece, and of the whole part where only counts are known.
-  double (*piece_ns)(const StepContext&, const WorkCounts&, std::size_t piece);
+  /// Predicted ns of one piece (nullptr: the part has one), and of the whole part where only counts are known.
+  double (*piece_ns)(const UnitCosts&, const StepContext&, const WorkCounts&, std::size_t piece);
   double (*whole_ns)(const UnitCosts&, const WorkCounts&);
   /// It changes contacts that lie as they were in the step before. Once begun it must end in the same frame, unless
   /// those contacts were remembered first (StepProgress::spread).
   bool in_place = false;
+
+  double cost_ns(const StepContext& c, const WorkCounts& work, std::size_t piece) const;
 };
 
 /// All parts, in order. StepProgress::part counts them; as many as there are: all is done.
 std::span<const StepPart> step_parts();
 inline bool all_done(const StepProgress& progress) { return progress.part >= step_parts().size(); }
+/// Predicted ns of all parts, if lists are made; of those that change contacts in place.
+double ahead_ns(const UnitCosts& costs, const WorkCounts& work);
+double in_place_ns(const UnitCosts& costs, const WorkCounts& work);
 /// The row of a part.
 std::uint8_t part_named(std::string_view name);
 /// The first row from `row` on that applies.

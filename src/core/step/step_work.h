@@ -4,13 +4,25 @@
 // impulses stay with the table that they were laid out by.
 #pragma once
 
+#include <vector>
+
 #include "step/step_table.h"
 
 namespace psim {
 
 class StepWork {
  public:
+  /// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies that the
+  /// host pushed in between. Done again, it comes out the same: saved states hold it.
+  struct Done {
+    std::uint32_t part = 0, at = 0;  ///< part: row of the step table (step/step_table.h)
+    double span = 0;                 ///< s: that the work was for; 0: a push
+    std::uint32_t id = 0;            ///< of the body, and how it moved before, m/s
+    float vx = 0, vy = 0, rim_speed = 0;
+  };
+
   StepProgress progress;
+  std::vector<Done> done_so_far;
 
   bool untouched() const { return progress.untouched(); }
   bool done() const { return all_done(progress); }
@@ -34,10 +46,11 @@ class StepWork {
   /// Throws away what was made for this step: all is as the last step left it, but bodies may lie in another order,
   /// which the broad phase knows.
   void spoil(const StepContext& c);
-  /// Whether the table, the contacts and the bodies' slots belong together.
-  bool contacts_stand(const NeighbourLists& lists) const {
-    return progress.contacts != ContactState::replaced && !progress.sorted() && !lists.broad.has_moved_on();
-  }
+  /// A frame in which time stands still ends: notes how far the work came.
+  void note(const Span& span);
+  /// The host changed a body's velocity, which was `before`. Lists and manifolds that were made for this step do not
+  /// serve the body if it is much faster now.
+  void pushed(const StepContext& c, std::uint32_t id, const Motion& before);
 
  private:
   void begin_again();

@@ -50,7 +50,7 @@ ListCounts count_lists(const StepContext& c) {
   of.strips = lists.table.strips.size();
   of.cells = lists.broad.cell_count();
   of.visits = c.contacts.loads.visits();
-  of.tests = lists.broad.tests() * static_cast<double>(c.bodies.count - c.bodies.dead);
+  of.tests = lists.broad.tests() * static_cast<double>(c.bodies.awake());
   of.near = lists.broad.near_pairs();
   return of;
 }
@@ -60,7 +60,7 @@ std::uint64_t count_sleep_looks(const StepContext& c, const WorkCounts& work) {
   if (!c.plan.sleep) return 0;
   const std::uint64_t met = work.contacts + 4 * work.manifolds.pairs, step = c.steps + 1;
   std::uint64_t looks = 0;
-  if (!c.sleepers.empty()) looks += 2 * met;
+  if (!c.sleep.sleepers.empty()) looks += 2 * met;
   if (step % Sleepers::kWatchFrames == 0) looks += work.bodies;
   if (step % (2 * Sleepers::kWatchFrames) == 0) looks += 2 * work.bodies + 2 * met;
   return looks;
@@ -71,7 +71,7 @@ std::uint64_t count_sleep_looks(const StepContext& c, const WorkCounts& work) {
 WorkCounts count_work(const StepContext& c) {
   const ContactStore& discs = c.contacts.discs;
   WorkCounts work;
-  work.bodies = c.bodies.count - c.bodies.dead;
+  work.bodies = c.bodies.awake();
   work.solved = c.contacts.solved.count();
   work.contacts = discs.pair_count() + discs.static_count();
   work.lanes = kernels::kBlock * discs.pass_blocks();

@@ -12,12 +12,22 @@
 
 namespace psim {
 
-template <>
-inline constexpr std::uint64_t kLastOf<ListState> = static_cast<std::uint64_t>(ListState::sorted);
-template <>
-inline constexpr std::uint64_t kLastOf<ContactState> = static_cast<std::uint64_t>(ContactState::replaced);
-template <>
-inline constexpr std::uint64_t kLastOf<ListMode> = static_cast<std::uint64_t>(ListMode::one_step);
+constexpr std::uint64_t last_of(Enum<ListState>) { return static_cast<std::uint64_t>(ListState::sorted); }
+constexpr std::uint64_t last_of(Enum<ContactState>) { return static_cast<std::uint64_t>(ContactState::replaced); }
+constexpr std::uint64_t last_of(Enum<ListMode>) { return static_cast<std::uint64_t>(ListMode::one_step); }
+
+static auto fields(Traits& t) {
+  return std::tie(t.moving, t.discs, t.kinematic_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_properties,
+                  t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
+                  t.cornered, t.filtered, t.sensors, t.bullets, t.joints, t.exclusions, t.turning, t.walls,
+                  t.wall_bounce, t.wall_rough, t.mass_ratio, t.gravity, t.fields, t.integrator, t.damping, t.events,
+                  t.sleeping);
+}
+static auto fields(Plan& p) {
+  return std::tie(p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,
+                  p.radii, p.materials, p.rotation, p.manifolds, p.filters, p.joints, p.turns, p.continuous, p.bullets,
+                  p.sleep, p.events, p.model.model, p.model.bounce);
+}
 
 namespace {
 
@@ -27,308 +37,274 @@ std::string differs(const WorldDesc& a, const WorldDesc& b) {
   return same ? "" : "the saved world has other bounds or another boundary";
 }
 
-template <class A>
-void visit(A& a, Traits& t) {
-  numbers(a, t.moving, t.discs, t.kinematic_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_properties,
-          t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
-          t.cornered, t.filtered, t.sensors, t.bullets, t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce,
-          t.wall_rough, t.mass_ratio, t.gravity, t.fields, t.integrator, t.damping, t.events, t.sleeping);
-}
-
-template <class A>
-void visit(A& a, Plan& p) {
-  numbers(a, p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,
-          p.radii, p.materials, p.rotation, p.manifolds, p.filters, p.joints, p.turns, p.continuous, p.bullets, p.sleep,
-          p.events, p.model.model, p.model.bounce);
-}
-
 }  // namespace
 
 class World::Impl::StateKeeper {
  public:
-  explicit StateKeeper(Impl& world) : w_(world), lists_(world.neighbours) {}
+  explicit StateKeeper(Impl& world) : w_(world) {}
 
-  void save(std::vector<std::byte>& out);
+  void save(std::vector<std::byte>& out) {
+    const WorkerPool::Awake awake(w_.pool);
+    const PairTable& table = lists_.table;
+    if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
+    w_.step_work.turn_back(w_.context());  // to the contacts of the last step
+    lists_.made.candidates = count_work(w_.context()).lists.candidates;
+    const bool stale = lists_.stale;
+    lists_.stale = stale || w_.step_work.progress.makes_lists();
+    last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.population.bodies.count != 0 &&
+            w_.population.bodies.dead == 0 && table.body_count != 0;
+    if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
+      carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleep.sleepers.empty());
+    } else {
+      carried_.gather_none(table);
+    }
+    if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses(w_.pool);
+    Saver saver(std::move(out));
+    values(saver, w_.desc);
+    describe(saver);
+    w_.contacts.manifolds.describe(saver, around_manifolds());
+    out = saver.finish();
+    lists_.stale = stale;
+    w_.step_work.turn_back(w_.context());
+  }
+
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
-  void load(Loader& loader, const WorldDesc& desc);
+  void load(Loader& loader, const WorldDesc& desc) {
+    w_.desc = desc;
+    const bool snapshots = w_.population.traits.snapshots;
+    lists_.table.body_count = lists_.old_table.body_count = 0;
+    lists_.table.strips.clear();
+    lists_.candidates.strips.clear();
+    lists_.renewal.forget();
+    describe(loader);
+    w_.population.traits.snapshots = w_.plan.publish = snapshots;
+    if (!loader.ok()) return;
+    take_plan();
+    if (w_.population.bodies.count != 0) w_.population.bodies.pad_tail();
+    w_.contacts.discs.give_up();
+    w_.contacts.manifolds.forget();  // of bodies that may not be
+    w_.contacts.stacks.forget();
+    StepProgress& now = w_.step_work.progress;
+    if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
+    lists_.broad.set_origin(origin_);
+    w_.contacts.bare = true;
+    w_.placed = true;
+    w_.observers.forget_all();
+    if (lasting()) {
+      remake_lists(loader);
+    } else {
+      carried_.make_table(lists_.table, w_.contacts.discs);
+      if (last_) lists_.broad.build_again(lists_.candidates);
+    }
+    Manifolds& manifolds = w_.contacts.manifolds;
+    manifolds.describe(loader, around_manifolds());
+    if (lasting() && w_.context().sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
+    loader.require(loader.left() == 0);
+    if (loader.ok() && now.part > part_named("count")) redo_work();
+  }
 
  private:
+  // How far the present step is, and what was measured for the next ones.
   template <class A>
-  void describe(A& a);
-  template <class A>
-  void describe_progress(A& a);
-  template <class A>
-  void describe_lists(A& a);
-  void check(Loader& a) const;
-  void take_plan();
-  void remake_lists(Loader& loader);
-  void redo_work();
+  void describe_progress(A& a) {
+    StepProgress& now = w_.step_work.progress;
+    Dynamics& dynamics = w_.dynamics;
+    values(a, last_, w_.frame, w_.steps, w_.quarantine.escaped, dynamics.stiff_substep, dynamics.last_substep,
+           dynamics.substeps, w_.plan_stale);
+    values(a, now.part, now.at, now.lists, now.contacts, now.spread, now.waits, now.spoiled, now.horizon);
+    a.require(dynamics.substeps >= 1 && dynamics.substeps <= StepDetail::kMostSubsteps && dynamics.last_substep >= 0 &&
+              dynamics.stiff_substep >= 0 && now.horizon >= 1 && now.waits < 255 && now.part <= step_parts().size());
+    ListNumbers& made = lists_.made;
+    values(a, lists_.mode, lists_.stale, made.impact_rate, made.frames, made.speed, made.crowding, made.reach,
+           made.skin, made.span, made.selected_span, made.candidates);
+    a.require(made.span >= 0 && made.selected_span >= 0 && made.skin > 0);
+    values(a, w_.contacts.impulses_valid, w_.contacts.kept, w_.contacts.softness_laid, w_.population.traits, w_.plan);
+  }
 
-  ManifoldsAround around_manifolds() const;
+  // All but the contacts of shapes, which are read once the lists are there.
+  template <class A>
+  void describe(A& a) {
+    describe_progress(a);
+    const StepProgress& now = w_.step_work.progress;
+    BodyStore& bodies = w_.population.bodies;
+    w_.population.describe(a, last_ || now.makes_lists());
+    w_.sleep.sleepers.describe(a, bodies, w_.population.statics);
+    a.list(w_.quarantine.doubtful, [&](BodyId& id) {
+      a.index(bodies.id_count, id.index);
+      a.value(id.generation);
+    });
+    a.list(w_.step_work.done_so_far, [&](StepWork::Done& d) {
+      values(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.rim_speed);
+      a.require(d.part <= step_parts().size() && d.span >= 0 && d.span <= 1e30 &&
+                (d.span > 0 || d.id < bodies.id_count));
+      if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
+    });
+    describe_lists(a);
+    w_.contacts.discs.describe(a);
+    w_.contacts.solved.describe(a);
+    w_.contacts.loads.describe(a);
+    w_.dynamics.solver.describe(a);
+    w_.dynamics.continuous.describe(a);
+    w_.joints.describe(a, bodies);
+    w_.observers.events.describe(a, bodies.id_count);
+    if constexpr (A::kLoading) check(a);
+  }
+
+  template <class A>
+  void describe_lists(A& a) {
+    const StepProgress& now = w_.step_work.progress;
+    const BodyStore& bodies = w_.population.bodies;
+    a.require(!last_ || bodies.count != 0);
+    const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
+    lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
+    if (lasting()) lists_.renewal.describe(a, bodies.count);
+    if (!lasting()) lists_.table.describe(a);
+    carried_.describe(a, lists_.table, w_.population.statics, !lasting());
+    a.packed(origin_);
+    a.require(origin_.size() <= bodies.count &&
+              std::all_of(origin_.begin(), origin_.end(), [&](auto slot) { return slot == kNoSlot || a.fits(slot); }));
+    a.require(lasting() || now.sorted() || !origin_.empty() || lists_.table.body_count <= bodies.count ||
+              carried_.empty());
+  }
+
+  // What the plan follows from is counted again. What is looked up when a plan is made stays as it was.
+  void check(Loader& a) const {
+    if (!a.ok()) return;
+    Traits traits = w_.population.recounted();
+    traits.joints = w_.joints.count();
+    traits.fields = needs_forces(w_.desc.fields);
+    traits.integrator = w_.desc.integrator;
+    traits.walls = w_.desc.boundary == Boundary::walls;
+    a.require(traits == w_.population.traits);
+    for (std::size_t k = 0; k < w_.population.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
+      a.require(w_.population.bodies.id[k] == kNoSlot || (std::isfinite(w_.population.bodies.disp[2 * k]) &&
+                                                          std::isfinite(w_.population.bodies.disp[2 * k + 1])));
+    }
+    a.require(!w_.plan.rotation || w_.population.bodies.count == 0 || !w_.population.bodies.rim_speed.empty());
+    if (w_.plan_stale) return;
+    Plan wanted = make_plan(traits);
+    wanted.publish = w_.plan.publish;
+    wanted.events = w_.plan.events;
+    a.require(wanted == w_.plan && (w_.contacts.discs.model() == w_.plan.model || lists_.stale));
+  }
+
+  ManifoldsAround around_manifolds() const {
+    const StepProgress& now = w_.step_work.progress;
+    const bool in_order = !now.sorted() && origin_.empty();
+    ManifoldsAround around{w_.population.bodies, w_.population.statics};
+    around.slots = w_.population.bodies.count;
+    around.numbered =
+        in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
+    around.wanted = w_.plan.manifolds;
+    around.fresh = !lists_.stale;
+    around.present = around.fresh && w_.plan.manifolds;
+    around.carried = w_.contacts.impulses_valid;
+    around.spread = now.makes_lists() || !now.untouched();
+    around.exact = !around.spread && around.fresh;
+    around.lists = last_;
+    around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
+    return around;
+  }
+
+  void take_plan() {
+    w_.dynamics.forces.reset();
+    if (w_.plan_stale) {  // its columns are there, and wait for the next plan
+      const bool published = w_.applied.publish;
+      w_.applied = w_.plan;
+      w_.applied.publish = published;
+      return;
+    }
+    w_.applied.events = w_.plan.events;  // who listens is in the state
+    w_.apply_plan();
+  }
+
+  // Lists that last, and what their contacts carry.
+  void remake_lists(Loader& loader) {
+    StepWork& work = w_.step_work;
+    const StepProgress now = work.progress;
+    const StepContext c = w_.context();
+    const double visits = w_.contacts.loads.visits();
+    const std::uint64_t builds = w_.contacts.discs.builds();
+    std::vector<StepWork::Done> done;
+    done.swap(w_.step_work.done_so_far);
+    lists_.renewal.turn_back();
+    lists_.broad.build_again(lists_.table);
+    lists_.stale = w_.contacts.impulses_valid = true;
+    work.progress = {};
+    work.progress.part = part_named("group");
+    work.progress.contacts = ContactState::due;
+    StepReport ignored;
+    while (work.progress.part < part_named("look")) work.run(c, {}, ignored, work.part().pieces(c));
+    work.accept(c);
+    if (lists_.renewal.renewed() != 0) {
+      w_.contacts.discs.lift(lists_.table);
+      lists_.renewal.look_again(lists_.table);
+      put_renewed(c);
+    }
+    loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
+    work.progress = now;
+    w_.step_work.done_so_far.swap(done);
+    w_.contacts.loads.set_visits(visits);
+    w_.contacts.discs.set_builds(builds);
+  }
+
+  // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
+  void redo_work() {
+    StepWork& work = w_.step_work;
+    StepProgress& now = work.progress;
+    const StepContext c = w_.context();
+    BodyStore& bodies = w_.population.bodies;
+    const double visits = w_.contacts.loads.visits();
+    const ListNumbers made = lists_.made;
+    now.at = 0;
+    if (now.sorted()) {
+      if (!lists_.selects()) {
+        lists_.table.swap(lists_.old_table);
+        now.contacts = ContactState::replaced;
+      }
+      lists_.broad.move_again(lists_.found());
+      now.part = part_named("search");
+    } else if (now.makes_lists()) {
+      lists_.broad.count_again();
+      now.part = part_named("move");
+    } else {
+      now.part = next_part(c, part_named(lists_.selects() ? "select" : "look"));
+    }
+    bodies.find_slots();
+    const auto swap_motion = [&](StepWork::Done& push) {
+      if (push.span > 0) return;
+      const std::size_t slot = bodies.info[push.id].slot;
+      std::swap(bodies.vel[2 * slot], push.vx);
+      std::swap(bodies.vel[2 * slot + 1], push.vy);
+      if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
+    };
+    for (auto push = w_.step_work.done_so_far.rbegin(); push != w_.step_work.done_so_far.rend(); ++push)
+      swap_motion(*push);
+    StepReport ignored;
+    for (StepWork::Done& done : w_.step_work.done_so_far) {
+      swap_motion(done);
+      while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
+        const std::size_t end = work.part().pieces(c);
+        work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
+      }
+    }
+    w_.contacts.loads.set_visits(visits);
+    lists_.made.span = made.span;
+    lists_.made.selected_span = made.selected_span;
+  }
+
   bool lasting() const { return last_ && !lists_.selects(); }
 
   Impl& w_;
-  NeighbourLists& lists_;
+  NeighbourLists& lists_ = w_.neighbours;
   bool last_ = false;  // lists, or those to select from, last and are made again
   SavedContacts carried_;
+  std::vector<std::uint32_t> origin_;  // where bodies lay when the contacts were laid out, if they moved on
 };
-
-// How far the present step is, and what was measured for the next ones.
-template <class A>
-void World::Impl::StateKeeper::describe_progress(A& a) {
-  StepProgress& now = w_.step_work.progress;
-  Dynamics& dynamics = w_.dynamics;
-  numbers(a, last_, w_.frame, w_.steps, w_.quarantine.escaped, dynamics.stiff_substep, dynamics.last_substep,
-          dynamics.substeps, w_.plan_stale);
-  numbers(a, now.part, now.at, now.lists, now.contacts, now.spread, now.waits, now.spoiled, now.horizon);
-  a.require(dynamics.substeps >= 1 && dynamics.substeps <= StepDetail::kMostSubsteps && dynamics.last_substep >= 0 &&
-            dynamics.stiff_substep >= 0 && now.horizon >= 1 && now.waits < 255 && now.part <= step_parts().size());
-  ListNumbers& made = lists_.made;
-  numbers(a, lists_.mode, lists_.stale, made.impact_rate, made.frames, made.speed, made.crowding, made.reach, made.skin,
-          made.span, made.selected_span, made.candidates);
-  a.require(made.span >= 0 && made.selected_span >= 0 && made.skin > 0);
-  numbers(a, w_.contacts.impulses_valid, w_.contacts.kept);
-  for (float& soft : w_.contacts.softness_laid) a.value(soft);
-  visit(a, w_.traits);
-  visit(a, w_.plan);
-}
-
-// All but the contacts of shapes, which are read once the lists are there.
-template <class A>
-void World::Impl::StateKeeper::describe(A& a) {
-  describe_progress(a);
-  const StepProgress& now = w_.step_work.progress;
-  BodyStore& bodies = w_.bodies;
-  w_.population.describe(a, last_ || now.makes_lists());
-  w_.sleepers.describe(a, bodies, w_.statics);
-  a.list(w_.quarantine.doubtful, [&](BodyId& id) {
-    a.index(bodies.id_count, id.index);
-    a.value(id.generation);
-  });
-  a.list(w_.saved.done, [&](Saved::Done& d) {
-    numbers(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.rim_speed);
-    a.require(d.part <= step_parts().size() && d.span >= 0 && d.span <= 1e30 && (d.span > 0 || d.id < bodies.id_count));
-    if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
-  });
-  describe_lists(a);
-  w_.contacts.discs.describe(a);
-  w_.contacts.solved.describe(a);
-  w_.contacts.loads.describe(a);
-  w_.dynamics.solver.describe(a);
-  w_.dynamics.continuous.describe(a);
-  w_.joints.describe(a, bodies);
-  w_.events.describe(a, bodies.id_count);
-  if constexpr (A::kLoading) check(a);
-}
-
-template <class A>
-void World::Impl::StateKeeper::describe_lists(A& a) {
-  const StepProgress& now = w_.step_work.progress;
-  const BodyStore& bodies = w_.bodies;
-  a.require(!last_ || bodies.count != 0);
-  const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
-  lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
-  if (lasting()) lists_.renewal.describe(a, bodies.count);
-  if (!lasting()) lists_.table.describe(a);
-  carried_.describe(a, lists_.table, w_.statics, !lasting());
-  std::vector<std::uint32_t>& origin = w_.saved.origin;
-  a.packed(origin);
-  a.require(origin.size() <= bodies.count &&
-            std::all_of(origin.begin(), origin.end(), [&](auto slot) { return slot == kNoSlot || a.fits(slot); }));
-  a.require(lasting() || now.sorted() || !origin.empty() || lists_.table.body_count <= bodies.count ||
-            carried_.empty());
-}
-
-// What the plan follows from is counted again. What is looked up when a plan is made stays as it was.
-void World::Impl::StateKeeper::check(Loader& a) const {
-  if (!a.ok()) return;
-  Traits traits = w_.population.recounted();
-  traits.joints = w_.joints.count();
-  traits.fields = needs_forces(w_.desc.fields);
-  traits.integrator = w_.desc.integrator;
-  traits.walls = w_.desc.boundary == Boundary::walls;
-  a.require(traits == w_.traits);
-  for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
-    a.require(w_.bodies.id[k] == kNoSlot ||
-              (std::isfinite(w_.bodies.disp[2 * k]) && std::isfinite(w_.bodies.disp[2 * k + 1])));
-  }
-  a.require(!w_.plan.rotation || w_.bodies.count == 0 || !w_.bodies.rim_speed.empty());
-  if (w_.plan_stale) return;
-  Plan wanted = make_plan(traits);
-  wanted.publish = w_.plan.publish;
-  wanted.events = w_.plan.events;
-  a.require(wanted == w_.plan && (w_.contacts.discs.model() == w_.plan.model || lists_.stale));
-}
-
-ManifoldsAround World::Impl::StateKeeper::around_manifolds() const {
-  const StepProgress& now = w_.step_work.progress;
-  const bool in_order = !now.sorted() && w_.saved.origin.empty();
-  ManifoldsAround around{w_.bodies, w_.statics};
-  around.slots = w_.bodies.count;
-  around.numbered = in_order ? w_.bodies.count : std::max(w_.bodies.count, lists_.table.body_count);
-  around.wanted = w_.plan.manifolds;
-  around.fresh = !lists_.stale;
-  around.present = around.fresh && w_.plan.manifolds;
-  around.carried = w_.contacts.impulses_valid;
-  around.spread = now.makes_lists() || !now.untouched();
-  around.exact = !around.spread && around.fresh;
-  around.lists = last_;
-  around.in_place = w_.bodies.dead == 0 && w_.quarantine.doubtful.empty();
-  return around;
-}
-
-void World::Impl::StateKeeper::save(std::vector<std::byte>& out) {
-  const WorkerPool::Awake awake(w_.pool);
-  const PairTable& table = lists_.table;
-  w_.saved.origin.clear();
-  if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(w_.saved.origin);
-  w_.turn_back();  // to the contacts of the last step
-  lists_.made.candidates = count_work(w_.context()).lists.candidates;
-  const bool stale = lists_.stale;
-  lists_.stale = stale || w_.step_work.progress.makes_lists();
-  last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
-          table.body_count != 0;
-  if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
-    carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleepers.empty());
-  } else {
-    carried_.gather_none(table);
-  }
-  if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses(w_.pool);
-  Saver saver(std::move(out));
-  visit(saver, w_.desc);
-  describe(saver);
-  w_.contacts.manifolds.describe(saver, around_manifolds());
-  out = saver.finish();
-  lists_.stale = stale;
-  w_.turn_back();
-}
-
-void World::Impl::StateKeeper::load(Loader& loader, const WorldDesc& desc) {
-  w_.desc = desc;
-  const bool snapshots = w_.traits.snapshots;
-  lists_.table.body_count = lists_.old_table.body_count = 0;
-  lists_.table.strips.clear();
-  lists_.candidates.strips.clear();
-  lists_.renewal.forget();
-  describe(loader);
-  w_.traits.snapshots = w_.plan.publish = snapshots;
-  if (!loader.ok()) return;
-  take_plan();
-  if (w_.bodies.count != 0) w_.bodies.pad_tail();
-  w_.contacts.discs.give_up();
-  w_.contacts.manifolds.forget();  // of bodies that may not be
-  w_.contacts.stacks.forget();
-  StepProgress& now = w_.step_work.progress;
-  if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
-  lists_.broad.set_origin(w_.saved.origin);
-  w_.saved.bare = true;
-  w_.placed = true;
-  w_.observers.forget_all();
-  if (lasting()) {
-    remake_lists(loader);
-  } else {
-    carried_.make_table(lists_.table, w_.contacts.discs);
-    if (last_) lists_.broad.build_again(lists_.candidates);
-  }
-  Manifolds& manifolds = w_.contacts.manifolds;
-  manifolds.describe(loader, around_manifolds());
-  if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
-  loader.require(loader.left() == 0);
-  if (loader.ok() && now.part > part_named("count")) redo_work();
-}
-
-void World::Impl::StateKeeper::take_plan() {
-  w_.dynamics.forces.reset();
-  if (w_.plan_stale) {  // its columns are there, and wait for the next plan
-    const bool published = w_.applied.publish;
-    w_.applied = w_.plan;
-    w_.applied.publish = published;
-    return;
-  }
-  w_.applied.events = w_.plan.events;  // who listens is in the state
-  w_.apply_plan();
-}
-
-// Lists that last, and what their contacts carry.
-void World::Impl::StateKeeper::remake_lists(Loader& loader) {
-  StepWork& work = w_.step_work;
-  const StepProgress now = work.progress;
-  const StepContext c = w_.context();
-  const double visits = w_.contacts.loads.visits();
-  const std::uint64_t builds = w_.contacts.discs.builds();
-  std::vector<Saved::Done> done;
-  done.swap(w_.saved.done);
-  lists_.renewal.turn_back();
-  lists_.broad.build_again(lists_.table);
-  lists_.stale = w_.contacts.impulses_valid = true;
-  work.progress = {};
-  work.progress.part = part_named("group");
-  work.progress.contacts = ContactState::due;
-  StepReport ignored;
-  while (work.progress.part < part_named("look")) work.run(c, {}, ignored, work.part().pieces(c));
-  w_.accept_work();
-  if (lists_.renewal.renewed() != 0) {
-    w_.contacts.discs.lift(lists_.table);
-    lists_.renewal.look_again(lists_.table);
-    put_renewed(c);
-  }
-  loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
-  work.progress = now;
-  w_.saved.done.swap(done);
-  w_.contacts.loads.set_visits(visits);
-  w_.contacts.discs.set_builds(builds);
-}
-
-// What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
-void World::Impl::StateKeeper::redo_work() {
-  StepWork& work = w_.step_work;
-  StepProgress& now = work.progress;
-  const StepContext c = w_.context();
-  BodyStore& bodies = w_.bodies;
-  const double visits = w_.contacts.loads.visits();
-  const ListNumbers made = lists_.made;
-  now.at = 0;
-  if (now.sorted()) {
-    if (!lists_.selects()) {
-      lists_.table.swap(lists_.old_table);
-      now.contacts = ContactState::replaced;
-    }
-    lists_.broad.move_again(lists_.found());
-    now.part = part_named("search");
-  } else if (now.makes_lists()) {
-    lists_.broad.count_again();
-    now.part = part_named("move");
-  } else {
-    now.part = next_part(c, part_named(lists_.selects() ? "select" : "look"));
-  }
-  bodies.find_slots();
-  const auto swap_motion = [&](Saved::Done& push) {
-    if (push.span > 0) return;
-    const std::size_t slot = bodies.info[push.id].slot;
-    std::swap(bodies.vel[2 * slot], push.vx);
-    std::swap(bodies.vel[2 * slot + 1], push.vy);
-    if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
-  };
-  for (auto push = w_.saved.done.rbegin(); push != w_.saved.done.rend(); ++push) swap_motion(*push);
-  StepReport ignored;
-  for (Saved::Done& done : w_.saved.done) {
-    swap_motion(done);
-    while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
-      const std::size_t end = work.part().pieces(c);
-      work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
-    }
-  }
-  w_.contacts.loads.set_visits(visits);
-  lists_.made.span = made.span;
-  lists_.made.selected_span = made.selected_span;
-}
 
 void World::save(std::vector<std::byte>& out) { impl_->save(out); }
 
-void World::Impl::save(std::vector<std::byte>& out) {
-  settle_lists();
-  StateKeeper(*this).save(out);
-}
+void World::Impl::save(std::vector<std::byte>& out) { StateKeeper(settled()).save(out); }
 
 bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }
 
@@ -337,7 +313,7 @@ bool World::Impl::restore(std::span<const std::byte> state, std::string& error) 
   const WorkerPool::Awake awake(pool);
   Loader loader(state);
   WorldDesc read;
-  visit(loader, read);
+  values(loader, read);
   error = loader.error();
   if (error.empty()) error = differs(read, desc);
   if (error.empty()) error = psim::check(read, options);
@@ -355,7 +331,7 @@ void World::Impl::go_back(std::span<const std::byte> state) {
   const WorkerPool::Awake awake(pool);
   Loader loader(state);
   WorldDesc read;
-  visit(loader, read);
+  values(loader, read);
   StateKeeper(*this).load(loader, read);
   PSIM_ASSERT(loader.ok());
 }
@@ -364,7 +340,7 @@ std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const
                                          std::string& error) {
   Loader loader(state);
   WorldDesc desc;
-  visit(loader, desc);
+  values(loader, desc);
   error = loader.error();
   if (!error.empty()) return nullptr;
   auto world = create(desc, options, error);

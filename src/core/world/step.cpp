@@ -25,7 +25,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   report.detail = given;
   if (given.frames == 0) report.detail.frames = 1;
   take_prepared(dt, choose, report);
-  settle_lists();
+  settled();
   report.quarantined += quarantine.freeze_doubtful(population, freezer());
   replan();
   look_around();
@@ -38,7 +38,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   }
   publish(report);
   if (report.detail.solves) fall_asleep(dt * report.detail.frames, report);
-  report.asleep = bodies.asleep;
+  report.asleep = population.bodies.asleep;
   ledger.end_step(memory, report);
   report.total_ms = std::chrono::duration<double, std::milli>(tracer.begin() - begin).count();
   return report;
@@ -52,18 +52,26 @@ void World::Impl::take_prepared(double dt, bool choose, StepReport& report) {
 
 // A renderer sees where bodies are before they move, if the host placed some.
 void World::Impl::look_around() {
-  if (plan.publish && placed) observers.publisher.look(bodies, fixed, frozen, sleepers.list, lattice);
+  if (plan.publish && placed) observers.publisher.look(observed());
   placed = false;
 }
 
 // Lists and contacts, as far as a governor or the given detail lets them.
 void World::Impl::work_on_lists(double dt, bool choose, StepReport& report) {
   detailed = !choose;
+  if (population.bodies.awake() == 0) return;
+  const StepDetail& detail = report.detail;
   if (choose && governor.on()) {
-    choose_detail(dt, report);
-  } else if (report.detail.waits() && !report.detail.wakes) {
-    work_ahead(dt, report);
+    governor.spend_frame(context(), step_work, dt, frame == 0, report);
+    if (detail.solves) return;
+  } else if (detail.waits() && !detail.wakes) {
+    step_work.progress.horizon = detail.horizon;
+    step_work.progress.spread = true;
+    step_work.run_pieces(context(), {dt, dt * detail.horizon}, report, detail.pieces);
+  } else {
+    return;
   }
+  step_work.note({dt, dt * detail.horizon});
 }
 
 // Everything moves on; or time stands still, if bodies woke and there is no time for new lists.
@@ -73,7 +81,7 @@ void World::Impl::advance(double frame_dt, bool choose, StepReport& report) {
                   frame_dt * std::max(report.detail.frames, report.detail.horizon)};
   dynamics.substeps = report.detail.substeps != 0 ? report.detail.substeps : desc.substeps;
   report.detail.substeps = static_cast<std::uint8_t>(dynamics.substeps);
-  const bool anyone = bodies.count != bodies.dead;
+  const bool anyone = population.bodies.awake() != 0;
   if (anyone && !meet(dt, span, choose && governor.on(), report)) return;
   report.detail.wakes = false;
   report.detail.solves = true;
@@ -83,7 +91,7 @@ void World::Impl::advance(double frame_dt, bool choose, StepReport& report) {
   } else {
     ledger.skip_all(plan.publish, plan.events);
   }
-  queries.forget_moving();
+  observers.queries.forget(QueryIndex::kMoving);
   collect_events(report);
   if (report.awake != 0) count_contacts(report);
 }
@@ -93,7 +101,7 @@ void World::Impl::advance(double frame_dt, bool choose, StepReport& report) {
 bool World::Impl::meet(double dt, const Span& span, bool governed, StepReport& report) {
   finish_contacts(dt, span, report);
   // The lists name the bodies that may be met in this step, those of the last step did not.
-  if (sleepers.empty() || !note_sleep(sleep.wake_reached(sleep_source(), dt))) return true;
+  if (sleep.sleepers.empty() || !note_sleep(sleep.wake_reached(sleep_source(), dt))) return true;
   if (report.detail.wakes || (governed && !governor.fits_again(context(), report))) {
     report.detail.wakes = true;
     report.detail.solves = false;
@@ -110,7 +118,7 @@ void World::Impl::finish_contacts(double dt, const Span& span, StepReport& repor
   if (lasting && report.detail.frames > 1 && !neighbours.serve(dt)) spoil_lists();
   step_work.finish(context(), span, report);
   contacts.kept = !step_work.progress.lays_out();
-  accept_work();
+  step_work.accept(context());
   const StageTimer timer(report, tracer, Stage::narrow_phase);
   prepare_contacts(context(), dt);
 }
@@ -119,7 +127,7 @@ void World::Impl::finish_contacts(double dt, const Span& span, StepReport& repor
 void World::Impl::move(double dt, StepReport& report) {
   const StepContext c = context();
   if (const std::optional<SolverParams> params = prepare_substeps(c, dt, report)) {
-    if (plan.events) events.approach(event_source(), dt);
+    if (plan.events) observers.events.approach(observed(), dt);
     run_substeps(c, *params, report);
   }
   stop_fast_bodies(c, report);
@@ -130,33 +138,33 @@ void World::Impl::move(double dt, StepReport& report) {
   } else if (!moved.inside && Quarantine::bring_back(population, lattice, desc)) {
     dynamics.forces_stale = true;
   }
-  if (ledger.surveys(steps)) survey_lanes(report);
-  report.awake = bodies.count - bodies.dead;
+  if (ledger.surveys(steps)) survey_lanes(c, report.rebuilt);
+  report.awake = population.bodies.awake();
 }
 
 void World::Impl::collect_events(StepReport& report) {
   if (!plan.events) return;
   const StageTimer timer(report, tracer, Stage::publish);
-  events.collect(event_source(), queries, query_source());
-  sleepers.changed = false;
+  observers.events.collect(observed(), observers.queries);
+  sleep.sleepers.changed = false;
 }
 
 // Time stands still in this frame: the work goes on in the next one.
 void World::Impl::stand_still(StepReport& report) {
-  events.clear();
+  observers.events.clear();
   if (step_work.progress.waits < 255) ++step_work.progress.waits;
-  report.awake = bodies.count - bodies.dead;
+  report.awake = population.bodies.awake();
 }
 
 void World::Impl::publish(StepReport& report) {
   ++frame;
   if (!plan.publish) return;
   const StageTimer timer(report, tracer, Stage::publish);
-  observers.publisher.publish(bodies, fixed, frozen, sleepers.list, lattice, frame, pool);
+  observers.publisher.publish(observed(), frame);
 }
 
 void World::Impl::fall_asleep(double dt, StepReport& report) {
-  if (!plan.sleep || bodies.count == bodies.dead) return;
+  if (!plan.sleep || population.bodies.awake() == 0) return;
   const StageTimer timer(report, tracer, Stage::sleep);
   note_sleep(sleep.step(sleep_source(), steps, dt));
 }

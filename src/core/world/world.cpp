@@ -1,5 +1,5 @@
-// The World's face: creation and the small questions. Bodies: world_bodies.cpp. The step: step.cpp.
-// What is read out: world_state.cpp.
+// The World's face: creation and the small questions. Bodies: world_bodies.cpp. The step: step.cpp. What is read out:
+// world_queries.cpp.
 #include "psim/world.h"
 
 #include <cmath>
@@ -63,8 +63,8 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
       kernels(kernels_of(o.isa)),
       lattice(d.bounds, d.boundary == Boundary::periodic),
       population(desc, lattice, memory),
-      neighbours({memory, lattice, bodies, statics, kernels, pool}),
-      contacts({memory, lattice, bodies, statics, kernels, pool}, desc.wall),
+      neighbours({memory, lattice, population.bodies, population.statics, kernels, pool}),
+      contacts({memory, lattice, population.bodies, population.statics, kernels, pool}, desc.wall),
       joints(memory),
       sleep(memory),
       pool(o.threads) {
@@ -72,6 +72,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls.low = edges.to_lattice({d.bounds.xmin, d.bounds.ymin});
   walls.high = edges.to_lattice({d.bounds.xmax, d.bounds.ymax});
+  Traits& traits = population.traits;
   traits.walls = d.boundary == Boundary::walls;
   traits.wall_bounce = d.wall.restitution > 0;
   traits.wall_rough = d.wall.friction > 0;
@@ -95,12 +96,28 @@ void World::prepare() { impl_->prepare(); }
 StepReport World::step() { return impl_->step(impl_->desc.dt); }
 StepReport World::step(double dt) { return impl_->step(dt); }
 
+bool World::set_governor(const GovernorDesc& desc) {
+  if (!Governor::sound(desc)) return false;
+  impl_->settled().governor.set(desc);
+  return true;
+}
+
+StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_->desc.dt); }
+
+StepReport World::replay(const StepDetail& detail, double dt) {
+  const auto frames = [](int n) { return n >= 1 && n <= StepDetail::kMostFrames; };
+  if (detail.substeps > StepDetail::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
+      (detail.solves && detail.wakes) || detail.sweeps > StepDetail::kMostSweeps) {
+    return {};
+  }
+  return impl_->step(dt, detail, false);
+}
+
 bool World::set_skin(double factor) {
   Impl& w = *impl_;
   if (!is_skin(factor)) return false;
   if (factor == w.desc.skin) return true;
-  w.settle_lists();
-  w.spoil_lists();
+  w.settled().spoil_lists();
   w.desc.skin = factor;
   return true;
 }
@@ -109,10 +126,10 @@ bool World::set_gravity(Vec2 gravity) {
   Impl& w = *impl_;
   if (!std::isfinite(gravity.x) || !std::isfinite(gravity.y)) return false;
   if (gravity.x == w.desc.gravity.x && gravity.y == w.desc.gravity.y) return true;
-  w.settle_lists();
+  w.settled();
   if (!w.step_work.untouched()) w.spoil_lists();  // they were made for the old gravity
   w.desc.gravity = gravity;
-  w.traits.gravity = gravity.x != 0 || gravity.y != 0;
+  w.population.traits.gravity = gravity.x != 0 || gravity.y != 0;
   w.dynamics.forces.reset();
   w.plan_stale = w.dynamics.forces_stale = true;
   w.note_sleep(w.sleep.wake_all(w.sleep_source()));
@@ -122,16 +139,16 @@ bool World::set_gravity(Vec2 gravity) {
 void World::set_sleeping(bool on) {
   Impl& w = *impl_;
   if (on == w.desc.sleeping) return;
-  w.settle_lists();
-  w.desc.sleeping = w.traits.sleeping = on;
+  w.settled();
+  w.desc.sleeping = w.population.traits.sleeping = on;
   w.plan_stale = true;
   if (!on) w.note_sleep(w.sleep.wake_all(w.sleep_source()));
 }
 
-std::size_t World::body_count() const { return impl_->bodies.living; }
-std::size_t World::dynamic_count() const { return impl_->bodies.moving; }
-std::size_t World::shape_count() const { return impl_->traits.cornered; }
-std::size_t World::static_count() const { return impl_->bodies.fixed; }
+std::size_t World::body_count() const { return impl_->population.bodies.living; }
+std::size_t World::dynamic_count() const { return impl_->population.bodies.moving; }
+std::size_t World::shape_count() const { return impl_->population.traits.cornered; }
+std::size_t World::static_count() const { return impl_->population.bodies.fixed; }
 std::uint64_t World::frame() const { return impl_->frame; }
 std::uint64_t World::escaped_total() const { return impl_->quarantine.escaped; }
 const WorldDesc& World::desc() const { return impl_->desc; }
@@ -149,14 +166,18 @@ std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const {
 }
 
 void World::enable_snapshots(bool on) {
-  impl_->settle_lists();
-  impl_->traits.snapshots = on;
+  impl_->settled().population.traits.snapshots = on;
   impl_->placed = true;
 }
 
 const Snapshot* World::latest_snapshot() { return impl_->observers.publisher.latest(); }
 
 void World::set_job_system(JobSystem jobs) { impl_->pool.set_job_system(std::move(jobs)); }
+
+void World::count_lane_use() {
+  if (impl_->options.isa != Isa::scalar) impl_->ledger.survey_lanes();
+}
+std::vector<LaneUse> World::lane_use() const { return impl_->ledger.lane_use(); }
 
 void World::start_trace() { impl_->tracer.start(impl_->options.threads); }
 void World::stop_trace() { impl_->tracer.stop(); }

@@ -7,37 +7,36 @@
 #include "world/world_impl.h"
 
 namespace psim {
-namespace {}  // namespace
 
 void World::Impl::body_came(std::uint32_t id) {
   spoil_lists();
   plan_stale = placed = true;
-  if (bodies.info[id].place == Place::fixed) {
-    queries.forget_fixed();
+  if (population.bodies.info[id].place == Place::fixed) {
+    observers.queries.forget(QueryIndex::kFixed);
     note_sleep(sleep.disturb_at_fixed(sleep_source(), id));
   } else {
-    queries.forget_moving();
-    sleepers.mark_moving(id);
+    observers.queries.forget(QueryIndex::kMoving);
+    sleep.sleepers.mark_moving(id);
   }
 }
 
 // Tells all others that a body goes out of the simulation. `same`: it keeps its id.
 void World::Impl::body_goes(std::uint32_t id, bool same) {
   remove_joints_of(id);
-  bodies.find_slots();
+  population.bodies.find_slots();
   note_sleep(sleep.disturb_neighbours(sleep_source(), id));  // a sleeping body itself wakes, too
-  const BodyInfo& info = bodies.info[id];
+  const BodyInfo& info = population.bodies.info[id];
   if (info.place == Place::fixed) {
-    queries.forget_fixed();
+    observers.queries.forget(QueryIndex::kFixed);
   } else {
-    queries.forget_moving();
+    observers.queries.forget(QueryIndex::kMoving);
   }
-  if (events.on()) events.body_left({id, info.generation}, same);
+  if (observers.events.on()) observers.events.body_left({id, info.generation}, same);
   if (info.place != Place::frozen) plan_stale = true;
 }
 
 void World::Impl::remove(std::uint32_t id) {
-  settle_lists();
+  settled();
   body_goes(id, false);
   population.remove(id);
   spoil_lists();
@@ -54,41 +53,30 @@ bool World::Impl::note_sleep(bool changed) {
   if (!changed) return false;
   spoil_lists();
   observers.forget_sleep();
-  if (bodies.count == 0) contacts.impulses_valid = false;
+  if (population.bodies.count == 0) contacts.impulses_valid = false;
   return true;
-}
-
-SleepSource World::Impl::sleep_source() {
-  return {population,       lattice,        desc.gravity,
-          neighbours.table, contacts.discs, contacts.manifolds,
-          contacts.stacks,  joints,         pool,
-          contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
 }
 
 // Whether the host may move or push a body. From now on it is awake and its slot is known.
 bool World::Impl::can_move(BodyId id) {
-  settle_lists();
-  bodies.find_slots();
+  settled();
+  population.bodies.find_slots();
   if (!population.is_valid(id)) return false;
-  const Place place = bodies.info[id.index].place;
+  const Place place = population.bodies.info[id.index].place;
   if (place != Place::moving && place != Place::asleep) return false;
   disturb(id.index);
   return true;
 }
 
-// The host moves or pushes a body, or what is joined to it.
-void World::Impl::disturb(std::uint32_t id) { note_sleep(sleep.disturb(sleep_source(), id)); }
-
 // A body gets an angle or an angular velocity.
 void World::Impl::let_turn() {
-  if (!bodies.rim_speed.empty()) return;
+  if (!population.bodies.rim_speed.empty()) return;
   plan_stale = true;
   population.let_turn();
 }
 
 BodyId World::add_body(const BodyDesc& d, std::string& error) {
-  Impl& w = *impl_;
-  w.settle_lists();
+  Impl& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
   const BodyId id = w.population.add(d, error);
@@ -97,8 +85,7 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
 }
 
 std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
-  Impl& w = *impl_;
-  w.settle_lists();
+  Impl& w = impl_->settled();
   error = check(batch, w.desc.bounds);
   if (!error.empty()) return 0;
   const std::size_t n = batch.x.size();
@@ -109,7 +96,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
     d.material = batch.material;
     d.filter = batch.filter;
     d.mass = batch.mass;
-    w.fixed.reserve(w.fixed.size() + n);
+    w.population.fixed.reserve(w.population.fixed.size() + n);
     for (std::size_t i = 0; i < n; ++i) {
       d.shape = DiscShape{batch.radius[batch.radius.size() == 1 ? 0 : i]};
       d.position = {batch.x[i], batch.y[i]};
@@ -119,9 +106,9 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
     return n;
   }
   w.population.make_room(batch);
-  for (std::size_t i = 0; i < n; ++i) w.sleepers.mark_moving(w.population.add_disc(batch, i).index);
+  for (std::size_t i = 0; i < n; ++i) w.sleep.sleepers.mark_moving(w.population.add_disc(batch, i).index);
   if (n != 0) w.plan_stale = w.placed = true;
-  w.queries.forget_moving();
+  w.observers.queries.forget(QueryIndex::kMoving);
   w.spoil_lists();
   return n;
 }
@@ -135,7 +122,7 @@ bool World::remove_body(BodyId id) {
 bool World::is_valid(BodyId id) const { return impl_->population.is_valid(id); }
 
 BodyId World::id_of(std::uint32_t index) const {
-  const BodyStore& b = impl_->bodies;
+  const BodyStore& b = impl_->population.bodies;
   if (index >= b.id_count || b.info[index].place == Place::none) return kNoBody;
   return {index, b.info[index].generation};
 }
@@ -157,7 +144,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   w.population.place(id.index, position, angle);
   w.spoil_lists();
   w.dynamics.forces_stale = w.placed = true;
-  w.queries.forget_moving();
+  w.observers.queries.forget(QueryIndex::kMoving);
   return true;
 }
 
@@ -168,10 +155,10 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     w.quarantine.doubtful.push_back(id);
     return true;
   }
-  const Motion before = w.population.motion_of(w.bodies.info[id.index].slot);
+  const Motion before = w.population.motion_of(w.population.bodies.info[id.index].slot);
   if (angular_velocity != 0) w.let_turn();
   w.population.set_velocity(id.index, velocity, angular_velocity);
-  w.pushed(id.index, before);
+  w.step_work.pushed(w.context(), id.index, before);
   w.dynamics.forces_stale = true;
   return true;
 }
@@ -179,8 +166,8 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
 bool World::apply_impulse(BodyId id, Vec2 impulse) {
   Impl& w = *impl_;
   if (!w.can_move(id)) return false;
-  const std::size_t i = w.bodies.info[id.index].slot;
-  const double wm = static_cast<double>(w.bodies.properties(id.index).inv_mass);
+  const std::size_t i = w.population.bodies.info[id.index].slot;
+  const double wm = static_cast<double>(w.population.bodies.properties(id.index).inv_mass);
   const BodyState now = w.population.state_of(id.index);
   const Vec2 v{now.vx + wm * impulse.x, now.vy + wm * impulse.y};
   if (!finite(v.x) || !finite(v.y)) {
@@ -188,8 +175,8 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
     return true;
   }
   const Motion before = w.population.motion_of(i);
-  w.bodies.put_velocity(i, w.population.capped(v));
-  w.pushed(id.index, before);
+  w.population.bodies.put_velocity(i, w.population.capped(v));
+  w.step_work.pushed(w.context(), id.index, before);
   w.dynamics.forces_stale = true;
   return true;
 }
@@ -197,15 +184,13 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
 bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
   Impl& w = *impl_;
   if (!apply_impulse(id, impulse)) return false;
-  const std::size_t i = w.bodies.info[id.index].slot;
-  const Vec2 centre =
-      w.lattice.to_world(w.bodies.pos[2 * i], w.bodies.pos[2 * i + 1], w.bodies.disp[2 * i], w.bodies.disp[2 * i + 1]);
+  const std::size_t i = w.population.bodies.info[id.index].slot;
+  const Observed seen = w.observed();
+  const Vec2 centre = seen.to_world(seen.place(i)), period = seen.period();
   Vec2 arm{point.x - centre.x, point.y - centre.y};
-  if (w.desc.boundary == Boundary::periodic) {  // to the nearest of the repeated copies of the point
-    const double width = w.desc.bounds.xmax - w.desc.bounds.xmin;
-    const double height = w.desc.bounds.ymax - w.desc.bounds.ymin;
-    arm.x -= width * std::nearbyint(arm.x / width);
-    arm.y -= height * std::nearbyint(arm.y / height);
+  if (period.x > 0) {  // to the nearest of the repeated copies of the point
+    arm.x -= period.x * std::nearbyint(arm.x / period.x);
+    arm.y -= period.y * std::nearbyint(arm.y / period.y);
   }
   return apply_angular_impulse(id, arm.x * impulse.y - arm.y * impulse.x);
 }
@@ -215,9 +200,9 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
 bool World::apply_angular_impulse(BodyId id, double impulse) {
   Impl& w = *impl_;
   if (!w.can_move(id)) return false;
-  const BodyProperties& properties = w.bodies.properties(id.index);
+  const BodyProperties& properties = w.population.bodies.properties(id.index);
   if (properties.rim_gain == 0 || impulse == 0) return true;
-  const std::size_t i = w.bodies.info[id.index].slot;
+  const std::size_t i = w.population.bodies.info[id.index].slot;
   const double change = static_cast<double>(properties.rim_gain) * impulse / static_cast<double>(properties.radius);
   const Motion before = w.population.motion_of(i);
   const auto rim_speed = static_cast<float>(static_cast<double>(before.rim_speed) + change);
@@ -226,24 +211,25 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
     return true;
   }
   w.let_turn();
-  w.bodies.rim_speed[i] = rim_speed;
-  w.pushed(id.index, before);
+  w.population.bodies.rim_speed[i] = rim_speed;
+  w.step_work.pushed(w.context(), id.index, before);
   return true;
 }
 
-bool World::is_awake(BodyId id) const { return is_valid(id) && impl_->bodies.info[id.index].place == Place::moving; }
+bool World::is_awake(BodyId id) const {
+  return is_valid(id) && impl_->population.bodies.info[id.index].place == Place::moving;
+}
 
 bool World::wake(BodyId id) {
   if (!is_valid(id)) return false;
-  impl_->settle_lists();
-  impl_->note_sleep(impl_->sleep.wake_body(impl_->sleep_source(), id.index));
+  Impl& w = impl_->settled();
+  w.note_sleep(w.sleep.wake_body(w.sleep_source(), id.index));
   return true;
 }
 
 std::string World::why_awake(BodyId id) const {
   if (!is_valid(id)) return "there is no such body";
-  Impl& w = *impl_;
-  w.settle_lists();
+  Impl& w = impl_->settled();
   return w.sleep.why_awake(w.sleep_source(), id.index, w.desc.sleeping, w.desc.dt);
 }
 

@@ -1,31 +1,15 @@
-// The parts of a world. Each stage takes what it needs of them; none takes the world.
+// The owners of a world. Each stage takes what it needs of them; none takes the world.
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "base/machine.h"
-#include "base/tasks.h"
-#include "base/trace.h"
-#include "base/worker_pool.h"
-#include "bodies/population.h"
 #include "bodies/quarantine.h"
-#include "joints/joint_store.h"
-#include "lists/neighbour_lists.h"
-#include "manifolds/contacts.h"
 #include "psim/world.h"
-#include "query/contact_finder.h"
 #include "query/observers.h"
 #include "query/queries.h"
-#include "sleep/sleep.h"
-#include "solver/dynamics.h"
-#include "state/saved.h"
-#include "step/governor.h"
-#include "step/ledger.h"
-#include "step/plan.h"
 #include "step/step_work.h"
 
 namespace psim {
@@ -42,22 +26,13 @@ struct World::Impl {
   Lattice lattice;
   MemoryMeter memory;
   Population population;
-  BodyStore& bodies = population.bodies;
-  StaticShapes& statics = population.statics;
-  std::vector<FixedBody>& fixed = population.fixed;
-  std::vector<BodyState>& frozen = population.frozen;
-  KinematicBodies& kinematics = population.kinematics;
-  Traits& traits = population.traits;
   Quarantine quarantine;
   NeighbourLists neighbours;
   Contacts contacts;
   JointStore joints;
   Sleep sleep;
-  Sleepers& sleepers = sleep.sleepers;
   Dynamics dynamics;
   Observers observers;
-  QueryIndex& queries = observers.queries;
-  EventList& events = observers.events;
   Tracer tracer;
   WorkerPool pool;
   Walls walls;
@@ -65,7 +40,6 @@ struct World::Impl {
   Plan plan, applied;       // applied: that the arrays are of
   bool sorted_out = false;  // manifolds had something
   bool plan_stale = true;
-  Saved saved;
   StepWork step_work;  // what was done of the present step
   Governor governor;
   bool detailed = false;    // this step goes by a detail: in pieces as they were with a governor
@@ -74,7 +48,17 @@ struct World::Impl {
 
   std::uint64_t frame = 0;
   Ledger ledger;
-  void survey_lanes(const StepReport& report);  // world_lanes.cpp
+
+  // What the owners need of each other.
+  StepContext context() {
+    return {desc,     plan,       lattice, walls, kernels,    pool,     tracer,   ledger,
+            governor, population, joints,  sleep, neighbours, contacts, dynamics, step_work.progress,
+            steps,    detailed};
+  }
+  SleepSource sleep_source() { return context().sleep_source(); }
+  Observed observed() { return {desc, lattice, walls, population, sleep, neighbours.table, contacts, pool}; }
+  Queries ask() { return {observers.queries, observed()}; }
+  BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
 
   // world_plan.cpp
   void replan();
@@ -91,41 +75,35 @@ struct World::Impl {
     return [this](std::uint32_t id, const BodyState& last) { freeze(id, last); };
   }
   bool note_sleep(bool changed);
-  SleepSource sleep_source();
   bool can_move(BodyId id);
-  void disturb(std::uint32_t id);
   void let_turn();
-  BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
+  /// The host moves or pushes a body, or what is joined to it.
+  void disturb(std::uint32_t id) { note_sleep(sleep.disturb(sleep_source(), id)); }
+  /// What was made for this step is thrown away.
+  void spoil_lists() { step_work.spoil(context()); }
 
   // state_keeper.cpp
   class StateKeeper;
   void save(std::vector<std::byte>& out);
   bool restore(std::span<const std::byte> state, std::string& error);
   void go_back(std::span<const std::byte> state);  ///< to a state that was saved here
-  /// After prepare(): all as it was. Before anything changes.
-  void settle_lists() {
-    if (prepared()) unprepare();
-  }
+
+  // world_prepare.cpp
+  void prepare();
+  void spare_room();
   bool prepared() const { return !unprepared.empty(); }
-  void unprepare();
+  /// The world without what prepare() made, which holds only as long as the host changes nothing and reads no lists.
+  /// All that changes the world or reads its lists goes through this.
+  Impl& settled();
   std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
 
   // world_joints.cpp
   void count_joints();
   void remove_joints_of(std::uint32_t body);
+  void disturb_joined(JointId id);
 
   // world_queries.cpp
-  QuerySource query_source() const;
-  EventSource event_source();
-  BodySource body_source() const { return {population, sleep, lattice}; }
-  Queries ask() const;
-
-  // world_contacts.cpp
   void find_moved();
-  ContactListSource contact_source();
-
-  // world_prepare.cpp
-  void prepare();
 
   // step.cpp
   StepReport step(double dt);
@@ -142,19 +120,6 @@ struct World::Impl {
   void publish(StepReport& report);
   void fall_asleep(double dt, StepReport& report);
   void count_contacts(StepReport& report);
-
-  // world_work.cpp
-  StepContext context();
-  bool sorts_out() const { return plan.manifolds || plan.filters || joints.any_exclusions(); }
-  bool contacts_stand() const { return step_work.contacts_stand(neighbours); }
-  void turn_back() { step_work.turn_back(context()); }
-  void spoil_lists();
-  void accept_work();
-  void pushed(std::uint32_t id, const Motion& before);
-  void note_work(const Span& span);
-  void choose_detail(double dt, StepReport& report);
-  void work_ahead(double dt, StepReport& report);
-  void spare_room();
 };
 
 }  // namespace psim

@@ -41,8 +41,7 @@ std::string check_length(JointType type, double length) {
 }  // namespace
 
 JointId World::add_joint(const JointDesc& desc, std::string& error) {
-  Impl& w = *impl_;
-  w.settle_lists();
+  Impl& w = impl_->settled();
   error.clear();
   const auto refuse = [&](std::string what) {
     error = std::move(what);
@@ -50,12 +49,12 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   };
   for (const BodyId id : {desc.a, desc.b}) {
     if (!is_valid(id)) return refuse(id == desc.a ? "a is not a body" : "b is not a body");
-    if (w.bodies.info[id.index].place == Place::frozen) {
+    if (w.population.bodies.info[id.index].place == Place::frozen) {
       return refuse("a body whose numbers are broken cannot be joined");
     }
   }
   if (desc.a == desc.b) return refuse("a and b must differ");
-  const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
+  const auto dynamic = [&](BodyId id) { return w.population.bodies.properties(id.index).inv_mass > 0; };
   if (!dynamic(desc.a) && !dynamic(desc.b)) return refuse("one of the bodies must be dynamic");
   if (error = check_numbers(desc); !error.empty()) return kNoJoint;
 
@@ -70,14 +69,14 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   }
   if (!d.reference) d.reference = b.angle - a.angle;
   for (const BodyId body : {d.a, d.b}) w.disturb(body.index);
-  const JointId id = w.joints.add(d, w.bodies);
+  const JointId id = w.joints.add(d, w.population.bodies);
   w.count_joints();
   return id;
 }
 
 void World::Impl::count_joints() {
-  traits.joints = joints.count();
-  traits.exclusions = joints.any_exclusions();
+  population.traits.joints = joints.count();
+  population.traits.exclusions = joints.any_exclusions();
   spoil_lists();
   plan_stale = true;
 }
@@ -89,13 +88,17 @@ void World::Impl::remove_joints_of(std::uint32_t body) {
   count_joints();
 }
 
+void World::Impl::disturb_joined(JointId id) {
+  const JointDesc d = joints.desc(id);
+  for (const BodyId body : {d.a, d.b}) disturb(body.index);
+}
+
 bool World::remove_joint(JointId id) {
   if (!is_valid_joint(id)) return false;
-  impl_->settle_lists();
-  const JointDesc d = impl_->joints.desc(id);
-  for (const BodyId body : {d.a, d.b}) impl_->disturb(body.index);
-  impl_->joints.remove(id);
-  impl_->count_joints();
+  Impl& w = impl_->settled();
+  w.disturb_joined(id);
+  w.joints.remove(id);
+  w.count_joints();
   return true;
 }
 
@@ -105,10 +108,9 @@ std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
   if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
-  impl_->settle_lists();
-  const JointDesc d = impl_->joints.desc(id);
-  for (const BodyId body : {d.a, d.b}) impl_->disturb(body.index);
-  return impl_->joints.set_motor(id, speed, limit);
+  Impl& w = impl_->settled();
+  w.disturb_joined(id);
+  return w.joints.set_motor(id, speed, limit);
 }
 
 std::optional<JointState> World::joint(JointId id) const {

@@ -9,22 +9,26 @@ namespace psim {
 
 // Whether a body has an angle or a spin. Where many do the first few tell: O(bodies) only if none does.
 bool World::Impl::anyone_turns() const {
-  if (bodies.rim_speed.empty()) return traits.turning;
+  const BodyStore& bodies = population.bodies;
+  if (bodies.rim_speed.empty()) return population.traits.turning;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] != kNoSlot && (bodies.rim_speed[i] != 0 || bodies.angle[i] != 0)) return true;
   }
-  return std::any_of(sleepers.list.begin(), sleepers.list.end(), [](const Sleeper& s) { return s.angle != 0; });
+  const std::vector<Sleeper>& sleepers = sleep.sleepers.list;
+  return std::any_of(sleepers.begin(), sleepers.end(), [](const Sleeper& s) { return s.angle != 0; });
 }
 
 // With those that are looked up, not counted.
 Traits World::Impl::present_traits() const {
-  Traits now = traits;
-  now.mass_ratio = traits.same_mass == traits.moving ? 1 : bodies.property_table.mass_ratio();
+  Traits now = population.traits;
+  now.mass_ratio =
+      population.traits.same_mass == population.traits.moving ? 1 : population.bodies.property_table.mass_ratio();
   now.turning = anyone_turns();
   return now;
 }
 
 void World::Impl::replan() {
+  Traits& traits = population.traits;
   if (!plan_stale) {
     if (plan.events == traits.events && plan.publish == traits.snapshots) return;
     plan.events = traits.events;  // who listens or looks changes no result
@@ -41,7 +45,7 @@ void World::Impl::replan() {
   if (same != plan) spoil_lists();
   // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
   // gone, too.
-  if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, population.first_radius);
+  if (!next.radii) std::fill_n(population.bodies.radius.data(), population.bodies.count, population.first_radius);
   if (plan.manifolds && !next.manifolds)
     contacts.manifolds.clear();  // pairs may be sorted out on, without contacts of shapes
   plan = next;
@@ -50,6 +54,7 @@ void World::Impl::replan() {
 
 // Arrays of what is not in the plan give their memory back. Those of contacts do when the next are built.
 void World::Impl::apply_plan() {
+  BodyStore& bodies = population.bodies;
   const auto left = [this](bool Plan::*what) { return applied.*what && !(plan.*what); };
   if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
   if (!plan.rotation) bodies.drop_rotation();
@@ -70,9 +75,10 @@ void World::Impl::apply_plan() {
     bodies.spare.release();
   }
   if (!plan.turns) bodies.keep_turns(false);
-  statics.find_whole(plan.manifolds);
-  if (sorted_out && !sorts_out()) contacts.manifolds.release();
-  sorted_out = sorts_out();
+  population.statics.find_whole(plan.manifolds);
+  const bool sorts_out = context().sorts_out();
+  if (sorted_out && !sorts_out) contacts.manifolds.release();
+  sorted_out = sorts_out;
   if (left(&Plan::manifolds)) {
     contacts.stacks.release();
     if (bodies.hulls.empty()) bodies.hulls.clear();
@@ -80,9 +86,9 @@ void World::Impl::apply_plan() {
   if (left(&Plan::joints)) joints.release_blocks();
   if (left(&Plan::continuous)) dynamics.continuous.release();
   if (left(&Plan::loads)) contacts.loads.release();
-  if (left(&Plan::sleep) && sleepers.empty()) sleepers.release();
+  if (left(&Plan::sleep) && sleep.sleepers.empty()) sleep.sleepers.release();
   if (left(&Plan::publish)) observers.publisher.release();
-  if (left(&Plan::events)) events = EventList();
+  if (left(&Plan::events)) observers.events = EventList();
   if (!plan.scales) bodies.pull.release();
   if (!plan.restitution) {
     bodies.event_time.release();
@@ -102,7 +108,7 @@ std::size_t sum(const Arrays&... arrays) {
 }  // namespace
 
 std::vector<PlanEntry> World::plan() const {
-  const Impl& w = *impl_;
+  Impl& w = *impl_;
   const Traits traits = w.present_traits();
   const Plan plan = make_plan(traits);
   std::vector<PlanEntry> entries = explain(plan, traits);
@@ -111,7 +117,7 @@ std::vector<PlanEntry> World::plan() const {
       if (e.stage == stage) e.bytes += bytes;
     }
   };
-  const BodyStore& b = w.bodies;
+  const BodyStore& b = w.population.bodies;
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
@@ -126,15 +132,15 @@ std::vector<PlanEntry> World::plan() const {
         b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.
   count(plan.joints && !plan.manifolds ? "joints" : "manifolds", sum(b.arm_change, b.angle_change));
-  count(plan.manifolds || !w.sorts_out() ? "manifolds"
-        : plan.filters                   ? "filters"
-                                         : "joints",
+  count(plan.manifolds || !w.context().sorts_out() ? "manifolds"
+        : plan.filters                             ? "filters"
+                                                   : "joints",
         w.contacts.manifolds.bytes() + w.contacts.manifolds.column_bytes());
   count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes());
   count("joints", w.joints.bytes() + w.joints.column_bytes());
   count("continuous", w.dynamics.continuous.bytes());
-  count("sleep", w.sleepers.bytes() + w.sleepers.column_bytes());
-  count("events", w.events.bytes());
+  count("sleep", w.sleep.sleepers.bytes() + w.sleep.sleepers.column_bytes());
+  count("events", w.observers.events.bytes());
   count("publish", w.observers.publisher.bytes());
   return entries;
 }

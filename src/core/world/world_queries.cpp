@@ -1,41 +1,19 @@
-// What the host asks of a world and is told of a step: queries, events, rows of the bodies, sums. The observers answer;
-// here they get what they need.
+// What the host asks of a world and is told of a step: queries, events, contacts, rows of the bodies, sums. The
+// observers answer; here they get what they need.
 #include <cmath>
 
+#include "base/machine.h"
 #include "world/world_impl.h"
 
 namespace psim {
 
-QuerySource World::Impl::query_source() const {
-  Vec2 period;
-  if (desc.boundary == Boundary::periodic) {
-    period = {desc.bounds.xmax - desc.bounds.xmin, desc.bounds.ymax - desc.bounds.ymin};
-  }
-  return {bodies, statics, fixed, frozen, sleepers.list, lattice, period, traits.cornered == 0};
-}
-
-EventSource World::Impl::event_source() {
-  return {bodies,
-          contacts.solved,
-          contacts.discs,
-          contacts.manifolds,
-          statics,
-          lattice,
-          pool,
-          !kinematics.empty(),
-          bodies.count != bodies.dead,
-          sleepers.changed};
-}
-
-Queries World::Impl::ask() const { return {queries, query_source(), !kinematics.empty()}; }
-
 void World::set_event_options(const EventOptions& options) {
-  impl_->settle_lists();
-  impl_->events.set_options(options);
-  impl_->traits.events = impl_->events.on();
+  Impl& w = impl_->settled();
+  w.observers.events.set_options(options);
+  w.population.traits.events = w.observers.events.on();
 }
 
-Events World::events() const { return impl_->events.view(); }
+Events World::events() const { return impl_->observers.events.view(); }
 
 std::optional<RayHit> World::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const {
   return impl_->ask().ray_cast(from, to, filter);
@@ -57,18 +35,17 @@ std::optional<ClosestHit> World::closest(Vec2 point, double reach, const QueryFi
   return impl_->ask().closest(point, reach, filter);
 }
 
-std::uint64_t World::state_hash() const { return psim::state_hash(impl_->body_source()); }
+std::uint64_t World::state_hash() const { return psim::state_hash(impl_->observed()); }
 
-PublishedState World::published() { return impl_->observers.columns.fill(impl_->body_source()); }
+PublishedState World::published() { return impl_->observers.columns.fill(impl_->observed()); }
 
 Diagnostics World::diagnostics() const {
-  Impl& w = *impl_;
-  Diagnostics d = sum_motion(w.body_source(), w.desc);
-  for (const Sleeper& s : w.sleepers.list) {
+  Impl& w = impl_->settled();
+  Diagnostics d = sum_motion(w.observed());
+  for (const Sleeper& s : w.sleep.sleepers.list) {
     d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(s.depth));
   }
-  w.settle_lists();
-  if (w.neighbours.stale || !w.contacts_stand() || w.saved.bare || w.frame == 0) return d;
+  if (w.neighbours.stale || !w.context().contacts_stand() || w.contacts.bare || w.frame == 0) return d;
   // The narrow phase over the present lists gives the present separations.
   ContactStore& discs = w.contacts.discs;
   w.contacts.find_gaps(w.walls, 0, w.neighbours.table);
@@ -83,10 +60,58 @@ Diagnostics World::diagnostics() const {
   return d;
 }
 
+// Notes which slot each body has now, where bodies were sorted since contacts were laid out.
+void World::Impl::find_moved() {
+  std::vector<std::uint32_t> origin;
+  if (step_work.progress.sorted() || neighbours.broad.has_moved_on()) neighbours.broad.copy_origin(origin);
+  observers.contacts.set_moved(origin, population.bodies.count);
+}
+
+std::span<const std::uint32_t> World::strips() {
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(impl_->pool);
+  Impl& w = impl_->settled();
+  ContactList& list = w.observers.contacts;
+  list.strips.assign(w.population.bodies.id_count, kNoStrip);
+  if (w.steps == 0) return list.strips;
+  w.find_moved();
+  w.step_work.turn_back(w.context());
+  w.pool.run(w.neighbours.table.body_count != 0 ? w.neighbours.table.strips.size() : 0, [&](std::size_t index) {
+    const Strip& s = w.neighbours.table.strips[index];
+    for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
+      const std::uint32_t slot = list.slot(i);
+      const std::uint32_t id = slot < w.population.bodies.count ? w.population.bodies.id[slot] : kNoSlot;
+      if (id != kNoSlot) list.strips[id] = static_cast<std::uint32_t>(index);
+    }
+  });
+  w.step_work.turn_back(w.context());
+  return list.strips;
+}
+
+// The impulses and the table are those of the last step meanwhile, even where the work for the next one has begun.
+std::span<const Contact> World::contacts() {
+  if (impl_->steps == 0) return {};
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(impl_->pool);
+  Impl& w = impl_->settled();
+  const StepContext c = w.context();
+  LastStep last;
+  last.begun = !w.step_work.untouched() || c.progress.at != 0 || !c.contacts_stand();
+  last.with_manifolds = w.plan.manifolds;
+  last.substeps = w.dynamics.substeps;
+  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = static_cast<double>(w.population.first_mass);
+  w.find_moved();
+  w.step_work.turn_back(c);
+  if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses(w.pool);
+  const std::span<const Contact> found = find_contacts(w.observed(), last, w.observers.contacts);
+  w.step_work.turn_back(c);
+  return found;
+}
+
 std::size_t World::memory_bytes() const {
   const Impl& w = *impl_;
   return w.memory.bytes + w.population.bytes() + w.neighbours.bytes() + w.contacts.manifolds.bytes() +
-         w.contacts.stacks.bytes() + w.joints.bytes() + w.dynamics.solver.bytes() + w.sleepers.bytes() +
+         w.contacts.stacks.bytes() + w.joints.bytes() + w.dynamics.solver.bytes() + w.sleep.sleepers.bytes() +
          w.observers.bytes() + w.unprepared.capacity() + sizeof(Impl);
 }
 

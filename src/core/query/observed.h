@@ -1,0 +1,41 @@
+// What observers read: the owners of a world, and where its bodies are.
+#pragma once
+
+#include "base/worker_pool.h"
+#include "bodies/population.h"
+#include "lists/pair_table.h"
+#include "manifolds/contacts.h"
+#include "sleep/sleep.h"
+
+namespace psim {
+
+struct Observed {
+  const WorldDesc& desc;
+  const Lattice& lattice;
+  const Walls& walls;
+  const Population& population;
+  const Sleep& sleep;
+  const PairTable& table;
+  const Contacts& contacts;
+  WorkerPool& pool;
+  const BodyStore& bodies = population.bodies;
+  const StaticShapes& statics = population.statics;
+
+  /// m: how far apart the copies of a body lie in a periodic world; else 0.
+  Vec2 period() const {
+    if (desc.boundary != Boundary::periodic) return {};
+    return {desc.bounds.xmax - desc.bounds.xmin, desc.bounds.ymax - desc.bounds.ymin};
+  }
+  bool any_kinematic() const { return !population.kinematics.empty(); }
+  BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
+  LatticePoint place(std::size_t slot) const {
+    return {bodies.pos[2 * slot], bodies.pos[2 * slot + 1], bodies.disp[2 * slot], bodies.disp[2 * slot + 1]};
+  }
+  /// m, from the centre of the lattice.
+  Vec2 from_centre(const LatticePoint& p) const {
+    return {p.x * lattice.pitch_x() + static_cast<double>(p.dx), p.y * lattice.pitch_y() + static_cast<double>(p.dy)};
+  }
+  Vec2 to_world(const LatticePoint& p) const { return lattice.to_world(p.x, p.y, p.dx, p.dy); }
+};
+
+}  // namespace psim
