@@ -147,26 +147,27 @@ const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) 
   return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
 }
 
-void StaticShapes::box_of(const StaticShape& s, double box[4]) const {
+Bounds StaticShapes::box_of(const StaticShape& s) const {
   const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
   const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
   const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
   const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-  box[0] = std::fmin(px, qx) - r;
-  box[1] = std::fmax(px, qx) + r;
-  box[2] = std::fmin(py, qy) - r;
-  box[3] = std::fmax(py, qy) + r;
+  return {std::fmin(px, qx) - r, std::fmin(py, qy) - r, std::fmax(px, qx) + r, std::fmax(py, qy) + r};
 }
 
-void StaticShapes::cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const {
+StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
   const auto clamp = [](double c, std::int64_t n) {
     if (!(c > 0)) return std::int64_t{0};
     return c >= static_cast<double>(n - 1) ? n - 1 : static_cast<std::int64_t>(c);
   };
-  range[0] = clamp((xmin - origin_x_) / cell_, cols_);
-  range[1] = clamp((xmax - origin_x_) / cell_, cols_);
-  range[2] = clamp((ymin - origin_y_) / cell_, rows_);
-  range[3] = clamp((ymax - origin_y_) / cell_, rows_);
+  return {clamp((box.xmin - origin_x_) / cell_, cols_), clamp((box.xmax - origin_x_) / cell_, cols_),
+          clamp((box.ymin - origin_y_) / cell_, rows_), clamp((box.ymax - origin_y_) / cell_, rows_)};
+}
+
+bool StaticShapes::meets_grid(const Bounds& box) const {
+  return cols_ != 0 && box.xmax >= origin_x_ && box.ymax >= origin_y_ &&
+         box.xmin <= origin_x_ + static_cast<double>(cols_) * cell_ &&
+         box.ymin <= origin_y_ + static_cast<double>(rows_) * cell_;
 }
 
 void StaticShapes::build_grid() {
@@ -196,11 +197,11 @@ void StaticShapes::narrow_row(const StaticShape& s, std::int64_t row, std::int64
   const double t0 = std::clamp((y0 - py) / (qy - py), 0.0, 1.0);
   const double t1 = std::clamp((y1 - py) / (qy - py), 0.0, 1.0);
   const double xa = px + t0 * (qx - px), xb = px + t1 * (qx - px);
-  std::int64_t narrow[4];
   const double round = static_cast<double>(s.radius);
-  cells_of(std::fmin(xa, xb) - cell_ * 0.01 - round, std::fmax(xa, xb) + cell_ * 0.01 + round, y0, y1, narrow);
-  first = narrow[0];
-  last = narrow[1];
+  const Cells narrow =
+      cells_of({std::fmin(xa, xb) - cell_ * 0.01 - round, y0, std::fmax(xa, xb) + cell_ * 0.01 + round, y1});
+  first = narrow.first_col;
+  last = narrow.last_col;
 }
 
 void StaticShapes::make_grid() {
@@ -208,25 +209,24 @@ void StaticShapes::make_grid() {
   standing_.clear();
   const auto stands = [&](std::uint32_t i) { return statics_[i].alive && !statics_[i].asleep; };
   std::size_t standing = 0;
-  double all[4] = {1e300, -1e300, 1e300, -1e300};
+  Bounds all{1e300, 1e300, -1e300, -1e300};
   double extent_sum = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (!stands(i)) continue;
     ++standing;
-    double b[4];
-    box_of(statics_[i], b);
-    all[0] = std::fmin(all[0], b[0]), all[1] = std::fmax(all[1], b[1]);
-    all[2] = std::fmin(all[2], b[2]), all[3] = std::fmax(all[3], b[3]);
-    extent_sum += std::fmax(b[1] - b[0], b[3] - b[2]);
+    const Bounds b = box_of(statics_[i]);
+    all = {std::fmin(all.xmin, b.xmin), std::fmin(all.ymin, b.ymin), std::fmax(all.xmax, b.xmax),
+           std::fmax(all.ymax, b.ymax)};
+    extent_sum += std::fmax(b.xmax - b.xmin, b.ymax - b.ymin);
   }
   if (standing == 0) return;
-  const double width = std::fmax(all[1] - all[0], 1e-9), height = std::fmax(all[3] - all[2], 1e-9);
+  const double width = std::fmax(all.xmax - all.xmin, 1e-9), height = std::fmax(all.ymax - all.ymin, 1e-9);
   const double n = static_cast<double>(standing);
   // There are about four cells for each shape, and no cell is smaller than a quarter of the mean shape.
   cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
   cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
-  origin_x_ = all[0];
-  origin_y_ = all[2];
+  origin_x_ = all.xmin;
+  origin_y_ = all.ymin;
   cols_ = static_cast<std::int64_t>(width / cell_) + 1;
   rows_ = static_cast<std::int64_t>(height / cell_) + 1;
   const auto cells = static_cast<std::size_t>(cols_ * rows_);
@@ -235,13 +235,11 @@ void StaticShapes::make_grid() {
   const auto visit = [&](auto&& each) {
     for (std::uint32_t i = 0; i < count_; ++i) {
       if (!stands(i)) continue;
-      double b[4];
-      std::int64_t r[4];
-      box_of(statics_[i], b);
-      cells_of(b[0], b[1], b[2], b[3], r);
-      for (std::int64_t row = r[2]; row <= r[3]; ++row) {
-        std::int64_t c0 = r[0], c1 = r[1];
-        if (statics_[i].segment && r[3] > r[2] && r[1] > r[0]) narrow_row(statics_[i], row, c0, c1);
+      const Cells r = cells_of(box_of(statics_[i]));
+      const bool slanted = statics_[i].segment && r.last_row > r.first_row && r.last_col > r.first_col;
+      for (std::int64_t row = r.first_row; row <= r.last_row; ++row) {
+        std::int64_t c0 = r.first_col, c1 = r.last_col;
+        if (slanted) narrow_row(statics_[i], row, c0, c1);
         for (std::int64_t c = c0; c <= c1; ++c) each(static_cast<std::size_t>(row * cols_ + c), i);
       }
     }
@@ -270,20 +268,15 @@ bool StaticShapes::beside(const StaticShape& s, double x, double y, double reach
   return std::fabs(ux * (y - py) - uy * (x - px)) > far * (std::fabs(ux) + std::fabs(uy));
 }
 
-bool StaticShapes::surely_none(double xmin, double xmax, double ymin, double ymax) const {
+bool StaticShapes::surely_none(const Bounds& box) const {
   constexpr std::int64_t kMostRows = 64;
   if (!standing_.empty() || !sleepers_.empty()) return false;
-  if (cols_ == 0 || xmax < origin_x_ || ymax < origin_y_ || xmin > origin_x_ + static_cast<double>(cols_) * cell_ ||
-      ymin > origin_y_ + static_cast<double>(rows_) * cell_) {
-    return true;
-  }
-  std::int64_t range[4];
-  cells_of(xmin, xmax, ymin, ymax, range);
-  if (range[3] - range[2] >= kMostRows) return false;
-  for (std::int64_t row = range[2]; row <= range[3]; ++row) {
-    const auto at = static_cast<std::size_t>(row * cols_);
-    const auto begin = at + static_cast<std::size_t>(range[0]), end = at + static_cast<std::size_t>(range[1]) + 1;
-    if (cell_start_[begin] != cell_start_[end]) return false;
+  if (!meets_grid(box)) return true;
+  const Cells cells = cells_of(box);
+  if (cells.last_row - cells.first_row >= kMostRows) return false;
+  for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
+    const std::uint32_t* const start = cell_start_.data() + row * cols_;
+    if (start[cells.first_col] != start[cells.last_col + 1]) return false;
   }
   return true;
 }
@@ -293,17 +286,12 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   const double mx = x * px, my = y * py;
   const double r = static_cast<double>(reach);
   const std::size_t from = out.size();
-  const auto in_grid = [&] {
-    return cols_ != 0 && mx + r >= origin_x_ && my + r >= origin_y_ &&
-           mx - r <= origin_x_ + static_cast<double>(cols_) * cell_ &&
-           my - r <= origin_y_ + static_cast<double>(rows_) * cell_;
-  };
+  const Bounds square{mx - r, my - r, mx + r, my + r};
   const auto steps = [&](double pitch) { return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31)); };
   const auto apart = [&](std::uint32_t i) {
     if (!whole_wanted_ && statics_[i].whole) return true;
-    double box[4];
-    box_of(statics_[i], box);
-    return box[0] > mx + r || box[1] < mx - r || box[2] > my + r || box[3] < my - r;
+    const Bounds box = box_of(statics_[i]);
+    return box.xmin > square.xmax || box.xmax < square.xmin || box.ymin > square.ymax || box.ymax < square.ymin;
   };
   // Drops those of the shapes found since `begin` that the test names.
   const auto drop = [&out](std::size_t begin, const auto& test) {
@@ -312,11 +300,10 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   if (!standing_.empty()) {
     standing_.near(x, y, steps(px), steps(py), out);
     drop(from, [&](std::uint32_t i) { return apart(i) || beside(statics_[i], mx, my, r); });
-  } else if (in_grid()) {
-    std::int64_t range[4];
-    cells_of(mx - r, mx + r, my - r, my + r, range);
-    for (std::int64_t row = range[2]; row <= range[3]; ++row) {
-      for (std::int64_t c = range[0]; c <= range[1]; ++c) {
+  } else if (meets_grid(square)) {
+    const Cells cells = cells_of(square);
+    for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
+      for (std::int64_t c = cells.first_col; c <= cells.last_col; ++c) {
         const auto cell = static_cast<std::size_t>(row * cols_ + c);
         out.insert(out.end(), cell_shape_.data() + cell_start_[cell], cell_shape_.data() + cell_start_[cell + 1]);
       }

@@ -116,7 +116,7 @@ class StaticShapes {
   /// each once, ascending.
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
   /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
-  bool surely_none(double xmin, double xmax, double ymin, double ymax) const;
+  bool surely_none(const Bounds& box) const;
 
  private:
   template <class A>
@@ -126,9 +126,13 @@ class StaticShapes {
   void check_runs(A& a) const;
   void make_grid();
   void hash_standing();
+  struct Cells {
+    std::int64_t first_col, last_col, first_row, last_row;
+  };
   void narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const;
-  void cells_of(double xmin, double xmax, double ymin, double ymax, std::int64_t range[4]) const;
-  void box_of(const StaticShape& s, double box[4]) const;
+  Cells cells_of(const Bounds& box) const;
+  bool meets_grid(const Bounds& box) const;
+  Bounds box_of(const StaticShape& s) const;
   void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
   void drop(std::uint32_t number);
   void enter(HashGrid& grid, std::uint32_t number) const;

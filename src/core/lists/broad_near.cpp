@@ -118,7 +118,7 @@ bool BroadPhase::nothing_near(const Near& piece) const {
     return false;
   }
   const auto r = static_cast<double>(static_cast<float>(reach));  // rounded as the bodies' own queries are
-  return statics_.surely_none(xmin - r, xmax + r, ymin - r, ymax + r);
+  return statics_.surely_none({xmin - r, ymin - r, xmax + r, ymax + r});
 }
 
 // Walls: only bodies in rows and columns that a wall can reach are looked at;

@@ -24,53 +24,50 @@ double enter_circle(double x, double y, double radius, double rx, double ry) {
 
 RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, double ry) {
   // All vectors are in the frame of the hull.
-  const double c = q.c, s = q.s;
-  const double sx = c * ox + s * oy, sy = c * oy - s * ox;
-  const double wx = c * rx + s * ry, wy = c * ry - s * rx;
+  const SineCosine back{-double{q.s}, q.c};
+  const Vec2 start = turned(back, {ox, oy}), way = turned(back, {rx, ry});
   const double radius = hull.radius;
-  const bool moves = wx != 0 || wy != 0;
-  double best = 2, bx = 0, by = 0;
+  const bool moves = way.x != 0 || way.y != 0;
+  double best = 2;
+  Vec2 normal;
   double deepest = -1e300;  // the largest height of the start over the line of an edge
   double nearest2 = 1e300;  // squared distance of the start from the outline of the core
+  const auto vertex = [&](int k) { return Vec2{hull.x[k], hull.y[k]}; };
   const int edges = hull.count > 1 ? hull.count : 0;
   for (int k = 0; k < edges; ++k) {
-    const int next = k + 1 < hull.count ? k + 1 : 0;
-    const double px = hull.x[k], py = hull.y[k];
-    const double ex = hull.x[next] - px, ey = hull.y[next] - py;
-    const double span2 = ex * ex + ey * ey, span = std::sqrt(span2);
-    const double nx = span > 0 ? ey / span : 0, ny = span > 0 ? -ex / span : 0;
-    const double height = nx * (sx - px) + ny * (sy - py);
+    const Vec2 p = vertex(k), e = vertex(k + 1 < hull.count ? k + 1 : 0) - p;
+    const double span2 = dot(e, e), span = std::sqrt(span2);
+    const Vec2 n = span > 0 ? Vec2{e.y / span, -e.x / span} : Vec2{};
+    const double height = dot(n, start - p);
     deepest = std::fmax(deepest, height);
-    const double share = span2 > 0 ? ((sx - px) * ex + (sy - py) * ey) / span2 : 0;
-    const double at = std::fmin(std::fmax(share, 0.0), 1.0);
-    const double ux = sx - px - at * ex, uy = sy - py - at * ey;
-    nearest2 = std::fmin(nearest2, ux * ux + uy * uy);
+    const double share = span2 > 0 ? dot(start - p, e) / span2 : 0;
+    const Vec2 u = start - p - std::fmin(std::fmax(share, 0.0), 1.0) * e;
+    nearest2 = std::fmin(nearest2, dot(u, u));
     // The ray comes in through the edge, which is moved out by the radius.
-    const double fall = -(nx * wx + ny * wy);
+    const double fall = -dot(n, way);
     if (!(fall > 0) || height < radius) continue;
     const double fraction = (height - radius) / fall;
-    const double along = (sx + fraction * wx - px) * ex + (sy + fraction * wy - py) * ey;
+    const double along = dot(start + fraction * way - p, e);
     const double seam = 1e-9 * span2;  // so that no ray slips through where two edges meet
     if (fraction < best && fraction <= 1 && along >= -seam && along <= span2 + seam) {
       best = fraction;
-      bx = nx;
-      by = ny;
+      normal = n;
     }
   }
   for (int k = 0; k < hull.count; ++k) {
-    const double x = hull.x[k] - sx, y = hull.y[k] - sy;
-    nearest2 = std::fmin(nearest2, x * x + y * y);
+    const Vec2 v = vertex(k) - start;
+    nearest2 = std::fmin(nearest2, dot(v, v));
     if (!moves || !(radius > 0)) continue;
-    const double fraction = enter_circle(x, y, radius, wx, wy);
+    const double fraction = enter_circle(v.x, v.y, radius, way.x, way.y);
     if (fraction < best) {
       best = fraction;
-      bx = (fraction * wx - x) / radius;
-      by = (fraction * wy - y) / radius;
+      normal = {(fraction * way.x - v.x) / radius, (fraction * way.y - v.y) / radius};
     }
   }
   if (nearest2 < radius * radius || (hull.count > 2 && deepest < 0)) return {0, 0, 0};
   if (best > 1) return {};
-  return {static_cast<float>(best), static_cast<float>(c * bx - s * by), static_cast<float>(s * bx + c * by)};
+  normal = turned({q.s, q.c}, normal);
+  return {static_cast<float>(best), static_cast<float>(normal.x), static_cast<float>(normal.y)};
 }
 
 Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin) {
