@@ -199,6 +199,111 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
   }
 }
 
+/// What the relax pass knows of some lanes: 1 and 2 are the points.
+template <class L>
+struct RelaxLanes {
+  Vec<L> n;
+  F<L> wa, wb, ga, gb, share_a, share_b;
+  F<L> at1, bt1, at2, bt2;
+  F<L> l1, l2;                                         // impulses before the pass
+  F<L> n1, n2;                                         // and after it
+  M<L> was1{}, was2{};                                 // impacts with restitution
+  F<L> rub{0.0f}, rub_turn_a{0.0f}, rub_turn_b{0.0f};  // sums of the changes of friction
+
+  /// An impulse of the pass; a body takes its share.
+  template <bool kFixedA>
+  [[gnu::always_inline]] void apply(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b) const {
+    apply_impulse<L, kFixedA>(m, px, py, turn_a, turn_b, wa * share_a, wb * share_b, ga * share_a, gb * share_b);
+  }
+};
+
+/// Whether all points are open, nothing is to be taken back, and nothing is owed from this substep.
+template <class L, bool kFixedA>
+[[gnu::always_inline]] inline bool lies_open(const ManifoldBlock& c, std::uint32_t k, F<L> l1, F<L> l2) {
+  const F<L> zero = 0;
+  const auto& p1 = c.point[0];
+  const auto& p2 = c.point[1];
+  auto left = (l1 != zero) | (l2 != zero) | ((L::load(p1.friction + k) != zero) | (L::load(p2.friction + k) != zero));
+  if constexpr (!kFixedA) left = left | ((zero < L::load(p1.start + k)) | (zero < L::load(p2.start + k)));
+  return all(negative(l1) & negative(l2)) && !any(left);
+}
+
+/// Finds the normal impulses for the velocities vn1, vn2 of the points and applies them.
+template <class L, bool kFixedA>
+[[gnu::always_inline]] inline void relax_normals(RelaxLanes<L>& x, TwoBodies<L>& m, F<L> vn1, F<L> vn2) {
+  const F<L> zero = 0;
+  const auto w = x.wa + x.wb;
+  const auto k11 = w + (x.ga * (x.at1 * x.at1) + x.gb * (x.bt1 * x.bt1));
+  const auto k22 = w + (x.ga * (x.at2 * x.at2) + x.gb * (x.bt2 * x.bt2));
+  const auto k12 = w + (x.ga * (x.at1 * x.at2) + x.gb * (x.bt1 * x.bt2));
+  // Close to each other, two points share what there is as they did: of the changes, their difference is held back.
+  const auto close = k11 * k22 - k12 * k12 < kClose * (k11 * k22);
+  auto a11 = k11, a12 = k12, a22 = k22;
+  if (any(close)) [[unlikely]] {
+    const auto some = keep(close, kHeld * k12);
+    const auto held = select(negative(x.l1), zero, select(negative(x.l2), zero, some));
+    a11 = k11 + held, a12 = k12 - held, a22 = k22 + held;
+  }
+  // An open point takes no part: far from closing.
+  const F<L> far = 1e30f;
+  const auto q1 = select(negative(x.l1), far, vn1 - (a11 * x.l1 + a12 * x.l2));
+  const auto q2 = select(negative(x.l2), far, vn2 - (a12 * x.l1 + a22 * x.l2));
+  solve_two<L>(a11, a12, a22, q1, q2, x.n1, x.n2);
+  x.n1 = select(negative(x.l1), x.l1, max(x.n1, zero));
+  x.n2 = select(negative(x.l2), x.l2, max(x.n2, zero));
+  const auto d1 = x.n1 - x.l1, d2 = x.n2 - x.l2, d = d1 + d2;
+  x.template apply<kFixedA>(m, d * x.n.x, d * x.n.y, d1 * x.at1 + d2 * x.at2, d1 * x.bt1 + d2 * x.bt2);
+}
+
+/// Friction at one point, whose normal impulse was l before the pass and is n now.
+template <class L, bool kFixedA>
+[[gnu::always_inline]] inline void rub_point(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock::Point& point,
+                                             std::uint32_t k, F<L> mu, F<L> n, F<L> l) {
+  const F<L> zero = 0;
+  const auto an = L::load(point.an + k), bn = L::load(point.bn + k), t = L::load(point.friction + k);
+  const auto vt = x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an);
+  const auto kt = x.wa + x.wb + (x.ga * (an * an) + x.gb * (bn * bn));
+  const auto cap = mu * max(n, zero);
+  const auto wish = t - vt / kt;
+  const auto kept = select(negative(l), zero, max(min(wish, cap), -cap));
+  const auto dt = kept - t;
+  L::store(point.friction + k, kept);
+  const auto turn_a = dt * an, turn_b = dt * bn;
+  x.template apply<kFixedA>(m, -(dt * x.n.y), dt * x.n.x, turn_a, turn_b);
+  x.rub = x.rub + dt;
+  x.rub_turn_a = x.rub_turn_a + turn_a;
+  x.rub_turn_b = x.rub_turn_b + turn_b;
+}
+
+/// What shares kept back is the next substep's from its start: it repeats v - v0.
+template <class L, bool kBounce>
+[[gnu::always_inline]] inline void owe_shares(const BodyView& b, const ManifoldBlock& c, std::uint32_t k,
+                                              const RelaxLanes<L>& x) {
+  const F<L> zero = 0, one = 1;
+  if (!any((x.share_a < one) | (x.share_b < one))) return;
+  const auto lasts = [&](const ManifoldBlock::Point& point, F<L> n, M<L> was) {
+    const auto start = max(L::load(point.start + k), zero);
+    const auto kept = kBounce ? select(was, min(n, start), n) : n;
+    return max(kept, zero) - start;
+  };
+  const auto o1 = lasts(c.point[0], x.n1, x.was1), o2 = lasts(c.point[1], x.n2, x.was2), o = o1 + o2;
+  const std::uint32_t* slot = c.body + 2 * k;
+  auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
+  const auto owed = [&](F<L> mine, F<L> share) { return -mine * (one - share); };
+  apply_impulse<L, false>(before, o * x.n.x - x.rub * x.n.y, o * x.n.y + x.rub * x.n.x,
+                          o1 * x.at1 + o2 * x.at2 + x.rub_turn_a, o1 * x.bt1 + o2 * x.bt2 + x.rub_turn_b,
+                          owed(x.wa, x.share_a), owed(x.wb, x.share_b), owed(x.ga, x.share_a), owed(x.gb, x.share_b));
+  scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
+}
+
+/// As part_impact of contact_row.h.
+template <class L>
+[[gnu::always_inline]] inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t k, F<L> n, M<L> was) {
+  const auto lasts = min(n, max(L::load(point.start + k), 0));
+  L::store(point.start + k, keep(was, n - lasts));
+  L::store(point.impulse + k, select(was, lasts, n));
+}
+
 /// kInner: not the last sweep of the pass over these contacts.
 template <class L, bool kFixedA, bool kBounce, bool kInner>
 void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
@@ -209,13 +314,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       auto& p1 = c->point[0];
       auto& p2 = c->point[1];
       const auto l1 = L::load(p1.impulse + k), l2 = L::load(p2.impulse + k);
-      const auto t1 = L::load(p1.friction + k), t2 = L::load(p2.friction + k);
-      // All open, nothing to take back, and nothing owed from this substep.
-      auto left = (l1 != zero) | (l2 != zero) | ((t1 != zero) | (t2 != zero));
-      if constexpr (!kFixedA) {
-        left = left | ((zero < L::load(p1.start + k)) | (zero < L::load(p2.start + k)));
-      }
-      if (all(negative(l1) & negative(l2)) && !any(left)) {
+      if (lies_open<L, kFixedA>(*c, k, l1, l2)) {
         L::store(p1.friction + k, zero);
         L::store(p2.friction + k, zero);
         if constexpr (kBounce && !kInner) {
@@ -226,99 +325,37 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       }
       const std::uint32_t* slot = c->body + 2 * k;
       auto m = gather_motion<L>(b.vel, b.rim_speed, slot);
-      const auto nx = L::load(c->nx + k), ny = L::load(c->ny + k);
-      const auto sa = L::load(c->share_a + k), sb = L::load(c->share_b + k);
-      const auto wa = L::load(c->wa + k), wb = L::load(c->wb + k);
-      const auto ga = L::load(c->ga + k), gb = L::load(c->gb + k);
-      const auto my_wa = wa * sa, my_wb = wb * sb;
-      const auto my_ga = ga * sa, my_gb = gb * sb;
-      const auto w = wa + wb;
-      const auto at1 = L::load(p1.at + k), bt1 = L::load(p1.bt + k);
-      const auto at2 = L::load(p2.at + k), bt2 = L::load(p2.bt + k);
-      const auto vn = nx * (m.vbx - m.vax) + ny * (m.vby - m.vay);
-      auto vn1 = vn + (m.ub * bt1 - m.ua * at1);
-      auto vn2 = vn + (m.ub * bt2 - m.ua * at2);
-      M<L> was1{}, was2{};
+      RelaxLanes<L> x;
+      x.n = load_vec<L>(c->nx, c->ny, k);
+      x.share_a = L::load(c->share_a + k), x.share_b = L::load(c->share_b + k);
+      x.wa = L::load(c->wa + k), x.wb = L::load(c->wb + k);
+      x.ga = L::load(c->ga + k), x.gb = L::load(c->gb + k);
+      x.at1 = L::load(p1.at + k), x.bt1 = L::load(p1.bt + k);
+      x.at2 = L::load(p2.at + k), x.bt2 = L::load(p2.bt + k);
+      x.l1 = l1, x.l2 = l2;
+      const auto vn = x.n.x * (m.vbx - m.vax) + x.n.y * (m.vby - m.vay);
+      auto vn1 = vn + (m.ub * x.bt1 - m.ua * x.at1);
+      auto vn2 = vn + (m.ub * x.bt2 - m.ua * x.at2);
       if constexpr (kBounce) {
         const auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
         const F<L> e = L::load(c->e + k), closed = -1e30f;
         F<L> target;
-        was1 = manifold_bounces<L>(before, nx, ny, at1, bt1, closed, e, p, target) & (zero < l1);
-        vn1 = vn1 + select(was1, target, zero);
-        was2 = manifold_bounces<L>(before, nx, ny, at2, bt2, closed, e, p, target) & (zero < l2);
-        vn2 = vn2 + select(was2, target, zero);
+        x.was1 = manifold_bounces<L>(before, x.n.x, x.n.y, x.at1, x.bt1, closed, e, p, target) & (zero < l1);
+        vn1 = vn1 + select(x.was1, target, zero);
+        x.was2 = manifold_bounces<L>(before, x.n.x, x.n.y, x.at2, x.bt2, closed, e, p, target) & (zero < l2);
+        vn2 = vn2 + select(x.was2, target, zero);
       }
-      const auto k11 = w + (ga * (at1 * at1) + gb * (bt1 * bt1));
-      const auto k22 = w + (ga * (at2 * at2) + gb * (bt2 * bt2));
-      const auto k12 = w + (ga * (at1 * at2) + gb * (bt1 * bt2));
-      // Close to each other, two points share what there is as they did: of the changes, their difference is held back.
-      const auto close = k11 * k22 - k12 * k12 < kClose * (k11 * k22);
-      auto a11 = k11, a12 = k12, a22 = k22;
-      if (any(close)) [[unlikely]] {
-        const auto some = keep(close, kHeld * k12);
-        const auto held = select(negative(l1), zero, select(negative(l2), zero, some));
-        a11 = k11 + held, a12 = k12 - held, a22 = k22 + held;
-      }
-      // An open point takes no part: far from closing.
-      const F<L> far = 1e30f;
-      const auto q1 = select(negative(l1), far, vn1 - (a11 * l1 + a12 * l2));
-      const auto q2 = select(negative(l2), far, vn2 - (a12 * l1 + a22 * l2));
-      F<L> n1, n2;
-      solve_two<L>(a11, a12, a22, q1, q2, n1, n2);
-      n1 = select(negative(l1), l1, max(n1, zero));
-      n2 = select(negative(l2), l2, max(n2, zero));
-      const auto d1 = n1 - l1, d2 = n2 - l2;
-      L::store(p1.impulse + k, n1);
-      L::store(p2.impulse + k, n2);
-      const auto d = d1 + d2;
-      apply_impulse<L, kFixedA>(m, d * nx, d * ny, d1 * at1 + d2 * at2, d1 * bt1 + d2 * bt2, my_wa, my_wb, my_ga,
-                                my_gb);
+      relax_normals<L, kFixedA>(x, m, vn1, vn2);
+      L::store(p1.impulse + k, x.n1);
+      L::store(p2.impulse + k, x.n2);
       const auto mu = L::load(c->mu + k);
-      F<L> rub_sum = zero, rub_turn_a = zero, rub_turn_b = zero;
-      const auto rub = [&](ManifoldBlock::Point& point, F<L> l, F<L> t, F<L> sign) {
-        const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
-        const auto vt = nx * (m.vby - m.vay) - ny * (m.vbx - m.vax) + (m.ub * bn - m.ua * an);
-        const auto kt = w + (ga * (an * an) + gb * (bn * bn));
-        const auto cap = mu * max(l, zero);
-        const auto wish = t - vt / kt;
-        const auto kept = select(negative(sign), zero, max(min(wish, cap), -cap));
-        const auto dt = kept - t;
-        L::store(point.friction + k, kept);
-        const auto turn_a = dt * an, turn_b = dt * bn;
-        apply_impulse<L, kFixedA>(m, -(dt * ny), dt * nx, turn_a, turn_b, my_wa, my_wb, my_ga, my_gb);
-        rub_sum = rub_sum + dt;
-        rub_turn_a = rub_turn_a + turn_a;
-        rub_turn_b = rub_turn_b + turn_b;
-      };
-      rub(p1, n1, t1, l1);
-      rub(p2, n2, t2, l2);
+      rub_point<L, kFixedA>(x, m, p1, k, mu, x.n1, l1);
+      rub_point<L, kFixedA>(x, m, p2, k, mu, x.n2, l2);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
-      if constexpr (!kFixedA && !kInner) {
-        const F<L> one = 1;
-        if (any((sa < one) | (sb < one))) {
-          // What shares kept back is the next substep's from its start: it repeats v - v0.
-          const auto lasts = [&](const ManifoldBlock::Point& point, F<L> n, M<L> was) {
-            const auto start = max(L::load(point.start + k), zero);
-            const auto kept = kBounce ? select(was, min(n, start), n) : n;
-            return max(kept, zero) - start;
-          };
-          const auto o1 = lasts(p1, n1, was1), o2 = lasts(p2, n2, was2), o = o1 + o2;
-          auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
-          const auto owed = [&](F<L> mine, F<L> share) { return -mine * (one - share); };
-          apply_impulse<L, false>(before, o * nx - rub_sum * ny, o * ny + rub_sum * nx,
-                                  o1 * at1 + o2 * at2 + rub_turn_a, o1 * bt1 + o2 * bt2 + rub_turn_b, owed(wa, sa),
-                                  owed(wb, sb), owed(ga, sa), owed(gb, sb));
-          scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
-        }
-      }
+      if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {
-        const auto settle = [&](ManifoldBlock::Point& point, F<L> n, M<L> was) {
-          const auto lasts = min(n, max(L::load(point.start + k), zero));
-          L::store(point.start + k, keep(was, n - lasts));
-          L::store(point.impulse + k, select(was, lasts, n));
-        };
-        settle(p1, n1, was1);
-        settle(p2, n2, was2);
+        settle_impact<L>(p1, k, x.n1, x.was1);
+        settle_impact<L>(p2, k, x.n2, x.was2);
       }
     }
   }
