@@ -107,178 +107,241 @@ template <class L>
   L::store(p.feature + k, feature);
 }
 
+/// Two hulls with the axes of A and the origin at B's centre.
+template <class L, int kA, int kB>
+struct LanePair {
+  LaneCore<L, kA> a;
+  LaneCore<L, kB> b;
+  Vec<L> frame, d;  // rotation of A; from the centre of A to that of B, world axes
+  F<L> margin, size, noise;
+  M<L> out;  // too far apart
+};
+
+template <class L, int kA, int kB>
+[[gnu::always_inline]] inline LanePair<L, kA, kB> load_pair(const HullPairs& c, std::uint32_t k) {
+  LanePair<L, kA, kB> p;
+  p.a = load_core<L, kA>(c.a + k);
+  p.b = load_core<L, kB>(c.b + k);
+  p.frame = load_vec<L>(c.ac, c.as, k);
+  const auto qb = load_vec<L>(c.bc, c.bs, k);
+  p.d = load_vec<L>(c.dx, c.dy, k);
+  p.margin = L::load(c.margin + k);
+  const F<L> both_reach = p.a.reach + p.b.reach;
+  p.size = min(p.a.reach, p.b.reach);
+  p.noise = kLengthNoise * both_reach;
+  const F<L> whole = both_reach + p.margin;
+  p.out = whole * whole < dot(p.d, p.d);
+  const Vec<L> back = unrotate(p.frame, p.d);
+  for (Vec<L>& v : p.a.vertex) v = v - back;
+  const Vec<L> q{p.frame.x * qb.x + p.frame.y * qb.y, p.frame.x * qb.y - p.frame.y * qb.x};
+  for (Vec<L>& v : p.b.vertex) v = rotate(q, v);
+  for (Vec<L>& v : p.b.normal) v = rotate(q, v);
+  return p;
+}
+
+/// The reference edge, which is one of B's in the lanes of use_b, and the incident edge, from vertex `high` to `low`.
+template <class L>
+struct LaneEdges {
+  M<L> use_b;
+  Vec<L> normal, first, last;  // of the reference edge
+  F<L> edge, ends[2];          // its number, and those of its vertices
+  F<L> facing;                 // number of the incident edge
+  Vec<L> low{0, 0}, high{0, 0}, facing_normal{0, 0};
+};
+
+/// The other core's edge that faces the normal most squarely.
+template <class L, int kA, int kB>
+[[gnu::always_inline]] inline void find_facing(const LanePair<L, kA, kB>& p, LaneEdges<L>& e) {
+  constexpr int kMost = kA > kB ? kA : kB;
+  const F<L> zero = 0, far = kFarAway;
+  F<L> least_turn = far;
+  e.facing = zero;
+  for (int j = 0; j < kMost; ++j) {
+    // Where a core has no vertex j, another one, never taken.
+    const int ja = j % kA, jb = j % kB;
+    const Vec<L> n = select(e.use_b, p.a.normal[ja], p.b.normal[jb]);
+    const Vec<L> from = select(e.use_b, p.a.vertex[ja], p.b.vertex[jb]);
+    const Vec<L> to = select(e.use_b, p.a.vertex[(j + 1) % kA], p.b.vertex[(j + 1) % kB]);
+    const F<L> sine = abs(e.normal.x * n.y - e.normal.y * n.x);
+    F<L> turned = select(dot(e.normal, n) < zero, sine, 2 + sine);
+    if (j >= kA) turned = select(e.use_b, far, turned);
+    if (j >= kB) turned = select(e.use_b, turned, far);
+    const M<L> better = turned < least_turn;
+    least_turn = select(better, turned, least_turn);
+    if (j == 0) {
+      e.high = from, e.low = to, e.facing_normal = n;
+      continue;
+    }
+    e.facing = select(better, static_cast<float>(j), e.facing);
+    e.high = select(better, from, e.high);
+    e.low = select(better, to, e.low);
+    e.facing_normal = select(better, n, e.facing_normal);
+  }
+}
+
+/// The incident edge clipped to the reference edge: t along it, h over it, ends in the order of t.
+template <class L>
+struct LaneClip {
+  Vec<L> tangent, incident[2];  // incident: the ends before they were clipped
+  F<L> offset, names[2], t[2], h[2];
+  M<L> empty;
+};
+
+template <class L>
+[[gnu::always_inline]] inline LaneClip<L> clip_edge(const LaneEdges<L>& e, F<L> other_count) {
+  const F<L> zero = 0, half = 0.5f, one = 1;
+  LaneClip<L> c;
+  c.tangent = {-e.normal.y, e.normal.x};
+  c.offset = half * (dot(e.normal, e.first) + dot(e.normal, e.last));
+  const F<L> t0 = dot(c.tangent, e.first), t1 = dot(c.tangent, e.last);
+  F<L> s0 = dot(c.tangent, e.low), s1 = dot(c.tangent, e.high);
+  const M<L> swap = s1 < s0;
+  const F<L> next_facing = next_of<L>(e.facing, other_count);
+  c.names[0] = select(swap, e.facing, next_facing), c.names[1] = select(swap, next_facing, e.facing);
+  c.incident[0] = select(swap, e.high, e.low), c.incident[1] = select(swap, e.low, e.high);
+  const F<L> s_low = select(swap, s1, s0);
+  s1 = select(swap, s0, s1);
+  s0 = s_low;
+  const F<L> h0 = dot(e.normal, c.incident[0]) - c.offset, h1 = dot(e.normal, c.incident[1]) - c.offset;
+  c.empty = (s1 < t0) | (t1 < s0);
+  const F<L> span = s1 - s0;
+  const M<L> sloped = zero < span;
+  const F<L> slope = select(sloped, (h1 - h0) / select(sloped, span, one), zero);
+  c.t[0] = max(t0, s0), c.t[1] = min(t1, s1);
+  c.h[0] = h0 + slope * (c.t[0] - s0), c.h[1] = h1 - slope * (s1 - c.t[1]);
+  return c;
+}
+
+/// A point, midway between the surfaces, and its name.
+template <class L>
+struct LanePoint {
+  Vec<L> at;
+  F<L> gap, feature;
+};
+
+/// The points over a face, in the same order whoever the reference is. `two`: they lie far enough from each other.
+template <class L, int kA, int kB>
+[[gnu::always_inline]] inline void face_points(const LanePair<L, kA, kB>& p, const LaneEdges<L>& e,
+                                               const LaneClip<L>& c, Vec<L> outward, M<L> two, LanePoint<L>& point1,
+                                               LanePoint<L>& point2) {
+  const F<L> zero = 0, half = 0.5f, one = 1;
+  const F<L> radii = p.a.radius + p.b.radius;
+  const F<L> ahead = select(e.use_b, p.b.radius - p.a.radius, p.a.radius - p.b.radius);
+  const M<L> renamed = e.use_b & (0.95f < dot(outward, e.facing_normal));
+  const F<L> kind = select(e.use_b, one, zero);
+  const auto point_of = [&](M<L> of_high) -> LanePoint<L> {
+    const F<L> height = select(of_high, c.h[1], c.h[0]), along = select(of_high, c.t[1], c.t[0]);
+    const F<L> level = c.offset + half * (height + ahead);
+    return {{e.normal.x * level + c.tangent.x * along, e.normal.y * level + c.tangent.y * along},
+            height - radii,
+            select(renamed, feature_of<L>(zero, e.facing, select(of_high, e.ends[1], e.ends[0])),
+                   feature_of<L>(kind, e.edge, select(of_high, c.names[1], c.names[0])))};
+  };
+  point1 = point_of(select(two, e.use_b, c.h[1] < c.h[0]));
+  point2 = point_of(kind < half);
+}
+
+/// The nearest two of the ends of A's edge and of B's. In the lanes of `at_vertices`, point 1 and the normal become
+/// theirs; `hard` are the lanes whose nearest points lie elsewhere.
+template <class L, int kA, int kB>
+[[gnu::always_inline]] inline void vertex_points(LanePair<L, kA, kB>& p, const LaneEdges<L>& e, const LaneClip<L>& c,
+                                                 Vec<L> outward, M<L> at_vertices, M<L>& hard, Vec<L>& n,
+                                                 LanePoint<L>& point1) {
+  const F<L> half = 0.5f, one = 1;
+  const Vec<L> ref[2] = {e.first, e.last};
+  F<L> square = kFarAway;
+  Vec<L> from = select(e.use_b, c.incident[0], e.first), to = select(e.use_b, e.first, c.incident[0]);
+  F<L> va = select(e.use_b, c.names[0], e.ends[0]), vb = select(e.use_b, e.ends[0], c.names[0]);
+  for (int i = 0; i < 2; ++i) {
+    const Vec<L> on_a = select(e.use_b, c.incident[i], ref[i]);
+    const F<L> name_a = select(e.use_b, c.names[i], e.ends[i]);
+    for (int j = 0; j < 2; ++j) {
+      const Vec<L> on_b = select(e.use_b, ref[j], c.incident[j]);
+      const Vec<L> way = on_b - on_a;
+      const F<L> this_square = dot(way, way);
+      const M<L> better = this_square < square;
+      square = select(better, this_square, square);
+      from = select(better, on_a, from);
+      to = select(better, on_b, to);
+      va = select(better, name_a, va);
+      vb = select(better, select(e.use_b, e.ends[j], c.names[j]), vb);
+    }
+  }
+  const F<L> distance = sqrt(square);
+  const M<L> apart = kLengthNoise * p.size < distance;
+  const F<L> divisor = select(apart, distance, one);
+  const Vec<L> way = to - from;
+  const Vec<L> line = select(apart, Vec<L>{way.x / divisor, way.y / divisor}, outward);
+  // The line between them is the shortest if both are the farthest of their cores along it.
+  F<L> front = dot(line, from), rear = dot(line, to);
+  for (const Vec<L>& v : p.a.vertex) front = max(dot(line, v), front);
+  for (const Vec<L>& v : p.b.vertex) rear = min(dot(line, v), rear);
+  const M<L> elsewhere = apart & (rear - front < distance - p.noise);
+  hard = hard | (at_vertices & elsewhere);
+  const F<L> gap = distance - (p.a.radius + p.b.radius);
+  const Vec<L> at = to - (p.b.radius + half * gap) * line;
+  // Nothing within the margin: no normal either.
+  p.out = p.out | but_not(at_vertices, hard | (gap <= p.margin));
+  n = select(at_vertices, line, n);
+  point1.at = select(at_vertices, at, point1.at);
+  point1.gap = select(at_vertices, gap, point1.gap);
+  point1.feature = select(at_vertices, feature_of<L>(2, va, vb), point1.feature);
+}
+
 template <class L, int kA, int kB>
 void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
-  constexpr int kMost = kA > kB ? kA : kB;
-  const F<L> zero = 0, half = 0.5f, one = 1, far = kFarAway;
+  const F<L> zero = 0;
   for (HullPairs* c = blocks + begin; c != blocks + end; ++c) {
     c->has[0] = c->has[1] = c->hard = 0;
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
-      auto a = load_core<L, kA>(c->a + k);
-      auto b = load_core<L, kB>(c->b + k);
-      const Vec<L> frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
-      const Vec<L> d{L::load(c->dx + k), L::load(c->dy + k)};
-      const F<L> margin = L::load(c->margin + k);
-      const F<L> size = min(a.reach, b.reach), both_reach = a.reach + b.reach;
-      const F<L> noise = kLengthNoise * both_reach;
-      const F<L> whole = both_reach + margin;
-      M<L> out = whole * whole < dot(d, d);
-
-      // Axes of A, origin at B's centre.
-      const Vec<L> back = unrotate(frame, d);
-      for (Vec<L>& v : a.vertex) v = v - back;
-      const Vec<L> q{frame.x * qb.x + frame.y * qb.y, frame.x * qb.y - frame.y * qb.x};
-      for (Vec<L>& v : b.vertex) v = rotate(q, v);
-      for (Vec<L>& v : b.normal) v = rotate(q, v);
-
-      const F<L> radii = a.radius + b.radius, reach = radii + margin;
-      const auto of_a = best_axis(a, b);
-      out = out | (reach < of_a.separation);
-      const auto of_b = best_axis(b, a);
-      out = out | (reach < of_b.separation);
-      if (all(out)) {
+      auto p = load_pair<L, kA, kB>(*c, k);
+      const F<L> reach = p.a.radius + p.b.radius + p.margin;
+      const auto of_a = best_axis(p.a, p.b);
+      p.out = p.out | (reach < of_a.separation);
+      const auto of_b = best_axis(p.b, p.a);
+      p.out = p.out | (reach < of_b.separation);
+      if (all(p.out)) {
         L::store(c->nx + k, zero);
         L::store(c->ny + k, zero);
         continue;
       }
+      LaneEdges<L> e;
+      const F<L> preferred = kAxisPreference * p.size;
+      e.use_b = of_a.separation + preferred < of_b.separation;
+      e.normal = select(e.use_b, of_b.normal, of_a.normal);
+      e.first = select(e.use_b, of_b.first, of_a.first), e.last = select(e.use_b, of_b.last, of_a.last);
+      e.edge = select(e.use_b, of_b.at, of_a.at);
+      e.ends[0] = e.edge, e.ends[1] = next_of<L>(e.edge, select(e.use_b, kB, kA));
+      find_facing(p, e);
+      const auto clip = clip_edge<L>(e, select(e.use_b, kA, kB));
 
-      const F<L> preferred = kAxisPreference * size;
-      const M<L> use_b = of_a.separation + preferred < of_b.separation;
-      const F<L> most = max(of_a.separation, of_b.separation);
-      const Vec<L> normal = select(use_b, of_b.normal, of_a.normal);
-      const Vec<L> first = select(use_b, of_b.first, of_a.first), last = select(use_b, of_b.last, of_a.last);
-      const F<L> edge = select(use_b, of_b.at, of_a.at);
-      const F<L> edge_count = select(use_b, kB, kA);
-      const F<L> ends[2] = {edge, next_of<L>(edge, edge_count)};
-
-      // The other core's edge that faces the normal most squarely, from vertex `high` to `low`.
-      F<L> least_turn = far, facing = zero;
-      Vec<L> low, high, facing_normal;
-      for (int j = 0; j < kMost; ++j) {
-        // Where a core has no vertex j, another one, never taken.
-        const int ja = j % kA, jb = j % kB;
-        const Vec<L> n = select(use_b, a.normal[ja], b.normal[jb]);
-        const Vec<L> from = select(use_b, a.vertex[ja], b.vertex[jb]);
-        const Vec<L> to = select(use_b, a.vertex[(j + 1) % kA], b.vertex[(j + 1) % kB]);
-        const F<L> sine = abs(normal.x * n.y - normal.y * n.x);
-        F<L> turned = select(dot(normal, n) < zero, sine, 2 + sine);
-        if (j >= kA) turned = select(use_b, far, turned);
-        if (j >= kB) turned = select(use_b, turned, far);
-        const M<L> better = turned < least_turn;
-        least_turn = select(better, turned, least_turn);
-        if (j == 0) {
-          high = from, low = to, facing_normal = n;
-          continue;
-        }
-        facing = select(better, static_cast<float>(j), facing);
-        high = select(better, from, high);
-        low = select(better, to, low);
-        facing_normal = select(better, n, facing_normal);
-      }
-      const F<L> other_count = select(use_b, kA, kB);
-
-      // Clip it to the reference edge: t along it, h over it.
-      const Vec<L> tangent{-normal.y, normal.x};
-      const F<L> offset = half * (dot(normal, first) + dot(normal, last));
-      const F<L> t0 = dot(tangent, first), t1 = dot(tangent, last);
-      F<L> s0 = dot(tangent, low), s1 = dot(tangent, high);
-      const M<L> swap = s1 < s0;
-      const F<L> next_facing = next_of<L>(facing, other_count);
-      const F<L> names[2] = {select(swap, facing, next_facing), select(swap, next_facing, facing)};
-      const Vec<L> incident[2] = {select(swap, high, low), select(swap, low, high)};
-      const F<L> s_low = select(swap, s1, s0);
-      s1 = select(swap, s0, s1);
-      s0 = s_low;
-      const F<L> h0 = dot(normal, incident[0]) - offset, h1 = dot(normal, incident[1]) - offset;
-      const M<L> empty = (s1 < t0) | (t1 < s0);
-      const F<L> span = s1 - s0;
-      const M<L> sloped = zero < span;
-      const F<L> slope = select(sloped, (h1 - h0) / select(sloped, span, one), zero);
-      const F<L> t[2] = {max(t0, s0), min(t1, s1)};
-      const F<L> h[2] = {h0 + slope * (t[0] - s0), h1 - slope * (s1 - t[1])};
-
-      const F<L> least = min(h[0], h[1]);
-      const M<L> on_face = but_not((least <= most + noise) & ((most <= noise) | (most - noise <= least)), empty);
+      const F<L> most = max(of_a.separation, of_b.separation), least = min(clip.h[0], clip.h[1]);
+      const M<L> on_face =
+          but_not((least <= most + p.noise) & ((most <= p.noise) | (most - p.noise <= least)), clip.empty);
       // Not on A's face: on that of B, if B's axis is the better one by a hair; deep in each other; or
       // the nearest points are vertices.
-      M<L> hard = but_not(but_not(of_a.separation < of_b.separation, use_b) | (most < -noise), on_face);
-
-      // Points of the face, in the same order whoever the reference is.
-      const Vec<L> outward = select(use_b, Vec<L>{-normal.x, -normal.y}, normal);
-      const F<L> ahead = select(use_b, b.radius - a.radius, a.radius - b.radius);
-      const M<L> renamed = use_b & (0.95f < dot(outward, facing_normal));
-      const M<L> two = preferred < t[1] - t[0];
-      const F<L> kind = select(use_b, one, zero);
-      const auto face_point = [&](M<L> of_high, F<L>& gap, Vec<L>& at, F<L>& feature) {
-        const F<L> height = select(of_high, h[1], h[0]), along = select(of_high, t[1], t[0]);
-        gap = height - radii;
-        const F<L> level = offset + half * (height + ahead);
-        at = {normal.x * level + tangent.x * along, normal.y * level + tangent.y * along};
-        feature = select(renamed, feature_of<L>(zero, facing, select(of_high, ends[1], ends[0])),
-                         feature_of<L>(kind, edge, select(of_high, names[1], names[0])));
-      };
-      F<L> gap1, gap2, feature1, feature2;
-      Vec<L> at1, at2;
-      const M<L> first_is_high = select(two, use_b, h[1] < h[0]);
-      face_point(first_is_high, gap1, at1, feature1);
-      face_point(kind < half, gap2, at2, feature2);
-      const M<L> near2 = two & on_face & (gap2 <= margin);
+      M<L> hard = but_not(but_not(of_a.separation < of_b.separation, e.use_b) | (most < -p.noise), on_face);
+      const Vec<L> outward = select(e.use_b, Vec<L>{-e.normal.x, -e.normal.y}, e.normal);
+      const M<L> two = preferred < clip.t[1] - clip.t[0];
+      LanePoint<L> point1, point2;
+      face_points(p, e, clip, outward, two, point1, point2);
+      const M<L> near2 = two & on_face & (point2.gap <= p.margin);
       Vec<L> n = outward;
+      const M<L> at_vertices = but_not(L::every(), on_face | p.out | hard);
+      if (any(at_vertices)) vertex_points(p, e, clip, outward, at_vertices, hard, n, point1);
+      const M<L> near1 = point1.gap <= p.margin;
 
-      const M<L> at_vertices = but_not(L::every(), on_face | out | hard);
-      if (any(at_vertices)) {  // the nearest two of the ends of A's edge and of B's
-        const Vec<L> ref[2] = {first, last};
-        F<L> square = far;
-        Vec<L> from = select(use_b, incident[0], first), to = select(use_b, first, incident[0]);
-        F<L> va = select(use_b, names[0], ends[0]), vb = select(use_b, ends[0], names[0]);
-        for (int i = 0; i < 2; ++i) {
-          const Vec<L> on_a = select(use_b, incident[i], ref[i]);
-          const F<L> name_a = select(use_b, names[i], ends[i]);
-          for (int j = 0; j < 2; ++j) {
-            const Vec<L> on_b = select(use_b, ref[j], incident[j]);
-            const Vec<L> way = on_b - on_a;
-            const F<L> this_square = dot(way, way);
-            const M<L> better = this_square < square;
-            square = select(better, this_square, square);
-            from = select(better, on_a, from);
-            to = select(better, on_b, to);
-            va = select(better, name_a, va);
-            vb = select(better, select(use_b, ends[j], names[j]), vb);
-          }
-        }
-        const F<L> distance = sqrt(square);
-        const M<L> apart = kLengthNoise * size < distance;
-        const F<L> divisor = select(apart, distance, one);
-        const Vec<L> way = to - from;
-        const Vec<L> line = select(apart, Vec<L>{way.x / divisor, way.y / divisor}, outward);
-        // The line between them is the shortest if both are the farthest of their cores along it.
-        F<L> front = dot(line, from), rear = dot(line, to);
-        for (const Vec<L>& v : a.vertex) front = max(dot(line, v), front);
-        for (const Vec<L>& v : b.vertex) rear = min(dot(line, v), rear);
-        const M<L> elsewhere = apart & (rear - front < distance - noise);
-        hard = hard | (at_vertices & elsewhere);
-        const F<L> gap = distance - radii;
-        const F<L> deep = b.radius + half * gap;
-        const Vec<L> at = to - deep * line;
-        // Nothing within the margin: no normal either.
-        out = out | but_not(at_vertices, hard | (gap <= margin));
-        n = select(at_vertices, line, n);
-        at1 = select(at_vertices, at, at1);
-        gap1 = select(at_vertices, gap, gap1);
-        feature1 = select(at_vertices, feature_of<L>(2, va, vb), feature1);
-      }
-      const M<L> near1 = gap1 <= margin;
-
-      const Vec<L> world = rotate(frame, n);
-      L::store(c->nx + k, select(out, zero, world.x));
-      L::store(c->ny + k, select(out, zero, world.y));
+      const Vec<L> world = rotate(p.frame, n);
+      L::store(c->nx + k, select(p.out, zero, world.x));
+      L::store(c->ny + k, select(p.out, zero, world.y));
       // If the first is too far away, the second is the only one.
-      const Vec<L> arm1 = rotate(frame, select(near1, at1, at2)), arm2 = rotate(frame, at2);
-      store_point<L>(c->point[0], k, arm1, d, select(near1, gap1, gap2), select(near1, feature1, feature2));
-      store_point<L>(c->point[1], k, arm2, d, gap2, feature2);
-      c->has[0] |= bits(but_not(near1 | near2, out)) << k;
-      c->has[1] |= bits(but_not(near1 & near2, out)) << k;
-      c->hard |= bits(but_not(hard, out)) << k;
+      const Vec<L> arm1 = rotate(p.frame, select(near1, point1.at, point2.at)), arm2 = rotate(p.frame, point2.at);
+      store_point<L>(c->point[0], k, arm1, p.d, select(near1, point1.gap, point2.gap),
+                     select(near1, point1.feature, point2.feature));
+      store_point<L>(c->point[1], k, arm2, p.d, point2.gap, point2.feature);
+      c->has[0] |= bits(but_not(near1 | near2, p.out)) << k;
+      c->has[1] |= bits(but_not(near1 & near2, p.out)) << k;
+      c->hard |= bits(but_not(hard, p.out)) << k;
     }
   }
 }

@@ -127,6 +127,52 @@ template <class L>
   return fast & near & (0 < e);
 }
 
+/// What the solve pass knows of some lanes.
+template <class L>
+struct SolveLanes {
+  TwoBodies<L> m, before;    // now and, with restitution, before the kick
+  Vec<L> n, turn_a, turn_b;  // normal and arm changes
+  F<L> wa, wb, ga, gb, round_a, round_b, soft, rate, e;
+  F<L> w;          // wa + wb
+  F<L> moved, vn;  // along n: displacement and velocity of B against A
+  F<L> inv_h, push;
+};
+
+/// One point in the solve pass: K_kk, the same with compliance, and q without what stored impulses do.
+template <class L>
+struct SolvePoint {
+  F<L> at, bt, l, k, a, q;
+  M<L> apart;
+};
+
+template <class L, bool kBounce, bool kInner>
+[[gnu::always_inline]] inline SolvePoint<L> solve_point(ManifoldBlock::Point& point, std::uint32_t k,
+                                                        const SolveLanes<L>& lanes, const ContactParams& p) {
+  const F<L> zero = 0;
+  SolvePoint<L> x;
+  const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
+  x.at = L::load(point.at + k);
+  x.bt = L::load(point.bt + k);
+  x.l = L::load(point.impulse + k);
+  const auto turned_a = lanes.turn_a.x * (an - lanes.round_a) + lanes.turn_a.y * x.at;
+  const auto turned_b = lanes.turn_b.x * (bn + lanes.round_b) + lanes.turn_b.y * x.bt;
+  const auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  x.apart = zero < s;
+  auto bias = select(x.apart, s * lanes.inv_h, max(s * lanes.rate, lanes.push));
+  auto compliance = select(x.apart, zero, lanes.soft);
+  if constexpr (kBounce) {
+    F<L> target;
+    const auto hit = manifold_bounces<L>(lanes.before, lanes.n.x, lanes.n.y, x.at, x.bt, s, lanes.e, p, target);
+    bias = select(hit, min(target, bias), bias);
+    compliance = select(hit, zero, compliance);
+  }
+  if constexpr (!kInner) L::store(point.start + k, x.l);
+  x.k = lanes.w + (lanes.ga * (x.at * x.at) + lanes.gb * (x.bt * x.bt));
+  x.a = x.k + compliance * x.k;
+  x.q = lanes.vn + (lanes.m.ub * x.bt - lanes.m.ua * x.at) + bias;
+  return x;
+}
+
 /// kInner: not the first sweep of the pass over these contacts.
 template <class L, bool kFixedA, bool kBounce, bool kInner>
 void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
@@ -136,52 +182,31 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       const std::uint32_t* slot = c->body + 2 * k;
-      auto m = gather_motion<L>(b.vel, b.rim_speed, slot);
-      F<L> dax, day, dbx, dby, tax, tay, tbx, tby;
+      SolveLanes<L> lanes;
+      lanes.inv_h = inv_h, lanes.push = push;
+      auto& m = lanes.m;
+      m = gather_motion<L>(b.vel, b.rim_speed, slot);
+      F<L> dax, day, dbx, dby;
       L::template gather<2>(b.disp, slot, dax, day);
       L::template gather<2>(b.disp, slot + 1, dbx, dby);
-      L::template gather<2>(b.arm_change, slot, tax, tay);
-      L::template gather<2>(b.arm_change, slot + 1, tbx, tby);
-      const auto nx = L::load(c->nx + k), ny = L::load(c->ny + k);
-      const auto wa = L::load(c->wa + k), wb = L::load(c->wb + k);
-      const auto ga = L::load(c->ga + k), gb = L::load(c->gb + k);
-      const auto ra = L::load(c->round_a + k), rb = L::load(c->round_b + k);
-      const auto soft = L::load(c->soft + k), rate = L::load(c->rate + k);
-      const auto moved = nx * (dbx - dax) + ny * (dby - day);
-      const auto vn = nx * (m.vbx - m.vax) + ny * (m.vby - m.vay);
-      const auto w = wa + wb;
-      TwoBodies<L> before{};
-      if constexpr (kBounce) before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
-      struct Row {
-        F<L> at, bt, l, k, a, q;
-        M<L> apart;
-      };
-      const auto row = [&](ManifoldBlock::Point& point) {
-        Row x;
-        const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
-        x.at = L::load(point.at + k);
-        x.bt = L::load(point.bt + k);
-        x.l = L::load(point.impulse + k);
-        const auto turned_a = tax * (an - ra) + tay * x.at;
-        const auto turned_b = tbx * (bn + rb) + tby * x.bt;
-        const auto s = L::load(point.gap + k) + (moved + (turned_b - turned_a));
-        x.apart = zero < s;
-        auto bias = select(x.apart, s * inv_h, max(s * rate, push));
-        auto compliance = select(x.apart, zero, soft);
-        if constexpr (kBounce) {
-          F<L> target;
-          const auto hit = manifold_bounces<L>(before, nx, ny, x.at, x.bt, s, L::load(c->e + k), p, target);
-          bias = select(hit, min(target, bias), bias);
-          compliance = select(hit, zero, compliance);
-        }
-        if constexpr (!kInner) L::store(point.start + k, x.l);
-        x.k = w + (ga * (x.at * x.at) + gb * (x.bt * x.bt));
-        x.a = x.k + compliance * x.k;
-        x.q = vn + (m.ub * x.bt - m.ua * x.at) + bias;
-        return x;
-      };
-      const Row x = row(c->point[0]), y = row(c->point[1]);
-      const auto k12 = w + (ga * (x.at * y.at) + gb * (x.bt * y.bt));
+      L::template gather<2>(b.arm_change, slot, lanes.turn_a.x, lanes.turn_a.y);
+      L::template gather<2>(b.arm_change, slot + 1, lanes.turn_b.x, lanes.turn_b.y);
+      lanes.n = load_vec<L>(c->nx, c->ny, k);
+      lanes.wa = L::load(c->wa + k), lanes.wb = L::load(c->wb + k);
+      lanes.ga = L::load(c->ga + k), lanes.gb = L::load(c->gb + k);
+      lanes.round_a = L::load(c->round_a + k), lanes.round_b = L::load(c->round_b + k);
+      lanes.soft = L::load(c->soft + k), lanes.rate = L::load(c->rate + k);
+      const auto nx = lanes.n.x, ny = lanes.n.y, wa = lanes.wa, wb = lanes.wb, ga = lanes.ga, gb = lanes.gb;
+      lanes.w = wa + wb;
+      lanes.moved = nx * (dbx - dax) + ny * (dby - day);
+      lanes.vn = nx * (m.vbx - m.vax) + ny * (m.vby - m.vay);
+      if constexpr (kBounce) {
+        lanes.before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
+        lanes.e = L::load(c->e + k);
+      }
+      const auto x = solve_point<L, kBounce, kInner>(c->point[0], k, lanes, p);
+      const auto y = solve_point<L, kBounce, kInner>(c->point[1], k, lanes, p);
+      const auto k12 = lanes.w + (ga * (x.at * y.at) + gb * (x.bt * y.bt));
       const auto q1 = x.q - (x.k * x.l + k12 * y.l);
       const auto q2 = y.q - (k12 * x.l + y.k * y.l);
       F<L> l1, l2;
