@@ -9,7 +9,6 @@
 
 #include "lane_vec.h"
 #include "manifold_views.h"
-#include "stream_kernel.h"
 #include "views.h"
 
 namespace psim::kernels {
@@ -419,43 +418,6 @@ void spend_manifolds(const BodyView& b, ManifoldBlock* blocks, std::uint32_t beg
                                 turn(p1.bn, p1.bt, p2.bn, p2.bt), L::load(c->wa + k), L::load(c->wb + k),
                                 L::load(c->ga + k), L::load(c->gb + k));
       scatter_motion<L, kFixedA>(b.vel0, b.rim_speed0, slot, m);
-    }
-  }
-}
-
-/// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d).
-/// Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
-template <class L>
-void turn_bodies(const BodyView& b, const float* radius, float h, std::uint32_t begin, std::uint32_t end) {
-  const F<L> one = 1, two = 2, step = h;
-  const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
-  for (std::uint32_t block = begin; block < end; ++block) {
-    if (!any_linked<L>(b.linked, block)) continue;
-    for (std::uint32_t r = 0; r < kBlock; r += L::width) {
-      const std::size_t i = static_cast<std::size_t>(block) * kBlock + r;
-      const F<L> rim_speed = L::load(b.rim_speed + i), before = L::load(b.angle_change + i), none = 0;
-      if (!any((rim_speed != none) | (before != none))) continue;
-      const auto size = L::load(radius + i);
-      const auto safe = select(0 < size, size, one);
-      auto d = before + step * (rim_speed / safe);
-      L::store(b.angle_change + i, d);
-      // A turn of more than 2^20 in a frame has no direction left.
-      d = max(min(d, 1e6f), -1e6f);
-      const auto turns = d * 0.15915494309f + nearest - nearest;
-      d = d - turns * 6.28125f - turns * 1.9353071795e-3f;
-      const auto x = d * 0.25f, z = x * x;
-      // |x| <= pi/4: sin x = x + x^3 S(x^2), cos x - 1 = -x^2/2 + x^4 C(x^2).
-      const F<L> s3 = 8.3333310e-3f + z * -1.9839334e-4f;
-      auto sine = x + x * z * (-0.16666667f + z * s3);
-      const F<L> c3 = -1.3888889e-3f + z * 2.4801588e-5f;
-      auto less_one = z * -0.5f + z * z * (4.1666668e-2f + z * c3);
-      for (int doubling = 0; doubling < 2; ++doubling) {  // sin 2x = 2 s c, cos 2x - 1 = -2 s^2
-        const auto cosine = one + less_one;
-        less_one = -(two * (sine * sine));
-        sine = two * (sine * cosine);
-      }
-      // + 0: who did not turn has +0 here, whether or not its register was skipped above.
-      L::store_records(b.arm_change + 2 * i, size * less_one + none, size * sine + none);
     }
   }
 }
