@@ -12,7 +12,7 @@ namespace psim {
 bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
   const bool woke = !sleepers.empty() && wake_reached(source, dt);
   if (steps % Sleepers::kWatchFrames != 0) return woke;
-  if (!sleepers.watch(source.population.bodies, source.lattice, source.pool)) return woke;
+  if (!sleepers.watch()) return woke;
   make_room(source);
   if (steps % (2 * Sleepers::kWatchFrames) != 0) return woke;
   if (!SleepChoice(source, sleepers).choose(steps, dt)) return woke;
@@ -22,7 +22,7 @@ bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
 
 void Sleep::make_room(const SleepSource& source) {
   const BodyStore& bodies = source.population.bodies;
-  if (!sleepers.empty() || sleepers.has_room(bodies)) return;
+  if (!sleepers.empty() || sleepers.has_room()) return;
   const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kRoomAhead);
   std::uint32_t pieces = source.with_manifolds ? 0 : most, hulls = 0;
   std::size_t longest = 1;
@@ -38,7 +38,7 @@ void Sleep::make_room(const SleepSource& source) {
     pieces += mine;
     longest = std::max<std::size_t>(longest, mine);
   }
-  sleepers.make_room(bodies, most, !source.joints.empty());
+  sleepers.make_room(most, !source.joints.empty());
   sleepers.pieces.reserve(longest);
   source.population.statics.make_room(pieces, hulls);
 }
@@ -68,11 +68,10 @@ void Sleep::list_chosen(const SleepSource& source) {
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if ((state[i] & SleepChoice::kChosen) == 0) continue;
     Sleeper s;
-    s.at = {bodies.pos[2 * std::size_t{i}], bodies.pos[2 * std::size_t{i} + 1], bodies.disp[2 * std::size_t{i}],
-            bodies.disp[2 * std::size_t{i} + 1]};
-    s.angle = bodies.angle.empty() ? 0 : bodies.angle[i];
+    s.at = bodies.point(i);
+    s.angle = bodies.angle_of(i);
     s.id = bodies.id[i];
-    s.loose = !rests_firmly(state[i]);
+    s.creeps = !rests_firmly(state[i]);
     sleepers.number[i] = static_cast<std::uint32_t>(sleepers.list.size());
     sleepers.list.push_back(s);
   }
@@ -81,18 +80,11 @@ void Sleep::list_chosen(const SleepSource& source) {
 // The bodies of a stack wake together: each gets the lowest id of its stack.
 void Sleep::group_stacks(const SleepSource& source) {
   const Column<std::uint8_t>& state = sleepers.state();
-  source.stacks.each_stack([&](const auto& each_pair_of) {
+  const auto chosen = [&](std::uint32_t slot) { return (state[slot] & SleepChoice::kChosen) != 0; };
+  each_stack(source, chosen, [&](const auto& visit) {
     std::uint32_t group = kNoSlot;
-    const auto visit = [&](const auto& each) {
-      each_pair_of([&](std::uint32_t index) {
-        const ManifoldPair& pair = source.manifolds.pairs()[index];
-        for (const std::uint32_t slot : {pair.a, pair.b}) {
-          if (slot != kNoSlot && (state[slot] & SleepChoice::kChosen) != 0) each(sleepers.list[sleepers.number[slot]]);
-        }
-      });
-    };
-    visit([&](const Sleeper& s) { group = std::min(group, s.id); });
-    visit([&](Sleeper& s) { s.group = group; });
+    visit([&](std::uint32_t slot) { group = std::min(group, sleepers.list[sleepers.number[slot]].id); });
+    visit([&](std::uint32_t slot) { sleepers.list[sleepers.number[slot]].group = group; });
   });
 }
 
@@ -109,15 +101,18 @@ void Sleep::keep_touches(const SleepSource& source, std::uint32_t first) {
   };
   const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // every strip may touch these
   const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };
+  const auto each_side = [&](const SleepContact& contact, const auto& each) {
+    for (const std::uint32_t slot : {contact.a, contact.b}) {
+      if (chosen(slot)) each(sleepers.list[sleepers.number[slot]]);
+    }
+  };
   each_contact(
       source,
       [&](const SleepContact& contact) {
-        for (const std::uint32_t slot : {contact.a, contact.b}) {
-          if (!chosen(slot)) continue;
-          Sleeper& s = sleepers.list[sleepers.number[slot]];
+        each_side(contact, [&](Sleeper& s) {
           s.depth = std::fmax(s.depth, -contact.gap);
           if (contact.loaded) ++s.touches;
-        }
+        });
       },
       theirs);
   auto next = static_cast<std::uint32_t>(sleepers.touches.size());
@@ -134,11 +129,7 @@ void Sleep::keep_touches(const SleepSource& source, std::uint32_t first) {
         if (!contact.loaded || !(chosen(contact.a) || chosen(contact.b))) return;
         Touch touch = contact.touch;
         touch.key = key_of(contact, population.bodies, population.statics);
-        for (const std::uint32_t slot : {contact.a, contact.b}) {
-          if (!chosen(slot)) continue;
-          Sleeper& s = sleepers.list[sleepers.number[slot]];
-          sleepers.touches[s.first_touch + s.touches++] = touch;
-        }
+        each_side(contact, [&](Sleeper& s) { sleepers.touches[s.first_touch + s.touches++] = touch; });
         if (contact.a != kNoSlot && chosen(contact.a) != chosen(contact.b)) sleepers.recent.add(touch);
       },
       theirs);
@@ -159,7 +150,7 @@ void Sleep::put_to_sleep(const SleepSource& source, std::uint32_t k) {
     list.resize(1);
     list[0].shape = lone_piece(s.at, s.id, properties);
   } else {
-    Pieces pieces(source.lattice.to_world(s.at.x, s.at.y, s.at.dx, s.at.dy), s.angle, source.lattice, list);
+    Pieces pieces(source.lattice.to_world(s.at), s.angle, source.lattice, list);
     for (std::uint32_t h = 0; h < kind.hull_count; ++h) pieces.solid(bodies.hulls[kind.first_hull + h]);
   }
   for (Piece& piece : list) {
@@ -177,7 +168,7 @@ BodyState Sleep::state_of(const Population& population, const Lattice& lattice, 
   const BodyInfo& info = bodies.info[id];
   if (info.place != Place::asleep) return population.state_of(id);
   const Sleeper& sleeper = sleepers.list[info.slot];
-  const Vec2 centre = lattice.to_world(sleeper.at.x, sleeper.at.y, sleeper.at.dx, sleeper.at.dy);
+  const Vec2 centre = lattice.to_world(sleeper.at);
   const Vec2 to_centre = arm_of(bodies.kind(id), sleeper.angle);
   BodyState s;
   s.id = {id, info.generation};

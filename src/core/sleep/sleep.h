@@ -5,9 +5,8 @@
 // bool tells whether a body fell asleep or woke: lists and query grids that were made before do not hold any more.
 //
 //   sleep.cpp        the step of sleep, and who it puts to sleep
-//   sleep_choice.h   who may sleep
+//   sleep_choice.h   who may sleep, and for the host why a body does not
 //   wake.cpp         who wakes
-//   why_awake.cpp    why a body is awake, for the host
 #pragma once
 
 #include <string>
@@ -40,7 +39,7 @@ struct SleepSource {
 
 class Sleep {
  public:
-  explicit Sleep(MemoryMeter& meter) : sleepers(meter) {}
+  explicit Sleep(const Surroundings& s) : sleepers(s) {}
 
   /// After the `steps`-th step, of dt seconds: wakes what moving bodies are about to meet and, every few steps, puts
   /// bodies to sleep. Depends on nothing but the number of the step.

@@ -108,6 +108,22 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
   }
 }
 
+/// Calls each(visit) for every stack; visit(f) calls f(slot) for the bodies of its pairs that are wanted(slot). A body
+/// may come twice.
+template <class Wanted, class Each>
+void each_stack(const SleepSource& source, const Wanted& wanted, const Each& each) {
+  source.stacks.each_stack([&](const auto& each_pair_of) {
+    each([&](const auto& f) {
+      each_pair_of([&](std::uint32_t index) {
+        const ManifoldPair& pair = source.manifolds.pairs()[index];
+        for (const std::uint32_t slot : {pair.a, pair.b}) {
+          if (slot != kNoSlot && wanted(slot)) f(slot);
+        }
+      });
+    });
+  });
+}
+
 inline std::uint64_t key_of(const SleepContact& contact, const BodyStore& b, const StaticShapes& statics) {
   const std::uint32_t id = b.id[contact.b];
   if (contact.a != kNoSlot) return TouchKey::bodies(b.id[contact.a], id);

@@ -7,7 +7,9 @@
 #include <type_traits>
 
 namespace psim {
-bool Sleepers::anyone_slow(const BodyStore& b) const {
+
+bool Sleepers::anyone_slow() const {
+  const BodyStore& b = b_;
   const std::uint32_t stride = std::max(1u, b.count / 2048);
   std::uint32_t slow = 0, seen = 0;
   for (std::size_t i = 0; i < b.count; i += stride) {
@@ -27,7 +29,7 @@ struct Sleepers::Ball {
   Ball(const BodyProperties& properties, const Lattice& lattice, bool wide) {
     const bool smooth = wide && properties.friction == 0;
     far = wide ? Sleepers::wide_ball(properties.radius, smooth) : Sleepers::ball(properties.radius);
-    most_spin = far * static_cast<float>(1 / (smooth ? kLooseTime : kRestTime));
+    most_spin = far * static_cast<float>(1 / (smooth ? kCreepTime : kRestTime));
     const double size = static_cast<double>(far) / 64;
     const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
     for (const int axis : {0, 1}) {
@@ -48,48 +50,37 @@ struct Sleepers::Ball {
     return static_cast<float>(units * unit[axis]);
   }
   // Whether the i-th body is outside of the ball, or turns too fast.
-  bool left(const BodyStore& b, std::size_t i, const Rest& rest, bool wide) const {
+  bool left(const BodyStore& b, std::size_t i, const Watched& rest, bool wide) const {
     const float x = off(b.pos[2 * i], rest.x[wide], 0), y = off(b.pos[2 * i + 1], rest.y[wide], 1);
     if (x * x + y * y > far * far) return true;
     return !b.rim_speed.empty() && std::fabs(b.rim_speed[i]) > most_spin;
   }
 };
 
-bool Sleepers::left_ball(const BodyStore& b, const Lattice& lattice, std::size_t i, bool wide) const {
-  return Ball(b.properties(b.id[i]), lattice, wide).left(b, i, rest_[b.id[i]], wide);
+bool Sleepers::left_ball(std::size_t i, bool wide) const {
+  return Ball(b_.properties(b_.id[i]), lattice_, wide).left(b_, i, watched_[b_.id[i]], wide);
 }
 
-// Puts both balls about a place.
-Sleepers::Rest Sleepers::rest_at(const BodyProperties& properties, const Lattice& lattice, std::int32_t x,
-                                 std::int32_t y) {
-  Rest rest;
-  for (const bool wide : {false, true}) {
-    const Ball ball(properties, lattice, wide);
-    rest.x[wide] = ball.at(x, 0);
-    rest.y[wide] = ball.at(y, 1);
-  }
-  return rest;
-}
-
-bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& pool) {
+bool Sleepers::watch() {
+  const BodyStore& b = b_;
   const bool before = watching_;
-  watching_ = !list.empty() || anyone_slow(b);
+  watching_ = !list.empty() || anyone_slow();
   if (!watching_) return false;
-  rest_.reserve(b.id_count);
+  watched_.reserve(b.id_count);
   const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) {
+  pool_.run(stream_tasks(blocks), [&](std::size_t t) {
     const BlockRange r = stream_range(t, blocks);
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count);
     const BodyProperties* last = nullptr;  // many bodies in a row have the same properties
-    std::array<Ball, 2> balls{Ball(BodyProperties{}, lattice, false), Ball(BodyProperties{}, lattice, true)};
+    std::array<Ball, 2> balls{Ball(BodyProperties{}, lattice_, false), Ball(BodyProperties{}, lattice_, true)};
     for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < end; ++i) {
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
       if (last != &properties) {
         last = &properties;
-        balls = {Ball(properties, lattice, false), Ball(properties, lattice, true)};
+        balls = {Ball(properties, lattice_, false), Ball(properties, lattice_, true)};
       }
-      Rest& rest = rest_[b.id[i]];
+      Watched& rest = watched_[b.id[i]];
       for (const bool wide : {false, true}) {
         const Ball& ball = balls[wide];
         if (!before || ball.left(b, i, rest, wide)) {
@@ -105,38 +96,41 @@ bool Sleepers::watch(const BodyStore& b, const Lattice& lattice, WorkerPool& poo
   return true;
 }
 
-void Sleepers::make_room(const BodyStore& b, std::size_t fall_asleep, bool joined) {
-  rest_.reserve(b.id_count);
-  state_.reserve(kernels::round_up_block(b.count));
+void Sleepers::make_room(std::size_t fall_asleep, bool joined) {
+  watched_.reserve(b_.id_count);
+  state_.reserve(kernels::round_up_block(b_.count));
   const auto room = [](auto& values, std::size_t n) {
     if (n > values.capacity()) values.reserve(n + n / 8);
   };
-  room(number, b.count);
+  room(number, b_.count);
   room(list, fall_asleep);
   room(touches, kTouchesOfBody * fall_asleep);
   recent.make_room(fall_asleep / 4);  // contacts between bodies that fall asleep and others
   if (joined) {
-    room(roots, b.id_count);
-    room(wakeful, b.id_count);
+    room(roots, b_.id_count);
+    room(wakeful, b_.id_count);
   }
-  room_of_ = b.count;
+  room_of_ = b_.count;
 }
 
-std::uint32_t Sleepers::needed(double dt, bool loose) {
-  const double watches = std::ceil((loose ? kLooseTime : kRestTime) / (static_cast<double>(kWatchFrames) * dt));
+std::uint32_t Sleepers::needed(double dt, bool creeps) {
+  const double watches = std::ceil((creeps ? kCreepTime : kRestTime) / (static_cast<double>(kWatchFrames) * dt));
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
 }
 
-void Sleepers::mark_woken(const BodyStore& b, const Lattice& lattice, std::uint32_t id, std::int32_t x,
-                          std::int32_t y) {
-  rest_.reserve(std::size_t{id} + 1);
-  rest_[id] = rest_at(b.properties(id), lattice, x, y);
-  rest_[id].calm[0] = rest_[id].calm[1] = 1;
+void Sleepers::mark_woken(std::uint32_t id, const LatticePoint& at) {
+  watched_.reserve(std::size_t{id} + 1);
+  for (const bool wide : {false, true}) {
+    const Ball ball(b_.properties(id), lattice_, wide);
+    watched_[id].x[wide] = ball.at(at.x, 0);
+    watched_[id].y[wide] = ball.at(at.y, 1);
+    watched_[id].calm[wide] = 1;
+  }
 }
 
-bool Sleepers::moves(const BodyStore& b, const Lattice& lattice, std::size_t slot, bool loose) const {
-  const bool wide = loose || b.properties(b.id[slot]).friction > 0;
-  return calm(b.id[slot], wide) == 0 || left_ball(b, lattice, slot, wide);
+bool Sleepers::moves(std::size_t slot, bool creeps) const {
+  const bool wide = creeps || b_.properties(b_.id[slot]).friction > 0;
+  return calm(b_.id[slot], wide) == 0 || left_ball(slot, wide);
 }
 
 void Sleepers::tidy() {
@@ -156,7 +150,7 @@ void Sleepers::release() {
   const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
   drop(list, touches, queue, found, number, roots, wakeful, pieces, kept_);
   if (recent.empty()) recent = TouchMemory();
-  rest_.release();
+  watched_.release();
   state_.release();
   watching_ = false;
   room_of_ = 0;

@@ -6,7 +6,7 @@
 //
 // A body rests if it has not left a ball of 2e-4 of its radius, at most 0.1 mm, for half a second; it wakes
 // what sleeps beside it once it leaves a ball five times as large. A body without friction that lies between
-// others also rests, loosely, if it has kept to a tenth of its radius for four seconds: piles without
+// others creeps, which lets it rest, too, if it has kept to a tenth of its radius for four seconds: piles without
 // friction creep for minutes. A body sleeps once all that it touches rests too, and something supports it.
 // docs/sleeping.md has the rules and how they were measured.
 #pragma once
@@ -15,12 +15,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/column.h"
-#include "base/lattice.h"
 #include "base/tasks.h"
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "bodies/static_shapes.h"
+#include "bodies/surroundings.h"
 #include "contacts/touch_memory.h"
 
 namespace psim {
@@ -33,7 +29,7 @@ struct Sleeper {
   std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
   float depth = 0;                             ///< m: the overlap of its deepest contact when it fell asleep
   std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
-  bool loose = false;  ///< it crept when it fell asleep: a body that creeps beside it does not wake it
+  bool creeps = false;  ///< it crept when it fell asleep: a body that creeps beside it does not wake it
 };
 
 /// The only piece of a plain disc that sleeps.
@@ -56,16 +52,17 @@ struct Waking {
 
 class Sleepers {
  public:
-  explicit Sleepers(MemoryMeter& meter) : rest_(meter), state_(meter) {}
+  explicit Sleepers(const Surroundings& s)
+      : b_(s.bodies), lattice_(s.lattice), pool_(s.pool), watched_(s.memory), state_(s.memory) {}
 
   static constexpr std::uint64_t kWatchFrames = 8;
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
   static constexpr std::uint32_t kRoomAhead = 4096;   ///< bodies that there is room for before the first one sleeps
   static constexpr std::size_t kMostAbove = 4096;     ///< bodies that wake at once because a body was taken away
-  static constexpr double kRestTime = 0.5, kLooseTime = 4;  ///< s: a body that stayed in its ball for so long rests
+  static constexpr double kRestTime = 0.5, kCreepTime = 4;  ///< s: a body that stayed in its ball for so long rests
   static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< share; m
   static constexpr float kWaking = 5;  ///< the ball that wakes others is so many times as large
-  static constexpr float kLooseOfRadius = 0.1f, kLargestLoose = 0.05f;
+  static constexpr float kCreepOfRadius = 0.1f, kLargestCreep = 0.05f;
   static constexpr float kSlow = 0.05f;  ///< m/s: while all but one body in kFewSlow are faster, no body is watched
   static constexpr std::uint32_t kFewSlow = 64;
 
@@ -73,7 +70,7 @@ class Sleepers {
   static float ball(float radius) { return std::fmin(kBallOfRadius * radius, kLargestBall); }
   /// The second ball, m: a body without friction that stays in it creeps; another one that leaves it wakes others.
   static float wide_ball(float radius, bool smooth) {
-    return smooth ? std::fmin(kLooseOfRadius * radius, kLargestLoose) : kWaking * ball(radius);
+    return smooth ? std::fmin(kCreepOfRadius * radius, kLargestCreep) : kWaking * ball(radius);
   }
 
   /// For saved states; behind the bodies and the fixed geometry, into which those that are read are put.
@@ -93,37 +90,37 @@ class Sleepers {
   bool empty() const { return list.empty(); }
 
   /// Whether enough bodies of a sample of 2,000 are slow, so that watching is worth its time.
-  bool anyone_slow(const BodyStore& bodies) const;
+  bool anyone_slow() const;
   /// Makes room for so many bodies that fall asleep in one step: they allocate nothing then, unless they have more than
   /// kTouchesOfBody touches each.
-  void make_room(const BodyStore& bodies, std::size_t fall_asleep, bool joined);
-  bool has_room(const BodyStore& bodies) const { return bodies.count <= room_of_; }
+  void make_room(std::size_t fall_asleep, bool joined);
+  bool has_room() const { return b_.count <= room_of_; }
 
   /// Looks at every body and counts for how long it has rested. O(bodies). False if no body is slow.
-  bool watch(const BodyStore& bodies, const Lattice& lattice, WorkerPool& pool);
+  bool watch();
   bool watching() const { return watching_; }
 
-  /// For how many watches a body must have stayed in its ball to rest, or to creep (`loose`).
-  static std::uint32_t needed(double dt, bool loose = false);
+  /// For how many watches a body must have stayed in its ball to rest, or to creep (`creeps`).
+  static std::uint32_t needed(double dt, bool creeps = false);
   /// For how many watches a body has stayed in its ball, or in the second one (`wide`).
   std::uint32_t calm(std::uint32_t id, bool wide = false) const {
-    return id < rest_.capacity() ? rest_[id].calm[wide] : 0;
+    return id < watched_.capacity() ? watched_[id].calm[wide] : 0;
   }
   /// The body counts as moving from now on: sleepers that touch it wake.
   void mark_moving(std::uint32_t id) {
-    if (id < rest_.capacity()) rest_[id].calm[0] = rest_[id].calm[1] = 0;
+    if (id < watched_.capacity()) watched_[id].calm[0] = watched_[id].calm[1] = 0;
   }
   /// The body woke where it slept: it wakes others only once it leaves its ball.
-  void mark_woken(const BodyStore& bodies, const Lattice& lattice, std::uint32_t id, std::int32_t x, std::int32_t y);
-  /// Whether a body wakes a sleeper that it touches: it is outside of its ball, or was so at the last watch. `loose`:
+  void mark_woken(std::uint32_t id, const LatticePoint& at);
+  /// Whether a body wakes a sleeper that it touches: it is outside of its ball, or was so at the last watch. `creeps`:
   /// the sleeper crept when it fell asleep.
-  bool moves(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool loose) const;
+  bool moves(std::size_t slot, bool creeps) const;
 
   Column<std::uint8_t>& state() { return state_; }
   /// Drops the runs of touches that belong to no sleeper any more.
   void tidy();
   std::size_t bytes() const;
-  std::size_t column_bytes() const { return rest_.bytes() + state_.bytes(); }
+  std::size_t column_bytes() const { return watched_.bytes() + state_.bytes(); }
   /// Gives the memory back, but for `recent`. No body sleeps or may sleep.
   void release();
 
@@ -134,16 +131,18 @@ class Sleepers {
   void put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics);
   template <class A>
   void describe_rest(A& a, const BodyStore& bodies);
-  bool left_ball(const BodyStore& bodies, const Lattice& lattice, std::size_t slot, bool wide) const;
+  bool left_ball(std::size_t slot, bool wide) const;
 
   // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
   // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.
-  struct Rest {
+  struct Watched {
     std::uint16_t x[2] = {}, y[2] = {};
     std::uint8_t calm[2] = {};  // watches that the body has stayed
   };
-  static Rest rest_at(const BodyProperties& properties, const Lattice& lattice, std::int32_t x, std::int32_t y);
-  Column<Rest> rest_;           // by id
+  const BodyStore& b_;
+  const Lattice& lattice_;
+  WorkerPool& pool_;
+  Column<Watched> watched_;     // by id
   Column<std::uint8_t> state_;  // by slot: scratch of choosing
   std::vector<Touch> kept_;     // scratch of tidy
   bool watching_ = false;

@@ -56,10 +56,7 @@ void Sleep::wake_one(const SleepSource& source, std::uint32_t id) {
   const std::size_t slot = bodies.count++;
   info.place = Place::moving;
   info.slot = static_cast<std::uint32_t>(slot);
-  bodies.pos[2 * slot] = s.at.x;
-  bodies.pos[2 * slot + 1] = s.at.y;
-  bodies.disp[2 * slot] = s.at.dx;
-  bodies.disp[2 * slot + 1] = s.at.dy;
+  bodies.put_point(slot, s.at);
   bodies.vel[2 * slot] = bodies.vel[2 * slot + 1] = 0;
   bodies.id[slot] = id;
   bodies.radius[slot] = bodies.properties(id).radius;
@@ -69,7 +66,7 @@ void Sleep::wake_one(const SleepSource& source, std::uint32_t id) {
     bodies.rim_speed[slot] = 0;
     bodies.angle[slot] = s.angle;
   }
-  sleepers.mark_woken(bodies, source.lattice, id, s.at.x, s.at.y);
+  sleepers.mark_woken(id, s.at);
   sleepers.woke = sleepers.changed = true;
 }
 
@@ -150,8 +147,7 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
       gap -= way;  // the gap is that of the start of the frame
     }
     if (gap > way + Sleepers::ball(bodies.radius[i])) return;
-    const bool loose = sleepers.list[bodies.info[shape.owner].slot].loose;
-    if (!sleepers.moves(bodies, lattice, i, loose)) return;
+    if (!sleepers.moves(i, sleepers.list[bodies.info[shape.owner].slot].creeps)) return;
     const float mass = bodies.properties(bodies.id[i]).mass, hit_mass = bodies.properties(shape.owner).mass;
     sleepers.queue.push_back({shape.owner, rings_of(speed, mass, hit_mass)});
   });

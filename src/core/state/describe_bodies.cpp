@@ -369,7 +369,7 @@ void Sleepers::describe(A& a, BodyStore& bodies, StaticShapes& statics) {
   using S = Sleeper;
   columns(
       a, list.size(), [&](std::size_t k) -> S& { return list[k]; }, &S::angle, &S::id, &S::first_shape, &S::pieces,
-      &S::touches, &S::depth, &S::group, &S::loose);
+      &S::touches, &S::depth, &S::group, &S::creeps);
   if constexpr (A::kLoading) put_sleepers(a, bodies, statics);
   std::vector<Touch*> told;  // those of no sleeper are left out
   std::vector<std::uint32_t> own;
@@ -410,11 +410,11 @@ void Sleepers::put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics) {
 // How long bodies that are awake have stayed where they are.
 template <class A>
 void Sleepers::describe_rest(A& a, const BodyStore& bodies) {
-  if constexpr (A::kLoading) std::fill_n(rest_.data(), rest_.capacity(), Rest{});
+  if constexpr (A::kLoading) std::fill_n(watched_.data(), watched_.capacity(), Watched{});
   if (!watching_ && list.empty()) return;
-  rest_.reserve(bodies.id_count);
+  watched_.reserve(bodies.id_count);
   for (std::uint32_t id = 0; id < bodies.id_count; ++id) {
-    if (bodies.info[id].place != Place::asleep) a.plain(&rest_[id], 1);
+    if (bodies.info[id].place != Place::asleep) a.plain(&watched_[id], 1);
   }
 }
 

@@ -66,7 +66,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
       neighbours({memory, lattice, population.bodies, population.statics, kernels, pool}),
       contacts({memory, lattice, population.bodies, population.statics, kernels, pool}, desc.wall),
       joints(memory),
-      sleep(memory),
+      sleep({memory, lattice, population.bodies, population.statics, kernels, pool}),
       pool(o.threads) {
   pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap

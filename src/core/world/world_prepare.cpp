@@ -30,7 +30,7 @@ void World::Impl::prepare() {
     tracer.begin();
     finish_contacts(desc.dt, span, ignored);
     if (governor.on()) spare_room();
-    if (plan.sleep && sleep.sleepers.anyone_slow(population.bodies)) sleep.make_room(sleep_source());
+    if (plan.sleep && sleep.sleepers.anyone_slow()) sleep.make_room(sleep_source());
   }
   ledger = counted;
   go_back(before);
