@@ -297,10 +297,8 @@ class ContactFinder {
     const Meeting m =
         ContactWriter::discs(writer_.way(at, world_.place(j)), r + d(bodies_.radius[j]),
                              normals ? sign * d(contacts_.nx[lane]) : 0, normals ? sign * d(contacts_.ny[lane]) : sign);
-    const Vec2 centre = world_.to_world(at);
-    const double arm = r + m.gap / 2;
-    return writer_.contact(ref.a, ref.b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m,
-                           pressed * d(contacts_.impulse[lane]), rough ? pressed * d(contacts_.friction[lane]) : 0);
+    return writer_.of_disc(ref.a, ref.b, at, r, 1, m, pressed, contacts_.impulse[lane],
+                           rough ? contacts_.friction[lane] : 0);
   }
 
   Contact write_static(const Ref& ref) const {
@@ -310,11 +308,8 @@ class ContactFinder {
     const LatticePoint at = world_.place(slot);
     const double r = d(bodies_.radius[slot]);
     const Meeting m = writer_.fixed(at, r, pair.shape, d(contacts_.s_nx[lane]), d(contacts_.s_ny[lane]));
-    const Vec2 centre = world_.to_world(at);
-    const double arm = r + m.gap / 2;
-    return writer_.contact(writer_.owner(pair.shape), bodies_.id[slot], {centre.x - arm * m.nx, centre.y - arm * m.ny},
-                           m, pressed * d(contacts_.s_impulse[lane]),
-                           contacts_.rough() ? pressed * d(contacts_.s_friction[lane]) : 0);
+    return writer_.of_disc(writer_.owner(pair.shape), bodies_.id[slot], at, r, -1, m, pressed,
+                           contacts_.s_impulse[lane], contacts_.rough() ? contacts_.s_friction[lane] : 0);
   }
 
   Contact write_manifold(const Ref& ref) const {

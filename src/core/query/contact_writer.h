@@ -50,6 +50,16 @@ class ContactWriter {
     return c;
   }
 
+  /// The contact of a disc at `at`, of radius r, that lies on the side of `first` (`side` 1) or of `second` (-1). `pressed`
+  /// turns its impulses into N s.
+  Contact of_disc(std::uint32_t first, std::uint32_t second, const LatticePoint& at, double r, double side,
+                  const Meeting& m, double pressed, float impulse, float friction) const {
+    const Vec2 centre = world_.to_world(at);
+    const double arm = side * (r + m.gap / 2);
+    return contact(first, second, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m, pressed * d(impulse),
+                   pressed * d(friction));
+  }
+
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
     return {wrap_sub(to.x, from.x) * px_ + (d(to.dx) - d(from.dx)),
             wrap_sub(to.y, from.y) * py_ + (d(to.dy) - d(from.dy))};
@@ -169,9 +179,7 @@ class ContactWriter {
     if (sa.count == 0 && sb.count == 0) {
       const Meeting m = discs(to, sa.radius + sb.radius, 0, 1);
       if (m.gap > margin) return;
-      const double arm = sa.radius + m.gap / 2;
-      out.push_back(contact(a, b, {centre.x + arm * m.nx, centre.y + arm * m.ny}, m, times * d(touch.impulse[0]),
-                            times * d(touch.friction[0])));
+      out.push_back(of_disc(a, b, sa.at, sa.radius, 1, m, times, touch.impulse[0], touch.friction[0]));
       return;
     }
     const Hull disc_a = disc_hull(static_cast<float>(sa.radius)), disc_b = disc_hull(static_cast<float>(sb.radius));
@@ -199,9 +207,7 @@ class ContactWriter {
     if (s.count == 0) {
       const Meeting m = fixed(s.at, s.radius, shape, 0, 0);
       if (m.gap > margin) return;
-      const double arm = s.radius + m.gap / 2;
-      out.push_back(contact(other, id, {centre.x - arm * m.nx, centre.y - arm * m.ny}, m, times * d(touch.impulse[0]),
-                            times * d(touch.friction[0])));
+      out.push_back(of_disc(other, id, s.at, s.radius, -1, m, times, touch.impulse[0], touch.friction[0]));
       return;
     }
     const auto most = static_cast<float>(margin);

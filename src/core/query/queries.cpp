@@ -135,7 +135,8 @@ class Gatherer {
         const Vec2 to{item.x + shift.x - at.x, item.y + shift.y - at.y};
         const double r = static_cast<double>(item.radius);
         if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r) return;
-        if (q_.wants(item.body) && meets(shape, part, item, to)) ids_.push_back(item.body);
+        if (!q_.wants(item.body) || !psim::overlap(shape, QueryIndex::outline(q_.world, part, item, to))) return;
+        ids_.push_back(item.body);
       };
       part.grid.in_box({at.x - half.x, at.y - half.y}, {at.x + half.x, at.y + half.y}, meet);
     });
@@ -152,10 +153,6 @@ class Gatherer {
   }
 
  private:
-  bool meets(const Outline& shape, const QueryIndex::Part& part, const QueryItem& item, Vec2 to) const {
-    return psim::overlap(shape, QueryIndex::outline(q_.world, part, item, to));
-  }
-
   const Question& q_;
   std::vector<std::uint32_t> ids_;
 };

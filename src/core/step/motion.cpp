@@ -92,6 +92,22 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
   return p;
 }
 
+// Says to the ledger what the plan leaves out.
+void note_skips(const StepContext& c) {
+  c.ledger.skip_if(!c.dynamics.forces, Skip::forces);
+  c.ledger.skip_if(!c.plan.restitution, Skip::restitution);
+  c.ledger.skip_if(!c.plan.masses && !c.plan.friction, Skip::masses);
+  c.ledger.skip_if(!c.plan.friction, Skip::friction);
+  c.ledger.skip_if(!c.plan.rotation, Skip::rotation);
+  c.ledger.skip_if(!c.plan.publish, Skip::publish);
+  c.ledger.skip_if(!c.contacts.loads.any(), Skip::heavy_loads);
+  c.ledger.skip_if(!c.plan.events, Skip::events);
+  c.ledger.skip_if(!c.plan.manifolds, Skip::manifolds);
+  c.ledger.skip_if(!c.plan.joints, Skip::joints);
+  c.ledger.skip_if(!c.sorts_out(), Skip::filters);
+  c.ledger.skip_if(!c.plan.continuous, Skip::continuous);
+}
+
 }  // namespace
 
 void lay_out_manifolds(const StepContext& c, double dt) {
@@ -116,21 +132,6 @@ void prepare_contacts(const StepContext& c, double dt) {
     return;
   }
   c.contacts.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, c.neighbours.table);
-}
-
-void note_skips(const StepContext& c) {
-  c.ledger.skip_if(!c.dynamics.forces, Skip::forces);
-  c.ledger.skip_if(!c.plan.restitution, Skip::restitution);
-  c.ledger.skip_if(!c.plan.masses && !c.plan.friction, Skip::masses);
-  c.ledger.skip_if(!c.plan.friction, Skip::friction);
-  c.ledger.skip_if(!c.plan.rotation, Skip::rotation);
-  c.ledger.skip_if(!c.plan.publish, Skip::publish);
-  c.ledger.skip_if(!c.contacts.loads.any(), Skip::heavy_loads);
-  c.ledger.skip_if(!c.plan.events, Skip::events);
-  c.ledger.skip_if(!c.plan.manifolds, Skip::manifolds);
-  c.ledger.skip_if(!c.plan.joints, Skip::joints);
-  c.ledger.skip_if(!c.sorts_out(), Skip::filters);
-  c.ledger.skip_if(!c.plan.continuous, Skip::continuous);
 }
 
 std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report) {

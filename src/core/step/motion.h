@@ -12,9 +12,6 @@ void lay_out_manifolds(const StepContext& c, double dt);
 /// The same, and the normals and gaps of the contacts of discs. O(contacts).
 void prepare_contacts(const StepContext& c, double dt);
 
-/// Says to the ledger what the plan leaves out.
-void note_skips(const StepContext& c);
-
 /// Fills the accelerations, joints and parameters for the substeps of a step of dt seconds; nothing, if nobody is near
 /// anything: then the closed form of integrate() is all.
 std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report);
