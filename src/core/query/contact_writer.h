@@ -161,8 +161,7 @@ class ContactWriter {
       s.radius = s.inner = d(b_.properties(id).radius);
       return s;
     }
-    const SineCosine q = sine_cosine(angle);
-    s.q = {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
+    s.q = rotor_of(angle);
     s.hulls = &b_.hulls[kind.first_hull];
     s.inner = std::fmax(d(kind.inner), 0.2 * d(b_.properties(id).radius));
     return s;
@@ -230,9 +229,7 @@ class ContactWriter {
   BodyId handle(std::uint32_t id) const { return id == kNoSlot ? kNoBody : BodyId{id, b_.info[id].generation}; }
 
   Rotor rotor(std::uint32_t slot) const {
-    if (b_.kind(b_.id[slot]).hull_count == 0) return {};
-    const SineCosine q = sine_cosine(b_.angle[slot]);
-    return {static_cast<float>(q.cosine), static_cast<float>(q.sine)};
+    return b_.kind(b_.id[slot]).hull_count == 0 ? Rotor{} : rotor_of(b_.angle[slot]);
   }
 
   // Gives the impulses of a touch to the points of a manifold, in order along the edge. The arms of side A (`of_a`) or

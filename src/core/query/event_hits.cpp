@@ -7,6 +7,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/rotor.h"
 #include "base/tasks.h"
 #include "bodies/body_store.h"
 #include "query/events.h"
@@ -33,23 +34,19 @@ Vec2 velocity(const BodyStore& b, std::uint32_t slot, double x, double y) {
 
 // The time at which a point at d with velocity u comes within r of the origin; < 0: never.
 double meeting(Vec2 d, Vec2 u, double r) {
-  const double c = d.x * d.x + d.y * d.y - r * r, b = d.x * u.x + d.y * u.y;
+  const double c = dot(d, d) - r * r, b = dot(d, u);
   if (c <= 0) return 0;
-  const double square = u.x * u.x + u.y * u.y, root = b * b - square * c;
+  const double square = dot(u, u), root = b * b - square * c;
   return b < 0 && root >= 0 ? (-b - std::sqrt(root)) / square : -1;
 }
 
 }  // namespace
 
 Vec2 EventList::closing(const Observed& s, const Candidate& c) {
-  if (c.kind != Candidate::kManifold) {
-    const Vec2 a = velocity(s.bodies, c.slot_a), b = velocity(s.bodies, c.slot_b);
-    return {b.x - a.x, b.y - a.y};
-  }
+  if (c.kind != Candidate::kManifold) return velocity(s.bodies, c.slot_b) - velocity(s.bodies, c.slot_a);
   const ManifoldPoint& p = s.contacts.manifolds.pairs()[c.at].manifold.point[c.corner];
-  const Vec2 a = velocity(s.bodies, c.slot_a, static_cast<double>(p.ax), static_cast<double>(p.ay));
-  const Vec2 b = velocity(s.bodies, c.slot_b, static_cast<double>(p.bx), static_cast<double>(p.by));
-  return {b.x - a.x, b.y - a.y};
+  return velocity(s.bodies, c.slot_b, static_cast<double>(p.bx), static_cast<double>(p.by)) -
+         velocity(s.bodies, c.slot_a, static_cast<double>(p.ax), static_cast<double>(p.ay));
 }
 
 // Appends a candidate if its bodies come near fast enough. `d` leads from the point of A to that of B. Round surfaces
@@ -62,7 +59,7 @@ void EventList::consider(const Observed& s, Candidate c, Vec2 d, double reach, d
   if (reach > 0) {
     time = meeting(d, u, reach);
     if (time > 0) {
-      const Vec2 at{d.x + time * u.x, d.y + time * u.y};
+      const Vec2 at = d + time * u;
       c.nx = at.x / reach;
       c.ny = at.y / reach;
     }
@@ -72,9 +69,7 @@ void EventList::consider(const Observed& s, Candidate c, Vec2 d, double reach, d
   if (!(reach > 0)) time = std::fmax(gap, 0) / c.speed;
   c.meets = time >= 0 && time <= kMarginFrames * dt;
   time = std::fmin(std::fmax(time, 0), dt);
-  const std::size_t j = c.slot_b;
-  const Vec2 v = velocity(b, c.slot_b);
-  const Vec2 centre = s.lattice.to_world(b.pos[2 * j], b.pos[2 * j + 1], b.disp[2 * j], b.disp[2 * j + 1]);
+  const Vec2 v = velocity(b, c.slot_b), centre = s.to_world(s.place(c.slot_b));
   Vec2 arm;
   if (c.kind == Candidate::kManifold) {
     const ManifoldPair& pair = s.contacts.manifolds.pairs()[c.at];
@@ -83,18 +78,17 @@ void EventList::consider(const Observed& s, Candidate c, Vec2 d, double reach, d
     const double half = pair.ahead ? 0 : static_cast<double>(p.gap) / 2;
     arm = {static_cast<double>(p.bx) + half * c.nx, static_cast<double>(p.by) + half * c.ny};
   } else {
-    const double r = static_cast<double>(b.radius[j]);
+    const double r = static_cast<double>(b.radius[c.slot_b]);
     arm = {-r * c.nx, -r * c.ny};
   }
-  c.point = {centre.x + time * v.x + arm.x, centre.y + time * v.y + arm.y};
+  c.point = centre + time * v + arm;
   out.push_back(c);
 }
 
 // Whether two bodies move against each other fast enough, in any direction.
 bool EventList::fast(const Observed& s, std::uint32_t slot_a, std::uint32_t slot_b) const {
-  const Vec2 a = velocity(s.bodies, slot_a), b = velocity(s.bodies, slot_b);
-  const double x = b.x - a.x, y = b.y - a.y;
-  return x * x + y * y > options_.hit_speed * options_.hit_speed;
+  const Vec2 u = velocity(s.bodies, slot_b) - velocity(s.bodies, slot_a);
+  return dot(u, u) > options_.hit_speed * options_.hit_speed;
 }
 
 void EventList::approach(const Observed& s, double dt) {

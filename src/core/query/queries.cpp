@@ -59,10 +59,7 @@ struct Question {
   // A point in the coordinates of the grids. In a periodic world it is the copy nearest to the middle.
   Vec2 place(Vec2 p) const {
     const Vec2 centre = world.lattice.centre();
-    Vec2 at{p.x - centre.x, p.y - centre.y};
-    at.x = nearest_copy(at.x, period.x);
-    at.y = nearest_copy(at.y, period.y);
-    return at;
+    return {nearest_copy(p.x - centre.x, period.x), nearest_copy(p.y - centre.y, period.y)};
   }
 };
 
@@ -83,8 +80,8 @@ bool before(const Entered& a, const Entered& b) {
 // A ray of `length` metres along u from `from`, in the coordinates of the grids.
 struct Ray {
   Ray(const Question& q, Vec2 p, Vec2 to) : from(q.place(p)) {
-    const Vec2 way{to.x - p.x, to.y - p.y};
-    length = std::sqrt(way.x * way.x + way.y * way.y);
+    const Vec2 way = to - p;
+    length = length_of(way);
     whole = length;
     if (!(length > 0)) return;
     u = {way.x / length, way.y / length};

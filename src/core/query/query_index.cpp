@@ -56,8 +56,7 @@ class Filler {
     const Vec2 middle = box.middle();
     double reach = 0;
     for (std::int32_t k = 0; k < o.count; ++k) {
-      const double x = o.v[k].x - middle.x, y = o.v[k].y - middle.y;
-      reach = std::fmax(reach, std::sqrt(x * x + y * y));
+      reach = std::fmax(reach, length_of(o.v[k] - middle));
     }
     piece.at = {-middle.x, -middle.y};
     const auto number = static_cast<std::uint32_t>(part_.pieces.size());
@@ -86,15 +85,13 @@ void fill_moving(const Observed& world, QueryIndex::Part& part) {
   }
   for (const BodyState& s : world.population.frozen) {
     const Vec2 centre = world.lattice.centre();
-    Vec2 at{s.x - centre.x, s.y - centre.y};
+    Vec2 at = Vec2{s.x, s.y} - centre;
     const BodyKind& kind = b.kind(s.id.index);
     if (kind.hull_count == 0) {
       filler.disc(s.id.index, at, static_cast<float>(s.radius));
       continue;
     }
-    const SineCosine q = sine_cosine(std::isfinite(s.angle) ? s.angle : 0);
-    const double x = static_cast<double>(kind.centre_x), y = static_cast<double>(kind.centre_y);
-    at = {at.x + (q.cosine * x - q.sine * y), at.y + (q.sine * x + q.cosine * y)};
+    at = at + arm_of(kind, std::isfinite(s.angle) ? s.angle : 0);
     filler.hulls(s.id.index, kind, at, s.angle);
   }
   part.grid.build();

@@ -26,7 +26,7 @@ std::string check_numbers(const JointDesc& d) {
   if (!(d.motor_limit >= 0) || !finite(d.motor_limit)) {
     return "motor limit must be 0 or more and finite";
   }
-  if (d.type == JointType::prismatic && std::sqrt(d.axis.x * d.axis.x + d.axis.y * d.axis.y) < 1e-12) {
+  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) {
     return "axis must not be zero";
   }
   if (d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
@@ -60,10 +60,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
 
   JointDesc d = desc;
   const BodyState a = w.state_of(d.a.index), b = w.state_of(d.b.index);
-  if (!d.length) {
-    const Vec2 p = world_point(a, d.anchor_a), q = world_point(b, d.anchor_b);
-    d.length = std::sqrt((q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y));
-  }
+  if (!d.length) d.length = length_of(world_point(b, d.anchor_b) - world_point(a, d.anchor_a));
   if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
     if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
   }
@@ -123,22 +120,17 @@ std::optional<JointState> World::joint(JointId id) const {
   s.type = d.type;
   s.anchor_a = world_point(a, d.anchor_a);
   s.anchor_b = world_point(b, d.anchor_b);
-  const double x = s.anchor_b.x - s.anchor_a.x, y = s.anchor_b.y - s.anchor_a.y;
+  const Vec2 way = s.anchor_b - s.anchor_a;
   switch (d.type) {
     case JointType::revolute:
     case JointType::weld:
       s.value = b.angle - a.angle - *d.reference;
       break;
-    case JointType::prismatic: {
-      const double size = std::sqrt(d.axis.x * d.axis.x + d.axis.y * d.axis.y);
-      const SineCosine turn = sine_cosine(a.angle);
-      s.value =
-          (x * (turn.cosine * d.axis.x - turn.sine * d.axis.y) + y * (turn.sine * d.axis.x + turn.cosine * d.axis.y)) /
-          size;
+    case JointType::prismatic:
+      s.value = dot(way, turned(sine_cosine(a.angle), d.axis)) / length_of(d.axis);
       break;
-    }
     default:
-      s.value = std::sqrt(x * x + y * y);
+      s.value = length_of(way);
   }
   impl_->joints.load_of(id, s.force, s.torque);
   return s;
