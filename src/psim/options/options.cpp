@@ -35,38 +35,42 @@ void declare(CLI::App& app, Typed& typed) {
   };
 
   declare_settings(app, typed.settings);
-  value("--budget", typed.budget, "MS", "Run", "frame budget in ms (16.67)");
-  value("--governor", typed.governor, "on|off", "Run", "keep the budget by doing less (off)");
-  value("--governor-log", typed.governor_log, "FILE.csv", "Output", "what was done of every frame");
-  value("--governor-replay", typed.governor_replay, "FILE.csv", "Run", "do what a governor's log says: the same bits");
+  value("--budget", typed.budget, "MS", "Run", "time that a frame may take, milliseconds (16.67)");
+  value("--governor", typed.governor, "on|off", "Run",
+        "whether to compute less where a frame would exceed the budget (off)");
+  value("--governor-log", typed.governor_log, "FILE.csv", "Output", "write what the governor did in each frame");
+  value("--governor-replay", typed.governor_replay, "FILE.csv", "Run",
+        "repeat what the governor did in a logged run, with the same bits");
 
-  value("--restore", typed.restore, "FILE", "Run", "start in a state of the scene that --save wrote");
-  value("--save", typed.save, "FILE", "Output", "the final state, to go on from with the same bits");
-  value("--record", typed.record, "FILE", "Output", "the run, to --replay it elsewhere");
-  value("--replay", typed.replay, "FILE", "Instead of a run", "runs a recording: the same bits here?");
+  value("--restore", typed.restore, "FILE", "Run", "start from a state of this scene that --save wrote");
+  value("--save", typed.save, "FILE", "Output", "write the final state; --restore goes on from it with the same bits");
+  value("--record", typed.record, "FILE", "Output", "write a recording of the run for --replay");
+  value("--replay", typed.replay, "FILE", "Instead of a run",
+        "run a recording and check that the bits are the same here");
 
   value("--target-error", typed.target_error, "E", "Run",
-        "the cheapest integrator and substeps that were measured to err no more");
-  value("--target-ms", typed.target_ms, "MS", "Run", "the most accurate ones that take no longer for a frame");
+        "choose the cheapest integrator and substeps whose measured error is at most E");
+  value("--target-ms", typed.target_ms, "MS", "Run",
+        "choose the most accurate integrator and substeps whose frames take at most MS ms");
 
-  value("--report", typed.report, "text|json", "Output", "form of the report (text)");
-  value("--state", typed.state, "FILE.csv", "Output", "final state, a row per body");
-  value("--metrics", typed.metrics, "FILE.csv", "Output", "times and counts, a row per frame");
-  value("--trajectory", typed.trajectory, "FILE.csv", "Output", "state of every K-th frame");
-  value("--every", typed.every, "K", "Output", "frames between rows and pictures (1)");
-  value("--image", typed.image, "FILE.png", "Output", "picture of the final state");
+  value("--report", typed.report, "text|json", "Output", "format of the report (text)");
+  value("--state", typed.state, "FILE.csv", "Output", "write the final state, a row for each body");
+  value("--metrics", typed.metrics, "FILE.csv", "Output", "write times and counts, a row for each frame");
+  value("--trajectory", typed.trajectory, "FILE.csv", "Output", "write the state of every K-th frame");
+  value("--every", typed.every, "K", "Output", "write a state or picture every K frames (1)");
+  value("--image", typed.image, "FILE.png", "Output", "paint a picture of the final state");
   declare_pictures(app, typed.pictures);
-  value("--trace", typed.trace, "FILE.json", "Output", "Chrome/Perfetto trace of all stages");
-  app.add_flag("--profile", typed.profile, "stages, threads and the bottleneck in the report")
+  value("--trace", typed.trace, "FILE.json", "Output", "write a trace of all stages for ui.perfetto.dev or Chrome");
+  app.add_flag("--profile", typed.profile, "report the time of stages and threads, and the bottleneck")
       ->group("Output")
       ->disable_flag_override();
 
-  flag("--list-scenes", typed.list_scenes, "the built-in scenes");
-  flag("--explain", typed.explain, "the stages that the scene needs, and why");
-  flag("--check", typed.check, "warns of what will go wrong in the scene");
-  flag("--verify", typed.verify, "same bits on every ISA and thread count?");
-  flag("--benchmark", typed.benchmark, "time by particles, by threads, by ISA");
-  flag("--version", typed.version, "version, compiler, build type, ISAs");
+  flag("--list-scenes", typed.list_scenes, "list the built-in scenes");
+  flag("--explain", typed.explain, "list the stages that the scene needs, and why");
+  flag("--check", typed.check, "warn of what is likely to go wrong in the scene");
+  flag("--verify", typed.verify, "check that all instruction sets and thread counts give the same bits");
+  flag("--benchmark", typed.benchmark, "measure time by number of bodies, threads and instruction set");
+  flag("--version", typed.version, "print version, compiler, build type and instruction sets");
 }
 
 // One mode at most.
@@ -159,7 +163,7 @@ void refuse_contradictions(const CLI::App& app, const Typed& typed, const Option
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Typed typed;
   CLI::App app("psim: a 2D physics engine for very many bodies", "psim");
-  app.set_help_flag("-h,--help", "this text");
+  app.set_help_flag("-h,--help", "print this text");
   app.allow_extras();
   app.get_formatter()->column_width(28);
   app.footer("Without options: the scene discs, 100,000 bodies, 600 frames.");

@@ -69,12 +69,13 @@ void declare_pictures(CLI::App& app, TypedPictures& typed) {
   const auto value = [&app](const char* name, std::string& target, const char* type, const char* what) {
     add_value(app, name, target, type, "Pictures", what);
   };
-  value("--frames-dir", typed.frames_dir, "DIR", "frame_000000.png and so on in DIR");
-  value("--video", typed.video, "FILE.mp4", "a film (needs the program ffmpeg)");
-  value("--fps", typed.fps, "N", "pictures a second of a film (60)");
-  value("--image-size", typed.size, "WxH", "pixels (films 1920x1080, --image 1600 the longer side)");
-  value("--view", typed.view, "x0,y0,x1,y1", "the part of the world to show, metres");
-  value("--colour", typed.colour, "WHAT", "speed, direction, sleep, spin, body, type, force, strip or solver (speed)");
+  value("--frames-dir", typed.frames_dir, "DIR", "write a film as pictures, DIR/frame_000000.png and so on");
+  value("--video", typed.video, "FILE.mp4", "write a film (needs the program ffmpeg)");
+  value("--fps", typed.fps, "N", "pictures per second of a film (60)");
+  value("--image-size", typed.size, "WxH", "size in pixels (films 1920x1080; --image: 1600 on the longer side)");
+  value("--view", typed.view, "x0,y0,x1,y1", "part of the world to show, in metres");
+  value("--colour", typed.colour, "WHAT",
+        "what colours show: speed, direction, sleep, spin, body, type, force, strip or solver (speed)");
 }
 
 PictureOptions read_pictures(const CLI::App& app, const TypedPictures& typed, std::optional<std::uint64_t> every) {

@@ -105,19 +105,20 @@ CLI::Option* add_value(CLI::App& app, const char* name, std::string& target, con
 void declare_settings(CLI::App& app, TypedSettings& typed) {
   const auto value = [&app](const char* name, std::string& target, const char* type, const char* group,
                             const char* what) { add_value(app, name, target, type, group, what); };
-  value("--scene", typed.scene, "FILE|NAME", "Scene", "a scene file or a built-in scene (discs)");
-  value("--particles", typed.particles, "N", "Scene", "bodies of a built-in scene, 1..10000000");
-  value("--seed", typed.seed, "N", "Scene", "seed of every generator in the scene");
+  value("--scene", typed.scene, "FILE|NAME", "Scene", "scene file, or name of a built-in scene (discs)");
+  value("--particles", typed.particles, "N", "Scene", "number of bodies of a built-in scene, 1..10000000");
+  value("--seed", typed.seed, "N", "Scene", "seed of all random numbers of the scene");
 
-  value("--frames", typed.frames, "N", "Run", "frames to run (600)");
-  value("--dt", typed.dt, "S", "Run", "seconds a frame (the scene's, else 1/60)");
-  value("--substeps", typed.substeps, "N", "Run", "substeps a frame, 1..64 (the scene's, else 4)");
+  value("--frames", typed.frames, "N", "Run", "number of frames to run (600)");
+  value("--dt", typed.dt, "S", "Run", "length of a frame in seconds (the scene's, else 1/60)");
+  value("--substeps", typed.substeps, "N", "Run", "substeps in each frame, 1..64 (the scene's, else 4)");
   value("--integrator", typed.integrator, "NAME", "Run",
-        "verlet, euler, rk4 or symplectic4 for wells and drag (the scene's, else verlet)");
-  value("--threads", typed.threads, "N", "Run", "worker threads, 1..256 (the machine's cores)");
-  value("--isa", typed.isa, "NAME", "Run", (isa_choices() + " (auto: the CPU's best)").c_str());
-  value("--sleep", typed.sleep, "on|off", "Run", "bodies at rest sleep (the scene's, else on)");
-  value("--skin", typed.skin, "F", "Run", "factor on the skin of neighbour lists, 0.25..4 (the scene's, else 1)");
+        "method for wells and drag: verlet, euler, rk4 or symplectic4 (the scene's, else verlet)");
+  value("--threads", typed.threads, "N", "Run", "number of threads, 1..256 (the machine's cores)");
+  value("--isa", typed.isa, "NAME", "Run", ("instruction set: " + isa_choices() + " (auto: the CPU's best)").c_str());
+  value("--sleep", typed.sleep, "on|off", "Run", "whether bodies at rest fall asleep (the scene's, else on)");
+  value("--skin", typed.skin, "F", "Run",
+        "margin of neighbour lists, as a factor of the usual one, 0.25..4 (the scene's, else 1)");
 }
 
 void read_settings(const CLI::App& app, const TypedSettings& typed, Options& options) {
