@@ -170,13 +170,10 @@ BodyId Population::add_fixed(const BodyDesc& d, std::string& error) {
     error = "too many kinds of body: at most 16,777,215";
     return kNoBody;
   }
-  BodyProperties properties;
-  properties.type = BodyType::static_body;
-  properties.kind = entry & kMostKinds;
   const auto* disc = std::get_if<DiscShape>(&d.shape);
-  properties.radius = disc != nullptr ? static_cast<float>(disc->radius) : 0;
-  properties.restitution = coefficient(d.material.restitution);
-  properties.friction = coefficient(d.material.friction);
+  const double radius = disc != nullptr ? disc->radius : 0;
+  BodyProperties properties = disc_properties(BodyType::static_body, radius, 0, d.material, 1, false);
+  properties.kind = entry & kMostKinds;
 
   const std::uint32_t id = bodies.take_id();
   BodyInfo& info = bodies.info[id];

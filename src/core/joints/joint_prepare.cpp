@@ -86,12 +86,12 @@ SpringRow spring_row(double stiffness, double damping, double mass, double h) {
 double line_mass(const JointBodies& b, std::uint32_t k, const JointMember& ma, const JointMember& mb, Vec2 arm_a,
                  Vec2 arm_b, Vec2 apart) {
   const double far = length_of(apart);
-  const double nx = far > 0 ? apart.x / far : 0, ny = far > 0 ? apart.y / far : 1;
-  const double sa = arm_a.x * ny - arm_a.y * nx, sb = arm_b.x * ny - arm_b.y * nx;
+  const Vec2 n = far > 0 ? Vec2{apart.x / far, apart.y / far} : Vec2{0, 1};
   const auto part = [&](float w, float g, double s, double inverse) {
     return static_cast<double>(w) + static_cast<double>(g) * s * s * inverse * inverse;
   };
-  return 1 / (part(b.wa[k], b.ga[k], sa, ma.inverse_radius) + part(b.wb[k], b.gb[k], sb, mb.inverse_radius));
+  return 1 / (part(b.wa[k], b.ga[k], cross(arm_a, n), ma.inverse_radius) +
+              part(b.wb[k], b.gb[k], cross(arm_b, n), mb.inverse_radius));
 }
 
 // The effective mass of turning B against A while their anchors stay together, kg m^2: the entry of the angle in the

@@ -62,9 +62,9 @@ class JointStore {
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
   std::size_t bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    std::size_t sum = of(joints_) + of(free_) + of(first_) + of(exclusive_) + of(bodies_) + of(members_) + of(ranges_) +
-                      of(share_ranges_) + of(jobs_) + of(share_jobs_) + of(phases_) + of(marks_) +
+    const auto of = [](const auto&... v) { return ((v.capacity() * sizeof(v[0])) + ...); };
+    std::size_t sum = of(joints_, free_, first_, exclusive_, bodies_, members_, ranges_, share_ranges_, jobs_,
+                         share_jobs_, phases_, marks_) +
                       exclusions_.size() * 32 + lists_.bytes();
     for (const auto& lanes : lanes_) sum += of(lanes);
     return sum;

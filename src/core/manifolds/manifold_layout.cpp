@@ -108,6 +108,19 @@ void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, 
   }
 }
 
+// Finds the offsets with which the impulses of a pair balance its gaps: rate s = -soft K l, where K is the inverse mass
+// at the point.
+void balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
+  const float most = kMostOffset * b.kind(pair.id_b).inner;
+  for (int k = 0; k < pair.manifold.count; ++k) {
+    const ManifoldBlock::Point& p = c.point[k];
+    const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
+    const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
+    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -most, most) : 0.0f;
+  }
+  pair.balanced = c.soft[l];
+}
+
 // The run of a strip to which a pair belongs, see StripBlocks::end.
 std::uint32_t class_of(const ManifoldPair& pair, const HeavyLoads& loads) {
   return (pair.fixed_a ? 2u : 0u) + (is_loaded(pair, loads) ? 1u : 0u);
@@ -252,19 +265,6 @@ void Manifolds::set_column(std::uint32_t k, ManifoldPair::StackRole column) {
   ManifoldPair& pair = pairs_[k];
   pair.stack = column;
   if (pair.was_stack == ManifoldPair::kLoose) strips_[strip_of(k)].rewrite.push_back(k);
-}
-
-// Finds the offsets with which the impulses of a pair balance its gaps: rate s = -soft K l, where K is the inverse mass
-// at the point.
-void Manifolds::balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
-  const float most = kMostOffset * b.kind(pair.id_b).inner;
-  for (int k = 0; k < pair.manifold.count; ++k) {
-    const ManifoldBlock::Point& p = c.point[k];
-    const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
-    const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
-    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -most, most) : 0.0f;
-  }
-  pair.balanced = c.soft[l];
 }
 
 // Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may be

@@ -5,6 +5,25 @@
 #include "manifolds/manifolds.h"
 
 namespace psim {
+namespace {
+
+// Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
+void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, ManifoldPair& pair) {
+  const bool ground = pair.a == PairName::kNone && (pair.shape >= kWallLeft || !statics[pair.shape].asleep);
+  const Touch* touch =
+      recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape) : TouchKey::bodies(pair.id_a, pair.id_b));
+  if (touch == nullptr) return;
+  pair.recalled = static_cast<std::uint8_t>(touch->points);
+  // If the other side was a sleeping shape, a disc had this contact in the lists of discs.
+  const bool disc_a = !ground && b.kind(pair.id_a).hull_count == 0;
+  const float unit = touch->times(false, b.properties(disc_a ? pair.id_a : pair.id_b).mass);
+  for (int k = 0; k < 2; ++k) {
+    pair.impulse[k] = unit * touch->impulse[k];
+    pair.friction[k] = unit * touch->friction[k];
+  }
+}
+
+}  // namespace
 
 bool Manifolds::collide_at_all(const BodyStore& b, const Joined* joined, std::uint32_t i, std::uint32_t j) const {
   const std::uint32_t id = b.id[i], other = b.id[j];
@@ -78,23 +97,6 @@ std::uint32_t Manifolds::recall(const PairName& pair, const std::vector<Manifold
     if (known.same(pair) && !known.moved) return entries_[k].pair;
   }
   return PairName::kNone;
-}
-
-// Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
-void Manifolds::recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent,
-                             ManifoldPair& pair) {
-  const bool ground = pair.a == PairName::kNone && (pair.shape >= kWallLeft || !statics[pair.shape].asleep);
-  const Touch* touch =
-      recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape) : TouchKey::bodies(pair.id_a, pair.id_b));
-  if (touch == nullptr) return;
-  pair.recalled = static_cast<std::uint8_t>(touch->points);
-  // If the other side was a sleeping shape, a disc had this contact in the lists of discs.
-  const bool disc_a = !ground && b.kind(pair.id_a).hull_count == 0;
-  const float unit = touch->times(false, b.properties(disc_a ? pair.id_a : pair.id_b).mass);
-  for (int k = 0; k < 2; ++k) {
-    pair.impulse[k] = unit * touch->impulse[k];
-    pair.friction[k] = unit * touch->friction[k];
-  }
 }
 
 // Decides what becomes of a pair of the lists. Two discs stay in the lists.

@@ -319,10 +319,6 @@ class Manifolds {
   static void name(const BodyStore& bodies, const StaticShapes& statics, const StaticPair& static_pair, PairName& pair);
   template <class Each>
   void each_other_part(const BodyStore& bodies, const PairName& pair, const Each& each) const;
-  static void recall_touch(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent,
-                           ManifoldPair& pair);
-  static void balance(const BodyStore& bodies, ManifoldPair& pair, const kernels::ManifoldBlock& block,
-                      std::uint32_t lane);
   std::uint32_t recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
   struct Look;  // manifold_look.h
   void swap_pairs();
