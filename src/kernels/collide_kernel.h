@@ -1,5 +1,5 @@
 // Contacts of two hulls, a pair a lane: separating axes and clipping, operation by operation as
-// src/core/collide.cpp does them one pair at a time. Both sides of its branches are computed and
+// src/core/manifolds/collide.cpp does them one pair at a time. Both sides of its branches are computed and
 // one is selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie
 // beside it. What is rare (cores deep in each other, outlines that floats cannot tell apart) is
 // not worth the lanes' time: `hard` names those pairs, and the caller asks collide().
@@ -84,7 +84,7 @@ template <class L, int kN, int kM>
   return best;
 }
 
-/// Of the vertex after number `at` of `count`.
+/// The number of the vertex after number `at`, of `count` vertices.
 template <class L>
 [[gnu::always_inline]] inline F<L> next_of(F<L> at, F<L> count) {
   const auto next = at + 1;

@@ -7,8 +7,8 @@
 namespace psim::kernels {
 namespace {
 
-/// Where the impulse of a row with two ends goes: as near to 0 as keeps lower <= x <= upper at the
-/// substep's end; an end that is passed pushes back.
+/// The new impulse of a row with two ends: the one nearest to 0 that keeps lower <= x <= upper at the
+/// substep's end. An end that is passed pushes back.
 template <class L>
 [[gnu::always_inline]] inline F<L> limited(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> inv_h) {
   const F<L> zero = 0, l = L::load(d.limit_l + k);
@@ -20,7 +20,7 @@ template <class L>
   return max(low, min(zero, high));
 }
 
-/// In relax: an end that pushes keeps the velocity at 0, as long as it pushes.
+/// The same for the relax pass, where an end keeps the velocity at 0 as long as it pushes.
 template <class L>
 [[gnu::always_inline]] inline F<L> limited_rigid(const Drive& d, std::uint32_t k, F<L> v, F<L> mass) {
   const F<L> zero = 0, l = L::load(d.limit_l + k);
@@ -50,13 +50,13 @@ template <class L, bool kRelax, class Speed, class Push>
   L::store(d.limit_l + k, limit);
 }
 
-/// Sum of the impulses.
+/// The sum of the impulses of the ends and of the motor.
 template <class L>
 [[gnu::always_inline]] inline F<L> driven_impulse(const Drive& d, std::uint32_t k) {
   return L::load(d.limit_l + k) + L::load(d.motor_l + k);
 }
 
-/// And of the stored ones times a factor, which are kept.
+/// Scales the stored impulses by a factor and returns their sum.
 template <class L>
 [[gnu::always_inline]] inline F<L> warm_drive(Drive& d, std::uint32_t k, F<L> warm) {
   L::store(d.limit_l + k, warm * L::load(d.limit_l + k));
@@ -64,7 +64,7 @@ template <class L>
   return driven_impulse<L>(d, k);
 }
 
-/// Impulse of the push pass, for a row at x with velocity v: only beyond the ends.
+/// The impulse of the push pass for a row at x with velocity v. It is 0 between the ends.
 template <class L>
 [[gnu::always_inline]] inline F<L> push_back(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> rate) {
   const F<L> zero = 0;

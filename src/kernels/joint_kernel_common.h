@@ -65,14 +65,14 @@ template <class L, bool kFixedA>
   apply_impulse<L, kFixedA>(m, p.x, p.y, qa, qb, j.wa, j.wb, j.ga, j.gb);
 }
 
-/// Normal and levers.
+/// A row: its unit normal and its levers.
 template <class L>
 struct Row {
   Vec<L> n;
   F<L> sa, sb;
 };
 
-/// That of the anchors along n.
+/// The row of the anchors along n.
 template <class L>
 [[gnu::always_inline]] inline Row<L> anchor_row(const Arms<L>& j, Vec<L> n) {
   return {n, cross(j.a, n), cross(j.b, n)};
@@ -115,7 +115,7 @@ template <class L>
   return {m.vbx - m.ub * j.b.y - (m.vax - m.ua * j.a.y), m.vby + m.ub * j.b.x - (m.vay + m.ua * j.a.x)};
 }
 
-/// h x centripetal acceleration of B's anchor against A's, -rB wB^2 + rA wA^2; of turns that h resolves.
+/// h x centripetal acceleration of B's anchor against A's, -rB wB^2 + rA wA^2. Turns are limited to what h resolves.
 template <class L>
 [[gnu::always_inline]] inline Vec<L> anchor_pull(const TwoBodies<L>& m, const Arms<L>& j, F<L> h) {
   const F<L> most = 0.05f;
@@ -160,8 +160,8 @@ template <class L, class Block>
 
 // ---- turning of impulses ----------------------------------------------------------------------------
 
-/// Half of what turning the impulses adds: e to the impulse, sa and sb to those of the levers (the arms of a
-/// pin turn and its axes do not: e = 0). Kept for the next solve.
+/// Adds half of what turning the impulses adds: e to the impulse, sa and sb to those of the levers. The arms of a
+/// pin turn and its axes do not, so that e = 0 there. The half is kept, since the next solve adds it again.
 template <class L, bool kFixedA, class Block>
 [[gnu::always_inline]] inline void turn_half(TwoBodies<L>& m, const Arms<L>& arms, Block& j, std::uint32_t k,
                                              const Row<L>& e) {
@@ -170,7 +170,7 @@ template <class L, bool kFixedA, class Block>
   push<L, kFixedA>(m, arms, e.n, e.sa, e.sb);
 }
 
-/// The other half, of the last substep's impulses.
+/// Adds the other half of what turning the impulses of the last substep adds.
 template <class L, bool kFixedA, class Block>
 [[gnu::always_inline]] inline void turn_on(TwoBodies<L>& m, const Arms<L>& arms, const Block& j, std::uint32_t k) {
   Vec<L> e{0, 0};
@@ -178,7 +178,7 @@ template <class L, bool kFixedA, class Block>
   push<L, kFixedA>(m, arms, e, L::load(j.ea + k), L::load(j.eb + k));
 }
 
-/// There was none.
+/// Sets what turning adds to zero: the next solve has no half to add.
 template <class L, class Block>
 [[gnu::always_inline]] inline void forget_turn(Block& j, std::uint32_t k) {
   const Vec<L> none{0, 0};

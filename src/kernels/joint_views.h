@@ -22,10 +22,10 @@ struct JointBodies {
   std::uint32_t body[2 * kBlock];                            ///< A and B of each lane
   float wa[kBlock], wb[kBlock];                              ///< 1/kg
   float ga0[kBlock], gb0[kBlock];                            ///< R^2 / I, 1/kg
-  float ga[kBlock], gb[kBlock];                              ///< and as far as the load lets it turn
+  float ga[kBlock], gb[kBlock];                              ///< the same as far as the load lets a body turn
   float ra[kBlock], rb[kBlock];                              ///< 1 / R, 1/m
   float ax0[kBlock], ay0[kBlock], bx0[kBlock], by0[kBlock];  ///< arms / R at the frame's start
-  float ax[kBlock], ay[kBlock], bx[kBlock], by[kBlock];      ///< and now
+  float ax[kBlock], ay[kBlock], bx[kBlock], by[kBlock];      ///< the same now
   float ea[kBlock], eb[kBlock];  ///< N s: half of what turning the impulses adds to those of the levers
 };
 
@@ -33,7 +33,7 @@ struct JointBodies {
 struct alignas(kAlign) LineBlock : JointBodies {
   float dx0[kBlock], dy0[kBlock];           ///< m: from anchor to anchor at the frame's start
   float far0[kBlock];                       ///< m: its length
-  float c0[kBlock];                         ///< m: and that less the joint's length
+  float c0[kBlock];                         ///< m: that length less the joint's length
   float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
   float push[kBlock], drag[kBlock];         ///< springs: k' h, N s/m, and k' h^2 / 4 + c' h / 2, kg
   float nx[kBlock], ny[kBlock], c[kBlock];  ///< now
@@ -59,7 +59,7 @@ struct Drive {
   float limit_l[kBlock], motor_l[kBlock];
 };
 
-/// And a row of angles on top: what an impulse of 1 N m s there takes along in the pin so that the
+/// A pin with a row of angles. An impulse of 1 N m s in that row takes the impulse g along in the pin, so that the
 /// anchors stay together (Schur complement).
 struct alignas(kAlign) TwistBlock : PinBlock {
   float angle0[kBlock], angle[kBlock];  ///< rad: B - A - reference

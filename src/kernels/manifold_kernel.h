@@ -18,7 +18,7 @@ namespace {
 // much of K_12 holds the difference of their changes back in the relax pass.
 constexpr float kClose = 0.01f, kHeld = 0.02f;
 
-/// Motion of the two bodies of some lanes.
+/// The velocities and rim speeds of the two bodies of some lanes.
 template <class L>
 struct TwoBodies {
   F<L> vax, vay, ua, vbx, vby, ub;
@@ -115,7 +115,8 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, float scale, std::
   }
 }
 
-/// Approach of a point before the kick; where it is an impact, what it should part with.
+/// The lanes in which the approach of a point before the kick is an impact. `target` is the velocity with which the
+/// point should part.
 template <class L>
 [[gnu::always_inline]] inline M<L> manifold_bounces(const TwoBodies<L>& before, F<L> nx, F<L> ny, F<L> at, F<L> bt,
                                                     F<L> s, F<L> e, const ContactParams& p, F<L>& target) {
@@ -320,7 +321,7 @@ template <class L, bool kBounce>
   scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
 }
 
-/// As part_impact of contact_row.h.
+/// Does for a point what part_impact of contact_row.h does for a contact.
 template <class L>
 [[gnu::always_inline]] inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t k, F<L> n, M<L> was) {
   const auto lasts = min(n, max(L::load(point.start + k), 0));

@@ -158,7 +158,7 @@ void relax_statics(const BodyView& b, const StaticContactView& c, const ContactP
   }
 }
 
-/// As spend_contacts.
+/// Does what spend_contacts does, for fixed geometry.
 template <class L, Model kModel>
 void spend_statics(const BodyView& b, const StaticContactView& c, const ContactParams&, std::uint32_t begin,
                    std::uint32_t end) {
