@@ -143,8 +143,8 @@ void HashGrid::near(std::int32_t x, std::int32_t y, std::uint32_t half_x, std::u
       }
       continue;
     }
-    for (std::size_t at = 0; at < size_;
-         ++at) {  // the box covers more cells than are in use: all of these are looked at
+    // The box covers more cells than are in use: all of these are looked at.
+    for (std::size_t at = 0; at < size_; ++at) {
       if (key_[at] == 0 || static_cast<int>((key_[at] >> 58) & 31) != level) continue;
       const auto kx = static_cast<std::uint32_t>(key_[at] >> 29) & 0x1FFFFFFFu;
       const auto ky = static_cast<std::uint32_t>(key_[at]) & 0x1FFFFFFFu;

@@ -75,12 +75,12 @@ struct ManifoldPair : PairName {
   /// Whether the pair is in a stack that stands on a moving body, in one on fixed ground, or in none.
   enum StackRole : std::uint8_t { kLoose, kOnMoving, kOnFixed };
   StackRole stack = kLoose;
-  StackRole was_stack = kLoose;                 ///< the role with which it was written into its lane
-  std::uint8_t rest_frames = 0;                 ///< frames in which it stays out of stacks
-  static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
-  std::uint8_t colour =
-      kAlone;  ///< of its lane: kColours times the run in StripBlocks::end, plus the colour in the run
+  StackRole was_stack = kLoose;  ///< the role with which it was written into its lane
+  std::uint8_t rest_frames = 0;  ///< frames in which it stays out of stacks
   static constexpr std::uint32_t kColours = 32;
+  static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
+  /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
+  std::uint8_t colour = kAlone;
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
   // When a side falls asleep or wakes, the contact gets another stiffness, and the same load would need another
   // overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it fades.
