@@ -262,7 +262,8 @@ PSIM_DESCRIBED(EventList, std::uint32_t);
 template <class A>
 void JointStore::describe(A& a, const BodyStore& bodies) {
   if constexpr (!A::kLoading) save_impulses();
-  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse); });
+  float spare = 0;  // the format has room for a fifth impulse
+  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
   describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
   bool laid = !stale_;
   values(a, laid, h_);
