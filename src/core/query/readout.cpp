@@ -28,26 +28,28 @@ struct Row {
   float x = 0, y = 0, angle = 0, speed = 0;  // m from the lattice centre, radians, m/s
 };
 
+Row row_at(const Observed& world, const LatticePoint& place, Vec2 arm, double angle, float speed) {
+  const Vec2 at = world.from_centre(place);
+  return {static_cast<float>(at.x - arm.x), static_cast<float>(at.y - arm.y), static_cast<float>(angle), speed};
+}
+
 Row row_of(std::uint32_t id, const Observed& world) {
   const BodyStore& b = world.bodies;
   const BodyInfo& info = b.info[id];
-  const auto row = [&](const LatticePoint& place, Vec2 arm, double angle, float speed) -> Row {
-    const Vec2 at = world.from_centre(place);
-    return {static_cast<float>(at.x - arm.x), static_cast<float>(at.y - arm.y), static_cast<float>(angle), speed};
-  };
+  const std::size_t i = info.slot;
+  if (info.place == Place::moving) {
+    const float speed = std::sqrt(b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1]);
+    if (b.angle.empty()) return row_at(world, world.place(i), {}, 0, speed);
+    return row_at(world, world.place(i), arm_of(b.kind(id), b.angle[i]), b.angle[i], speed);
+  }
+  if (info.place == Place::asleep) {
+    const Sleeper& s = world.sleep.sleepers.list[i];
+    return row_at(world, s.at, arm_of(b.kind(id), s.angle), s.angle, 0);
+  }
   const auto still = [centre = world.lattice.centre()](const auto& f) -> Row {
     return {static_cast<float>(f.x - centre.x), static_cast<float>(f.y - centre.y), static_cast<float>(f.angle), 0};
   };
-  const std::size_t i = info.slot;
-  if (info.place == Place::asleep) {
-    const Sleeper& s = world.sleep.sleepers.list[i];
-    return row(s.at, arm_of(b.kind(id), s.angle), s.angle, 0);
-  }
-  if (info.place == Place::fixed) return still(world.population.fixed[i]);
-  if (info.place != Place::moving) return still(world.population.frozen[i]);
-  const float speed = std::sqrt(b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1]);
-  if (b.angle.empty()) return row(world.place(i), {}, 0, speed);
-  return row(world.place(i), arm_of(b.kind(id), b.angle[i]), b.angle[i], speed);
+  return info.place == Place::fixed ? still(world.population.fixed[i]) : still(world.population.frozen[i]);
 }
 
 // The place before, moved to the side of a periodic seam on which `now` is: a body that crosses the seam does not fly
