@@ -1,15 +1,14 @@
 #include "lists/large_cells.h"
-#include "base/sort_keys.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
+
+#include "base/sort_keys.h"
 
 namespace psim {
 namespace {
 
-constexpr std::size_t kExponents = 256;  // number of float exponents: one level each at most
 constexpr std::uint64_t kMostCells = std::uint64_t{1} << 30;
 constexpr double kRowTests = 24;  // the cost of a row of cells beside its candidates, in comparisons
 
@@ -17,17 +16,9 @@ std::size_t exponent(float reach) { return std::bit_cast<std::uint32_t>(reach) >
 
 }  // namespace
 
-void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t begin, std::uint32_t end,
-                       const Lattice& lattice) {
-  levels_.clear();
-  if (end - begin < kLeast) {
-    if (begin == end) release();
-    return;
-  }
-  const std::size_t n = end - begin;
-  begin_ = begin;
-  const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
-  for (int k = 0; k < 2; ++k) pitch_[k] = static_cast<float>(pitch[k]);
+// A level for each exponent that a reach has; tells the level of each.
+LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t begin, std::uint32_t end,
+                                            const double (&pitch)[2]) {
   std::array<std::uint32_t, kExponents> bodies{};
   std::array<float, kExponents> most{};
   for (std::size_t i = begin; i < end; ++i) {
@@ -35,7 +26,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
     ++bodies[e];
     most[e] = std::max(most[e], reach[i]);
   }
-  std::array<std::size_t, kExponents> level_of{};
+  LevelOf level_of{};
   std::uint32_t place = 0, bucket = 0;
   for (std::size_t e = 0; e < kExponents; ++e) {
     if (bodies[e] == 0) continue;
@@ -54,12 +45,28 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
     level_of[e] = levels_.size();
     levels_.push_back(level);
   }
+  return level_of;
+}
+
+void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t begin, std::uint32_t end,
+                       const Lattice& lattice) {
+  levels_.clear();
+  if (end - begin < kLeast) {
+    if (begin == end) release();
+    return;
+  }
+  const std::size_t n = end - begin;
+  begin_ = begin;
+  const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
+  for (int k = 0; k < 2; ++k) pitch_[k] = static_cast<float>(pitch[k]);
+  const LevelOf level_of = make_levels(reach, begin, end, pitch);
+  const std::size_t bucket = std::size_t{levels_.back().bucket} + levels_.back().mask + 1;
   at_.reserve(2 * n);
   reach_.reserve(n);
   slot_.reserve(n);
   place_.reserve(n);
-  start_.reserve(std::size_t{bucket} + 1);
-  std::fill_n(start_.data(), std::size_t{bucket} + 1, 0u);
+  start_.reserve(bucket + 1);
+  std::fill_n(start_.data(), bucket + 1, 0u);
   // Count the bodies of each bucket; then each start holds the end of its bucket and goes down as bodies come.
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = begin + k;

@@ -7,6 +7,7 @@
 // needs nothing else. O(bodies) to build; 24 bytes a large body.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -52,6 +53,10 @@ class LargeCells {
   struct Span {
     std::uint64_t first = 0, cells = 0;
   };
+  static constexpr std::size_t kExponents = 256;  // of floats: one level each at most
+  using LevelOf = std::array<std::size_t, kExponents>;
+
+  LevelOf make_levels(const float* reach, std::uint32_t begin, std::uint32_t end, const double (&pitch)[2]);
 
   static std::uint64_t cell_at(const Axis& a, std::int32_t at) {
     return (std::uint64_t{static_cast<std::uint32_t>(at)} * a.per) >> 32;

@@ -94,10 +94,9 @@ void Solver::Run::spend() {
   });
 }
 
-// Marks the contacts that the impact sweeps may settle: those with restitution whose bodies both rest on nothing, and
-// those that are fully elastic.
-void Solver::mark_impacts(const SolverInput& in) {
-  ContactStore& c = in.contacts;
+// Touches the bodies of contacts that press: who rests on something.
+void Solver::touch_resting(const SolverInput& in) {
+  const ContactStore& c = in.contacts;
   const auto strips = static_cast<std::uint32_t>(in.table.strips.size());
   const std::uint32_t bodies = in.solved.dummies() + 2 * strips + 8;
   constexpr std::uint32_t kLine = 64;  // bytes: a strip marks bodies of no other strip in its own cache line
@@ -137,6 +136,13 @@ void Solver::mark_impacts(const SolverInput& in) {
     const bool fixed = touch_pressing(c.s_impulse.data(), c.s_body.data(), kOne, nobody, s.static_begin, s.static_end);
     pressing_[index] = pairs || fixed;
   });
+}
+
+// Marks the contacts that the impact sweeps may settle: those with restitution whose bodies both rest on nothing, and
+// those that are fully elastic.
+void Solver::mark_impacts(const SolverInput& in) {
+  ContactStore& c = in.contacts;
+  touch_resting(in);
   // 0 means that it may be settled; resting is 0 or 1
   const auto mark = [](float e, std::uint32_t resting) {
     const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
@@ -145,7 +151,7 @@ void Solver::mark_impacts(const SolverInput& in) {
   const auto mark_lanes = [&](float* impact, const float* e, std::size_t begin, std::size_t end, const auto& resting) {
     for (std::size_t k = 8 * begin; k < 8 * end; ++k) impact[k] = mark(e[k], resting(k));
   };
-  in.pool.run(strips, [&](std::size_t index) {
+  in.pool.run(in.table.strips.size(), [&](std::size_t index) {
     const Strip& s = in.table.strips[index];
     const auto mark_both = [&](const auto& pair_rests, const auto& body_rests) {
       mark_lanes(c.impact.data(), c.e.data(), s.block_begin, s.block_end, pair_rests);

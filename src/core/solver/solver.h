@@ -134,6 +134,7 @@ class Solver {
  private:
   class Run;
   void find_loaded(const PairTable& table);
+  void touch_resting(const SolverInput& in);
   void mark_impacts(const SolverInput& in);
   void sum_up(const SolverInput& in, int substeps);
 
