@@ -47,7 +47,7 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
 // Whether a pair lies under a heavy load. Those of stacks do not count, since stacks are solved exactly.
 bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
   const bool fixed = pair.a == ManifoldPair::kNone;
-  return pair.stack == ManifoldPair::kLoose && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+  return pair.stack == ManifoldPair::kNoStack && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
 }
 
 // Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
@@ -94,14 +94,14 @@ void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, 
                    bool loaded) {
   const Manifold& m = pair.manifold;
   const bool bounces = c.e[l] > 0;
-  const Stiffness of = pair.stack == ManifoldPair::kLoose ? stiffness_of(params, pair.fixed_a, loaded, bounces)
-                                                          : stack_stiffness(params, pair);
+  const Stiffness of = pair.stack == ManifoldPair::kNoStack ? stiffness_of(params, pair.fixed_a, loaded, bounces)
+                                                            : stack_stiffness(params, pair);
   c.soft[l] = of.soft;
   c.rate[l] = of.rate;
   c.share_a[l] = c.share_b[l] = 1;
   const double g = length_of(params.gravity);
   // The impulse of an impact is applied at once, that of a stack exactly.
-  if (pair.stack == ManifoldPair::kLoose && !bounces && !pair.fixed_a && !loaded && g > 0) {
+  if (pair.stack == ManifoldPair::kNoStack && !bounces && !pair.fixed_a && !loaded && g > 0) {
     const double down = dot(params.gravity, {static_cast<double>(m.nx), static_cast<double>(m.ny)}) / g;
     if (down <= -kSupport) c.share_a[l] = kReaction;
     if (down >= kSupport) c.share_b[l] = kReaction;
@@ -253,7 +253,7 @@ void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
   }
   for (const std::uint32_t k : strip.rewrite) {
     const ManifoldPair& pair = pairs_[k];
-    if (pair.stack == ManifoldPair::kLoose) continue;
+    if (pair.stack == ManifoldPair::kNoStack) continue;
     ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
     const Stiffness of = stack_stiffness(params, pair);
     c.soft[pair.lane % kBlock] = of.soft;
@@ -261,10 +261,10 @@ void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
   }
 }
 
-void Manifolds::set_column(std::uint32_t k, ManifoldPair::StackRole column) {
+void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
   ManifoldPair& pair = pairs_[k];
-  pair.stack = column;
-  if (pair.was_stack == ManifoldPair::kLoose) strips_[strip_of(k)].rewrite.push_back(k);
+  pair.stack = role;
+  if (pair.was_stack == ManifoldPair::kNoStack) strips_[strip_of(k)].rewrite.push_back(k);
 }
 
 // Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may be

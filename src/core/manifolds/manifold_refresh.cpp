@@ -219,7 +219,7 @@ std::uint32_t Manifolds::Look::look(std::span<ManifoldPair> pairs, Batches& batc
   Waiting waiting[CollideBatch::kKinds];
   for (ManifoldPair& pair : pairs) {
     if (pair.moved) continue;
-    pair.stack = ManifoldPair::kLoose;
+    pair.stack = ManifoldPair::kNoStack;
     if (pair.rest_frames != 0) --pair.rest_frames;
     if (pair.balanced > 0) fade(pair);
     Stand now;
@@ -276,7 +276,7 @@ void Manifolds::finish_strip(const Look& look, std::size_t index) {
     strip.active.push_back(k);
     if (!laid) continue;
     if (!pair.changed) write_gaps(strip, pair);
-    if (pair.changed || pair.was_stack != ManifoldPair::kLoose) strip.rewrite.push_back(k);
+    if (pair.changed || pair.was_stack != ManifoldPair::kNoStack) strip.rewrite.push_back(k);
   }
   stale_[index] = stale;
 }

@@ -73,10 +73,10 @@ struct ManifoldPair : PairName {
   bool lasting = false;            ///< the manifold may be kept while bodies move little
   bool changed = true;             ///< it changed since it was written into its lane
   /// Whether the pair is in a stack that stands on a moving body, in one on fixed ground, or in none.
-  enum StackRole : std::uint8_t { kLoose, kOnMoving, kOnFixed };
-  StackRole stack = kLoose;
-  StackRole was_stack = kLoose;  ///< the role with which it was written into its lane
-  std::uint8_t rest_frames = 0;  ///< frames in which it stays out of stacks
+  enum StackRole : std::uint8_t { kNoStack, kOnMoving, kOnFixed };
+  StackRole stack = kNoStack;
+  StackRole was_stack = kNoStack;  ///< the role with which it was written into its lane
+  std::uint8_t rest_frames = 0;    ///< frames in which it stays out of stacks
   static constexpr std::uint32_t kColours = 32;
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
@@ -250,7 +250,7 @@ class Manifolds {
   std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }
   ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
-  void set_column(std::uint32_t k, ManifoldPair::StackRole column);
+  void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
   /// Pairs of a strip that are contacts in this step.
   const std::vector<std::uint32_t>& active_of(std::size_t strip) const { return strips_[strip].active; }
   std::size_t strip_of(std::uint32_t pair) const {

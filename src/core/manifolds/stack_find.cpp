@@ -34,7 +34,7 @@ bool rocks(const BodyStore& b, const ManifoldPair& pair, double g, double dt) {
   const double turns_a = fixed ? 0 : std::fabs(static_cast<double>(b.rim_speed[pair.a]));
   const double turns_b = std::fabs(static_cast<double>(b.rim_speed[pair.b]));
   return std::hypot(moves.x, moves.y) + turns_a + turns_b >
-         (pair.was_stack == ManifoldPair::kLoose ? kCalm : kShaken) * g * dt;
+         (pair.was_stack == ManifoldPair::kNoStack ? kCalm : kShaken) * g * dt;
 }
 
 }  // namespace
@@ -157,7 +157,7 @@ void Stacks::add_stack(const BodyStore& b, Manifolds& manifolds, std::size_t beg
   stacks_.push_back({static_cast<std::uint32_t>(links_.size()), static_cast<std::uint32_t>(end - begin), false});
   const bool grounded = manifolds.pairs()[run_[begin].pair].fixed_a;
   for (std::size_t k = begin; k < end; ++k) {
-    manifolds.set_column(run_[k].pair, grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving);
+    manifolds.set_stack_role(run_[k].pair, grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving);
     run_[k].closed = static_cast<double>(kClosed * b.kind(manifolds.pairs()[run_[k].pair].id_b).inner);
     links_.push_back(run_[k]);
   }

@@ -130,7 +130,7 @@ class Sleepers {
   template <class A>
   void put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics);
   template <class A>
-  void describe_rest(A& a, const BodyStore& bodies);
+  void describe_watched(A& a, const BodyStore& bodies);
   bool left_ball(std::size_t slot, bool wide) const;
 
   // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a

@@ -381,7 +381,7 @@ void Sleepers::describe(A& a, BodyStore& bodies, StaticShapes& statics) {
   }
   describe_touches(a, told, bodies.id_count, [&](std::size_t k) { return own[k]; });
   recent.describe(a, bodies.id_count);
-  describe_rest(a, bodies);
+  describe_watched(a, bodies);
 }
 
 // Sleepers that were read take their places in the other tables.
@@ -409,7 +409,7 @@ void Sleepers::put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics) {
 
 // How long bodies that are awake have stayed where they are.
 template <class A>
-void Sleepers::describe_rest(A& a, const BodyStore& bodies) {
+void Sleepers::describe_watched(A& a, const BodyStore& bodies) {
   if constexpr (A::kLoading) std::fill_n(watched_.data(), watched_.capacity(), Watched{});
   if (!watching_ && list.empty()) return;
   watched_.reserve(bodies.id_count);

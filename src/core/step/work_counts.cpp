@@ -19,7 +19,7 @@ std::uint64_t loaded_manifold_lanes(const Contacts& contacts) {
   for (const ManifoldPair& pair : contacts.manifolds.pairs()) {
     if (!pair.active) continue;
     ++active;
-    if (pair.stack != ManifoldPair::kLoose) continue;
+    if (pair.stack != ManifoldPair::kNoStack) continue;
     loaded += (pair.a != ManifoldPair::kNone && loads.at(pair.a)) || loads.at(pair.b);
   }
   return loaded == 0 ? 0 : active + kLoadedLanes * (HeavyLoads::kSweeps - 1) * loaded;
