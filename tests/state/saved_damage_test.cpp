@@ -161,8 +161,8 @@ TEST(SavedDamage, WrongNumbersOfScenesAreRefusedOrServed) {
       ASSERT_EQ(fuzz::broken_promise(*other), "") << of.name << ", byte " << at;
     }
   }
-  EXPECT_GT(served, 50);
-  EXPECT_GT(refused, 50);
+  EXPECT_GT(8 * served, served + refused);  // both happen: neither to fewer than one in eight
+  EXPECT_GT(8 * refused, served + refused);
 }
 
 TEST(SavedDamage, NumbersThatAreWrongAreRefusedOrServed) {
