@@ -1,4 +1,4 @@
-// What equal bodies share: mass, radius and material, and the properties that few bodies have, such as a shape other
+// Two tables hold what equal bodies share: mass, radius and material, and the properties that few bodies have, such as a shape other
 // than a disc. The tables own them; a body names its entry.
 #pragma once
 

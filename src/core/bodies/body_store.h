@@ -80,8 +80,8 @@ class BodyStore {
   /// For saved states (describe_bodies.cpp). `lists`: with where they were when the lists were made.
   template <class A>
   void describe(A& a, bool lists);
-  /// Of a state that is read: the body is the `at`-th of those at a place. False if it is of no such place, or is in one
-  /// already.
+  /// Makes a body of a state that is being read the `at`-th of those at a place. Returns false if there is no such place,
+  /// or if the body is in one already.
   bool put(std::uint32_t body, Place place, std::size_t at);
 
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
@@ -213,7 +213,7 @@ class BodyStore {
     angle_change.reserve(total);
   }
 
-  /// What kernels see. A column that the plan does not have is null.
+  /// Returns the columns as kernels see them. A column that the plan does not have is null.
   kernels::BodyView view() {
     return {.pos = pos.data(),
             .vel = vel.data(),

@@ -147,14 +147,6 @@ const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) 
   return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
 }
 
-Bounds StaticShapes::box_of(const StaticShape& s) const {
-  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
-  const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
-  const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
-  const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-  return {std::fmin(px, qx) - r, std::fmin(py, qy) - r, std::fmax(px, qx) + r, std::fmax(py, qy) + r};
-}
-
 StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
   const auto clamp = [](double c, std::int64_t n) {
     if (!(c > 0)) return std::int64_t{0};

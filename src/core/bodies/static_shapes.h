@@ -5,6 +5,7 @@
 // the pieces of static bodies are hashed, too.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -132,11 +133,18 @@ class StaticShapes {
   void narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const;
   Cells cells_of(const Bounds& box) const;
   bool meets_grid(const Bounds& box) const;
-  Bounds box_of(const StaticShape& s) const;
   void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
   void drop(std::uint32_t number);
   void enter(HashGrid& grid, std::uint32_t number) const;
   double size_of(const StaticShape& s) const { return static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius); }
+  // Here, for near() asks it of every shape that a cell names.
+  Bounds box_of(const StaticShape& s) const {
+    const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
+    const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
+    const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
+    const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+    return {std::fmin(px, qx) - r, std::fmin(py, qy) - r, std::fmax(px, qx) + r, std::fmax(py, qy) + r};
+  }
   bool beside(const StaticShape& s, double x, double y, double reach) const;
 
   Column<std::uint32_t> cell_start_, cell_shape_;
