@@ -1,5 +1,5 @@
-// Two tables hold what equal bodies share: mass, radius and material, and the properties that few bodies have, such as a shape other
-// than a disc. The tables own them; a body names its entry.
+// Two tables hold what equal bodies share: mass, radius and material, and the properties that few bodies have, such as
+// a shape other than a disc. The tables own their entries; a body names the number of its entry.
 #pragma once
 
 #include <algorithm>
