@@ -1,7 +1,7 @@
 // World::save and World::restore, Save/<state>/<threads> and Restore/<state>/<threads>: 100,000 equal
 // discs of a pile that may not sleep, while they fall (20 frames), as they land (250, 400: pairs are saved by name;
-// 700: and where lists were made) and at rest (1,500), when lists last; and of the same pile that may sleep, once at least
-// half of it or all does (half_asleep, asleep). Reported besides:
+// 700: and where lists were made) and at rest (1,500), when lists last; and of the same pile that may sleep, once at
+// least half of it or all does (half_asleep, asleep). Reported besides:
 //   bytes_per_disc     of the saved state
 //   of_memcpy          time / that of a memcpy of as many bytes, measured in the same process
 #include <benchmark/benchmark.h>

@@ -28,8 +28,8 @@ struct Contact {
   /// contacts that no step solved: those among sleepers.
   std::uint32_t strip = kNoStrip;
   /// Its colour in that strip: contacts of one colour are solved together, since no two of them share a
-  /// dynamic body (the two points of a manifold are one contact there). Small numbers are solved first. kNoColour: it is
-  /// solved by itself, where a body has too many contacts; or not known, after World::restore until the next step
+  /// dynamic body (the two points of a manifold are one contact there). Small numbers are solved first. kNoColour: it
+  /// is solved by itself, where a body has too many contacts; or not known, after World::restore until the next step
   /// and while a governor spreads a step over frames.
   std::uint32_t colour = kNoColour;
 };

@@ -70,8 +70,8 @@ struct Scene {
   std::uint64_t body_count() const;
 };
 
-/// Reads a scene from JSON text, psim's own or that of R.U.B.E. (docs/scenes.md). On failure returns nothing and one line in `error`:
-/// FILE:LINE:COL: path: what was wrong, what is allowed. `file` is used in messages only.
+/// Reads a scene from JSON text, psim's own or that of R.U.B.E. (docs/scenes.md). On failure returns nothing and one
+/// line in `error`: FILE:LINE:COL: path: what was wrong, what is allowed. `file` is used in messages only.
 std::optional<Scene> parse_scene(std::string_view text, std::string_view file, std::string& error);
 
 /// Reads a file and parses it.

@@ -171,10 +171,10 @@ class PSIM_API World {
   /// changes the world. O(bodies) a call.
   std::span<const std::uint32_t> strips();
 
-  /// Makes the arrays of a step without taking one, and the lists of the first step, which then costs no more than later
-  /// ones: for the end of loading, after everything was added. Changes no result: if the world is
-  /// changed or asked for its contacts before the first step, that step makes the lists again. After the first step it
-  /// does nothing.
+  /// Makes the arrays of a step without taking one, and the lists of the first step, which then costs no more than
+  /// later ones: for the end of loading, after everything was added. Changes no result: if the world is changed or
+  /// asked for its contacts before the first step, that step makes the lists again. After the first step it does
+  /// nothing.
   void prepare();
 
   /// Advances by desc.dt. Deterministic: the same calls give the same bits on every ISA and any

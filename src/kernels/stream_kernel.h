@@ -151,8 +151,8 @@ bool integrate_as(const BodyView& b, const StreamParams& p, std::uint32_t begin,
 /// End of a frame. Free bodies: v' = damp v + kick, d += coast v + fall (exact for uniform gravity
 /// and linear damping). All bodies: whole lattice steps move from the offset into the position,
 ///   k = nearest(d / pitch), X += k, d -= k pitch,
-/// exactly, so nothing is lost over any number of frames. Offsets are cut to `far`. Returns false if any body is faster than
-/// the limit or not a number (the caller finds it and deals with it).
+/// exactly, so nothing is lost over any number of frames. Offsets are cut to `far`. Returns false if any body is faster
+/// than the limit or not a number (the caller finds it and deals with it).
 template <class L>
 bool integrate(const BodyView& b, const StreamParams& p, std::uint32_t begin, std::uint32_t end) {
   return b.acc == nullptr ? integrate_as<L, false>(b, p, begin, end) : integrate_as<L, true>(b, p, begin, end);

@@ -1,5 +1,5 @@
-// Large bodies find one another, and others find them: exactly those that a comparison of each with each finds, in the same
-// order, whatever their sizes, wherever they lie, on every ISA.
+// Large bodies find one another, and others find them: exactly those that a comparison of each with each finds, in the
+// same order, whatever their sizes, wherever they lie, on every ISA.
 #include "lists/large_cells.h"
 
 #include <cmath>

@@ -1,5 +1,6 @@
-// Random worlds of discs, and of other shapes, filters and joints among them, in which hosts push, add, remove and change things: one goes straight on, the other is saved
-// and restored now and then, into a fresh world, too; with a governor the other replays what the first one chose.
+// Random worlds of discs, and of other shapes, filters and joints among them, in which hosts push, add, remove and
+// change things: one goes straight on, the other is saved and restored now and then, into a fresh world, too; with a
+// governor the other replays what the first one chose.
 #include <random>
 
 #include "joint_support.h"

@@ -289,7 +289,8 @@ TEST(RenewalLarge, SeeWhateverTouches) {
   EXPECT_GT(renewed, 100u);
 }
 
-// Boxes and hexagons among discs, in a heap and alone on bumpy ground: whoever overlaps is known to, of the moving and the fixed.
+// Boxes and hexagons among discs, in a heap and alone on bumpy ground: whoever overlaps is known to, of the moving and
+// the fixed.
 TEST(RenewalShapes, SeeWhateverTouches) {
   constexpr std::uint32_t kHeap = 800, kCount = kHeap + 20;
   WorldDesc desc = walled({0, 0, 90, 60}, {0, -kG}, kGrip);

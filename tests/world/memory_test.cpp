@@ -41,7 +41,8 @@ TEST(Memory, TheEstimateIsAnUpperOne) {
   EXPECT_GT(estimate_memory_bytes(10000000), estimate_memory_bytes(1000000));
 }
 
-// Until the first step a prepared world keeps its state of before, and then gives it back: `x = {}` would keep the room.
+// Until the first step a prepared world keeps its state of before, and then gives it back: `x = {}` would keep the
+// room.
 TEST(Memory, WhatPreparingKeepsCountsUntilTheFirstStep) {
   const std::size_t n = 20000;
   auto world = pile(n, {}, best_isa(), 2);

@@ -48,7 +48,8 @@ PSIM_API const char* psim_skip_name(int32_t bit);
 PSIM_API size_t psim_estimate_memory_bytes(size_t discs);
 
 /// Measures what work costs with these options (NULL: the defaults) for worlds of about so many
-/// bodies, `shapes` of them not discs; about a tenth of a second for 10,000. `costs` must have been through psim_cost_model_init.
+/// bodies, `shapes` of them not discs; about a tenth of a second for 10,000. `costs` must have been through
+/// psim_cost_model_init.
 PSIM_API psim_result psim_measure_costs(const psim_run_options* options, size_t bodies, size_t shapes,
                                         psim_cost_model* costs);
 

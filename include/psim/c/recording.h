@@ -50,8 +50,8 @@ PSIM_API uint64_t psim_replay_steps_in_all(const psim_replay* replay);
 /// Hashes that were compared; 0 for NULL.
 PSIM_API uint64_t psim_replay_hashes(const psim_replay* replay);
 
-/// The first step with a hash after which the state was another than recorded; 0: none yet, or NULL. The first step that
-/// was another is this one or one since the hash before it. 1 also if the state that it began with is another.
+/// The first step with a hash after which the state was another than recorded; 0: none yet, or NULL. The first step
+/// that was another is this one or one since the hash before it. 1 also if the state that it began with is another.
 PSIM_API uint64_t psim_replay_differs_at(const psim_replay* replay);
 
 /// 1 once all was run, as many steps as the recording says, and the last state was compared; else 0, as for NULL. If

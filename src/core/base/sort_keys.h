@@ -15,8 +15,8 @@ template <std::random_access_iterator Iterator>
 requires std::integral<std::iter_value_t<Iterator>>
 void sort_keys(Iterator begin, Iterator end) { std::sort(begin, end); }
 
-/// Sorts by `less`, which goes by first_of(element) first, a number below `ids`. Where there are many elements, they are
-/// counted by their first number. Equal elements keep their order.
+/// Sorts by `less`, which goes by first_of(element) first, a number below `ids`. Where there are many elements, they
+/// are counted by their first number. Equal elements keep their order.
 template <class T, class FirstOf, class Less>
 void sort_by_first(std::vector<T>& list, std::vector<T>& scratch, std::vector<std::uint32_t>& count, std::uint32_t ids,
                    const FirstOf& first_of, const Less& less) {

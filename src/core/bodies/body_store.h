@@ -80,8 +80,8 @@ class BodyStore {
   /// For saved states (describe_bodies.cpp). `lists`: with where they were when the lists were made.
   template <class A>
   void describe(A& a, bool lists);
-  /// Makes a body of a state that is being read the `at`-th of those at a place. Returns false if there is no such place,
-  /// or if the body is in one already.
+  /// Makes a body of a state that is being read the `at`-th of those at a place. Returns false if there is no such
+  /// place, or if the body is in one already.
   bool put(std::uint32_t body, Place place, std::size_t at);
 
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort

@@ -1,4 +1,5 @@
-// Population knows who is in a world: the moving bodies, the static ones, those that are frozen, and how many there are of each kind.
+// Population knows who is in a world: the moving bodies, the static ones, those that are frozen, and how many there are
+// of each kind.
 //
 // In: descriptions and changes that were checked. Out: bodies by id and by slot, fixed geometry, Traits for the plan.
 // Bodies that sleep keep their ids here; where they lie is known to Sleepers. Neither lists nor contacts nor joints

@@ -9,7 +9,8 @@
 namespace psim {
 namespace {
 
-// Contacts under heavy loads are swept sixteen times a pass, so a sixty-fourth of all contacts costs a quarter of a pass.
+// Contacts under heavy loads are swept sixteen times a pass, so a sixty-fourth of all contacts costs a quarter of a
+// pass.
 constexpr std::uint32_t kFewContacts = 512, kShare = 64;
 constexpr double kFading = 0.95;  // factor a search on the cost of the costliest one
 

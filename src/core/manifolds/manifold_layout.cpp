@@ -267,8 +267,8 @@ void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
   if (pair.was_stack == ManifoldPair::kNoStack) strips_[strip_of(k)].rewrite.push_back(k);
 }
 
-// Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may be
-// in many lanes of a block.
+// Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may
+// be in many lanes of a block.
 void Manifolds::colour_strip(const HeavyLoads& loads, std::size_t index, LaneCounts& counts) {
   StripBlocks& strip = strips_[index];
   const auto each = [&](const auto& visit) {

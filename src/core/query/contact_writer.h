@@ -50,8 +50,8 @@ class ContactWriter {
     return c;
   }
 
-  /// The contact of a disc at `at`, of radius r, that lies on the side of `first` (`side` 1) or of `second` (-1). `pressed`
-  /// turns its impulses into N s.
+  /// The contact of a disc at `at`, of radius r, that lies on the side of `first` (`side` 1) or of `second` (-1).
+  /// `pressed` turns its impulses into N s.
   Contact of_disc(std::uint32_t first, std::uint32_t second, const LatticePoint& at, double r, double side,
                   const Meeting& m, double pressed, float impulse, float friction) const {
     const Vec2 centre = world_.to_world(at);

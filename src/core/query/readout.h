@@ -1,5 +1,5 @@
-// What is read out of a world as a whole: its hash, its sums, its bodies as columns, and their places for a renderer. All
-// go by id, so that neither slots nor threads show. O(ids).
+// What is read out of a world as a whole: its hash, its sums, its bodies as columns, and their places for a renderer.
+// All go by id, so that neither slots nor threads show. O(ids).
 #pragma once
 
 #include <array>

@@ -197,8 +197,8 @@ void Solver::Run::warm(bool first_of_step) {
   if (joined_) joints.warm(view_, kernels, warm_pair.warm, pool);
 }
 
-// One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with fixed
-// shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
+// One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
+// fixed shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
   for_pairs(

@@ -56,7 +56,8 @@ struct ArchiveHeader {
   std::uint64_t hash = 0;  ///< of what follows the header
 };
 
-/// Reads the header of a file of ours, a saved state or a recording (`what`). Returns what is wrong with it, or an empty string.
+/// Reads the header of a file of ours, a saved state or a recording (`what`). Returns what is wrong with it, or an
+/// empty string.
 template <class Header>
 std::string read_header(std::span<const std::byte> bytes, const char* what, Header& header) {
   if (bytes.size() < sizeof header) return "it is cut short";

@@ -1,5 +1,5 @@
-// Who is there: the tables of what bodies share, bodies by id, the columns of those that move, the lists of those that do
-// not, fixed geometry, and the bodies that sleep, which are part of it meanwhile.
+// Who is there: the tables of what bodies share, bodies by id, the columns of those that move, the lists of those that
+// do not, fixed geometry, and the bodies that sleep, which are part of it meanwhile.
 #include "bodies/population.h"
 #include "sleep/sleepers.h"
 #include "state/describe.h"

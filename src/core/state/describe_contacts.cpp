@@ -1,5 +1,5 @@
-// What bodies have to do with each other: the lists of who may meet, contacts of shapes, joints, and what events compare
-// the next step with.
+// What bodies have to do with each other: the lists of who may meet, contacts of shapes, joints, and what events
+// compare the next step with.
 #include <cmath>
 
 #include "joints/joint_store.h"
@@ -256,8 +256,8 @@ void EventList::describe(A& a, std::uint32_t ids) {
 PSIM_DESCRIBED(Manifolds, const ManifoldsAround&);
 PSIM_DESCRIBED(EventList, std::uint32_t);
 
-// ---- joints: what the host asked for, and the blocks with what they did in the last substep. Which joint lies in which
-// lane, and who is joined to whom, follows from that.
+// ---- joints: what the host asked for, and the blocks with what they did in the last substep. Which joint lies in
+// which lane, and who is joined to whom, follows from that.
 
 template <class A>
 void JointStore::describe(A& a, const BodyStore& bodies) {

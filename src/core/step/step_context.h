@@ -1,6 +1,6 @@
-// What the parts of a step work on: references to the owners of a world, the settings that this step goes by, and how far
-// its work has come. A governor may spread that work over several frames, so StepProgress is part of the world's state
-// between frames, and of its saved states.
+// What the parts of a step work on: references to the owners of a world, the settings that this step goes by, and how
+// far its work has come. A governor may spread that work over several frames, so StepProgress is part of the world's
+// state between frames, and of its saved states.
 #pragma once
 
 #include <cstdint>

@@ -1,9 +1,10 @@
-// World::save and restore: the state of a whole world, part by part. Each part describes its own (state/describe_*.cpp).
+// World::save and restore: the state of a whole world, part by part. Each part describes its own
+// (state/describe_*.cpp).
 //
 // A state is written between steps. Lists that last are made again from where the bodies were when they were made, with
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
-// governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into the
-// world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
+// governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
+// the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
 #include "base/invariant.h"
 #include "base/machine.h"
 #include "state/describe.h"

@@ -5,8 +5,8 @@
 // as extended by the X Rendering Extension). A pile of discs smaller than a pixel is therefore as bright
 // as the area that they cover, which repeated mixing would miss. Lines are laid over.
 //
-// Figures are kept apart from the background until the end. A figure of several bands is painted in each, its rows there
-// alone, by the same sums: a pixel does not depend on where bands end.
+// Figures are kept apart from the background until the end. A figure of several bands is painted in each, its rows
+// there alone, by the same sums: a pixel does not depend on where bands end.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,8 @@
 namespace psim::cli {
 
 /// job(number, worker) for every number below `jobs`, worker 0 being the caller. Threads are started for it, about 30
-/// microseconds each, and have ended when it returns; none with one thread. Which worker gets which number is left to chance.
+/// microseconds each, and have ended when it returns; none with one thread. Which worker gets which number is left to
+/// chance.
 template <class Job>
 void share_out(std::size_t jobs, int threads, const Job& job) {
   std::atomic<std::size_t> next{0};

@@ -1,5 +1,5 @@
-// Which numbers the scene format allows. docs/scene.schema.json says the same, and tests/scene/scene_schema_test.cpp compares
-// the two.
+// Which numbers the scene format allows. docs/scene.schema.json says the same, and tests/scene/scene_schema_test.cpp
+// compares the two.
 #pragma once
 
 #include <cstddef>
