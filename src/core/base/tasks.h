@@ -20,6 +20,12 @@ inline BlockRange stream_range(std::size_t task, std::uint32_t blocks) {
   return {begin, std::min(blocks, begin + kTaskBlocks)};
 }
 
+/// Runs each(range) over the ranges of `blocks` blocks.
+template <class Pool, class Each>
+void run_stream(std::uint32_t blocks, Pool& pool, const Each& each) {
+  pool.run(stream_tasks(blocks), [&](std::size_t task) { each(stream_range(task, blocks)); });
+}
+
 /// Runs each(strip) over strips in three phases: even strips, odd strips, then the last strip, the group of large
 /// bodies. No two strips of a phase share a body. `begin` and `end` count strips in that order.
 template <class Pool, class Each>
