@@ -26,8 +26,11 @@ class Column {
 
  public:
   explicit Column(MemoryMeter& meter) : meter_(&meter) {}
-  Column(const Column&) = delete;
-  Column& operator=(const Column&) = delete;
+  Column(Column&& other) noexcept : meter_(other.meter_) { swap(other); }
+  Column& operator=(Column&& other) noexcept {
+    swap(other);
+    return *this;
+  }
   ~Column() { release(); }
 
   /// Makes room for n values (and the readable pad). Keeps the content; new values are zero.
@@ -84,5 +87,11 @@ class Column {
   std::size_t capacity_ = 0;
   std::size_t capacity_bytes_ = 0;
 };
+
+/// Bytes that these vectors hold: a meter does not count them.
+template <class... Vectors>
+std::size_t bytes_of(const Vectors&... vectors) {
+  return (std::size_t{0} + ... + (vectors.capacity() * sizeof vectors[0]));
+}
 
 }  // namespace psim

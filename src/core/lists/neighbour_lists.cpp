@@ -40,7 +40,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
 
 bool NeighbourLists::move(std::size_t begin, std::size_t end) {
   const bool last = end == broad.moves();
-  if (last && !selects()) table.swap(old_table);
+  if (last && !selects()) std::swap(table, old_table);
   broad.move(found(), begin, end);
   return last;
 }
@@ -48,7 +48,7 @@ bool NeighbourLists::move(std::size_t begin, std::size_t end) {
 void NeighbourLists::select(const ListSettings& world, double dt, std::size_t begin, std::size_t end) {
   constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
   if (begin == 0) {
-    table.swap(old_table);
+    std::swap(table, old_table);
     const bool periodic = world.desc->boundary == Boundary::periodic;
     speeds.measure(bodies, candidates.strips, {world.uneven, periodic, broad.lattice().pitch_y(), kMarginFrames * dt},
                    pool);

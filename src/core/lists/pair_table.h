@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <ranges>
 #include <vector>
 
 #include "base/column.h"
@@ -37,8 +38,12 @@ struct StaticPair {
 /// The contacts of a body with fixed shapes in the list of its strip: the first one, and past the last one.
 template <class List>
 auto contacts_of(List& list, std::uint32_t body) {
-  const auto less = [](const StaticPair& x, const StaticPair& y) { return x.body < y.body; };
-  return std::equal_range(list.begin(), list.end(), StaticPair{body}, less);
+  return std::ranges::equal_range(list, body, {}, &StaticPair::body);
+}
+
+/// Names a pair whichever way round it is told: the lower slot, then the higher one.
+inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
 struct PairTable {
@@ -61,20 +66,6 @@ struct PairTable {
   /// For saved states: the strips and their bodies.
   template <class A>
   void describe(A& a);
-
-  void swap(PairTable& o) {
-    first.swap(o.first);
-    owner.swap(o.owner);
-    other.swap(o.other);
-    contact.swap(o.contact);
-    strips.swap(o.strips);
-    static_contacts.swap(o.static_contacts);
-    found.swap(o.found);
-    std::swap(body_count, o.body_count);
-    std::swap(large_begin, o.large_begin);
-    std::swap(pair_room, o.pair_room);
-    std::swap(renewed_begin, o.renewed_begin);
-  }
 
   /// Makes room for `pairs` pairs, gaps included.
   void spare(std::size_t bodies, std::size_t pairs) {
@@ -115,7 +106,10 @@ struct PairTable {
   std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t pair = find_listed(a, b);
     if (pair != kNoPair || renewed_begin == kNoneRenewed) return pair;
-    return find_renewed(std::min(a, b), std::max(a, b));
+    const std::uint64_t key = pair_key(a, b);
+    const auto renewed = std::views::iota(renewed_begin, strips.back().pair_end);
+    const auto at = std::ranges::lower_bound(renewed, key, {}, [&](std::uint32_t p) { return key_of(p); });
+    return at != renewed.end() && key_of(*at) == key ? *at : kNoPair;
   }
   /// The same among the pairs of the last build.
   std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {
@@ -127,25 +121,12 @@ struct PairTable {
     }
     return kNoPair;
   }
-  std::uint32_t find_renewed(std::uint32_t low, std::uint32_t high) const {
-    const std::uint32_t end = strips.back().pair_end;
-    std::uint32_t from = renewed_begin, to = end;
-    while (from < to) {
-      const std::uint32_t middle = from + (to - from) / 2;
-      const bool before = owner[middle] != low ? owner[middle] < low : other[middle] < high;
-      (before ? from : to) = before ? middle + 1 : middle;
-    }
-    return from < end && owner[from] == low && other[from] == high ? from : kNoPair;
-  }
-  /// The strip that owns a body. O(log strips).
+  std::uint64_t key_of(std::uint32_t pair) const { return pair_key(owner[pair], other[pair]); }
+  /// The strip that owns a body: the last one that begins there, since an empty strip begins where the next one does.
+  /// O(log strips).
   std::size_t strip_of(std::uint32_t body) const {
-    std::size_t low = 0, high = strips.size();
-    while (high - low > 1) {
-      const std::size_t middle = (low + high) / 2;
-      // Empty strips share their begin with the next one; the owner is the last that starts here.
-      (strips[middle].body_begin <= body ? low : high) = middle;
-    }
-    return low;
+    const auto after = std::ranges::upper_bound(strips, body, {}, &Strip::body_begin);
+    return static_cast<std::size_t>(after - strips.begin()) - 1;
   }
 };
 

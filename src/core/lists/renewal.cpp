@@ -17,48 +17,42 @@ constexpr std::uint32_t kJob = 64;      // bodies that one job searches for
 constexpr std::size_t kSeen = 256;      // first room for the bodies that one body sees
 constexpr std::size_t kPairsABody = 8;  // most pairs a renewed body, on average
 
-std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
-
 }  // namespace
 
 bool ListRenewal::find(float time) {
-  const std::uint32_t blocks = b_.blocks(), most = b_.count / kShare;
-  const std::size_t tasks = stream_tasks(blocks);
+  const std::uint32_t most = b_.count / kShare;
   const kernels::BodyView view = b_.view();
   kernels::StreamParams p;
   p.pitch_x = static_cast<float>(lattice_.pitch_x());
   p.pitch_y = static_cast<float>(lattice_.pitch_y());
-  if (stale_.size() < tasks) stale_.resize(tasks);
-  std::atomic<std::uint32_t> sum{0};
-  pool_.run(tasks, [&](std::size_t t) {
-    std::vector<std::uint32_t>& stale = stale_[t];
-    stale.clear();
+  std::atomic<std::uint32_t> count{0};
+  const auto too_many = [&] { return count.load(std::memory_order_relaxed) > most; };
+  found_.resize(most);
+  run_stream(b_.blocks(), pool_, [&](BlockRange r) {
     const auto age = [&](std::uint32_t begin, std::uint32_t end) {
       return k_.list_age(view, b_.built.data(), b_.radius.data(), b_.reach.data(), p, time, begin, end);
     };
-    const BlockRange r = stream_range(t, blocks);
-    if (sum.load(std::memory_order_relaxed) > most || age(r.begin, r.end) <= 0) return;
-    for (std::uint32_t block = r.begin; block < r.end; ++block) {
+    if (too_many() || age(r.begin, r.end) <= 0) return;
+    for (std::uint32_t block = r.begin; block < r.end && !too_many(); ++block) {
       if (age(block, block + 1) <= 0) continue;
-      for (std::size_t i = std::size_t{block} * kBlock; i < std::min<std::size_t>(b_.count, (block + 1) * kBlock);
-           ++i) {
+      for (std::uint32_t slot = block * kBlock; slot < std::min(b_.count, (block + 1) * kBlock); ++slot) {
         // The same arithmetic as in the list_age kernel.
+        const std::size_t i = slot;
         const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * p.pitch_x;
         const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * p.pitch_y;
         const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
         const float next = std::sqrt(u * u + v * v) * time;
-        if (std::sqrt(x * x + y * y) + next - (b_.reach[i] - b_.radius[i]) > 0) {
-          stale.push_back(static_cast<std::uint32_t>(i));
-        }
+        if (!(std::sqrt(x * x + y * y) + next - (b_.reach[i] - b_.radius[i]) > 0)) continue;
+        const std::uint32_t at = count.fetch_add(1, std::memory_order_relaxed);
+        if (at < most) found_[at] = slot;
       }
     }
-    sum.fetch_add(static_cast<std::uint32_t>(stale.size()), std::memory_order_relaxed);
   });
-  found_.clear();
+  found_.resize(too_many() ? 0 : count.load());
   time_ = time;
   known_ = true;
-  if (sum.load() > most) return false;
-  for (std::size_t t = 0; t < tasks; ++t) found_.insert(found_.end(), stale_[t].begin(), stale_[t].end());
+  if (too_many()) return false;
+  sort_keys(found_.begin(), found_.end());
   std::size_t both = found_.size() + renewed_.size();
   if (!renewed_.empty()) {
     for (const std::uint32_t slot : found_) both -= mark_[slot] != kListed ? 1 : 0;
@@ -75,7 +69,7 @@ void ListRenewal::spare(std::size_t bodies) {
   linked_.reserve(2 * most);
   pairs_.reserve(pairs);
   fresh_.reserve(pairs);
-  if (scratch_.size() < (most + kJob - 1) / kJob) scratch_.resize((most + kJob - 1) / kJob);
+  scratch_.resize(std::max(scratch_.size(), (most + kJob - 1) / kJob));
   for (Scratch& s : scratch_) {
     s.owner.resize(std::max<std::size_t>(s.owner.size(), kSeen));
     s.other.resize(s.owner.size());
@@ -83,7 +77,6 @@ void ListRenewal::spare(std::size_t bodies) {
   }
   statics_.reserve(kSeen);
   near_.reserve(kSeen);
-  mine_.reserve(kSeen);
 }
 
 void ListRenewal::forget() {
@@ -106,39 +99,24 @@ void ListRenewal::place(const Renewed& at) {
   }
 }
 
-// Counts the found bodies as renewed from now on.
-void ListRenewal::admit() {
-  if (renewed_.empty()) spare(b_.count);
-  const auto before = static_cast<std::ptrdiff_t>(renewed_.size());
-  for (const std::uint32_t slot : found_) {
-    if (mark_[slot] == kListed) renewed_.push_back(place_of(slot));
-    mark_[slot] = kFound;
-  }
-  std::inplace_merge(renewed_.begin(), renewed_.begin() + before, renewed_.end(),
-                     [](const Renewed& x, const Renewed& y) { return x.slot < y.slot; });
-}
-
 void ListRenewal::sort_places() {
   const std::size_t axis = broad_.wide() ? 0 : 1;
-  std::erase_if(places_, [&](const Place& p) { return mark_[p.slot] == kFound; });
+  std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
   const auto before = static_cast<std::ptrdiff_t>(places_.size());
   for (const std::uint32_t slot : found_) {
-    places_.push_back({static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]), slot});
+    const auto along = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
+    places_.push_back(std::uint64_t{along} << 32 | slot);
     most_ = std::max(most_, b_.reach[slot]);
   }
-  const auto less = [](const Place& x, const Place& y) {
-    return x.along != y.along ? x.along < y.along : x.slot < y.slot;
-  };
-  // Total order: a slot has one place.
-  std::sort(places_.begin() + before, places_.end(), less);
-  std::inplace_merge(places_.begin(), places_.begin() + before, places_.end(), less);
+  sort_keys(places_.begin() + before, places_.end());
+  std::inplace_merge(places_.begin(), places_.begin() + before, places_.end());
 }
 
 // Finds the pairs of a found body that no strip has. Of two found bodies the one with the lower slot takes the pair.
 void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s) const {
   const auto keep = [&](std::uint32_t other) {
     if (b_.id[other] == kNoSlot || table.find_listed(slot, other) != PairTable::kNoPair) return;
-    s.pairs.push_back(key_of(slot, other));
+    s.pairs.push_back(pair_key(slot, other));
   };
   kernels::PairList list;
   for (;;) {
@@ -155,20 +133,17 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
   const auto px = static_cast<float>(lattice_.pitch_x()), py = static_cast<float>(lattice_.pitch_y());
   const double reach = static_cast<double>(b_.reach[slot]) + static_cast<double>(most_);
   const double steps = reach * 1.0001 / (axis == 0 ? lattice_.pitch_x() : lattice_.pitch_y()) + 2;
-  const auto meet = [&](const Place& p) {
-    const std::size_t i = slot, j = p.slot;
+  const auto meet = [&](std::uint32_t other) {
+    const std::size_t i = slot, j = other;
     if (i == j || (mark_[j] == kFound && j < i)) return;
     const float dx = static_cast<float>(wrap_sub(b_.built[2 * j], b_.built[2 * i])) * px;
     const float dy = static_cast<float>(wrap_sub(b_.built[2 * j + 1], b_.built[2 * i + 1])) * py;
     const float sum = b_.reach[i] + b_.reach[j];
-    if (dx * dx + dy * dy < sum * sum) keep(p.slot);
+    if (dx * dx + dy * dy < sum * sum) keep(other);
   };
   const auto along = [&](std::uint32_t from, std::uint32_t to) {
-    for (auto at = std::lower_bound(places_.begin(), places_.end(), from,
-                                    [](const Place&p, std::uint32_t value) { return p.along < value; });
-         at != places_.end() && at->along <= to; ++at) {
-      meet(*at);
-    }
+    auto at = std::lower_bound(places_.begin(), places_.end(), std::uint64_t{from} << 32);
+    for (; at != places_.end() && *at >> 32 <= to; ++at) meet(static_cast<std::uint32_t>(*at));
   };
   if (steps >= 0x1p31) return along(0, 0xFFFFFFFFu);
   const auto half = static_cast<std::uint32_t>(steps);
@@ -178,29 +153,8 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
   along(mid - half, 0xFFFFFFFFu);
 }
 
-// Merges the pairs of renewed bodies: old pairs that name no found body, and the new pairs of the found bodies.
-void ListRenewal::join(const PairTable& table) {
-  pairs_.clear();
-  auto next = fresh_.begin();
-  if (table.renewed_begin != PairTable::kNoneRenewed) {
-    for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
-      if (mark_[table.owner[p]] == kFound || mark_[table.other[p]] == kFound) continue;
-      const std::uint64_t pair = key_of(table.owner[p], table.other[p]);
-      for (; next != fresh_.end() && *next < pair; ++next) pairs_.push_back(*next);
-      pairs_.push_back(pair);
-    }
-  }
-  pairs_.insert(pairs_.end(), next, fresh_.end());
-}
-
-void ListRenewal::link(std::uint32_t slot) {
-  if (b_.linked[slot] != 0) return;
-  b_.linked[slot] = 0xFF;
-  linked_.push_back(slot);
-}
-
 // Puts the pairs behind those of the last strip, which move behind all others first.
-void ListRenewal::put_pairs(PairTable& table) {
+void ListRenewal::put_pairs(PairTable& table) const {
   Strip& last = table.strips.back();
   if (table.renewed_begin == PairTable::kNoneRenewed) {
     const std::uint32_t own = last.pair_end - last.pair_begin, from = last.pair_begin;
@@ -231,29 +185,19 @@ void ListRenewal::put_pairs(PairTable& table) {
 // Replaces the pairs of the found bodies with fixed shapes; pairs that were there before keep their contacts.
 void ListRenewal::put_statics(PairTable& table) {
   statics_changed_ = false;
-  auto near = near_.cbegin();
   for (const std::uint32_t slot : found_) {
     std::vector<StaticPair>& list = table.static_contacts[table.strip_of(slot)];
-    mine_.clear();
-    for (; near != near_.cend() && near->body == slot; ++near) mine_.push_back(*near);
+    const auto mine = contacts_of(near_, slot);
     const auto [begin, end] = contacts_of(list, slot);
-    bool same = static_cast<std::size_t>(end - begin) == mine_.size();
-    for (std::size_t n = 0; n < mine_.size(); ++n) {
-      StaticPair& mine = mine_[n];
-      const auto was = std::find_if(begin, end, [&](const StaticPair& s) { return s.shape == mine.shape; });
-      mine.contact = was == end ? PairTable::kNoPair : was->contact;
-      same = same && was - begin == static_cast<std::ptrdiff_t>(n);
+    bool same = end - begin == std::ssize(mine);
+    for (StaticPair& pair : mine) {
+      const auto was = std::find_if(begin, end, [&](const StaticPair& s) { return s.shape == pair.shape; });
+      pair.contact = was == end ? PairTable::kNoPair : was->contact;
+      same = same && was - begin == &pair - &mine.front();
     }
     if (same) continue;
     statics_changed_ = true;
-    const std::ptrdiff_t at = begin - list.begin();
-    const auto more = static_cast<std::ptrdiff_t>(mine_.size()) - (end - begin);
-    if (more > 0) {
-      list.insert(end, static_cast<std::size_t>(more), StaticPair{});
-    } else {
-      list.erase(end + more, end);
-    }
-    std::copy(mine_.begin(), mine_.end(), list.begin() + at);
+    list.insert(list.erase(begin, end), mine.begin(), mine.end());
   }
 }
 
@@ -270,24 +214,33 @@ void ListRenewal::search_all(const PairTable& table) {
   fresh_.clear();
   for (const Scratch& s : scratch_) fresh_.insert(fresh_.end(), s.pairs.begin(), s.pairs.end());
   sort_keys(fresh_.begin(), fresh_.end());
+  near_.clear();
+  for (const std::uint32_t slot : found_) broad_.near_body(slot, statics_, near_);
+  const auto link = [&](std::uint32_t slot) {
+    if (b_.linked[slot] != 0) return;
+    b_.linked[slot] = 0xFF;
+    linked_.push_back(slot);
+  };
   for (const std::uint64_t pair : fresh_) {
     link(static_cast<std::uint32_t>(pair >> 32));
     link(static_cast<std::uint32_t>(pair));
   }
-  near_.clear();
-  for (const std::uint32_t slot : found_) broad_.near_body(slot, statics_, near_);
   for (const StaticPair& static_pair : near_) link(static_pair.body);
 }
 
 bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& margin, const PairTable& table) {
   known_ = false;
-  admit();
+  if (renewed_.empty()) spare(b_.count);
+  const auto before = static_cast<std::ptrdiff_t>(renewed_.size());
   for (const std::uint32_t slot : found_) {
     const std::size_t i = slot;
+    if (mark_[i] == kListed) renewed_.push_back(place_of(slot));
+    mark_[i] = kFound;
     const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
     const float room = margin.skin + std::sqrt(u * u + v * v) * margin.time;
     place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + room});
   }
+  std::ranges::inplace_merge(renewed_, renewed_.begin() + before, {}, &Renewed::slot);
   search_all(table);
   return loads == nullptr || std::none_of(fresh_.begin(), fresh_.end(), [&](std::uint64_t pair) {
            return loads->heavy(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
@@ -295,8 +248,14 @@ bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& marg
 }
 
 bool ListRenewal::put(PairTable& table) {
-  join(table);
+  pairs_.clear();
+  for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
+    if (!found(table.owner[p]) && !found(table.other[p])) pairs_.push_back(table.key_of(p));
+  }
+  const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
+  pairs_.insert(pairs_.end(), fresh_.begin(), fresh_.end());
   if (pairs_.size() > kPairsABody * (b_.count / kShare)) return false;
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
   put_pairs(table);
   put_statics(table);
   return true;
@@ -321,22 +280,13 @@ void ListRenewal::look_again(const PairTable& table) {
     found_.push_back(r.slot);
     mark_[r.slot] = kFound;
   }
-  std::vector<std::uint32_t> linked;
-  linked.swap(linked_);
-  search_all(table);
-  linked_.swap(linked);
   for (const std::uint32_t slot : linked_) b_.linked[slot] = 0xFF;
+  search_all(table);
 }
 
 std::size_t ListRenewal::bytes() const {
-  std::size_t sum = mark_.bytes() + found_.capacity() * sizeof found_[0] + renewed_.capacity() * sizeof renewed_[0] +
-                    linked_.capacity() * sizeof linked_[0] + places_.capacity() * sizeof places_[0] +
-                    (pairs_.capacity() + fresh_.capacity()) * sizeof pairs_[0] +
-                    (near_.capacity() + mine_.capacity()) * sizeof near_[0];
-  for (const Scratch& s : scratch_) {
-    sum += (s.owner.capacity() + s.other.capacity()) * sizeof s.owner[0] + s.pairs.capacity() * sizeof s.pairs[0];
-  }
-  for (const std::vector<std::uint32_t>& s : stale_) sum += s.capacity() * sizeof s[0];
+  std::size_t sum = mark_.bytes() + bytes_of(found_, renewed_, linked_, places_, pairs_, fresh_, near_);
+  for (const Scratch& s : scratch_) sum += bytes_of(s.owner, s.other, s.pairs);
   return sum;
 }
 

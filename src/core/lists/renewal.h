@@ -45,7 +45,7 @@ class ListRenewal {
   /// O(found log renewed).
   bool look(const HeavyLoads* loads, const kernels::ReachParams& margin, const PairTable& table);
   bool found(std::uint32_t slot) const { return mark_[slot] == kFound; }
-  /// New pairs that no strip has, as lower slot << 32 | higher slot, ascending, and fixed shapes near bodies, by body.
+  /// New pairs that no strip has, as pair_key, ascending, and fixed shapes near bodies, by body.
   /// The manifolds take out the pairs that are theirs.
   std::vector<std::uint64_t>& pairs() { return fresh_; }
   std::vector<StaticPair>& near() { return near_; }
@@ -78,11 +78,8 @@ class ListRenewal {
     std::int32_t x = 0, y = 0;  // lattice steps
     float reach = 0;            // m
   };
-  struct Place {  // the position of a body along the longer side of the bodies' box
-    std::uint32_t along = 0, slot = 0;
-  };
   struct Scratch {  // working memory of a job
-    std::vector<std::uint32_t> owner, other, first;
+    std::vector<std::uint32_t> owner, other;
     std::vector<std::uint64_t> pairs;
   };
   enum Mark : std::uint8_t { kListed = 0, kRenewed = 1, kFound = 2 };
@@ -92,14 +89,11 @@ class ListRenewal {
     return {slot, b_.built[2 * i], b_.built[2 * i + 1], b_.reach[i]};
   }
   void place(const Renewed& at);
-  void admit();
   void sort_places();
   void search(const PairTable& table, std::uint32_t slot, Scratch& s) const;
-  void join(const PairTable& table);
-  void put_pairs(PairTable& table);
-  void put_statics(PairTable& table);
-  void link(std::uint32_t slot);
   void search_all(const PairTable& table);
+  void put_pairs(PairTable& table) const;
+  void put_statics(PairTable& table);
 
   BodyStore& b_;
   const Lattice& lattice_;
@@ -110,11 +104,10 @@ class ListRenewal {
   std::vector<Renewed> renewed_;              // by slot, ascending
   std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build
   Column<std::uint8_t> mark_;                 // by slot
-  std::vector<Place> places_;                 // places of renewed bodies, ascending
-  std::vector<std::uint64_t> pairs_, fresh_;  // lower slot << 32 | higher one, ascending
+  std::vector<std::uint64_t> places_;         // of renewed bodies: place along the longer side << 32 | slot, ascending
+  std::vector<std::uint64_t> pairs_, fresh_;  // as pair_key, ascending
   std::vector<Scratch> scratch_;
-  std::vector<std::vector<std::uint32_t>> stale_;  // by job of find(): bodies without a margin
-  std::vector<StaticPair> near_, mine_;            // pairs with fixed shapes of all found bodies, and of one
+  std::vector<StaticPair> near_;  // pairs with fixed shapes of all found bodies
   std::vector<std::uint32_t> statics_;
   float time_ = 0, most_ = 0;  // s; m: largest reach of a renewed body
   bool known_ = false, statics_changed_ = false;

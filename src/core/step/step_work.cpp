@@ -50,7 +50,7 @@ void StepWork::run_pieces(const StepContext& c, const Span& span, StepReport& re
 void StepWork::turn_back(const StepContext& c) {
   c.contacts.discs.turn_back();
   c.contacts.manifolds.turn_back();
-  if (progress.contacts == ContactState::replaced) c.neighbours.table.swap(c.neighbours.old_table);
+  if (progress.contacts == ContactState::replaced) std::swap(c.neighbours.table, c.neighbours.old_table);
 }
 
 void StepWork::accept(const StepContext& c) {

@@ -260,7 +260,7 @@ class World::Impl::StateKeeper {
     now.at = 0;
     if (now.sorted()) {
       if (!lists_.selects()) {
-        lists_.table.swap(lists_.old_table);
+        std::swap(lists_.table, lists_.old_table);
         now.contacts = ContactState::replaced;
       }
       lists_.broad.move_again(lists_.found());
