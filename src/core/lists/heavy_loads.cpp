@@ -1,8 +1,9 @@
 #include "lists/heavy_loads.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "base/tasks.h"
 
@@ -14,14 +15,20 @@ namespace {
 constexpr std::uint32_t kFewContacts = 512, kShare = 64;
 constexpr double kFading = 0.95;  // factor a search on the cost of the costliest one
 
-// Adds the first n entries of all strips, entry by entry.
-template <class Counts>
-Counts sum_of(const std::vector<Counts>& by_strip, std::size_t n) {
-  Counts sum{};
-  for (std::size_t s = 0; s < n; ++s) {
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += by_strip[s][k];
+// The most contacts that may be under heavy loads, out of so many pairs.
+std::uint32_t most_contacts(std::uint64_t pairs) {
+  return std::max(kFewContacts, static_cast<std::uint32_t>(pairs) / kShare);
+}
+
+// Adds the pairs of a strip to the counts of their classes. A class below 0 has no count.
+template <class Counts, class ClassOf>
+void count_pairs(const PairTable& table, const Strip& s, Counts& counts, const ClassOf& class_of) {
+  std::array<std::uint32_t, std::tuple_size_v<Counts>> mine{};
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const int of = class_of(table.owner[p], table.other[p]);
+    if (of >= 0) ++mine[static_cast<std::size_t>(of)];
   }
-  return sum;
+  for (std::size_t k = 0; k < mine.size(); ++k) counts[k].fetch_add(mine[k], std::memory_order_relaxed);
 }
 
 // By how many powers of two the ratio of two masses exceeds kLeastRatio; -1 if it does not. A kinematic
@@ -42,30 +49,22 @@ void HeavyLoads::begin(const BodyStore& b, const PairTable& table, WorkerPool& p
   level_.reserve(b.count);
   pairs_ = looked_ = 0;
   for (const Strip& s : table.strips) pairs_ += s.pair_end - s.pair_begin;
-  const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
+  run_stream(b.blocks(), pool, [&](BlockRange r) {
     for (std::size_t i = std::size_t{r.begin} * kernels::kBlock;
          i < std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count); ++i) {
       inv_mass_[i] = b.id[i] == kNoSlot ? 0.0f : b.properties(b.id[i]).inv_mass;
     }
   });
   strips_ = table.strips.size();
-  ratios_.resize(std::max(ratios_.size(), strips_));
-  levels_.resize(std::max(levels_.size(), strips_));
+  for (auto& count : ratios_) count = 0;
   phase_ = Phase::ratios;
   done_ = 0;
 }
 
-// The order of strips in a pass: even strips, then odd strips, then the group of large bodies.
-std::size_t HeavyLoads::strip_of(std::size_t piece) const {
-  const std::size_t k = piece - done_, even = strips_ / 2;
-  if (k + 1 == strips_) return k;
-  return k < even ? 2 * k : 2 * (k - even) + 1;
-}
-
 std::uint32_t HeavyLoads::pairs_in(const PairTable& table, std::size_t piece) const {
-  const std::size_t strip = strip_of(piece);
+  // The order of strips in a pass: even strips, then odd strips, then the group of large bodies.
+  const std::size_t k = piece - done_, even = strips_ / 2;
+  const std::size_t strip = k + 1 == strips_ ? k : k < even ? 2 * k : 2 * (k - even) + 1;
   const Strip& s = table.strips[strip];
   return phase_ == Phase::spread && idle(strip) ? 0 : s.pair_end - s.pair_begin;
 }
@@ -74,28 +73,21 @@ void HeavyLoads::go_on(const PairTable& table, WorkerPool& pool, std::size_t fro
   run_phases(strips_, from - done_, to - done_, pool, [&](std::size_t strip) {
     switch (phase_) {
       case Phase::ratios:
-        return count_ratios(table, strip);
+        return count_pairs(table, table.strips[strip], ratios_, [&](std::uint32_t a, std::uint32_t b) {
+          return std::min(ratio_class(inv_mass_[a], inv_mass_[b]), kRatios - 1);
+        });
       case Phase::mark:
         return mark(table, strip);
       case Phase::spread:
         return spread(table, strip);
       case Phase::levels:
-        return count_levels(table, strip);
+        return count_pairs(table, table.strips[strip], levels_,
+                           [&](std::uint32_t a, std::uint32_t b) { return int{std::max(level_[a], level_[b])}; });
       case Phase::none:
         break;
     }
   });
   if (to == pieces()) finish_pass(table);
-}
-
-void HeavyLoads::count_ratios(const PairTable& table, std::size_t index) {
-  const Strip& s = table.strips[index];
-  ByRatio mine{};
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const int c = ratio_class(inv_mass_[table.owner[p]], inv_mass_[table.other[p]]);
-    if (c >= 0) ++mine[static_cast<std::size_t>(std::min(c, kRatios - 1))];
-  }
-  ratios_[index] = mine;
 }
 
 void HeavyLoads::mark(const PairTable& table, std::size_t index) {
@@ -144,29 +136,15 @@ void HeavyLoads::activate() {
   if (next_[strips] != 0) std::fill(active_.begin(), active_.end(), std::uint8_t{1});
 }
 
-void HeavyLoads::count_levels(const PairTable& table, std::size_t index) {
-  const Strip& s = table.strips[index];
-  ByLevel mine{};
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    ++mine[std::max(level_[table.owner[p]], level_[table.other[p]])];
-  }
-  levels_[index] = mine;
-}
-
 // Chooses the next pass, after all strips were gone over.
 void HeavyLoads::finish_pass(const PairTable& table) {
-  const std::uint32_t most = most_contacts();
   done_ += strips_;
+  if (phase_ != Phase::spread) looked_ += pairs_;
   switch (phase_) {
     case Phase::ratios:
-      looked_ += pairs_;
-      contacts_ = 0;
-      for (const std::uint32_t n : sum_of(ratios_, strips_)) contacts_ += n;
       class_ = 0;
-      ratio_ = kLeastRatio;
       return try_ratio(table);
     case Phase::mark:
-      looked_ += pairs_;
       activate();
       spreading_ = kTop;
       return begin_spread(table);
@@ -175,14 +153,13 @@ void HeavyLoads::finish_pass(const PairTable& table) {
       --spreading_;
       return begin_spread(table);
     case Phase::levels: {
-      looked_ += pairs_;
-      const ByLevel levels = sum_of(levels_, strips_);
-      std::uint32_t sum = levels[kTop];
+      const std::uint32_t most = most_contacts(pairs_);
+      std::uint32_t sum = levels_[kTop];
       if (sum > most) {
-        next_ratio();
+        ++class_;
         return try_ratio(table);
       }
-      for (cut_ = kTop; cut_ > 1 && sum + levels[cut_ - 1u] <= most; --cut_) sum += levels[cut_ - 1u];
+      for (cut_ = kTop; cut_ > 1 && sum + levels_[cut_ - 1u] <= most; --cut_) sum += levels_[cut_ - 1u];
       return end(true);
     }
     case Phase::none:
@@ -190,19 +167,12 @@ void HeavyLoads::finish_pass(const PairTable& table) {
   }
 }
 
-std::uint32_t HeavyLoads::most_contacts() const {
-  return std::max(kFewContacts, static_cast<std::uint32_t>(pairs_) / kShare);
-}
-
-void HeavyLoads::next_ratio() {
-  contacts_ -= sum_of(ratios_, strips_)[class_++];
-  ratio_ *= 2;
-}
-
 // Goes on to the next ratio that leaves few enough contacts, or ends the search.
 void HeavyLoads::try_ratio(const PairTable& table) {
-  while (contacts_ > most_contacts()) next_ratio();
-  if (contacts_ == 0) return end(false);
+  const auto contacts = [&] { return std::accumulate(ratios_.begin() + class_, ratios_.end(), 0u); };
+  while (contacts() > most_contacts(pairs_)) ++class_;
+  if (contacts() == 0) return end(false);
+  ratio_ = std::ldexp(kLeastRatio, class_);
   std::fill_n(level_.data(), table.body_count, std::uint8_t{0});
   active_.assign(strips_, 0);
   next_ = active_;
@@ -211,6 +181,7 @@ void HeavyLoads::try_ratio(const PairTable& table) {
 
 void HeavyLoads::begin_spread(const PairTable& table) {
   if (spreading_ == 1) {
+    for (auto& count : levels_) count = 0;
     phase_ = Phase::levels;
     return;
   }
@@ -224,8 +195,8 @@ void HeavyLoads::begin_spread(const PairTable& table) {
 void HeavyLoads::end(bool any) {
   any_ = any;
   phase_ = Phase::none;
-  const double visits = static_cast<double>(looked_) / static_cast<double>(std::max<std::uint64_t>(pairs_, 1));
-  visits_ = std::max(visits, 1 + kFading * (visits_ - 1));
+  const double now = static_cast<double>(looked_) / static_cast<double>(std::max<std::uint64_t>(pairs_, 1));
+  visits = std::max(now, 1 + kFading * (visits - 1));
 }
 
 void HeavyLoads::release() {
@@ -233,13 +204,6 @@ void HeavyLoads::release() {
   inv_mass_.release();
   level_.release();
   for (std::vector<std::uint8_t>* marks : {&active_, &next_}) std::vector<std::uint8_t>().swap(*marks);
-  std::vector<ByRatio>().swap(ratios_);
-  std::vector<ByLevel>().swap(levels_);
-}
-
-std::size_t HeavyLoads::bytes() const {
-  return inv_mass_.bytes() + level_.bytes() + active_.capacity() + next_.capacity() +
-         ratios_.capacity() * sizeof(ByRatio) + levels_.capacity() * sizeof(ByLevel);
 }
 
 }  // namespace psim

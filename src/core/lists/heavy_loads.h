@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -18,7 +19,7 @@ class HeavyLoads {
  public:
   template <class A>
   void describe(A& a) {  // for saved states
-    a.value(visits_);
+    a.value(visits);
   }
 
   /// The least ratio of masses that counts as heavy.
@@ -43,23 +44,22 @@ class HeavyLoads {
   void forget() { any_ = false; }
   /// Gives the memory back, when no body can carry a heavy load any more.
   void release();
-  std::size_t bytes() const;
+  std::size_t bytes() const { return inv_mass_.bytes() + level_.bytes() + bytes_of(active_, next_); }
 
   bool any() const { return any_; }
-  /// How often a pair was looked at in the costliest search; older searches fade.
-  double visits() const { return visits_; }
-  void set_visits(double visits) { visits_ = visits; }
   /// Whether one of two bodies is heavy relative to the other. Slots must be those of the last search.
   bool heavy(std::uint32_t a, std::uint32_t b) const;
   /// Whether the contacts of a body are under a heavy load.
   bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
 
+  double visits = 1;  ///< how often a pair was looked at in the costliest search; older searches fade
+
  private:
   // The level of a body: kTop if a partner is much heavier, one less for each contact away, 0 beyond.
   static constexpr std::uint8_t kTop = 6;
   static constexpr int kRatios = 24;  // by powers of two from kLeastRatio
-  using ByRatio = std::array<std::uint32_t, kRatios>;
-  using ByLevel = std::array<std::uint32_t, kTop + 1>;
+  template <std::size_t kClasses>
+  using Counts = std::array<std::atomic<std::uint32_t>, kClasses>;  // contacts of each class
 
   // Every pass goes over all strips:
   //   ratios  how much heavier partners are
@@ -68,34 +68,27 @@ class HeavyLoads {
   //   levels  how many contacts the chosen bodies have
   enum class Phase : std::uint8_t { none, ratios, mark, spread, levels };
 
-  std::size_t strip_of(std::size_t piece) const;
   bool idle(std::size_t strip) const;
-  void count_ratios(const PairTable& table, std::size_t strip);
   void mark(const PairTable& table, std::size_t strip);
   void spread(const PairTable& table, std::size_t strip);
-  void count_levels(const PairTable& table, std::size_t strip);
   void activate();
   void finish_pass(const PairTable& table);
   void try_ratio(const PairTable& table);
   void begin_spread(const PairTable& table);
-  void next_ratio();
-  std::uint32_t most_contacts() const;
   void end(bool any);
 
   Column<float> inv_mass_;                   // by slot
   Column<std::uint8_t> level_;               // by slot
   std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level that spreads
-  std::vector<ByRatio> ratios_;              // by strip
-  std::vector<ByLevel> levels_;
-  Phase phase_ = Phase::none;      // the pass of the search that runs
-  std::size_t strips_ = 0;         // number of strips
-  std::size_t done_ = 0;           // number of pieces in the passes before this one
-  std::uint8_t spreading_ = kTop;  // the level that this pass spreads
-  std::size_t class_ = 0;          // the power of two of the ratio that is tried
-  std::uint32_t contacts_ = 0;     // number of contacts with that ratio
-  float ratio_ = kLeastRatio;
-  double visits_ = 1;
-  std::uint64_t pairs_ = 0, looked_ = 0;  // number of pairs, number of looks in this search
+  Counts<kRatios> ratios_;                   // of all strips
+  Counts<kTop + 1> levels_;                  // the same
+  Phase phase_ = Phase::none;                // the pass of the search that runs
+  std::size_t strips_ = 0;                   // number of strips
+  std::size_t done_ = 0;                     // number of pieces in the passes before this one
+  std::uint8_t spreading_ = kTop;            // the level that this pass spreads
+  int class_ = 0;                            // the power of two of the ratio that is tried
+  float ratio_ = kLeastRatio;                // that ratio
+  std::uint64_t pairs_ = 0, looked_ = 0;     // number of pairs, number of looks in this search
   std::uint8_t cut_ = 1;
   bool any_ = false;
 };

@@ -49,7 +49,7 @@ ListCounts count_lists(const StepContext& c) {
   }
   of.strips = lists.table.strips.size();
   of.cells = lists.broad.cell_count();
-  of.visits = c.contacts.loads.visits();
+  of.visits = c.contacts.loads.visits;
   of.tests = lists.broad.tests() * static_cast<double>(c.bodies.awake());
   of.near = lists.broad.near_pairs();
   return of;

@@ -224,7 +224,7 @@ class World::Impl::StateKeeper {
     StepWork& work = w_.step_work;
     const StepProgress now = work.progress;
     const StepContext c = w_.context();
-    const double visits = w_.contacts.loads.visits();
+    const double visits = w_.contacts.loads.visits;
     const std::uint64_t builds = w_.contacts.discs.builds();
     std::vector<StepWork::Done> done;
     done.swap(w_.step_work.done_so_far);
@@ -245,7 +245,7 @@ class World::Impl::StateKeeper {
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
     work.progress = now;
     w_.step_work.done_so_far.swap(done);
-    w_.contacts.loads.set_visits(visits);
+    w_.contacts.loads.visits = visits;
     w_.contacts.discs.set_builds(builds);
   }
 
@@ -255,7 +255,7 @@ class World::Impl::StateKeeper {
     StepProgress& now = work.progress;
     const StepContext c = w_.context();
     BodyStore& bodies = w_.population.bodies;
-    const double visits = w_.contacts.loads.visits();
+    const double visits = w_.contacts.loads.visits;
     const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {
@@ -289,7 +289,7 @@ class World::Impl::StateKeeper {
         work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    w_.contacts.loads.set_visits(visits);
+    w_.contacts.loads.visits = visits;
     lists_.made.span = made.span;
     lists_.made.selected_span = made.selected_span;
   }
