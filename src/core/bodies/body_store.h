@@ -8,6 +8,7 @@
 //            arm_change, angle_change                                  scratch of one frame; only with shapes or joints
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <mutex>
@@ -102,6 +103,15 @@ class BodyStore {
     slots_stale.store(false, std::memory_order_release);
   }
   mutable std::atomic<bool> slots_stale = false;
+
+  /// Calls each(slot) for every so many bodies, some 2,000 in all.
+  template <class Each>
+  void each_sampled(const Each& each) const {
+    const std::uint32_t stride = std::max(1u, count / 2048);
+    for (std::uint32_t i = 0; i < count; i += stride) {
+      if (id[i] != kNoSlot) each(i);
+    }
+  }
 
   std::uint32_t blocks() const { return (count + kernels::kBlock - 1) / kernels::kBlock; }
 

@@ -1,33 +1,176 @@
+// How new neighbour lists are made, each choice by predicted cost (docs/step.md).
 #include "lists/neighbour_lists.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/rotor.h"
 #include "bodies/body_store.h"
 
 namespace psim {
+namespace {
+
+// Margin around bodies in the lists, as a share of the radius: a tenth suits piles (docs/performance.md).
+constexpr double kSkinOfRadius = 0.1;
+// A body is at rest if it goes less than kAtRest of the skin in a frame. Where no more than kFewMoving of all bodies
+// are faster, lists have room for kRestFrames frames.
+constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRestFrames = 8;
+
+struct ListPlan {
+  ListMode mode = ListMode::persistent;
+  BroadPhaseParams broad;
+  ListNumbers made;
+};
+
+// Radii and velocities of some 2,000 bodies, chosen by slot.
+struct Sample {
+  double radius = 0;                    // mean, m
+  Vec2 mean;                            // m/s
+  double square = 0;                    // mean |v|^2
+  double fastest = 0, fastest_off = 0;  // largest |v| and |v - mean|, m/s
+  double off() const { return std::sqrt(std::fmax(square - mean.x * mean.x - mean.y * mean.y, 0)); }
+};
+
+Sample sample_bodies(const BodyStore& b, double least_radius) {
+  Sample s;
+  double n = 0;
+  b.each_sampled([&](std::uint32_t i) {
+    n += 1;
+    const Vec2 v = b.velocity(i);
+    s.square += dot(v, v);
+    s.mean = s.mean + v;
+    s.radius += static_cast<double>(b.radius[i]);
+    s.fastest = std::fmax(s.fastest, length_of(v));
+  });
+  if (n == 0) {  // every body that was looked at is gone: as if all were at rest
+    s.radius = least_radius;
+    return s;
+  }
+  s.square /= n;
+  s.mean = {s.mean.x / n, s.mean.y / n};
+  s.radius /= n;
+  b.each_sampled([&](std::uint32_t i) { s.fastest_off = std::fmax(s.fastest_off, length_of(b.velocity(i) - s.mean)); });
+  return s;
+}
+
+// The share of the sampled bodies that are faster than `speed`, m/s.
+double share_above(const BodyStore& b, double speed) {
+  double above = 0, n = 0;
+  b.each_sampled([&](std::uint32_t i) {
+    const Vec2 v = b.velocity(i);
+    n += 1;
+    above += !(dot(v, v) <= speed * speed);
+  });
+  return above / std::fmax(n, 1);
+}
+
+// How far impacts within a step may move a body, m, at such a speed: little in a thin gas of equals, more where discs
+// are close (`close`, 0 to 1), much where a heavy body meets a light one.
+double impact_slack(const ListSettings& world, double speed, double close, double dt) {
+  const double g = length_of(world.desc->gravity);
+  return 0.02 * static_cast<double>(world.least_radius) + g * dt * dt + (world.uneven ? 1.0 : close) * speed * dt;
+}
+
+// The plan for bodies that fly: margins for several frames, of which each step selects the pairs that can meet; or,
+// where those margins would soon be used up, lists for this step alone. The choice is by cost: to build lists takes
+// kBuild for each body and kTest for each body that it is looked at with, to select takes kSelect for each candidate.
+// Both counts follow from the number density.
+void plan_flight(const NeighbourLists& lists, const ListSettings& world, const Sample& s, double dt, ListPlan& out) {
+  constexpr double kBuild = 25, kTest = 0.25, kSelect = 5;  // ns, measured (docs/performance.md)
+  const WorldDesc& desc = *world.desc;
+  BroadPhaseParams& p = out.broad;
+  const double r = s.radius;
+  const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
+  const double area =
+      lists.broad.area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
+  // Where bodies lie in heaps their number in the box says little: the last grid says more.
+  const double density = std::fmax(lists.bodies.count / area, lists.broad.density());
+  // Without restitution impacts only slow bodies down.
+  if (world.restitution) {
+    out.made.crowding = std::clamp(3 * lists.bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
+  }
+  out.mode = ListMode::one_step;
+  // Candidates of a body up to `outer` away: hard discs leave a distance of 2 r around it empty, but where they are
+  // packed every other body is a candidate.
+  const auto pairs = [&](double outer) {
+    return std::fmax(1.5708 * density * (outer * outer - 4 * r * r), 1.5708 * density * outer * outer - 0.5);
+  };
+  const auto build = [&](double reach) {
+    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / lists.bodies.count));
+    return kBuild + kTest * 4.5 * density * edge * edge;
+  };
+  const double half = kMarginFrames * dt / 2;
+  const double skin = 0.505 * impact_slack(world, out.made.speed, out.made.crowding, dt);
+  // The last choice is kept if it is nearly as good: every change needs arrays of another size.
+  const auto favour = [&](double frames) { return lists.selects() && frames == lists.made.frames ? 0.97 : 1.0; };
+  p.outer = 2 * (r + skin + 1.2 * half * out.made.speed);
+  double best = favour(0) * (build(r + skin + half * s.fastest_off) + kSelect * pairs(p.outer));
+  p.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean.x),
+              static_cast<float>(s.mean.y)};
+  p.ahead = static_cast<float>(half);
+  for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+    const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
+    const double cost = favour(k) * (build(reach) / k + kSelect * pairs(2 * r + 3 * k * frame));
+    if (!(cost < best)) continue;
+    best = cost;
+    const double room = std::fmax(desc.skin * k, 1);  // frames; a step needs one
+    p.outer = 2 * r + 3 * room * frame;
+    p.margin = {static_cast<float>(0.02 * r + room * 1.2 * frame), static_cast<float>(room * kMarginFrames * dt * 0.3),
+                0, 0};
+    out.mode = ListMode::selected_each_step;
+    p.ahead = 0;
+    out.made.frames = k;
+  }
+}
+
+ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
+  const WorldDesc& desc = *world.desc;
+  const BodyStore& bodies = lists.bodies;
+  const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius));
+  const double r = s.radius;
+  ListPlan out;
+  out.made = lists.made;
+  out.made.frames = 0;
+  out.made.skin = desc.skin;
+  out.made.speed = s.off();
+  out.made.crowding = 0.1;
+  // A skin that is thinner than the usual one still allows for what impacts may do within a step.
+  const double thin = std::fmin(impact_slack(world, out.made.speed, 1, dt) / r, kSkinOfRadius);
+  const double skin_of_radius = std::fmax(desc.skin * kSkinOfRadius, thin);
+  out.broad.margin.skin = static_cast<float>(skin_of_radius * r);
+  out.broad.margin.time = static_cast<float>(kMarginFrames * dt);
+  out.broad.outer = 2 * (1 + skin_of_radius) * r;
+  // Impacts in a two-dimensional gas: 2 D n v g(c) sqrt(pi), where c is the share of the area that bodies cover.
+  const double density = lists.broad.density(), covered = std::fmin(density * 3.14159 * r * r, 0.8);
+  out.made.impact_rate = 7 * r * density * out.made.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
+  const double speed = std::sqrt(s.square);
+  if (kMarginFrames * dt * speed > kSkinOfRadius * r && std::isfinite(speed)) {
+    plan_flight(lists, world, s, dt, out);
+  } else if (bodies.count >= BroadPhase::kSmallWorld &&
+             share_above(bodies, kAtRest * kSkinOfRadius * r / (kMarginFrames * dt)) <= kFewMoving) {
+    // What is fast among many at rest gets room for several frames, which costs the others little.
+    out.broad.margin.time *= static_cast<float>(kRestFrames);
+  }
+  return out;
+}
+
+}  // namespace
 
 void NeighbourLists::measure(const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
-  const ListPlan plan = plan_lists(bodies, world, dt);
+  ListPlan plan = plan_lists(*this, world, dt);
   const bool selected = plan.mode != ListMode::persistent;
-  const double reach = plan.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.speed);
+  const double reach = plan.broad.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.made.speed);
   const double growth = made.reach > 0 ? reach * reach / (made.reach * made.reach) : 1;
   const bool changed =
-      broad.density() == 0 || selected != selects() || plan.frames != made.frames || desc.skin != made.skin;
+      broad.density() == 0 || selected != selects() || plan.made.frames != made.frames || plan.made.skin != made.skin;
   mode = plan.mode;
-  made.frames = plan.frames;
+  made = plan.made;
   made.reach = reach;
-  made.skin = desc.skin;
-  made.speed = plan.speed;
-  made.crowding = plan.crowding;
-  made.impact_rate = plan.impacts;
-  BroadPhaseParams p;
-  p.margin = plan.margin;
-  p.ahead = plan.ahead;
-  p.outer = changed ? plan.outer : 0;
-  p.sample = world.governed;
+  BroadPhaseParams& p = plan.broad;
+  if (!changed) p.outer = 0;
   if (!changed && world.makes_room) p.growth = std::clamp(growth, 1.0, 4.0);
+  p.sample = world.governed;
   p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = world.mixed_radii;

@@ -12,12 +12,31 @@
 #include <vector>
 
 #include "lists/broad_phase.h"
-#include "lists/list_plan.h"
 #include "lists/pair_table.h"
 #include "lists/renewal.h"
 #include "lists/strip_speeds.h"
+#include "psim/desc.h"
 
 namespace psim {
+
+/// How lists are kept (docs/step.md, "Two ways of keeping lists").
+enum class ListMode : std::uint8_t {
+  persistent,          ///< bodies rest or creep: the candidates are the contacts while the lists last
+  selected_each_step,  ///< bodies fly: each step selects the pairs that can meet in it
+  one_step,            ///< the same, and the lists serve one step alone
+};
+
+/// What the lists must know of the world.
+struct ListSettings {
+  const WorldDesc* desc = nullptr;
+  float least_radius = 0;    ///< m, of all moving bodies
+  bool uneven = false;       ///< masses differ: a heavy body may throw a light one
+  bool restitution = false;  ///< impacts may speed bodies up
+  bool mixed_radii = false;
+  bool link_all = false;    ///< every body takes substeps (fields)
+  bool governed = false;    ///< a governor counts how many bodies each is looked at with
+  bool makes_room = false;  ///< more candidates than in the last lists are to be expected
+};
 
 /// How the present lists were made.
 struct ListNumbers {
@@ -50,7 +69,8 @@ struct NeighbourLists {
 
   /// Whether the lists can serve dt seconds more. O(bodies).
   bool serve(double dt) { return broad.lists_serve(static_cast<float>((selects() ? 1.0 : kMarginFrames) * dt)); }
-  /// Decides how new lists for steps of dt seconds are made. The broad phase then counts cells, moves the bodies in
+  /// Decides how new lists for steps of dt seconds are made: for how long and with which margins, from a sample of the
+  /// bodies' speeds and radii, and the density of the last lists. The broad phase then counts cells, moves the bodies in
   /// their order and searches.
   void measure(const ListSettings& world, double dt);
   /// Moves [begin, end) of the bodies' moves to cell order. True with the last: then they lie in the new order, and

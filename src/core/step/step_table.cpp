@@ -16,7 +16,6 @@ constexpr double kRenewedFrames = 2.5;
 ListSettings list_settings(const StepContext& c, const Span& span) {
   ListSettings s;
   s.desc = &c.desc;
-  s.broad = &c.neighbours.broad;
   s.least_radius = c.population.least_radius;
   s.uneven = c.plan.uneven;
   s.restitution = c.plan.restitution;
@@ -24,8 +23,6 @@ ListSettings list_settings(const StepContext& c, const Span& span) {
   s.link_all = c.plan.fields;
   s.governed = c.governor.on();
   s.makes_room = c.detailed || c.governor.on() || span.step > span.frame;
-  s.selected = c.neighbours.selects();
-  s.frames = c.neighbours.made.frames;
   return s;
 }
 
