@@ -9,91 +9,76 @@ namespace {
 
 constexpr std::uint32_t kLooks = 64;  // bodies sampled a strip
 
-Vec2 velocity(const BodyStore& b, std::size_t i) {
-  return {static_cast<double>(b.vel[2 * i]), static_cast<double>(b.vel[2 * i + 1])};
-}
-
 }  // namespace
 
 // The r.m.s. speed about a velocity.
 double StripSpeeds::Sum::spread(Vec2 about) const {
   if (!(weight > 0)) return 0;
-  const Vec2 common = mean(), off = {common.x - about.x, common.y - about.y};
+  const Vec2 common = mean(), off = common - about;
   const double own = std::fmax(square / weight - common.x * common.x - common.y * common.y, 0);
   return std::sqrt(own + off.x * off.x + off.y * off.y);
 }
 
-void StripSpeeds::Box::add(double x, double y) {
-  x0 = std::fmin(x0, x), x1 = std::fmax(x1, x);
-  y0 = std::fmin(y0, y), y1 = std::fmax(y1, y);
-}
-
 void StripSpeeds::Box::add(const Box& o) {
-  x0 = std::fmin(x0, o.x0), x1 = std::fmax(x1, o.x1);
-  y0 = std::fmin(y0, o.y0), y1 = std::fmax(y1, o.y1);
+  low = {std::fmin(low.x, o.low.x), std::fmin(low.y, o.low.y)};
+  high = {std::fmax(high.x, o.high.x), std::fmax(high.y, o.high.y)};
 }
 
 double StripSpeeds::Box::farthest(Vec2 from) const {
-  if (x0 > x1) return 0;
-  const double dx = std::fmax(x1 - from.x, from.x - x0), dy = std::fmax(y1 - from.y, from.y - y0);
-  return std::sqrt(dx * dx + dy * dy);
+  if (low.x > high.x) return 0;
+  return length_of({std::fmax(high.x - from.x, from.x - low.x), std::fmax(high.y - from.y, from.y - low.y)});
 }
 
-void StripSpeeds::look(const BodyStore& b, const Strip& strip, Stir& out) const {
-  out = {};
+void StripSpeeds::Stir::look(const BodyStore& b, const Strip& strip, bool uneven) {
+  *this = {};
   const std::uint32_t n = strip.body_end - strip.body_begin;
-  const std::uint32_t stride = settings_.uneven ? 1 : std::max(1u, n / kLooks);
-  if (settings_.uneven && n != 0) {
-    out.low = std::numeric_limits<std::int64_t>::max();
-    out.high = std::numeric_limits<std::int64_t>::min();
+  const std::uint32_t stride = uneven ? 1 : std::max(1u, n / kLooks);
+  if (uneven && n != 0) {
+    low = std::numeric_limits<std::int64_t>::max();
+    high = std::numeric_limits<std::int64_t>::min();
   }
   for (std::uint32_t i = strip.body_begin; i < strip.body_end; i += stride) {
     if (b.id[i] == kNoSlot) continue;
-    const Vec2 v = velocity(b, i);
-    out.bodies.add(1, v.x, v.y);
-    if (!settings_.uneven) continue;
+    const Vec2 v = b.velocity(i);
+    bodies.add(1, v);
+    if (!uneven) continue;
     const BodyProperties& properties = b.properties(b.id[i]);
     if (properties.inv_mass > 0) {
-      out.masses.add(static_cast<double>(properties.mass), v.x, v.y);
+      masses.add(static_cast<double>(properties.mass), v);
     } else {
-      out.heavy.add(v.x, v.y);
+      heavy.add({v, v});
     }
-    out.low = std::min<std::int64_t>(out.low, b.pos[2 * std::size_t{i} + 1]);
-    out.high = std::max<std::int64_t>(out.high, b.pos[2 * std::size_t{i} + 1]);
+    low = std::min<std::int64_t>(low, b.pos[2 * std::size_t{i} + 1]);
+    high = std::max<std::int64_t>(high, b.pos[2 * std::size_t{i} + 1]);
   }
 }
 
-// Adds each large body to the strips that it may touch within the time.
-void StripSpeeds::place_large(const BodyStore& b, const Strip& large) {
-  const std::size_t strips = stirs_.size();
-  low_.resize(strips);
-  high_.resize(strips);
-  std::int64_t low = std::numeric_limits<std::int64_t>::max(), high = std::numeric_limits<std::int64_t>::min();
-  for (std::size_t s = 0; s < strips; ++s) high_[s] = high = std::max(high, stirs_[s].high);
-  for (std::size_t s = strips; s-- > 0;) low_[s] = low = std::min(low, stirs_[s].low);
+// Adds each large body to the strips that it may touch within the time. From here on `low` is the lowest row of a strip
+// and all after it, `high` the highest of it and all before.
+void StripSpeeds::place_large(const BodyStore& b, const Strip& large, const Settings& settings) {
+  for (std::size_t s = 1; s < stirs_.size(); ++s) stirs_[s].high = std::max(stirs_[s].high, stirs_[s - 1].high);
+  for (std::size_t s = stirs_.size() - 1; s-- > 0;) stirs_[s].low = std::min(stirs_[s].low, stirs_[s + 1].low);
   constexpr std::int64_t kRound = std::int64_t{1} << 32;  // lattice steps around a periodic world
+  const std::int64_t copies = settings.periodic ? kRound : 0;
   for (std::uint32_t i = large.body_begin; i < large.body_end; ++i) {
     if (b.id[i] == kNoSlot) continue;
-    const Vec2 v = velocity(b, i);
-    const double far = static_cast<double>(b.radius[i]) + std::fabs(v.y) * settings_.time;
-    const auto reach = static_cast<std::int64_t>(std::fmin(far / settings_.pitch_y, static_cast<double>(kRound))) + 1;
-    for (std::int64_t round = settings_.periodic ? -kRound : 0; round <= (settings_.periodic ? kRound : 0);
-         round += kRound) {
+    const Vec2 v = b.velocity(i);
+    const double far = static_cast<double>(b.radius[i]) + std::fabs(v.y) * settings.time;
+    const auto reach = static_cast<std::int64_t>(std::fmin(far / settings.pitch_y, static_cast<double>(kRound))) + 1;
+    for (std::int64_t round = -copies; round <= copies; round += kRound) {
       const std::int64_t at = b.pos[2 * std::size_t{i} + 1] + round;
-      const auto first = std::lower_bound(high_.begin(), high_.end(), at - reach) - high_.begin();
-      const auto end = std::upper_bound(low_.begin(), low_.end(), at + reach) - low_.begin();
-      for (auto s = first; s < end; ++s) stirs_[static_cast<std::size_t>(s)].heavy.add(v.x, v.y);
+      const auto end = std::ranges::upper_bound(stirs_, at + reach, {}, &Stir::low);
+      for (auto s = std::ranges::lower_bound(stirs_, at - reach, {}, &Stir::high); s < end; ++s) s->heavy.add({v, v});
     }
   }
 }
 
 void StripSpeeds::measure(const BodyStore& b, const std::vector<Strip>& strips, const Settings& settings,
                           WorkerPool& pool) {
-  settings_ = settings;
   const std::size_t grid = strips.size() - 1;
   stirs_.resize(grid);
-  pool.run(grid, [&](std::size_t s) { look(b, strips[s], stirs_[s]); });
-  if (settings.uneven && grid != 0) place_large(b, strips[grid]);
+  pool.run(grid, [&](std::size_t s) { stirs_[s].look(b, strips[s], settings.uneven); });
+  if (settings.uneven && grid != 0) place_large(b, strips[grid], settings);
   speed_.resize(strips.size());
   for (std::size_t s = 0; s < grid; ++s) {
     Stir about = stirs_[s];

@@ -29,32 +29,24 @@ class StripSpeeds {
   /// the group of large bodies.
   double at(std::size_t strip) const { return speed_[strip]; }
 
-  std::size_t bytes() const {
-    return stirs_.capacity() * sizeof(Stir) + (low_.capacity() + high_.capacity()) * sizeof(std::int64_t) +
-           speed_.capacity() * sizeof(double);
-  }
+  std::size_t bytes() const { return bytes_of(stirs_, speed_); }
 
  private:
   struct Sum {
-    double weight = 0, x = 0, y = 0, square = 0;
-    void add(double w, double vx, double vy) {
-      weight += w;
-      x += w * vx;
-      y += w * vy;
-      square += w * (vx * vx + vy * vy);
-    }
+    double weight = 0;
+    Vec2 momentum;
+    double square = 0;
+    void add(double w, Vec2 v) { add({w, w * v, w * dot(v, v)}); }
     void add(const Sum& o) {
       weight += o.weight;
-      x += o.x;
-      y += o.y;
+      momentum = momentum + o.momentum;
       square += o.square;
     }
-    Vec2 mean() const { return weight > 0 ? Vec2{x / weight, y / weight} : Vec2{}; }
+    Vec2 mean() const { return weight > 0 ? Vec2{momentum.x / weight, momentum.y / weight} : Vec2{}; }
     double spread(Vec2 about) const;
   };
   struct Box {  // a box in velocity space, m/s
-    double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
-    void add(double x, double y);
+    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
     void add(const Box& o);
     double farthest(Vec2 from) const;
   };
@@ -62,14 +54,12 @@ class StripSpeeds {
     Sum bodies, masses;
     Box heavy;                        // velocities of large and of immovable bodies
     std::int64_t low = 0, high = -1;  // lattice steps: the rows in which its bodies lie
+    void look(const BodyStore& bodies, const Strip& strip, bool uneven);
   };
 
-  void look(const BodyStore& bodies, const Strip& strip, Stir& out) const;
-  void place_large(const BodyStore& bodies, const Strip& large);
+  void place_large(const BodyStore& bodies, const Strip& large, const Settings& settings);
 
-  Settings settings_;
   std::vector<Stir> stirs_;
-  std::vector<std::int64_t> low_, high_;  // by strip: lowest of it and all after, highest of it and all before
   std::vector<double> speed_;
 };
 
