@@ -2,12 +2,106 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
+#include <span>
 
 #include "bodies/static_pieces.h"
-#include "sleep/sleep_choice.h"
 #include "sleep/sleep_contacts.h"
 
 namespace psim {
+namespace {
+
+// The bodies of a stack wake together: each gets the lowest id of its stack.
+void group_stacks(const SleepSource& source, Sleepers& sleepers) {
+  const BodyStore& bodies = source.population.bodies;
+  const auto chosen = [&](std::uint32_t slot) { return sleepers.chosen(slot); };
+  each_stack(source, chosen, [&](const auto& visit) {
+    std::uint32_t group = kNoSlot;
+    visit([&](std::uint32_t slot) { group = std::min(group, bodies.id[slot]); });
+    visit([&](std::uint32_t slot) { sleepers.list[bodies.info[bodies.id[slot]].slot].group = group; });
+  });
+}
+
+// Keeps what the contacts of the chosen bodies carry: counts the touches of each body, then writes them in runs.
+void keep_touches(const SleepSource& source, Sleepers& sleepers, std::size_t first) {
+  const Population& population = source.population;
+  const PairTable& table = source.table;
+  const auto chosen = [&](std::uint32_t slot) { return slot != kNoSlot && sleepers.chosen(slot); };
+  const auto any_in = [&](std::size_t strip) {
+    const auto slots = std::views::iota(table.strips[strip].body_begin, table.strips[strip].body_end);
+    return std::ranges::any_of(slots, chosen);
+  };
+  const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // every strip may touch these
+  const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };
+  const auto each_side = [&](const SleepContact& contact, const auto& each) {
+    for (const std::uint32_t slot : {contact.a, contact.b}) {
+      if (chosen(slot)) each(sleepers.list[population.bodies.info[population.bodies.id[slot]].slot]);
+    }
+  };
+  const auto count = [&](const SleepContact& contact) {
+    each_side(contact, [&](Sleeper& s) {
+      s.depth = std::fmax(s.depth, -contact.gap);
+      if (contact.loaded) ++s.touches;
+    });
+  };
+  each_contact(source, count, theirs);
+  auto next = static_cast<std::uint32_t>(sleepers.touches.size());
+  for (Sleeper& s : std::span(sleepers.list).subspan(first)) {
+    s.first_touch = next;
+    next += s.touches;
+    s.touches = 0;
+  }
+  sleepers.touches.resize(next);
+  const auto write = [&](const SleepContact& contact) {
+    if (!contact.loaded || !(chosen(contact.a) || chosen(contact.b))) return;
+    Touch touch = contact.touch;
+    touch.key = key_of(contact, population.bodies, population.statics);
+    each_side(contact, [&](Sleeper& s) { sleepers.touches[s.first_touch + s.touches++] = touch; });
+    if (contact.a != kNoSlot && chosen(contact.a) != chosen(contact.b)) sleepers.recent.add(touch);
+  };
+  each_contact(source, write, theirs);
+}
+
+// A sleeper becomes fixed geometry.
+void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& s) {
+  const BodyStore& bodies = source.population.bodies;
+  const BodyProperties& properties = bodies.properties(s.id);
+  const BodyKind& kind = bodies.kinds[properties.kind];
+  if (kind.hull_count == 0) {
+    list.resize(1);
+    list[0].shape = lone_piece(s.at, s.id, properties);
+  } else {
+    Pieces pieces(source.lattice.to_world(s.at), s.angle, source.lattice, list);
+    for (std::uint32_t h = 0; h < kind.hull_count; ++h) pieces.solid(bodies.hulls[kind.first_hull + h]);
+  }
+  for (Piece& piece : list) {
+    piece.shape.owner = s.id;
+    piece.shape.restitution = properties.restitution;
+    piece.shape.friction = properties.friction;
+  }
+  s.pieces = static_cast<std::uint32_t>(list.size());
+  s.first_shape = source.population.statics.add_sleeping(list.data(), s.pieces);
+}
+
+// Takes the chosen bodies, the last ones of the list, out of the columns and stands them among the fixed shapes.
+void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t first) {
+  BodyStore& bodies = source.population.bodies;
+  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses(source.pool);
+  group_stacks(source, sleepers);
+  keep_touches(source, sleepers, first);
+  for (std::uint32_t slot = 0; slot < bodies.count; ++slot) {
+    if (sleepers.chosen(slot)) bodies.id[slot] = kNoSlot;
+  }
+  for (Sleeper& s : std::span(sleepers.list).subspan(first)) become_fixed(source, sleepers.pieces, s);
+  const std::size_t chosen = sleepers.list.size() - first;
+  bodies.dead += static_cast<std::uint32_t>(chosen);
+  bodies.asleep += chosen;
+  if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
+  sleepers.changed = true;
+  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+}
+
+}  // namespace
 
 bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
   const bool woke = !sleepers.empty() && wake_reached(source, dt);
@@ -15,8 +109,9 @@ bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
   if (!sleepers.watch()) return woke;
   make_room(source);
   if (steps % (2 * Sleepers::kWatchFrames) != 0) return woke;
-  if (!SleepChoice(source, sleepers).choose(steps, dt)) return woke;
-  fall_asleep(source);
+  const std::size_t before = sleepers.list.size();
+  if (!choose(source, steps, dt)) return woke;
+  fall_asleep(source, sleepers, before);
   return true;
 }
 
@@ -41,125 +136,6 @@ void Sleep::make_room(const SleepSource& source) {
   sleepers.make_room(most, !source.joints.empty());
   sleepers.pieces.reserve(longest);
   source.population.statics.make_room(pieces, hulls);
-}
-
-// Takes the chosen bodies out of the columns and stands them among the fixed shapes.
-void Sleep::fall_asleep(const SleepSource& source) {
-  BodyStore& bodies = source.population.bodies;
-  if (source.manifolds.any()) source.manifolds.keep_impulses(source.pool);
-  bodies.find_slots();
-  const auto first = static_cast<std::uint32_t>(sleepers.list.size());
-  list_chosen(source);
-  group_stacks(source);
-  keep_touches(source, first);
-  for (std::uint32_t k = first; k < sleepers.list.size(); ++k) put_to_sleep(source, k);
-  bodies.dead += static_cast<std::uint32_t>(sleepers.list.size()) - first;
-  bodies.asleep += sleepers.list.size() - first;
-  if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
-  sleepers.changed = true;
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
-}
-
-// Appends the chosen bodies to the list. Sleepers::number leads from their slots to their places in it.
-void Sleep::list_chosen(const SleepSource& source) {
-  const BodyStore& bodies = source.population.bodies;
-  const Column<std::uint8_t>& state = sleepers.state();
-  sleepers.number.resize(std::max<std::size_t>(sleepers.number.size(), bodies.count));
-  for (std::uint32_t i = 0; i < bodies.count; ++i) {
-    if ((state[i] & SleepChoice::kChosen) == 0) continue;
-    Sleeper s;
-    s.at = bodies.point(i);
-    s.angle = bodies.angle_of(i);
-    s.id = bodies.id[i];
-    s.creeps = !rests_firmly(state[i]);
-    sleepers.number[i] = static_cast<std::uint32_t>(sleepers.list.size());
-    sleepers.list.push_back(s);
-  }
-}
-
-// The bodies of a stack wake together: each gets the lowest id of its stack.
-void Sleep::group_stacks(const SleepSource& source) {
-  const Column<std::uint8_t>& state = sleepers.state();
-  const auto chosen = [&](std::uint32_t slot) { return (state[slot] & SleepChoice::kChosen) != 0; };
-  each_stack(source, chosen, [&](const auto& visit) {
-    std::uint32_t group = kNoSlot;
-    visit([&](std::uint32_t slot) { group = std::min(group, sleepers.list[sleepers.number[slot]].id); });
-    visit([&](std::uint32_t slot) { sleepers.list[sleepers.number[slot]].group = group; });
-  });
-}
-
-// Keeps what the contacts of the chosen bodies carry: counts the touches of each body, then writes them in runs.
-void Sleep::keep_touches(const SleepSource& source, std::uint32_t first) {
-  const Population& population = source.population;
-  const PairTable& table = source.table;
-  const Column<std::uint8_t>& state = sleepers.state();
-  const auto chosen = [&](std::uint32_t slot) { return slot != kNoSlot && (state[slot] & SleepChoice::kChosen) != 0; };
-  const auto any_in = [&](std::size_t strip) {
-    const Strip& s = table.strips[strip];
-    return std::any_of(state.data() + s.body_begin, state.data() + s.body_end,
-                       [](std::uint8_t of) { return (of & SleepChoice::kChosen) != 0; });
-  };
-  const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // every strip may touch these
-  const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };
-  const auto each_side = [&](const SleepContact& contact, const auto& each) {
-    for (const std::uint32_t slot : {contact.a, contact.b}) {
-      if (chosen(slot)) each(sleepers.list[sleepers.number[slot]]);
-    }
-  };
-  each_contact(
-      source,
-      [&](const SleepContact& contact) {
-        each_side(contact, [&](Sleeper& s) {
-          s.depth = std::fmax(s.depth, -contact.gap);
-          if (contact.loaded) ++s.touches;
-        });
-      },
-      theirs);
-  auto next = static_cast<std::uint32_t>(sleepers.touches.size());
-  for (std::uint32_t k = first; k < sleepers.list.size(); ++k) {
-    Sleeper& s = sleepers.list[k];
-    s.first_touch = next;
-    next += s.touches;
-    s.touches = 0;
-  }
-  sleepers.touches.resize(next);
-  each_contact(
-      source,
-      [&](const SleepContact& contact) {
-        if (!contact.loaded || !(chosen(contact.a) || chosen(contact.b))) return;
-        Touch touch = contact.touch;
-        touch.key = key_of(contact, population.bodies, population.statics);
-        each_side(contact, [&](Sleeper& s) { sleepers.touches[s.first_touch + s.touches++] = touch; });
-        if (contact.a != kNoSlot && chosen(contact.a) != chosen(contact.b)) sleepers.recent.add(touch);
-      },
-      theirs);
-}
-
-// The k-th sleeper leaves its slot and becomes fixed geometry.
-void Sleep::put_to_sleep(const SleepSource& source, std::uint32_t k) {
-  BodyStore& bodies = source.population.bodies;
-  Sleeper& s = sleepers.list[k];
-  BodyInfo& info = bodies.info[s.id];
-  bodies.id[info.slot] = kNoSlot;
-  info.place = Place::asleep;
-  info.slot = k;
-  const BodyProperties& properties = bodies.properties(s.id);
-  const BodyKind& kind = bodies.kinds[properties.kind];
-  std::vector<Piece>& list = sleepers.pieces;
-  if (kind.hull_count == 0) {
-    list.resize(1);
-    list[0].shape = lone_piece(s.at, s.id, properties);
-  } else {
-    Pieces pieces(source.lattice.to_world(s.at), s.angle, source.lattice, list);
-    for (std::uint32_t h = 0; h < kind.hull_count; ++h) pieces.solid(bodies.hulls[kind.first_hull + h]);
-  }
-  for (Piece& piece : list) {
-    piece.shape.owner = s.id;
-    piece.shape.restitution = properties.restitution;
-    piece.shape.friction = properties.friction;
-  }
-  s.pieces = static_cast<std::uint32_t>(list.size());
-  s.first_shape = source.population.statics.add_sleeping(list.data(), s.pieces);
 }
 
 BodyState Sleep::state_of(const Population& population, const Lattice& lattice, std::uint32_t id) const {

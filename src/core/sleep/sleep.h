@@ -4,19 +4,17 @@
 // or come back. Owns the sleepers, what they carried, and for how long each body has rested. A function that returns
 // bool tells whether a body fell asleep or woke: lists and query grids that were made before do not hold any more.
 //
-//   sleep.cpp        the step of sleep, and who it puts to sleep
-//   sleep_choice.h   who may sleep, and for the host why a body does not
-//   wake.cpp         who wakes
+//   sleep.cpp          the step of sleep: puts the chosen bodies to sleep
+//   sleep_choice.cpp   who may sleep, and for the host why a body does not
+//   wake.cpp           who wakes
 #pragma once
 
 #include <string>
 
 #include "bodies/population.h"
-#include "contacts/contact_store.h"
 #include "joints/joint_store.h"
 #include "lists/pair_table.h"
-#include "manifolds/manifolds.h"
-#include "manifolds/stacks.h"
+#include "manifolds/contacts.h"
 #include "sleep/sleepers.h"
 
 namespace psim {
@@ -27,9 +25,7 @@ struct SleepSource {
   const Lattice& lattice;
   Vec2 gravity;  ///< m/s^2
   const PairTable& table;
-  const ContactStore& contacts;
-  Manifolds& manifolds;
-  const Stacks& stacks;
+  Contacts& contacts;
   JointStore& joints;
   WorkerPool& pool;
   bool contacts_stand = true;   ///< table, contacts and slots belong together; else no contact is known
@@ -69,16 +65,7 @@ class Sleep {
   Sleepers sleepers;
 
  private:
-  void fall_asleep(const SleepSource& source);
-  void list_chosen(const SleepSource& source);
-  void group_stacks(const SleepSource& source);
-  void keep_touches(const SleepSource& source, std::uint32_t first);
-  void put_to_sleep(const SleepSource& source, std::uint32_t k);
-  void wake_one(const SleepSource& source, std::uint32_t id);
-  void ask_joined_and_stacked(const SleepSource& source, const Sleeper& woken, std::uint32_t rings);
-  void ask_neighbours(const SleepSource& source, const LatticePoint& at, std::uint32_t id, std::uint32_t rings);
-  bool wake_queued(const SleepSource& source);
-  void ask_around(const SleepSource& source, std::int32_t x, std::int32_t y, float reach, std::uint32_t rings);
+  bool choose(const SleepSource& source, std::uint64_t steps, double dt);
 };
 
 }  // namespace psim

@@ -1,5 +1,7 @@
-#include "sleep/sleep_choice.h"
-
+// Who may sleep: bodies that have rested long enough, that something supports, and that touch nothing that moves.
+//
+// In: Sleepers::calm, contacts, stacks and joints. Out: the chosen bodies at the end of Sleepers::list, and a mark for
+// each. O(bodies + contacts + joints).
 #include <algorithm>
 #include <cstdio>
 
@@ -10,9 +12,11 @@ namespace {
 
 constexpr float kTouching = 2;  // balls apart that count as touching
 
-// Marks in Sleepers::state, by slot. A body that creeps needs support twice.
+// Marks in Sleepers::state beside Sleepers::kChosen. A body that creeps needs support twice.
 constexpr std::uint8_t kCalm = 1, kSupported = 2, kDisturbed = 4;
 constexpr std::uint8_t kCreeping = 16, kSupportedTwice = 32, kCreepDisturbed = 64;
+
+bool rests_firmly(std::uint8_t state) { return (state & (kCalm | kSupported | kDisturbed)) == (kCalm | kSupported); }
 
 bool rests_creeping(std::uint8_t state) {
   return (state & (kCreeping | kSupportedTwice | kCreepDisturbed)) == (kCreeping | kSupportedTwice);
@@ -26,155 +30,174 @@ std::string how_it_moves(const BodyStore& bodies, std::size_t slot) {
   return line;
 }
 
+class SleepChoice {
+ public:
+  SleepChoice(const SleepSource& source, Sleepers& sleepers)
+      : source_(source), bodies_(source.population.bodies), sleepers_(sleepers), state_(sleepers.state) {}
+
+  // False if nobody is chosen, or so few that new lists are not worth it.
+  bool choose(std::uint64_t steps, double dt) {
+    const bool patient = bodies_.awake() > 256 && steps % (16 * Sleepers::kWatchFrames) != 0;
+    const auto worth_it = [&](std::size_t n) { return n != 0 && !(patient && n < bodies_.awake() / 32); };
+    if (!worth_it(mark_calm(dt))) return false;
+    mark_by_contacts(dt);
+    keep_stacks_awake();
+    if (!source_.joints.empty()) keep_joined_awake();
+    std::size_t chosen = 0;
+    for (std::uint32_t i = 0; i < bodies_.count; ++i) chosen += may_sleep(i);
+    if (!worth_it(chosen)) return false;
+    list_chosen();
+    return true;
+  }
+
+ private:
+  bool is_dynamic(std::uint32_t slot) const {
+    return bodies_.id[slot] != kNoSlot && bodies_.properties(bodies_.id[slot]).inv_mass > 0;
+  }
+  bool may_sleep(std::uint32_t slot) const {
+    return (rests_firmly(state_[slot]) || rests_creeping(state_[slot])) && is_dynamic(slot);
+  }
+  void disturb(std::uint32_t slot) { state_[slot] |= kDisturbed | kCreepDisturbed; }
+
+  // Marks bodies that have rested long enough, and returns how many there are.
+  std::size_t mark_calm(double dt) {
+    state_.reserve(kernels::round_up_block(bodies_.count));
+    const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
+    std::size_t calm = 0;
+    for (std::uint32_t i = 0; i < bodies_.count; ++i) {
+      state_[i] = 0;
+      const std::uint32_t id = bodies_.id[i];
+      if (id == kNoSlot) continue;
+      if (sleepers_.calm(id) >= needed) state_[i] |= kCalm;
+      if (sleepers_.calm(id, true) >= long_needed && bodies_.properties(id).friction == 0) state_[i] |= kCreeping;
+      calm += state_[i] != 0;
+      const bool still = bodies_.vel[2 * std::size_t{i}] == 0 && bodies_.vel[2 * std::size_t{i} + 1] == 0 &&
+                         (bodies_.rim_speed.empty() || bodies_.rim_speed[i] == 0);
+      if (still) state_[i] |= kSupported;
+    }
+    return calm;
+  }
+
+  // Marks who is supported, and who touches a body that moves.
+  void mark_by_contacts(double dt) {
+    const Population& population = source_.population;
+    const auto support = [&](std::uint8_t& state) {
+      state |= (state & kSupported) != 0 ? kSupportedTwice : kSupported;
+    };
+    each_contact(source_, [&](const SleepContact& contact) {
+      if (contact.loaded) {
+        support(state_[contact.b]);
+        if (contact.a != kNoSlot) support(state_[contact.a]);
+      }
+      if (contact.a == kNoSlot) return;
+      // Gaps are those of the start of the frame: they may have closed within the frame, or may close in the next.
+      const float near =
+          kTouching * Sleepers::ball(std::fmin(bodies_.radius[contact.a], bodies_.radius[contact.b])) +
+          2 * kClosing * static_cast<float>(dt) * (population.speed_of(contact.a) + population.speed_of(contact.b));
+      if (!contact.loaded && contact.gap > near) return;
+      for (const auto& [i, other] : {std::pair{contact.a, contact.b}, std::pair{contact.b, contact.a}}) {
+        if ((state_[i] & kCalm) == 0) state_[other] |= kDisturbed;
+        if ((state_[i] & kCreeping) == 0) state_[other] |= kCreepDisturbed;
+      }
+    });
+  }
+
+  // A stack is solved as one: if a body of it may not sleep, none does.
+  void keep_stacks_awake() {
+    each_stack(
+        source_, [&](std::uint32_t slot) { return is_dynamic(slot); },
+        [&](const auto& visit) {
+          bool all = true;
+          visit([&](std::uint32_t slot) { all = all && may_sleep(slot); });
+          if (!all) visit([&](std::uint32_t slot) { disturb(slot); });
+        });
+  }
+
+  bool is_free(std::uint32_t id) const {
+    return bodies_.info[id].place == Place::moving && bodies_.properties(id).inv_mass > 0;
+  }
+
+  std::uint32_t root_of(std::uint32_t id) {
+    std::vector<std::uint32_t>& root = sleepers_.roots;
+    while (root[id] != id) id = root[id] = root[root[id]];
+    return id;
+  }
+
+  // Unites bodies that joints connect: roots[id] leads to the lowest id of its group. A joint counts as support; a body
+  // that is joined to a moving kinematic body is disturbed.
+  void join_bodies() {
+    std::vector<std::uint32_t>& root = sleepers_.roots;
+    root.resize(bodies_.id_count);
+    for (std::uint32_t id = 0; id < bodies_.id_count; ++id) root[id] = id;
+    source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
+      for (const std::uint32_t id : {a, b}) {
+        if (bodies_.info[id].place == Place::moving) state_[bodies_.info[id].slot] |= kSupported;
+      }
+      if (is_free(a) && is_free(b)) {
+        const std::uint32_t p = root_of(a), q = root_of(b);
+        root[std::max(p, q)] = std::min(p, q);
+        return;
+      }
+      for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
+        if (is_free(one) && bodies_.info[other].place == Place::moving &&
+            (state_[bodies_.info[other].slot] & kCalm) == 0) {
+          disturb(bodies_.info[one].slot);
+        }
+      }
+    });
+  }
+
+  // Bodies that joints connect sleep together or not at all.
+  void keep_joined_awake() {
+    bodies_.find_slots();
+    join_bodies();
+    const auto each_free = [&](const auto& each) {
+      source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
+        for (const std::uint32_t id : {a, b}) {
+          if (is_free(id)) each(bodies_.info[id].slot, bodies_.info[root_of(id)].slot);
+        }
+      });
+    };
+    // The lowest body tells for its group.
+    each_free([&](std::uint32_t slot, std::uint32_t root) {
+      if (!may_sleep(slot)) disturb(root);
+    });
+    each_free([&](std::uint32_t slot, std::uint32_t root) {
+      if (!may_sleep(root)) disturb(slot);
+    });
+  }
+
+  // Lists at most kMostAtOnce; but what is joined is never divided. From here on a chosen body counts as asleep.
+  void list_chosen() {
+    bodies_.find_slots();
+    std::uint32_t pieces = 0;
+    for (std::uint32_t i = 0; i < bodies_.count; ++i) {
+      if (!may_sleep(i)) continue;
+      if (pieces >= Sleepers::kMostAtOnce && source_.joints.empty()) break;
+      Sleeper s;
+      s.at = bodies_.point(i);
+      s.angle = bodies_.angle_of(i);
+      s.id = bodies_.id[i];
+      s.creeps = !rests_firmly(state_[i]);
+      const BodyKind& kind = bodies_.kind(s.id);
+      pieces += kind.hull_count == 0 ? 1 : 5 * kind.hull_count;
+      state_[i] |= Sleepers::kChosen;
+      bodies_.info[s.id].place = Place::asleep;
+      bodies_.info[s.id].slot = static_cast<std::uint32_t>(sleepers_.list.size());
+      sleepers_.list.push_back(s);
+    }
+  }
+
+  const SleepSource& source_;
+  BodyStore& bodies_;
+  Sleepers& sleepers_;
+  Column<std::uint8_t>& state_;
+};
+
 }  // namespace
 
-bool rests_firmly(std::uint8_t state) { return (state & (kCalm | kSupported | kDisturbed)) == (kCalm | kSupported); }
-
-SleepChoice::SleepChoice(const SleepSource& source, Sleepers& sleepers)
-    : source_(source), bodies_(source.population.bodies), sleepers_(sleepers), state_(sleepers.state()) {}
-
-bool SleepChoice::may_sleep(std::uint32_t slot) const {
-  return (rests_firmly(state_[slot]) || rests_creeping(state_[slot])) &&
-         bodies_.properties(bodies_.id[slot]).inv_mass > 0;
-}
-
-// New lists for a few bodies are not worth it, unless no others come along for a while.
-bool SleepChoice::worth_it(std::size_t n) const {
-  const std::uint32_t awake = bodies_.count - bodies_.dead;
-  return n != 0 && !(patient_ && n < awake / 32);
-}
-
-bool SleepChoice::choose(std::uint64_t steps, double dt) {
-  patient_ = bodies_.count - bodies_.dead > 256 && steps % (16 * Sleepers::kWatchFrames) != 0;
-  if (!worth_it(mark_calm(dt))) return false;
-  mark_by_contacts(dt);
-  keep_stacks_awake();
-  if (!source_.joints.empty()) keep_joined_awake();
-  std::size_t chosen = 0;
-  for (std::uint32_t i = 0; i < bodies_.count; ++i) chosen += may_sleep(i);
-  if (!worth_it(chosen)) return false;
-  mark_chosen();
-  return true;
-}
-
-// Marks bodies that have rested long enough, and returns how many there are.
-std::size_t SleepChoice::mark_calm(double dt) {
-  state_.reserve(kernels::round_up_block(bodies_.count));
-  const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
-  std::size_t calm = 0;
-  for (std::uint32_t i = 0; i < bodies_.count; ++i) {
-    state_[i] = 0;
-    const std::uint32_t id = bodies_.id[i];
-    if (id == kNoSlot) continue;
-    if (sleepers_.calm(id) >= needed) state_[i] |= kCalm;
-    if (sleepers_.calm(id, true) >= long_needed && bodies_.properties(id).friction == 0) state_[i] |= kCreeping;
-    calm += state_[i] != 0;
-    const bool still = bodies_.vel[2 * std::size_t{i}] == 0 && bodies_.vel[2 * std::size_t{i} + 1] == 0 &&
-                       (bodies_.rim_speed.empty() || bodies_.rim_speed[i] == 0);
-    if (still) state_[i] |= kSupported;
-  }
-  return calm;
-}
-
-void SleepChoice::mark_supported(std::uint32_t slot) {
-  state_[slot] |= (state_[slot] & kSupported) != 0 ? kSupportedTwice : kSupported;
-}
-
-// Marks who is supported, and who touches a body that moves.
-void SleepChoice::mark_by_contacts(double dt) {
-  const Population& population = source_.population;
-  each_contact(source_, [&](const SleepContact& contact) {
-    if (contact.loaded) {
-      mark_supported(contact.b);
-      if (contact.a != kNoSlot) mark_supported(contact.a);
-    }
-    if (contact.a == kNoSlot) return;
-    // Gaps are those of the start of the frame: they may have closed within the frame, or may close in the next.
-    const float near =
-        kTouching * Sleepers::ball(std::fmin(bodies_.radius[contact.a], bodies_.radius[contact.b])) +
-        2 * kClosing * static_cast<float>(dt) * (population.speed_of(contact.a) + population.speed_of(contact.b));
-    if (!contact.loaded && contact.gap > near) return;
-    for (const auto& [i, other] : {std::pair{contact.a, contact.b}, std::pair{contact.b, contact.a}}) {
-      if ((state_[i] & kCalm) == 0) state_[other] |= kDisturbed;
-      if ((state_[i] & kCreeping) == 0) state_[other] |= kCreepDisturbed;
-    }
-  });
-}
-
-// A stack is solved as one: if a body of it may not sleep, none does.
-void SleepChoice::keep_stacks_awake() {
-  const auto dynamic = [&](std::uint32_t slot) {
-    return bodies_.id[slot] != kNoSlot && bodies_.properties(bodies_.id[slot]).inv_mass > 0;
-  };
-  each_stack(source_, dynamic, [&](const auto& visit) {
-    bool all = true;
-    visit([&](std::uint32_t slot) { all = all && may_sleep(slot); });
-    if (!all) visit([&](std::uint32_t slot) { state_[slot] |= kDisturbed | kCreepDisturbed; });
-  });
-}
-
-bool SleepChoice::is_free(std::uint32_t id) const {
-  return bodies_.info[id].place == Place::moving && bodies_.properties(id).inv_mass > 0;
-}
-
-std::uint32_t SleepChoice::root_of(std::uint32_t id) {
-  std::vector<std::uint32_t>& root = sleepers_.roots;
-  while (root[id] != id) id = root[id] = root[root[id]];
-  return id;
-}
-
-// Unites bodies that joints connect: roots[id] leads to the lowest id of its group. A joint counts as support; a body
-// that is joined to a moving kinematic body is disturbed.
-void SleepChoice::join_bodies() {
-  std::vector<std::uint32_t>& root = sleepers_.roots;
-  root.resize(bodies_.id_count);
-  for (std::uint32_t id = 0; id < bodies_.id_count; ++id) root[id] = id;
-  source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
-    for (const std::uint32_t id : {a, b}) {
-      if (bodies_.info[id].place == Place::moving) state_[bodies_.info[id].slot] |= kSupported;
-    }
-    if (is_free(a) && is_free(b)) {
-      const std::uint32_t p = root_of(a), q = root_of(b);
-      root[std::max(p, q)] = std::min(p, q);
-      return;
-    }
-    for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
-      if (is_free(one) && bodies_.info[other].place == Place::moving &&
-          (state_[bodies_.info[other].slot] & kCalm) == 0) {
-        state_[bodies_.info[one].slot] |= kDisturbed | kCreepDisturbed;
-      }
-    }
-  });
-}
-
-// Bodies that joints connect sleep together or not at all.
-void SleepChoice::keep_joined_awake() {
-  bodies_.find_slots();
-  join_bodies();
-  std::vector<std::uint8_t>& wakeful = sleepers_.wakeful;
-  wakeful.assign(bodies_.id_count, 0);
-  source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
-    for (const std::uint32_t id : {a, b}) {
-      if (is_free(id) && !may_sleep(bodies_.info[id].slot)) wakeful[root_of(id)] = 1;
-    }
-  });
-  source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
-    for (const std::uint32_t id : {a, b}) {
-      if (is_free(id) && wakeful[root_of(id)] != 0) state_[bodies_.info[id].slot] |= kDisturbed | kCreepDisturbed;
-    }
-  });
-}
-
-// Chooses at most kMostAtOnce; but what is joined is never divided.
-void SleepChoice::mark_chosen() {
-  std::uint32_t pieces = 0;
-  for (std::uint32_t i = 0; i < bodies_.count; ++i) {
-    if (!may_sleep(i)) continue;
-    const BodyKind& kind = bodies_.kind(bodies_.id[i]);
-    if (pieces >= Sleepers::kMostAtOnce && source_.joints.empty()) break;
-    pieces += kind.hull_count == 0 ? 1 : 5 * kind.hull_count;
-    state_[i] |= kChosen;
-  }
+bool Sleep::choose(const SleepSource& source, std::uint64_t steps, double dt) {
+  return SleepChoice(source, sleepers).choose(steps, dt);
 }
 
 // The questions come in the order in which SleepChoice asks them.

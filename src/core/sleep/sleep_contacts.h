@@ -48,34 +48,31 @@ inline float gap_of(const ManifoldPair& pair) {
 template <class Each>
 void each_disc_contact(const SleepSource& source, std::size_t strip, const Each& each) {
   const BodyStore& bodies = source.population.bodies;
-  const ContactStore& contacts = source.contacts;
-  const bool rough = contacts.rough();
-  const Strip& s = source.table.strips[strip];
+  const PairTable& table = source.table;
+  const ContactStore& discs = source.contacts.discs;
+  const bool rough = discs.rough();
   SleepContact contact;
-  contact.shape = kNoSlot;
   contact.touch.per_mass = source.per_mass;
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    contact.a = source.table.owner[p];
-    contact.b = source.table.other[p];
-    if (bodies.id[contact.a] == kNoSlot || bodies.id[contact.b] == kNoSlot) continue;
-    const std::size_t lane = source.table.contact[p];
-    contact.gap = contacts.gap[lane];
-    contact.touch.impulse[0] = contacts.impulse[lane];
-    contact.touch.friction[0] = rough ? contacts.friction[lane] : 0.0f;
-    contact.loaded = contact.touch.impulse[0] > 0;
+  const auto tell = [&](std::size_t lane, const auto& gap, const auto& impulse, const auto& friction) {
+    contact.gap = gap[lane];
+    contact.touch.impulse[0] = impulse[lane];
+    contact.touch.friction[0] = rough ? friction[lane] : 0.0f;
+    contact.loaded = impulse[lane] > 0;
     each(contact);
+  };
+  contact.shape = kNoSlot;
+  for (std::uint32_t p = table.strips[strip].pair_begin; p < table.strips[strip].pair_end; ++p) {
+    contact.a = table.owner[p];
+    contact.b = table.other[p];
+    if (bodies.id[contact.a] == kNoSlot || bodies.id[contact.b] == kNoSlot) continue;
+    tell(table.contact[p], discs.gap, discs.impulse, discs.friction);
   }
   contact.a = kNoSlot;
-  for (const StaticPair& pair : source.table.static_contacts[strip]) {
+  for (const StaticPair& pair : table.static_contacts[strip]) {
     if (bodies.id[pair.body] == kNoSlot) continue;
     contact.b = pair.body;
     contact.shape = pair.shape;
-    const std::size_t lane = pair.contact;
-    contact.gap = contacts.s_gap[lane];
-    contact.touch.impulse[0] = contacts.s_impulse[lane];
-    contact.touch.friction[0] = rough ? contacts.s_friction[lane] : 0.0f;
-    contact.loaded = contact.touch.impulse[0] > 0;
-    each(contact);
+    tell(pair.contact, discs.s_gap, discs.s_impulse, discs.s_friction);
   }
 }
 
@@ -89,7 +86,7 @@ template <class Each, class Wanted = EveryStrip>
 void each_contact(const SleepSource& source, const Each& each, const Wanted& wanted = {}) {
   if (!source.contacts_stand) return;
   const BodyStore& bodies = source.population.bodies;
-  const Manifolds& manifolds = source.manifolds;
+  const Manifolds& manifolds = source.contacts.manifolds;
   SleepContact contact;
   for (std::size_t k = 0; k < source.table.strips.size(); ++k) {
     if (!wanted(k)) continue;
@@ -112,10 +109,10 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
 /// may come twice.
 template <class Wanted, class Each>
 void each_stack(const SleepSource& source, const Wanted& wanted, const Each& each) {
-  source.stacks.each_stack([&](const auto& each_pair_of) {
+  source.contacts.stacks.each_stack([&](const auto& each_pair_of) {
     each([&](const auto& f) {
       each_pair_of([&](std::uint32_t index) {
-        const ManifoldPair& pair = source.manifolds.pairs()[index];
+        const ManifoldPair& pair = source.contacts.manifolds.pairs()[index];
         for (const std::uint32_t slot : {pair.a, pair.b}) {
           if (slot != kNoSlot && wanted(slot)) f(slot);
         }

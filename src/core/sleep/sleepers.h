@@ -53,7 +53,7 @@ struct Waking {
 class Sleepers {
  public:
   explicit Sleepers(const Surroundings& s)
-      : b_(s.bodies), lattice_(s.lattice), pool_(s.pool), watched_(s.memory), state_(s.memory) {}
+      : state(s.memory), b_(s.bodies), lattice_(s.lattice), pool_(s.pool), watched_(s.memory) {}
 
   static constexpr std::uint64_t kWatchFrames = 8;
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
@@ -84,9 +84,12 @@ class Sleepers {
   bool changed = false;  ///< a body fell asleep or woke since events were collected
   // Scratch of sleeping and waking.
   std::vector<Waking> queue;
-  std::vector<std::uint32_t> found, number, roots;
-  std::vector<std::uint8_t> wakeful;
+  std::vector<std::uint32_t> found, roots;
   std::vector<Piece> pieces;
+  Column<std::uint8_t> state;  ///< by slot: marks of choosing (sleep_choice.cpp)
+  /// The mark of the bodies that were chosen to sleep.
+  static constexpr std::uint8_t kChosen = 8;
+  bool chosen(std::uint32_t slot) const { return (state[slot] & kChosen) != 0; }
   bool empty() const { return list.empty(); }
 
   /// Whether enough bodies of a sample of 2,000 are slow, so that watching is worth its time.
@@ -116,11 +119,10 @@ class Sleepers {
   /// the sleeper crept when it fell asleep.
   bool moves(std::size_t slot, bool creeps) const;
 
-  Column<std::uint8_t>& state() { return state_; }
   /// Drops the runs of touches that belong to no sleeper any more.
   void tidy();
   std::size_t bytes() const;
-  std::size_t column_bytes() const { return watched_.bytes() + state_.bytes(); }
+  std::size_t column_bytes() const { return watched_.bytes() + state.bytes(); }
   /// Gives the memory back, but for `recent`. No body sleeps or may sleep.
   void release();
 
@@ -131,7 +133,6 @@ class Sleepers {
   void put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics);
   template <class A>
   void describe_watched(A& a, const BodyStore& bodies);
-  bool left_ball(std::size_t slot, bool wide) const;
 
   // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
   // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.
@@ -142,9 +143,8 @@ class Sleepers {
   const BodyStore& b_;
   const Lattice& lattice_;
   WorkerPool& pool_;
-  Column<Watched> watched_;     // by id
-  Column<std::uint8_t> state_;  // by slot: scratch of choosing
-  std::vector<Touch> kept_;     // scratch of tidy
+  Column<Watched> watched_;  // by id
+  std::vector<Touch> kept_;  // scratch of tidy
   bool watching_ = false;
   std::uint32_t room_of_ = 0;  // bodies that there is room for
 };

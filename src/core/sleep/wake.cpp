@@ -21,27 +21,27 @@ std::uint32_t rings_of(float speed, float mass, float hit_mass) {
   return n;
 }
 
+// The way between two lattice points, m, without their offsets.
+Vec2 way_between(const Lattice& lattice, const LatticePoint& from, const LatticePoint& to) {
+  return {wrap_sub(to.x, from.x) * lattice.pitch_x(), wrap_sub(to.y, from.y) * lattice.pitch_y()};
+}
+
 // Whether a disc at `at` with radius `reach` touches a fixed shape.
 bool touches(const LatticePoint& at, double reach, const StaticShape& shape, const StaticShapes& statics,
              const Lattice& lattice) {
-  const double px = lattice.pitch_x(), py = lattice.pitch_y();
-  const double ax = wrap_sub(at.x, shape.p.x) * px, ay = wrap_sub(at.y, shape.p.y) * py;
-  double x = ax, y = ay, round = static_cast<double>(shape.radius);
+  Vec2 way = way_between(lattice, shape.p, at);
+  double round = static_cast<double>(shape.radius);
   if (shape.segment) {
-    const double ux = wrap_sub(shape.q.x, shape.p.x) * px, uy = wrap_sub(shape.q.y, shape.p.y) * py;
-    const double share = std::fmin(std::fmax((ax * ux + ay * uy) / (ux * ux + uy * uy), 0), 1);
-    x = ax - share * ux;
-    y = ay - share * uy;
+    const Vec2 along = way_between(lattice, shape.p, shape.q);
+    way = way - std::fmin(std::fmax(dot(way, along) / dot(along, along), 0), 1) * along;
   } else if (shape.whole) {
     round = static_cast<double>(statics.hull(shape).reach);
   }
-  return x * x + y * y <= (reach + round) * (reach + round);
+  return dot(way, way) <= (reach + round) * (reach + round);
 }
 
-}  // namespace
-
 // Brings a body back into the columns, at rest where it lay.
-void Sleep::wake_one(const SleepSource& source, std::uint32_t id) {
+void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   BodyStore& bodies = source.population.bodies;
   BodyInfo& info = bodies.info[id];
   const std::uint32_t k = info.slot;
@@ -70,29 +70,8 @@ void Sleep::wake_one(const SleepSource& source, std::uint32_t id) {
   sleepers.woke = sleepers.changed = true;
 }
 
-// Wakes the bodies of the queue, those that are stacked or joined with them, and rings of neighbours around them.
-bool Sleep::wake_queued(const SleepSource& source) {
-  BodyStore& bodies = source.population.bodies;
-  std::vector<Waking>& queue = sleepers.queue;
-  bool any = false;
-  for (std::size_t k = 0; k < queue.size(); ++k) {
-    const Waking now = queue[k];
-    if (bodies.info[now.id].place != Place::asleep) continue;
-    const Sleeper self = sleepers.list[bodies.info[now.id].slot];
-    if (!any) bodies.find_slots();
-    wake_one(source, now.id);
-    any = true;
-    ask_joined_and_stacked(source, self, now.rings);
-    if (now.rings != 0) ask_neighbours(source, self.at, now.id, now.rings);
-  }
-  queue.clear();
-  if (!any) return false;
-  sleepers.tidy();
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
-  return true;
-}
-
-void Sleep::ask_joined_and_stacked(const SleepSource& source, const Sleeper& woken, std::uint32_t rings) {
+// Queues those that are stacked or joined with a body that woke.
+void ask_joined_and_stacked(const SleepSource& source, Sleepers& sleepers, const Sleeper& woken, std::uint32_t rings) {
   if (woken.group != kNoSlot) {
     for (const Sleeper& s : sleepers.list) {
       if (s.group == woken.group) sleepers.queue.push_back({s.id, rings});
@@ -102,30 +81,63 @@ void Sleep::ask_joined_and_stacked(const SleepSource& source, const Sleeper& wok
   source.joints.each_joined(woken.id, [&](std::uint32_t other) { sleepers.queue.push_back({other, rings}); });
 }
 
-// Queues the sleeping neighbours of a body that lay at `at`: one ring of them, or those that may lean on it.
-void Sleep::ask_neighbours(const SleepSource& source, const LatticePoint& at, std::uint32_t id, std::uint32_t rings) {
-  const BodyStore& bodies = source.population.bodies;
+// Calls each(body) for the sleepers whose box a square of half width `reach`, m, meets.
+template <class Each>
+void each_sleeper_near(const SleepSource& source, Sleepers& sleepers, const LatticePoint& at, float reach,
+                       const Each& each) {
   const StaticShapes& statics = source.population.statics;
-  const Lattice& lattice = source.lattice;
-  const Vec2 g = source.gravity;
-  const double weight = length_of(g);
-  const float reach = bodies.properties(id).radius;
-  const bool above = rings == Waking::kAbove;
-  if (above && sleepers.queue.size() > Sleepers::kMostAbove) return;
   sleepers.found.clear();
   statics.near(at.x, at.y, kNear * reach, sleepers.found);
   for (const std::uint32_t shape : sleepers.found) {
-    if (!statics[shape].asleep) continue;
-    const std::uint32_t other = statics[shape].owner;
-    if (above) {
-      const LatticePoint& place = sleepers.list[bodies.info[other].slot].at;
-      const double down =
-          (wrap_sub(place.x, at.x) * lattice.pitch_x() * g.x + wrap_sub(place.y, at.y) * lattice.pitch_y() * g.y);
-      if (down > 0.1 * weight * static_cast<double>(reach)) continue;  // it lies below
-    }
-    sleepers.queue.push_back({other, above ? Waking::kAbove : rings - 1});
+    if (statics[shape].asleep) each(statics[shape].owner);
   }
 }
+
+void ask_around(const SleepSource& source, Sleepers& sleepers, const LatticePoint& at, float reach,
+                std::uint32_t rings) {
+  each_sleeper_near(source, sleepers, at, reach, [&](std::uint32_t id) { sleepers.queue.push_back({id, rings}); });
+}
+
+// Queues the sleeping neighbours of a body that woke: one ring of them, or those that may lean on it.
+void ask_neighbours(const SleepSource& source, Sleepers& sleepers, const Sleeper& woken, std::uint32_t rings) {
+  const BodyStore& bodies = source.population.bodies;
+  const float reach = bodies.properties(woken.id).radius;
+  if (rings != Waking::kAbove) return ask_around(source, sleepers, woken.at, reach, rings - 1);
+  if (sleepers.queue.size() > Sleepers::kMostAbove) return;
+  const Lattice& lattice = source.lattice;
+  const Vec2 g = source.gravity;
+  each_sleeper_near(source, sleepers, woken.at, reach, [&](std::uint32_t id) {
+    const LatticePoint& place = sleepers.list[bodies.info[id].slot].at;
+    const Vec2 way{wrap_sub(place.x, woken.at.x) * lattice.pitch_x(),
+                   wrap_sub(place.y, woken.at.y) * lattice.pitch_y()};
+    const bool below = dot(way, g) > 0.1 * length_of(g) * static_cast<double>(reach);
+    if (!below) sleepers.queue.push_back({id, Waking::kAbove});
+  });
+}
+
+// Wakes the bodies of the queue, those that are stacked or joined with them, and rings of neighbours around them.
+bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
+  BodyStore& bodies = source.population.bodies;
+  std::vector<Waking>& queue = sleepers.queue;
+  bool any = false;
+  for (std::size_t k = 0; k < queue.size(); ++k) {
+    const Waking now = queue[k];
+    if (bodies.info[now.id].place != Place::asleep) continue;
+    const Sleeper self = sleepers.list[bodies.info[now.id].slot];
+    if (!any) bodies.find_slots();
+    wake_one(source, sleepers, now.id);
+    any = true;
+    ask_joined_and_stacked(source, sleepers, self, now.rings);
+    if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
+  }
+  queue.clear();
+  if (!any) return false;
+  sleepers.tidy();
+  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+  return true;
+}
+
+}  // namespace
 
 bool Sleep::wake_reached(const SleepSource& source, double dt) {
   const Population& population = source.population;
@@ -157,20 +169,10 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
       const std::size_t i = bodies.info[id].slot;
       const float speed = population.speed_of(i);
       if (speed == 0 || bodies.kind(id).sensor) continue;
-      ask_around(source, bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.radius[i] + speed * frame_s, 0);
+      ask_around(source, sleepers, bodies.point(i), bodies.radius[i] + speed * frame_s, 0);
     }
   }
-  return wake_queued(source);
-}
-
-// Queues the sleepers whose box a square of half width `reach`, m, meets.
-void Sleep::ask_around(const SleepSource& source, std::int32_t x, std::int32_t y, float reach, std::uint32_t rings) {
-  const StaticShapes& statics = source.population.statics;
-  sleepers.found.clear();
-  statics.near(x, y, kNear * reach, sleepers.found);
-  for (const std::uint32_t shape : sleepers.found) {
-    if (statics[shape].asleep) sleepers.queue.push_back({statics[shape].owner, rings});
-  }
+  return wake_queued(source, sleepers);
 }
 
 void Sleep::keep_touches_of_woken(const SleepSource& source, bool impulses_valid) {
@@ -179,7 +181,7 @@ void Sleep::keep_touches_of_woken(const SleepSource& source, bool impulses_valid
   if (!impulses_valid) return;
   const Population& population = source.population;
   const StaticShapes& statics = population.statics;
-  if (source.manifolds.any()) source.manifolds.keep_impulses(source.pool);
+  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses(source.pool);
   each_contact(source, [&](const SleepContact& contact) {
     if (contact.a != kNoSlot || !contact.loaded || contact.shape >= kWallLeft) return;
     if (!statics[contact.shape].asleep || statics[contact.shape].alive) return;
@@ -199,17 +201,13 @@ bool Sleep::disturb_neighbours(const SleepSource& source, std::uint32_t id) {
   if (sleepers.empty()) return false;
   const BodyStore& bodies = source.population.bodies;
   const BodyInfo& info = bodies.info[id];
-  if (info.place == Place::moving) {
-    const std::size_t i = info.slot;
-    ask_around(source, bodies.pos[2 * i], bodies.pos[2 * i + 1], bodies.radius[i], Waking::kAbove);
-  } else if (info.place == Place::asleep) {
-    sleepers.queue.push_back({id, 0});
-    const LatticePoint at = sleepers.list[info.slot].at;
-    ask_around(source, at.x, at.y, bodies.properties(id).radius, Waking::kAbove);
-  } else if (info.place == Place::fixed) {
-    return disturb_at_fixed(source, id);
-  }
-  return wake_queued(source);
+  if (info.place == Place::fixed) return disturb_at_fixed(source, id);
+  const bool asleep = info.place == Place::asleep;
+  if (!asleep && info.place != Place::moving) return false;
+  if (asleep) sleepers.queue.push_back({id, 0});
+  const LatticePoint at = asleep ? sleepers.list[info.slot].at : bodies.point(info.slot);
+  ask_around(source, sleepers, at, bodies.properties(id).radius, Waking::kAbove);
+  return wake_queued(source, sleepers);
 }
 
 bool Sleep::disturb_at_fixed(const SleepSource& source, std::uint32_t id) {
@@ -225,19 +223,19 @@ bool Sleep::disturb_at_fixed(const SleepSource& source, std::uint32_t id) {
     }
     if (touched) sleepers.queue.push_back({s.id, Waking::kAbove});
   }
-  return wake_queued(source);
+  return wake_queued(source, sleepers);
 }
 
 bool Sleep::wake_body(const SleepSource& source, std::uint32_t id) {
   sleepers.queue.push_back({id, 0});
-  return wake_queued(source);
+  return wake_queued(source, sleepers);
 }
 
 bool Sleep::wake_all(const SleepSource& source) {
   for (const Sleeper& s : sleepers.list) sleepers.queue.push_back({s.id, 0});
   // Total order: a body sleeps once, and the queue was empty.
   std::sort(sleepers.queue.begin(), sleepers.queue.end(), [](const Waking& a, const Waking& b) { return a.id < b.id; });
-  return wake_queued(source);
+  return wake_queued(source, sleepers);
 }
 
 }  // namespace psim

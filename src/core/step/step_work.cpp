@@ -19,10 +19,8 @@ ManifoldParams StepContext::manifold_params(double dt) const {
 }
 
 SleepSource StepContext::sleep_source() const {
-  return {population,       lattice,        desc.gravity,
-          neighbours.table, contacts.discs, contacts.manifolds,
-          contacts.stacks,  joints,         pool,
-          contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
+  return {population, lattice, desc.gravity,     neighbours.table, contacts,
+          joints,     pool,    contacts_stand(), plan.manifolds,   plan.model.model == kernels::Model::plain};
 }
 
 void StepWork::run(const StepContext& c, const Span& span, StepReport& report, std::size_t end) {
