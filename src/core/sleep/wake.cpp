@@ -104,12 +104,9 @@ void ask_neighbours(const SleepSource& source, Sleepers& sleepers, const Sleeper
   const float reach = bodies.properties(woken.id).radius;
   if (rings != Waking::kAbove) return ask_around(source, sleepers, woken.at, reach, rings - 1);
   if (sleepers.queue.size() > Sleepers::kMostAbove) return;
-  const Lattice& lattice = source.lattice;
   const Vec2 g = source.gravity;
   each_sleeper_near(source, sleepers, woken.at, reach, [&](std::uint32_t id) {
-    const LatticePoint& place = sleepers.list[bodies.info[id].slot].at;
-    const Vec2 way{wrap_sub(place.x, woken.at.x) * lattice.pitch_x(),
-                   wrap_sub(place.y, woken.at.y) * lattice.pitch_y()};
+    const Vec2 way = way_between(source.lattice, woken.at, sleepers.list[bodies.info[id].slot].at);
     const bool below = dot(way, g) > 0.1 * length_of(g) * static_cast<double>(reach);
     if (!below) sleepers.queue.push_back({id, Waking::kAbove});
   });
@@ -142,7 +139,6 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
 bool Sleep::wake_reached(const SleepSource& source, double dt) {
   const Population& population = source.population;
   const BodyStore& bodies = population.bodies;
-  const Lattice& lattice = source.lattice;
   const auto frame_s = static_cast<float>(dt) * kClosing;
   each_contact(source, [&](const SleepContact& contact) {
     if (contact.a != kNoSlot || contact.shape >= kWallLeft) return;
@@ -152,8 +148,8 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
     float gap = contact.gap;
     const float speed = population.speed_of(i), way = speed * frame_s;
     if (!shape.segment && !shape.whole) {
-      const auto x = static_cast<float>(wrap_sub(bodies.pos[2 * i], shape.p.x) * lattice.pitch_x());
-      const auto y = static_cast<float>(wrap_sub(bodies.pos[2 * i + 1], shape.p.y) * lattice.pitch_y());
+      const Vec2 between = way_between(source.lattice, shape.p, bodies.point(i));
+      const auto x = static_cast<float>(between.x), y = static_cast<float>(between.y);
       gap = std::sqrt(x * x + y * y) - bodies.radius[i] - shape.radius;
     } else {
       gap -= way;  // the gap is that of the start of the frame
