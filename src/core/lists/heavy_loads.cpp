@@ -126,16 +126,6 @@ void HeavyLoads::spread(const PairTable& table, std::size_t index) {
   }
 }
 
-// Activates the strips in `next_` and the strips after them: a pair may reach a body of the next strip, and a pair
-// of the large bodies' group a body of any strip.
-void HeavyLoads::activate() {
-  const std::size_t strips = next_.size() - 1;
-  for (std::size_t k = 0; k < strips; ++k) {
-    if (next_[k] != 0) active_[k] = active_[k + 1 < strips ? k + 1 : 0] = 1;
-  }
-  if (next_[strips] != 0) std::fill(active_.begin(), active_.end(), std::uint8_t{1});
-}
-
 // Chooses the next pass, after all strips were gone over.
 void HeavyLoads::finish_pass(const PairTable& table) {
   done_ += strips_;
@@ -144,13 +134,10 @@ void HeavyLoads::finish_pass(const PairTable& table) {
     case Phase::ratios:
       class_ = 0;
       return try_ratio(table);
-    case Phase::mark:
-      activate();
-      spreading_ = kTop;
-      return begin_spread(table);
     case Phase::spread:
-      activate();
       --spreading_;
+      [[fallthrough]];
+    case Phase::mark:
       return begin_spread(table);
     case Phase::levels: {
       const std::uint32_t most = most_contacts(pairs_);
@@ -173,13 +160,21 @@ void HeavyLoads::try_ratio(const PairTable& table) {
   while (contacts() > most_contacts(pairs_)) ++class_;
   if (contacts() == 0) return end(false);
   ratio_ = std::ldexp(kLeastRatio, class_);
+  spreading_ = kTop;
   std::fill_n(level_.data(), table.body_count, std::uint8_t{0});
   active_.assign(strips_, 0);
   next_ = active_;
   phase_ = Phase::mark;
 }
 
+// Activates the strips in `next_` and the strips after them: a pair may reach a body of the next strip, and a pair
+// of the large bodies' group a body of any strip.
 void HeavyLoads::begin_spread(const PairTable& table) {
+  const std::size_t grid = strips_ - 1;
+  for (std::size_t k = 0; k < grid; ++k) {
+    if (next_[k] != 0) active_[k] = active_[k + 1 < grid ? k + 1 : 0] = 1;
+  }
+  if (next_[grid] != 0) std::fill(active_.begin(), active_.end(), std::uint8_t{1});
   if (spreading_ == 1) {
     for (auto& count : levels_) count = 0;
     phase_ = Phase::levels;

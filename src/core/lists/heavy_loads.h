@@ -71,7 +71,6 @@ class HeavyLoads {
   bool idle(std::size_t strip) const;
   void mark(const PairTable& table, std::size_t strip);
   void spread(const PairTable& table, std::size_t strip);
-  void activate();
   void finish_pass(const PairTable& table);
   void try_ratio(const PairTable& table);
   void begin_spread(const PairTable& table);

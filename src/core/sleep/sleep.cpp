@@ -118,7 +118,7 @@ bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
 void Sleep::make_room(const SleepSource& source) {
   const BodyStore& bodies = source.population.bodies;
   if (!sleepers.empty() || sleepers.has_room()) return;
-  const std::uint32_t most = std::min(bodies.count - bodies.dead, Sleepers::kRoomAhead);
+  const std::uint32_t most = std::min(bodies.awake(), Sleepers::kRoomAhead);
   std::uint32_t pieces = source.with_manifolds ? 0 : most, hulls = 0;
   std::size_t longest = 1;
   for (std::uint32_t i = 0; source.with_manifolds && i < bodies.count && pieces < Sleepers::kRoomAhead; ++i) {

@@ -30,6 +30,20 @@ std::string how_it_moves(const BodyStore& bodies, std::size_t slot) {
   return line;
 }
 
+// Whether a body neither moves nor turns.
+bool is_still(const BodyStore& b, std::size_t slot) {
+  return b.vel[2 * slot] == 0 && b.vel[2 * slot + 1] == 0 && (b.rim_speed.empty() || b.rim_speed[slot] == 0);
+}
+
+// Returns a function that tells the marks of a body that has stayed where it is for long enough, else 0.
+auto calm_marks(const BodyStore& bodies, const Sleepers& sleepers, double dt) {
+  const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
+  return [=, &bodies, &sleepers](std::uint32_t id) {
+    const bool creeps = sleepers.calm(id, true) >= long_needed && bodies.properties(id).friction == 0;
+    return static_cast<std::uint8_t>((sleepers.calm(id) >= needed ? kCalm : 0) | (creeps ? kCreeping : 0));
+  };
+}
+
 class SleepChoice {
  public:
   SleepChoice(const SleepSource& source, Sleepers& sleepers)
@@ -62,18 +76,14 @@ class SleepChoice {
   // Marks bodies that have rested long enough, and returns how many there are.
   std::size_t mark_calm(double dt) {
     state_.reserve(kernels::round_up_block(bodies_.count));
-    const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
+    const auto marks = calm_marks(bodies_, sleepers_, dt);
     std::size_t calm = 0;
     for (std::uint32_t i = 0; i < bodies_.count; ++i) {
       state_[i] = 0;
-      const std::uint32_t id = bodies_.id[i];
-      if (id == kNoSlot) continue;
-      if (sleepers_.calm(id) >= needed) state_[i] |= kCalm;
-      if (sleepers_.calm(id, true) >= long_needed && bodies_.properties(id).friction == 0) state_[i] |= kCreeping;
+      if (bodies_.id[i] == kNoSlot) continue;
+      state_[i] = marks(bodies_.id[i]);
       calm += state_[i] != 0;
-      const bool still = bodies_.vel[2 * std::size_t{i}] == 0 && bodies_.vel[2 * std::size_t{i} + 1] == 0 &&
-                         (bodies_.rim_speed.empty() || bodies_.rim_speed[i] == 0);
-      if (still) state_[i] |= kSupported;
+      if (is_still(bodies_, i)) state_[i] |= kSupported;
     }
     return calm;
   }
@@ -214,20 +224,17 @@ std::string Sleep::why_awake(const SleepSource& source, std::uint32_t id, bool s
   if (!sleepers.watching() || (sleepers.moves(slot, false) && sleepers.moves(slot, true))) {
     return how_it_moves(bodies, slot);
   }
-  const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
-  const auto rested = [&](std::uint32_t body) {
-    return sleepers.calm(body) >= needed ||
-           (sleepers.calm(body, true) >= long_needed && bodies.properties(body).friction == 0);
-  };
+  const auto marks = calm_marks(bodies, sleepers, dt);
+  const auto rested = [&](std::uint32_t body) { return marks(body) != 0; };
   if (!rested(id)) {
     const double watch = static_cast<double>(Sleepers::kWatchFrames) * dt;
     char line[160];
     std::snprintf(line, sizeof line, "awake: it has rested for %.2f s of %.2f s", sleepers.calm(id) * watch,
-                  needed * watch);
+                  Sleepers::needed(dt) * watch);
     return line;
   }
   std::uint32_t restless = kNoSlot, joined = kNoSlot;
-  bool supported = bodies.vel[2 * slot] == 0 && bodies.vel[2 * slot + 1] == 0;
+  bool supported = is_still(bodies, slot);
   each_contact(source, [&](const SleepContact& contact) {
     if (contact.a != slot && contact.b != slot) return;
     supported = supported || contact.loaded;
