@@ -83,10 +83,7 @@ struct PairTable {
     const std::size_t large = strips.size() - 1;
     if (any(strip) || any(large)) return true;
     if (strip != large) return any(strip == 0 ? large - 1 : strip - 1) || any(strip + 1 == large ? 0 : strip + 1);
-    for (std::size_t k = 0; k < large; ++k) {
-      if (any(k)) return true;
-    }
-    return false;
+    return std::ranges::any_of(std::views::iota(std::size_t{0}, large), any);
   }
 
   /// Completes `first`: its end, and the marks of the strips' first bodies.

@@ -22,14 +22,6 @@ bool rests_creeping(std::uint8_t state) {
   return (state & (kCreeping | kSupportedTwice | kCreepDisturbed)) == (kCreeping | kSupportedTwice);
 }
 
-std::string how_it_moves(const BodyStore& bodies, std::size_t slot) {
-  char line[160];
-  std::snprintf(line, sizeof line, "awake: it moves, at %.3g m/s: it left a ball of %.3g m in the last %d frames",
-                length_of(bodies.velocity(slot)), static_cast<double>(Sleepers::ball(bodies.radius[slot])),
-                static_cast<int>(Sleepers::kWatchFrames));
-  return line;
-}
-
 // Whether a body neither moves nor turns.
 bool is_still(const BodyStore& b, std::size_t slot) {
   return b.vel[2 * slot] == 0 && b.vel[2 * slot + 1] == 0 && (b.rim_speed.empty() || b.rim_speed[slot] == 0);
@@ -221,14 +213,17 @@ std::string Sleep::why_awake(const SleepSource& source, std::uint32_t id, bool s
   if (!(bodies.properties(id).inv_mass > 0)) return "awake: kinematic bodies never sleep";
   bodies.find_slots();
   const std::size_t slot = info.slot;
+  char line[160];
   if (!sleepers.watching() || (sleepers.moves(slot, false) && sleepers.moves(slot, true))) {
-    return how_it_moves(bodies, slot);
+    std::snprintf(line, sizeof line, "awake: it moves, at %.3g m/s: it left a ball of %.3g m in the last %d frames",
+                  length_of(bodies.velocity(slot)), static_cast<double>(Sleepers::ball(bodies.radius[slot])),
+                  static_cast<int>(Sleepers::kWatchFrames));
+    return line;
   }
   const auto marks = calm_marks(bodies, sleepers, dt);
   const auto rested = [&](std::uint32_t body) { return marks(body) != 0; };
   if (!rested(id)) {
     const double watch = static_cast<double>(Sleepers::kWatchFrames) * dt;
-    char line[160];
     std::snprintf(line, sizeof line, "awake: it has rested for %.2f s of %.2f s", sleepers.calm(id) * watch,
                   Sleepers::needed(dt) * watch);
     return line;

@@ -200,7 +200,7 @@ bool Sleep::disturb_neighbours(const SleepSource& source, std::uint32_t id) {
   if (info.place == Place::fixed) return disturb_at_fixed(source, id);
   const bool asleep = info.place == Place::asleep;
   if (!asleep && info.place != Place::moving) return false;
-  if (asleep) sleepers.queue.push_back({id, 0});
+  sleepers.queue.push_back({id, 0});
   const LatticePoint at = asleep ? sleepers.list[info.slot].at : bodies.point(info.slot);
   ask_around(source, sleepers, at, bodies.properties(id).radius, Waking::kAbove);
   return wake_queued(source, sleepers);
