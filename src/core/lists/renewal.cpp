@@ -53,11 +53,8 @@ bool ListRenewal::find(float time) {
   known_ = true;
   if (too_many()) return false;
   sort_keys(found_.begin(), found_.end());
-  std::size_t both = found_.size() + renewed_.size();
-  if (!renewed_.empty()) {
-    for (const std::uint32_t slot : found_) both -= mark_[slot] != kListed ? 1 : 0;
-  }
-  return both <= most;
+  const auto is_new = [&](std::uint32_t slot) { return renewed_.empty() || mark_[slot] == kListed; };
+  return renewed_.size() + static_cast<std::size_t>(std::ranges::count_if(found_, is_new)) <= most;
 }
 
 void ListRenewal::spare(std::size_t bodies) {
@@ -97,19 +94,6 @@ void ListRenewal::place(const Renewed& at) {
     b_.built[2 * i + 1] = at.y;
     b_.reach[i] = at.reach;
   }
-}
-
-void ListRenewal::sort_places() {
-  const std::size_t axis = broad_.wide() ? 0 : 1;
-  std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
-  const auto before = static_cast<std::ptrdiff_t>(places_.size());
-  for (const std::uint32_t slot : found_) {
-    const auto along = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
-    places_.push_back(std::uint64_t{along} << 32 | slot);
-    most_ = std::max(most_, b_.reach[slot]);
-  }
-  sort_keys(places_.begin() + before, places_.end());
-  std::inplace_merge(places_.begin(), places_.begin() + before, places_.end());
 }
 
 // Finds the pairs of a found body that no strip has. Of two found bodies the one with the lower slot takes the pair.
@@ -202,9 +186,17 @@ void ListRenewal::put_statics(PairTable& table) {
 }
 
 void ListRenewal::search_all(const PairTable& table) {
-  sort_places();
+  const std::size_t axis = broad_.wide() ? 0 : 1;
+  std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
+  const auto before = static_cast<std::ptrdiff_t>(places_.size());
+  for (const std::uint32_t slot : found_) {
+    const auto along = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
+    places_.push_back(std::uint64_t{along} << 32 | slot);
+    most_ = std::max(most_, b_.reach[slot]);
+  }
+  sort_keys(places_.begin() + before, places_.end());
+  std::inplace_merge(places_.begin(), places_.begin() + before, places_.end());
   const std::size_t jobs = (found_.size() + kJob - 1) / kJob;
-  scratch_.resize(std::max(scratch_.size(), jobs));
   for (Scratch& s : scratch_) s.pairs.clear();
   pool_.run(jobs, [&](std::size_t job) {
     for (std::size_t n = job * kJob; n < std::min(found_.size(), (job + 1) * kJob); ++n) {

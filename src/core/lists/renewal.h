@@ -89,7 +89,6 @@ class ListRenewal {
     return {slot, b_.built[2 * i], b_.built[2 * i + 1], b_.reach[i]};
   }
   void place(const Renewed& at);
-  void sort_places();
   void search(const PairTable& table, std::uint32_t slot, Scratch& s) const;
   void search_all(const PairTable& table);
   void put_pairs(PairTable& table) const;
@@ -106,8 +105,8 @@ class ListRenewal {
   Column<std::uint8_t> mark_;                 // by slot
   std::vector<std::uint64_t> places_;         // of renewed bodies: place along the longer side << 32 | slot, ascending
   std::vector<std::uint64_t> pairs_, fresh_;  // as pair_key, ascending
-  std::vector<Scratch> scratch_;
-  std::vector<StaticPair> near_;  // pairs with fixed shapes of all found bodies
+  std::vector<Scratch> scratch_;              // by job
+  std::vector<StaticPair> near_;              // pairs with fixed shapes of all found bodies
   std::vector<std::uint32_t> statics_;
   float time_ = 0, most_ = 0;  // s; m: largest reach of a renewed body
   bool known_ = false, statics_changed_ = false;

@@ -9,11 +9,10 @@
 namespace psim {
 
 bool Sleepers::anyone_slow() const {
-  const BodyStore& b = b_;
   std::uint32_t slow = 0, seen = 0;
-  b.each_sampled([&](std::size_t i) {
+  b_.each_sampled([&](std::size_t i) {
     ++seen;
-    slow += b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1] < kSlow * kSlow;
+    slow += b_.vel[2 * i] * b_.vel[2 * i] + b_.vel[2 * i + 1] * b_.vel[2 * i + 1] < kSlow * kSlow;
   });
   return slow > 0 && slow * kFewSlow >= seen;
 }
