@@ -57,7 +57,7 @@ void Sleep::fall_asleep(const SleepSource& source) {
   bodies.asleep += sleepers.list.size() - first;
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
   sleepers.changed = true;
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+  if (!source.joints.empty()) source.joints.follow_sleep();
 }
 
 // Appends the chosen bodies to the list. Sleepers::number leads from their slots to their places in it.

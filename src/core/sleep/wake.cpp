@@ -88,7 +88,7 @@ bool Sleep::wake_queued(const SleepSource& source) {
   queue.clear();
   if (!any) return false;
   sleepers.tidy();
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+  if (!source.joints.empty()) source.joints.follow_sleep();
   return true;
 }
 

@@ -137,10 +137,10 @@ void Solver::Run::substep(bool first_of_step) {
   if (first) warm(first_of_step);
   solve();
   if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, true, pool);
-  if (joined_) joints.hold(view_, kernels, 1, pool);
+  if (joined_) joints.hold(view_, 1);
   drift();
   if (!kinematics.empty()) carry_kinematics();
-  if (joined_) joints.hold(view_, kernels, -1, pool);
+  if (joined_) joints.hold(view_, -1);
   if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, false, pool);
   relax();
   if (bounce_) spend();
@@ -194,7 +194,7 @@ void Solver::Run::warm(bool first_of_step) {
   for_statics([&](std::size_t, const Strip& s) {
     kernels.warm_static[model_](view_, statics_, warm_static, s.static_begin, s.static_end);
   });
-  if (joined_) joints.warm(view_, kernels, warm_pair.warm, pool);
+  if (joined_) joints.warm(view_, warm_pair.warm);
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
@@ -226,12 +226,12 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
 }
 
 void Solver::Run::solve() {
-  if (joined_) joints.solve(view_, kernels, pool);
+  if (joined_) joints.solve(view_);
   pass(kernels.solve[model_], kernels.solve_static[model_], kernels.solve_manifolds, 0);
 }
 
 void Solver::Run::relax() {
-  if (joined_) joints.relax(view_, kernels, pool);
+  if (joined_) joints.relax(view_);
   pass(kernels.relax[model_], kernels.relax_static[model_], kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 

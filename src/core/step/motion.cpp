@@ -155,7 +155,7 @@ std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, St
                 c.bodies.angle_change.data() + std::size_t{r.end} * kBlock, 0.0f);
     });
   }
-  if (c.plan.joints) c.joints.prepare(c.bodies, c.population.fixed, c.contacts.solved, c.lattice, h, c.pool);
+  if (c.plan.joints) c.joints.prepare(c.population.fixed, c.contacts.solved, h);
   c.dynamics.last_substep = h;
   return p;
 }
