@@ -51,6 +51,12 @@ void clear(std::size_t from, std::size_t to, Columns&... columns) {
   (std::fill(columns.data() + from, columns.data() + to, 0), ...);
 }
 
+template <class T>
+void copy_record(const Column<T>& from, std::size_t i, Column<T>& to, std::size_t n) {
+  to[2 * n] = from[2 * i];
+  to[2 * n + 1] = from[2 * i + 1];
+}
+
 }  // namespace
 
 // Uses the columns of all bodies as they stand.
@@ -109,60 +115,47 @@ void SolverBodies::choose(const PairTable& table, bool compact, bool impacts) {
 }
 
 void SolverBodies::make_room(std::size_t all, bool turning, bool impacts) {
-  for (Column<float>* records : {&vel_, &disp_, &vel0_}) records->reserve_loosely(2 * all);
-  pos_.reserve_loosely(2 * all);
-  slot_.reserve_loosely(all);
-  linked_.reserve_loosely(all);
-  if (turning) {
-    rim_speed_.reserve_loosely(all);
-    rim_speed0_.reserve_loosely(all);
-  }
-  if (impacts) event_time_.reserve_loosely(all);
+  const auto reserve = [](std::size_t n, auto&... columns) { (columns.reserve_loosely(n), ...); };
+  reserve(2 * all, pos_, vel_, disp_, vel0_);
+  reserve(all, slot_, linked_);
+  if (turning) reserve(all, rim_speed_, rim_speed0_);
+  if (impacts) reserve(all, event_time_);
 }
 
-template <bool kTurns>
-void SolverBodies::load_range(BlockRange r) {
-  const std::size_t end = std::min(count_, r.end * kBlock);
-  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
-    __builtin_prefetch(b_.pos.data() + 2 * soon);
-    __builtin_prefetch(b_.vel.data() + 2 * soon);
-    __builtin_prefetch(b_.disp.data() + 2 * soon);
-    pos_[2 * n] = b_.pos[2 * i];
-    pos_[2 * n + 1] = b_.pos[2 * i + 1];
-    vel_[2 * n] = b_.vel[2 * i];
-    vel_[2 * n + 1] = b_.vel[2 * i + 1];
-    disp_[2 * n] = b_.disp[2 * i];
-    disp_[2 * n + 1] = b_.disp[2 * i + 1];
-    if constexpr (kTurns) rim_speed_[n] = b_.rim_speed[i];
-  }
+// Calls each(number, slot, soon) for all copies, where `soon` is the slot of one that comes later.
+template <class Each>
+void SolverBodies::each_copy(const Each& each) const {
+  if (!compact_) return;
+  run_stream(blocks(), pool_, [&](BlockRange r) {
+    const std::size_t end = std::min(count_, r.end * kBlock);
+    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+      each(n, slot_[n], slot_[std::min(n + kAhead, end - 1)]);
+    }
+  });
 }
 
 void SolverBodies::load() {
-  if (!compact_) return;
-  const auto load = turns() ? &SolverBodies::load_range<true> : &SolverBodies::load_range<false>;
-  pool_.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*load)(stream_range(t, blocks())); });
-}
-
-template <bool kTurns>
-void SolverBodies::store_range(BlockRange r) const {
-  const std::size_t end = std::min(count_, r.end * kBlock);
-  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
-    __builtin_prefetch(b_.vel.data() + 2 * soon, 1);
-    __builtin_prefetch(b_.disp.data() + 2 * soon, 1);
-    b_.vel[2 * i] = vel_[2 * n];
-    b_.vel[2 * i + 1] = vel_[2 * n + 1];
-    b_.disp[2 * i] = disp_[2 * n];
-    b_.disp[2 * i + 1] = disp_[2 * n + 1];
-    if constexpr (kTurns) b_.rim_speed[i] = rim_speed_[n];
-  }
+  const bool turning = turns();
+  each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
+    __builtin_prefetch(b_.pos.data() + 2 * soon);
+    __builtin_prefetch(b_.vel.data() + 2 * soon);
+    __builtin_prefetch(b_.disp.data() + 2 * soon);
+    copy_record(b_.pos, i, pos_, n);
+    copy_record(b_.vel, i, vel_, n);
+    copy_record(b_.disp, i, disp_, n);
+    if (turning) rim_speed_[n] = b_.rim_speed[i];
+  });
 }
 
 void SolverBodies::store() const {
-  if (!compact_) return;
-  const auto store = turns() ? &SolverBodies::store_range<true> : &SolverBodies::store_range<false>;
-  pool_.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*store)(stream_range(t, blocks())); });
+  const bool turning = turns();
+  each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
+    __builtin_prefetch(b_.vel.data() + 2 * soon, 1);
+    __builtin_prefetch(b_.disp.data() + 2 * soon, 1);
+    copy_record(vel_, n, b_.vel, i);
+    copy_record(disp_, n, b_.disp, i);
+    if (turning) b_.rim_speed[i] = rim_speed_[n];
+  });
 }
 
 kernels::BodyView SolverBodies::view() {

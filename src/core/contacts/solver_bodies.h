@@ -45,6 +45,7 @@ class SolverBodies {
   std::uint32_t blocks() const { return (count_ + kernels::kBlock - 1) / kernels::kBlock; }
   /// The first of the resting records for padding lanes; each strip has two.
   std::uint32_t dummies() const { return blocks() * kernels::kBlock; }
+  std::uint32_t dummies_of(std::size_t strip) const { return dummies() + 2 * static_cast<std::uint32_t>(strip); }
   bool compact() const { return compact_; }
 
   /// Gives the columns of rotation or of impact times back where they are not wanted any more.
@@ -61,10 +62,8 @@ class SolverBodies {
   kernels::BodyView view();
 
  private:
-  template <bool kTurns>
-  void load_range(BlockRange range);
-  template <bool kTurns>
-  void store_range(BlockRange range) const;
+  template <class Each>
+  void each_copy(const Each& each) const;
   void take_all(std::size_t strips, bool impacts);
   void make_room(std::size_t all, bool turning, bool impacts);
   // The columns are missing if the first body that turns came after the copies were chosen.

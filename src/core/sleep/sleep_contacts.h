@@ -59,9 +59,9 @@ void each_disc_contact(const SleepSource& source, std::size_t strip, const Each&
     contact.b = source.table.other[p];
     if (bodies.id[contact.a] == kNoSlot || bodies.id[contact.b] == kNoSlot) continue;
     const std::size_t lane = source.table.contact[p];
-    contact.gap = contacts.gap[lane];
-    contact.touch.impulse[0] = contacts.impulse[lane];
-    contact.touch.friction[0] = rough ? contacts.friction[lane] : 0.0f;
+    contact.gap = contacts.pairs.gap[lane];
+    contact.touch.impulse[0] = contacts.pairs.impulse[lane];
+    contact.touch.friction[0] = rough ? contacts.pairs.friction[lane] : 0.0f;
     contact.loaded = contact.touch.impulse[0] > 0;
     each(contact);
   }
@@ -71,9 +71,9 @@ void each_disc_contact(const SleepSource& source, std::size_t strip, const Each&
     contact.b = pair.body;
     contact.shape = pair.shape;
     const std::size_t lane = pair.contact;
-    contact.gap = contacts.s_gap[lane];
-    contact.touch.impulse[0] = contacts.s_impulse[lane];
-    contact.touch.friction[0] = rough ? contacts.s_friction[lane] : 0.0f;
+    contact.gap = contacts.fixed.gap[lane];
+    contact.touch.impulse[0] = contacts.fixed.impulse[lane];
+    contact.touch.friction[0] = rough ? contacts.fixed.friction[lane] : 0.0f;
     contact.loaded = contact.touch.impulse[0] > 0;
     each(contact);
   }

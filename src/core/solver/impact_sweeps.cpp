@@ -51,7 +51,7 @@ void Solver::Run::impacts() {
   const auto sweep_statics = [&](int sweep, bool all) {
     for_statics([&](std::size_t strip, const Strip& s) {
       if (!all && !memory.asks_static(strip, sweep)) return;
-      if (kernels.sweep_static[model_][kind](view_, statics_, static_, s.static_begin, s.static_end,
+      if (kernels.sweep_static[model_][kind](view_, statics_, static_, s.static_blocks.begin, s.static_blocks.end,
                                              &solver_.virial_[strip])) {
         memory.static_pair[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
@@ -69,7 +69,7 @@ void Solver::Run::impacts() {
         sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices_) : 1e30f;
     for_pairs([&](std::size_t strip, const Strip& s) {
       if (!memory.asks_pairs(strip, sweep)) return;
-      if (kernels.sweep[model_][kind](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
+      if (kernels.sweep[model_][kind](view_, pairs_, pair_, s.blocks.begin, s.blocks.end, &solver_.virial_[strip])) {
         memory.pairs[strip] = sweep;
         any.store(true, std::memory_order_relaxed);
       }
@@ -85,12 +85,12 @@ void Solver::Run::impacts() {
 
 void Solver::Run::spend() {
   for_pairs(
-      [&](std::size_t, const Strip& s) { kernels.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end); });
+      [&](std::size_t, const Strip& s) { kernels.spend[model_](view_, pairs_, pair_, s.blocks.begin, s.blocks.end); });
   for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
     kernels.spend_manifolds[fixed](view_, blocks, begin, end);
   });
   for_statics([&](std::size_t, const Strip& s) {
-    kernels.spend_static[model_](view_, statics_, static_, s.static_begin, s.static_end);
+    kernels.spend_static[model_](view_, statics_, static_, s.static_blocks.begin, s.static_blocks.end);
   });
 }
 
@@ -132,8 +132,10 @@ void Solver::touch_resting(const SolverInput& in) {
   in.pool.run(strips, [&](std::size_t index) {
     const Strip& s = in.table.strips[index];
     const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
-    const bool pairs = touch_pressing(c.impulse.data(), c.body.data(), kTwo, nobody, s.block_begin, s.block_end);
-    const bool fixed = touch_pressing(c.s_impulse.data(), c.s_body.data(), kOne, nobody, s.static_begin, s.static_end);
+    const bool pairs =
+        touch_pressing(c.pairs.impulse.data(), c.pairs.body.data(), kTwo, nobody, s.blocks.begin, s.blocks.end);
+    const bool fixed = touch_pressing(c.fixed.impulse.data(), c.fixed.body.data(), kOne, nobody, s.static_blocks.begin,
+                                      s.static_blocks.end);
     pressing_[index] = pairs || fixed;
   });
 }
@@ -154,12 +156,15 @@ void Solver::mark_impacts(const SolverInput& in) {
   in.pool.run(in.table.strips.size(), [&](std::size_t index) {
     const Strip& s = in.table.strips[index];
     const auto mark_both = [&](const auto& pair_rests, const auto& body_rests) {
-      mark_lanes(c.impact.data(), c.e.data(), s.block_begin, s.block_end, pair_rests);
-      mark_lanes(c.s_impact.data(), c.s_e.data(), s.static_begin, s.static_end, body_rests);
+      mark_lanes(c.pairs.impact.data(), c.pairs.e.data(), s.blocks.begin, s.blocks.end, pair_rests);
+      mark_lanes(c.fixed.impact.data(), c.fixed.e.data(), s.static_blocks.begin, s.static_blocks.end, body_rests);
     };
     if (in.table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {
-      mark_both([&](std::size_t k) -> std::uint32_t { return touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]]; },
-                [&](std::size_t k) -> std::uint32_t { return touched_[c.s_body[k]]; });
+      mark_both(
+          [&](std::size_t k) -> std::uint32_t {
+            return touched_[c.pairs.body[2 * k]] | touched_[c.pairs.body[2 * k + 1]];
+          },
+          [&](std::size_t k) -> std::uint32_t { return touched_[c.fixed.body[k]]; });
     } else {
       const auto none = [](std::size_t) { return 0u; };
       mark_both(none, none);

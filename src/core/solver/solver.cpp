@@ -59,8 +59,8 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
     : SolverInput(in),
       solver_(solver),
       view_(solved.view()),
-      pairs_(contacts.pairs()),
-      statics_(contacts.static_contacts()),
+      pairs_(contacts.pairs.view()),
+      statics_(contacts.fixed.view()),
       h_(params.dt / params.substeps),
       gravity_(length_of(params.gravity)),
       threshold_(params.restitution_threshold),
@@ -186,13 +186,14 @@ void Solver::Run::hold() {
 void Solver::Run::warm(bool first_of_step) {
   ContactParams warm_pair = pair_, warm_static = static_;
   if (!first_of_step) warm_pair.warm = warm_static.warm = 1;
-  for_pairs(
-      [&](std::size_t, const Strip& s) { kernels.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end); });
+  for_pairs([&](std::size_t, const Strip& s) {
+    kernels.warm[model_](view_, pairs_, warm_pair, s.blocks.begin, s.blocks.end);
+  });
   for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
     kernels.warm_manifolds[fixed](view_, blocks, warm_pair.warm, begin, end);
   });
   for_statics([&](std::size_t, const Strip& s) {
-    kernels.warm_static[model_](view_, statics_, warm_static, s.static_begin, s.static_end);
+    kernels.warm_static[model_](view_, statics_, warm_static, s.static_blocks.begin, s.static_blocks.end);
   });
   if (joined_) joints.warm(view_, warm_pair.warm);
 }
@@ -202,7 +203,7 @@ void Solver::Run::warm(bool first_of_step) {
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
   for_pairs(
-      [&](std::size_t, const Strip& s) { pass_pairs[bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin); });
+      [&](std::size_t, const Strip& s) { pass_pairs[bounce_](view_, pairs_, pair_, s.blocks.begin, s.blocks.loaded); });
   const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
     for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
       pass_blocks[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
@@ -212,16 +213,16 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
     const bool inner = sweep != outer;
     const std::size_t kind = bounce_ << inner;
-    for_loaded([&](const Strip& s) { pass_pairs[kind](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end); },
+    for_loaded([&](const Strip& s) { pass_pairs[kind](view_, pairs_, loaded_pair_, s.blocks.loaded, s.blocks.end); },
                [&](const Strip& s) {
-                 pass_statics[kind](view_, statics_, loaded_static_, s.static_loaded_begin, s.static_end);
+                 pass_statics[kind](view_, statics_, loaded_static_, s.static_blocks.loaded, s.static_blocks.end);
                });
     pass_manifolds(false, true, inner);
     pass_manifolds(true, true, inner);
   }
   pass_manifolds(true, false, false);
   for_statics([&](std::size_t, const Strip& s) {
-    pass_statics[bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
+    pass_statics[bounce_](view_, statics_, static_, s.static_blocks.begin, s.static_blocks.loaded);
   });
 }
 
@@ -296,15 +297,16 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     const Strip& s = in.table.strips[index];
     double sum = 0;
     std::uint64_t closed = 0;
-    for (std::size_t l = std::size_t{s.block_begin} * 8; l < std::size_t{s.block_end} * 8; ++l) {
-      closed += std::signbit(c.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
-      const std::uint32_t pressing = std::bit_cast<std::uint32_t>(c.impulse[l]) & mask_from(c.impulse[l], kTiniest);
-      sum += static_cast<double>(std::bit_cast<float>(pressing)) * static_cast<double>(c.rsum[l]);
+    for (std::size_t l = std::size_t{s.blocks.begin} * 8; l < std::size_t{s.blocks.end} * 8; ++l) {
+      closed += std::signbit(c.pairs.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
+      const std::uint32_t pressing =
+          std::bit_cast<std::uint32_t>(c.pairs.impulse[l]) & mask_from(c.pairs.impulse[l], kTiniest);
+      sum += static_cast<double>(std::bit_cast<float>(pressing)) * static_cast<double>(c.pairs.rsum[l]);
     }
-    for (std::size_t l = std::size_t{s.static_begin} * 8; l < std::size_t{s.static_end} * 8; ++l) {
-      closed += std::signbit(c.s_impulse[l]) ? 0 : 1;
-      if (c.s_impulse[l] > 0 && c.s_refresh[l] < 1e30f) {  // the shape is round
-        sum += static_cast<double>(c.s_impulse[l]) * static_cast<double>(c.s_rsum[l]);
+    for (std::size_t l = std::size_t{s.static_blocks.begin} * 8; l < std::size_t{s.static_blocks.end} * 8; ++l) {
+      closed += std::signbit(c.fixed.impulse[l]) ? 0 : 1;
+      if (c.fixed.impulse[l] > 0 && c.fixed.refresh[l] < 1e30f) {  // the shape is round
+        sum += static_cast<double>(c.fixed.impulse[l]) * static_cast<double>(c.fixed.rsum[l]);
       }
     }
     virial_[index] += sum * substeps;

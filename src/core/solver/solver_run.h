@@ -99,7 +99,7 @@ template <class Each>
 void Solver::Run::for_pairs(const Each& each) {
   run_phases(table.strips.size(), pool, [&](std::size_t k) {
     const Strip& s = table.strips[k];
-    if (s.block_begin != s.block_end) each(k, s);
+    if (s.blocks.begin != s.blocks.end) each(k, s);
   });
 }
 
@@ -108,7 +108,7 @@ template <class Each>
 void Solver::Run::for_statics(const Each& each) {
   pool.run(table.strips.size(), [&](std::size_t k) {
     const Strip& s = table.strips[k];
-    if (s.static_begin != s.static_end) each(k, s);
+    if (s.static_blocks.begin != s.static_blocks.end) each(k, s);
   });
 }
 

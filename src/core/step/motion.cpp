@@ -41,7 +41,7 @@ void prepare_forces(const StepContext& c, StepReport& report) {
 }
 
 bool no_contact_of_discs(const StepContext& c) {
-  return c.contacts.discs.pair_blocks() + c.contacts.discs.static_blocks() == 0;
+  return c.contacts.discs.pairs.blocks + c.contacts.discs.fixed.blocks == 0;
 }
 
 SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
@@ -173,11 +173,11 @@ void run_substeps(const StepContext& c, const SolverParams& p, StepReport& repor
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const auto substeps = static_cast<std::uint64_t>(p.substeps);
   const std::uint64_t blocks =
-      std::uint64_t{contacts.discs.pair_blocks()} + contacts.discs.static_blocks() + contacts.manifolds.blocks();
+      std::uint64_t{contacts.discs.pairs.blocks} + contacts.discs.fixed.blocks + contacts.manifolds.blocks();
   lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
   if (c.kernels.width == 1) return;
   // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.
-  c.ledger.lanes.scalar += contacts.discs.static_count() + 2u * substeps * contacts.stacks.link_count();
+  c.ledger.lanes.scalar += contacts.discs.fixed.count + 2u * substeps * contacts.stacks.link_count();
 }
 
 void stop_fast_bodies(const StepContext& c, StepReport& report) {
