@@ -176,8 +176,7 @@ void stop_fast_bodies(const StepContext& c, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
   c.bodies.find_slots();
-  report.stopped = continuous.stop(c.bodies, c.contacts.manifolds, c.neighbours.table, c.statics, c.lattice,
-                                   c.population.bullets, c.plan.filters, c.pool);
+  report.stopped = continuous.stop(c.contacts, c.neighbours.table, c.population.bullets, c.plan.filters);
   report.fast = continuous.fast();
 }
 
