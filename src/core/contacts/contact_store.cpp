@@ -34,6 +34,13 @@ bool any_loaded(const PairTable& table, std::size_t index, const HeavyLoads& loa
   return std::any_of(list.begin(), list.end(), [&](const StaticPair& pair) { return loads.at(pair.body); });
 }
 
+// The static contacts of a body get one class after another. Those under heavy loads have classes of their own.
+std::uint32_t class_of_static(const Strip& s, bool loaded, std::uint32_t sequence) {
+  const std::uint32_t c = loaded ? Class::kLoaded + sequence : sequence;
+  const std::uint32_t end = s.loaded && !loaded ? Class::kLoaded : Class::kColours;
+  return c < end ? c : loaded ? Class::kLoadedOverflow : Class::kOverflow;
+}
+
 // Where the lanes of a strip lie: the colours of ordinary contacts, their overflow, then the same for contacts under
 // heavy loads. Each contact of the overflow has a block of its own.
 class Layout {
@@ -107,26 +114,20 @@ void ContactStore::colour_strip(PairTable& table, std::size_t index) {
   }
 }
 
-// Calls each(contact, its class) for the static contacts of a strip. Those of a body get one class after another; under
-// heavy loads they have classes of their own.
+// Calls each(contact, its class) for the static contacts of a strip.
 template <class List, class Each>
 void ContactStore::each_static(const Strip& s, List& list, const Each& each) const {
   std::uint32_t last = kNoSlot, sequence = 0;
   for (auto& pair : list) {
     sequence = pair.body == last ? sequence + 1 : 0;
     last = pair.body;
-    const bool loaded = s.loaded && loads_.at(pair.body);
-    const std::uint32_t c = loaded ? Class::kLoaded + sequence : sequence;
-    const std::uint32_t end = s.loaded && !loaded ? Class::kLoaded : Class::kColours;
-    each(pair, c < end ? c : loaded ? Class::kLoadedOverflow : Class::kOverflow);
+    each(pair, class_of_static(s, s.loaded && loads_.at(pair.body), sequence));
   }
 }
 
 std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence) {
   const bool loaded = s.loaded && static_pair.contact / kBlock >= s.static_blocks.loaded;
-  const std::uint32_t most = s.loaded && !loaded ? Class::kLoaded : Class::kColours;
-  const std::uint32_t colour = loaded ? Class::kLoaded + sequence : sequence;
-  return colour < most ? colour : Class::kColours;
+  return class_of_static(s, loaded, sequence);
 }
 
 // Lays out the pairs of a strip in order. Calls each(pair, lane) once all is set but the impulses.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "base/tasks.h"
 
@@ -46,11 +47,6 @@ void for_marks(const std::uint8_t* linked, std::uint32_t begin, std::uint32_t en
   }
 }
 
-template <class... Columns>
-void clear(std::size_t from, std::size_t to, Columns&... columns) {
-  (std::fill(columns.data() + from, columns.data() + to, 0), ...);
-}
-
 template <class T>
 void copy_record(const Column<T>& from, std::size_t i, Column<T>& to, std::size_t n) {
   to[2 * n] = from[2 * i];
@@ -66,7 +62,7 @@ void SolverBodies::take_all(std::size_t strips, bool impacts) {
   const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
   const auto add_dummies = [&](std::size_t width, auto&... columns) {
     (columns.reserve(width * all), ...);
-    clear(width * dummies(), width * all, columns...);
+    (std::fill(columns.data() + width * dummies(), columns.data() + width * all, 0), ...);
   };
   add_dummies(2, b_.pos, b_.vel, b_.disp, b_.vel0);
   if (!b_.rim_speed.empty()) add_dummies(1, b_.rim_speed, b_.rim_speed0);
@@ -75,51 +71,41 @@ void SolverBodies::take_all(std::size_t strips, bool impacts) {
   if (impacts) add_dummies(1, b_.event_time);
 }
 
-// Counts the linked bodies strip by strip: strip_begin_[s] is the number of the first one of s.
-void SolverBodies::count_linked(const PairTable& table) {
-  const std::size_t strips = table.strips.size();
-  strip_begin_.assign(strips + 1, 0);
-  pool_.run(strips, [&](std::size_t s) {
-    const Strip& strip = table.strips[s];
-    strip_begin_[s + 1] = count_marks(b_.linked.data(), strip.body_begin, strip.body_end);
-  });
-  for (std::size_t s = 0; s < strips; ++s) strip_begin_[s + 1] += strip_begin_[s];
-}
-
 void SolverBodies::choose(const PairTable& table, bool compact, bool impacts) {
   const std::size_t strips = table.strips.size();
-  const bool turning = !b_.rim_speed.empty();
-  if (compact) count_linked(table);
-  if (!compact || strip_begin_[strips] > (compact_ ? kCompactUntil : kCompactBelow) * b_.count) {
-    take_all(strips, impacts);
-    return;
+  std::uint32_t linked = 0;
+  if (compact) {
+    strip_begin_.assign(strips, 0);
+    pool_.run(strips, [&](std::size_t s) {
+      strip_begin_[s] = count_marks(b_.linked.data(), table.strips[s].body_begin, table.strips[s].body_end);
+    });
+    for (std::uint32_t& begin : strip_begin_) linked += std::exchange(begin, linked);
   }
+  if (!compact || linked > (compact_ ? kCompactUntil : kCompactBelow) * b_.count) return take_all(strips, impacts);
   compact_ = true;
+  count_ = linked;
   number_.reserve(kernels::round_up_block(b_.count));
-  count_ = strip_begin_[strips];
-  const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
-  make_room(all, turning, impacts);
+  make_room(count_, dummies() + kernels::round_up_block(2 * strips), !b_.rim_speed.empty(), impacts);
   pool_.run(strips, [&](std::size_t s) {
-    const Strip& strip = table.strips[s];
     std::uint32_t n = strip_begin_[s];
-    for_marks(b_.linked.data(), strip.body_begin, strip.body_end, [&](std::uint32_t i) {
+    for_marks(b_.linked.data(), table.strips[s].body_begin, table.strips[s].body_end, [&](std::uint32_t i) {
       number_[i] = n;
       slot_[n++] = i;
     });
   });
   std::fill(linked_.data(), linked_.data() + count_, std::uint8_t{0xFF});
-  clear(count_, all, linked_);
-  clear(2 * std::size_t{count_}, 2 * all, pos_, vel_, disp_, vel0_);
-  if (turning) clear(count_, all, rim_speed_, rim_speed0_);
-  if (impacts) clear(count_, all, event_time_);
 }
 
-void SolverBodies::make_room(std::size_t all, bool turning, bool impacts) {
-  const auto reserve = [](std::size_t n, auto&... columns) { (columns.reserve_loosely(n), ...); };
-  reserve(2 * all, pos_, vel_, disp_, vel0_);
-  reserve(all, slot_, linked_);
-  if (turning) reserve(all, rim_speed_, rim_speed0_);
-  if (impacts) reserve(all, event_time_);
+// Makes room for copies of so many bodies, and resting records up to `all`.
+void SolverBodies::make_room(std::size_t bodies, std::size_t all, bool turning, bool impacts) {
+  const auto fit = [&](std::size_t width, auto&... columns) {
+    (columns.reserve_loosely(width * all), ...);
+    (std::fill(columns.data() + width * bodies, columns.data() + width * all, 0), ...);
+  };
+  fit(2, pos_, vel_, disp_, vel0_);
+  fit(1, slot_, linked_);
+  if (turning) fit(1, rim_speed_, rim_speed0_);
+  if (impacts) fit(1, event_time_);
 }
 
 // Calls each(number, slot, soon) for all copies, where `soon` is the slot of one that comes later.

@@ -15,15 +15,11 @@ constexpr float kFast = 0.5f;  // a body is fast if it moves by more than this s
 constexpr float kDeep = 0.5f;
 constexpr std::size_t kTask = 512;
 
-// How far the points of a body moved in the step, m.
-float way_of(const BodyStore& b, std::size_t i) {
+// Whether the points of a body moved far for its size.
+bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1];
   const float swing = b.angle_change.empty() ? 0.0f : b.angle_change[i];
-  return std::sqrt(x * x + y * y) + std::fabs(swing) * b.radius[i];
-}
-
-bool is_fast(const BodyStore& b, std::size_t i, float inner) {
-  const float way = way_of(b, i);
+  const float way = std::sqrt(x * x + y * y) + std::fabs(swing) * b.radius[i];  // m
   return way > kFast * inner && std::isfinite(way);
 }
 
@@ -144,7 +140,7 @@ void Continuous::stop_bullets(const Contacts& contacts, const PairTable& table,
   for (const std::uint32_t id : bullets) {
     if (b.info[id].place != Place::moving) continue;  // it sleeps
     const std::uint32_t i = b.info[id].slot;
-    if (!(way_of(b, i) > kFast * Swept(b, i).inner)) continue;
+    if (!is_fast(b, i, Swept(b, i).inner)) continue;
     fast_[i] = any = true;
     ++fast_count_;
   }

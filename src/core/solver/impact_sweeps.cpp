@@ -56,18 +56,27 @@ void Solver::Run::impacts() {
     std::fill(view_.event_time + std::size_t{r.begin} * 8, view_.event_time + std::size_t{r.end} * 8, 0.0f);
   });
   std::atomic<bool> any{true};
-  SweepMemory& memory = solver_.sweep_memory_;
-  memory.start(table.strips.size());
+  std::vector<int>& last = solver_.last_sweep_;
+  last.assign(table.strips.size(), -1);
+  const auto note = [&](std::size_t strip, int sweep) {
+    std::atomic_ref<int>(last[strip]).store(sweep, std::memory_order_relaxed);
+    any.store(true, std::memory_order_relaxed);
+  };
+  // If there was no event around a strip since it was looked at, a second look would find the same.
+  const auto asks = [&](std::size_t strip, int sweep) {
+    return table.any_beside(strip, [&](std::size_t k) {
+      return std::atomic_ref<int>(last[k]).load(std::memory_order_relaxed) + 1 >= sweep;
+    });
+  };
   const auto [slices, most, limited, done] = sweeps_;
   const auto later = static_cast<std::size_t>(slices > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
   auto kind = static_cast<std::size_t>(kernels::Sweep::first);
   const auto sweep_statics = [&](int sweep, bool all) {
     for_statics([&](const ContactBlocks& b, std::size_t strip) {
-      if (!all && !memory.asks_statics(strip, sweep)) return;
+      if (!all && !asks(strip, sweep)) return;
       if (s_.kernels.sweep_static[model_][kind](view_, statics_, discs_.fixed, b.begin, b.end,
                                                 &solver_.sums_[strip].virial)) {
-        memory.note_statics(strip, sweep);
-        any.store(true, std::memory_order_relaxed);
+        note(strip, sweep);
       }
     });
   };
@@ -80,10 +89,9 @@ void Solver::Run::impacts() {
     discs_.pair.due = discs_.fixed.due =
         sweep + 1 < slices ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices) : 1e30f;
     for_pairs([&](const ContactBlocks& b, std::size_t strip) {
-      if (!memory.asks_pairs(strip, sweep)) return;
+      if (!asks(strip, sweep)) return;
       if (s_.kernels.sweep[model_][kind](view_, pairs_, discs_.pair, b.begin, b.end, &solver_.sums_[strip].virial)) {
-        memory.note_pairs(strip, sweep);
-        any.store(true, std::memory_order_relaxed);
+        note(strip, sweep);
       }
     });
     sweep_statics(sweep, false);

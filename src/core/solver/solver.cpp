@@ -312,19 +312,16 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
 }
 
 void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p) {
-  const double stiffness[2] = {kManifoldStiffness, kLoadedManifoldStiffness};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double times = k % 2 == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * stiffness[k / 2] / stiff_substep, p.soft[k], p.rate[k]);
-  }
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double times = k == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * kBouncingStiffness / stiff_substep, p.bouncing_soft[k], p.bouncing_rate[k]);
-  }
-  const double stacks[2] = {kColumnStiffness, kFixedColumnStiffness};
-  for (std::size_t k = 0; k < 2; ++k) {
-    set_softness(h, stacks[k] / stiff_substep, p.stack_soft[k], p.stack_rate[k]);
-    p.stack_rate[k] = std::min(p.stack_rate[k], static_cast<float>(kColumnPush / h));
+  for (std::size_t fixed = 0; fixed < 2; ++fixed) {
+    const double times = fixed != 0 ? kFixedStiffness : 1;
+    const auto set = [&](double stiffness, float& soft, float& rate) {
+      set_softness(h, stiffness / stiff_substep, soft, rate);
+    };
+    set(times * kManifoldStiffness, p.soft[fixed], p.rate[fixed]);
+    set(times * kLoadedManifoldStiffness, p.soft[2 + fixed], p.rate[2 + fixed]);
+    set(times * kBouncingStiffness, p.bouncing_soft[fixed], p.bouncing_rate[fixed]);
+    set(fixed != 0 ? kFixedColumnStiffness : kColumnStiffness, p.stack_soft[fixed], p.stack_rate[fixed]);
+    p.stack_rate[fixed] = std::min(p.stack_rate[fixed], static_cast<float>(kColumnPush / h));
   }
 }
 

@@ -1,5 +1,5 @@
-// The data of all substeps of a step, and how a pass goes over them: strip by strip, so that no two jobs of a phase
-// share a body. For the files of the solver alone.
+// The data of all substeps of a step, its stages, and how a pass goes over contacts: strip by strip, so that no two jobs
+// of a phase share a body. For the files of the solver alone.
 #pragma once
 
 #include <bit>
@@ -23,7 +23,6 @@ inline std::uint32_t mask_from(float x, float least) {
 inline constexpr float kTiniest =
     std::numeric_limits<float>::min();  // x >= kTiniest means x > 0, since denormals are zero
 
-// The data of all substeps of a step, and the stages in the order of a substep.
 class Solver::Run : SolverInput {
   using ContactParams = kernels::ContactParams;
   using ManifoldBlock = kernels::ManifoldBlock;
@@ -41,23 +40,60 @@ class Solver::Run : SolverInput {
   void set_contacts();
   void set_sweeps();
   template <class Each>
-  void for_pairs(const Each& each);
+  void for_pairs(const Each& each) {
+    run_phases(table.strips.size(), s_.pool, [&](std::size_t strip) {
+      const ContactBlocks& b = table.strips[strip].blocks;
+      if (b.begin != b.end) each(b, strip);
+    });
+  }
+  // Contacts with fixed shapes come last in every pass.
   template <class Each>
-  void for_statics(const Each& each);
-  template <class Pairs, class Statics>
-  void for_loaded(const Pairs& pairs, const Statics& static_contacts);
-  template <class Each>
-  void go_over_manifolds(bool fixed, bool loaded, const Each& each);
+  void for_statics(const Each& each) {
+    s_.pool.run(table.strips.size(), [&](std::size_t strip) {
+      const ContactBlocks& b = table.strips[strip].static_blocks;
+      if (b.begin != b.end) each(b, strip);
+    });
+  }
   template <class Each>
   [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
     if (contacts.manifolds.any()) go_over_manifolds(fixed, loaded, each);
+  }
+  // Manifolds between moving bodies run in the order of for_pairs; those with a fixed side in that of static contacts.
+  // If some of these sides are kinematic, the other body may lie in the next strip, and they run in the order of
+  // for_pairs.
+  template <class Each>
+  void go_over_manifolds(bool fixed, bool loaded, const Each& each) {
+    const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
+    const auto one = [&](std::size_t index) {
+      Manifolds::StripBlocks& s = contacts.manifolds.strip(index);
+      const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
+      if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
+    };
+    if (fixed && kinematics.empty()) {
+      s_.pool.run(table.strips.size(), one);
+    } else {
+      run_phases(table.strips.size(), s_.pool, one);
+    }
   }
   template <class Each>
   void for_bodies(const Each& each) {
     run_stream(contacts.solved.blocks(), s_.pool, each);
   }
+  // Runs kernels once over all contacts: those of discs, then of shapes, then with fixed shapes.
   template <class Pairs, class Statics, class Blocks>
-  void once(const ContactParams& p, const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks);
+  void once(const ContactParams& p, const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks) {
+    for_pairs([&](const ContactBlocks& b, std::size_t) { pass_pairs[model_](view_, pairs_, p, b.begin, b.end); });
+    for (const bool fixed : {false, true}) {
+      for (const bool loaded : {false, true}) {
+        for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+          pass_blocks(fixed, blocks, begin, end);
+        });
+      }
+    }
+    for_statics([&](const ContactBlocks& b, std::size_t) { pass_statics[model_](view_, statics_, p, b.begin, b.end); });
+  }
+  template <class Pairs, class Statics>
+  void for_loaded(const Pairs& pairs, const Statics& static_contacts);
   template <class Pairs, class Statics, class Blocks>
   void pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer);
 
@@ -104,54 +140,5 @@ class Solver::Run : SolverInput {
     Clock::duration time{};
   } fields_;
 };
-
-template <class Each>
-void Solver::Run::for_pairs(const Each& each) {
-  run_phases(table.strips.size(), s_.pool, [&](std::size_t strip) {
-    const ContactBlocks& b = table.strips[strip].blocks;
-    if (b.begin != b.end) each(b, strip);
-  });
-}
-
-// Contacts with fixed shapes come last in every pass.
-template <class Each>
-void Solver::Run::for_statics(const Each& each) {
-  s_.pool.run(table.strips.size(), [&](std::size_t strip) {
-    const ContactBlocks& b = table.strips[strip].static_blocks;
-    if (b.begin != b.end) each(b, strip);
-  });
-}
-
-// Manifolds between moving bodies run in the order of for_pairs; those with a fixed side in that of static contacts. If
-// some of these sides are kinematic, the other body may lie in the next strip, and they run in the order of for_pairs.
-template <class Each>
-void Solver::Run::go_over_manifolds(bool fixed, bool loaded, const Each& each) {
-  const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
-  const auto one = [&](std::size_t index) {
-    Manifolds::StripBlocks& s = contacts.manifolds.strip(index);
-    const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
-    if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
-  };
-  if (fixed && kinematics.empty()) {
-    s_.pool.run(table.strips.size(), one);
-  } else {
-    run_phases(table.strips.size(), s_.pool, one);
-  }
-}
-
-// Runs kernels once over all contacts: those of discs, then of shapes, then with fixed shapes.
-template <class Pairs, class Statics, class Blocks>
-void Solver::Run::once(const ContactParams& p, const Pairs& pass_pairs, const Statics& pass_statics,
-                       const Blocks& pass_blocks) {
-  for_pairs([&](const ContactBlocks& b, std::size_t) { pass_pairs[model_](view_, pairs_, p, b.begin, b.end); });
-  for (const bool fixed : {false, true}) {
-    for (const bool loaded : {false, true}) {
-      for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-        pass_blocks(fixed, blocks, begin, end);
-      });
-    }
-  }
-  for_statics([&](const ContactBlocks& b, std::size_t) { pass_statics[model_](view_, statics_, p, b.begin, b.end); });
-}
 
 }  // namespace psim
