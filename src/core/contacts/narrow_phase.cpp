@@ -11,7 +11,7 @@ namespace {
 class StaticGeometry {
  public:
   StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, StaticLanes& c)
-      : b_(s.bodies), statics_(s.statics), walls_(walls), lattice_(s.lattice), c_(c), refresh_(refresh) {}
+      : b_(s.bodies), statics_(s.statics), lattice_(s.lattice), walls_(walls), c_(c), refresh_(refresh) {}
 
   /// Sees to all contacts of one body.
   void body(std::span<const StaticPair> list) {
@@ -192,8 +192,8 @@ class StaticGeometry {
 
   const BodyStore& b_;
   const StaticShapes& statics_;
-  const Walls& walls_;
   const Lattice& lattice_;
+  const Walls& walls_;
   StaticLanes& c_;
   float refresh_;
   int corners_ = 0, inside_ = 0;

@@ -37,21 +37,16 @@ void JointStore::sweep_all(const kernels::BodyView& view, const Pass& pass, bool
   }
 }
 
-template <class Each>
-void JointStore::for_shares(const Each& each) {
-  shares_.run({0, shares_.count()}, s_.pool, [&](const ListRange& r) { each(r.begin, r.end); });
-}
-
 // Sets share = v - share. A call before a pass and one after it leave in `share` what the joints did to the velocities.
 void JointStore::part(const kernels::BodyView& view) {
-  for_shares([&](std::uint32_t begin, std::uint32_t end) { s_.kernels.part_joints(view, share(), begin, end); });
+  shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.part_joints(view, share(), r.begin, r.end); });
 }
 
 void JointStore::warm(const kernels::BodyView& view, float factor) {
   if (empty()) return;
-  for_shares([&](std::uint32_t begin, std::uint32_t end) {
-    clear(share().vel, share().rim_speed, begin, end);
-    s_.kernels.part_joints(view, share(), begin, end);
+  shares_.run(s_.pool, [&](const ListRange& r) {
+    clear(share().vel, share().rim_speed, r.begin, r.end);
+    s_.kernels.part_joints(view, share(), r.begin, r.end);
   });
   parted_ = true;
   params_.warm = factor;
@@ -63,9 +58,9 @@ void JointStore::solve(const kernels::BodyView& view) {
   if (!parted_) part(view);
   parted_ = false;
   sweep_all(view, s_.kernels.solve_joints, false);
-  for_shares([&](std::uint32_t begin, std::uint32_t end) {
-    s_.kernels.part_joints(view, share(), begin, end);
-    clear(share().push, share().push_rim_speed, begin, end);
+  shares_.run(s_.pool, [&](const ListRange& r) {
+    s_.kernels.part_joints(view, share(), r.begin, r.end);
+    clear(share().push, share().push_rim_speed, r.begin, r.end);
   });
   kernels::BodyView pushed = view;
   pushed.vel = share().push;
@@ -75,7 +70,7 @@ void JointStore::solve(const kernels::BodyView& view) {
 
 void JointStore::hold(const kernels::BodyView& view, float sign) {
   if (empty()) return;
-  for_shares([&](std::uint32_t begin, std::uint32_t end) { s_.kernels.hold_joints(view, share(), sign, begin, end); });
+  shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.hold_joints(view, share(), sign, r.begin, r.end); });
 }
 
 void JointStore::relax(const kernels::BodyView& view) {

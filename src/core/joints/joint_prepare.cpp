@@ -264,7 +264,7 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   find_members(fixed, numbers);
   find_shares(numbers);
   const std::uint32_t padding = numbers.dummies() + 1;
-  jobs_.run({0, jobs_.count()}, s_.pool, [&](const ListRange& r) {
+  jobs_.run(s_.pool, [&](const ListRange& r) {
     for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
       const std::uint32_t joint = lanes_[r.list][lane];
       JointLists::visit_lane(lists_, r.list, lane, [&](auto& block, std::uint32_t k) {

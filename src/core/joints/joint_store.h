@@ -158,13 +158,17 @@ class JointStore {
       ranges.insert(ranges.end(), job.begin(), job.end());
       jobs.push_back({begin, static_cast<std::uint32_t>(ranges.size())});
     }
-    /// Runs each(range) over the ranges of some jobs, which run side by side.
+    /// Runs each(range) over the ranges of some jobs, which run side by side; or of all.
     template <class Each>
     void run(BlockRange some, WorkerPool& pool, const Each& each) const {
       pool.run(some.end - some.begin, [&](std::size_t n) {
         const BlockRange& job = jobs[some.begin + n];
         for (std::uint32_t r = job.begin; r < job.end; ++r) each(ranges[r]);
       });
+    }
+    template <class Each>
+    void run(WorkerPool& pool, const Each& each) const {
+      run({0, count()}, pool, each);
     }
   };
 
@@ -191,8 +195,6 @@ class JointStore {
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards);
   template <class Pass>
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
-  template <class Each>
-  void for_shares(const Each& each);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
     return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data()};

@@ -183,21 +183,6 @@ void Solver::Run::warm(bool first_of_step) {
   joints.warm(view_, p.warm);
 }
 
-// One sweep over contacts under heavy loads: pairs in the order of for_pairs, then static contacts.
-template <class Pairs, class Statics>
-void Solver::Run::for_loaded(const Pairs& pairs, const Statics& static_contacts) {
-  const std::vector<std::uint32_t>& loaded = solver_.loaded_;
-  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
-    s_.pool.run(end - begin, [&](std::size_t k) { each(table.strips[loaded[begin + k]]); });
-  };
-  std::size_t begin = 0;
-  for (const std::size_t end : solver_.loaded_end_) {
-    run(begin, end, pairs);
-    begin = end;
-  }
-  run(0, loaded.size(), static_contacts);
-}
-
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
 // fixed shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
 template <class Pairs, class Statics, class Blocks>
@@ -211,14 +196,22 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
     pass_pairs[model_][bounce_](view_, pairs_, discs_.pair, b.begin, b.loaded);
   });
   pass_manifolds(false, false, false);
+  const auto for_loaded = [&](std::size_t begin, std::size_t end, const auto& each) {
+    s_.pool.run(end - begin, [&](std::size_t k) { each(table.strips[solver_.loaded_[begin + k]]); });
+  };
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
     const bool inner = sweep != outer;
     const auto pass_loaded = pass_pairs[model_][bounce_ << inner];
     const auto pass_loaded_statics = pass_statics[model_][bounce_ << inner];
-    for_loaded([&](const Strip& s) { pass_loaded(view_, pairs_, loaded_.pair, s.blocks.loaded, s.blocks.end); },
-               [&](const Strip& s) {
-                 pass_loaded_statics(view_, statics_, loaded_.fixed, s.static_blocks.loaded, s.static_blocks.end);
-               });
+    std::size_t begin = 0;
+    for (const std::size_t end : solver_.loaded_end_) {
+      for_loaded(begin, end,
+                 [&](const Strip& s) { pass_loaded(view_, pairs_, loaded_.pair, s.blocks.loaded, s.blocks.end); });
+      begin = end;
+    }
+    for_loaded(0, begin, [&](const Strip& s) {
+      pass_loaded_statics(view_, statics_, loaded_.fixed, s.static_blocks.loaded, s.static_blocks.end);
+    });
     pass_manifolds(false, true, inner);
     pass_manifolds(true, true, inner);
   }

@@ -92,8 +92,6 @@ class Solver::Run : SolverInput {
     }
     for_statics([&](const ContactBlocks& b, std::size_t) { pass_statics[model_](view_, statics_, p, b.begin, b.end); });
   }
-  template <class Pairs, class Statics>
-  void for_loaded(const Pairs& pairs, const Statics& static_contacts);
   template <class Pairs, class Statics, class Blocks>
   void pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer);
 
