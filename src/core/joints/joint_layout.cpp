@@ -2,6 +2,7 @@
 // come, go, fall asleep or wake. O(joints).
 #include <algorithm>
 #include <bit>
+#include <numeric>
 
 #include "joints/joint_store.h"
 
@@ -59,12 +60,11 @@ void JointStore::lay_out() {
     of_class[colour].push_back(i);
   }
   for (auto& lanes : lanes_) lanes.clear();
-  std::vector<std::uint32_t> begin_of_colour;
-  const auto begin_colour = [&] {
-    for (const auto& lanes : lanes_) begin_of_colour.push_back(static_cast<std::uint32_t>(lanes.size() / kBlock));
-  };
+  jobs_.clear();
+  phases_.clear();
   for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
-    begin_colour();
+    std::array<std::uint32_t, kLists> begin;
+    for (std::uint32_t list = 0; list < kLists; ++list) begin[list] = blocks_of(list);
     for (const std::uint32_t i : of_class[colour]) {
       auto& lanes = lanes_[joints_[i].list()];
       if (colour == kColours) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
@@ -72,45 +72,38 @@ void JointStore::lay_out() {
       lanes.push_back(i);
     }
     for (auto& lanes : lanes_) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
+    add_jobs(begin, colour == kColours);
   }
-  begin_colour();
-  for (std::uint32_t list = 0; list < kLists; ++list) lists_.assign(list, lanes_[list].size() / kBlock);
+  for (std::uint32_t list = 0; list < kLists; ++list) lists_.assign(list, blocks_of(list));
   each_lane([&](const Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
     block.wa[k] = s_.bodies.properties(ids[j.body[0]]).inv_mass;
     block.wb[k] = s_.bodies.properties(ids[j.body[1]]).inv_mass;
   });
-  make_jobs(begin_of_colour);
 }
 
-// The jobs of a colour run in parallel. Blocks with empty lanes are in one job, since empty lanes share a record.
-void JointStore::make_jobs(const std::vector<std::uint32_t>& begin_of_colour) {
-  jobs_.clear();
-  phases_.clear();
-  for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
-    const std::uint32_t* begin = &begin_of_colour[std::size_t{colour} * kLists];
-    const std::uint32_t* end = begin + kLists;
-    std::uint32_t blocks_here = 0;
-    for (std::uint32_t list = 0; list < kLists; ++list) blocks_here += end[list] - begin[list];
-    const bool whole = blocks_here <= kJobBlocks || colour == kColours;
-    const std::uint32_t first = jobs_.count();
-    std::vector<ListRange> rest;
-    for (std::uint32_t list = 0; list < kLists; ++list) {
-      std::uint32_t at = begin[list], last = end[list];
-      if (at == last) continue;
-      if (whole) {
-        rest.push_back({list, at, last});
-        continue;
-      }
-      if (lanes_[list][std::size_t{last} * kBlock - 1] == kNoSlot) rest.push_back({list, --last, last + 1});
-      for (; at < last; at += kJobBlocks) {
-        const ListRange some{list, at, std::min(last, at + kJobBlocks)};
-        jobs_.add({&some, 1});
-      }
+// The jobs of a colour, whose blocks begin at `begin`, run in parallel; but all of those with one lane are one job. So
+// are blocks with empty lanes, since empty lanes share a record.
+void JointStore::add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane) {
+  const std::uint32_t blocks_here = block_count() - std::accumulate(begin.begin(), begin.end(), 0u);
+  const bool whole = blocks_here <= kJobBlocks || one_lane;
+  const std::uint32_t first = jobs_.count();
+  std::vector<ListRange> rest;
+  for (std::uint32_t list = 0; list < kLists; ++list) {
+    std::uint32_t at = begin[list], last = blocks_of(list);
+    if (at == last) continue;
+    if (whole) {
+      rest.push_back({list, at, last});
+      continue;
     }
-    if (!rest.empty()) jobs_.add(rest);
-    if (first != jobs_.count()) phases_.push_back({first, jobs_.count()});
+    if (lanes_[list][std::size_t{last} * kBlock - 1] == kNoSlot) rest.push_back({list, --last, last + 1});
+    for (; at < last; at += kJobBlocks) {
+      const ListRange some{list, at, std::min(last, at + kJobBlocks)};
+      jobs_.add({&some, 1});
+    }
   }
+  if (!rest.empty()) jobs_.add(rest);
+  if (first != jobs_.count()) phases_.push_back({first, jobs_.count()});
 }
 
 }  // namespace psim

@@ -11,6 +11,7 @@
 // them, joint_passes.cpp runs the passes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -180,11 +181,12 @@ class JointStore {
   void each_lane(const Each& each);
   void save_impulses();
   void lay_out();
-  void make_jobs(const std::vector<std::uint32_t>& begin_of_colour);
+  void add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane);
+  std::uint32_t blocks_of(std::uint32_t list) const { return static_cast<std::uint32_t>(lanes_[list].size()) / kBlock; }
   std::uint32_t block_count() const {
-    std::size_t lanes = 0;
-    for (const auto& list : lanes_) lanes += list.size();
-    return static_cast<std::uint32_t>(lanes) / kBlock;
+    std::uint32_t sum = 0;
+    for (std::uint32_t list = 0; list < kLists; ++list) sum += blocks_of(list);
+    return sum;
   }
   int sweeps() const;
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& numbers);
