@@ -1,5 +1,5 @@
-// The data of all substeps of a step, its stages, and how a pass goes over contacts: strip by strip, so that no two jobs
-// of a phase share a body. For the files of the solver alone.
+// The data of all substeps of a step, its stages, and how a pass goes over contacts: strip by strip, so that no two
+// jobs of a phase share a body. For the files of the solver alone.
 #pragma once
 
 #include <bit>
