@@ -13,6 +13,8 @@ constexpr float kNoGap = 1e6f;
 struct ContactModel {
   kernels::Model model = kernels::Model::plain;
   bool bounce = false;
+  bool massed() const { return model != kernels::Model::plain; }
+  bool rough() const { return model == kernels::Model::rough; }
   friend bool operator==(const ContactModel&, const ContactModel&) = default;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "base/tasks.h"
 
@@ -46,9 +47,10 @@ void for_marks(const std::uint8_t* linked, std::uint32_t begin, std::uint32_t en
   }
 }
 
-template <class... Columns>
-void clear(std::size_t from, std::size_t to, Columns&... columns) {
-  (std::fill(columns.data() + from, columns.data() + to, 0), ...);
+template <class T>
+void copy_record(const Column<T>& from, std::size_t i, Column<T>& to, std::size_t n) {
+  to[2 * n] = from[2 * i];
+  to[2 * n + 1] = from[2 * i + 1];
 }
 
 }  // namespace
@@ -60,7 +62,7 @@ void SolverBodies::take_all(std::size_t strips, bool impacts) {
   const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
   const auto add_dummies = [&](std::size_t width, auto&... columns) {
     (columns.reserve(width * all), ...);
-    clear(width * dummies(), width * all, columns...);
+    (std::fill(columns.data() + width * dummies(), columns.data() + width * all, 0), ...);
   };
   add_dummies(2, b_.pos, b_.vel, b_.disp, b_.vel0);
   if (!b_.rim_speed.empty()) add_dummies(1, b_.rim_speed, b_.rim_speed0);
@@ -69,100 +71,77 @@ void SolverBodies::take_all(std::size_t strips, bool impacts) {
   if (impacts) add_dummies(1, b_.event_time);
 }
 
-// Counts the linked bodies strip by strip: strip_begin_[s] is the number of the first one of s.
-void SolverBodies::count_linked(const PairTable& table) {
-  const std::size_t strips = table.strips.size();
-  strip_begin_.assign(strips + 1, 0);
-  pool_.run(strips, [&](std::size_t s) {
-    const Strip& strip = table.strips[s];
-    strip_begin_[s + 1] = count_marks(b_.linked.data(), strip.body_begin, strip.body_end);
-  });
-  for (std::size_t s = 0; s < strips; ++s) strip_begin_[s + 1] += strip_begin_[s];
-}
-
 void SolverBodies::choose(const PairTable& table, bool compact, bool impacts) {
   const std::size_t strips = table.strips.size();
-  const bool turning = !b_.rim_speed.empty();
-  if (compact) count_linked(table);
-  if (!compact || strip_begin_[strips] > (compact_ ? kCompactUntil : kCompactBelow) * b_.count) {
-    take_all(strips, impacts);
-    return;
+  std::uint32_t linked = 0;
+  if (compact) {
+    strip_begin_.assign(strips, 0);
+    pool_.run(strips, [&](std::size_t s) {
+      strip_begin_[s] = count_marks(b_.linked.data(), table.strips[s].body_begin, table.strips[s].body_end);
+    });
+    for (std::uint32_t& begin : strip_begin_) linked += std::exchange(begin, linked);
   }
+  if (!compact || linked > (compact_ ? kCompactUntil : kCompactBelow) * b_.count) return take_all(strips, impacts);
   compact_ = true;
+  count_ = linked;
   number_.reserve(kernels::round_up_block(b_.count));
-  count_ = strip_begin_[strips];
-  const std::size_t all = dummies() + kernels::round_up_block(2 * strips);
-  make_room(all, turning, impacts);
+  make_room(count_, dummies() + kernels::round_up_block(2 * strips), !b_.rim_speed.empty(), impacts);
   pool_.run(strips, [&](std::size_t s) {
-    const Strip& strip = table.strips[s];
     std::uint32_t n = strip_begin_[s];
-    for_marks(b_.linked.data(), strip.body_begin, strip.body_end, [&](std::uint32_t i) {
+    for_marks(b_.linked.data(), table.strips[s].body_begin, table.strips[s].body_end, [&](std::uint32_t i) {
       number_[i] = n;
       slot_[n++] = i;
     });
   });
   std::fill(linked_.data(), linked_.data() + count_, std::uint8_t{0xFF});
-  clear(count_, all, linked_);
-  clear(2 * std::size_t{count_}, 2 * all, pos_, vel_, disp_, vel0_);
-  if (turning) clear(count_, all, rim_speed_, rim_speed0_);
-  if (impacts) clear(count_, all, event_time_);
 }
 
-void SolverBodies::make_room(std::size_t all, bool turning, bool impacts) {
-  for (Column<float>* records : {&vel_, &disp_, &vel0_}) records->reserve_loosely(2 * all);
-  pos_.reserve_loosely(2 * all);
-  slot_.reserve_loosely(all);
-  linked_.reserve_loosely(all);
-  if (turning) {
-    rim_speed_.reserve_loosely(all);
-    rim_speed0_.reserve_loosely(all);
-  }
-  if (impacts) event_time_.reserve_loosely(all);
+// Makes room for copies of so many bodies, and resting records up to `all`.
+void SolverBodies::make_room(std::size_t bodies, std::size_t all, bool turning, bool impacts) {
+  const auto fit = [&](std::size_t width, auto&... columns) {
+    (columns.reserve_loosely(width * all), ...);
+    (std::fill(columns.data() + width * bodies, columns.data() + width * all, 0), ...);
+  };
+  fit(2, pos_, vel_, disp_, vel0_);
+  fit(1, slot_, linked_);
+  if (turning) fit(1, rim_speed_, rim_speed0_);
+  if (impacts) fit(1, event_time_);
 }
 
-template <bool kTurns>
-void SolverBodies::load_range(BlockRange r) {
-  const std::size_t end = std::min(count_, r.end * kBlock);
-  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
-    __builtin_prefetch(b_.pos.data() + 2 * soon);
-    __builtin_prefetch(b_.vel.data() + 2 * soon);
-    __builtin_prefetch(b_.disp.data() + 2 * soon);
-    pos_[2 * n] = b_.pos[2 * i];
-    pos_[2 * n + 1] = b_.pos[2 * i + 1];
-    vel_[2 * n] = b_.vel[2 * i];
-    vel_[2 * n + 1] = b_.vel[2 * i + 1];
-    disp_[2 * n] = b_.disp[2 * i];
-    disp_[2 * n + 1] = b_.disp[2 * i + 1];
-    if constexpr (kTurns) rim_speed_[n] = b_.rim_speed[i];
-  }
+// Calls each(number, slot, soon) for all copies, where `soon` is the slot of one that comes later.
+template <class Each>
+void SolverBodies::each_copy(const Each& each) const {
+  if (!compact_) return;
+  run_stream(blocks(), pool_, [&](BlockRange r) {
+    const std::size_t end = std::min(count_, r.end * kBlock);
+    for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
+      each(n, slot_[n], slot_[std::min(n + kAhead, end - 1)]);
+    }
+  });
 }
 
 void SolverBodies::load() {
-  if (!compact_) return;
-  const auto load = turns() ? &SolverBodies::load_range<true> : &SolverBodies::load_range<false>;
-  pool_.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*load)(stream_range(t, blocks())); });
-}
-
-template <bool kTurns>
-void SolverBodies::store_range(BlockRange r) const {
-  const std::size_t end = std::min(count_, r.end * kBlock);
-  for (std::size_t n = std::size_t{r.begin} * kBlock; n < end; ++n) {
-    const std::size_t i = slot_[n], soon = slot_[std::min(n + kAhead, end - 1)];
-    __builtin_prefetch(b_.vel.data() + 2 * soon, 1);
-    __builtin_prefetch(b_.disp.data() + 2 * soon, 1);
-    b_.vel[2 * i] = vel_[2 * n];
-    b_.vel[2 * i + 1] = vel_[2 * n + 1];
-    b_.disp[2 * i] = disp_[2 * n];
-    b_.disp[2 * i + 1] = disp_[2 * n + 1];
-    if constexpr (kTurns) b_.rim_speed[i] = rim_speed_[n];
-  }
+  const bool turning = turns();
+  each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
+    __builtin_prefetch(b_.pos.data() + 2 * soon);
+    __builtin_prefetch(b_.vel.data() + 2 * soon);
+    __builtin_prefetch(b_.disp.data() + 2 * soon);
+    copy_record(b_.pos, i, pos_, n);
+    copy_record(b_.vel, i, vel_, n);
+    copy_record(b_.disp, i, disp_, n);
+    if (turning) rim_speed_[n] = b_.rim_speed[i];
+  });
 }
 
 void SolverBodies::store() const {
-  if (!compact_) return;
-  const auto store = turns() ? &SolverBodies::store_range<true> : &SolverBodies::store_range<false>;
-  pool_.run(stream_tasks(blocks()), [&](std::size_t t) { (this->*store)(stream_range(t, blocks())); });
+  const bool turning = turns();
+  each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
+    __builtin_prefetch(b_.vel.data() + 2 * soon, 1);
+    __builtin_prefetch(b_.disp.data() + 2 * soon, 1);
+    copy_record(vel_, n, b_.vel, i);
+    copy_record(disp_, n, b_.disp, i);
+    if (turning) b_.rim_speed[i] = rim_speed_[n];
+  });
 }
 
 kernels::BodyView SolverBodies::view() {

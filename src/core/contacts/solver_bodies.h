@@ -30,7 +30,7 @@ class SolverBodies {
   /// Makes room for copies of so many bodies.
   void spare(std::size_t bodies, bool turning, bool impacts) {
     number_.reserve(kernels::round_up_block(bodies));
-    make_room(bodies, turning, impacts);
+    make_room(bodies, bodies, turning, impacts);
   }
 
   /// Copies places and motion in before the solver, and motion out after it. Does nothing if not compact.
@@ -45,6 +45,7 @@ class SolverBodies {
   std::uint32_t blocks() const { return (count_ + kernels::kBlock - 1) / kernels::kBlock; }
   /// The first of the resting records for padding lanes; each strip has two.
   std::uint32_t dummies() const { return blocks() * kernels::kBlock; }
+  std::uint32_t dummies_of(std::size_t strip) const { return dummies() + 2 * static_cast<std::uint32_t>(strip); }
   bool compact() const { return compact_; }
 
   /// Gives the columns of rotation or of impact times back where they are not wanted any more.
@@ -61,15 +62,12 @@ class SolverBodies {
   kernels::BodyView view();
 
  private:
-  template <bool kTurns>
-  void load_range(BlockRange range);
-  template <bool kTurns>
-  void store_range(BlockRange range) const;
+  template <class Each>
+  void each_copy(const Each& each) const;
   void take_all(std::size_t strips, bool impacts);
-  void make_room(std::size_t all, bool turning, bool impacts);
+  void make_room(std::size_t bodies, std::size_t all, bool turning, bool impacts);
   // The columns are missing if the first body that turns came after the copies were chosen.
   bool turns() const { return !b_.rim_speed.empty() && !rim_speed_.empty(); }
-  void count_linked(const PairTable& table);
 
   BodyStore& b_;
   WorkerPool& pool_;
@@ -82,7 +80,7 @@ class SolverBodies {
   Column<float> vel_{meter_}, disp_{meter_}, vel0_{meter_}, rim_speed_{meter_}, rim_speed0_{meter_},
       event_time_{meter_};
   Column<std::uint8_t> linked_{meter_};
-  std::vector<std::uint32_t> strip_begin_;
+  std::vector<std::uint32_t> strip_begin_;  ///< by strip: the number of its first linked body
 };
 
 }  // namespace psim

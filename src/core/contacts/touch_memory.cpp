@@ -1,6 +1,7 @@
 #include "contacts/touch_memory.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace psim {
 namespace {
@@ -11,33 +12,31 @@ std::size_t mixed(std::uint64_t key) {
   return static_cast<std::size_t>(key ^ (key >> 31));
 }
 
-std::size_t size_for(std::size_t touches) {
-  std::size_t size = 64;
-  while (size < 4 * touches) size *= 2;
-  return size;
-}
+std::size_t size_for(std::size_t touches) { return std::bit_ceil(std::max<std::size_t>(64, 4 * touches)); }
 
 }  // namespace
 
+// The slot that has a key, or the free one where it belongs.
+std::size_t TouchMemory::place_of(std::uint64_t key) const {
+  std::size_t at = mixed(key) & (slot_.size() - 1);
+  while (slot_[at] != kFree && list_[slot_[at]].key != key) at = (at + 1) & (slot_.size() - 1);
+  return at;
+}
+
 void TouchMemory::add(const Touch& touch) {
   if (2 * (list_.size() + 1) > slot_.size()) rehash(size_for(list_.size() + 1));
-  std::size_t at = mixed(touch.key) & (slot_.size() - 1);
-  for (; slot_[at] != kFree; at = (at + 1) & (slot_.size() - 1)) {
-    if (list_[slot_[at]].key != touch.key) continue;
-    list_[slot_[at]] = touch;
+  std::uint32_t& slot = slot_[place_of(touch.key)];
+  if (slot != kFree) {
+    list_[slot] = touch;
     return;
   }
-  slot_[at] = static_cast<std::uint32_t>(list_.size());
+  slot = static_cast<std::uint32_t>(list_.size());
   list_.push_back(touch);
 }
 
 void TouchMemory::rehash(std::size_t size) {
   slot_.assign(size, kFree);
-  for (std::size_t k = 0; k < list_.size(); ++k) {
-    std::size_t at = mixed(list_[k].key) & (size - 1);
-    while (slot_[at] != kFree) at = (at + 1) & (size - 1);
-    slot_[at] = static_cast<std::uint32_t>(k);
-  }
+  for (std::size_t k = 0; k < list_.size(); ++k) slot_[place_of(list_[k].key)] = static_cast<std::uint32_t>(k);
 }
 
 void TouchMemory::make_room(std::size_t touches) {
@@ -48,10 +47,8 @@ void TouchMemory::make_room(std::size_t touches) {
 
 const Touch* TouchMemory::find(std::uint64_t key) const {
   if (list_.empty()) return nullptr;
-  for (std::size_t at = mixed(key) & (slot_.size() - 1); slot_[at] != kFree; at = (at + 1) & (slot_.size() - 1)) {
-    if (list_[slot_[at]].key == key) return &list_[slot_[at]];
-  }
-  return nullptr;
+  const std::uint32_t slot = slot_[place_of(key)];
+  return slot == kFree ? nullptr : &list_[slot];
 }
 
 void TouchMemory::clear() {

@@ -57,6 +57,7 @@ class TouchMemory {
 
  private:
   static constexpr std::uint32_t kFree = 0xFFFFFFFFu;
+  std::size_t place_of(std::uint64_t key) const;
   void rehash(std::size_t size);
 
   std::vector<Touch> list_;

@@ -20,7 +20,6 @@ class JointLists {
   static std::uint32_t list_of(kernels::JointKind kind, bool held) {
     return 2 * static_cast<std::uint32_t>(kind) + (held ? 1 : 0);
   }
-  static kernels::JointKind kind_of(std::uint32_t list) { return static_cast<kernels::JointKind>(list / 2); }
 
   /// Calls each(blocks) with the vector of a list.
   template <std::size_t kKind = 0, class Self, class Each>

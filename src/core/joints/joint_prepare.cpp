@@ -16,7 +16,6 @@ namespace {
 
 // The share of a position error that a substep corrects.
 constexpr double kBias = 0.5;
-// The number of sweeps in a pass is as large as a frame can afford.
 constexpr int kMostSweeps = 8, kLeastSweeps = 2;
 constexpr std::uint32_t kFew = 32, kMany = 256;  // blocks
 constexpr std::uint32_t kShareBlocks = 512;      // blocks of bodies in a job
@@ -145,32 +144,29 @@ Vec2 axis_of(const JointDesc& d, bool swapped) {
 
 }  // namespace
 
-void JointStore::find_members(const BodyStore& b, const std::vector<FixedBody>& fixed, const SolverBodies& numbers,
-                              const Lattice& lattice, WorkerPool& pool) {
+void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverBodies& numbers) {
+  const BodyStore& b = s_.bodies;
   members_.resize(bodies_.size());
   constexpr std::size_t kEach = 512;
-  pool.run((members_.size() + kEach - 1) / kEach, [&](std::size_t job) {
+  s_.pool.run((members_.size() + kEach - 1) / kEach, [&](std::size_t job) {
     for (std::size_t n = job * kEach; n < std::min(members_.size(), (job + 1) * kEach); ++n) {
       JointMember& m = members_[n];
-      const std::uint32_t id = bodies_[n];
-      const BodyInfo& info = b.info[id];
+      const std::uint32_t id = bodies_[n], slot = b.info[id].slot;
       const BodyKind& kind = b.kind(id);
       m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
-      m.fixed = info.place != Place::moving;
-      if (m.fixed) {
-        const FixedBody& f = fixed[info.slot];
-        m.at = lattice.to_lattice({f.x, f.y});
-        m.angle = f.angle;
-        m.centre = {};
-        m.inverse_radius = 1;
-        m.number = static_record_;
-      } else {
-        const std::size_t slot = info.slot;
+      if (b.info[id].place == Place::moving) {
         m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
         m.angle = b.angle[slot];
         m.centre = {static_cast<double>(kind.centre_x), static_cast<double>(kind.centre_y)};
         m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
-        m.number = numbers.number(info.slot);
+        m.number = numbers.number(slot);
+      } else {
+        const FixedBody& f = fixed[slot];
+        m.at = s_.lattice.to_lattice({f.x, f.y});
+        m.angle = f.angle;
+        m.centre = {};
+        m.inverse_radius = 1;
+        m.number = numbers.dummies();
       }
       m.turn = sine_cosine(m.angle);
     }
@@ -182,27 +178,22 @@ void JointStore::find_shares(const SolverBodies& numbers) {
   const std::uint32_t body_blocks = numbers.blocks();
   marks_.assign(body_blocks, 0);
   for (const JointMember& m : members_) {
-    if (!m.fixed) marks_[m.number / kBlock] = 1;
+    if (m.number < numbers.dummies()) marks_[m.number / kBlock] = 1;
   }
-  share_ranges_.clear();
+  shares_.clear();
+  std::vector<ListRange>& ranges = shares_.ranges;
+  std::uint32_t in_job = kShareBlocks;  // blocks in the last job
   for (std::uint32_t i = 0; i < body_blocks; ++i) {
     if (marks_[i] == 0) continue;
-    if (!share_ranges_.empty() && i - share_ranges_.back().end <= kSmallGap &&
-        i + 1 - share_ranges_.back().begin <= kShareBlocks) {
-      share_ranges_.back().end = i + 1;
-    } else {
-      share_ranges_.push_back({0, i, i + 1});
+    const bool full = in_job >= kShareBlocks;
+    if (full) {
+      shares_.add({});
+      in_job = 0;
     }
-  }
-  share_jobs_.clear();
-  std::uint32_t sum = kShareBlocks;
-  for (std::uint32_t r = 0; r < share_ranges_.size(); ++r) {
-    if (sum >= kShareBlocks) {
-      share_jobs_.push_back({r, r});
-      sum = 0;
-    }
-    sum += share_ranges_[r].end - share_ranges_[r].begin;
-    share_jobs_.back().end = r + 1;
+    if (full || i - ranges.back().end > kSmallGap) ranges.push_back({0, i, i});
+    in_job += i + 1 - ranges.back().end;
+    ranges.back().end = i + 1;
+    shares_.jobs.back().end = static_cast<std::uint32_t>(ranges.size());
   }
   const std::size_t all = std::size_t{body_blocks} * kBlock;
   share_vel_.reserve(2 * all);
@@ -232,7 +223,7 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
   at.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
   at.by0[k] = narrow(arm_b.y * mb.inverse_radius);
   // The vector from the anchor of A to that of B, without the offsets in `disp`.
-  const Vec2 apart = lattice_->way(ma.at, mb.at) + (arm_b - arm_a);
+  const Vec2 apart = s_.lattice.way(ma.at, mb.at) + (arm_b - arm_a);
   const double sign = joint.swapped ? -1 : 1;
   if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
@@ -255,36 +246,31 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
   }
 }
 
-void JointStore::fill(std::uint32_t list, std::uint32_t index) {
-  for (std::uint32_t lane = index * kBlock; lane < (index + 1) * kBlock; ++lane) {
-    const std::uint32_t joint = lanes_[list][lane];
-    JointLists::visit_lane(lists_, list, lane, [&](auto& block, std::uint32_t k) {
-      if (joint != kNoSlot) return fill_rows(block, k, joints_[joint]);
-      block.body[2 * k] = block.body[2 * k + 1] = padding_;
-    });
-  }
+// A pass sweeps as often as a frame can afford.
+int JointStore::sweeps() const {
+  const std::uint32_t blocks = block_count();
+  return blocks <= kFew ? kMostSweeps : blocks <= kMany ? kMostSweeps / 2 : kLeastSweeps;
 }
 
-void JointStore::prepare(const BodyStore& b, const std::vector<FixedBody>& fixed, const SolverBodies& numbers,
-                         const Lattice& lattice, double h, WorkerPool& pool) {
+void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& numbers, double h) {
   if (empty()) return;
-  b.find_slots();
-  bodies();
-  if (stale_) lay_out(b);
+  s_.bodies.find_slots();
+  if (stale_) lay_out();
   stale_ = false;
-  static_record_ = numbers.dummies();
-  padding_ = static_record_ + 1;
-  lattice_ = &lattice;
   h_ = h;
   params_.h = narrow(h);
   params_.inv_h = narrow(1 / h);
   params_.rate = narrow(kBias / h);
-  sweeps_ = total_blocks_ <= kFew ? kMostSweeps : total_blocks_ <= kMany ? kMostSweeps / 2 : kLeastSweeps;
-  find_members(b, fixed, numbers, lattice, pool);
+  find_members(fixed, numbers);
   find_shares(numbers);
-  pool.run(jobs_.size(), [&](std::size_t n) {
-    for (std::uint32_t r = jobs_[n].begin; r < jobs_[n].end; ++r) {
-      for (std::uint32_t i = ranges_[r].begin; i < ranges_[r].end; ++i) fill(ranges_[r].list, i);
+  const std::uint32_t padding = numbers.dummies() + 1;
+  jobs_.run(s_.pool, [&](const ListRange& r) {
+    for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
+      const std::uint32_t joint = lanes_[r.list][lane];
+      JointLists::visit_lane(lists_, r.list, lane, [&](auto& block, std::uint32_t k) {
+        if (joint != kNoSlot) return fill_rows(block, k, joints_[joint]);
+        block.body[2 * k] = block.body[2 * k + 1] = padding;
+      });
     }
   });
 }

@@ -30,71 +30,72 @@ JointKind kind_of(const JointDesc& d) {
 
 }  // namespace
 
-void JointStore::exclude(const JointDesc& d, int sign) {
-  if (d.collide) return;
-  const std::uint32_t most = std::max(d.a.index, d.b.index);
-  if (exclusive_.size() <= most) exclusive_.resize(std::size_t{most} + 1);
-  const std::uint64_t key = pair_key(d.a.index, d.b.index);
-  if (sign > 0) {
-    ++exclusions_[key];
-    ++exclusive_[d.a.index];
-    ++exclusive_[d.b.index];
-    return;
+// A joint begins to count. This finds out what follows from its description and its bodies.
+void JointStore::enter(std::uint32_t index) {
+  Joint& j = joints_[index];
+  const auto dynamic = [&](BodyId id) { return s_.bodies.properties(id.index).inv_mass > 0; };
+  j.swapped = !dynamic(j.desc.b);
+  j.held = j.swapped || !dynamic(j.desc.a);
+  j.lane = kNoSlot;
+  const std::size_t most = std::max(j.desc.a.index, j.desc.b.index);
+  if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
+  for (const BodyId body : {j.desc.a, j.desc.b}) {
+    std::uint32_t* const link = link_to(index, body.index);
+    j.next_of(body.index) = *link;
+    *link = index;
   }
-  const auto found = exclusions_.find(key);
-  if (--found->second == 0) exclusions_.erase(found);
-  --exclusive_[d.a.index];
-  --exclusive_[d.b.index];
+  if (!j.desc.collide) ++exclusions_;
+  ++count_;
+  stale_ = true;
 }
 
-JointId JointStore::add(const JointDesc& d, const BodyStore& bodies) {
+JointId JointStore::add(const JointDesc& d) {
   if (free_.empty()) {
     free_.push_back(static_cast<std::uint32_t>(joints_.size()));
     joints_.emplace_back();
   }
   const std::uint32_t index = free_.back();
   free_.pop_back();
-  Joint& j = joints_[index];
-  const std::uint32_t generation = j.generation;
-  j = Joint{};
-  j.generation = generation;
-  j.desc = d;
-  j.alive = true;
-  const auto dynamic = [&](BodyId id) { return bodies.properties(id.index).inv_mass > 0; };
-  j.swapped = !dynamic(d.b);
-  const bool held = j.swapped || !dynamic(d.a);
-  j.kind = kind_of(d);
-  j.list = JointLists::list_of(j.kind, held);
-  j.lane = kNoSlot;
-  tie(index);
-  exclude(d, +1);
-  ++count_;
-  stale_ = bodies_stale_ = true;
+  const std::uint32_t generation = joints_[index].generation;
+  joints_[index] = {.desc = d, .generation = generation, .alive = true, .kind = kind_of(d)};
+  enter(index);
   return {index, generation};
+}
+
+void JointStore::leave_lane(Joint& j) {
+  if (j.lane != kNoSlot) lanes_[j.list()][j.lane] = kNoSlot;
+  j.lane = kNoSlot;
+  stale_ = true;
 }
 
 bool JointStore::remove(JointId id) {
   if (!is_valid(id)) return false;
   Joint& j = joints_[id.index];
-  exclude(j.desc, -1);
-  untie(id.index);
-  if (j.lane != kNoSlot) lanes_[j.list][j.lane] = kNoSlot;
+  for (const BodyId body : {j.desc.a, j.desc.b}) *link_to(id.index, body.index) = j.next_of(body.index);
+  leave_lane(j);
+  if (!j.desc.collide) --exclusions_;
+  --count_;
   j.alive = false;
   ++j.generation;
   free_.push_back(id.index);
-  --count_;
-  stale_ = bodies_stale_ = true;
   return true;
 }
 
+std::size_t JointStore::bytes() const {
+  const auto of = [](const auto&... v) { return ((v.capacity() * sizeof(v[0])) + ...); };
+  std::size_t sum = of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_, shares_.ranges,
+                       shares_.jobs, marks_) +
+                    lists_.bytes();
+  for (const auto& lanes : lanes_) sum += of(lanes);
+  return sum;
+}
+
 void JointStore::release_blocks() {
-  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(first_, exclusive_, bodies_, members_, ranges_, share_ranges_, jobs_, share_jobs_, phases_, marks_);
+  const auto drop = [](auto&... lists) { ((lists = std::remove_reference_t<decltype(lists)>()), ...); };
+  drop(first_, bodies_, members_, lists_, jobs_, phases_, shares_, marks_);
   for (auto& lanes : lanes_) drop(lanes);
-  lists_ = JointLists();
   for (Column<float>* c : {&share_vel_, &share_rim_speed_, &push_vel_, &push_rim_speed_}) c->release();
-  total_blocks_ = 0;
-  stale_ = bodies_stale_ = true;
+  stale_ = true;
 }
 
 void JointStore::remove_of_body(std::uint32_t body) {
@@ -109,29 +110,8 @@ void JointStore::remove_of_body(std::uint32_t body) {
 // joint `index` is, or belongs.
 std::uint32_t* JointStore::link_to(std::uint32_t index, std::uint32_t body) {
   std::uint32_t* link = &first_[body];
-  while (*link != kNoSlot && *link > index) {
-    Joint& other = joints_[*link];
-    link = &other.next[other.desc.a.index == body ? 0 : 1];
-  }
+  while (*link != kNoSlot && *link > index) link = &joints_[*link].next_of(body);
   return link;
-}
-
-void JointStore::tie(std::uint32_t index) {
-  Joint& j = joints_[index];
-  const std::uint32_t ends[2] = {j.desc.a.index, j.desc.b.index};
-  const std::size_t most = std::max(ends[0], ends[1]);
-  if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
-  for (int side = 0; side < 2; ++side) {
-    std::uint32_t* const link = link_to(index, ends[side]);
-    j.next[side] = *link;
-    *link = index;
-  }
-}
-
-void JointStore::untie(std::uint32_t index) {
-  const Joint& j = joints_[index];
-  *link_to(index, j.desc.a.index) = j.next[0];
-  *link_to(index, j.desc.b.index) = j.next[1];
 }
 
 bool JointStore::set_motor(JointId id, double speed, double limit) {
@@ -142,33 +122,27 @@ bool JointStore::set_motor(JointId id, double speed, double limit) {
   j.desc.motor_limit = limit;
   if (j.kind == JointKind::pin && limit > 0) {  // it moves to the blocks with a motor
     save_impulses();
-    if (j.lane != kNoSlot) lanes_[j.list][j.lane] = kNoSlot;
-    j.lane = kNoSlot;
+    leave_lane(j);
     j.kind = JointKind::driven;
-    j.list = JointLists::list_of(j.kind, (j.list & 1u) != 0);
-    stale_ = true;
   }
   return true;
 }
 
-void JointStore::follow_sleep(const BodyStore& b) {
+void JointStore::follow_sleep() {
+  const auto sleeps = [&](BodyId id) { return s_.bodies.info[id.index].place == Place::asleep; };
   for (Joint& j : joints_) {
     if (!j.alive) continue;
-    const bool dormant = b.info[j.desc.a.index].place == Place::asleep || b.info[j.desc.b.index].place == Place::asleep;
+    const bool dormant = sleeps(j.desc.a) || sleeps(j.desc.b);
     stale_ = stale_ || dormant != j.dormant;
     j.dormant = dormant;
   }
-  bodies_stale_ = bodies_stale_ || stale_;
 }
 
 const std::vector<std::uint32_t>& JointStore::bodies() {
-  if (!bodies_stale_) return bodies_;
-  bodies_stale_ = false;
+  if (!stale_) return bodies_;
   bodies_.clear();
   for (const Joint& j : joints_) {
-    if (!j.alive || j.dormant) continue;
-    bodies_.push_back(j.desc.a.index);
-    bodies_.push_back(j.desc.b.index);
+    if (j.alive && !j.dormant) bodies_.insert(bodies_.end(), {j.desc.a.index, j.desc.b.index});
   }
   sort_keys(bodies_.begin(), bodies_.end());
   bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
@@ -180,7 +154,7 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
   force = {};
   torque = 0;
   if (j.lane == kNoSlot || !(h_ > 0)) return;
-  JointLists::visit_lane(lists_, j.list, j.lane, [&](const auto& b, std::uint32_t k) {
+  JointLists::visit_lane(lists_, j.list(), j.lane, [&](const auto& b, std::uint32_t k) {
     double l[JointLists::kImpulses] = {};
     JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = static_cast<double>(impulse); });
     const auto along = [&](float x, float y, double f) {

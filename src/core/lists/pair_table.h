@@ -17,13 +17,16 @@
 
 namespace psim {
 
+/// A run of blocks of contacts, those under heavy loads last.
+struct ContactBlocks {
+  std::uint32_t begin = 0, loaded = 0, end = 0;
+};
+
 struct Strip {
   std::uint32_t body_begin = 0, body_end = 0;
   std::uint32_t row_begin = 0, row_end = 0;
-  std::uint32_t pair_begin = 0, pair_end = 0;               ///< in PairTable::other
-  std::uint32_t block_begin = 0, block_end = 0;             ///< contact blocks
-  std::uint32_t static_begin = 0, static_end = 0;           ///< blocks of contacts with fixed shapes
-  std::uint32_t loaded_begin = 0, static_loaded_begin = 0;  ///< from here to the end: blocks under heavy loads
+  std::uint32_t pair_begin = 0, pair_end = 0;  ///< in PairTable::other
+  ContactBlocks blocks, static_blocks;         ///< contacts of two bodies, contacts with fixed shapes
   std::uint32_t colours = 0;
   bool loaded = false;  ///< the strip has contacts under heavy loads
 };

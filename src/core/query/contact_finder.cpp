@@ -139,7 +139,7 @@ class ContactFinder {
   void find_pairs(std::size_t index, const StripColours& colours) {
     const Strip& s = table_.strips[index];
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-      if (!counts(contacts_.impulse[table_.contact[p]])) continue;
+      if (!counts(contacts_.pairs.impulse[table_.contact[p]])) continue;
       const std::uint32_t a = id_of(table_.owner[p]), b = id_of(table_.other[p]);
       if (a == kNoSlot || b == kNoSlot || (any_kinematic_ && !is_dynamic(a) && !is_dynamic(b))) continue;
       put(index, a, b, Ref::kPair, p, colours.of_pair(p));
@@ -154,8 +154,8 @@ class ContactFinder {
       const StaticPair& pair = pairs[k];
       sequence = pair.body == last ? sequence + 1 : 0;
       last = pair.body;
-      if (!counts(contacts_.s_impulse[pair.contact])) continue;
-      if (gaps && contacts_.s_gap[pair.contact] >= kNoGap) continue;
+      if (!counts(contacts_.fixed.impulse[pair.contact])) continue;
+      if (gaps && contacts_.fixed.gap[pair.contact] >= kNoGap) continue;
       const std::uint32_t id = id_of(pair.body);
       if (id == kNoSlot || (any_kinematic_ && !is_dynamic(id)) || !writer_.stands(pair.shape)) continue;
       put(index, id, writer_.owner(pair.shape), Ref::kStatic, k,
@@ -287,18 +287,18 @@ class ContactFinder {
   // Contacts that came from a saved state have no normals yet.
   Contact write_pair(const Ref& ref) const {
     const double pressed = last_.substeps * last_.disc_mass;
-    const bool rough = contacts_.rough(), normals = !contacts_.nx.empty();
+    const bool rough = contacts_.rough(), normals = !contacts_.pairs.nx.empty();
     const std::uint32_t lane = table_.contact[ref.at];
     std::uint32_t i = list_.slot(table_.owner[ref.at]), j = list_.slot(table_.other[ref.at]);
     const double sign = bodies_.id[i] == ref.a ? 1 : -1;
     if (sign < 0) std::swap(i, j);
     const LatticePoint at = world_.place(i);
     const double r = d(bodies_.radius[i]);
-    const Meeting m =
-        ContactWriter::discs(writer_.way(at, world_.place(j)), r + d(bodies_.radius[j]),
-                             normals ? sign * d(contacts_.nx[lane]) : 0, normals ? sign * d(contacts_.ny[lane]) : sign);
-    return writer_.of_disc(ref.a, ref.b, at, r, 1, m, pressed, contacts_.impulse[lane],
-                           rough ? contacts_.friction[lane] : 0);
+    const Meeting m = ContactWriter::discs(writer_.way(at, world_.place(j)), r + d(bodies_.radius[j]),
+                                           normals ? sign * d(contacts_.pairs.nx[lane]) : 0,
+                                           normals ? sign * d(contacts_.pairs.ny[lane]) : sign);
+    return writer_.of_disc(ref.a, ref.b, at, r, 1, m, pressed, contacts_.pairs.impulse[lane],
+                           rough ? contacts_.pairs.friction[lane] : 0);
   }
 
   Contact write_static(const Ref& ref) const {
@@ -307,9 +307,9 @@ class ContactFinder {
     const std::uint32_t lane = pair.contact, slot = list_.slot(pair.body);
     const LatticePoint at = world_.place(slot);
     const double r = d(bodies_.radius[slot]);
-    const Meeting m = writer_.fixed(at, r, pair.shape, d(contacts_.s_nx[lane]), d(contacts_.s_ny[lane]));
+    const Meeting m = writer_.fixed(at, r, pair.shape, d(contacts_.fixed.nx[lane]), d(contacts_.fixed.ny[lane]));
     return writer_.of_disc(writer_.owner(pair.shape), bodies_.id[slot], at, r, -1, m, pressed,
-                           contacts_.s_impulse[lane], contacts_.rough() ? contacts_.s_friction[lane] : 0);
+                           contacts_.fixed.impulse[lane], contacts_.rough() ? contacts_.fixed.friction[lane] : 0);
   }
 
   Contact write_manifold(const Ref& ref) const {

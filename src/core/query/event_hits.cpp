@@ -94,7 +94,7 @@ bool EventList::fast(const Observed& s, std::uint32_t slot_a, std::uint32_t slot
 void EventList::approach(const Observed& s, double dt) {
   candidates_.clear();
   if (!options_.hits) return;
-  const std::uint32_t blocks = s.contacts.discs.pair_blocks();
+  const std::uint32_t blocks = s.contacts.discs.pairs.blocks;
   const std::size_t tasks = stream_tasks(blocks);
   found_.resize(std::max(found_.size(), tasks));
   s.pool.run(tasks, [&](std::size_t t) {
@@ -108,7 +108,7 @@ void EventList::approach(const Observed& s, double dt) {
 
 void EventList::approach_pairs(const Observed& s, BlockRange r, double dt, std::vector<Candidate>& out) const {
   const BodyStore& b = s.bodies;
-  const ContactStore& c = s.contacts.discs;
+  const PairLanes& c = s.contacts.discs.pairs;
   const std::uint32_t dummies = s.contacts.solved.dummies();
   for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
     if (c.body[2 * l] >= dummies) continue;
@@ -129,22 +129,22 @@ void EventList::approach_pairs(const Observed& s, BlockRange r, double dt, std::
 
 void EventList::approach_statics(const Observed& s, double dt) {
   const BodyStore& b = s.bodies;
-  const ContactStore& c = s.contacts.discs;
+  const StaticLanes& c = s.contacts.discs.fixed;
   const std::uint32_t dummies = s.contacts.solved.dummies();
-  for (std::size_t l = 0; l < std::size_t{c.static_blocks()} * kBlock; ++l) {
-    if (c.s_body[l] >= dummies) continue;
+  for (std::size_t l = 0; l < std::size_t{c.blocks} * kBlock; ++l) {
+    if (c.body[l] >= dummies) continue;
     Candidate static_pair;
     static_pair.kind = Candidate::kStatic;
     static_pair.at = static_cast<std::uint32_t>(l);
-    static_pair.slot_b = s.contacts.solved.slot(c.s_body[l]);
+    static_pair.slot_b = s.contacts.solved.slot(c.body[l]);
     if (!fast(s, kNoSlot, static_pair.slot_b)) continue;
     static_pair.id_b = b.id[static_pair.slot_b];
-    if (c.s_shape[l] < kWallLeft) static_pair.id_a = s.statics[c.s_shape[l]].owner;
-    static_pair.nx = static_cast<double>(c.s_nx[l]);
-    static_pair.ny = static_cast<double>(c.s_ny[l]);
-    const bool round = c.s_refresh[l] < 1e30f;
-    consider(s, static_pair, {static_cast<double>(c.s_base_x[l]), static_cast<double>(c.s_base_y[l])},
-             round ? static_cast<double>(c.s_rsum[l]) : 0, static_cast<double>(c.s_gap[l]), dt, candidates_);
+    if (c.shape[l] < kWallLeft) static_pair.id_a = s.statics[c.shape[l]].owner;
+    static_pair.nx = static_cast<double>(c.nx[l]);
+    static_pair.ny = static_cast<double>(c.ny[l]);
+    const bool round = c.refresh[l] < 1e30f;
+    consider(s, static_pair, {static_cast<double>(c.base_x[l]), static_cast<double>(c.base_y[l])},
+             round ? static_cast<double>(c.rsum[l]) : 0, static_cast<double>(c.gap[l]), dt, candidates_);
   }
 }
 
@@ -175,9 +175,9 @@ void EventList::keep_hits(const Observed& s) {
   const auto closed = [&](const Candidate& c) {
     switch (c.kind) {
       case Candidate::kPair:
-        return !std::signbit(s.contacts.discs.impulse[c.at]);
+        return !std::signbit(s.contacts.discs.pairs.impulse[c.at]);
       case Candidate::kStatic:
-        return !std::signbit(s.contacts.discs.s_impulse[c.at]);
+        return !std::signbit(s.contacts.discs.fixed.impulse[c.at]);
       case Candidate::kManifold:
         break;
     }

@@ -129,15 +129,15 @@ void EventList::name_lanes(const Observed& world) {
     const BlockRange r = stream_range(t, blocks);
     for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
       lane_key_[l] = kNoKey;
-      if (c.body[2 * l] >= solved.dummies()) continue;
-      const std::uint32_t i = b.id[solved.slot(c.body[2 * l])];
-      const std::uint32_t j = b.id[solved.slot(c.body[2 * l + 1])];
+      if (c.pairs.body[2 * l] >= solved.dummies()) continue;
+      const std::uint32_t i = b.id[solved.slot(c.pairs.body[2 * l])];
+      const std::uint32_t j = b.id[solved.slot(c.pairs.body[2 * l + 1])];
       if (i == kNoSlot || j == kNoSlot) continue;  // a body left in this step
       if (kinematic && !dynamic(b, i) && !dynamic(b, j)) continue;
       lane_key_[l] = key_of(i, j);
     }
     for (std::size_t k = r.begin; k < r.end; ++k) {
-      touching_[k] = static_cast<std::uint8_t>(closed_bits(c.impulse.data() + k * kBlock));
+      touching_[k] = static_cast<std::uint8_t>(closed_bits(c.pairs.impulse.data() + k * kBlock));
     }
   });
 }
@@ -145,10 +145,10 @@ void EventList::name_lanes(const Observed& world) {
 void EventList::compare_pairs(const Observed& world) {
   const ContactStore& c = world.contacts.discs;
   const bool stepped = world.bodies.awake() != 0;
-  const std::uint32_t blocks = stepped ? c.pair_blocks() : 0;
+  const std::uint32_t blocks = stepped ? c.pairs.blocks : 0;
   if (stepped && build_ == c.builds() && !left_ && touching_.size() == blocks) {
     for (std::size_t k = 0; k < blocks; ++k) {
-      const unsigned closed = closed_bits(c.impulse.data() + k * kBlock);
+      const unsigned closed = closed_bits(c.pairs.impulse.data() + k * kBlock);
       unsigned changed = closed ^ touching_[k];
       if (changed == 0) continue;
       touching_[k] = static_cast<std::uint8_t>(closed);
@@ -206,14 +206,14 @@ void EventList::compare_rest(const Observed& world) {
   };
   now_.clear();
   if (b.awake() != 0) {
-    for (std::size_t k = 0; k < c.static_blocks(); ++k) {
-      unsigned closed = closed_bits(c.s_impulse.data() + k * kBlock);
+    for (std::size_t k = 0; k < c.fixed.blocks; ++k) {
+      unsigned closed = closed_bits(c.fixed.impulse.data() + k * kBlock);
       for (std::size_t l = k * kBlock; closed != 0; closed >>= 1, ++l) {
-        if ((closed & 1) == 0 || c.s_body[l] >= solved.dummies()) continue;
-        if (c.s_shape[l] >= kWallLeft) continue;
-        const std::uint32_t id = b.id[solved.slot(c.s_body[l])];
+        if ((closed & 1) == 0 || c.fixed.body[l] >= solved.dummies()) continue;
+        if (c.fixed.shape[l] >= kWallLeft) continue;
+        const std::uint32_t id = b.id[solved.slot(c.fixed.body[l])];
         if (id == kNoSlot || (kinematic && !dynamic(b, id))) continue;
-        now_.push_back(key_of(id, world.statics[c.s_shape[l]].owner));
+        now_.push_back(key_of(id, world.statics[c.fixed.shape[l]].owner));
       }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {

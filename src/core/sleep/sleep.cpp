@@ -98,7 +98,7 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
   bodies.asleep += chosen;
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
   sleepers.changed = true;
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+  if (!source.joints.empty()) source.joints.follow_sleep();
 }
 
 }  // namespace

@@ -65,14 +65,14 @@ void each_disc_contact(const SleepSource& source, std::size_t strip, const Each&
     contact.a = table.owner[p];
     contact.b = table.other[p];
     if (bodies.id[contact.a] == kNoSlot || bodies.id[contact.b] == kNoSlot) continue;
-    tell(table.contact[p], discs.gap, discs.impulse, discs.friction);
+    tell(table.contact[p], discs.pairs.gap, discs.pairs.impulse, discs.pairs.friction);
   }
   contact.a = kNoSlot;
   for (const StaticPair& pair : table.static_contacts[strip]) {
     if (bodies.id[pair.body] == kNoSlot) continue;
     contact.b = pair.body;
     contact.shape = pair.shape;
-    tell(pair.contact, discs.s_gap, discs.s_impulse, discs.s_friction);
+    tell(pair.contact, discs.fixed.gap, discs.fixed.impulse, discs.fixed.friction);
   }
 }
 

@@ -130,7 +130,7 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   queue.clear();
   if (!any) return false;
   sleepers.tidy();
-  if (!source.joints.empty()) source.joints.follow_sleep(bodies);
+  if (!source.joints.empty()) source.joints.follow_sleep();
   return true;
 }
 

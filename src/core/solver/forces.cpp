@@ -1,5 +1,6 @@
 #include "solver/forces.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -31,11 +32,10 @@ double linear_drag(const std::vector<Field>& fields) {
 }
 
 bool needs_forces(const std::vector<Field>& fields) {
-  for (const Field& f : fields) {
-    if (std::holds_alternative<WellField>(f)) return true;
-    if (std::get<DragField>(f).quadratic != 0) return true;
-  }
-  return false;
+  return std::any_of(fields.begin(), fields.end(), [](const Field& f) {
+    const auto* drag = std::get_if<DragField>(&f);
+    return drag == nullptr || drag->quadratic != 0;
+  });
 }
 
 // Computes whole powers by squaring, and the fraction bit by bit through square roots, to 2^-30.
@@ -59,13 +59,12 @@ double deterministic_power(double s, double p) {
 }
 
 Forces::Forces(const WorldDesc& world, const Lattice& lattice)
-    : linear_(world.linear_damping + linear_drag(world.fields)), gravity_(world.gravity), lattice_(&lattice) {
+    : world_(world), lattice_(lattice), linear_(world.linear_damping + linear_drag(world.fields)) {
   const Vec2 centre = lattice.centre();
   for (const Field& f : world.fields) {
     if (const auto* drag = std::get_if<DragField>(&f)) quadratic_ += drag->quadratic;
     const auto* well = std::get_if<WellField>(&f);
     if (!well) continue;
-    wells_.push_back(*well);
     const double power = (well->exponent + 1) / 2, whole = std::floor(power);
     kernels::WellTerms t;
     t.x = well->position.x - centre.x;
@@ -77,8 +76,11 @@ Forces::Forces(const WorldDesc& world, const Lattice& lattice)
     t.fraction = static_cast<std::uint32_t>((power - whole) * 0x1p30) << 2;
     terms_.push_back(t);
   }
+}
+
+std::optional<Method> Forces::method() const {
   constexpr std::optional<Method> kMethodOf[] = {std::nullopt, Method::euler, Method::rk4, Method::symplectic4};
-  method_ = kMethodOf[static_cast<std::size_t>(world.integrator)];
+  return kMethodOf[static_cast<std::size_t>(world_.integrator)];
 }
 
 kernels::FieldParams Forces::params(double h) const {
@@ -86,23 +88,21 @@ kernels::FieldParams Forces::params(double h) const {
   p.wells = terms_.data();
   p.well_count = static_cast<std::uint32_t>(terms_.size());
   p.h = h;
-  p.pitch_x = lattice_->pitch_x();
-  p.pitch_y = lattice_->pitch_y();
-  p.gravity_x = gravity_.x;
-  p.gravity_y = gravity_.y;
+  p.pitch_x = lattice_.pitch_x();
+  p.pitch_y = lattice_.pitch_y();
+  p.gravity_x = world_.gravity.x;
+  p.gravity_y = world_.gravity.y;
   p.linear = linear_;
   p.quadratic = quadratic_;
   p.fade = std::exp(-linear_ * h);
   p.half_fade = std::exp(-linear_ * h / 2);
   p.fade_span = linear_ > 0 ? -std::expm1(-linear_ * h) / linear_ : h;
-  p.smooth = method_ == Method::euler ? -1 : 4 * h * h;
+  p.smooth = method() == Method::euler ? -1 : 4 * h * h;
   return p;
 }
 
 void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
-  const std::uint32_t blocks = b.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
+  run_stream(b.blocks(), pool, [&](BlockRange r) {
     for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
       float scale = 0;
       if (i < b.count && b.id[i] != kNoSlot) {
@@ -110,22 +110,20 @@ void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
         if (properties.inv_mass > 0) scale = properties.gravity_scale;
       }
       b.pull[i] = scale;
-      b.acc[2 * std::size_t{i}] = static_cast<float>(gravity_.x * static_cast<double>(scale));
-      b.acc[2 * std::size_t{i} + 1] = static_cast<float>(gravity_.y * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i}] = static_cast<float>(world_.gravity.x * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i} + 1] = static_cast<float>(world_.gravity.y * static_cast<double>(scale));
     }
   });
 }
 
 void move_remainders(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
-  const std::uint32_t blocks = b.blocks();
   for (Column<float>* column : {&b.vel_remainder, &b.disp_remainder}) {
     if (column->empty()) continue;
     b.spare.reserve(column->capacity());
-    pool.run(stream_tasks(blocks), [&](std::size_t t) {
-      const BlockRange r = stream_range(t, blocks);
-      for (std::uint32_t i = r.begin * kernels::kBlock; i < r.end * kernels::kBlock; ++i) {
+    run_stream(b.blocks(), pool, [&](BlockRange r) {
+      for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < std::size_t{r.end} * kernels::kBlock; ++i) {
         for (std::size_t axis = 0; axis < 2; ++axis) {
-          b.spare[2 * std::size_t{i} + axis] = i < b.count ? (*column)[2 * std::size_t{from[i]} + axis] : 0.0f;
+          b.spare[2 * i + axis] = i < b.count ? (*column)[2 * std::size_t{from[i]} + axis] : 0.0f;
         }
       }
     });
@@ -136,7 +134,10 @@ void move_remainders(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) 
 // a = k d / (d^2 + e^2)^((n+1)/2):  U = -k (d^2 + e^2)^((1-n)/2) / (n - 1), or k ln(s)/2 for n = 1.
 double Forces::potential(Vec2 p) const {
   double sum = 0;
-  for (const WellField& w : wells_) {
+  for (const Field& f : world_.fields) {
+    const auto* well = std::get_if<WellField>(&f);
+    if (well == nullptr) continue;
+    const WellField& w = *well;
     const double dx = w.position.x - p.x, dy = w.position.y - p.y;
     const auto at = [&](double d2) {
       const double s = d2 + w.softening * w.softening;

@@ -20,10 +20,10 @@ class Forces {
 
   /// Whether accelerations change with place or speed. Then every body takes substeps, and each substep computes them
   /// anew; else they are constants of the bodies until the lists are made anew.
-  bool varying() const { return !wells_.empty() || quadratic_ != 0; }
+  bool varying() const { return !terms_.empty() || quadratic_ != 0; }
 
   /// The integrator, if the world asks for another one than leapfrog.
-  std::optional<kernels::Method> method() const { return method_; }
+  std::optional<kernels::Method> method() const;
 
   /// The parameters of the kernels for substeps of h seconds. They point at the wells of this object.
   kernels::FieldParams params(double h) const;
@@ -36,13 +36,11 @@ class Forces {
   double potential(Vec2 p) const;
 
  private:
-  std::vector<WellField> wells_;
+  const WorldDesc& world_;
+  const Lattice& lattice_;
   std::vector<kernels::WellTerms> terms_;  // a term for each well, in their order
   double linear_ = 0;                      // 1/s: drag and damping
   double quadratic_ = 0;                   // 1/m
-  Vec2 gravity_;
-  std::optional<kernels::Method> method_;
-  const Lattice* lattice_;
 };
 
 /// Moves the remainders of velocities and offsets along with the bodies, after a sort moved these from slot from[i] to

@@ -11,8 +11,11 @@
 namespace psim {
 namespace {
 
-constexpr double kForgetting =
-    31.0 / 32;  // factor on the number of sweeps in a substep that may not take as many as it needs
+constexpr double kSlices = 20;  // a substep has so many slices for each impact of a body
+constexpr int kMostSlices = 4;
+constexpr int kSweeps = 6;  // most impact sweeps in a substep; usually the third finds nothing
+// Factor on the number of sweeps in a substep that may not take as many as it needs.
+constexpr double kForgetting = 31.0 / 32;
 
 // The acceleration that presses resting bodies together, m/s^2: gravity or, with fields, the mean acceleration of the
 // bodies if it is larger. An approach that is slower than what it adds in a substep is no impact.
@@ -29,76 +32,88 @@ double pressing(const BodyStore& b, double gravity) {
 
 }  // namespace
 
+void Solver::Run::set_sweeps() {
+  sweeps_.slices = 1 + static_cast<int>(std::fmin(kSlices * params_.impacts, kMostSlices - 1));
+  sweeps_.most = kSweeps + sweeps_.slices - 1;
+  sweeps_.limited = params_.most_sweeps != 0 && params_.most_sweeps < sweeps_.most;
+  if (!sweeps_.limited) return;
+  sweeps_.most = params_.most_sweeps;
+  sweeps_.slices = std::min(sweeps_.slices, std::max(sweeps_.most / 2, 1));  // the last ones look for all that is left
+}
+
 void Solver::Run::set_floors() {
-  const double pressed = pressing(bodies, gravity_);
-  for (ContactParams* p : {&pair_, &static_, &loaded_pair_, &loaded_static_}) {
-    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold_));
-    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold_));
+  const double pressed = pressing(s_.bodies, gravity_), threshold = params_.restitution_threshold;
+  for (ContactParams* p : {&discs_.pair, &discs_.fixed, &loaded_.pair, &loaded_.fixed}) {
+    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold));
+    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold));
   }
 }
 
 // Collisions at their time, sweep after sweep until one finds none. Where bodies have more than one
 // a substep, the first sweeps take them slice by slice of its time.
 void Solver::Run::impacts() {
-  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
-    std::fill(view_.event_time + std::size_t{begin} * 8, view_.event_time + std::size_t{end} * 8, 0.0f);
+  for_bodies([&](BlockRange r) {
+    std::fill(view_.event_time + std::size_t{r.begin} * 8, view_.event_time + std::size_t{r.end} * 8, 0.0f);
   });
   std::atomic<bool> any{true};
-  SweepMemory& memory = solver_.sweep_memory_;
-  memory.start(table.strips.size());
-  const std::size_t later = static_cast<std::size_t>(slices_ > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
-  std::size_t kind = static_cast<std::size_t>(kernels::Sweep::first);
+  std::vector<int>& last = solver_.last_sweep_;
+  last.assign(table.strips.size(), -1);
+  const auto note = [&](std::size_t strip, int sweep) {
+    std::atomic_ref<int>(last[strip]).store(sweep, std::memory_order_relaxed);
+    any.store(true, std::memory_order_relaxed);
+  };
+  // If there was no event around a strip since it was looked at, a second look would find the same.
+  const auto asks = [&](std::size_t strip, int sweep) {
+    return table.any_beside(strip, [&](std::size_t k) {
+      return std::atomic_ref<int>(last[k]).load(std::memory_order_relaxed) + 1 >= sweep;
+    });
+  };
+  const auto [slices, most, limited, done] = sweeps_;
+  const auto later = static_cast<std::size_t>(slices > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
+  auto kind = static_cast<std::size_t>(kernels::Sweep::first);
   const auto sweep_statics = [&](int sweep, bool all) {
-    for_statics([&](std::size_t strip, const Strip& s) {
-      if (!all && !memory.asks_static(strip, sweep)) return;
-      if (kernels.sweep_static[model_][kind](view_, statics_, static_, s.static_begin, s.static_end,
-                                             &solver_.virial_[strip])) {
-        memory.static_pair[strip] = sweep;
-        any.store(true, std::memory_order_relaxed);
+    for_statics([&](const ContactBlocks& b, std::size_t strip) {
+      if (!all && !asks(strip, sweep)) return;
+      if (s_.kernels.sweep_static[model_][kind](view_, statics_, discs_.fixed, b.begin, b.end,
+                                                &solver_.sums_[strip].virial)) {
+        note(strip, sweep);
       }
     });
   };
-  const int sweeps = impact_sweeps_;
   int sweep = 0;
-  for (; sweep < sweeps && any.load(); ++sweep) {
+  for (; sweep < most && any.load(); ++sweep) {
     any.store(false);
     if (sweep != 0) kind = later;
     // In the last sweep, what would still collide is left to the solver, unless it is elastic.
-    pair_.least_e = static_.least_e = sweep + 1 == sweeps ? 1.0f : 0.0f;
-    pair_.due = static_.due =
-        sweep + 1 < slices_ ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices_) : 1e30f;
-    for_pairs([&](std::size_t strip, const Strip& s) {
-      if (!memory.asks_pairs(strip, sweep)) return;
-      if (kernels.sweep[model_][kind](view_, pairs_, pair_, s.block_begin, s.block_end, &solver_.virial_[strip])) {
-        memory.pairs[strip] = sweep;
-        any.store(true, std::memory_order_relaxed);
+    discs_.pair.least_e = discs_.fixed.least_e = sweep + 1 == most ? 1.0f : 0.0f;
+    discs_.pair.due = discs_.fixed.due =
+        sweep + 1 < slices ? stream_.h * static_cast<float>(sweep + 1) / static_cast<float>(slices) : 1e30f;
+    for_pairs([&](const ContactBlocks& b, std::size_t strip) {
+      if (!asks(strip, sweep)) return;
+      if (s_.kernels.sweep[model_][kind](view_, pairs_, discs_.pair, b.begin, b.end, &solver_.sums_[strip].virial)) {
+        note(strip, sweep);
       }
     });
     sweep_statics(sweep, false);
   }
-  swept_ += limited_ && sweep == sweeps ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep;
+  sweeps_.done = done + (limited && sweep == most ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep);
   if (any.load()) {  // there were too many events: at least no body leaves through a wall
-    static_.least_e = 0;
-    sweep_statics(sweeps, true);
+    discs_.fixed.least_e = 0;
+    sweep_statics(most, true);
   }
 }
 
 void Solver::Run::spend() {
-  for_pairs(
-      [&](std::size_t, const Strip& s) { kernels.spend[model_](view_, pairs_, pair_, s.block_begin, s.block_end); });
-  for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-    kernels.spend_manifolds[fixed](view_, blocks, begin, end);
-  });
-  for_statics([&](std::size_t, const Strip& s) {
-    kernels.spend_static[model_](view_, statics_, static_, s.static_begin, s.static_end);
-  });
+  const auto spend_blocks = [&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+    s_.kernels.spend_manifolds[fixed](view_, blocks, begin, end);
+  };
+  once(discs_.pair, s_.kernels.spend, s_.kernels.spend_static, spend_blocks);
 }
 
 // Touches the bodies of contacts that press: who rests on something.
 void Solver::touch_resting(const SolverInput& in) {
-  const ContactStore& c = in.contacts;
   const auto strips = static_cast<std::uint32_t>(in.table.strips.size());
-  const std::uint32_t bodies = in.solved.dummies() + 2 * strips + 8;
+  const std::uint32_t bodies = in.contacts.solved.dummies_of(strips) + 8;
   constexpr std::uint32_t kLine = 64;  // bytes: a strip marks bodies of no other strip in its own cache line
   touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
@@ -110,11 +125,13 @@ void Solver::touch_resting(const SolverInput& in) {
     for (std::size_t l = 0; l < 8; ++l) any |= mask_from(impulse[l], kTiniest);
     return any != 0;
   };
-  // Touches the bodies of all contacts of blocks [begin, end) that press, `sides` a contact, or else `nobody`.
-  const auto touch_pressing = [&](const float* impulse, const std::uint32_t* body, auto sides, std::uint32_t nobody,
-                                  std::size_t begin, std::size_t end) {
+  // Touches the bodies of all contacts that press, `sides` a contact, or else `nobody`.
+  const auto touch_pressing = [&](const ContactLanes& c, const ContactBlocks& blocks, auto sides,
+                                  std::uint32_t nobody) {
+    const float* const impulse = c.impulse.data();
+    const std::uint32_t* const body = c.body.data();
     bool any = false;
-    for (std::size_t block = begin; block < end; ++block) {
+    for (std::size_t block = blocks.begin; block < blocks.end; ++block) {
       if (!any_presses(impulse + 8 * block)) continue;
       any = true;
       for (std::size_t k = 8 * block; k < 8 * block + 8; ++k) {
@@ -129,11 +146,11 @@ void Solver::touch_resting(const SolverInput& in) {
   constexpr std::integral_constant<std::size_t, 1> kOne;
   constexpr std::integral_constant<std::size_t, 2> kTwo;
   pressing_.assign(strips, 0);
-  in.pool.run(strips, [&](std::size_t index) {
+  in.contacts.surroundings.pool.run(strips, [&](std::size_t index) {
     const Strip& s = in.table.strips[index];
     const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
-    const bool pairs = touch_pressing(c.impulse.data(), c.body.data(), kTwo, nobody, s.block_begin, s.block_end);
-    const bool fixed = touch_pressing(c.s_impulse.data(), c.s_body.data(), kOne, nobody, s.static_begin, s.static_end);
+    const bool pairs = touch_pressing(in.contacts.discs.pairs, s.blocks, kTwo, nobody);
+    const bool fixed = touch_pressing(in.contacts.discs.fixed, s.static_blocks, kOne, nobody);
     pressing_[index] = pairs || fixed;
   });
 }
@@ -141,29 +158,26 @@ void Solver::touch_resting(const SolverInput& in) {
 // Marks the contacts that the impact sweeps may settle: those with restitution whose bodies both rest on nothing, and
 // those that are fully elastic.
 void Solver::mark_impacts(const SolverInput& in) {
-  ContactStore& c = in.contacts;
+  PairLanes& pairs = in.contacts.discs.pairs;
+  StaticLanes& fixed = in.contacts.discs.fixed;
   touch_resting(in);
   // 0 means that it may be settled; resting is 0 or 1
   const auto mark = [](float e, std::uint32_t resting) {
     const std::uint32_t may = mask_from(e, kTiniest) & (mask_from(e, 1) | (resting - 1));
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(1.0f) & ~may);
   };
-  const auto mark_lanes = [&](float* impact, const float* e, std::size_t begin, std::size_t end, const auto& resting) {
-    for (std::size_t k = 8 * begin; k < 8 * end; ++k) impact[k] = mark(e[k], resting(k));
+  const auto mark_lanes = [&](ContactLanes& c, const ContactBlocks& blocks, const auto& resting) {
+    const std::size_t begin = std::size_t{blocks.begin} * 8, end = std::size_t{blocks.end} * 8;
+    for (std::size_t k = begin; k < end; ++k) c.impact[k] = mark(c.e[k], resting(k));
   };
-  in.pool.run(in.table.strips.size(), [&](std::size_t index) {
+  in.contacts.surroundings.pool.run(in.table.strips.size(), [&](std::size_t index) {
     const Strip& s = in.table.strips[index];
-    const auto mark_both = [&](const auto& pair_rests, const auto& body_rests) {
-      mark_lanes(c.impact.data(), c.e.data(), s.block_begin, s.block_end, pair_rests);
-      mark_lanes(c.s_impact.data(), c.s_e.data(), s.static_begin, s.static_end, body_rests);
-    };
-    if (in.table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; })) {
-      mark_both([&](std::size_t k) -> std::uint32_t { return touched_[c.body[2 * k]] | touched_[c.body[2 * k + 1]]; },
-                [&](std::size_t k) -> std::uint32_t { return touched_[c.s_body[k]]; });
-    } else {
-      const auto none = [](std::size_t) { return 0u; };
-      mark_both(none, none);
-    }
+    const bool any = in.table.any_beside(index, [&](std::size_t k) { return pressing_[k] != 0; });
+    mark_lanes(pairs, s.blocks, [&, any](std::size_t k) -> std::uint32_t {
+      return any ? touched_[pairs.body[2 * k]] | touched_[pairs.body[2 * k + 1]] : 0;
+    });
+    mark_lanes(fixed, s.static_blocks,
+               [&, any](std::size_t k) -> std::uint32_t { return any ? touched_[fixed.body[k]] : 0; });
   });
 }
 

@@ -30,10 +30,7 @@ constexpr double kLoadedManifoldStiffness = 0.9;
 constexpr double kBouncingStiffness = 0.16;  // contacts with restitution have no half-reactions
 // Stacks are solved exactly: their contacts are stiff, but overlaps are pushed out gently.
 constexpr double kColumnStiffness = 0.34, kFixedColumnStiffness = 4, kColumnPush = 0.1;
-constexpr double kPush = 3;     // m/s: the fastest push-out
-constexpr double kSlices = 20;  // a substep has so many slices for each impact of a body
-constexpr int kMostSlices = 4;
-constexpr int kSweeps = 6;  // most impact sweeps in a substep; usually the third finds nothing
+constexpr double kPush = 3;  // m/s: the fastest push-out
 
 void set_soft(ContactParams& p, double h, double frequency, double damping) {
   const double omega = 2 * std::numbers::pi * frequency;
@@ -55,109 +52,103 @@ void set_softness(double h, double frequency, float& soft, float& rate) {
 
 }  // namespace
 
+double coast_time(double damping, double h) { return damping > 0 ? -std::expm1(-damping * h) / damping : h; }
+
+kernels::StreamParams kick_params(Vec2 gravity, double damping, double h) {
+  const double span = coast_time(damping, h), kept = std::exp(-damping * h);
+  kernels::StreamParams p;
+  p.h = static_cast<float>(h);
+  p.damp = static_cast<float>(kept);
+  p.damp_remainder = static_cast<float>(kept - static_cast<double>(p.damp));
+  p.kick_x = static_cast<float>(gravity.x * span);
+  p.kick_y = static_cast<float>(gravity.y * span);
+  p.coast = static_cast<float>(span);
+  return p;
+}
+
 Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& params)
     : SolverInput(in),
       solver_(solver),
-      view_(solved.view()),
-      pairs_(contacts.pairs()),
-      statics_(contacts.static_contacts()),
-      h_(params.dt / params.substeps),
-      gravity_(length_of(params.gravity)),
-      threshold_(params.restitution_threshold),
-      model_(static_cast<std::size_t>(params.model.model)),
-      bounce_(params.model.bounce ? 1 : 0),
-      rough_(params.model.model == kernels::Model::rough),
-      turns_(params.turns),
-      slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
-      loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : HeavyLoads::kSweeps),
-      impact_sweeps_(kSweeps + slices_ - 1),
-      varying_(forces != nullptr && forces->varying()) {
-  if (params.most_sweeps != 0 && params.most_sweeps < impact_sweeps_) {
-    limited_ = true;
-    impact_sweeps_ = params.most_sweeps;
-    slices_ = std::min(slices_, std::max(impact_sweeps_ / 2, 1));  // the last sweeps look for all impacts that are left
-  }
-  set_motion(params);
-  set_contacts(params);
-  if (forces) field_ = forces->params(h_);
-  const bool drag = field_.quadratic != 0;
-  accelerate_ = kernels.accelerate[drag];
-  if (varying_ && forces->method()) {
-    advance_ = kernels.advance[static_cast<std::size_t>(*forces->method())][drag || field_.linear != 0];
-  }
-  if (!kinematics.empty()) bodies.find_slots();
-  solver.kinematic_at_.resize(std::max(solver.kinematic_at_.size(), 2 * kinematics.size()));
-}
-
-// Sets how a substep kicks, damps and moves bodies.
-void Solver::Run::set_motion(const SolverParams& params) {
-  stream_.h = static_cast<float>(h_);
-  stream_.damp = static_cast<float>(std::exp(-params.damping * h_));
-  stream_.damp_remainder = static_cast<float>(std::exp(-params.damping * h_) - static_cast<double>(stream_.damp));
-  // With damping c: dv = g (1 - exp(-ch))/c, and the drift covers (1 - exp(-ch))/c at the velocity
-  // before damping, which v0 has already lost.
-  const double c = params.damping;
-  const double span = c > 0 ? -std::expm1(-c * h_) / c : h_;
-  stream_.kick_x = static_cast<float>(params.gravity.x * span);
-  stream_.kick_y = static_cast<float>(params.gravity.y * span);
-  stream_.coast = static_cast<float>(span);
-  drift_ = stream_;
+      params_(params),
+      stream_(kick_params(params.gravity, params.damping, h_)),
+      loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.loaded() ? 0 : HeavyLoads::kSweeps) {
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
-  drift_.h = static_cast<float>(c > 0 ? span / std::exp(-std::fmin(c * h_, kMostDamped)) : h_);
+  // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
+  const double kept = std::exp(-std::fmin(params.damping * h_, kMostDamped));
+  drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
+  set_contacts();
+  set_sweeps();
+  if (forces != nullptr) {
+    fields_.params = forces->params(h_);
+    fields_.varying = forces->varying();
+    const bool drag = fields_.params.quadratic != 0;
+    fields_.accelerate = s_.kernels.accelerate[drag];
+    if (fields_.varying && forces->method()) {
+      const bool damped = drag || fields_.params.linear != 0;
+      fields_.advance = s_.kernels.advance[static_cast<std::size_t>(*forces->method())][damped];
+    }
+  }
+  if (!kinematics.empty()) s_.bodies.find_slots();
+  solver.kinematic_at_.resize(std::max(solver.kinematic_at_.size(), kinematics.size()));
 }
 
 // Sets stiffness and limits of the contacts of discs.
-void Solver::Run::set_contacts(const SolverParams& params) {
-  pair_.h = stream_.h;
-  pair_.inv_h = static_cast<float>(1 / h_);
-  pair_.pitch_x = static_cast<float>(params.pitch_x);
-  pair_.pitch_y = static_cast<float>(params.pitch_y);
-  pair_.push = static_cast<float>(kPush);
-  pair_.refresh = params.refresh;
-  pair_.warm = params.warm;
-  pair_.gravity_x = static_cast<float>(params.gravity.x);
-  pair_.gravity_y = static_cast<float>(params.gravity.y);
-  static_ = loaded_pair_ = loaded_static_ = pair_;
-  const double stiff = kStiffness / params.stiff_substep, loaded = kLoadedStiffness / params.stiff_substep;
-  set_soft(pair_, h_, stiff, kDamping);
-  set_soft(static_, h_, kFixedStiffness * stiff, kDamping);
-  set_soft(loaded_pair_, h_, loaded, kLoadedDamping);
-  set_soft(loaded_static_, h_, kFixedStiffness * loaded, kLoadedDamping);
+void Solver::Run::set_contacts() {
+  ContactParams p;
+  p.h = stream_.h;
+  p.inv_h = static_cast<float>(1 / h_);
+  p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
+  p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  p.push = static_cast<float>(kPush);
+  p.refresh = params_.refresh;
+  p.warm = params_.warm;
+  p.gravity_x = static_cast<float>(params_.gravity.x);
+  p.gravity_y = static_cast<float>(params_.gravity.y);
+  const auto soft = [&](double stiffness, double damping) {
+    OfDiscs of{p, p};
+    set_soft(of.pair, h_, stiffness / params_.stiff_substep, damping);
+    set_soft(of.fixed, h_, kFixedStiffness * (stiffness / params_.stiff_substep), damping);
+    return of;
+  };
+  discs_ = soft(kStiffness, kDamping);
+  loaded_ = soft(kLoadedStiffness, kLoadedDamping);
 }
 
 void Solver::Run::substep(bool first_of_step) {
-  const bool first = first_of_step || varying_;
-  if (varying_ && (!advance_ || bounce_)) force(accelerate_);
+  const bool first = first_of_step || fields_.varying;
+  Stacks& stacks = contacts.stacks;
+  if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) force(fields_.accelerate);
   if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
-  if (advance_) force(advance_);
+  if (fields_.advance) force(fields_.advance);
   kick(first);
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   solve();
-  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, true, pool);
-  if (joined_) joints.hold(view_, kernels, 1, pool);
+  if (stacks.any()) stacks.solve(view_, contacts.manifolds, discs_.pair, gravity_, true, s_.pool);
+  joints.hold(view_, 1);
   drift();
   if (!kinematics.empty()) carry_kinematics();
-  if (joined_) joints.hold(view_, kernels, -1, pool);
-  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, false, pool);
+  joints.hold(view_, -1);
+  if (stacks.any()) stacks.solve(view_, contacts.manifolds, discs_.pair, gravity_, false, s_.pool);
   relax();
   if (bounce_) spend();
 }
 
 void Solver::Run::force(FieldPass kernel) {
   const Clock::time_point start = Clock::now();
-  for_bodies([&](std::uint32_t begin, std::uint32_t end) { kernel(view_, field_, begin, end); });
-  forces_time_ += Clock::now() - start;
+  for_bodies([&](BlockRange r) { kernel(view_, fields_.params, r.begin, r.end); });
+  fields_.time += Clock::now() - start;
 }
 
 // Applies gravity and, in the later substeps of a frame, the impulses of contacts in the substep before.
 void Solver::Run::kick(bool first) {
-  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
-    if (!advance_) (first ? kernels.kick_first : kernels.kick_again)(view_, stream_, begin, end);
-    if (!rough_ && !turns_) return;
-    for (std::size_t i = std::size_t{begin} * 8; i < std::size_t{end} * 8; ++i) {
+  const auto kernel = first ? s_.kernels.kick_first : s_.kernels.kick_again;
+  for_bodies([&](BlockRange r) {
+    if (!fields_.advance) kernel(view_, stream_, r.begin, r.end);
+    if (!params_.model.rough() && !params_.turns) return;
+    for (std::size_t i = std::size_t{r.begin} * 8; i < std::size_t{r.end} * 8; ++i) {
       const float u = view_.rim_speed[i];
       view_.rim_speed[i] = first ? u : u + (u - view_.rim_speed0[i]);
       view_.rim_speed0[i] = u;
@@ -167,185 +158,182 @@ void Solver::Run::kick(bool first) {
 
 // Kinematic bodies keep their velocities; the centre of one that turns about another point goes round.
 void Solver::Run::hold() {
+  BodyStore& b = s_.bodies;
   for (std::size_t n = 0; n < kinematics.size(); ++n) {
-    const std::uint32_t id = kinematics[n].first;
-    const std::size_t i = bodies.info[id].slot;
-    Vec2 v = kinematics[n].second;
-    if (!bodies.rim_speed.empty()) {
-      const double omega = static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
-      const Vec2 arm = arm_of(bodies.kind(id), bodies.angle[i] + omega * h_ / 2);
+    auto [id, v] = kinematics[n];
+    const std::size_t i = b.info[id].slot;
+    if (!b.rim_speed.empty()) {
+      const double omega = b.omega_of(i);
+      const Vec2 arm = arm_of(b.kind(id), b.angle[i] + omega * h_ / 2);
       v = {v.x - omega * arm.y, v.y + omega * arm.x};
     }
-    bodies.vel[2 * i] = bodies.vel0[2 * i] = static_cast<float>(v.x);
-    bodies.vel[2 * i + 1] = bodies.vel0[2 * i + 1] = static_cast<float>(v.y);
-    solver_.kinematic_at_[2 * n] = bodies.disp[2 * i];
-    solver_.kinematic_at_[2 * n + 1] = bodies.disp[2 * i + 1];
+    b.vel[2 * i] = b.vel0[2 * i] = static_cast<float>(v.x);
+    b.vel[2 * i + 1] = b.vel0[2 * i + 1] = static_cast<float>(v.y);
+    solver_.kinematic_at_[n] = {b.disp[2 * i], b.disp[2 * i + 1]};
   }
 }
 
 void Solver::Run::warm(bool first_of_step) {
-  ContactParams warm_pair = pair_, warm_static = static_;
-  if (!first_of_step) warm_pair.warm = warm_static.warm = 1;
-  for_pairs(
-      [&](std::size_t, const Strip& s) { kernels.warm[model_](view_, pairs_, warm_pair, s.block_begin, s.block_end); });
-  for_all_manifolds([&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-    kernels.warm_manifolds[fixed](view_, blocks, warm_pair.warm, begin, end);
-  });
-  for_statics([&](std::size_t, const Strip& s) {
-    kernels.warm_static[model_](view_, statics_, warm_static, s.static_begin, s.static_end);
-  });
-  if (joined_) joints.warm(view_, kernels, warm_pair.warm, pool);
+  ContactParams p = discs_.pair;
+  if (!first_of_step) p.warm = 1;
+  const auto warm_blocks = [&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+    s_.kernels.warm_manifolds[fixed](view_, blocks, p.warm, begin, end);
+  };
+  once(p, s_.kernels.warm, s_.kernels.warm_static, warm_blocks);
+  joints.warm(view_, p.warm);
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
 // fixed shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
-  for_pairs(
-      [&](std::size_t, const Strip& s) { pass_pairs[bounce_](view_, pairs_, pair_, s.block_begin, s.loaded_begin); });
   const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
     for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      pass_blocks[fixed][bounce_][inner](view_, blocks, loaded ? loaded_pair_ : pair_, begin, end);
+      pass_blocks[fixed][bounce_][inner](view_, blocks, loaded ? loaded_.pair : discs_.pair, begin, end);
     });
   };
+  for_pairs([&](const ContactBlocks& b, std::size_t) {
+    pass_pairs[model_][bounce_](view_, pairs_, discs_.pair, b.begin, b.loaded);
+  });
   pass_manifolds(false, false, false);
+  const auto for_loaded = [&](std::size_t begin, std::size_t end, const auto& each) {
+    s_.pool.run(end - begin, [&](std::size_t k) { each(table.strips[solver_.loaded_[begin + k]]); });
+  };
   for (int sweep = 0; sweep < loaded_sweeps_; ++sweep) {
     const bool inner = sweep != outer;
-    const std::size_t kind = bounce_ << inner;
-    for_loaded([&](const Strip& s) { pass_pairs[kind](view_, pairs_, loaded_pair_, s.loaded_begin, s.block_end); },
-               [&](const Strip& s) {
-                 pass_statics[kind](view_, statics_, loaded_static_, s.static_loaded_begin, s.static_end);
-               });
+    const auto pass_loaded = pass_pairs[model_][bounce_ << inner];
+    const auto pass_loaded_statics = pass_statics[model_][bounce_ << inner];
+    std::size_t begin = 0;
+    for (const std::size_t end : solver_.loaded_end_) {
+      for_loaded(begin, end,
+                 [&](const Strip& s) { pass_loaded(view_, pairs_, loaded_.pair, s.blocks.loaded, s.blocks.end); });
+      begin = end;
+    }
+    for_loaded(0, begin, [&](const Strip& s) {
+      pass_loaded_statics(view_, statics_, loaded_.fixed, s.static_blocks.loaded, s.static_blocks.end);
+    });
     pass_manifolds(false, true, inner);
     pass_manifolds(true, true, inner);
   }
   pass_manifolds(true, false, false);
-  for_statics([&](std::size_t, const Strip& s) {
-    pass_statics[bounce_](view_, statics_, static_, s.static_begin, s.static_loaded_begin);
+  for_statics([&](const ContactBlocks& b, std::size_t) {
+    pass_statics[model_][bounce_](view_, statics_, discs_.fixed, b.begin, b.loaded);
   });
 }
 
 void Solver::Run::solve() {
-  if (joined_) joints.solve(view_, kernels, pool);
-  pass(kernels.solve[model_], kernels.solve_static[model_], kernels.solve_manifolds, 0);
+  joints.solve(view_);
+  pass(s_.kernels.solve, s_.kernels.solve_static, s_.kernels.solve_manifolds, 0);
 }
 
 void Solver::Run::relax() {
-  if (joined_) joints.relax(view_, kernels, pool);
-  pass(kernels.relax[model_], kernels.relax_static[model_], kernels.relax_manifolds, loaded_sweeps_ - 1);
+  joints.relax(view_);
+  pass(s_.kernels.relax, s_.kernels.relax_static, s_.kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 
 void Solver::Run::drift() {
-  for_bodies([&](std::uint32_t begin, std::uint32_t end) {
-    if (advance_) {
-      kernels.drift_corrected(view_, field_, begin, end);
+  BodyStore& b = s_.bodies;
+  for_bodies([&](BlockRange r) {
+    if (fields_.advance) {
+      s_.kernels.drift_corrected(view_, fields_.params, r.begin, r.end);
     } else {
-      kernels.drift(view_, drift_, begin, end);
+      s_.kernels.drift(view_, drift_, r.begin, r.end);
     }
-    if (turns_) kernels.turn_bodies(view_, bodies.radius.data(), stream_.h, begin, end);
-    if (bodies.rim_speed.empty()) return;
-    for (std::uint32_t n = begin * 8; n < std::min(end * 8, solved.count()); ++n) {
-      if (view_.linked[n] == 0) continue;
-      if (view_.rim_speed[n] == 0) continue;
-      const std::size_t i = solved.slot(n);
-      bodies.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(bodies.radius[i]));
+    if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), stream_.h, r.begin, r.end);
+    if (b.rim_speed.empty()) return;
+    for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
+      if (view_.linked[n] == 0 || view_.rim_speed[n] == 0) continue;
+      const std::size_t i = contacts.solved.slot(n);
+      b.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(b.radius[i]));
     }
   });
 }
 
 // The places of kinematic bodies go straight on, since nothing damps them.
 void Solver::Run::carry_kinematics() {
+  BodyStore& b = s_.bodies;
   for (std::size_t n = 0; n < kinematics.size(); ++n) {
-    const std::uint32_t id = kinematics[n].first;
-    const std::size_t i = bodies.info[id].slot;
-    bodies.clear_remainders(i);
-    float way_x = stream_.h * bodies.vel[2 * i], way_y = stream_.h * bodies.vel[2 * i + 1];
-    if (!bodies.rim_speed.empty()) {
-      const double omega = static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]);
-      const BodyKind& kind = bodies.kind(id);
-      const Vec2 now = arm_of(kind, bodies.angle[i]);
-      const Vec2 before = arm_of(kind, bodies.angle[i] - omega * h_);
-      if (now.x != before.x || now.y != before.y) {
-        way_x = static_cast<float>(h_ * kinematics[n].second.x + (now.x - before.x));
-        way_y = static_cast<float>(h_ * kinematics[n].second.y + (now.y - before.y));
+    const auto& [id, velocity] = kinematics[n];
+    const std::size_t i = b.info[id].slot;
+    b.clear_remainders(i);
+    float way_x = stream_.h * b.vel[2 * i], way_y = stream_.h * b.vel[2 * i + 1];
+    if (!b.rim_speed.empty()) {
+      const Vec2 arm = arm_of(b.kind(id), b.angle[i]) - arm_of(b.kind(id), b.angle[i] - b.omega_of(i) * h_);
+      if (arm.x != 0 || arm.y != 0) {
+        way_x = static_cast<float>(h_ * velocity.x + arm.x);
+        way_y = static_cast<float>(h_ * velocity.y + arm.y);
       }
     }
-    bodies.disp[2 * i] = solver_.kinematic_at_[2 * n] + way_x;
-    bodies.disp[2 * i + 1] = solver_.kinematic_at_[2 * n + 1] + way_y;
+    b.disp[2 * i] = solver_.kinematic_at_[n][0] + way_x;
+    b.disp[2 * i + 1] = solver_.kinematic_at_[n][1] + way_y;
   }
 }
 
-// Lists the strips with contacts under heavy loads: even strips, odd strips, then the group of large bodies.
+// Lists the strips with contacts under heavy loads, phase by phase as run_phases goes over them.
 void Solver::find_loaded(const PairTable& table) {
   loaded_.clear();
-  const std::size_t strips = table.strips.size() - 1;
-  for (std::size_t parity = 0; parity < 2; ++parity) {
-    for (std::size_t k = parity; k < strips; k += 2) {
-      if (table.strips[k].loaded) loaded_.push_back(static_cast<std::uint32_t>(k));
+  const std::size_t large = table.strips.size() - 1;
+  for (std::size_t phase = 0; phase < loaded_end_.size(); ++phase) {
+    for (std::size_t k = 0; k <= large; ++k) {
+      if (table.strips[k].loaded && phase == (k == large ? 2 : k % 2)) loaded_.push_back(static_cast<std::uint32_t>(k));
     }
-    (parity == 0 ? loaded_odd_ : loaded_large_) = loaded_.size();
+    loaded_end_[phase] = loaded_.size();
   }
-  if (table.strips[strips].loaded) loaded_.push_back(static_cast<std::uint32_t>(strips));
 }
 
 // Counts closed contacts and sums impulse times distance. The impulses are those of the last substep; the sum over a
 // step counts them once for each substep.
 void Solver::sum_up(const SolverInput& in, int substeps) {
-  const ContactStore& c = in.contacts;
-  in.pool.run(in.table.strips.size(), [&](std::size_t index) {
-    const Strip& s = in.table.strips[index];
+  const StaticLanes& fixed = in.contacts.discs.fixed;
+  in.contacts.surroundings.pool.run(in.table.strips.size(), [&](std::size_t index) {
     double sum = 0;
     std::uint64_t closed = 0;
-    for (std::size_t l = std::size_t{s.block_begin} * 8; l < std::size_t{s.block_end} * 8; ++l) {
-      closed += std::signbit(c.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
-      const std::uint32_t pressing = std::bit_cast<std::uint32_t>(c.impulse[l]) & mask_from(c.impulse[l], kTiniest);
-      sum += static_cast<double>(std::bit_cast<float>(pressing)) * static_cast<double>(c.rsum[l]);
-    }
-    for (std::size_t l = std::size_t{s.static_begin} * 8; l < std::size_t{s.static_end} * 8; ++l) {
-      closed += std::signbit(c.s_impulse[l]) ? 0 : 1;
-      if (c.s_impulse[l] > 0 && c.s_refresh[l] < 1e30f) {  // the shape is round
-        sum += static_cast<double>(c.s_impulse[l]) * static_cast<double>(c.s_rsum[l]);
+    const auto add = [&](const ContactLanes& c, const ContactBlocks& blocks, const auto& mask) {
+      for (std::size_t l = std::size_t{blocks.begin} * 8; l < std::size_t{blocks.end} * 8; ++l) {
+        closed += std::signbit(c.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
+        const std::uint32_t presses = mask_from(c.impulse[l], kTiniest) & mask(l);
+        const auto pressing = std::bit_cast<float>(std::bit_cast<std::uint32_t>(c.impulse[l]) & presses);
+        sum += static_cast<double>(pressing) * static_cast<double>(c.rsum[l]);
       }
-    }
-    virial_[index] += sum * substeps;
-    closed_by_strip_[index] = closed;
+    };
+    const Strip& s = in.table.strips[index];
+    add(in.contacts.discs.pairs, s.blocks, [](std::size_t) { return ~0u; });
+    add(fixed, s.static_blocks, [&](std::size_t l) { return fixed.refresh[l] < 1e30f ? ~0u : 0u; });  // round shapes
+    sums_[index].virial += sum * substeps;
+    sums_[index].closed = closed;
   });
 }
 
 void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p) {
-  const double stiffness[2] = {kManifoldStiffness, kLoadedManifoldStiffness};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double times = k % 2 == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * stiffness[k / 2] / stiff_substep, p.soft[k], p.rate[k]);
-  }
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double times = k == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * kBouncingStiffness / stiff_substep, p.bouncing_soft[k], p.bouncing_rate[k]);
-  }
-  const double stacks[2] = {kColumnStiffness, kFixedColumnStiffness};
-  for (std::size_t k = 0; k < 2; ++k) {
-    set_softness(h, stacks[k] / stiff_substep, p.stack_soft[k], p.stack_rate[k]);
-    p.stack_rate[k] = std::min(p.stack_rate[k], static_cast<float>(kColumnPush / h));
+  for (std::size_t fixed = 0; fixed < 2; ++fixed) {
+    const double times = fixed != 0 ? kFixedStiffness : 1;
+    const auto set = [&](double stiffness, float& soft, float& rate) {
+      set_softness(h, stiffness / stiff_substep, soft, rate);
+    };
+    set(times * kManifoldStiffness, p.soft[fixed], p.rate[fixed]);
+    set(times * kLoadedManifoldStiffness, p.soft[2 + fixed], p.rate[2 + fixed]);
+    set(times * kBouncingStiffness, p.bouncing_soft[fixed], p.bouncing_rate[fixed]);
+    set(fixed != 0 ? kFixedColumnStiffness : kColumnStiffness, p.stack_soft[fixed], p.stack_rate[fixed]);
+    p.stack_rate[fixed] = std::min(p.stack_rate[fixed], static_cast<float>(kColumnPush / h));
   }
 }
 
 SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
-  virial_.assign(in.table.strips.size(), 0.0);
-  closed_by_strip_.assign(in.table.strips.size(), 0);
+  sums_.assign(in.table.strips.size(), {});
   find_loaded(in.table);
   if (params.model.bounce) mark_impacts(in);
   Run run(*this, in, params);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;
-  in.solved.store();
+  in.contacts.solved.store();
   sum_up(in, params.substeps);
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
-  for (std::size_t s = 0; s < in.manifolds.strips(); ++s) closed_ += in.manifolds.closed(s);
-  for (std::size_t s = 0; s < virial_.size(); ++s) {
-    report.virial += virial_[s];
-    closed_ += closed_by_strip_[s];
+  for (std::size_t s = 0; s < in.contacts.manifolds.strips(); ++s) closed_ += in.contacts.manifolds.closed(s);
+  for (const StripSum& strip : sums_) {
+    report.virial += strip.virial;
+    closed_ += strip.closed;
   }
   return report;
 }

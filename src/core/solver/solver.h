@@ -4,19 +4,13 @@
 // In: contacts with normals and gaps. In and out: velocities, displacements, impulses.
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
-#include "contacts/contact_store.h"
-#include "contacts/solver_bodies.h"
 #include "joints/joint_store.h"
-#include "kernel_table.h"
 #include "lists/pair_table.h"
-#include "manifolds/manifolds.h"
-#include "manifolds/stacks.h"
+#include "manifolds/contacts.h"
 #include "solver/forces.h"
 
 namespace psim {
@@ -27,8 +21,7 @@ struct SolverParams {
   int substeps = 1;
   double stiff_substep = 0;  ///< s: the substep for which contacts are stiff: the present one, or on the way to it
   Vec2 gravity;
-  double damping = 0;  ///< 1/s
-  double pitch_x = 1, pitch_y = 1;
+  double damping = 0;                ///< 1/s
   double restitution_threshold = 0;  ///< m/s
   float refresh = 0;                 ///< m
   double impacts = 0;                ///< impacts of a body in a substep
@@ -40,17 +33,11 @@ struct SolverParams {
 
 /// What the solver works on in a step.
 struct SolverInput {
-  BodyStore& bodies;
-  SolverBodies& solved;
+  Contacts& contacts;
   const PairTable& table;
-  ContactStore& contacts;
-  Manifolds& manifolds;
-  Stacks& stacks;
   JointStore& joints;
   const Forces* forces;  ///< null where accelerations are uniform
   const KinematicBodies& kinematics;
-  const kernels::KernelTable& kernels;
-  WorkerPool& pool;
 };
 
 /// What the passes of a step did.
@@ -59,43 +46,10 @@ struct SolverReport {
   double forces_ms = 0;  ///< time spent on accelerations
 };
 
-/// Notes in which sweep over impacts each strip last had an event. If there was no event around a strip since it was
-/// looked at, a second look would find the same, and the strip is left out.
-struct SweepMemory {
-  static constexpr int kNever = -2;
-  std::vector<int> pairs, static_pair;  ///< by strip
-
-  void start(std::size_t strips) {
-    pairs.assign(strips, kNever);
-    static_pair.assign(strips, kNever);
-  }
-  std::size_t bytes() const { return (pairs.capacity() + static_pair.capacity()) * sizeof(int); }
-
-  /// The bodies of a pair lie in its strip and in the next one; those of the last strip lie anywhere.
-  bool asks_pairs(std::size_t strip, int sweep) const {
-    const std::size_t large = pairs.size() - 1;
-    if (sweep == 0 || strip == large) return true;
-    const std::size_t next = neighbour(strip, strip + 1 == large, 1);
-    return std::max(
-               {pairs[strip], pairs[next], pairs[before(strip)], pairs[large], static_pair[strip], static_pair[next]}) +
-               1 >=
-           sweep;
-  }
-  bool asks_static(std::size_t strip, int sweep) const {
-    const std::size_t large = pairs.size() - 1;
-    if (sweep == 0 || strip == large) return true;
-    return std::max({pairs[strip], pairs[before(strip)], pairs[large], static_pair[strip]}) + 1 >= sweep;
-  }
-
- private:
-  std::size_t before(std::size_t strip) const { return neighbour(strip, strip == 0, pairs.size() - 2); }
-  // Across a seam the last strip meets the first. There are seams only if the number of strips is even: with an odd
-  // number both ends belong to the same phase and may not look at each other.
-  std::size_t neighbour(std::size_t strip, bool at_end, std::size_t by) const {
-    const std::size_t strips = pairs.size() - 1;
-    return at_end && strips % 2 == 1 ? strip : (strip + by) % strips;
-  }
-};
+/// The time, s, in which a body without damping goes as far as one with damping c, 1/s, goes in h: (1 - exp(-ch)) / c.
+double coast_time(double damping, double h);
+/// How a time of h seconds kicks and damps bodies under uniform gravity g: dv = g (1 - exp(-ch)) / c.
+kernels::StreamParams kick_params(Vec2 gravity, double damping, double h);
 
 class Solver {
  public:
@@ -120,34 +74,36 @@ class Solver {
   double sweeps() const { return sweeps_; }
 
   /// The memory for impacts alone, which forget_impacts gives back; and all memory.
-  std::size_t impact_bytes() const { return touched_.capacity() + pressing_.capacity() + sweep_memory_.bytes(); }
-  std::size_t bytes() const {
-    return impact_bytes() + loaded_.capacity() * sizeof(std::uint32_t) + kinematic_at_.capacity() * sizeof(float) +
-           virial_.capacity() * sizeof(double) + closed_by_strip_.capacity() * sizeof(std::uint64_t);
-  }
+  std::size_t impact_bytes() const { return bytes_of(touched_, pressing_, last_sweep_); }
+  std::size_t bytes() const { return impact_bytes() + bytes_of(loaded_, kinematic_at_, sums_); }
   void forget_impacts() {
     touched_ = std::vector<std::uint8_t>();
     pressing_ = std::vector<std::uint8_t>();
-    sweep_memory_ = {};
+    last_sweep_ = std::vector<int>();
   }
 
  private:
   class Run;
+  struct StripSum {
+    double virial = 0;         // N s m
+    std::uint64_t closed = 0;  // contacts with an impulse
+  };
+
+  static std::size_t bytes_of(const auto&... vectors) { return ((vectors.capacity() * sizeof(vectors[0])) + ...); }
   void find_loaded(const PairTable& table);
   void touch_resting(const SolverInput& in);
   void mark_impacts(const SolverInput& in);
   void sum_up(const SolverInput& in, int substeps);
 
-  std::vector<std::uint8_t> touched_;              // by slot: the body has a contact
-  std::vector<std::uint8_t> pressing_;             // by strip: some of its contacts press
-  std::vector<std::uint32_t> loaded_;              // strips with contacts under heavy loads
-  std::size_t loaded_odd_ = 0, loaded_large_ = 0;  // where the odd strips and the group of large bodies begin
-  std::vector<float> kinematic_at_;                // m, records: the places of kinematic bodies before a drift
-  std::vector<double> virial_;                     // by strip
-  std::vector<std::uint64_t> closed_by_strip_;
+  std::vector<std::uint8_t> touched_;        // by slot: the body has a contact
+  std::vector<std::uint8_t> pressing_;       // by strip: some of its contacts press
+  std::vector<int> last_sweep_;              // by strip: the last sweep over impacts in which it had an event, or -1
+  std::vector<std::uint32_t> loaded_;        // strips with contacts under heavy loads
+  std::array<std::size_t, 3> loaded_end_{};  // of even strips, odd strips, the group of large bodies
+  std::vector<std::array<float, 2>> kinematic_at_;  // m: the places of kinematic bodies before a drift
+  std::vector<StripSum> sums_;                      // by strip
   std::uint64_t closed_ = 0;
   double sweeps_ = 2;
-  SweepMemory sweep_memory_;
 };
 
 }  // namespace psim

@@ -1,5 +1,5 @@
-// The data of all substeps of a step, and how a pass goes over them: strip by strip, so that no two jobs of a phase
-// share a body. For the files of the solver alone.
+// The data of all substeps of a step, its stages, and how a pass goes over contacts: strip by strip, so that no two
+// jobs of a phase share a body. For the files of the solver alone.
 #pragma once
 
 #include <bit>
@@ -23,10 +23,8 @@ inline std::uint32_t mask_from(float x, float least) {
 inline constexpr float kTiniest =
     std::numeric_limits<float>::min();  // x >= kTiniest means x > 0, since denormals are zero
 
-// The data of all substeps of a step, and the stages in the order of a substep.
 class Solver::Run : SolverInput {
   using ContactParams = kernels::ContactParams;
-  using StreamParams = kernels::StreamParams;
   using ManifoldBlock = kernels::ManifoldBlock;
   using FieldPass = void (*)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t, std::uint32_t);
   using Clock = std::chrono::steady_clock;
@@ -35,32 +33,69 @@ class Solver::Run : SolverInput {
   Run(Solver& solver, const SolverInput& in, const SolverParams& params);
 
   void substep(bool first_of_step);
-  double swept() const { return swept_; }
-  double forces_ms() const { return std::chrono::duration<double, std::milli>(forces_time_).count(); }
+  double swept() const { return sweeps_.done; }
+  double forces_ms() const { return std::chrono::duration<double, std::milli>(fields_.time).count(); }
 
  private:
-  void set_motion(const SolverParams& params);
-  void set_contacts(const SolverParams& params);
+  void set_contacts();
+  void set_sweeps();
   template <class Each>
-  void for_pairs(const Each& each);
+  void for_pairs(const Each& each) {
+    run_phases(table.strips.size(), s_.pool, [&](std::size_t strip) {
+      const ContactBlocks& b = table.strips[strip].blocks;
+      if (b.begin != b.end) each(b, strip);
+    });
+  }
+  // Contacts with fixed shapes come last in every pass.
   template <class Each>
-  void for_statics(const Each& each);
-  template <class Pairs, class Statics>
-  void for_loaded(const Pairs& pairs, const Statics& static_contacts);
-  template <class Each>
-  void go_over_manifolds(bool fixed, bool loaded, const Each& each);
-  template <class Each>
-  [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
-    if (manifolds.any()) go_over_manifolds(fixed, loaded, each);
+  void for_statics(const Each& each) {
+    s_.pool.run(table.strips.size(), [&](std::size_t strip) {
+      const ContactBlocks& b = table.strips[strip].static_blocks;
+      if (b.begin != b.end) each(b, strip);
+    });
   }
   template <class Each>
-  void for_all_manifolds(const Each& each);
+  [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
+    if (contacts.manifolds.any()) go_over_manifolds(fixed, loaded, each);
+  }
+  // Manifolds between moving bodies run in the order of for_pairs; those with a fixed side in that of static contacts.
+  // If some of these sides are kinematic, the other body may lie in the next strip, and they run in the order of
+  // for_pairs.
   template <class Each>
-  void for_bodies(const Each& each);
-  void force(FieldPass kernel);
+  void go_over_manifolds(bool fixed, bool loaded, const Each& each) {
+    const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
+    const auto one = [&](std::size_t index) {
+      Manifolds::StripBlocks& s = contacts.manifolds.strip(index);
+      const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
+      if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
+    };
+    if (fixed && kinematics.empty()) {
+      s_.pool.run(table.strips.size(), one);
+    } else {
+      run_phases(table.strips.size(), s_.pool, one);
+    }
+  }
+  template <class Each>
+  void for_bodies(const Each& each) {
+    run_stream(contacts.solved.blocks(), s_.pool, each);
+  }
+  // Runs kernels once over all contacts: those of discs, then of shapes, then with fixed shapes.
+  template <class Pairs, class Statics, class Blocks>
+  void once(const ContactParams& p, const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks) {
+    for_pairs([&](const ContactBlocks& b, std::size_t) { pass_pairs[model_](view_, pairs_, p, b.begin, b.end); });
+    for (const bool fixed : {false, true}) {
+      for (const bool loaded : {false, true}) {
+        for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+          pass_blocks(fixed, blocks, begin, end);
+        });
+      }
+    }
+    for_statics([&](const ContactBlocks& b, std::size_t) { pass_statics[model_](view_, statics_, p, b.begin, b.end); });
+  }
   template <class Pairs, class Statics, class Blocks>
   void pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer);
 
+  void force(FieldPass kernel);
   void set_floors();
   void impacts();
   void kick(bool first);
@@ -73,94 +108,35 @@ class Solver::Run : SolverInput {
   void spend();
 
   Solver& solver_;
-  const bool joined_ = !joints.empty();
-  const kernels::BodyView view_;
-  const kernels::ContactView pairs_;
-  const kernels::StaticContactView statics_;
+  const SolverParams& params_;
+  const Surroundings& s_ = contacts.surroundings;
+  const kernels::BodyView view_ = contacts.solved.view();
+  const kernels::ContactView pairs_ = contacts.discs.pairs.view();
+  const kernels::StaticContactView statics_ = contacts.discs.fixed.view();
+  const double h_ = params_.dt / params_.substeps;     // s
+  const double gravity_ = length_of(params_.gravity);  // m/s^2
+  // Of the tables of kernels; bounce_ << 1 is Bounce::inner.
+  const std::size_t model_ = static_cast<std::size_t>(params_.model.model), bounce_ = params_.model.bounce ? 1 : 0;
 
-  double h_;          // s
-  double gravity_;    // m/s^2
-  double threshold_;  // m/s
-  StreamParams stream_, drift_;
-  ContactParams pair_, static_, loaded_pair_, loaded_static_;
-  std::size_t model_, bounce_;  // of the tables of kernels: bounce_ << 1 is Bounce::inner
-  bool rough_, turns_;
-  int slices_, loaded_sweeps_, impact_sweeps_;
-  bool limited_ = false;  // the number of sweeps over impacts is limited
-  bool varying_;          // accelerations are computed anew in every substep
-  kernels::FieldParams field_;
-  FieldPass accelerate_;
-  FieldPass advance_ = nullptr;  // the kick of the integrator, if the world asks for another one than leapfrog
-  double swept_ = 0;             // sweeps over impacts so far
-  Clock::duration forces_time_{};
+  const kernels::StreamParams stream_;
+  kernels::StreamParams drift_ = stream_;
+  struct OfDiscs {
+    ContactParams pair, fixed;
+  };
+  OfDiscs discs_, loaded_;  // `loaded_`: under heavy loads
+  int loaded_sweeps_;       // of a pass
+  struct {
+    int slices = 1, most = 0;
+    bool limited = false;  // the number of sweeps is limited
+    double done = 0;       // so far
+  } sweeps_;               // over impacts
+  struct {
+    kernels::FieldParams params;
+    bool varying = false;  // accelerations are computed anew in every substep
+    FieldPass accelerate = nullptr;
+    FieldPass advance = nullptr;  // the kick of the integrator, if the world asks for another one than leapfrog
+    Clock::duration time{};
+  } fields_;
 };
-
-template <class Each>
-void Solver::Run::for_pairs(const Each& each) {
-  run_phases(table.strips.size(), pool, [&](std::size_t k) {
-    const Strip& s = table.strips[k];
-    if (s.block_begin != s.block_end) each(k, s);
-  });
-}
-
-// Contacts with fixed shapes come last in every pass.
-template <class Each>
-void Solver::Run::for_statics(const Each& each) {
-  pool.run(table.strips.size(), [&](std::size_t k) {
-    const Strip& s = table.strips[k];
-    if (s.static_begin != s.static_end) each(k, s);
-  });
-}
-
-// One sweep over contacts under heavy loads: pairs in the order of for_pairs, then static contacts.
-template <class Pairs, class Statics>
-void Solver::Run::for_loaded(const Pairs& pairs, const Statics& static_contacts) {
-  const std::vector<std::uint32_t>& loaded = solver_.loaded_;
-  const auto run = [&](std::size_t begin, std::size_t end, const auto& each) {
-    pool.run(end - begin, [&](std::size_t k) { each(table.strips[loaded[begin + k]]); });
-  };
-  run(0, solver_.loaded_odd_, pairs);
-  run(solver_.loaded_odd_, solver_.loaded_large_, pairs);
-  run(solver_.loaded_large_, loaded.size(), pairs);
-  run(0, loaded.size(), static_contacts);
-}
-
-// Manifolds between moving bodies run in the order of for_pairs; those with a fixed side in that of static contacts. If
-// some of these sides are kinematic, the other body may lie in the next strip, and they run in the order of for_pairs.
-template <class Each>
-void Solver::Run::go_over_manifolds(bool fixed, bool loaded, const Each& each) {
-  const std::size_t kind = (fixed ? 2u : 0u) + (loaded ? 1u : 0u);
-  const auto one = [&](std::size_t index) {
-    Manifolds::StripBlocks& s = manifolds.strip(index);
-    const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
-    if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
-  };
-  if (fixed && kinematics.empty()) {
-    pool.run(table.strips.size(), one);
-  } else {
-    run_phases(table.strips.size(), pool, one);
-  }
-}
-
-// Calls each(fixed, blocks, begin, end) for all manifolds, those with a fixed side last.
-template <class Each>
-void Solver::Run::for_all_manifolds(const Each& each) {
-  for (const bool fixed : {false, true}) {
-    for (const bool loaded : {false, true}) {
-      for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-        each(fixed, blocks, begin, end);
-      });
-    }
-  }
-}
-
-template <class Each>
-void Solver::Run::for_bodies(const Each& each) {
-  const std::uint32_t blocks = solved.blocks();
-  pool.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
-    each(r.begin, r.end);
-  });
-}
 
 }  // namespace psim

@@ -260,7 +260,21 @@ PSIM_DESCRIBED(EventList, std::uint32_t);
 // which lane, and who is joined to whom, follows from that.
 
 template <class A>
-void JointStore::describe(A& a, const BodyStore& bodies) {
+void check_joint(A& a, const JointDesc& d, const BodyStore& b) {
+  a.require(d.a.index != d.b.index && d.length && d.reference);
+  bool dynamic = false;
+  for (const BodyId& end : {d.a, d.b}) {
+    a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
+    if (!a.ok()) return;
+    const Place place = b.info[end.index].place;
+    a.require(place == Place::moving || place == Place::asleep || place == Place::fixed);
+    dynamic = dynamic || b.properties(end.index).inv_mass > 0;
+  }
+  a.require(dynamic);
+}
+
+template <class A>
+void JointStore::describe(A& a) {
   if constexpr (!A::kLoading) save_impulses();
   float spare = 0;  // the format has room for a fifth impulse
   a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
@@ -268,13 +282,19 @@ void JointStore::describe(A& a, const BodyStore& bodies) {
   bool laid = !stale_;
   values(a, laid, h_);
   if constexpr (A::kLoading) {
-    for (const Joint& j : joints_) check_joint(a, j, bodies);
+    for (const Joint& j : joints_) {
+      if (j.alive) check_joint(a, j.desc, s_.bodies);
+    }
     if (!a.ok()) joints_.clear(), free_.clear();
-    tie_all(bodies);
-    stale_ = bodies_stale_ = true;
+    count_ = exclusions_ = 0;
+    first_.clear();
+    for (auto& lanes : lanes_) lanes.clear();
+    for (std::uint32_t k = 0; k < joints_.size(); ++k) {
+      if (joints_[k].alive) enter(k);
+    }
+    stale_ = true;
     if (laid && a.ok()) {
-      bodies_stale_ = true;
-      lay_out(bodies);
+      lay_out();
       stale_ = false;
     }
   }
@@ -290,41 +310,6 @@ void JointStore::describe(A& a, const BodyStore& bodies) {
   }
 }
 
-template <class A>
-void JointStore::check_joint(A& a, const Joint& j, const BodyStore& b) const {
-  if (!j.alive) return;
-  const BodyId ends[2] = {j.desc.a, j.desc.b};
-  a.require(ends[0].index != ends[1].index && j.desc.length && j.desc.reference);
-  bool dynamic = false;
-  for (const BodyId& end : ends) {
-    a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
-    if (!a.ok()) return;
-    const Place place = b.info[end.index].place;
-    a.require(place == Place::moving || place == Place::asleep || place == Place::fixed);
-    dynamic = dynamic || b.properties(end.index).inv_mass > 0;
-  }
-  a.require(dynamic);
-}
-
-// What follows from the joints.
-void JointStore::tie_all(const BodyStore& b) {
-  count_ = 0;
-  first_.clear();
-  exclusions_.clear();
-  exclusive_.clear();
-  for (auto& lanes : lanes_) lanes.clear();
-  for (std::uint32_t k = 0; k < joints_.size(); ++k) {
-    Joint& j = joints_[k];
-    j.lane = kNoSlot;
-    if (!j.alive) continue;
-    ++count_;
-    j.swapped = !(b.properties(j.desc.b.index).inv_mass > 0);
-    j.list = JointLists::list_of(j.kind, j.swapped || !(b.properties(j.desc.a.index).inv_mass > 0));
-    tie(k);
-    exclude(j.desc, +1);
-  }
-}
-
-PSIM_DESCRIBED(JointStore, const BodyStore&);
+PSIM_DESCRIBED(JointStore);
 
 }  // namespace psim

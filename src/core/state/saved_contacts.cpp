@@ -19,7 +19,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   const bool rough = contacts.rough();
   const auto take = [&](int first, int last, std::uint32_t lane) {
     for (int k = first; k < last; ++k) {
-      if (rough || !is_friction(k)) carried_[k].push_back((contacts.*kLanes[k])[lane]);
+      if (rough || !is_friction(k)) carried_[k].push_back(column(contacts, k)[lane]);
     }
   };
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
@@ -45,7 +45,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
     const std::uint32_t lane = table.contact[p];
     renewed_.push_back(
-        {table.owner[p], table.other[p], contacts.impulse[lane], rough ? contacts.friction[lane] : 0.0f});
+        {table.owner[p], table.other[p], contacts.pairs.impulse[lane], rough ? contacts.pairs.friction[lane] : 0.0f});
   }
 }
 
@@ -97,11 +97,11 @@ void SavedContacts::make_table(PairTable& table, ContactStore& c) const {
   table.renewed_begin = PairTable::kNoneRenewed;
   table.static_contacts.resize(std::max(table.static_contacts.size(), table.strips.size()));
   table.found.resize(table.static_contacts.size());
-  c.gap.reserve(all + 1);
+  c.pairs.gap.reserve(all + 1);
   for (int k = 0; k < kColumns; ++k) {
     if (is_friction(k) && !rough) continue;
-    (c.*kLanes[k]).reserve((k < kStatic ? all : carried_[kStatic].size()) + 1);  // even of none: the column is there
-    std::copy(carried_[k].begin(), carried_[k].end(), (c.*kLanes[k]).data());
+    column(c, k).reserve((k < kStatic ? all : carried_[kStatic].size()) + 1);  // even of none: the column is there
+    std::copy(carried_[k].begin(), carried_[k].end(), column(c, k).data());
   }
   std::copy(other_.begin(), other_.end(), table.other.data());
   std::iota(table.contact.data(), table.contact.data() + all, 0u);
@@ -126,8 +126,8 @@ void SavedContacts::make_table(PairTable& table, ContactStore& c) const {
   for (const Renewed& pair : renewed_) {
     table.owner[p] = pair.owner;
     table.other[p] = pair.other;
-    c.impulse[p] = pair.impulse;
-    if (rough) c.friction[p] = pair.friction;
+    c.pairs.impulse[p] = pair.impulse;
+    if (rough) c.pairs.friction[p] = pair.friction;
     ++p;
   }
   table.strips.back().pair_end = p;
@@ -137,7 +137,7 @@ bool SavedContacts::put_back(const PairTable& table, ContactStore& c) const {
   if (strip_pairs_.size() != table.strips.size() || strip_statics_.size() != table.strips.size()) return false;
   const auto put = [&](int first, int last, std::size_t from, std::uint32_t lane) {
     for (int k = first; k < last; ++k) {
-      if (!empty(k) && (c.rough() || !is_friction(k))) (c.*kLanes[k])[lane] = carried_[k][from];
+      if (!empty(k) && (c.rough() || !is_friction(k))) column(c, k)[lane] = carried_[k][from];
     }
   };
   std::size_t pair = 0, fixed = 0;

@@ -36,9 +36,12 @@ class SavedContacts {
   // What contacts carry, and where it lies in their store: by pair, and from kStatic on by static contact. There is no
   // friction where nothing rubs, and gaps only if they are asked for.
   enum Carried { kImpulse, kFriction, kStatic, kStaticFriction, kNormalX, kNormalY, kGap, kColumns };
-  static constexpr Column<float> ContactStore::*kLanes[kColumns] = {
-      &ContactStore::impulse, &ContactStore::friction, &ContactStore::s_impulse, &ContactStore::s_friction,
-      &ContactStore::s_nx,    &ContactStore::s_ny,     &ContactStore::s_gap};
+  static auto& column(auto& store, int k) {
+    using Lanes = ContactLanes;
+    constexpr Column<float> Lanes::*kLanes[kColumns] = {
+        &Lanes::impulse, &Lanes::friction, &Lanes::impulse, &Lanes::friction, &Lanes::nx, &Lanes::ny, &Lanes::gap};
+    return k < kStatic ? store.pairs.*kLanes[k] : store.fixed.*kLanes[k];
+  }
   static bool is_friction(int column) { return column == kFriction || column == kStaticFriction; }
   bool empty(int column) const { return carried_[column].empty(); }
 

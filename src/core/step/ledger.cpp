@@ -68,10 +68,10 @@ void survey_lanes(const StepContext& c, bool rebuilt) {
     const std::uint64_t n = s.pair_end - s.pair_begin, width = c.kernels.width;
     ledger.add_lanes(LaneUser::selection, (n + width - 1) / width * width, n);
   }
-  ledger.add_lanes(LaneUser::contacts, std::uint64_t{contacts.discs.pair_blocks()} * kernels::kBlock,
-                   contacts.discs.pair_count());
-  ledger.add_lanes(LaneUser::fixed_contacts, std::uint64_t{contacts.discs.static_blocks()} * kernels::kBlock,
-                   contacts.discs.static_count());
+  ledger.add_lanes(LaneUser::contacts, std::uint64_t{contacts.discs.pairs.blocks} * kernels::kBlock,
+                   contacts.discs.pairs.count);
+  ledger.add_lanes(LaneUser::fixed_contacts, std::uint64_t{contacts.discs.fixed.blocks} * kernels::kBlock,
+                   contacts.discs.fixed.count);
   if (c.plan.manifolds) {
     std::uint64_t active = 0;
     for (std::size_t s = 0; s < contacts.manifolds.strips(); ++s) active += contacts.manifolds.active_of(s).size();

@@ -41,7 +41,7 @@ void prepare_forces(const StepContext& c, StepReport& report) {
 }
 
 bool no_contact_of_discs(const StepContext& c) {
-  return c.contacts.discs.pair_blocks() + c.contacts.discs.static_blocks() == 0;
+  return c.contacts.discs.pairs.blocks + c.contacts.discs.fixed.blocks == 0;
 }
 
 SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
@@ -50,8 +50,6 @@ SolverParams solver_params(const StepContext& c, double dt, const StepDetail& de
   p.substeps = c.dynamics.substeps;
   p.gravity = c.desc.gravity;
   p.damping = c.desc.linear_damping + linear_drag(c.desc.fields);
-  p.pitch_x = c.lattice.pitch_x();
-  p.pitch_y = c.lattice.pitch_y();
   p.restitution_threshold = c.desc.restitution_threshold;
   p.refresh = kRefreshOfRadius * c.population.least_radius;
   const double h = dt / c.dynamics.substeps;
@@ -70,14 +68,9 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
   const WorldDesc& desc = c.desc;
   const double damping = desc.linear_damping + linear_drag(desc.fields);
   // x(t) = x + v (1-e^-ct)/c + g (t - (1-e^-ct)/c)/c,  v(t) = v e^-ct + g (1-e^-ct)/c
-  const double span = damping > 0 ? -std::expm1(-damping * dt) / damping : dt;
+  const double span = coast_time(damping, dt);
   const double fall = damping * dt > 1e-4 ? (dt - span) / damping : dt * dt / 2 * (1 - damping * dt / 3);
-  kernels::StreamParams p;
-  p.h = static_cast<float>(dt);
-  p.damp = static_cast<float>(std::exp(-damping * dt));
-  p.kick_x = static_cast<float>(desc.gravity.x * span);
-  p.kick_y = static_cast<float>(desc.gravity.y * span);
-  p.coast = static_cast<float>(span);
+  kernels::StreamParams p = kick_params(desc.gravity, damping, dt);
   p.drop = static_cast<float>(fall);
   p.fall_x = static_cast<float>(desc.gravity.x * fall);
   p.fall_y = static_cast<float>(desc.gravity.y * fall);
@@ -155,7 +148,7 @@ std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, St
                 c.bodies.angle_change.data() + std::size_t{r.end} * kBlock, 0.0f);
     });
   }
-  if (c.plan.joints) c.joints.prepare(c.bodies, c.population.fixed, c.contacts.solved, c.lattice, h, c.pool);
+  if (c.plan.joints) c.joints.prepare(c.population.fixed, c.contacts.solved, h);
   c.dynamics.last_substep = h;
   return p;
 }
@@ -164,20 +157,18 @@ void run_substeps(const StepContext& c, const SolverParams& p, StepReport& repor
   const StageTimer timer(report, c.tracer, Stage::solver);
   Contacts& contacts = c.contacts;
   const SolverReport done = c.dynamics.solver.run(
-      {c.bodies, contacts.solved, c.neighbours.table, contacts.discs, contacts.manifolds, contacts.stacks, c.joints,
-       c.dynamics.forces.get(), c.population.kinematics, c.kernels, c.pool},
-      p);
+      {contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics}, p);
   const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
   report.virial = done.virial * (per_mass ? static_cast<double>(c.population.first_mass) : 1.0);
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const auto substeps = static_cast<std::uint64_t>(p.substeps);
   const std::uint64_t blocks =
-      std::uint64_t{contacts.discs.pair_blocks()} + contacts.discs.static_blocks() + contacts.manifolds.blocks();
+      std::uint64_t{contacts.discs.pairs.blocks} + contacts.discs.fixed.blocks + contacts.manifolds.blocks();
   lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
   if (c.kernels.width == 1) return;
   // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.
-  c.ledger.lanes.scalar += contacts.discs.static_count() + 2u * substeps * contacts.stacks.link_count();
+  c.ledger.lanes.scalar += contacts.discs.fixed.count + 2u * substeps * contacts.stacks.link_count();
 }
 
 void stop_fast_bodies(const StepContext& c, StepReport& report) {
@@ -185,8 +176,7 @@ void stop_fast_bodies(const StepContext& c, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
   c.bodies.find_slots();
-  report.stopped = continuous.stop(c.bodies, c.contacts.manifolds, c.neighbours.table, c.statics, c.lattice,
-                                   c.population.bullets, c.plan.filters, c.pool);
+  report.stopped = continuous.stop(c.contacts, c.neighbours.table, c.population.bullets, c.plan.filters);
   report.fast = continuous.fast();
 }
 

@@ -73,7 +73,7 @@ WorkCounts count_work(const StepContext& c) {
   WorkCounts work;
   work.bodies = c.bodies.awake();
   work.solved = c.contacts.solved.count();
-  work.contacts = discs.pair_count() + discs.static_count();
+  work.contacts = discs.pairs.count + discs.fixed.count;
   work.lanes = kernels::kBlock * discs.pass_blocks();
   work.loaded_lanes = kernels::kBlock * discs.loaded_blocks();
   work.touching = c.dynamics.solver.closed();

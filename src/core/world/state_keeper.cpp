@@ -146,7 +146,7 @@ class World::Impl::StateKeeper {
     w_.contacts.loads.describe(a);
     w_.dynamics.solver.describe(a);
     w_.dynamics.continuous.describe(a);
-    w_.joints.describe(a, bodies);
+    w_.joints.describe(a);
     w_.observers.events.describe(a, bodies.id_count);
     if constexpr (A::kLoading) check(a);
   }

@@ -65,7 +65,7 @@ World::Impl::Impl(const WorldDesc& d, const RunOptions& o)
       population(desc, lattice, memory),
       neighbours({memory, lattice, population.bodies, population.statics, kernels, pool}),
       contacts({memory, lattice, population.bodies, population.statics, kernels, pool}, desc.wall),
-      joints(memory),
+      joints({memory, lattice, population.bodies, population.statics, kernels, pool}),
       sleep({memory, lattice, population.bodies, population.statics, kernels, pool}),
       pool(o.threads) {
   pool.set_tracer(&tracer);

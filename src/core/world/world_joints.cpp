@@ -66,7 +66,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   }
   if (!d.reference) d.reference = b.angle - a.angle;
   for (const BodyId body : {d.a, d.b}) w.disturb(body.index);
-  const JointId id = w.joints.add(d, w.population.bodies);
+  const JointId id = w.joints.add(d);
   w.count_joints();
   return id;
 }

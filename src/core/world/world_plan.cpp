@@ -122,11 +122,12 @@ std::vector<PlanEntry> World::plan() const {
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
   count("broad_phase.mixed_radii", w.neighbours.broad.sorter().radii_bytes());
-  count("solver.restitution", sum(b.event_time, c.e, c.impact, c.start, c.s_e, c.s_impact, c.s_start) +
+  count("solver.restitution", b.event_time.bytes() + c.pairs.bounce_bytes() + c.fixed.bounce_bytes() +
                                   w.contacts.solved.impact_bytes() + w.dynamics.solver.impact_bytes());
   // Contacts with friction have masses, too.
-  count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses", sum(c.mass, c.wa, c.wb, c.s_mass, c.s_wb));
-  count("solver.friction", c.friction_bytes());
+  count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses",
+        c.pairs.mass_bytes() + c.fixed.mass_bytes());
+  count("solver.friction", c.pairs.friction_bytes() + c.fixed.friction_bytes());
   count("solver.heavy_loads", w.contacts.loads.bytes());
   count("rotation",
         b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());

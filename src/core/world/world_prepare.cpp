@@ -75,9 +75,9 @@ void World::Impl::spare_room() {
     contacts.manifolds.spare(std::max<std::size_t>(2 * contacts.manifolds.pair_count(), most),
                              neighbours.table.strips.size());
   }
-  contacts.discs.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pair_blocks(),
+  contacts.discs.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pairs.blocks,
                                              (plan.radii ? 8 : 5) * std::size_t{bodies.count}),
-                       2 * kernels::kBlock * contacts.discs.static_blocks() + 1024);
+                       2 * kernels::kBlock * contacts.discs.fixed.blocks + 1024);
   if (!plan.forces && !plan.turns) {
     contacts.solved.spare(kernels::round_up_block(bodies.count) + 1024, !bodies.rim_speed.empty(), plan.restitution);
   }

@@ -50,11 +50,11 @@ Diagnostics World::diagnostics() const {
   ContactStore& discs = w.contacts.discs;
   w.contacts.find_gaps(w.walls, 0, w.neighbours.table);
   float deepest = w.contacts.manifolds.deepest();
-  for (std::size_t l = 0; l < std::size_t{discs.pair_blocks()} * kernels::kBlock; ++l) {
-    deepest = std::fmax(deepest, -discs.gap[l]);
+  for (std::size_t l = 0; l < std::size_t{discs.pairs.blocks} * kernels::kBlock; ++l) {
+    deepest = std::fmax(deepest, -discs.pairs.gap[l]);
   }
-  for (std::size_t l = 0; l < std::size_t{discs.static_blocks()} * kernels::kBlock; ++l) {
-    deepest = std::fmax(deepest, -discs.s_gap[l]);
+  for (std::size_t l = 0; l < std::size_t{discs.fixed.blocks} * kernels::kBlock; ++l) {
+    deepest = std::fmax(deepest, -discs.fixed.gap[l]);
   }
   d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(deepest));
   return d;
