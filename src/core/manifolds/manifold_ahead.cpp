@@ -13,7 +13,7 @@ constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a l
 constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 
-Vec2 vertex(const Hull& hull, int k) { return {static_cast<double>(hull.x[k]), static_cast<double>(hull.y[k])}; }
+Vec2 vertex(const Hull& hull, int k) { return {hull.x[k], hull.y[k]}; }
 
 }  // namespace
 
@@ -26,14 +26,14 @@ bool Manifolds::Look::end_on(const ManifoldPair& pair, const Hull& piece, const 
   face = {-u.y / length, u.x / length};
   const double side = dot(p, face) > 0 ? -1 : 1;
   face = side * face;
-  const Vec2 n{static_cast<double>(m.nx), static_cast<double>(m.ny)};
+  const Vec2 n{m.nx, m.ny};
   const double lean = dot(n, u) / length;  // above 0 if the normal leans towards q
   if (std::fabs(lean) < 1e-3 && dot(n, face) > 0) return false;
-  const StaticShape* beyond = params.statics->chain_neighbour(pair.shape, lean > 0);
+  const StaticShape* beyond = statics.chain_neighbour(pair.shape, lean > 0);
   if (beyond == nullptr) return false;
   // The normal of the neighbour on the same side leans away from this segment if the corner is convex.
-  const Vec2 w{wrap_sub(beyond->q.x, beyond->p.x) * params.lattice->pitch_x(),
-               wrap_sub(beyond->q.y, beyond->p.y) * params.lattice->pitch_y()};
+  const Vec2 w{wrap_sub(beyond->q.x, beyond->p.x) * lattice.pitch_x(),
+               wrap_sub(beyond->q.y, beyond->p.y) * lattice.pitch_y()};
   const double far = length_of(w);
   return dot({-w.y / far * side, w.x / far * side}, u) / length * (lean > 0 ? 1 : -1) <= 1e-3;
 }
@@ -51,8 +51,7 @@ void Manifolds::Look::smooth_joint(ManifoldPair& pair, const Hull& hull, Rotor q
   m.count = 0;
   for (int k = 0; k < face.count; ++k) {  // points that lie over the segment stay
     const ManifoldPoint& point = face.point[k];
-    const Vec2 r = Vec2{static_cast<double>(point.bx), static_cast<double>(point.by)} - p;
-    const double along = dot(r, u) / dot(u, u);
+    const double along = dot(Vec2{point.bx, point.by} - p, u) / dot(u, u);
     if (along >= 0 && along <= 1 && point.gap >= -hull.inner) m.point[m.count++] = point;
   }
 }
@@ -60,18 +59,18 @@ void Manifolds::Look::smooth_joint(ManifoldPair& pair, const Hull& hull, Rotor q
 // Whether a contact counts in this step, and whether it lies ahead: the bodies are apart, and may
 // close the gap within the step. Its normal is that of the points that are nearest now, which need not be those
 // where the bodies will meet.
-void Manifolds::Look::judge(ManifoldPair& pair, float inner, float vx, float vy) const {
+void Manifolds::Look::judge(ManifoldPair& pair, const Stand& now) const {
   const Manifold& m = pair.manifold;
   pair.active = m.count != 0;
   pair.ahead = pair.ghost = false;
   if (m.count == 0 || (pair.shape >= kWallLeft && pair.shape != PairName::kNone)) return;
   const float least = m.count == 2 ? (pair.gap[0] < pair.gap[1] ? pair.gap[0] : pair.gap[1]) : pair.gap[0];
-  if (!(least > kApart * inner)) return;
+  if (!(least > kApart * now.inner)) return;
   const float rim_speed =
       std::fabs(b.rim_speed[pair.b]) + (pair.a == PairName::kNone ? 0.0f : std::fabs(b.rim_speed[pair.a]));
-  const float closing = rim_speed + g * dt - (m.nx * vx + m.ny * vy);
+  const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
   pair.ahead = kAheadFrames * dt * closing >= least;
-  if (!pair.ahead && least > inner) pair.active = false;
+  if (!pair.ahead && least > now.inner) pair.active = false;
 }
 
 // Makes the contact that lies ahead: where B will meet A if B moves by (mx, my) relative to A and turns on as it does.
@@ -81,7 +80,7 @@ void Manifolds::Look::foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const
   const auto dx = static_cast<float>(way.x), dy = static_cast<float>(way.y);
   const float slack = 0.4f * kApart * inner;
   const double angle = b.angle_of(pair.b);
-  const double turn = static_cast<double>(b.rim_speed[pair.b] / b.radius[pair.b]) * params.dt;
+  const double turn = b.rim_speed[pair.b] / b.radius[pair.b] * params.dt;
   Manifold& m = pair.manifold;
   const Manifold now = m;
   const float share = time_of_impact(a, qa, hull, angle, turn, dx, dy, mx, my, slack);
@@ -90,7 +89,7 @@ void Manifolds::Look::foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const
   pair.changed = true;
   m.count = 0;
   if (share < 1) {
-    const double turned = static_cast<double>(share) * turn;
+    const double turned = share * turn;
     const Rotor back = rotor_of(-turned);
     m = collide(a, qa, hull, rotor_of(angle + turned), dx + share * mx, dy + share * my, inner);
     Vec2 face;
@@ -117,11 +116,11 @@ void Manifolds::Look::foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const
 // another piece that lies wholly below the plane on which it rests. A contact with such a piece comes from a corner
 // that sank a little, or from a normal that is kept from before, and is left out. So bodies slide over tiles and chains
 // without a bump.
-void Manifolds::Look::see_fixed(std::span<ManifoldPair> pairs, std::vector<std::uint64_t>& ghosts) const {
+void Manifolds::Look::see_fixed(std::span<ManifoldPair> pairs) const {
   const std::uint32_t slot = pairs[0].b;
   const auto piece_of = [&](const ManifoldPair& pair) {
-    const float size = b.radius[slot] + (*params.statics)[pair.shape].radius + std::fmax(pair.margin, 0.0f);
-    return params.statics->seen_from(pair.shape, b.point(slot), 4 * static_cast<double>(size));
+    const float size = b.radius[slot] + statics[pair.shape].radius + std::fmax(pair.margin, 0.0f);
+    return statics.seen_from(pair.shape, b.point(slot), 4.0 * size);
   };
   const auto wall = [](const ManifoldPair& pair) { return pair.shape >= kWallLeft; };
   const float inner = b.kind(b.id[slot]).inner, near = kStep * inner;
@@ -149,10 +148,7 @@ void Manifolds::Look::see_fixed(std::span<ManifoldPair> pairs, std::vector<std::
       for (int n = 1; n < piece.count; ++n) highest = std::fmax(highest, above(piece.x[n], piece.y[n]));
       if (highest + piece.radius <= near) pair.ghost = true;
     }
-    if (pair.ghost) {
-      pair.active = false;
-      ghosts.push_back(std::uint64_t{slot} << 32 | pair.shape);
-    }
+    if (pair.ghost) pair.active = false;
   }
   const auto fall = [&](double gravity) { return static_cast<float>(gravity * params.dt * params.dt / 2); };
   for (ManifoldPair& pair : pairs) {

@@ -35,30 +35,28 @@ struct Manifolds::Look {
     };
     CollideBatch batch;
     Lane lane[kernels::kBlock];
-    Batches batches;
   };
 
-  bool is_shape(std::size_t slot) const { return (manifolds.kind_[slot] & kShape) != 0; }
   const Hull& hull_of(std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const;
   bool lasts(ManifoldPair& pair, Stand& now) const;
-  void find(ManifoldPair& pair, const Stand& now, Waiting* waiting) const;
-  void settle(Waiting& waiting, std::uint32_t kind) const;
+  void find(ManifoldPair& pair, const Stand& now, Waiting* waiting, Looks& looks) const;
+  void settle(Waiting& waiting, std::uint32_t kind, Looks& looks) const;
   void take(ManifoldPair& pair, const Stand& now, const Manifold& found, const Hull* a, const Hull& hull_b) const;
-  void fade(ManifoldPair& pair) const;
-  /// Looks at pairs. Returns how many that were known before were looked at anew.
-  std::uint32_t look(std::span<ManifoldPair> pairs, Batches& batches) const;
+  Looks look(std::span<ManifoldPair> pairs) const;
 
   // manifold_ahead.cpp
   bool end_on(const ManifoldPair& pair, const Hull& piece, const Manifold& m, Vec2& face) const;
   void smooth_joint(ManifoldPair& pair, const Hull& hull, Rotor q, const Hull& piece, float margin) const;
-  void judge(ManifoldPair& pair, float inner, float vx, float vy) const;
+  void judge(ManifoldPair& pair, const Stand& now) const;
   void foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const Hull& hull, Vec2 way, float mx, float my,
                float inner) const;
-  void see_fixed(std::span<ManifoldPair> pairs, std::vector<std::uint64_t>& ghosts) const;
+  void see_fixed(std::span<ManifoldPair> pairs) const;
 
   const Manifolds& manifolds;
-  const BodyStore& b;
   const ManifoldParams& params;
+  const BodyStore& b = manifolds.s_.bodies;
+  const StaticShapes& statics = manifolds.s_.statics;
+  const Lattice& lattice = manifolds.s_.lattice;
   const float g = manifolds.g_;
   const float dt = static_cast<float>(params.dt);
 };

@@ -46,7 +46,7 @@ void Sleep::make_room(const SleepSource& source) {
 // Takes the chosen bodies out of the columns and stands them among the fixed shapes.
 void Sleep::fall_asleep(const SleepSource& source) {
   BodyStore& bodies = source.population.bodies;
-  if (source.manifolds.any()) source.manifolds.keep_impulses(source.pool);
+  if (source.manifolds.any()) source.manifolds.keep_impulses();
   bodies.find_slots();
   const auto first = static_cast<std::uint32_t>(sleepers.list.size());
   list_chosen(source);

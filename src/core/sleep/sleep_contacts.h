@@ -112,14 +112,14 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
 /// may come twice.
 template <class Wanted, class Each>
 void each_stack(const SleepSource& source, const Wanted& wanted, const Each& each) {
-  source.stacks.each_stack([&](const auto& each_pair_of) {
+  source.stacks.each_stack([&](std::span<const StackLink> links) {
     each([&](const auto& f) {
-      each_pair_of([&](std::uint32_t index) {
-        const ManifoldPair& pair = source.manifolds.pairs()[index];
+      for (const StackLink& link : links) {
+        const ManifoldPair& pair = source.manifolds.pairs()[link.pair];
         for (const std::uint32_t slot : {pair.a, pair.b}) {
           if (slot != kNoSlot && wanted(slot)) f(slot);
         }
-      });
+      }
     });
   });
 }

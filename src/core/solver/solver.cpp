@@ -46,11 +46,11 @@ void set_soft(ContactParams& p, double h, double frequency, double damping) {
 }
 
 // The same stiffness as compliance and rate of an overlap, see ManifoldBlock.
-void set_softness(double h, double frequency, float& soft, float& rate) {
+void set_softness(double h, double frequency, Stiffness& of) {
   const double omega = 2 * std::numbers::pi * frequency;
   const double a1 = 2 * kManifoldDamping + h * omega;
-  soft = static_cast<float>(1 / (h * omega * a1));
-  rate = static_cast<float>(omega / a1);
+  of.soft = static_cast<float>(1 / (h * omega * a1));
+  of.rate = static_cast<float>(omega / a1);
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       rough_(params.model.model == kernels::Model::rough),
       turns_(params.turns),
       slices_(1 + static_cast<int>(std::fmin(kSlices * params.impacts, kMostSlices - 1))),
-      loaded_sweeps_(solver.loaded_.empty() && !manifolds.loaded() ? 0 : HeavyLoads::kSweeps),
+      loaded_sweeps_(solver.loaded_.empty() && !manifolds.totals().loaded ? 0 : HeavyLoads::kSweeps),
       impact_sweeps_(kSweeps + slices_ - 1),
       varying_(forces != nullptr && forces->varying()) {
   if (params.most_sweeps != 0 && params.most_sweeps < impact_sweeps_) {
@@ -136,12 +136,12 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   solve();
-  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, true, pool);
+  if (stacks.any()) stacks.solve(view_, pair_, gravity_, true);
   if (joined_) joints.hold(view_, kernels, 1, pool);
   drift();
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.hold(view_, kernels, -1, pool);
-  if (stacks.any()) stacks.solve(view_, manifolds, pair_, gravity_, false, pool);
+  if (stacks.any()) stacks.solve(view_, pair_, gravity_, false);
   relax();
   if (bounce_) spend();
 }
@@ -316,16 +316,16 @@ void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p
   const double stiffness[2] = {kManifoldStiffness, kLoadedManifoldStiffness};
   for (std::size_t k = 0; k < 4; ++k) {
     const double times = k % 2 == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * stiffness[k / 2] / stiff_substep, p.soft[k], p.rate[k]);
+    set_softness(h, times * stiffness[k / 2] / stiff_substep, p.plain[k]);
   }
   for (std::size_t k = 0; k < 2; ++k) {
     const double times = k == 1 ? kFixedStiffness : 1;
-    set_softness(h, times * kBouncingStiffness / stiff_substep, p.bouncing_soft[k], p.bouncing_rate[k]);
+    set_softness(h, times * kBouncingStiffness / stiff_substep, p.bouncing[k]);
   }
   const double stacks[2] = {kColumnStiffness, kFixedColumnStiffness};
   for (std::size_t k = 0; k < 2; ++k) {
-    set_softness(h, stacks[k] / stiff_substep, p.stack_soft[k], p.stack_rate[k]);
-    p.stack_rate[k] = std::min(p.stack_rate[k], static_cast<float>(kColumnPush / h));
+    set_softness(h, stacks[k] / stiff_substep, p.in_stacks[k]);
+    p.in_stacks[k].rate = std::min(p.in_stacks[k].rate, static_cast<float>(kColumnPush / h));
   }
 }
 
@@ -342,7 +342,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
-  for (std::size_t s = 0; s < in.manifolds.strips(); ++s) closed_ += in.manifolds.closed(s);
+  for (std::size_t s = 0; s < in.manifolds.strip_count(); ++s) closed_ += in.manifolds.closed(s);
   for (std::size_t s = 0; s < virial_.size(); ++s) {
     report.virial += virial_[s];
     closed_ += closed_by_strip_[s];

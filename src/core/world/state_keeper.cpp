@@ -59,7 +59,7 @@ class World::Impl::StateKeeper {
     } else {
       carried_.gather_none(table);
     }
-    if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses(w_.pool);
+    if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses();
     Saver saver(std::move(out));
     values(saver, w_.desc);
     describe(saver);
@@ -192,7 +192,7 @@ class World::Impl::StateKeeper {
   ManifoldsAround around_manifolds() const {
     const StepProgress& now = w_.step_work.progress;
     const bool in_order = !now.sorted() && origin_.empty();
-    ManifoldsAround around{w_.population.bodies, w_.population.statics};
+    ManifoldsAround around;
     around.slots = w_.population.bodies.count;
     around.numbered =
         in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);

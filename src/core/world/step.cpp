@@ -173,7 +173,7 @@ void World::Impl::count_contacts(StepReport& report) {
   report.pairs = contacts.discs.pair_count() + contacts.discs.static_count() + contacts.manifolds.pair_count();
   report.pairs_reused = contacts.kept ? report.pairs : 0;
   report.contacts = dynamics.solver.closed();
-  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.colours());
+  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
 }
 
 }  // namespace psim
