@@ -213,14 +213,15 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
     const Real least = min(c.h[0], c.h[1]);
     return !c.empty && least <= most + p.noise && (most <= p.noise || most - p.noise <= least);
   };
-  Edges e;
-  Clip c;
-  const auto clip = [&](bool use_b) {
-    e = use_b ? edges_of<kA>(p.b, of_b.edge, p.a, true) : edges_of<kB>(p.a, of_a.edge, p.b, false);
-    c = kernels::clip_edge<OneLane>(e, number(use_b ? na : nb));
+  const auto edges = [&](bool use_b) {
+    return use_b ? edges_of<kA>(p.b, of_b.edge, p.a, true) : edges_of<kB>(p.a, of_a.edge, p.b, false);
   };
-  clip(of_b.separation > of_a.separation + preference * p.size.v);
-  if (!e.use_b && of_b.separation > of_a.separation && !nearest_is_on(c)) clip(true);
+  Edges e = edges(of_b.separation > of_a.separation + preference * p.size.v);
+  Clip c = kernels::clip_edge<OneLane>(e, number(e.use_b ? na : nb));
+  if (!e.use_b && of_b.separation > of_a.separation && !nearest_is_on(c)) {
+    e = edges(true);
+    c = kernels::clip_edge<OneLane>(e, number(na));
+  }
   Vec normal = e.use_b ? -e.normal : e.normal;
   Point point[2];
   if (nearest_is_on(c)) {
