@@ -47,13 +47,13 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
 
 // Whether a pair lies under a heavy load. Those of stacks do not count, since stacks are solved exactly.
 bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
-  const bool fixed = pair.a == ManifoldPair::kNone;
-  return pair.stack == ManifoldPair::kNoStack && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+  return pair.stack == ManifoldPair::kNoStack && loads.any() &&
+         ((!pair.of_piece() && loads.at(pair.a)) || loads.at(pair.b));
 }
 
 // Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
 void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, float size_a, float size_b) {
-  const bool fixed = pair.a == ManifoldPair::kNone;
+  const bool fixed = pair.of_piece();
   const Manifold& m = pair.manifold;
   for (int k = 0; k < 2; ++k) {
     ManifoldBlock::Point& p = c.point[k];
@@ -300,7 +300,7 @@ struct Manifolds::Layout {
   void fill(ManifoldPair& pair) const {
     ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
     const std::uint32_t l = pair.lane % kBlock;
-    const bool fixed = pair.a == ManifoldPair::kNone;
+    const bool fixed = pair.of_piece();
     c.body[2 * l] = fixed ? dummy : pair.a;
     c.body[2 * l + 1] = pair.b;
     c.nx[l] = pair.manifold.nx;
@@ -309,7 +309,7 @@ struct Manifolds::Layout {
     fill_points(c, l, pair, size_a, size_b);
     const BodyProperties& sb = b.properties(pair.id_b);
     BodyProperties none;
-    const bool wall = pair.shape >= kWallLeft && pair.shape != ManifoldPair::kNone;
+    const bool wall = pair.of_wall();
     if (wall) {
       none.restitution = static_cast<float>(params.wall.restitution);
       none.friction = static_cast<float>(params.wall.friction);
@@ -326,8 +326,8 @@ struct Manifolds::Layout {
     const bool loaded = is_loaded(pair, loads);
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);
-    const bool asleep = fixed && !wall && m.s_.statics[pair.shape].asleep;
-    if (asleep ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced) balance(b, pair, c, l);
+    if (pair.of_sleeper(m.s_.statics) ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced)
+      balance(b, pair, c, l);
     for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] += pair.offset[k];
     pair.changed = false;
     pair.was_stack = pair.stack;

@@ -8,7 +8,7 @@ namespace {
 
 // Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
 void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, ManifoldPair& pair) {
-  const bool ground = pair.a == PairName::kNone && (pair.shape >= kWallLeft || !statics[pair.shape].asleep);
+  const bool ground = pair.of_piece() && !pair.of_sleeper(statics);
   const Touch* touch =
       recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape) : TouchKey::bodies(pair.id_a, pair.id_b));
   if (touch == nullptr) return;
@@ -130,7 +130,7 @@ struct Manifolds::Sorter {
     FoundPair& first = out.emplace_back();
     name(sides..., first);
     first.before = m.index_.find(first, known);
-    const std::uint32_t parts_a = first.a == PairName::kNone ? 1 : parts(first.a), parts_b = parts(first.b);
+    const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
     if (parts_a * parts_b == 1) return true;
     FoundPair other = first;
     for (std::uint32_t k = 1; k < parts_a * parts_b; ++k) {
@@ -164,8 +164,7 @@ struct Manifolds::Sorter {
     pair.id_a = pair.shape >= kWallLeft ? PairName::kNone : statics[pair.shape].owner;
     pair.fixed_a = true;
     // A body that hits a wall of sleepers may have hundreds of such pairs; each sleeper has few.
-    const bool sleeper = pair.shape < kWallLeft && statics[pair.shape].asleep;
-    pair.owner = sleeper ? pair.id_a : pair.id_b;
+    pair.owner = pair.of_sleeper(statics) ? pair.id_a : pair.id_b;
   }
 };
 
@@ -186,10 +185,6 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
       const bool held = properties.type == BodyType::kinematic_body;
-      if (properties.kind == 0) {
-        if (held) kind_[i] = kKinematic;
-        continue;
-      }
       const BodyKind& kind = b.kinds[properties.kind];
       const bool shape = kind.hull_count != 0;
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
@@ -285,7 +280,7 @@ namespace {
 constexpr std::uint64_t kFixedPieces = std::uint64_t{1} << 63;
 
 std::uint64_t rank(const PairName& p) {
-  if (p.a == PairName::kNone) return kFixedPieces | p.b;
+  if (p.of_piece()) return kFixedPieces | p.b;
   return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
 }
 
@@ -304,7 +299,7 @@ void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t
   std::erase_if(near, [&](const StaticPair& pair) { return sorter.leaves(pair); });
   // Pairs that strips have stay there. But all fixed pieces of a body stay together, since see_fixed() needs all of them
   // to find which ones count.
-  std::erase_if(renewed_, [](const FoundPair& p) { return p.before != PairName::kNone && p.a != PairName::kNone; });
+  std::erase_if(renewed_, [](const FoundPair& p) { return p.before != PairName::kNone && !p.of_piece(); });
 }
 
 void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
@@ -314,7 +309,7 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   auto kept = before_.cbegin(), known = before_.cbegin();
   const auto keep_up_to = [&](std::uint64_t end) {
     for (; kept != before_.cend() && rank(*kept) < end; ++kept) {
-      if (!found(kept->b) && (kept->a == PairName::kNone || !found(kept->a))) pairs_.push_back(*kept);
+      if (!found(kept->b) && (kept->of_piece() || !found(kept->a))) pairs_.push_back(*kept);
     }
   };
   for (const FoundPair& pair : renewed_) {

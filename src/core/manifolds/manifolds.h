@@ -47,6 +47,9 @@ struct PairName {
   bool fixed_a = false;  ///< A is static or kinematic
   bool moved = false;    ///< a body of it was renewed: the pair is found anew behind those of the last strip
 
+  bool of_piece() const { return a == kNone; }  ///< B meets fixed geometry, sleepers among it
+  bool of_wall() const { return of_piece() && shape >= kWallLeft; }
+  bool of_sleeper(const StaticShapes& statics) const { return of_piece() && !of_wall() && statics[shape].asleep; }
   bool same(const PairName& o) const {
     return id_a == o.id_a && id_b == o.id_b && shape == o.shape && part_a == o.part_a && part_b == o.part_b &&
            fixed_a == o.fixed_a;
@@ -87,6 +90,9 @@ struct ManifoldPair : PairName {
   float offset[2] = {};
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
+
+  /// m, of a pair that has points.
+  float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
 
 /// Whether the points of a manifold lie against the direction in which its edge is read. The direction is the same for
@@ -125,12 +131,11 @@ struct ManifoldsAround {
   std::uint32_t numbered = 0;  ///< slots that pairs may name
   bool wanted = false;         ///< the plan has manifolds
   bool fresh = false;          ///< lists are not stale
-  bool present = false;        ///< so the manifolds are those of the next step
   bool carried = false;        ///< their impulses are of use
   bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
-  bool exact = false;          ///< none is under way, and lists are not stale
   bool lists = false;          ///< lists last
   bool in_place = false;       ///< every slot has the body that pairs name it for
+  bool present() const { return wanted && fresh; }  ///< the manifolds are those of the next step
 };
 
 class Manifolds {
@@ -301,7 +306,7 @@ class Manifolds {
     std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
   };
   struct Sorter;  // manifold_pairs.cpp
-  struct Look;    // manifold_look.h
+  struct Look;    // manifold_look.cpp
   struct Layout;  // manifold_layout.cpp
 
   template <class A>
@@ -311,7 +316,9 @@ class Manifolds {
   void cut();
   void list_owners(std::size_t from);
   void place_pairs(std::size_t strips);
-  void finish_strip(const Look& look, std::size_t strip);
+  Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  void finish_strip(const ManifoldParams& params, std::size_t strip);
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> owner_;  // by pair: PairName::owner

@@ -21,15 +21,14 @@ constexpr std::size_t kRoom = 64;  // there is room for so many links, and for o
 bool touch(const BodyStore& b, const ManifoldPair& pair) {
   if (!pair.active || pair.manifold.count == 0) return false;
   if (pair.impulse[0] > 0 || (pair.manifold.count == 2 && pair.impulse[1] > 0)) return true;
-  const float least = pair.manifold.count == 2 ? std::fmin(pair.gap[0], pair.gap[1]) : pair.gap[0];
-  return least <= kTouching * b.kind(pair.id_b).inner;
+  return pair.least_gap() <= kTouching * b.kind(pair.id_b).inner;
 }
 
 // Whether the bodies of a link move against each other by more than gravity adds in a step, about. A direct solve would
 // throw bodies about that rock on each other.
 bool rocks(const BodyStore& b, const ManifoldPair& pair, double g, double dt) {
   if (pair.manifold.count != 2) return false;
-  const bool fixed = pair.a == ManifoldPair::kNone;
+  const bool fixed = pair.of_piece();
   const Vec2 moves = b.velocity(pair.b) - (fixed ? Vec2{} : b.velocity(pair.a));
   const double turns_a = fixed ? 0 : std::fabs(b.rim_speed[pair.a]), turns_b = std::fabs(b.rim_speed[pair.b]);
   return std::hypot(moves.x, moves.y) + turns_a + turns_b >
@@ -149,20 +148,12 @@ bool Stacks::follow_down(std::uint32_t top) {
 
 // Adds a stack from links [begin, end) of the run, which starts at the bottom.
 void Stacks::add_stack(std::size_t begin, std::size_t end) {
-  stacks_.push_back({static_cast<std::uint32_t>(links_.size()), static_cast<std::uint32_t>(end - begin), false});
+  stacks_.push_back({static_cast<std::uint32_t>(links_.size()), static_cast<std::uint32_t>(end - begin)});
   const bool grounded = manifolds_.pairs()[run_[begin].pair].fixed_a;
   for (std::size_t k = begin; k < end; ++k) {
     StackLink& link = links_.emplace_back(run_[k]);
     manifolds_.set_stack_role(link.pair, grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving);
     link.closed = kClosed * b_.kind(manifolds_.pairs()[link.pair].id_b).inner;
-  }
-}
-
-void Stacks::place() {
-  for (StackLink& link : links_) {
-    const std::uint32_t lane = manifolds_.pairs()[link.pair].lane;
-    link.block = &manifolds_.strip(manifolds_.strip_of(link.pair)).blocks[lane / kernels::kBlock];
-    link.lane = lane % kernels::kBlock;
   }
 }
 

@@ -258,15 +258,23 @@ void apply(const kernels::BodyView& v, const StackLink& link, double step) {
 
 }  // namespace
 
+void Stacks::place() {
+  pool_.run(stacks_.size(), [&](std::size_t index) {
+    const StackLink* under = nullptr;
+    for (StackLink& link : links_of(stacks_[index])) {
+      const std::uint32_t lane = manifolds_.pairs()[link.pair].lane;
+      link.block = &manifolds_.strip(manifolds_.strip_of(link.pair)).blocks[lane / kernels::kBlock];
+      link.lane = lane % kernels::kBlock;
+      read_step(link);
+      if (under != nullptr) couple(link, *under);
+      under = &link;
+    }
+  });
+}
+
 void Stacks::solve(const kernels::BodyView& v, const kernels::ContactParams& p, double gravity, bool soft) {
   pool_.run(stacks_.size(), [&](std::size_t index) {
-    Stack& stack = stacks_[index];
-    const std::span links = std::span(links_).subspan(stack.first, stack.count);
-    for (std::size_t k = 0; k < links.size() && !stack.read; ++k) {
-      read_step(links[k]);
-      if (k > 0) couple(links[k], links[k - 1]);
-    }
-    stack.read = true;
+    const std::span<StackLink> links = links_of(stacks_[index]);
     for (StackLink& link : links) {
       read_rows(v, p, gravity, soft, link);
       for (int i = 0; i < 3; ++i) link.right[i] = link.active(i) ? link.r[i] : 0;

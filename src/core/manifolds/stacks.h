@@ -83,7 +83,7 @@ class Stacks {
     for (const Stack& c : stacks_) each(std::span(links_).subspan(c.first, c.count));
   }
 
-  /// Looks up where the pairs were laid out.
+  /// Reads the lanes where the pairs were laid out.
   void place();
 
   /// Solves every stack directly: softly, with overlaps pushed out (`soft`), or rigidly.
@@ -107,9 +107,9 @@ class Stacks {
   };
   struct Stack {
     std::uint32_t first = 0, count = 0;  // links, from the bottom
-    bool read = false;                   // the parts that stay the same within the step were read
   };
 
+  std::span<StackLink> links_of(const Stack& stack) { return std::span(links_).subspan(stack.first, stack.count); }
   void find_supports(Vec2 gravity);
   void mark_links();
   bool follow_down(std::uint32_t top);

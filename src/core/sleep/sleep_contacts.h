@@ -34,14 +34,8 @@ inline void order_points(const ManifoldPair& pair, Touch& touch) {
 }
 
 inline float gap_of(const ManifoldPair& pair) {
-  switch (pair.manifold.count) {
-    case 2:
-      return std::fmin(pair.gap[0], pair.gap[1]);
-    case 1:
-      return pair.gap[0];
-    default:
-      return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
-  }
+  if (pair.manifold.count != 0) return pair.least_gap();
+  return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
 }
 
 /// Calls each(contact) for the discs' contacts of a strip.

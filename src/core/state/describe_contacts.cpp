@@ -144,7 +144,7 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   a.packed(ghosts_);
   a.packed(special_);
   a.packed(stale_);
-  a.packed(shaped_, around.present ? around.slots : kAnyNumber);
+  a.packed(shaped_, around.present() ? around.slots : kAnyNumber);
   bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
   a.value(kinds);
   if (kinds) {
@@ -158,14 +158,15 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
   a.require(std::is_sorted(begin_.begin(), begin_.end()));
-  a.require(!around.exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
+  const bool exact = around.fresh && !around.spread;
+  a.require(!exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
     check_strip(a, k, around);
     points += strips_[k].points;
   }
   a.require(t.points == 0 || (t.points <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present);
+  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present());
   if (!a.ok()) return;
   // What follows from the pairs that were read.
   old_pairs_.clear();
@@ -186,13 +187,13 @@ void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& a
     a.require(id < b.id_count);
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
-    if (around.present && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
+    if (around.present() && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
   };
-  const bool fixed = p.a == PairName::kNone, wall = p.shape >= kWallLeft;
+  const bool fixed = p.of_piece(), wall = p.of_wall();
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
-  if (around.present || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
+  if (around.present() || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
   if (fixed) a.require(wall ? p.shape <= kWallTop : p.shape < s_.statics.size());
-  if (!a.ok() || !around.present) return;
+  if (!a.ok() || !around.present()) return;
   of(p.b, p.id_b, p.part_b);
   if (!fixed) return of(p.a, p.id_a, p.part_a);
   a.require(p.fixed_a);

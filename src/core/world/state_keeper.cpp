@@ -198,10 +198,8 @@ class World::Impl::StateKeeper {
         in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
     around.wanted = w_.plan.manifolds;
     around.fresh = !lists_.stale;
-    around.present = around.fresh && w_.plan.manifolds;
     around.carried = w_.contacts.impulses_valid;
     around.spread = now.makes_lists() || !now.untouched();
-    around.exact = !around.spread && around.fresh;
     around.lists = last_;
     around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
     return around;
