@@ -142,7 +142,6 @@ void Manifolds::forget() {
   own_end_ = 0;
   indexed_ = false;
   pairs_.clear();
-  owner_.clear();
   begin_.clear();
   cuts_.clear();
   for (StripBlocks& s : strips_) s.laid.clear();
@@ -174,8 +173,8 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, owner_, index_.entries, found_, ghosts_, strips_,
-       special_, stale_, shaped_);
+  drop(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_, special_,
+       stale_, shaped_);
   kind_.release();
   rotor_.release();
   inner_.release();
@@ -307,14 +306,8 @@ struct Manifolds::Layout {
     c.ny[l] = pair.manifold.ny;
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
     fill_points(c, l, pair, size_a, size_b);
+    const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
-    BodyProperties none;
-    const bool wall = pair.of_wall();
-    if (wall) {
-      none.restitution = static_cast<float>(params.wall.restitution);
-      none.friction = static_cast<float>(params.wall.friction);
-    }
-    const BodyProperties& sa = wall ? none : b.properties(pair.id_a);
     c.wa[l] = fixed ? 0.0f : sa.inv_mass;
     c.wb[l] = sb.inv_mass;
     c.ga[l] = fixed ? 0.0f : sa.rim_gain;
@@ -384,7 +377,7 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 
 std::size_t Manifolds::bytes() const {
   const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
-  std::size_t sum = of(pairs_, old_pairs_, before_, renewed_, index_.first, owner_, shaped_, index_.entries);
+  std::size_t sum = of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries);
   for (const StripBlocks& s : strips_) sum += of(s.blocks, s.active, s.laid, s.rewrite);
   for (const std::vector<FoundPair>& found : found_) sum += of(found);
   return sum;

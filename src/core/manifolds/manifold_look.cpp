@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/rotor.h"
 #include "manifolds/collide_batch.h"
@@ -266,12 +267,10 @@ struct Manifolds::Look {
     if (m.count == 0 || piece.count != 2 || !end_on(pair, piece, m, normal)) return;
     const Vec2 p = vertex(piece, 0), u = vertex(piece, 1) - p;
     const auto offset = static_cast<float>(-dot(p, normal));
-    const Manifold face =
-        meet_plane(hull, q, static_cast<float>(normal.x), static_cast<float>(normal.y), offset - piece.radius, margin);
-    m = face;
-    m.count = 0;
-    for (int k = 0; k < face.count; ++k) {  // points that lie over the segment stay
-      const ManifoldPoint& point = face.point[k];
+    m = meet_plane(hull, q, static_cast<float>(normal.x), static_cast<float>(normal.y), offset - piece.radius, margin);
+    const int found = std::exchange(m.count, 0);
+    for (int k = 0; k < found; ++k) {  // points that lie over the segment stay
+      const ManifoldPoint point = m.point[k];
       const double along = dot(Vec2{point.bx, point.by} - p, u) / dot(u, u);
       if (along >= 0 && along <= 1 && point.gap >= -hull.inner) m.point[m.count++] = point;
     }
@@ -315,18 +314,17 @@ struct Manifolds::Look {
       Vec2 face;
       if (pair.of_piece() && a.count == 2 && end_on(pair, a, m, face)) {
         m = now;  // or the face of a segment of a chain, if there is one
-        pair.active = m.count != 0;
-        return;
-      }
-      for (int k = 0; k < m.count; ++k) {
-        ManifoldPoint& p = m.point[k];
-        const float x = p.bx + hull.radius * m.nx, y = p.by + hull.radius * m.ny;  // this point turns with B
-        const float now_x = back.c * x - back.s * y, now_y = back.s * x + back.c * y;
-        p.gap += m.nx * (now_x - x - share * mx) + m.ny * (now_y - y - share * my);
-        p.bx += now_x - x;
-        p.by += now_y - y;
-        pair.gap[k] = p.gap;
-        pair.impulse[k] = pair.friction[k] = 0;
+      } else {
+        for (int k = 0; k < m.count; ++k) {
+          ManifoldPoint& p = m.point[k];
+          const float x = p.bx + hull.radius * m.nx, y = p.by + hull.radius * m.ny;  // this point turns with B
+          const float now_x = back.c * x - back.s * y, now_y = back.s * x + back.c * y;
+          p.gap += m.nx * (now_x - x - share * mx) + m.ny * (now_y - y - share * my);
+          p.bx += now_x - x;
+          p.by += now_y - y;
+          pair.gap[k] = p.gap;
+          pair.impulse[k] = pair.friction[k] = 0;
+        }
       }
     }
     pair.active = m.count != 0;

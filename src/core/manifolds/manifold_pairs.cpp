@@ -24,14 +24,13 @@ void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMe
 
 }  // namespace
 
-void Manifolds::Index::make(std::span<const ManifoldPair> pairs, const std::vector<std::uint32_t>& owner,
-                            std::uint32_t ids) {
+void Manifolds::Index::make(std::span<const ManifoldPair> pairs, std::uint32_t ids) {
   const std::size_t all = std::max<std::size_t>(first.size(), std::size_t{ids} + 2);
   first.assign(all, 0);
-  for (std::size_t k = 0; k < pairs.size(); ++k) ++first[owner[k] + 2];
+  for (const ManifoldPair& pair : pairs) ++first[pair.owner + 2];
   for (std::size_t k = 2; k < all; ++k) first[k] += first[k - 1];
   entries.resize(pairs.size());
-  for (std::uint32_t k = 0; k < pairs.size(); ++k) entries[first[owner[k] + 1]++] = {pairs[k].mark(), k};
+  for (std::uint32_t k = 0; k < pairs.size(); ++k) entries[first[pairs[k].owner + 1]++] = {pairs[k].mark(), k};
 }
 
 std::uint32_t Manifolds::Index::find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
@@ -69,7 +68,6 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   };
   touch(pairs_, pairs);
   touch(old_pairs_, pairs);
-  touch(owner_, pairs);
   touch(index_.entries, pairs);
   if (found_.size() < strips) found_.resize(strips);
   if (strips_.size() < strips) strips_.resize(strips);
@@ -195,7 +193,7 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
-  index_.make(old_pairs_, owner_, b.id_count);
+  index_.make(old_pairs_, b.id_count);
   indexed_ = false;
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
@@ -245,7 +243,6 @@ void Manifolds::place_pairs(std::size_t strips) {
   own_end_ = begin_[strips];
   cut();
   pairs_.resize(begin_[strips]);
-  owner_.resize(begin_[strips]);
   strips_.resize(std::max(strips_.size(), strips));
   for (std::size_t s = strips; s < strips_.size(); ++s) {
     strips_[s].blocks.clear();
@@ -259,13 +256,12 @@ void Manifolds::keep(const TouchMemory& recent, std::size_t begin, std::size_t e
   s_.pool.run(end - begin, [&](std::size_t n) {
     std::uint32_t k = begin_[begin + n];
     for (const FoundPair& found : found_[begin + n]) {
-      ManifoldPair& pair = pairs_[k];
+      ManifoldPair& pair = pairs_[k++];
       const bool known = found.before != PairName::kNone;
       pair = known ? old_pairs_[found.before] : ManifoldPair{};
       static_cast<PairName&>(pair) = found;
       pair.lane = PairName::kNone;
       if (!known && !recent.empty()) recall_touch(s_.bodies, s_.statics, recent, pair);
-      owner_[k++] = pair.owner;
     }
   });
   if (end + 1 == begin_.size()) collecting_ = false;
@@ -289,7 +285,7 @@ std::uint64_t rank(const PairName& p) {
 void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs,
                                  std::vector<StaticPair>& near) {
   keep_impulses();
-  if (!indexed_) index_.make(std::span(pairs_).first(own_end_), owner_, s_.bodies.id_count);
+  if (!indexed_) index_.make(std::span(pairs_).first(own_end_), s_.bodies.id_count);
   indexed_ = true;
   renewed_.clear();
   const Sorter sorter{*this, joined, pairs_, renewed_};
@@ -336,7 +332,6 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   }
   keep_up_to(~std::uint64_t{0});
   begin_[last + 1] = static_cast<std::uint32_t>(pairs_.size());
-  list_owners(begin_[last]);
   // Lanes of the blocks stay as they are until the next layout.
   StripBlocks& strip = strips_[last];
   strip.active.clear();
@@ -349,21 +344,10 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   cut();
 }
 
-void Manifolds::list_owners(std::size_t from) {
-  owner_.resize(pairs_.size());
-  for (std::size_t k = from; k < pairs_.size(); ++k) owner_[k] = pairs_[k].owner;
-}
-
 void Manifolds::remember() {
   keep_impulses();
   old_pairs_ = pairs_;
   both_ = true;
-}
-
-void Manifolds::turn_back() {
-  if (!both_) return;
-  old_pairs_.swap(pairs_);
-  list_owners(0);
 }
 
 }  // namespace psim

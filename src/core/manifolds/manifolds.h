@@ -114,7 +114,7 @@ struct ManifoldParams {
   double dt = 0;
   Vec2 gravity;
   Walls walls;
-  Material wall;
+  BodyProperties wall;     ///< friction and restitution of the walls
   bool changed = false;    ///< the settings below changed since the last step
   bool asleep = false;     ///< some body sleeps
   Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
@@ -208,7 +208,9 @@ class Manifolds {
   /// Keeps the pairs as they are before a refresh that may be given up.
   void remember();
   /// Swaps the pairs as they were before collect or remember() and as they are since. Both exist until accept().
-  void turn_back();
+  void turn_back() {
+    if (both_) old_pairs_.swap(pairs_);
+  }
   /// The present pairs count from now on.
   void accept() { both_ = collecting_ = false; }
 
@@ -302,7 +304,7 @@ class Manifolds {
     };
     std::vector<std::uint32_t> first;
     std::vector<Entry> entries;
-    void make(std::span<const ManifoldPair> pairs, const std::vector<std::uint32_t>& owner, std::uint32_t ids);
+    void make(std::span<const ManifoldPair> pairs, std::uint32_t ids);
     std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
   };
   struct Sorter;  // manifold_pairs.cpp
@@ -314,14 +316,12 @@ class Manifolds {
   template <class A>
   void check_strip(A& a, std::size_t strip, const ManifoldsAround& around) const;
   void cut();
-  void list_owners(std::size_t from);
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
-  std::vector<std::uint32_t> owner_;  // by pair: PairName::owner
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
   std::vector<Cut> cuts_;             // the pieces of all strips, in order
   std::uint32_t own_end_ = 0;         // the first pair of renewed bodies that belongs to no strip

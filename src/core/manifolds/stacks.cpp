@@ -13,10 +13,6 @@ constexpr double kPivot = 1e-6;      // a pivot below this share of the diagonal
 constexpr float kNoPoint = 1e5f;     // m: the gap of a point that a contact does not have
 constexpr double kGoodStep = 0.9;    // share of a full step: a shorter one means an impact
 
-// fmax and fmin without a call. Of two equal numbers the second is returned.
-double most(double a, double b) { return a > b ? a : b; }
-double least(double a, double b) { return a < b ? a : b; }
-
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 Vec2 record(const float* records, std::size_t k) { return {records[2 * k], records[2 * k + 1]}; }
@@ -114,14 +110,14 @@ inline void read_rows(const kernels::BodyView& v, const kernels::ContactParams& 
   link.rows = 0;
   for (int k = 0; k < 2; ++k) {
     const ManifoldBlock::Point& point = c.point[k];
-    const double at = point.at[l], bt = point.bt[l], lambda = most(point.impulse[l], 0);
+    const double at = point.at[l], bt = point.bt[l], lambda = std::max<double>(0, point.impulse[l]);
     const double s = point.gap[l] + n.x * move.x + n.y * move.y +
                      (turn_b.x * (double{point.bn[l]} + double{c.round_b[l]}) + turn_b.y * bt) -
                      (turn_a.x * (double{point.an[l]} - double{c.round_a[l]}) + turn_a.y * at);
     link.r[k] = dot(n, vel) + ub * bt - ua * at;
     const bool gives = soft && !(s > 0);
     if (gives) {
-      link.r[k] += most(s * c.rate[l], -p.push) + link.soft[k] * lambda;
+      link.r[k] += std::max<double>(-p.push, s * c.rate[l]) + link.soft[k] * lambda;
     } else if (soft) {
       link.r[k] += s * inv_h;
     }
@@ -203,14 +199,14 @@ void bound_step(std::span<StackLink> links, double& fall, double& bend) {
     const std::uint32_t l = link.lane;
     double pressed = 0, rubbed = 0;
     for (int i = 0; i < 2; ++i) {
-      const double before = most(c.point[i].impulse[l], 0);
-      const double after = most(before - link.d[i], 0);
+      const double before = std::max<double>(0, c.point[i].impulse[l]);
+      const double after = std::max(0.0, before - link.d[i]);
       link.d[i] = link.active(i) ? after - before : 0;
       pressed += before + link.d[i];
       rubbed += c.point[i].friction[l];
     }
     const double cap = c.mu[l] * pressed;
-    const double rub = least(most(rubbed - link.d[2], -cap), cap);
+    const double rub = std::min(cap, std::max(-cap, rubbed - link.d[2]));
     link.d[2] = link.active(2) ? rub - rubbed : 0;
     fall -= dot(link.r, link.d);
     for (int i = 0; i < 3; ++i) {
@@ -246,8 +242,8 @@ void apply(const kernels::BodyView& v, const StackLink& link, double step) {
   int points = 0;
   for (int i = 0; i < 2; ++i) {
     float& impulse = c.point[i].impulse[l];
-    const double after = most(impulse, 0) + step * link.d[i];
-    if (link.active(i) && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(most(after, 0));
+    const double after = std::max<double>(0, impulse) + step * link.d[i];
+    if (link.active(i) && (after > 0 || !std::signbit(impulse))) impulse = static_cast<float>(std::max(0.0, after));
     points += impulse > 0 ? 1 : 0;
   }
   if (points == 0) return;
@@ -283,7 +279,7 @@ void Stacks::solve(const kernels::BodyView& v, const kernels::ContactParams& p, 
     substitute(links, soft);
     double fall = 0, bend = 0;
     bound_step(links, fall, bend);
-    const double step = bend > 0 ? least(most(fall / bend, 0), 1) : 0;
+    const double step = bend > 0 ? std::min(1.0, std::max(0.0, fall / bend)) : 0;
     for (const StackLink& link : links) {
       if (step < kGoodStep && bend > 0) manifolds_.pair(link.pair).rest_frames = kRestFrames;
       apply(v, link, step);

@@ -174,7 +174,6 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   indexed_ = false;
   own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
   cut();
-  list_owners(0);
   rotor_.reserve(2 * std::size_t{around.slots});
   inner_.reserve(around.slots);
   used_.reserve(around.slots);
