@@ -50,11 +50,10 @@ void CollideBatch::add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float d
   block_.margin[k] = margin;
 }
 
-void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
-  in_lanes_ = count_ >= fewest_of(kernels.width);
-  if (!in_lanes_) {
+bool CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
+  if (count_ < fewest_of(kernels.width)) {
     block_.hard = 0xFF;
-    return;
+    return false;
   }
   for (std::uint32_t k = count_; k < kBlock; ++k) {  // the kernel looks at all eight
     block_.a[k] = block_.a[0];
@@ -64,6 +63,7 @@ void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind
     }
   }
   kernels.collide[kind / 3][kind % 3](&block_, 0, 1);
+  return true;
 }
 
 Manifold CollideBatch::manifold(std::uint32_t k) const {

@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
 #include "base/tasks.h"
 #include "contacts/contact_model.h"
@@ -172,9 +171,8 @@ void Manifolds::clear() {
 
 void Manifolds::release() {
   clear();
-  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_, special_,
-       stale_, shaped_);
+  give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_,
+            special_, stale_, shaped_);
   kind_.release();
   rotor_.release();
   inner_.release();

@@ -192,9 +192,9 @@ struct Manifolds::Look {
 
   // Finds the manifolds of the pairs that wait.
   void settle(Waiting& waiting, std::uint32_t kind, Looks& looks) const {
-    waiting.batch.solve(manifolds.s_.kernels, kind);
+    const bool in_lanes = waiting.batch.solve(manifolds.s_.kernels, kind);
     const std::uint32_t alone = waiting.batch.alone();
-    looks += {waiting.batch.in_lanes() ? kernels::kBlock : 0u, waiting.batch.count() - alone, alone, 0};
+    looks += {in_lanes ? kernels::kBlock : 0u, waiting.batch.count() - alone, alone, 0};
     for (std::uint32_t k = 0; k < waiting.batch.count(); ++k) {
       const Waiting::Lane& lane = waiting.lane[k];
       take(*lane.pair, lane.now, waiting.batch.manifold(k), lane.a, *lane.b);

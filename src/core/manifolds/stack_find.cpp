@@ -24,6 +24,12 @@ bool touch(const BodyStore& b, const ManifoldPair& pair) {
   return pair.least_gap() <= kTouching * b.kind(pair.id_b).inner;
 }
 
+// The body below in a link, or none on fixed ground.
+std::uint32_t lower_of(const ManifoldPair& pair, std::uint32_t upper) {
+  if (pair.fixed_a) return ManifoldPair::kNone;
+  return pair.b == upper ? pair.a : pair.b;
+}
+
 // Whether the bodies of a link move against each other by more than gravity adds in a step, about. A direct solve would
 // throw bodies about that rock on each other.
 bool rocks(const BodyStore& b, const ManifoldPair& pair, double g, double dt) {
@@ -109,19 +115,16 @@ void Stacks::mark_links() {
     const Standing& mine = standing_[slot];
     if (mine.below != 1 || mine.above > 1 || mine.side > kSideShare * mine.support) return false;
     const ManifoldPair& pair = manifolds_.pairs()[mine.on];
-    const bool b_above = pair.b == slot;
-    if (pair.rest_frames != 0 || (!b_above && pair.fixed_a) || b_.properties(b_.id[slot]).inv_mass == 0) {
-      return false;
-    }
-    if (pair.fixed_a) return true;
-    const std::uint32_t lower = b_above ? pair.a : pair.b;
-    return manifolds_.has_corners(lower) && standing_[lower].above == 1;
+    if (pair.rest_frames != 0 || (pair.fixed_a && pair.a == slot)) return false;
+    if (b_.properties(b_.id[slot]).inv_mass == 0) return false;
+    const std::uint32_t lower = lower_of(pair, slot);
+    return lower == kNone || (manifolds_.has_corners(lower) && standing_[lower].above == 1);
   };
   for (const std::uint32_t slot : manifolds_.shaped()) {
     if (!links_down(slot)) continue;
     standing_[slot].link = true;
-    const ManifoldPair& pair = manifolds_.pairs()[standing_[slot].on];
-    if (!pair.fixed_a) standing_[pair.b == slot ? pair.a : pair.b].carries = true;
+    const std::uint32_t lower = lower_of(manifolds_.pairs()[standing_[slot].on], slot);
+    if (lower != kNone) standing_[lower].carries = true;
   }
 }
 
@@ -135,7 +138,7 @@ bool Stacks::follow_down(std::uint32_t top) {
     link.pair = standing_[slot].on;
     const ManifoldPair& pair = manifolds_.pairs()[link.pair];
     link.b_above = pair.b == slot;
-    const std::uint32_t lower = pair.fixed_a ? kNone : (link.b_above ? pair.a : pair.b);
+    const std::uint32_t lower = lower_of(pair, slot);
     if (lower != kNone) {
       const float here = b_.properties(b_.id[slot]).mass, there = b_.properties(b_.id[lower]).mass;
       steep |= here > kMassRatio * there || there > kMassRatio * here;
@@ -155,13 +158,6 @@ void Stacks::add_stack(std::size_t begin, std::size_t end) {
     manifolds_.set_stack_role(link.pair, grounded ? ManifoldPair::kOnFixed : ManifoldPair::kOnMoving);
     link.closed = kClosed * b_.kind(manifolds_.pairs()[link.pair].id_b).inner;
   }
-}
-
-void Stacks::release() {
-  std::vector<Standing>().swap(standing_);
-  std::vector<StackLink>().swap(run_);
-  std::vector<StackLink>().swap(links_);
-  std::vector<Stack>().swap(stacks_);
 }
 
 }  // namespace psim

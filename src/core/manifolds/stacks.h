@@ -73,7 +73,7 @@ class Stacks {
     links_.clear();
   }
   /// Gives the memory back. There are no shapes that could stand on each other.
-  void release();
+  void release() { give_back(standing_, run_, links_, stacks_); }
   bool any() const { return !stacks_.empty(); }
   std::size_t link_count() const { return stacks_.empty() ? 0 : links_.size(); }
 
