@@ -1,9 +1,8 @@
-// Contacts of two hulls, a pair a lane: separating axes and clipping, operation by operation as
-// src/core/manifolds/collide.cpp does them one pair at a time. It uses the functions below, too, with one lane, where
-// any number of vertices will do. Both sides of its branches are computed and
-// one is selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie
-// beside it. What is rare (cores deep in each other, outlines that floats cannot tell apart) is
-// not worth the lanes' time: `hard` names those pairs, and the caller asks collide().
+// Contacts of two hulls, a pair a lane: separating axes and clipping. Both sides of a branch are computed and one is
+// selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie beside it. What is rare
+// (cores deep in each other, outlines that floats cannot tell apart) is not worth the lanes' time: `hard` names those
+// pairs, and the caller asks collide(). It is in src/core/manifolds/collide.cpp, which takes one pair at a time of any
+// numbers of vertices, uses the functions below with one lane, and does all else operation by operation as here.
 //
 // kA, kB: vertices of the hulls, 2 (segment, capsule) or 4 (box, any quadrilateral).
 #pragma once

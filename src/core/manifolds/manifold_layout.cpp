@@ -198,18 +198,14 @@ struct Manifolds::Layout {
   std::array<std::array<std::uint32_t, kColours + 1>, 4> lanes{};
 
   void run() {
-    if (loads.any() && stale == 0) {  // contacts of a stack do not count as heavy loads
-      each(strip.rewrite, [&](const ManifoldPair& pair) {
-        if (pair.stack != pair.was_stack) stale = 1;
-      });
+    const auto changes_stack = [&](std::uint32_t k) { return m.pairs_[k].stack != m.pairs_[k].was_stack; };
+    // Contacts of a stack do not count as heavy loads, so that these pairs get into other runs.
+    if (stale != 0 || (loads.any() && std::ranges::any_of(strip.rewrite, changes_stack))) return make_blocks();
+    const bool all = params.changed && params.asleep;  // contacts with sleepers are balanced anew
+    for (const std::uint32_t k : all ? strip.active : strip.rewrite) {
+      if (all || m.pairs_[k].changed || changes_stack(k)) fill(m.pairs_[k]);
     }
-    if (stale != 0) return make_blocks();
-    const auto write = [&](ManifoldPair& pair) { fill(pair); };
-    if (params.changed && params.asleep) return each(strip.active, write);  // contacts with sleepers are balanced anew
-    each(strip.rewrite, [&](ManifoldPair& pair) {
-      if (pair.changed || pair.stack != pair.was_stack) fill(pair);
-    });
-    if (!params.changed) return;
+    if (!params.changed || all) return;
     each(strip.active, [&](const ManifoldPair& pair) {
       set_stiffness(strip.blocks[pair.lane / kBlock], pair.lane % kBlock, pair, params, is_loaded(pair, loads));
     });

@@ -197,9 +197,9 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
   indexed_ = false;
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
-    const std::uint8_t* const begin = kind_.data() + table.strips[s].body_begin;
-    const std::uint8_t* const end = kind_.data() + table.strips[s].body_end;
-    special_[s] = std::any_of(begin, end, [](std::uint8_t kind) { return kind != kDisc; });
+    const Strip& strip = table.strips[s];
+    const std::span kinds(kind_.data() + strip.body_begin, kind_.data() + strip.body_end);
+    special_[s] = std::ranges::any_of(kinds, [](std::uint8_t kind) { return kind != kDisc; });
   }
 }
 
@@ -312,8 +312,8 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
     const std::uint64_t at = rank(pair);
     keep_up_to(at);
     while (known != before_.cend() && rank(*known) < at) ++known;
-    auto mine = known;
-    while (mine != before_.cend() && rank(*mine) == at && !mine->same(pair)) ++mine;
+    const auto sought = [&](const ManifoldPair& p) { return rank(p) != at || p.same(pair); };
+    const auto mine = std::find_if(known, before_.cend(), sought);
     const bool in_strip = pair.before != PairName::kNone;
     if (mine != before_.cend() && rank(*mine) == at) {
       pairs_.push_back(*mine);
