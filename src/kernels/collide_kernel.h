@@ -1,8 +1,8 @@
-// Contacts of two hulls, a pair a lane: separating axes and clipping, operation by operation as
-// src/core/manifolds/collide.cpp does them one pair at a time. Both sides of its branches are computed and
-// one is selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie
-// beside it. What is rare (cores deep in each other, outlines that floats cannot tell apart) is
-// not worth the lanes' time: `hard` names those pairs, and the caller asks collide().
+// Contacts of two hulls, a pair a lane: separating axes and clipping. Both sides of a branch are computed and one is
+// selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie beside it. What is rare
+// (cores deep in each other, outlines that floats cannot tell apart) is not worth the lanes' time: `hard` names those
+// pairs, and the caller asks collide(). It is in src/core/manifolds/collide.cpp, which takes one pair at a time of any
+// numbers of vertices, uses the functions below with one lane, and does all else operation by operation as here.
 //
 // kA, kB: vertices of the hulls, 2 (segment, capsule) or 4 (box, any quadrilateral).
 #pragma once
@@ -13,9 +13,11 @@
 namespace psim::kernels {
 namespace {
 
-// As in collide.cpp.
 constexpr float kFarAway = 3.402823466e38f;
+/// By how much an axis of B must be better than the best one of A to be taken, and how far apart two points must lie to
+/// count as two: shares of the smaller reach of the hulls.
 constexpr float kAxisPreference = 1e-3f;
+/// The rounding of all lengths, as a share of the reach of the hulls.
 constexpr float kLengthNoise = 1e-6f;
 
 /// `q` holds cosine and sine.
@@ -33,6 +35,9 @@ template <class L, int kN>
 struct LaneCore {
   Vec<L> vertex[kN], normal[kN];
   F<L> radius, reach;
+
+  static constexpr int size() { return kN; }
+  [[gnu::always_inline]] Vec<L> corner(int k) const { return vertex[k]; }
 };
 
 template <class L, int kN>
@@ -91,6 +96,9 @@ template <class L>
   return select(next < count, next, 0);
 }
 
+/// Names a point. Kind 0: an edge of A and a vertex of B; 1: an edge of B and a vertex of A; 2: vertices of A and B. The
+/// vertex is the end of the incident edge, even where a corner of the reference edge is nearer: otherwise boxes of the
+/// same width on each other would change names all the time.
 template <class L>
 [[gnu::always_inline]] inline F<L> feature_of(F<L> kind, F<L> first, F<L> second) {
   return kind * 64 + first * 8 + second;
@@ -187,6 +195,7 @@ struct LaneClip {
   M<L> empty;
 };
 
+/// Every number is made the same way from either end, so that a mirrored scene gives mirrored bits.
 template <class L>
 [[gnu::always_inline]] inline LaneClip<L> clip_edge(const LaneEdges<L>& e, F<L> other_count) {
   const F<L> zero = 0, half = 0.5f, one = 1;
@@ -220,10 +229,10 @@ struct LanePoint {
 };
 
 /// The points over a face, in the same order whoever the reference is. `two`: they lie far enough from each other.
-template <class L, int kA, int kB>
-[[gnu::always_inline]] inline void face_points(const LanePair<L, kA, kB>& p, const LaneEdges<L>& e,
-                                               const LaneClip<L>& c, Vec<L> outward, M<L> two, LanePoint<L>& point1,
-                                               LanePoint<L>& point2) {
+/// Nearly parallel edges have the same names, whichever of them is the reference.
+template <class L, class Pair>
+[[gnu::always_inline]] inline void face_points(const Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c,
+                                               Vec<L> outward, M<L> two, LanePoint<L>& point1, LanePoint<L>& point2) {
   const F<L> zero = 0, half = 0.5f, one = 1;
   const F<L> radii = p.a.radius + p.b.radius;
   const F<L> ahead = select(e.use_b, p.b.radius - p.a.radius, p.a.radius - p.b.radius);
@@ -243,10 +252,9 @@ template <class L, int kA, int kB>
 
 /// The nearest two of the ends of A's edge and of B's. In the lanes of `at_vertices`, point 1 and the normal become
 /// theirs; `hard` are the lanes whose nearest points lie elsewhere.
-template <class L, int kA, int kB>
-[[gnu::always_inline]] inline void vertex_points(LanePair<L, kA, kB>& p, const LaneEdges<L>& e, const LaneClip<L>& c,
-                                                 Vec<L> outward, M<L> at_vertices, M<L>& hard, Vec<L>& n,
-                                                 LanePoint<L>& point1) {
+template <class L, class Pair>
+[[gnu::always_inline]] inline void vertex_points(Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c, Vec<L> outward,
+                                                 M<L> at_vertices, M<L>& hard, Vec<L>& n, LanePoint<L>& point1) {
   const F<L> half = 0.5f, one = 1;
   const Vec<L> ref[2] = {e.first, e.last};
   F<L> square = kFarAway;
@@ -274,8 +282,8 @@ template <class L, int kA, int kB>
   const Vec<L> line = select(apart, Vec<L>{way.x / divisor, way.y / divisor}, outward);
   // The line between them is the shortest if both are the farthest of their cores along it.
   F<L> front = dot(line, from), rear = dot(line, to);
-  for (const Vec<L>& v : p.a.vertex) front = max(dot(line, v), front);
-  for (const Vec<L>& v : p.b.vertex) rear = min(dot(line, v), rear);
+  for (int k = 0; k < p.a.size(); ++k) front = max(dot(line, p.a.corner(k)), front);
+  for (int k = 0; k < p.b.size(); ++k) rear = min(dot(line, p.b.corner(k)), rear);
   const M<L> elsewhere = apart & (rear - front < distance - p.noise);
   hard = hard | (at_vertices & elsewhere);
   const F<L> gap = distance - (p.a.radius + p.b.radius);

@@ -47,6 +47,7 @@ struct ScalarLanes {
   };
   struct M {
     bool v;
+    explicit operator bool() const { return v; }
   };
   struct MD {
     bool v;

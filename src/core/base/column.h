@@ -20,6 +20,12 @@ struct MemoryMeter {
   std::uint64_t growths = 0;
 };
 
+/// Empties lists and gives their memory back.
+template <class... Lists>
+void give_back(Lists&... lists) {
+  (Lists().swap(lists), ...);
+}
+
 template <class T>
 class Column {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -1,43 +1,38 @@
-// In: two hulls, their rotations and places. Out: a manifold or the nearest points. Nothing is kept.
+// In: two hulls, their rotations and places. Out: a manifold or the nearest points. Nothing is kept. What the kernel for
+// eight pairs does as well is its text with one lane; what it leaves out as rare is here.
 // A pair of m and n vertices costs O(m n): about 65 ns for two boxes that touch, 25 ns for two boxes
 // or 10 ns for a box and a disc that are just out of reach (Intel Xeon, g++ 12.2).
 #include "manifolds/collide.h"
 
-#include <cmath>
 #include <limits>
-#include <utility>
+
+#include "collide_kernel.h"
+#include "lanes_scalar.h"
 
 namespace psim {
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::max();
+using OneLane = kernels::ScalarLanes;
+using Real = OneLane::F;
+using Vec = kernels::Vec<OneLane>;
+using Edges = kernels::LaneEdges<OneLane>;
+using Clip = kernels::LaneClip<OneLane>;
+using Point = kernels::LanePoint<OneLane>;
+using kernels::feature_of;
 
-/// By how much an axis of B must be better than the best one of A to be taken, and how far apart two points must lie to
-/// count as two: shares of the smaller reach of the hulls.
-constexpr float kPreference = 1e-3f;
-/// The rounding of all lengths, as a share of the reach of the hulls.
-constexpr float kNoise = 1e-6f;
+constexpr float kFar = kernels::kFarAway, kNoise = kernels::kLengthNoise;
 
-struct Vec {
-  float x, y;
-};
-
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
-Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
-Vec operator-(Vec a) { return {-a.x, -a.y}; }
-Vec operator*(float f, Vec a) { return {f * a.x, f * a.y}; }
-Vec rotate(Rotor q, Vec v) { return {q.c * v.x - q.s * v.y, q.s * v.x + q.c * v.y}; }
-Vec unrotate(Rotor q, Vec v) { return {q.c * v.x + q.s * v.y, q.c * v.y - q.s * v.x}; }
-float dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
+Real number(int k) { return static_cast<float>(k); }
 
 /// A hull's core (the vertices without the radius) in the frame of the test: axes of A, origin at
 /// B's centre. The numbers of B must be exact there: where sizes differ much, A is the ground.
 struct Core {
   float x[Hull::kMost], y[Hull::kMost], nx[Hull::kMost], ny[Hull::kMost];
-  float radius;
+  Real radius;
   int count;
 
-  Vec vertex(int k) const { return {x[k], y[k]}; }
+  int size() const { return count; }
+  Vec corner(int k) const { return {x[k], y[k]}; }
   Vec normal(int k) const { return {nx[k], ny[k]}; }
   int next(int k) const { return k + 1 < count ? k + 1 : 0; }
 };
@@ -70,227 +65,129 @@ inline Axis best_axis(const Core& core, const Core& other) {
   return best;
 }
 
-/// The edge of the other core that faces a normal most squarely. The sine decides, since it tells edges of nearly the
-/// same direction apart where the cosine does not.
+/// Puts together the reference edge and the edge of the other core that faces its normal most squarely. The sine decides,
+/// since it tells edges of nearly the same direction apart where the cosine does not.
 template <int kCount>
-inline int facing_edge(const Core& core, Vec normal) {
-  const int n = kCount ? kCount : core.count;
-  int best = 0;
-  float least = kFar;
+inline Edges edges_of(const Core& reference, int edge, const Core& incident, bool use_b) {
+  const int n = kCount ? kCount : incident.count, end = reference.next(edge);
+  const Vec normal = reference.normal(edge);
+  int facing = 0;
+  Real least = kFar;
   for (int k = 0; k < n; ++k) {
-    const float sine = std::fabs(normal.x * core.ny[k] - normal.y * core.nx[k]);
-    const float turned = dot(normal, core.normal(k)) < 0 ? sine : 2 + sine;
-    const bool better = turned < least;
-    least = better ? turned : least;
-    best = better ? k : best;
+    const Real sine = abs(cross(normal, incident.normal(k)));
+    const Real turned = select(dot(normal, incident.normal(k)) < 0, sine, 2 + sine);
+    const auto better = turned < least;
+    least = select(better, turned, least);
+    facing = better ? k : facing;
   }
-  return best;
-}
-
-/// The part of the incident edge that lies over the reference edge, in the frame of the latter:
-/// tangent t along it, height h over it. Low and high are its ends by t.
-struct Clip {
-  Vec normal, tangent;
-  float offset;      // distance of the reference edge from the origin along the normal
-  float t[2], h[2];  // the clipped ends
-  int vertex[2];     // the ends of the incident edge
-  int edge;          // the reference edge
-  int ends[2];       // the vertices of the reference edge
-  int facing;        // the incident edge
-  bool empty;
-};
-
-/// Every number is made the same way from either end, so that a mirrored scene gives mirrored bits.
-template <int kIncident>
-inline Clip clip(const Core& reference, int edge, const Core& incident) {
-  Clip c;
-  c.edge = edge;
-  c.ends[0] = edge;
-  c.ends[1] = reference.next(edge);
-  c.normal = reference.normal(edge);
-  c.tangent = {-c.normal.y, c.normal.x};
-  const Vec first = reference.vertex(edge), last = reference.vertex(c.ends[1]);
-  c.offset = 0.5f * (dot(c.normal, first) + dot(c.normal, last));
-  const float t0 = dot(c.tangent, first), t1 = dot(c.tangent, last);
-
-  c.facing = facing_edge<kIncident>(incident, c.normal);
-  int low = incident.next(c.facing), high = c.facing;
-  float s0 = dot(c.tangent, incident.vertex(low)), s1 = dot(c.tangent, incident.vertex(high));
-  if (s0 > s1) {
-    std::swap(s0, s1);
-    std::swap(low, high);
-  }
-  const float h0 = dot(c.normal, incident.vertex(low)) - c.offset;
-  const float h1 = dot(c.normal, incident.vertex(high)) - c.offset;
-  c.vertex[0] = low;
-  c.vertex[1] = high;
-  c.empty = s1 < t0 || s0 > t1;
-  const float span = s1 - s0;
-  const float slope = span > 0 ? (h1 - h0) / span : 0.0f;
-  c.t[0] = s0 < t0 ? t0 : s0;
-  c.t[1] = s1 > t1 ? t1 : s1;
-  c.h[0] = h0 + slope * (c.t[0] - s0);
-  c.h[1] = h1 - slope * (s1 - c.t[1]);
-  return c;
+  Edges e;
+  e.use_b = {use_b};
+  e.normal = normal;
+  e.first = reference.corner(edge), e.last = reference.corner(end);
+  e.edge = e.ends[0] = number(edge), e.ends[1] = number(end);
+  e.facing = number(facing);
+  e.facing_normal = incident.normal(facing);
+  e.high = incident.corner(facing), e.low = incident.corner(incident.next(facing));
+  return e;
 }
 
 /// The working data of collide(). Points and normals are in the frame of the test.
 struct Pair {
   Core a, b;
-  Rotor frame;  // the rotation of A: from the frame of the test to the world
-  Vec d;        // from the centre of A to that of B, world axes
-  float margin;
-  float size;   // the smaller reach
-  float noise;  // rounding of lengths, m
+  Vec frame;  // the rotation of A: from the frame of the test to the world
+  Vec d;      // from the centre of A to that of B, world axes
+  Real margin;
+  Real size;   // the smaller reach
+  Real noise;  // rounding of lengths, m
+  OneLane::M out = OneLane::none();
 };
 
-inline void add_point(const Pair& p, Vec at, float gap, int feature, Manifold& m) {
-  const Vec b = rotate(p.frame, at);
-  m.point[m.count++] = {b.x + p.d.x, b.y + p.d.y, b.x, b.y, gap, static_cast<std::uint16_t>(feature)};
-}
-
 /// `normal` goes from A to B.
-inline void set_normal(const Pair& p, Vec normal, Manifold& m) {
-  const Vec world = rotate(p.frame, normal);
-  m.nx = world.x;
-  m.ny = world.y;
+inline void set_normal(Vec frame, Vec normal, Manifold& m) {
+  const Vec world = rotate(frame, normal);
+  m.nx = world.x.v;
+  m.ny = world.y.v;
 }
 
-/// Features: 0, an edge of A and a vertex of B; 1, an edge of B and a vertex of A; 2, vertices of A
-/// and B. The vertex is the end of the incident edge, even where a corner of the reference edge is nearer:
-/// otherwise boxes of the same width on each other would change names all the time.
-inline int feature_of(int kind, int first, int second) { return kind << 6 | first << 3 | second; }
+/// `b` leads from the centre of B to the point, `d` from the centre of A to that of B.
+inline void put_point(Vec b, Vec d, Real gap, Real feature, Manifold& m) {
+  const Vec a = b + d;
+  m.point[m.count++] = {a.x.v, a.y.v, b.x.v, b.y.v, gap.v, static_cast<std::uint16_t>(feature.v)};
+}
 
-inline void face_points(const Pair& p, const Clip& c, bool of_b, Manifold& m) {
-  const float radius = p.a.radius + p.b.radius;
-  const float ahead = of_b ? p.b.radius - p.a.radius : p.a.radius - p.b.radius;
-  const Vec n = of_b ? -c.normal : c.normal;
-  set_normal(p, n, m);
-  // Nearly parallel edges have the same names, whichever of them is the reference.
-  const bool renamed = of_b && dot(n, p.a.normal(c.facing)) > 0.95f;
-  const auto add = [&](int end) {
-    const float gap = c.h[end] - radius;
-    if (!(gap <= p.margin)) return;
-    int feature = feature_of(of_b ? 1 : 0, c.edge, c.vertex[end]);
-    if (renamed) feature = feature_of(0, c.facing, c.ends[end]);
-    const float height = c.offset + 0.5f * (c.h[end] + ahead);
-    add_point(p, height * c.normal + c.t[end] * c.tangent, gap, feature, m);
-  };
-  if (!(c.t[1] - c.t[0] > kPreference * p.size)) {
-    add(c.h[1] < c.h[0] ? 1 : 0);
-  } else {  // the order is the same, whichever edge is the reference
-    add(of_b ? 1 : 0);
-    add(of_b ? 0 : 1);
-  }
+inline void add_point(const Pair& p, const Point& point, Manifold& m) {
+  if (point.gap <= p.margin) put_point(rotate(p.frame, point.at), p.d, point.gap, point.feature, m);
 }
 
 /// Makes one point, midway between the surfaces, from a point of the core of B. `normal` goes from A to B.
-inline void one_point(const Pair& p, Vec normal, Vec on_b, float gap, int feature, Manifold& m) {
+inline void one_point(const Pair& p, Vec normal, Vec on_b, Real distance, Real feature, Manifold& m) {
+  const Real gap = distance - (p.a.radius + p.b.radius);
   if (!(gap <= p.margin)) return;
-  set_normal(p, normal, m);
-  add_point(p, on_b - (p.b.radius + 0.5f * gap) * normal, gap, feature, m);
-}
-
-/// Finds the nearest two ends of an edge of A and one of B. Fails if the cores come nearer elsewhere.
-inline bool vertex_point(const Pair& p, Vec normal, const int ends_a[2], const int ends_b[2], Manifold& m) {
-  float least = kFar;
-  int va = ends_a[0], vb = ends_b[0];
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) {
-      const Vec way = p.b.vertex(ends_b[j]) - p.a.vertex(ends_a[i]);
-      if (!(dot(way, way) < least)) continue;
-      least = dot(way, way);
-      va = ends_a[i];
-      vb = ends_b[j];
-    }
-  }
-  const float distance = std::sqrt(least);
-  const Vec from = p.a.vertex(va), to = p.b.vertex(vb);
-  if (distance > kNoise * p.size) {
-    const Vec way = to - from;
-    normal = {way.x / distance, way.y / distance};
-    // The line between two points is the shortest if each is the farthest of its core along the line.
-    float front = dot(normal, from), rear = dot(normal, to);
-    for (int k = 0; k < p.a.count; ++k) {
-      const float along = dot(normal, p.a.vertex(k));
-      front = along > front ? along : front;
-    }
-    for (int k = 0; k < p.b.count; ++k) {
-      const float along = dot(normal, p.b.vertex(k));
-      rear = along < rear ? along : rear;
-    }
-    if (rear - front < distance - p.noise) return false;
-  }
-  one_point(p, normal, to, distance - (p.a.radius + p.b.radius), feature_of(2, va, vb), m);
-  return true;
+  set_normal(p.frame, normal, m);
+  add_point(p, {on_b - (p.b.radius + 0.5f * gap) * normal, gap, feature}, m);
 }
 
 /// Tests every vertex against every edge: for outlines that are so nearly straight at a corner, or so thin, that floats
 /// mistake one edge for the next.
 inline void search_point(const Pair& p, Vec normal, Manifold& m) {
-  float least = kFar;
-  Vec on_b{}, step{};
-  int feature = 0;
+  Real least = kFar, feature = 0;
+  Vec on_b{0, 0}, step{0, 0};
   for (int kind = 0; kind < 2; ++kind) {
     const Core& edges = kind == 0 ? p.a : p.b;
     const Core& vertices = kind == 0 ? p.b : p.a;
     for (int k = 0; k < edges.count; ++k) {
-      const Vec start = edges.vertex(k), end = edges.vertex(edges.next(k));
-      const Vec edge = end - start;
-      const float square = dot(edge, edge);
+      const Vec start = edges.corner(k), edge = edges.corner(edges.next(k)) - start;
+      const Real square = dot(edge, edge);
       for (int j = 0; j < vertices.count; ++j) {
-        const Vec v = vertices.vertex(j);
-        const float share = dot(v - start, edge) / (square > 0 ? square : 1);
-        const Vec foot = start + std::fmin(std::fmax(share, 0.0f), 1.0f) * edge;
-        const Vec gap = v - foot;
+        const Vec v = vertices.corner(j);
+        const Real share = dot(v - start, edge) / select(0 < square, square, 1);
+        const Vec foot = start + min(max(share, 0), 1) * edge, gap = v - foot;
         if (!(dot(gap, gap) < least)) continue;
         least = dot(gap, gap);
         step = kind == 0 ? gap : -gap;
         on_b = kind == 0 ? v : foot;
-        feature = feature_of(kind, k, j);
+        feature = feature_of<OneLane>(number(kind), number(k), number(j));
       }
     }
   }
-  const float distance = std::sqrt(least);
-  if (distance > kNoise * p.size) normal = {step.x / distance, step.y / distance};
-  one_point(p, normal, on_b, distance - (p.a.radius + p.b.radius), feature, m);
+  const Real distance = sqrt(least);
+  if (kNoise * p.size < distance) normal = {step.x / distance, step.y / distance};
+  one_point(p, normal, on_b, distance, feature, m);
 }
 
 /// The deepest vertex below the reference edge.
-inline void deepest_point(const Pair& p, const Clip& c, bool of_b, Manifold& m) {
+inline void deepest_point(const Pair& p, const Edges& e, const Clip& c, Vec outward, Manifold& m) {
+  const bool of_b{e.use_b};
   const Core& core = of_b ? p.a : p.b;
   int deepest = 0;
-  float least = kFar;
+  Real least = kFar;
   for (int k = 0; k < core.count; ++k) {
-    const float along = dot(c.normal, core.vertex(k));
+    const Real along = dot(e.normal, core.corner(k));
     if (!(along < least)) continue;
     least = along;
     deepest = k;
   }
-  const float depth = least - c.offset;
-  Vec on_b = core.vertex(deepest);
-  if (of_b) on_b = on_b - depth * c.normal;
-  one_point(p, of_b ? -c.normal : c.normal, on_b, depth - (p.a.radius + p.b.radius),
-            feature_of(of_b ? 1 : 0, c.edge, deepest), m);
+  const Real depth = least - c.offset;
+  Vec on_b = core.corner(deepest);
+  if (of_b) on_b = on_b - depth * e.normal;
+  one_point(p, outward, on_b, depth, feature_of<OneLane>(of_b ? 1 : 0, e.edge, number(deepest)), m);
 }
 
 template <int kA, int kB>
 inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin, float preference) {
-  const int na = kA ? kA : a.count, nb = kB ? kB : b.count;
   Pair p;
-  p.frame = qa;
+  p.frame = {qa.c, qa.s};
   p.d = d;
   p.margin = margin;
   p.size = a.reach < b.reach ? a.reach : b.reach;
   p.noise = kNoise * (a.reach + b.reach);
-  p.a.count = na;
-  p.b.count = nb;
+  const int na = p.a.count = kA ? kA : a.count, nb = p.b.count = kB ? kB : b.count;
   p.a.radius = a.radius;
   p.b.radius = b.radius;
-  const Vec back = unrotate(qa, d);
+  const Vec back = unrotate(p.frame, d);
   for (int k = 0; k < na; ++k) {
-    p.a.x[k] = a.x[k] - back.x;
-    p.a.y[k] = a.y[k] - back.y;
+    p.a.x[k] = a.x[k] - back.x.v;
+    p.a.y[k] = a.y[k] - back.y.v;
     p.a.nx[k] = a.nx[k];
     p.a.ny[k] = a.ny[k];
   }
@@ -311,25 +208,39 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
 
   // The distance of the cores is at least `most`. If a point of an edge and one over it are no farther apart, they are
   // the nearest points; otherwise two vertices are.
-  const float most = of_a.separation > of_b.separation ? of_a.separation : of_b.separation;
+  const Real most = of_a.separation > of_b.separation ? of_a.separation : of_b.separation;
   const auto nearest_is_on = [&](const Clip& c) {
-    const float least = c.h[0] < c.h[1] ? c.h[0] : c.h[1];
-    return !c.empty && least <= most + p.noise && (most <= p.noise || least >= most - p.noise);
+    const Real least = min(c.h[0], c.h[1]);
+    return !c.empty && least <= most + p.noise && (most <= p.noise || most - p.noise <= least);
   };
-  bool use_b = of_b.separation > of_a.separation + preference * p.size;
-  Clip c = use_b ? clip<kA>(p.b, of_b.edge, p.a) : clip<kB>(p.a, of_a.edge, p.b);
-  if (!use_b && of_b.separation > of_a.separation && !nearest_is_on(c)) {
-    use_b = true;
-    c = clip<kA>(p.b, of_b.edge, p.a);
+  const auto edges = [&](bool use_b) {
+    return use_b ? edges_of<kA>(p.b, of_b.edge, p.a, true) : edges_of<kB>(p.a, of_a.edge, p.b, false);
+  };
+  Edges e = edges(of_b.separation > of_a.separation + preference * p.size.v);
+  Clip c = kernels::clip_edge<OneLane>(e, number(e.use_b ? na : nb));
+  if (!e.use_b && of_b.separation > of_a.separation && !nearest_is_on(c)) {
+    e = edges(true);
+    c = kernels::clip_edge<OneLane>(e, number(na));
   }
+  Vec normal = e.use_b ? -e.normal : e.normal;
+  Point point[2];
   if (nearest_is_on(c)) {
-    face_points(p, c, use_b, m);
+    const auto two = kernels::kAxisPreference * p.size < c.t[1] - c.t[0];
+    kernels::face_points<OneLane>(p, e, c, normal, two, point[0], point[1]);
+    set_normal(p.frame, normal, m);
+    add_point(p, point[0], m);
+    if (two) add_point(p, point[1], m);
   } else if (most < -p.noise) {
-    deepest_point(p, c, use_b, m);
+    deepest_point(p, e, c, normal, m);
   } else {
-    const Vec normal = use_b ? -c.normal : c.normal;
-    if (!vertex_point(p, normal, use_b ? c.vertex : c.ends, use_b ? c.ends : c.vertex, m)) {
-      search_point(p, normal, m);
+    auto elsewhere = OneLane::none();
+    const Vec outward = normal;
+    kernels::vertex_points<OneLane>(p, e, c, outward, OneLane::every(), elsewhere, normal, point[0]);
+    if (elsewhere) {
+      search_point(p, outward, m);
+    } else if (!p.out) {
+      set_normal(p.frame, normal, m);
+      add_point(p, point[0], m);
     }
   }
   return m;
@@ -337,47 +248,44 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
 
 /// A disc, which is one vertex, against a hull. `d` leads from the centre of the hull to that of the disc.
 inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rotor qd, Vec d, float margin) {
-  const Vec arm = rotate(qd, {disc.x[0], disc.y[0]});  // from the centre of the disc to its vertex
-  const Vec v = unrotate(qh, {d.x + arm.x, d.y + arm.y});
-  const float radius = hull.radius + disc.radius;
+  const Vec arm = rotate(Vec{qd.c, qd.s}, {disc.x[0], disc.y[0]});  // from the centre of the disc to its vertex
+  const Vec frame{qh.c, qh.s}, v = unrotate(frame, d + arm);
+  const auto from = [&](int k) { return v - Vec{hull.x[k], hull.y[k]}; };
+  const auto normal = [&](int k) { return Vec{hull.nx[k], hull.ny[k]}; };
+  const Real radius = hull.radius + disc.radius;
   Vec n{1, 0};
-  float distance = -kFar;
+  Real distance = -kFar;
   int edge = 0;
   for (int k = 0; hull.count > 1 && k < hull.count; ++k) {
-    const float separation = hull.nx[k] * (v.x - hull.x[k]) + hull.ny[k] * (v.y - hull.y[k]);
-    if (!(separation > distance)) continue;
+    const Real separation = dot(normal(k), from(k));
+    if (!(distance < separation)) continue;
     distance = separation;
     edge = k;
   }
   Manifold m;
-  if (distance > radius + margin) return m;
-  int feature = feature_of(0, edge, 0);
+  if (radius + margin < distance) return m;
   int corner = hull.count == 1 ? 0 : -1;
   if (hull.count > 1) {
     const int next = edge + 1 < hull.count ? edge + 1 : 0;
-    n = {hull.nx[edge], hull.ny[edge]};
+    const Vec first = from(edge), last = from(next);
+    n = normal(edge);
     // Both ends are used alike, so that a mirrored hull gives mirrored bits.
-    distance = 0.5f * (distance + dot(n, {v.x - hull.x[next], v.y - hull.y[next]}));
-    if (distance > 0 || hull.count == 2) {
-      if (n.x * (v.y - hull.y[edge]) < n.y * (v.x - hull.x[edge])) corner = edge;
-      if (n.x * (v.y - hull.y[next]) > n.y * (v.x - hull.x[next])) corner = next;
+    distance = 0.5f * (distance + dot(n, last));
+    if (hull.count == 2 || 0 < distance) {
+      if (n.x * first.y < n.y * first.x) corner = edge;
+      if (n.y * last.x < n.x * last.y) corner = next;
     }
   }
   if (corner >= 0) {
-    const float x = v.x - hull.x[corner], y = v.y - hull.y[corner];
-    distance = std::sqrt(x * x + y * y);
-    if (distance > kNoise * disc.reach) n = {x / distance, y / distance};
-    feature = feature_of(2, corner, 0);
+    const Vec way = from(corner);
+    distance = norm(way);
+    if (kNoise * disc.reach < distance) n = {way.x / distance, way.y / distance};
   }
-  const float gap = distance - radius;
+  const Real gap = distance - radius;
   if (!(gap <= margin)) return m;
-  n = rotate(qh, n);
-  const float back = disc.radius + 0.5f * gap;
-  const Vec at{arm.x - n.x * back, arm.y - n.y * back};  // from the centre of the disc
-  m.nx = n.x;
-  m.ny = n.y;
-  m.count = 1;
-  m.point[0] = {at.x + d.x, at.y + d.y, at.x, at.y, gap, static_cast<std::uint16_t>(feature)};
+  set_normal(frame, n, m);
+  const Vec at = arm - (disc.radius + 0.5f * gap) * Vec{m.nx, m.ny};  // from the centre of the disc
+  put_point(at, d, gap, feature_of<OneLane>(corner >= 0 ? 2 : 0, number(corner >= 0 ? corner : edge), 0), m);
   return m;
 }
 
@@ -386,16 +294,7 @@ inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, fl
   const float reach = a.reach + b.reach + margin;
   if (dx * dx + dy * dy > reach * reach) return {};
   if (b.count == 1) return collide_vertex(a, qa, b, qb, {dx, dy}, margin);
-  if (a.count == 1) {
-    Manifold m = collide_vertex(b, qb, a, qa, {-dx, -dy}, margin);
-    ManifoldPoint& p = m.point[0];
-    if (m.count > 0) {
-      m.nx = -m.nx;
-      m.ny = -m.ny;
-      p = {p.bx, p.by, p.ax, p.ay, p.gap, static_cast<std::uint16_t>(p.feature | feature_of(1, 0, 0))};
-    }
-    return m;
-  }
+  if (a.count == 1) return swapped(collide_vertex(b, qb, a, qa, {-dx, -dy}, margin));
   const Vec d{dx, dy};
   const int counts = a.count << 4 | b.count;  // common pairs have unrolled loops
   if (counts == 0x44) return collide_cores<4, 4>(a, qa, b, qb, d, margin, preference);
@@ -408,7 +307,18 @@ inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, fl
 }  // namespace
 
 Manifold collide(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin) {
-  return collide_any(a, qa, b, qb, dx, dy, margin, kPreference);
+  return collide_any(a, qa, b, qb, dx, dy, margin, kernels::kAxisPreference);
+}
+
+Manifold swapped(Manifold m) {
+  if (m.count == 0) return m;
+  m.nx = -m.nx;
+  m.ny = -m.ny;
+  for (int k = 0; k < m.count; ++k) {
+    ManifoldPoint& p = m.point[k];
+    p = {p.bx, p.by, p.ax, p.ay, p.gap, static_cast<std::uint16_t>(p.feature | 64u)};
+  }
+  return m;
 }
 
 Nearest nearest(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy) {

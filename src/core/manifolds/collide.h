@@ -27,6 +27,9 @@ struct Manifold {
 /// a thousandth of the size of the smaller hull.
 Manifold collide(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin);
 
+/// The manifold of B and A, from that of a hull A and a disc B.
+Manifold swapped(Manifold m);
+
 /// A hull against the plane at distance `offset` from its centre along the inward normal.
 Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin);
 

@@ -32,28 +32,28 @@ std::uint32_t CollideBatch::kind_of(const Hull& a, const Hull& b) {
 }
 
 void CollideBatch::add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin) {
+  if (a.count == 1 && b.count != 1) {  // the kernel takes a disc as B
+    swapped_ |= 1u << count_;
+    return add(b, qb, a, qa, -dx, -dy, margin);
+  }
   const std::uint32_t k = count_++;
   a_[k] = &a;
   b_[k] = &b;
-  const bool swap = a.count == 1;
-  swapped_ |= (swap ? 1u : 0u) << k;
-  const Rotor first = swap ? qb : qa, second = swap ? qa : qb;
-  block_.a[k] = (swap ? b : a).x;
-  block_.b[k] = (swap ? a : b).x;
-  block_.ac[k] = first.c;
-  block_.as[k] = first.s;
-  block_.bc[k] = second.c;
-  block_.bs[k] = second.s;
-  block_.dx[k] = swap ? -dx : dx;
-  block_.dy[k] = swap ? -dy : dy;
+  block_.a[k] = a.x;
+  block_.b[k] = b.x;
+  block_.ac[k] = qa.c;
+  block_.as[k] = qa.s;
+  block_.bc[k] = qb.c;
+  block_.bs[k] = qb.s;
+  block_.dx[k] = dx;
+  block_.dy[k] = dy;
   block_.margin[k] = margin;
 }
 
-void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
-  in_lanes_ = count_ >= fewest_of(kernels.width);
-  if (!in_lanes_) {
+bool CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind) {
+  if (count_ < fewest_of(kernels.width)) {
     block_.hard = 0xFF;
-    return;
+    return false;
   }
   for (std::uint32_t k = count_; k < kBlock; ++k) {  // the kernel looks at all eight
     block_.a[k] = block_.a[0];
@@ -63,27 +63,24 @@ void CollideBatch::solve(const kernels::KernelTable& kernels, std::uint32_t kind
     }
   }
   kernels.collide[kind / 3][kind % 3](&block_, 0, 1);
+  return true;
 }
 
 Manifold CollideBatch::manifold(std::uint32_t k) const {
-  const bool swap = (swapped_ >> k & 1) != 0;
-  if ((block_.hard >> k & 1) != 0) {
-    const Rotor first{block_.ac[k], block_.as[k]}, second{block_.bc[k], block_.bs[k]};
-    return collide(*a_[k], swap ? second : first, *b_[k], swap ? first : second, swap ? -block_.dx[k] : block_.dx[k],
-                   swap ? -block_.dy[k] : block_.dy[k], block_.margin[k]);
-  }
+  const HullPairs& c = block_;
   Manifold m;
-  const float sign = swap && (block_.has[0] >> k & 1) != 0 ? -1.0f : 1.0f;
-  m.nx = sign * block_.nx[k];
-  m.ny = sign * block_.ny[k];
-  for (int n = 0; n < 2 && (block_.has[n] >> k & 1) != 0; ++n) {
-    const HullPairs::Point& p = block_.point[n];
-    const auto feature = static_cast<std::uint16_t>(p.feature[k]);
-    m.point[m.count++] =
-        swap ? ManifoldPoint{p.bx[k], p.by[k], p.ax[k], p.ay[k], p.gap[k], static_cast<std::uint16_t>(feature | 64u)}
-             : ManifoldPoint{p.ax[k], p.ay[k], p.bx[k], p.by[k], p.gap[k], feature};
+  if ((c.hard >> k & 1) != 0) {
+    m = collide(*a_[k], {c.ac[k], c.as[k]}, *b_[k], {c.bc[k], c.bs[k]}, c.dx[k], c.dy[k], c.margin[k]);
+  } else {
+    m.nx = c.nx[k];
+    m.ny = c.ny[k];
+    for (int n = 0; n < 2 && (c.has[n] >> k & 1) != 0; ++n) {
+      const HullPairs::Point& p = c.point[n];
+      const auto feature = static_cast<std::uint16_t>(p.feature[k]);
+      m.point[m.count++] = {p.ax[k], p.ay[k], p.bx[k], p.by[k], p.gap[k], feature};
+    }
   }
-  return m;
+  return (swapped_ >> k & 1) != 0 ? swapped(m) : m;
 }
 
 }  // namespace psim

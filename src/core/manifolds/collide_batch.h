@@ -23,12 +23,10 @@ class CollideBatch {
   bool full() const { return count_ == kernels::kBlock; }
   /// Appends a pair of the kind of the batch. Its hulls must stay where they are until its manifold was taken.
   void add(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin);
-  /// Finds the manifolds. `kind` is that of the pairs.
-  void solve(const kernels::KernelTable& kernels, std::uint32_t kind);
+  /// Finds the manifolds. `kind` is that of the pairs. Returns whether a kernel found them.
+  bool solve(const kernels::KernelTable& kernels, std::uint32_t kind);
   /// The manifold of the pair that was added as number `k`.
   Manifold manifold(std::uint32_t k) const;
-  /// Whether a kernel found the manifolds.
-  bool in_lanes() const { return in_lanes_; }
   /// How many manifolds were found one by one.
   std::uint32_t alone() const { return static_cast<std::uint32_t>(std::popcount(block_.hard & ((1u << count_) - 1u))); }
   void clear() { count_ = swapped_ = 0; }
@@ -39,7 +37,6 @@ class CollideBatch {
   const Hull* b_[kernels::kBlock];
   std::uint32_t count_ = 0;
   std::uint32_t swapped_ = 0;  // a bit for each lane whose A is the B of the kernel
-  bool in_lanes_ = false;
 };
 
 }  // namespace psim

@@ -14,7 +14,12 @@ namespace psim {
 
 struct Contacts {
   Contacts(const Surroundings& s, const Material& wall)
-      : surroundings(s), solved(s), loads(s.memory), discs(s, wall, solved, loads), manifolds(s.memory) {}
+      : surroundings(s),
+        solved(s),
+        loads(s.memory),
+        discs(s, wall, solved, loads),
+        manifolds(s),
+        stacks(s, manifolds) {}
 
   /// Normals and gaps of the contacts of discs.
   void find_gaps(const Walls& walls, float refresh, const PairTable& table) {

@@ -3,8 +3,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
+#include "base/tasks.h"
 #include "contacts/contact_model.h"
 #include "manifolds/manifolds.h"
 #include "manifolds/stacks.h"
@@ -46,13 +46,13 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
 
 // Whether a pair lies under a heavy load. Those of stacks do not count, since stacks are solved exactly.
 bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
-  const bool fixed = pair.a == ManifoldPair::kNone;
-  return pair.stack == ManifoldPair::kNoStack && loads.any() && ((!fixed && loads.at(pair.a)) || loads.at(pair.b));
+  return pair.stack == ManifoldPair::kNoStack && loads.any() &&
+         ((!pair.of_piece() && loads.at(pair.a)) || loads.at(pair.b));
 }
 
 // Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
 void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, float size_a, float size_b) {
-  const bool fixed = pair.a == ManifoldPair::kNone;
+  const bool fixed = pair.of_piece();
   const Manifold& m = pair.manifold;
   for (int k = 0; k < 2; ++k) {
     ManifoldBlock::Point& p = c.point[k];
@@ -74,38 +74,27 @@ void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, fl
   }
 }
 
-struct Stiffness {
-  float soft, rate;
-};
-
-Stiffness stiffness_of(const ManifoldParams& params, bool fixed, bool loaded, bool bounces) {
-  if (bounces && !loaded) return {params.bouncing_soft[fixed], params.bouncing_rate[fixed]};
-  const std::size_t kind = (fixed ? 1u : 0u) + (loaded ? 2u : 0u);
-  return {params.soft[kind], params.rate[kind]};
+Stiffness stiffness_of(const ManifoldParams& params, const ManifoldPair& pair, bool loaded, bool bounces) {
+  if (pair.stack != ManifoldPair::kNoStack) return params.in_stacks[pair.stack == ManifoldPair::kOnFixed];
+  if (bounces && !loaded) return params.bouncing[pair.fixed_a];
+  return params.plain[(pair.fixed_a ? 1u : 0u) + (loaded ? 2u : 0u)];
 }
 
-Stiffness stack_stiffness(const ManifoldParams& params, const ManifoldPair& pair) {
-  const bool fixed = pair.stack == ManifoldPair::kOnFixed;
-  return {params.stack_soft[fixed], params.stack_rate[fixed]};
-}
-
-// Sets compliance, push-out rate and half-reactions of a lane.
 void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const ManifoldParams& params,
                    bool loaded) {
-  const Manifold& m = pair.manifold;
-  const bool bounces = c.e[l] > 0;
-  const Stiffness of = pair.stack == ManifoldPair::kNoStack ? stiffness_of(params, pair.fixed_a, loaded, bounces)
-                                                            : stack_stiffness(params, pair);
+  const Stiffness of = stiffness_of(params, pair, loaded, c.e[l] > 0);
   c.soft[l] = of.soft;
   c.rate[l] = of.rate;
+}
+
+void set_reactions(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, Vec2 gravity, bool loaded) {
   c.share_a[l] = c.share_b[l] = 1;
-  const double g = length_of(params.gravity);
+  const double g = length_of(gravity);
   // The impulse of an impact is applied at once, that of a stack exactly.
-  if (pair.stack == ManifoldPair::kNoStack && !bounces && !pair.fixed_a && !loaded && g > 0) {
-    const double down = dot(params.gravity, {static_cast<double>(m.nx), static_cast<double>(m.ny)}) / g;
-    if (down <= -kSupport) c.share_a[l] = kReaction;
-    if (down >= kSupport) c.share_b[l] = kReaction;
-  }
+  if (pair.stack != ManifoldPair::kNoStack || c.e[l] > 0 || pair.fixed_a || loaded || !(g > 0)) return;
+  const double down = dot(gravity, {pair.manifold.nx, pair.manifold.ny}) / g;
+  if (down <= -kSupport) c.share_a[l] = kReaction;
+  if (down >= kSupport) c.share_b[l] = kReaction;
 }
 
 // Finds the offsets with which the impulses of a pair balance its gaps: rate s = -soft K l, where K is the inverse mass
@@ -128,10 +117,10 @@ std::uint32_t class_of(const ManifoldPair& pair, const HeavyLoads& loads) {
 
 }  // namespace
 
-void Manifolds::keep_impulses(WorkerPool& pool) {
+void Manifolds::keep_impulses() {
   if (begin_.empty() || !laid_) return;
   laid_ = false;
-  pool.run(begin_.size() - 1, [&](std::size_t s) {
+  s_.pool.run(strip_count(), [&](std::size_t s) {
     const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
     for (const std::uint32_t k : strips_[s].laid) {
       ManifoldPair& pair = pairs_[k];
@@ -152,11 +141,10 @@ void Manifolds::forget() {
   own_end_ = 0;
   indexed_ = false;
   pairs_.clear();
-  owner_.clear();
   begin_.clear();
   cuts_.clear();
   for (StripBlocks& s : strips_) s.laid.clear();
-  std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
+  std::ranges::fill(stale_, std::uint8_t{1});
 }
 
 bool Manifolds::fit(std::size_t strips) {
@@ -178,87 +166,17 @@ void Manifolds::clear() {
   strips_.clear();
   shaped_.clear();
   ghosts_.clear();
-  points_ = colours_ = blocks_ = 0;
+  totals_ = {};
 }
 
 void Manifolds::release() {
   clear();
-  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(pairs_, old_pairs_, renewed_, before_, begin_, first_, owner_, entries_, found_, ghosts_, strips_, special_,
-       stale_, shaped_);
+  give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_,
+            special_, stale_, shaped_);
   kind_.release();
   rotor_.release();
   inner_.release();
   used_.release();
-}
-
-// Writes the numbers of a pair whose hulls were looked at into its lane.
-void Manifolds::fill(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummy,
-                     std::size_t index, ManifoldPair& pair) {
-  ManifoldBlock& c = strips_[index].blocks[pair.lane / kBlock];
-  const std::uint32_t l = pair.lane % kBlock;
-  const bool fixed = pair.a == ManifoldPair::kNone;
-  const Manifold& m = pair.manifold;
-  c.body[2 * l] = fixed ? dummy : pair.a;
-  c.body[2 * l + 1] = pair.b;
-  c.nx[l] = m.nx;
-  c.ny[l] = m.ny;
-  const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
-  fill_points(c, l, pair, size_a, size_b);
-  const BodyProperties& sb = b.properties(pair.id_b);
-  BodyProperties none;
-  const bool wall = pair.shape >= kWallLeft && pair.shape != ManifoldPair::kNone;
-  if (wall) {
-    none.restitution = static_cast<float>(params.wall.restitution);
-    none.friction = static_cast<float>(params.wall.friction);
-  }
-  const BodyProperties& sa = wall ? none : b.properties(pair.id_a);
-  c.wa[l] = fixed ? 0.0f : sa.inv_mass;
-  c.wb[l] = sb.inv_mass;
-  c.ga[l] = fixed ? 0.0f : sa.rim_gain;
-  c.gb[l] = sb.rim_gain;
-  c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
-  c.round_b[l] = pair.round_b / size_b;
-  c.mu[l] = std::sqrt(sa.friction * sb.friction);
-  c.e[l] = std::fmax(sa.restitution, sb.restitution);
-  set_stiffness(c, l, pair, params, is_loaded(pair, loads));
-  const bool asleep = fixed && !wall && (*params.statics)[pair.shape].asleep;
-  if (asleep ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced) balance(b, pair, c, l);
-  for (int k = 0; k < m.count; ++k) c.point[k].gap[l] += pair.offset[k];
-  pair.changed = false;
-  pair.was_stack = pair.stack;
-}
-
-// Writes the numbers of a pair that change in every step: finish_strip.
-void Manifolds::write_gaps(StripBlocks& strip, const ManifoldPair& pair) const {
-  if (pair.lane / kBlock >= strip.blocks.size()) return;
-  ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
-  for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[pair.lane % kBlock] = pair.gap[k] + pair.offset[k];
-}
-
-// Gives the lanes another stiffness. They have the right pairs already.
-void Manifolds::soften(StripBlocks& strip, const ManifoldParams& params) const {
-  std::uint32_t at = 0;
-  for (std::uint32_t k = 0; k < 4; ++k) {
-    const Stiffness plain = stiffness_of(params, k / 2 != 0, k % 2 != 0, false);
-    const Stiffness bouncing = stiffness_of(params, k / 2 != 0, k % 2 != 0, true);
-    for (; at < strip.end[k]; ++at) {
-      ManifoldBlock& c = strip.blocks[at];
-      for (std::uint32_t l = 0; l < kBlock; ++l) {
-        const bool there = c.rate[l] != 0, bounces = c.e[l] > 0;
-        c.soft[l] = !there ? 0.0f : bounces ? bouncing.soft : plain.soft;
-        c.rate[l] = !there ? 0.0f : bounces ? bouncing.rate : plain.rate;
-      }
-    }
-  }
-  for (const std::uint32_t k : strip.rewrite) {
-    const ManifoldPair& pair = pairs_[k];
-    if (pair.stack == ManifoldPair::kNoStack) continue;
-    ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
-    const Stiffness of = stack_stiffness(params, pair);
-    c.soft[pair.lane % kBlock] = of.soft;
-    c.rate[pair.lane % kBlock] = of.rate;
-  }
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
@@ -267,103 +185,159 @@ void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
   if (pair.was_stack == ManifoldPair::kNoStack) strips_[strip_of(k)].rewrite.push_back(k);
 }
 
-// Gives each active pair of a strip the first free colour, class by class, and counts the pairs of each. A fixed A may
-// be in many lanes of a block.
-void Manifolds::colour_strip(const HeavyLoads& loads, std::size_t index, LaneCounts& counts) {
-  StripBlocks& strip = strips_[index];
-  const auto each = [&](const auto& visit) {
-    for (const std::uint32_t k : strip.active) visit(pairs_[k]);
-  };
-  std::array<bool, 4> any{};
-  for (const std::uint32_t k : strip.laid) pairs_[k].lane = ManifoldPair::kNone;
-  if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
-  strip.laid = strip.active;
-  strip.rewrite.reserve(strip.laid.capacity());
-  each([&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
-  strip.points = 0;
-  for (std::uint32_t k = 0; k < 4; ++k) {
-    if (!any[k]) continue;
-    const auto each_here = [&](const auto& visit) {
-      each([&](ManifoldPair& pair) {
-        if (class_of(pair, loads) == k) visit(pair);
-      });
-    };
-    each_here([&](const ManifoldPair& pair) {
-      used_[pair.b] = 0;
-      if (!pair.fixed_a) used_[pair.a] = 0;
-    });
-    each_here([&](ManifoldPair& pair) {
-      const std::uint32_t taken = used_[pair.b] | (pair.fixed_a ? 0u : used_[pair.a]);
-      const auto colour = static_cast<std::uint32_t>(std::countr_one(taken));
-      if (colour < kColours) {
-        used_[pair.b] |= 1u << colour;
-        if (!pair.fixed_a) used_[pair.a] |= 1u << colour;
-      }
-      pair.lane = colour;  // the lane itself is known once all colours are
-      pair.colour = colour < kColours ? static_cast<std::uint8_t>(k * kColours + colour) : ManifoldPair::kAlone;
-      ++counts[k][colour];
-      strip.points += static_cast<std::uint32_t>(pair.manifold.count);
-    });
-  }
-}
+// Lays out one strip.
+struct Manifolds::Layout {
+  Manifolds& m;
+  const HeavyLoads& loads;
+  const ManifoldParams& params;
+  std::uint32_t dummy;  // the first of two bodies that rest, for lanes without a pair
+  std::uint8_t& stale;
+  StripBlocks& strip;
+  const BodyStore& b = m.s_.bodies;
+  // By run of the strip and colour: the number of pairs, then the next free lane.
+  std::array<std::array<std::uint32_t, kColours + 1>, 4> lanes{};
 
-// Turns the numbers of pairs into the first lane of each colour. Returns the number of blocks.
-std::uint32_t Manifolds::place_runs(StripBlocks& strip, LaneCounts& next) {
-  std::uint32_t blocks = 0;
-  strip.colours = 0;
-  for (std::uint32_t k = 0; k < 4; ++k) {
-    for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
-      const std::uint32_t n = next[k][colour];
-      next[k][colour] = blocks * kBlock;
-      blocks += colour < kColours ? (n + kBlock - 1) / kBlock : n;
-      if (n != 0) strip.colours = std::max(strip.colours, colour + 1);
+  void run() {
+    const auto changes_stack = [&](std::uint32_t k) { return m.pairs_[k].stack != m.pairs_[k].was_stack; };
+    // Contacts of a stack do not count as heavy loads, so that these pairs get into other runs.
+    if (stale != 0 || (loads.any() && std::ranges::any_of(strip.rewrite, changes_stack))) return make_blocks();
+    const bool all = params.changed && params.asleep;  // contacts with sleepers are balanced anew
+    for (const std::uint32_t k : all ? strip.active : strip.rewrite) {
+      if (all || m.pairs_[k].changed || changes_stack(k)) fill(m.pairs_[k]);
     }
-    strip.end[k] = blocks;
+    if (!params.changed || all) return;
+    each(strip.active, [&](const ManifoldPair& pair) {
+      set_stiffness(strip.blocks[pair.lane / kBlock], pair.lane % kBlock, pair, params, is_loaded(pair, loads));
+    });
   }
-  return blocks;
-}
 
-void Manifolds::lay_out_strip(const BodyStore& b, const HeavyLoads& loads, const ManifoldParams& params,
-                              std::uint32_t dummies, std::size_t index) {
-  StripBlocks& strip = strips_[index];
-  const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
-  const auto each = [&](const auto& visit) {
-    for (const std::uint32_t k : strip.active) visit(pairs_[k]);
-  };
-  const auto rewritten = [&](const auto& visit) {
-    for (const std::uint32_t k : strip.rewrite) visit(pairs_[k]);
-  };
-  if (loads.any() && stale_[index] == 0) {  // contacts of a stack do not count as heavy loads
-    rewritten([&](const ManifoldPair& pair) {
-      if (pair.stack != pair.was_stack) stale_[index] = 1;
+ private:
+  template <class Visit>
+  void each(const std::vector<std::uint32_t>& list, const Visit& visit) const {
+    for (const std::uint32_t k : list) visit(m.pairs_[k]);
+  }
+
+  void make_blocks() {
+    stale = 0;
+    colour();
+    const std::uint32_t blocks = place_runs();
+    if (blocks > strip.blocks.capacity())
+      strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
+    strip.blocks.resize(blocks);
+    for (ManifoldBlock& block : strip.blocks) {
+      for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
+    }
+    each(strip.active, [&](ManifoldPair& pair) {
+      std::uint32_t& at = lanes[class_of(pair, loads)][pair.lane];
+      const bool alone = pair.lane == kColours;
+      pair.lane = at;
+      at += alone ? kBlock : 1;
+      fill(pair);
     });
   }
-  if (stale_[index] == 0) {
-    const auto write = [&](ManifoldPair& pair) { fill(b, loads, params, dummy, index, pair); };
-    if (params.changed && params.asleep) return each(write);  // contacts with sleepers are balanced anew
-    rewritten([&](ManifoldPair& pair) {
-      if (pair.changed || pair.stack != pair.was_stack) write(pair);
-    });
-    if (params.changed) soften(strip, params);
-    return;
+
+  // Gives each active pair the first free colour, class by class, and counts the pairs of each. A fixed A may be in many
+  // lanes of a block.
+  void colour() {
+    std::array<bool, 4> any{};
+    each(strip.laid, [](ManifoldPair& pair) { pair.lane = ManifoldPair::kNone; });
+    if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
+    strip.laid = strip.active;
+    strip.rewrite.reserve(strip.laid.capacity());
+    each(strip.active, [&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
+    strip.points = 0;
+    Column<std::uint32_t>& used = m.used_;
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      if (!any[k]) continue;
+      const auto each_here = [&](const auto& visit) {
+        each(strip.active, [&](ManifoldPair& pair) {
+          if (class_of(pair, loads) == k) visit(pair);
+        });
+      };
+      each_here([&](const ManifoldPair& pair) {
+        used[pair.b] = 0;
+        if (!pair.fixed_a) used[pair.a] = 0;
+      });
+      each_here([&](ManifoldPair& pair) {
+        const std::uint32_t taken = used[pair.b] | (pair.fixed_a ? 0u : used[pair.a]);
+        const auto colour = static_cast<std::uint32_t>(std::countr_one(taken));
+        if (colour < kColours) {
+          used[pair.b] |= 1u << colour;
+          if (!pair.fixed_a) used[pair.a] |= 1u << colour;
+        }
+        pair.lane = colour;  // the lane itself is known once all colours are
+        pair.colour = colour < kColours ? static_cast<std::uint8_t>(k * kColours + colour) : ManifoldPair::kAlone;
+        ++lanes[k][colour];
+        strip.points += static_cast<std::uint32_t>(pair.manifold.count);
+      });
+    }
   }
-  stale_[index] = 0;
-  LaneCounts next{};
-  colour_strip(loads, index, next);
-  const std::uint32_t blocks = place_runs(strip, next);
-  if (blocks > strip.blocks.capacity())
-    strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
-  strip.blocks.resize(blocks);
-  for (ManifoldBlock& block : strip.blocks) {
-    for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
+
+  // Turns the numbers of pairs into the first lane of each colour. Returns the number of blocks.
+  std::uint32_t place_runs() {
+    std::uint32_t blocks = 0;
+    strip.colours = 0;
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+        const std::uint32_t n = lanes[k][colour];
+        lanes[k][colour] = blocks * kBlock;
+        blocks += colour < kColours ? (n + kBlock - 1) / kBlock : n;
+        if (n != 0) strip.colours = std::max(strip.colours, colour + 1);
+      }
+      strip.end[k] = blocks;
+    }
+    return blocks;
   }
-  each([&](ManifoldPair& pair) {
-    std::uint32_t& at = next[class_of(pair, loads)][pair.lane];
-    const bool alone = pair.lane == kColours;
-    pair.lane = at;
-    at += alone ? kBlock : 1;
-    fill(b, loads, params, dummy, index, pair);
+
+  // Writes the numbers of a pair whose hulls were looked at into its lane.
+  void fill(ManifoldPair& pair) const {
+    ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
+    const std::uint32_t l = pair.lane % kBlock;
+    const bool fixed = pair.of_piece();
+    c.body[2 * l] = fixed ? dummy : pair.a;
+    c.body[2 * l + 1] = pair.b;
+    c.nx[l] = pair.manifold.nx;
+    c.ny[l] = pair.manifold.ny;
+    const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
+    fill_points(c, l, pair, size_a, size_b);
+    const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
+    const BodyProperties& sb = b.properties(pair.id_b);
+    c.wa[l] = fixed ? 0.0f : sa.inv_mass;
+    c.wb[l] = sb.inv_mass;
+    c.ga[l] = fixed ? 0.0f : sa.rim_gain;
+    c.gb[l] = sb.rim_gain;
+    c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
+    c.round_b[l] = pair.round_b / size_b;
+    c.mu[l] = std::sqrt(sa.friction * sb.friction);
+    c.e[l] = std::fmax(sa.restitution, sb.restitution);
+    const bool loaded = is_loaded(pair, loads);
+    set_stiffness(c, l, pair, params, loaded);
+    set_reactions(c, l, pair, params.gravity, loaded);
+    if (pair.of_sleeper(m.s_.statics) ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced)
+      balance(b, pair, c, l);
+    for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] += pair.offset[k];
+    pair.changed = false;
+    pair.was_stack = pair.stack;
+  }
+};
+
+void Manifolds::lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies) {
+  run_phases(strip_count(), s_.pool, [&](std::size_t index) {
+    const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
+    Layout{*this, loads, params, dummy, stale_[index], strips_[index]}.run();
   });
+  laid_ = true;
+  totals_ = {};
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    const StripBlocks& strip = strips_[s];
+    const auto& end = strip.end;
+    const std::uint32_t loaded = (end[1] - end[0]) + (end[3] - end[2]);
+    totals_.points += strip.points;
+    totals_.colours = std::max(totals_.colours, strip.colours);
+    totals_.blocks += end[3];
+    totals_.loaded |= loaded != 0;
+    totals_.pass_blocks += end[3] + std::uint64_t{loaded} * (HeavyLoads::kSweeps - 1);
+  }
 }
 
 std::uint64_t Manifolds::expected_lanes() const {
@@ -397,9 +371,9 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 
 std::size_t Manifolds::bytes() const {
   const auto of = [](const auto&... lists) { return ((lists.capacity() * sizeof(lists[0])) + ...); };
-  std::size_t sum = of(pairs_, old_pairs_, before_, renewed_, first_, owner_, shaped_, entries_);
+  std::size_t sum = of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries);
   for (const StripBlocks& s : strips_) sum += of(s.blocks, s.active, s.laid, s.rewrite);
-  for (const Found& f : found_) sum += f.pairs.capacity() * (sizeof(PairName) + sizeof(std::uint32_t));
+  for (const std::vector<FoundPair>& found : found_) sum += of(found);
   return sum;
 }
 

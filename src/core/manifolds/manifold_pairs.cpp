@@ -1,7 +1,6 @@
 // Decides which pairs are manifolds, and takes them out of the lists that the broad phase made for all bodies.
 #include <algorithm>
 
-#include "base/tasks.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
@@ -9,7 +8,7 @@ namespace {
 
 // Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
 void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, ManifoldPair& pair) {
-  const bool ground = pair.a == PairName::kNone && (pair.shape >= kWallLeft || !statics[pair.shape].asleep);
+  const bool ground = pair.of_piece() && !pair.of_sleeper(statics);
   const Touch* touch =
       recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape) : TouchKey::bodies(pair.id_a, pair.id_b));
   if (touch == nullptr) return;
@@ -25,26 +24,24 @@ void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMe
 
 }  // namespace
 
-bool Manifolds::collide_at_all(const BodyStore& b, const Joined* joined, std::uint32_t i, std::uint32_t j) const {
-  const std::uint32_t id = b.id[i], other = b.id[j];
-  if (((kind_[i] | kind_[j]) & (kFiltered | kSensor)) != 0) {
-    const BodyKind &mine = b.kind(id), &theirs = b.kind(other);
-    if (mine.sensor || theirs.sensor || !meet(mine.filter, theirs.filter)) return false;
-  }
-  if ((kind_[i] & kKinematic) != 0 && (kind_[j] & kKinematic) != 0) return false;  // neither body can be moved
-  return joined == nullptr || !(*joined)(id, other);
+void Manifolds::Index::make(std::span<const ManifoldPair> pairs, std::uint32_t ids) {
+  const std::size_t all = std::max<std::size_t>(first.size(), std::size_t{ids} + 2);
+  first.assign(all, 0);
+  for (const ManifoldPair& pair : pairs) ++first[pair.owner + 2];
+  for (std::size_t k = 2; k < all; ++k) first[k] += first[k - 1];
+  entries.resize(pairs.size());
+  for (std::uint32_t k = 0; k < pairs.size(); ++k) entries[first[pairs[k].owner + 1]++] = {pairs[k].mark(), k};
 }
 
-// Sorts the pairs of the last lists by owner. O(pairs + ids).
-void Manifolds::index(const std::vector<ManifoldPair>& pairs, std::size_t count, std::uint32_t ids) {
-  const std::size_t all = std::max<std::size_t>(first_.size(), std::size_t{ids} + 2);
-  first_.assign(all, 0);
-  for (std::size_t k = 0; k < count; ++k) ++first_[owner_[k] + 2];
-  for (std::size_t k = 2; k < all; ++k) first_[k] += first_[k - 1];
-  entries_.resize(count);
-  for (std::uint32_t k = 0; k < count; ++k) {
-    entries_[first_[owner_[k] + 1]++] = {pairs[k].mark(), k};
+std::uint32_t Manifolds::Index::find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
+  if (entries.empty() || pair.owner + 1 >= first.size()) return PairName::kNone;
+  const std::uint32_t mark = pair.mark();
+  for (std::uint32_t k = first[pair.owner]; k < first[pair.owner + 1]; ++k) {
+    if (entries[k].mark != mark) continue;
+    const PairName& known = pairs[entries[k].pair];
+    if (known.same(pair) && !known.moved) return entries[k].pair;
   }
+  return PairName::kNone;
 }
 
 // The group of large bodies may have most pairs, for example those of a drum in which all others lie.
@@ -56,7 +53,7 @@ void Manifolds::cut() {
     std::uint32_t from = begin_[s];
     do {
       const std::uint32_t to = std::min(end, from + kPairs);
-      cuts_.push_back({s, from, to, 0, from == begin_[s] && to == end, to == end});
+      cuts_.push_back({s, from, to, {}});
       from = to;
     } while (from < end);
   }
@@ -71,15 +68,11 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   };
   touch(pairs_, pairs);
   touch(old_pairs_, pairs);
-  touch(owner_, pairs);
-  touch(entries_, pairs);
+  touch(index_.entries, pairs);
   if (found_.size() < strips) found_.resize(strips);
   if (strips_.size() < strips) strips_.resize(strips);
   const std::size_t each = 2 * pairs / strips + 64;
-  for (Found& found : found_) {
-    touch(found.pairs, each);
-    touch(found.before, each);
-  }
+  for (std::vector<FoundPair>& found : found_) touch(found, each);
   for (StripBlocks& s : strips_) {
     touch(s.blocks, each / kernels::kBlock);
     touch(s.active, each);
@@ -87,137 +80,102 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   }
 }
 
-// Finds the place of a pair among those of the index.
-std::uint32_t Manifolds::recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
-  if (entries_.empty() || pair.owner + 1 >= first_.size()) return PairName::kNone;
-  const std::uint32_t mark = pair.mark();
-  for (std::uint32_t k = first_[pair.owner]; k < first_[pair.owner + 1]; ++k) {
-    if (entries_[k].mark != mark) continue;
-    const PairName& known = pairs[entries_[k].pair];
-    if (known.same(pair) && !known.moved) return entries_[k].pair;
+// Decides which pairs leave the lists: those that must not collide, and the manifolds, which go to `out`.
+struct Manifolds::Sorter {
+  const Manifolds& m;
+  const Joined* joined;
+  const std::vector<ManifoldPair>& known;  // the pairs of the index
+  std::vector<FoundPair>& out;
+  const BodyStore& b = m.s_.bodies;
+  const StaticShapes& statics = m.s_.statics;
+
+  bool leaves(std::uint32_t i, std::uint32_t j) const {
+    const int kinds = m.kind_[i] | m.kind_[j];
+    if (kinds == 0 && joined == nullptr) return false;
+    if (!collide_at_all(i, j)) return true;
+    return (kinds & kShape) != 0 && note(i, j);
   }
-  return PairName::kNone;
-}
 
-// Decides what becomes of a pair of the lists. Two discs stay in the lists.
-Manifolds::Fate Manifolds::fate(const BodyStore& b, const Joined* joined, std::uint32_t i, std::uint32_t j) const {
-  if ((kind_[i] | kind_[j]) == 0 && joined == nullptr) return Fate::stays;
-  if (!collide_at_all(b, joined, i, j)) return Fate::goes;
-  return ((kind_[i] | kind_[j]) & kShape) == 0 ? Fate::stays : Fate::manifold;
-}
-
-// Decides what becomes of a pair of a body and a fixed shape.
-Manifolds::Fate Manifolds::fate(const BodyStore& b, const StaticShapes& statics, const Joined* joined,
-                                const StaticPair& static_pair) const {
-  const std::uint8_t kind = kind_[static_pair.body];
-  const bool shape = (kind & kShape) != 0;
-  if ((kind & (kKinematic | kSensor)) != 0 && shape) return Fate::goes;
-  if (static_pair.shape < kWallLeft) {
-    const StaticShape& piece = statics[static_pair.shape];
-    const std::uint32_t id = b.id[static_pair.body];
-    if (shape ? piece.face : piece.whole) return Fate::goes;
-    if (any_filter_ && !meet(b.kind(id).filter, b.kind(piece.owner).filter)) return Fate::goes;
-    if (joined != nullptr && (*joined)(id, piece.owner)) return Fate::goes;
-  }
-  if ((kind & kSensor) != 0) return Fate::goes;
-  return shape ? Fate::manifold : Fate::stays;
-}
-
-// Adds the manifold of the first parts of a pair. It is made in place, since a copy would wait for what was just
-// written.
-void Manifolds::name(const BodyStore& b, std::uint32_t i, std::uint32_t j, PairName& pair) const {
-  const bool swap =
-      (kind_[i] & kKinematic) != (kind_[j] & kKinematic) ? (kind_[j] & kKinematic) != 0 : b.id[j] < b.id[i];
-  pair.a = swap ? j : i;
-  pair.b = swap ? i : j;
-  pair.id_a = b.id[pair.a];
-  pair.id_b = b.id[pair.b];
-  pair.fixed_a = (kind_[pair.a] & kKinematic) != 0;
-  pair.owner = b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
-}
-
-void Manifolds::name(const BodyStore& b, const StaticShapes& statics, const StaticPair& static_pair, PairName& pair) {
-  pair.b = static_pair.body;
-  pair.id_b = b.id[static_pair.body];
-  pair.shape = static_pair.shape;
-  pair.id_a = static_pair.shape >= kWallLeft ? PairName::kNone : statics[static_pair.shape].owner;
-  pair.fixed_a = true;
-  // A body that hits a wall of sleepers may have hundreds of such pairs; each sleeper has few.
-  const bool sleeper = pair.shape < kWallLeft && statics[pair.shape].asleep;
-  pair.owner = sleeper ? pair.id_a : pair.id_b;
-}
-
-// Calls each(name) for the manifolds of the other parts of a pair.
-template <class Each>
-void Manifolds::each_other_part(const BodyStore& b, const PairName& pair, const Each& each) const {
-  const auto parts = [&](std::uint32_t slot) {
-    return kind_[slot] & kShape ? std::max(1u, b.kind(b.id[slot]).hull_count) : 1u;
-  };
-  const std::uint32_t parts_a = pair.a == PairName::kNone ? 1 : parts(pair.a), parts_b = parts(pair.b);
-  if (parts_a * parts_b == 1) return;
-  PairName other = pair;
-  for (std::uint32_t k = 1; k < parts_a * parts_b; ++k) {
-    other.part_a = static_cast<std::uint16_t>(k / parts_b);
-    other.part_b = static_cast<std::uint16_t>(k % parts_b);
-    each(other);
-  }
-}
-
-// Sorts the pairs of one strip: pairs of two discs stay in the list and close up; the others become manifolds.
-void Manifolds::sort_out_strip(const BodyStore& b, const StaticShapes& statics, const Joined* joined, PairTable& table,
-                               std::size_t index) {
-  Strip& s = table.strips[index];
-  Found& out = found_[index];
-  out.pairs.clear();
-  out.before.clear();
-  const auto recall_all = [&] {  // the pair that came last has its first parts only
-    out.before.push_back(recall(out.pairs.back(), old_pairs_));
-    each_other_part(b, out.pairs.back(), [&](const PairName& part) {
-      out.pairs.push_back(part);
-      out.before.push_back(recall(part, old_pairs_));
-    });
-  };
-  // The pairs of a strip reach into the strip itself and into the next one; those of large bodies reach anywhere.
-  const std::size_t last = table.strips.size() - 1, next = index + 1 < last ? index + 1 : 0;
-  const bool plain = joined == nullptr && index != last && !special_[index] && !special_[next];
-  std::uint32_t kept = plain ? s.pair_end : s.pair_begin, p = s.pair_begin;
-  for (std::uint32_t i = s.body_begin; i < s.body_end && !plain; ++i) {
-    const std::uint32_t mark = table.first[i] & PairTable::kStripStart;
-    table.first[i] = kept | mark;
-    for (; p < s.pair_end && table.owner[p] == i; ++p) {
-      const std::uint32_t j = table.other[p];
-      const Fate what = fate(b, joined, i, j);
-      if (what == Fate::stays) {
-        table.owner[kept] = i;
-        table.other[kept++] = j;
-      } else if (what == Fate::manifold) {
-        name(b, i, j, out.pairs.emplace_back());
-        recall_all();
-      }
+  bool leaves(const StaticPair& pair) const {
+    const std::uint8_t kind = m.kind_[pair.body];
+    const bool shape = (kind & kShape) != 0;
+    if ((kind & kSensor) != 0 || ((kind & kKinematic) != 0 && shape)) return true;
+    if (pair.shape < kWallLeft) {
+      const StaticShape& piece = statics[pair.shape];
+      const std::uint32_t id = b.id[pair.body];
+      if (shape ? piece.face : piece.whole) return true;
+      if (m.any_filter_ && !meet(b.kind(id).filter, b.kind(piece.owner).filter)) return true;
+      if (joined != nullptr && (*joined)(id, piece.owner)) return true;
     }
+    return shape && note(pair);
   }
-  s.pair_end = kept;
 
-  std::erase_if(table.static_contacts[index], [&](const StaticPair& static_pair) {
-    const Fate what = fate(b, statics, joined, static_pair);
-    if (what == Fate::manifold) {
-      name(b, statics, static_pair, out.pairs.emplace_back());
-      recall_all();
+ private:
+  bool collide_at_all(std::uint32_t i, std::uint32_t j) const {
+    const std::uint32_t id = b.id[i], other = b.id[j];
+    if (((m.kind_[i] | m.kind_[j]) & (kFiltered | kSensor)) != 0) {
+      const BodyKind &mine = b.kind(id), &theirs = b.kind(other);
+      if (mine.sensor || theirs.sensor || !meet(mine.filter, theirs.filter)) return false;
     }
-    return what != Fate::stays;
-  });
-}
+    if ((m.kind_[i] & m.kind_[j] & kKinematic) != 0) return false;  // neither body can be moved
+    return joined == nullptr || !(*joined)(id, other);
+  }
 
-void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTable& table, bool sorted,
-                              WorkerPool& pool) {
-  keep_impulses(pool);
+  // Adds the manifolds of a pair, one for each two of its parts. The first is made in place, since a copy would wait for
+  // what was just written.
+  template <class... Sides>
+  bool note(const Sides&... sides) const {
+    FoundPair& first = out.emplace_back();
+    name(sides..., first);
+    first.before = m.index_.find(first, known);
+    const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
+    if (parts_a * parts_b == 1) return true;
+    FoundPair other = first;
+    for (std::uint32_t k = 1; k < parts_a * parts_b; ++k) {
+      other.part_a = static_cast<std::uint16_t>(k / parts_b);
+      other.part_b = static_cast<std::uint16_t>(k % parts_b);
+      other.before = m.index_.find(other, known);
+      out.push_back(other);
+    }
+    return true;
+  }
+
+  std::uint32_t parts(std::uint32_t slot) const {
+    return m.has_corners(slot) ? std::max(1u, b.kind(b.id[slot]).hull_count) : 1u;
+  }
+
+  void name(std::uint32_t i, std::uint32_t j, PairName& pair) const {
+    const bool held_i = (m.kind_[i] & kKinematic) != 0, held_j = (m.kind_[j] & kKinematic) != 0;
+    const bool swap = held_i != held_j ? held_j : b.id[j] < b.id[i];
+    pair.a = swap ? j : i;
+    pair.b = swap ? i : j;
+    pair.id_a = b.id[pair.a];
+    pair.id_b = b.id[pair.b];
+    pair.fixed_a = held_i || held_j;
+    pair.owner = b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
+  }
+
+  void name(const StaticPair& static_pair, PairName& pair) const {
+    pair.b = static_pair.body;
+    pair.id_b = b.id[static_pair.body];
+    pair.shape = static_pair.shape;
+    pair.id_a = pair.shape >= kWallLeft ? PairName::kNone : statics[pair.shape].owner;
+    pair.fixed_a = true;
+    // A body that hits a wall of sleepers may have hundreds of such pairs; each sleeper has few.
+    pair.owner = pair.of_sleeper(statics) ? pair.id_a : pair.id_b;
+  }
+};
+
+void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sorted) {
+  const BodyStore& b = s_.bodies;
+  keep_impulses();
   any_filter_ = any_filter;
-  const std::size_t strips = table.strips.size();
+  const std::size_t strips = table.strips.size(), slots = kernels::round_up_block(b.count);
   found_.resize(std::max(found_.size(), strips));
-  kind_.reserve(kernels::round_up_block(b.count));
-  rotor_.reserve(2 * kernels::round_up_block(b.count));
-  inner_.reserve(kernels::round_up_block(b.count));
-  used_.reserve(kernels::round_up_block(b.count));
+  kind_.reserve(slots);
+  rotor_.reserve(2 * slots);
+  inner_.reserve(slots);
+  used_.reserve(slots);
   if (sorted) {
     shaped_.clear();
     for (std::uint32_t i = 0; i < b.count; ++i) {
@@ -225,10 +183,6 @@ void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTab
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
       const bool held = properties.type == BodyType::kinematic_body;
-      if (properties.kind == 0) {
-        if (held) kind_[i] = kKinematic;
-        continue;
-      }
       const BodyKind& kind = b.kinds[properties.kind];
       const bool shape = kind.hull_count != 0;
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
@@ -239,19 +193,39 @@ void Manifolds::begin_collect(const BodyStore& b, bool any_filter, const PairTab
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
-  index(old_pairs_, old_pairs_.size(), b.id_count);
+  index_.make(old_pairs_, b.id_count);
   indexed_ = false;
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
-    const std::uint8_t* const begin = kind_.data() + table.strips[s].body_begin;
-    const std::uint8_t* const end = kind_.data() + table.strips[s].body_end;
-    special_[s] = std::any_of(begin, end, [](std::uint8_t kind) { return kind != kDisc; });
+    const Strip& strip = table.strips[s];
+    const std::span kinds(kind_.data() + strip.body_begin, kind_.data() + strip.body_end);
+    special_[s] = std::ranges::any_of(kinds, [](std::uint8_t kind) { return kind != kDisc; });
   }
 }
 
-void Manifolds::sort_out(const BodyStore& b, const StaticShapes& statics, const Joined* joined, PairTable& table,
-                         std::size_t begin, std::size_t end, WorkerPool& pool) {
-  pool.run(end - begin, [&](std::size_t n) { sort_out_strip(b, statics, joined, table, begin + n); });
+// The pairs of a strip that stay in the lists close up.
+void Manifolds::sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end) {
+  s_.pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t index = begin + n;
+    Strip& s = table.strips[index];
+    found_[index].clear();
+    const Sorter sorter{*this, joined, old_pairs_, found_[index]};
+    // The pairs of a strip reach into the strip itself and into the next one; those of large bodies reach anywhere.
+    const std::size_t last = table.strips.size() - 1, next = index + 1 < last ? index + 1 : 0;
+    const bool plain = joined == nullptr && index != last && !special_[index] && !special_[next];
+    std::uint32_t kept = plain ? s.pair_end : s.pair_begin, p = s.pair_begin;
+    for (std::uint32_t i = s.body_begin; i < s.body_end && !plain; ++i) {
+      table.first[i] = kept | (table.first[i] & PairTable::kStripStart);
+      for (; p < s.pair_end && table.owner[p] == i; ++p) {
+        const std::uint32_t j = table.other[p];
+        if (sorter.leaves(i, j)) continue;
+        table.owner[kept] = i;
+        table.other[kept++] = j;
+      }
+    }
+    s.pair_end = kept;
+    std::erase_if(table.static_contacts[index], [&](const StaticPair& pair) { return sorter.leaves(pair); });
+  });
   if (end == table.strips.size()) place_pairs(end);
 }
 
@@ -259,9 +233,8 @@ void Manifolds::sort_out(const BodyStore& b, const StaticShapes& statics, const 
 void Manifolds::place_pairs(std::size_t strips) {
   begin_.assign(strips + 1, 0);
   for (std::size_t s = 0; s < strips; ++s) {
-    begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].pairs.size());
-    const std::vector<std::uint32_t>& before = found_[s].before;
-    new_pairs_ += static_cast<std::uint64_t>(std::count(before.begin(), before.end(), PairName::kNone));
+    begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].size());
+    for (const FoundPair& pair : found_[s]) new_pairs_ += pair.before == PairName::kNone ? 1 : 0;
   }
   if (begin_[strips] > pairs_.capacity()) {  // their contents are not needed any more
     pairs_.clear();
@@ -270,28 +243,25 @@ void Manifolds::place_pairs(std::size_t strips) {
   own_end_ = begin_[strips];
   cut();
   pairs_.resize(begin_[strips]);
-  owner_.resize(begin_[strips]);
   strips_.resize(std::max(strips_.size(), strips));
   for (std::size_t s = strips; s < strips_.size(); ++s) {
     strips_[s].blocks.clear();
-    std::fill(std::begin(strips_[s].end), std::end(strips_[s].end), 0u);
+    std::ranges::fill(strips_[s].end, 0u);
   }
   for (StripBlocks& s : strips_) s.laid.clear();
   stale_.assign(strips_.size(), 1);
 }
 
-void Manifolds::keep(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, std::size_t begin,
-                     std::size_t end, WorkerPool& pool) {
-  pool.run(end - begin, [&](std::size_t n) {
-    const std::size_t s = begin + n;
-    const Found& found = found_[s];
-    for (std::size_t k = 0; k < found.pairs.size(); ++k) {
-      ManifoldPair& pair = pairs_[begin_[s] + k];
-      pair = found.before[k] == PairName::kNone ? ManifoldPair{} : old_pairs_[found.before[k]];
-      static_cast<PairName&>(pair) = found.pairs[k];
+void Manifolds::keep(const TouchMemory& recent, std::size_t begin, std::size_t end) {
+  s_.pool.run(end - begin, [&](std::size_t n) {
+    std::uint32_t k = begin_[begin + n];
+    for (const FoundPair& found : found_[begin + n]) {
+      ManifoldPair& pair = pairs_[k++];
+      const bool known = found.before != PairName::kNone;
+      pair = known ? old_pairs_[found.before] : ManifoldPair{};
+      static_cast<PairName&>(pair) = found;
       pair.lane = PairName::kNone;
-      if (found.before[k] == PairName::kNone && !recent.empty()) recall_touch(b, statics, recent, pair);
-      owner_[begin_[s] + k] = pair.owner;
+      if (!known && !recent.empty()) recall_touch(s_.bodies, s_.statics, recent, pair);
     }
   });
   if (end + 1 == begin_.size()) collecting_ = false;
@@ -306,40 +276,26 @@ namespace {
 constexpr std::uint64_t kFixedPieces = std::uint64_t{1} << 63;
 
 std::uint64_t rank(const PairName& p) {
-  if (p.a == PairName::kNone) return kFixedPieces | p.b;
+  if (p.of_piece()) return kFixedPieces | p.b;
   return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
 }
 
 }  // namespace
 
-void Manifolds::sort_out_renewed(const BodyStore& b, const StaticShapes& statics, const Joined* joined,
-                                 std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& static_contacts,
-                                 WorkerPool& pool) {
-  keep_impulses(pool);
-  if (!indexed_) index(pairs_, own_end_, b.id_count);
+void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs,
+                                 std::vector<StaticPair>& near) {
+  keep_impulses();
+  if (!indexed_) index_.make(std::span(pairs_).first(own_end_), s_.bodies.id_count);
   indexed_ = true;
   renewed_.clear();
-  // Returns whether the pair leaves the lists. All fixed pieces of a body stay together, also those that strips have,
-  // since see_fixed() needs all of them to find which ones count.
-  const auto leaves = [&](Fate what, const auto&... sides) {
-    if (what != Fate::manifold) return what == Fate::goes;
-    const auto put = [&](const PairName& part) {
-      const std::uint32_t before = recall(part, pairs_);
-      if (before == PairName::kNone || part.a == PairName::kNone) renewed_.push_back({part, before});
-    };
-    PairName first;
-    name(b, sides..., first);
-    put(first);
-    each_other_part(b, first, put);
-    return true;
-  };
+  const Sorter sorter{*this, joined, pairs_, renewed_};
   std::erase_if(pairs, [&](std::uint64_t pair) {
-    const auto i = static_cast<std::uint32_t>(pair >> 32), j = static_cast<std::uint32_t>(pair);
-    return leaves(fate(b, joined, i, j), i, j);
+    return sorter.leaves(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
   });
-  std::erase_if(static_contacts, [&](const StaticPair& static_pair) {
-    return leaves(fate(b, statics, joined, static_pair), statics, static_pair);
-  });
+  std::erase_if(near, [&](const StaticPair& pair) { return sorter.leaves(pair); });
+  // Pairs that strips have stay there. But all fixed pieces of a body stay together, since see_fixed() needs all of them
+  // to find which ones count.
+  std::erase_if(renewed_, [](const FoundPair& p) { return p.before != PairName::kNone && !p.of_piece(); });
 }
 
 void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
@@ -349,15 +305,15 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   auto kept = before_.cbegin(), known = before_.cbegin();
   const auto keep_up_to = [&](std::uint64_t end) {
     for (; kept != before_.cend() && rank(*kept) < end; ++kept) {
-      if (!found(kept->b) && (kept->a == PairName::kNone || !found(kept->a))) pairs_.push_back(*kept);
+      if (!found(kept->b) && (kept->of_piece() || !found(kept->a))) pairs_.push_back(*kept);
     }
   };
-  for (const Renewed& pair : renewed_) {
+  for (const FoundPair& pair : renewed_) {
     const std::uint64_t at = rank(pair);
     keep_up_to(at);
     while (known != before_.cend() && rank(*known) < at) ++known;
-    auto mine = known;
-    while (mine != before_.cend() && rank(*mine) == at && !mine->same(pair)) ++mine;
+    const auto sought = [&](const ManifoldPair& p) { return rank(p) != at || p.same(pair); };
+    const auto mine = std::find_if(known, before_.cend(), sought);
     const bool in_strip = pair.before != PairName::kNone;
     if (mine != before_.cend() && rank(*mine) == at) {
       pairs_.push_back(*mine);
@@ -376,13 +332,11 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   }
   keep_up_to(~std::uint64_t{0});
   begin_[last + 1] = static_cast<std::uint32_t>(pairs_.size());
-  owner_.resize(pairs_.size());
   // Lanes of the blocks stay as they are until the next layout.
   StripBlocks& strip = strips_[last];
   strip.active.clear();
   strip.laid.clear();
   for (std::uint32_t k = begin_[last]; k < pairs_.size(); ++k) {
-    owner_[k] = pairs_[k].owner;
     if (pairs_[k].active) strip.active.push_back(k);
     if (pairs_[k].lane != PairName::kNone) strip.laid.push_back(k);
   }
@@ -390,16 +344,10 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   cut();
 }
 
-void Manifolds::remember(WorkerPool& pool) {
-  keep_impulses(pool);
+void Manifolds::remember() {
+  keep_impulses();
   old_pairs_ = pairs_;
   both_ = true;
-}
-
-void Manifolds::swap_pairs() {
-  old_pairs_.swap(pairs_);
-  owner_.resize(pairs_.size());
-  for (std::size_t k = 0; k < pairs_.size(); ++k) owner_[k] = pairs_[k].owner;
 }
 
 }  // namespace psim

@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
+#include "bodies/surroundings.h"
 #include "contacts/touch_memory.h"
 #include "kernel_table.h"
 #include "lists/heavy_loads.h"
@@ -47,6 +47,9 @@ struct PairName {
   bool fixed_a = false;  ///< A is static or kinematic
   bool moved = false;    ///< a body of it was renewed: the pair is found anew behind those of the last strip
 
+  bool of_piece() const { return a == kNone; }  ///< B meets fixed geometry, sleepers among it
+  bool of_wall() const { return of_piece() && shape >= kWallLeft; }
+  bool of_sleeper(const StaticShapes& statics) const { return of_piece() && !of_wall() && statics[shape].asleep; }
   bool same(const PairName& o) const {
     return id_a == o.id_a && id_b == o.id_b && shape == o.shape && part_a == o.part_a && part_b == o.part_b &&
            fixed_a == o.fixed_a;
@@ -87,6 +90,9 @@ struct ManifoldPair : PairName {
   float offset[2] = {};
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
+
+  /// m, of a pair that has points.
+  float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
 
 /// Whether the points of a manifold lie against the direction in which its edge is read. The direction is the same for
@@ -98,23 +104,22 @@ inline bool runs_backwards(const Manifold& m) {
   return sign * (m.nx * y - m.ny * x) < 0;
 }
 
+/// Compliance and push-out rate of a contact, see ManifoldBlock.
+struct Stiffness {
+  float soft = 0, rate = 0;
+};
+
 /// The settings of a step.
 struct ManifoldParams {
   double dt = 0;
   Vec2 gravity;
-  const Lattice* lattice = nullptr;
-  const StaticShapes* statics = nullptr;
-  const kernels::KernelTable* kernels = nullptr;
   Walls walls;
-  Material wall;
-  float warm = 1;
-  bool changed = false;  ///< the settings below changed since the last step
-  bool asleep = false;   ///< some body sleeps
-  // Compliance and push-out rate of contacts: between moving bodies, with fixed ones, and the same
-  // under heavy loads.
-  float soft[4] = {}, rate[4] = {};
-  float bouncing_soft[2] = {}, bouncing_rate[2] = {};  // with restitution
-  float stack_soft[2] = {}, stack_rate[2] = {};        // in stacks on a moving body, on fixed ground
+  BodyProperties wall;     ///< friction and restitution of the walls
+  bool changed = false;    ///< the settings below changed since the last step
+  bool asleep = false;     ///< some body sleeps
+  Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
+  Stiffness bouncing[2];   ///< contacts with restitution: between moving bodies, with fixed ones
+  Stiffness in_stacks[2];  ///< contacts of stacks on a moving body, on fixed ground
 };
 
 /// Whether two bodies, by id, are joined and do not collide.
@@ -122,26 +127,26 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 /// What manifolds of a saved state are checked against.
 struct ManifoldsAround {
-  const BodyStore& bodies;
-  const StaticShapes& statics;
   std::uint32_t slots = 0;
   std::uint32_t numbered = 0;  ///< slots that pairs may name
   bool wanted = false;         ///< the plan has manifolds
   bool fresh = false;          ///< lists are not stale
-  bool present = false;        ///< so the manifolds are those of the next step
   bool carried = false;        ///< their impulses are of use
   bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
-  bool exact = false;          ///< none is under way, and lists are not stale
   bool lists = false;          ///< lists last
   bool in_place = false;       ///< every slot has the body that pairs name it for
+  bool present() const { return wanted && fresh; }  ///< the manifolds are those of the next step
 };
 
 class Manifolds {
+  const Surroundings s_;
+
  public:
   template <class A>
   void describe(A& a, const ManifoldsAround& around);  ///< for saved states
 
-  explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), inner_(meter), used_(meter) {}
+  explicit Manifolds(const Surroundings& s)
+      : s_(s), kind_(s.memory), rotor_(s.memory), inner_(s.memory), used_(s.memory) {}
 
   /// The blocks of a strip.
   struct StripBlocks {
@@ -149,90 +154,95 @@ class Manifolds {
     std::vector<std::uint32_t> active;   // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
+    std::vector<std::uint64_t> ghosts;   // see is_ghost()
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // points that touch or are near
   };
 
-  /// How the pairs of a step were looked at: lanes of the batches of kernels, pairs in them, pairs one by one.
-  struct Batches {
-    std::uint64_t lanes = 0, used = 0, alone = 0;
-    void add(const Batches& o) {
+  /// How the pairs of a step were looked at.
+  struct Looks {
+    std::uint64_t lanes = 0;  ///< lanes of the batches of kernels
+    std::uint64_t used = 0;   ///< pairs in these lanes
+    std::uint64_t alone = 0;  ///< pairs that were looked at one by one
+    std::uint64_t again = 0;  ///< all pairs that were known before and looked at anew
+    Looks& operator+=(const Looks& o) {
       lanes += o.lanes;
       used += o.used;
       alone += o.alone;
+      again += o.again;
+      return *this;
     }
   };
-  const Batches& batches() const { return batches_; }
+  const Looks& looks() const { return looks_; }
+
+  /// What the blocks of all strips have.
+  struct Totals {
+    std::uint64_t points = 0;       ///< points that touch or are near
+    std::uint64_t pass_blocks = 0;  ///< blocks that a pass of the solver goes through
+    std::uint32_t blocks = 0, colours = 0;
+    bool loaded = false;  ///< some contacts are under heavy loads
+  };
+  const Totals& totals() const { return totals_; }
+  bool any() const { return totals_.points != 0; }
 
   /// Takes over the pairs of `table` that are not two discs, and drops those that must not collide. Three parts; the
   /// last two go over strips [begin, end) in order. `sorted`: slots changed. `recent` has the impulses of contacts
   /// whose sides fell asleep or woke. O(pairs).
-  void begin_collect(const BodyStore& bodies, bool any_filter, const PairTable& table, bool sorted, WorkerPool& pool);
-  void sort_out(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined, PairTable& table,
-                std::size_t begin, std::size_t end, WorkerPool& pool);
-  void keep(const BodyStore& bodies, const StaticShapes& statics, const TouchMemory& recent, std::size_t begin,
-            std::size_t end, WorkerPool& pool);
+  void begin_collect(bool any_filter, const PairTable& table, bool sorted);
+  void sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end);
+  void keep(const TouchMemory& recent, std::size_t begin, std::size_t end);
 
   /// The lists were made anew for some bodies, `found`, by slot (renewal.h). Of their new pairs and static contacts,
   /// those of discs stay, and those that are manifolds are noted. O(pairs of `found`), and once O(pairs).
-  void sort_out_renewed(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined,
-                        std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& static_contacts, WorkerPool& pool);
+  void sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& near);
   /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
   void put_renewed(const std::function<bool(std::uint32_t)>& found);
   /// Whether the pairs of a saved state are those of so many strips, which were made again. In the middle of a step the
   /// last strip may have had more pairs, which are not there yet.
   bool fit(std::size_t strips);
-  std::uint32_t renewed() const { return static_cast<std::uint32_t>(pairs_.size()) - own_end_; }
 
   /// Makes room for so many pairs.
   void spare(std::size_t pairs, std::size_t strips);
   /// Keeps the pairs as they are before a refresh that may be given up.
-  void remember(WorkerPool& pool);
+  void remember();
   /// Swaps the pairs as they were before collect or remember() and as they are since. Both exist until accept().
   void turn_back() {
-    if (both_) swap_pairs();
+    if (both_) old_pairs_.swap(pairs_);
   }
   /// The present pairs count from now on.
   void accept() { both_ = collecting_ = false; }
 
   /// Makes the manifolds of this step: pieces [begin, end) of look_pieces(), from the first to the last, in one go or
   /// spread over frames. O(pairs).
-  void refresh(BodyStore& bodies, const ManifoldParams& params, std::size_t begin, std::size_t end, WorkerPool& pool);
+  void refresh(const ManifoldParams& params, std::size_t begin, std::size_t end);
   std::size_t look_pieces() const { return cuts_.size(); }
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
   /// Makes colours and blocks for this step. O(touching pairs).
-  void lay_out(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies,
-               WorkerPool& pool);
+  void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
   /// Copies impulses from the blocks back to the pairs, before the blocks or the pairs change.
-  void keep_impulses(WorkerPool& pool);
-  /// Sets all impulses to 0.
-  void forget();
+  void keep_impulses();
   /// Drops all pairs.
+  void forget();
+  /// Drops all pairs and what was made of them.
   void clear();
   /// Drops all pairs and gives the memory back.
   void release();
 
   StripBlocks& strip(std::size_t index) { return strips_[index]; }
   const StripBlocks& strip(std::size_t index) const { return strips_[index]; }
-  std::size_t strips() const { return strips_.size(); }
-  bool any() const { return points_ != 0; }
-  /// Whether some contacts are under heavy loads.
-  bool loaded() const { return loaded_; }
-  /// Blocks that a pass of the solver goes through.
-  std::uint64_t pass_blocks() const { return pass_blocks_; }
+  std::size_t strip_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
   /// About how many lanes a pass has once the pairs that were looked at are laid out, and how many pairs must be
   /// written into lanes for that.
   std::uint64_t expected_lanes() const;
   std::uint64_t expected_writes() const;
   std::uint64_t pair_count() const { return collecting_ ? old_pairs_.size() : pairs_.size(); }
   /// An estimate of how many pairs the next refresh looks at: as many as the last one, plus the new pairs.
-  std::uint64_t expected_looks() const { return looks_ + new_pairs_; }
-  std::uint64_t points() const { return points_; }
-  std::uint32_t colours() const { return colours_; }
+  std::uint64_t expected_looks() const { return looks_.again + new_pairs_; }
   const std::vector<ManifoldPair>& pairs() const { return pairs_; }
+  ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
   std::span<const ManifoldPair> pairs_of(std::size_t strip) const {
     const auto at = [&](std::size_t k) { return pairs_.data() + std::min<std::size_t>(begin_[k], pairs_.size()); };
     return {at(strip), at(strip + 1)};
@@ -248,26 +258,20 @@ class Manifolds {
   }
   /// The number of pairs, or the expected number while they are collected.
   std::size_t count_of(std::size_t strip) const { return begin_[strip + 1] - begin_[strip]; }
-  ManifoldPair& pair(std::uint32_t k) { return pairs_[k]; }
-  /// Sets whether a pair that was looked at is in a stack, and in which kind.
-  void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
-  /// Pairs of a strip that are contacts in this step.
-  const std::vector<std::uint32_t>& active_of(std::size_t strip) const { return strips_[strip].active; }
   std::size_t strip_of(std::uint32_t pair) const {
     return static_cast<std::size_t>(std::upper_bound(begin_.begin(), begin_.end(), pair) - begin_.begin()) - 1;
   }
+  /// Sets whether a pair that was looked at is in a stack, and in which kind.
+  void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
   /// Whether a fixed piece lies below the plane on which a body rests.
   bool is_ghost(std::uint32_t slot, std::uint32_t shape) const {
     return std::binary_search(ghosts_.begin(), ghosts_.end(), std::uint64_t{slot} << 32 | shape);
   }
-  bool has_corners(std::uint32_t slot) const { return (kind_[slot] & kShape) != 0; }
+  bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
   /// Slots of the bodies that are not discs.
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
-  /// The number of blocks of all strips.
-  std::uint32_t blocks() const { return blocks_; }
   /// Cosine and sine of a body that is not a disc, at the start of the frame.
-  Rotor rotor(std::uint32_t slot) const { return {rotor_[2 * std::size_t{slot}], rotor_[2 * std::size_t{slot} + 1]}; }
-  std::size_t strip_count() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+  Rotor rotor(std::size_t slot) const { return {rotor_[2 * slot], rotor_[2 * slot + 1]}; }
   /// Whether a pair carried an impulse or touched in the last step.
   bool closed(std::size_t strip, const ManifoldPair& pair) const {
     if (pair.lane == PairName::kNone) return false;
@@ -286,73 +290,47 @@ class Manifolds {
   // The kind of the body in each slot, for fast tests: a plain disc, or a body to look up.
   static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8;
 
-  struct Found {  // the pairs that collect found in one strip, and where each was in the last lists
-    std::vector<PairName> pairs;
-    std::vector<std::uint32_t> before;
-    std::vector<std::uint64_t> ghosts;
+  struct FoundPair : PairName {    // a pair that collect or a renewal found
+    std::uint32_t before = kNone;  // its place among the pairs of the index
   };
-
   struct Cut {  // a piece of the pairs of one strip
     std::uint32_t strip = 0, begin = 0, end = 0;
-    std::uint32_t looks = 0;  // pairs known before that the last refresh looked at
-    bool whole = false;       // it has all pairs of the strip
-    bool last = false;        // it is the last piece of the strip
-    Batches batches = {};     // of the last refresh
+    Looks looks;  // of the last refresh
   };
+  // Pairs by owner. The entries of id k are [first[k], first[k + 1]).
+  struct Index {
+    struct Entry {
+      std::uint32_t mark = 0, pair = 0;
+    };
+    std::vector<std::uint32_t> first;
+    std::vector<Entry> entries;
+    void make(std::span<const ManifoldPair> pairs, std::uint32_t ids);
+    std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
+  };
+  struct Sorter;  // manifold_pairs.cpp
+  struct Look;    // manifold_look.cpp
+  struct Layout;  // manifold_layout.cpp
 
   template <class A>
   void check_pair(A& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
   template <class A>
   void check_strip(A& a, std::size_t strip, const ManifoldsAround& around) const;
-  void complete(std::size_t slots);
   void cut();
-  void sort_out_strip(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined, PairTable& table,
-                      std::size_t strip);
   void place_pairs(std::size_t strips);
-  bool collide_at_all(const BodyStore& bodies, const Joined* joined, std::uint32_t a, std::uint32_t b) const;
-  void index(const std::vector<ManifoldPair>& pairs, std::size_t count, std::uint32_t ids);
-  enum class Fate { stays, manifold, goes };
-  Fate fate(const BodyStore& bodies, const Joined* joined, std::uint32_t a, std::uint32_t b) const;
-  Fate fate(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined,
-            const StaticPair& static_pair) const;
-  void name(const BodyStore& bodies, std::uint32_t a, std::uint32_t b, PairName& pair) const;
-  static void name(const BodyStore& bodies, const StaticShapes& statics, const StaticPair& static_pair, PairName& pair);
-  template <class Each>
-  void each_other_part(const BodyStore& bodies, const PairName& pair, const Each& each) const;
-  std::uint32_t recall(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
-  struct Look;  // manifold_look.h
-  void swap_pairs();
-  void begin_refresh(const BodyStore& bodies, const ManifoldParams& params, WorkerPool& pool);
-  void finish_strip(const Look& look, std::size_t strip);
-  void write_gaps(StripBlocks& strip, const ManifoldPair& pair) const;
-  void soften(StripBlocks& strip, const ManifoldParams& params) const;
-  /// By run of a strip and colour: the number of pairs, then the next free lane.
-  using LaneCounts = std::array<std::array<std::uint32_t, ManifoldPair::kColours + 1>, 4>;
-  void colour_strip(const HeavyLoads& loads, std::size_t index, LaneCounts& counts);
-  static std::uint32_t place_runs(StripBlocks& strip, LaneCounts& next);
-  void lay_out_strip(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params,
-                     std::uint32_t dummies, std::size_t strip);
-  void fill(const BodyStore& bodies, const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies,
-            std::size_t strip, ManifoldPair& pair);
+  Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  void finish_strip(const ManifoldParams& params, std::size_t strip);
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
   std::vector<Cut> cuts_;             // the pieces of all strips, in order
   std::uint32_t own_end_ = 0;         // the first pair of renewed bodies that belongs to no strip
-  struct Renewed : PairName {
-    std::uint32_t before = kNone;  // its place among the pairs of its strip
-  };
-  std::vector<Renewed> renewed_;      // pairs that were found in this renewal
-  std::vector<ManifoldPair> before_;  // pairs that were there before
-  bool indexed_ = false;              // the index by owner is that of the present pairs
-  // The pairs of the last lists by owner. The entries of id k are [first_[k], first_[k + 1]).
-  struct Entry {
-    std::uint32_t mark = 0, pair = 0;
-  };
-  std::vector<std::uint32_t> first_, owner_;
-  std::vector<Entry> entries_;
-  std::vector<Found> found_;
-  std::vector<std::uint64_t> ghosts_;  // slot << 32 | fixed piece, ascending
+  Index index_;                       // of the last lists while pairs are collected, of the present ones in renewals
+  bool indexed_ = false;              // the index is that of the present pairs
+  std::vector<std::vector<FoundPair>> found_;  // by strip: pairs that collect found
+  std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
+  std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
+  std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;  // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;    // by strip: its blocks have other pairs
@@ -361,16 +339,14 @@ class Manifolds {
   Column<float> inner_;                // by slot: m, the inner radius in this step
   Column<std::uint32_t> used_;         // by slot: the colours that are taken
   std::vector<std::uint32_t> shaped_;  // slots of bodies that are not discs
-  std::uint64_t points_ = 0;
-  std::uint64_t looks_ = 0, new_pairs_ = 0;  // in the last refresh; since then
-  Batches batches_;                          // of the last refresh
-  float g_ = 0;                              // m/s^2, in this step
-  bool any_filter_ = false, loaded_ = false;
+  Totals totals_;
+  Looks looks_;                  // of the last refresh
+  std::uint64_t new_pairs_ = 0;  // since then
+  float g_ = 0;                  // m/s^2, in this step
+  bool any_filter_ = false;
   bool both_ = false;        // old_pairs_ has the pairs of the last step
   bool collecting_ = false;  // pairs_ is not complete yet
   bool laid_ = false;        // impulses are in the blocks, not in the pairs
-  std::uint32_t colours_ = 0, blocks_ = 0;
-  std::uint64_t pass_blocks_ = 0;
 };
 
 }  // namespace psim

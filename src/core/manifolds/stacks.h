@@ -11,10 +11,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
 #include "manifolds/manifolds.h"
 #include "views.h"
 
@@ -39,17 +38,19 @@ struct ReducedLink {
 };
 /// A 3 x 3 problem: two normals and one friction row.
 struct StackLink {
-  std::uint32_t pair = 0, strip = 0, lane = 0;
+  std::uint32_t pair = 0;
   bool b_above = false;  // B stands on A
   double closed = 0;     // m: a solve may close this gap
   // The same for all solves of a step:
-  double dx[3] = {}, dy[3] = {};          // direction of each row, for the upper body
-  double up[3] = {}, low[3] = {};         // lever arm of each row, for the upper and the lower body
-  double wu = 0, gu = 0, wl = 0, gl = 0;  // inverse mass and R^2 / I of the two
-  double an = 0, bn = 0;                  // arm of the friction row
-  double a[3][3] = {}, soft[2] = {};      // own block; compliance of the normals
-  double full[3][3] = {};                 // coupling with the link below
-  ReducedLink reduced[2];                 // rigid, soft
+  kernels::ManifoldBlock* block = nullptr;  // where the pair was laid out
+  std::uint32_t lane = 0;                   // in the block
+  Vec2 along[3];                            // direction of each row, for the upper body
+  double up[3] = {}, low[3] = {};           // lever arm of each row, for the upper and the lower body
+  double wu = 0, gu = 0, wl = 0, gl = 0;    // inverse mass and R^2 / I of the two
+  double an = 0, bn = 0;                    // arm of the friction row
+  double a[3][3] = {}, soft[2] = {};        // own block; compliance of the normals
+  double full[3][3] = {};                   // coupling with the link below
+  ReducedLink reduced[2];                   // rigid, soft
   // In one solve:
   unsigned rows = 0;  // as in ReducedLink
   double r[3] = {}, right[3] = {}, d[3] = {};
@@ -62,35 +63,31 @@ struct StackLink {
 
 class Stacks {
  public:
+  Stacks(const Surroundings& s, Manifolds& manifolds) : b_(s.bodies), pool_(s.pool), manifolds_(manifolds) {}
+
   /// Finds the stacks among the pairs as they are now, and tells the pairs (ManifoldPair::stack)
   /// before they are laid out. O(pairs).
-  void find(const BodyStore& bodies, Manifolds& manifolds, const ManifoldParams& params, const PairTable& table,
-            WorkerPool& pool);
+  void find(const ManifoldParams& params);
   void forget() {
     stacks_.clear();
     links_.clear();
   }
   /// Gives the memory back. There are no shapes that could stand on each other.
-  void release() { *this = Stacks(); }
+  void release() { give_back(standing_, run_, links_, stacks_); }
   bool any() const { return !stacks_.empty(); }
   std::size_t link_count() const { return stacks_.empty() ? 0 : links_.size(); }
 
-  /// Calls each(walk) for every stack; walk(visit) calls visit(pair) for its contacts from the bottom up.
+  /// Calls each(links) for every stack, with its links from the bottom up.
   template <class Each>
   void each_stack(const Each& each) const {
-    for (const Stack& c : stacks_) {
-      each([&](const auto& visit) {
-        for (std::uint32_t k = c.first; k < c.first + c.count; ++k) visit(links_[k].pair);
-      });
-    }
+    for (const Stack& c : stacks_) each(std::span(links_).subspan(c.first, c.count));
   }
 
-  /// Looks up where the pairs were laid out.
-  void place(const Manifolds& manifolds);
+  /// Reads the lanes where the pairs were laid out.
+  void place();
 
   /// Solves every stack directly: softly, with overlaps pushed out (`soft`), or rigidly.
-  void solve(const kernels::BodyView& bodies, Manifolds& manifolds, const kernels::ContactParams& p, double gravity,
-             bool soft, WorkerPool& pool);
+  void solve(const kernels::BodyView& bodies, const kernels::ContactParams& p, double gravity, bool soft);
 
   std::size_t bytes() const {
     return (links_.capacity() + run_.capacity()) * sizeof(StackLink) + stacks_.capacity() * sizeof(Stack) +
@@ -110,16 +107,17 @@ class Stacks {
   };
   struct Stack {
     std::uint32_t first = 0, count = 0;  // links, from the bottom
-    bool read = false;                   // the parts that stay the same within the step were read
   };
 
-  void find_supports(const BodyStore& bodies, const Manifolds& manifolds, Vec2 gravity, double g,
-                     const PairTable& table, WorkerPool& pool);
-  void mark_links(const BodyStore& bodies, const Manifolds& manifolds);
-  bool follow_down(const BodyStore& bodies, const Manifolds& manifolds, std::uint32_t top);
-  void add_stack(const BodyStore& bodies, Manifolds& manifolds, std::size_t begin, std::size_t end);
-  void solve_one(const kernels::BodyView& bodies, Manifolds& manifolds, const kernels::ContactParams& p, double gravity,
-                 bool soft, Stack& stack);
+  std::span<StackLink> links_of(const Stack& stack) { return std::span(links_).subspan(stack.first, stack.count); }
+  void find_supports(Vec2 gravity);
+  void mark_links();
+  bool follow_down(std::uint32_t top);
+  void add_stack(std::size_t begin, std::size_t end);
+
+  const BodyStore& b_;
+  WorkerPool& pool_;
+  Manifolds& manifolds_;
   std::vector<Standing> standing_;  // by slot
   std::vector<StackLink> run_;      // links of bodies that stand on each other, from the bottom
   std::vector<StackLink> links_;

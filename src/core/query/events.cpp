@@ -217,7 +217,7 @@ void EventList::compare_rest(const Observed& world) {
       }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
-      for (const std::uint32_t k : manifolds.active_of(s)) {
+      for (const std::uint32_t k : manifolds.strip(s).active) {
         const ManifoldPair& pair = manifolds.pairs()[k];
         if (pair.id_a == ManifoldPair::kNone || !manifolds.closed(s, pair)) continue;
         if (here(pair.id_a) && here(pair.id_b)) now_.push_back(key_of(pair.id_a, pair.id_b));

@@ -86,7 +86,7 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
 // Takes the chosen bodies, the last ones of the list, out of the columns and stands them among the fixed shapes.
 void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t first) {
   BodyStore& bodies = source.population.bodies;
-  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses(source.pool);
+  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses();
   group_stacks(source, sleepers);
   keep_touches(source, sleepers, first);
   for (std::uint32_t slot = 0; slot < bodies.count; ++slot) {

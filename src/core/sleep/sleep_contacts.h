@@ -34,14 +34,8 @@ inline void order_points(const ManifoldPair& pair, Touch& touch) {
 }
 
 inline float gap_of(const ManifoldPair& pair) {
-  switch (pair.manifold.count) {
-    case 2:
-      return std::fmin(pair.gap[0], pair.gap[1]);
-    case 1:
-      return pair.gap[0];
-    default:
-      return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
-  }
+  if (pair.manifold.count != 0) return pair.least_gap();
+  return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
 }
 
 /// Calls each(contact) for the discs' contacts of a strip.
@@ -109,14 +103,14 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
 /// may come twice.
 template <class Wanted, class Each>
 void each_stack(const SleepSource& source, const Wanted& wanted, const Each& each) {
-  source.contacts.stacks.each_stack([&](const auto& each_pair_of) {
+  source.contacts.stacks.each_stack([&](std::span<const StackLink> links) {
     each([&](const auto& f) {
-      each_pair_of([&](std::uint32_t index) {
-        const ManifoldPair& pair = source.contacts.manifolds.pairs()[index];
+      for (const StackLink& link : links) {
+        const ManifoldPair& pair = source.contacts.manifolds.pairs()[link.pair];
         for (const std::uint32_t slot : {pair.a, pair.b}) {
           if (slot != kNoSlot && wanted(slot)) f(slot);
         }
-      });
+      }
     });
   });
 }

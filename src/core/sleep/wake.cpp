@@ -177,7 +177,7 @@ void Sleep::keep_touches_of_woken(const SleepSource& source, bool impulses_valid
   if (!impulses_valid) return;
   const Population& population = source.population;
   const StaticShapes& statics = population.statics;
-  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses(source.pool);
+  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses();
   each_contact(source, [&](const SleepContact& contact) {
     if (contact.a != kNoSlot || !contact.loaded || contact.shape >= kWallLeft) return;
     if (!statics[contact.shape].asleep || statics[contact.shape].alive) return;

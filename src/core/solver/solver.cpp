@@ -43,11 +43,11 @@ void set_soft(ContactParams& p, double h, double frequency, double damping) {
 }
 
 // The same stiffness as compliance and rate of an overlap, see ManifoldBlock.
-void set_softness(double h, double frequency, float& soft, float& rate) {
+void set_softness(double h, double frequency, Stiffness& of) {
   const double omega = 2 * std::numbers::pi * frequency;
   const double a1 = 2 * kManifoldDamping + h * omega;
-  soft = static_cast<float>(1 / (h * omega * a1));
-  rate = static_cast<float>(omega / a1);
+  of.soft = static_cast<float>(1 / (h * omega * a1));
+  of.rate = static_cast<float>(omega / a1);
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       solver_(solver),
       params_(params),
       stream_(kick_params(params.gravity, params.damping, h_)),
-      loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.loaded() ? 0 : HeavyLoads::kSweeps) {
+      loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.totals().loaded ? 0 : HeavyLoads::kSweeps) {
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
   // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
   const double kept = std::exp(-std::fmin(params.damping * h_, kMostDamped));
@@ -126,12 +126,12 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   solve();
-  if (stacks.any()) stacks.solve(view_, contacts.manifolds, discs_.pair, gravity_, true, s_.pool);
+  if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   joints.hold(view_, 1);
   drift();
   if (!kinematics.empty()) carry_kinematics();
   joints.hold(view_, -1);
-  if (stacks.any()) stacks.solve(view_, contacts.manifolds, discs_.pair, gravity_, false, s_.pool);
+  if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
   relax();
   if (bounce_) spend();
 }
@@ -307,14 +307,12 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
 void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p) {
   for (std::size_t fixed = 0; fixed < 2; ++fixed) {
     const double times = fixed != 0 ? kFixedStiffness : 1;
-    const auto set = [&](double stiffness, float& soft, float& rate) {
-      set_softness(h, stiffness / stiff_substep, soft, rate);
-    };
-    set(times * kManifoldStiffness, p.soft[fixed], p.rate[fixed]);
-    set(times * kLoadedManifoldStiffness, p.soft[2 + fixed], p.rate[2 + fixed]);
-    set(times * kBouncingStiffness, p.bouncing_soft[fixed], p.bouncing_rate[fixed]);
-    set(fixed != 0 ? kFixedColumnStiffness : kColumnStiffness, p.stack_soft[fixed], p.stack_rate[fixed]);
-    p.stack_rate[fixed] = std::min(p.stack_rate[fixed], static_cast<float>(kColumnPush / h));
+    const auto set = [&](double stiffness, Stiffness& of) { set_softness(h, stiffness / stiff_substep, of); };
+    set(times * kManifoldStiffness, p.plain[fixed]);
+    set(times * kLoadedManifoldStiffness, p.plain[2 + fixed]);
+    set(times * kBouncingStiffness, p.bouncing[fixed]);
+    set(fixed != 0 ? kFixedColumnStiffness : kColumnStiffness, p.in_stacks[fixed]);
+    p.in_stacks[fixed].rate = std::min(p.in_stacks[fixed].rate, static_cast<float>(kColumnPush / h));
   }
 }
 
@@ -330,7 +328,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
-  for (std::size_t s = 0; s < in.contacts.manifolds.strips(); ++s) closed_ += in.contacts.manifolds.closed(s);
+  for (std::size_t s = 0; s < in.contacts.manifolds.strip_count(); ++s) closed_ += in.contacts.manifolds.closed(s);
   for (const StripSum& strip : sums_) {
     report.virial += strip.virial;
     closed_ += strip.closed;

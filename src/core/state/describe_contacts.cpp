@@ -144,48 +144,59 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   a.packed(ghosts_);
   a.packed(special_);
   a.packed(stale_);
-  a.packed(shaped_, around.present ? around.slots : kAnyNumber);
+  a.packed(shaped_, around.present() ? around.slots : kAnyNumber);
   bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
   a.value(kinds);
   if (kinds) {
     if constexpr (A::kLoading) kind_.reserve(around.slots);
     a.packed(kind_, around.slots);
   }
-  values(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
+  Totals& t = totals_;
+  values(a, t.points, g_, any_filter_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again, new_pairs_);
   if constexpr (!A::kLoading) return;
   if (!kinds) kind_.release();
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
   a.require(std::is_sorted(begin_.begin(), begin_.end()));
-  a.require(!around.exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
+  const bool exact = around.fresh && !around.spread;
+  a.require(!exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
     check_strip(a, k, around);
     points += strips_[k].points;
   }
-  a.require(points_ == 0 || (points_ <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present);
-  if (a.ok()) complete(around.slots);
+  a.require(t.points == 0 || (t.points <= points && around.wanted));
+  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present());
+  if (!a.ok()) return;
+  // What follows from the pairs that were read.
+  old_pairs_.clear();
+  both_ = collecting_ = false;
+  indexed_ = false;
+  own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
+  cut();
+  rotor_.reserve(2 * std::size_t{around.slots});
+  inner_.reserve(around.slots);
+  used_.reserve(around.slots);
 }
 
 template <class A>
 void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& around) const {
-  const BodyStore& b = around.bodies;
+  const BodyStore& b = s_.bodies;
   const auto of = [&](std::uint32_t slot, std::uint32_t id, std::uint32_t part) {
     a.require(id < b.id_count);
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
-    if (around.present && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
+    if (around.present() && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
   };
-  const bool fixed = p.a == PairName::kNone, wall = p.shape >= kWallLeft;
+  const bool fixed = p.of_piece(), wall = p.of_wall();
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
-  if (around.present || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
-  if (fixed) a.require(wall ? p.shape <= kWallTop : p.shape < around.statics.size());
-  if (!a.ok() || !around.present) return;
+  if (around.present() || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
+  if (fixed) a.require(wall ? p.shape <= kWallTop : p.shape < s_.statics.size());
+  if (!a.ok() || !around.present()) return;
   of(p.b, p.id_b, p.part_b);
   if (!fixed) return of(p.a, p.id_a, p.part_a);
   a.require(p.fixed_a);
-  if (!wall) a.require(around.statics[p.shape].alive && around.statics[p.shape].owner == p.id_a);
+  if (!wall) a.require(s_.statics[p.shape].alive && s_.statics[p.shape].owner == p.id_a);
 }
 
 // Lists of pairs that are gone, or not looked at yet, are made anew before anyone reads them.
@@ -214,20 +225,6 @@ void Manifolds::check_strip(A& a, std::size_t index, const ManifoldsAround& arou
   for (const kernels::ManifoldBlock& block : s.blocks) {
     for (const std::uint32_t body : block.body) a.require(body < bodies);
   }
-}
-
-// What follows from the pairs that were read.
-void Manifolds::complete(std::size_t slots) {
-  old_pairs_.clear();
-  both_ = collecting_ = false;
-  indexed_ = false;
-  own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
-  cut();
-  owner_.resize(pairs_.size());
-  for (std::size_t k = 0; k < pairs_.size(); ++k) owner_[k] = pairs_[k].owner;
-  rotor_.reserve(2 * slots);
-  inner_.reserve(slots);
-  used_.reserve(slots);
 }
 
 template <class A>

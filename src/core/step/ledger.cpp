@@ -74,9 +74,10 @@ void survey_lanes(const StepContext& c, bool rebuilt) {
                    contacts.discs.fixed.count);
   if (c.plan.manifolds) {
     std::uint64_t active = 0;
-    for (std::size_t s = 0; s < contacts.manifolds.strips(); ++s) active += contacts.manifolds.active_of(s).size();
-    ledger.add_lanes(LaneUser::manifolds, std::uint64_t{contacts.manifolds.blocks()} * kernels::kBlock, active);
-    ledger.add_lanes(LaneUser::hulls, contacts.manifolds.batches().lanes, contacts.manifolds.batches().used);
+    for (std::size_t s = 0; s < contacts.manifolds.strip_count(); ++s)
+      active += contacts.manifolds.strip(s).active.size();
+    ledger.add_lanes(LaneUser::manifolds, std::uint64_t{contacts.manifolds.totals().blocks} * kernels::kBlock, active);
+    ledger.add_lanes(LaneUser::hulls, contacts.manifolds.looks().lanes, contacts.manifolds.looks().used);
   }
   if (c.plan.joints) {
     Ledger::Lanes& joined = ledger.lanes_of(LaneUser::joints);

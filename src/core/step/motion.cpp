@@ -107,14 +107,15 @@ void lay_out_manifolds(const StepContext& c, double dt) {
   const double h = dt / c.dynamics.substeps;
   ManifoldParams p = c.manifold_params(dt);
   Solver::manifold_softness(h, c.dynamics.next_stiff_substep(h), p);
-  const std::array<float, 4> soft{p.soft[0], p.rate[0], p.soft[2], p.rate[2]};  // the others follow from these
+  const std::array<float, 4> soft{p.plain[0].soft, p.plain[0].rate, p.plain[2].soft,
+                                  p.plain[2].rate};  // the others follow from these
   p.changed = soft != c.contacts.softness_laid;
   c.contacts.softness_laid = soft;
   p.asleep = !c.sleep.sleepers.empty();
-  c.ledger.lanes.vector += c.contacts.manifolds.batches().used;
-  c.ledger.lanes.scalar += c.contacts.manifolds.batches().alone;
-  c.contacts.manifolds.lay_out(c.bodies, c.contacts.loads, p, c.contacts.solved.dummies(), c.pool);
-  c.contacts.stacks.place(c.contacts.manifolds);
+  c.ledger.lanes.vector += c.contacts.manifolds.looks().used;
+  c.ledger.lanes.scalar += c.contacts.manifolds.looks().alone;
+  c.contacts.manifolds.lay_out(c.contacts.loads, p, c.contacts.solved.dummies());
+  c.contacts.stacks.place();
 }
 
 void prepare_contacts(const StepContext& c, double dt) {
@@ -164,7 +165,7 @@ void run_substeps(const StepContext& c, const SolverParams& p, StepReport& repor
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const auto substeps = static_cast<std::uint64_t>(p.substeps);
   const std::uint64_t blocks =
-      std::uint64_t{contacts.discs.pairs.blocks} + contacts.discs.fixed.blocks + contacts.manifolds.blocks();
+      std::uint64_t{contacts.discs.pairs.blocks} + contacts.discs.fixed.blocks + contacts.manifolds.totals().blocks;
   lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
   if (c.kernels.width == 1) return;
   // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.

@@ -142,17 +142,16 @@ void loads(const StepContext& c, const Span&, StepReport&, PieceRange p) {
 }
 
 void gather(const StepContext& c, const Span&, StepReport&, PieceRange) {
-  c.contacts.manifolds.begin_collect(c.bodies, c.plan.filters, c.neighbours.table, c.neighbours.stale, c.pool);
+  c.contacts.manifolds.begin_collect(c.plan.filters, c.neighbours.table, c.neighbours.stale);
 }
 
 void sort_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
-  c.contacts.manifolds.sort_out(c.bodies, c.statics, c.joints.any_exclusions() ? &joined : nullptr, c.neighbours.table,
-                                p.begin, p.end, c.pool);
+  c.contacts.manifolds.sort_out(c.joints.any_exclusions() ? &joined : nullptr, c.neighbours.table, p.begin, p.end);
 }
 
 void keep(const StepContext& c, const Span&, StepReport&, PieceRange p) {
-  c.contacts.manifolds.keep(c.bodies, c.statics, c.sleep.sleepers.recent, p.begin, p.end, c.pool);
+  c.contacts.manifolds.keep(c.sleep.sleepers.recent, p.begin, p.end);
 }
 
 void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
@@ -176,12 +175,12 @@ void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
 void look(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
   Manifolds& manifolds = c.contacts.manifolds;
   const bool in_place = !c.progress.makes_lists() && !c.neighbours.selects();
-  if (p.begin == 0 && c.progress.spread && in_place) manifolds.remember(c.pool);
-  manifolds.refresh(c.bodies, c.manifold_params(span.step), p.begin, p.end, c.pool);
+  if (p.begin == 0 && c.progress.spread && in_place) manifolds.remember();
+  manifolds.refresh(c.manifold_params(span.step), p.begin, p.end);
 }
 
 void stand(const StepContext& c, const Span& span, StepReport&, PieceRange) {
-  c.contacts.stacks.find(c.bodies, c.contacts.manifolds, c.manifold_params(span.step), c.neighbours.table, c.pool);
+  c.contacts.stacks.find(c.manifold_params(span.step));
 }
 
 }  // namespace run

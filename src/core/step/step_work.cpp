@@ -10,11 +10,9 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   ManifoldParams p;
   p.dt = dt;
   p.gravity = desc.gravity;
-  p.lattice = &lattice;
-  p.statics = &statics;
-  p.kernels = &kernels;
   p.walls = walls;
-  p.wall = desc.wall;
+  p.wall.restitution = static_cast<float>(desc.wall.restitution);
+  p.wall.friction = static_cast<float>(desc.wall.friction);
   return p;
 }
 
@@ -111,8 +109,7 @@ bool put_renewed(const StepContext& c) {
   Manifolds& manifolds = c.contacts.manifolds;
   if (c.sorts_out()) {
     const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
-    manifolds.sort_out_renewed(c.bodies, c.statics, c.joints.any_exclusions() ? &joined : nullptr, renewal.pairs(),
-                               renewal.near(), c.pool);
+    manifolds.sort_out_renewed(c.joints.any_exclusions() ? &joined : nullptr, renewal.pairs(), renewal.near());
   }
   if (!renewal.put(c.neighbours.table)) return false;
   if (c.sorts_out()) manifolds.put_renewed([&renewal](std::uint32_t slot) { return renewal.found(slot); });

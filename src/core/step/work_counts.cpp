@@ -30,7 +30,7 @@ ManifoldCounts count_manifolds(const StepContext& c) {
   ManifoldCounts of;
   of.pairs = m.pair_count();
   of.looks = m.expected_looks();
-  of.lanes = kernels::kBlock * m.pass_blocks();
+  of.lanes = kernels::kBlock * m.totals().pass_blocks;
   if (all_done(c.progress)) {
     of.lanes = std::max({of.lanes, loaded_manifold_lanes(c.contacts), m.expected_lanes()});
     of.writes = m.expected_writes();

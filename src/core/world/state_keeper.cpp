@@ -59,7 +59,7 @@ class World::Impl::StateKeeper {
     } else {
       carried_.gather_none(table);
     }
-    if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses(w_.pool);
+    if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses();
     Saver saver(std::move(out));
     values(saver, w_.desc);
     describe(saver);
@@ -192,16 +192,14 @@ class World::Impl::StateKeeper {
   ManifoldsAround around_manifolds() const {
     const StepProgress& now = w_.step_work.progress;
     const bool in_order = !now.sorted() && origin_.empty();
-    ManifoldsAround around{w_.population.bodies, w_.population.statics};
+    ManifoldsAround around;
     around.slots = w_.population.bodies.count;
     around.numbered =
         in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
     around.wanted = w_.plan.manifolds;
     around.fresh = !lists_.stale;
-    around.present = around.fresh && w_.plan.manifolds;
     around.carried = w_.contacts.impulses_valid;
     around.spread = now.makes_lists() || !now.untouched();
-    around.exact = !around.spread && around.fresh;
     around.lists = last_;
     around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
     return around;

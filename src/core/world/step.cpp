@@ -173,7 +173,7 @@ void World::Impl::count_contacts(StepReport& report) {
   report.pairs = contacts.discs.pairs.count + contacts.discs.fixed.count + contacts.manifolds.pair_count();
   report.pairs_reused = contacts.kept ? report.pairs : 0;
   report.contacts = dynamics.solver.closed();
-  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.colours());
+  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
 }
 
 }  // namespace psim

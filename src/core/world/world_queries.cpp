@@ -102,7 +102,7 @@ std::span<const Contact> World::contacts() {
   if (w.plan.model.model == kernels::Model::plain) last.disc_mass = static_cast<double>(w.population.first_mass);
   w.find_moved();
   w.step_work.turn_back(c);
-  if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses(w.pool);
+  if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses();
   const std::span<const Contact> found = find_contacts(w.observed(), last, w.observers.contacts);
   w.step_work.turn_back(c);
   return found;
