@@ -162,7 +162,7 @@ void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& fr
     if (end == now.at && all != 0) break;
     frame.committed = frame.committed || (in_place && !now.spread);
     report.detail.pieces += static_cast<std::uint32_t>(end - now.at);
-    work.run(c, span, report, end);
+    work.run_part(c, span, report, end);
   }
 }
 
@@ -219,7 +219,8 @@ Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed,
   return cut.choice;
 }
 
-void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, bool first, StepReport& report) const {
+void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, StepReport& report) const {
+  const bool first = c.ledger.frames == 0;
   StepProgress& now = work.progress;
   StepDetail& detail = report.detail;
   if (work.untouched()) {
@@ -229,7 +230,7 @@ void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, bool
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
   Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
-  if (first) work.finish(c, span, report);
+  if (first) work.run(c, span, report);
   do_pieces(c, work, span, frame, report);
   detail.solves = false;
   if (work.done()) choose_end(c, dt, first, frame, detail);

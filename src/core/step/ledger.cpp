@@ -30,6 +30,14 @@ void Ledger::end_step(const MemoryMeter& memory, StepReport& report) {
   report.arena_growths = memory.growths - growths_before_;
 }
 
+std::vector<std::pair<std::string, std::uint64_t>> Ledger::skipped() const {
+  std::vector<std::pair<std::string, std::uint64_t>> out;
+  for (std::size_t k = 0; k < skipped_steps_.size(); ++k) {
+    if (skipped_steps_[k] != 0) out.emplace_back(kSkipNames[k], skipped_steps_[k]);
+  }
+  return out;
+}
+
 std::vector<LaneUse> Ledger::lane_use() const {
   std::vector<LaneUse> out;
   for (std::size_t k = 0; k < use_.size(); ++k) {

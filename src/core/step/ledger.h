@@ -5,7 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/column.h"
@@ -49,15 +51,17 @@ class Ledger {
   /// Adds the page to the sums and writes it into the report. Lists that were rebuilt do not count as left out.
   void end_step(const MemoryMeter& memory, StepReport& report);
 
-  /// How many steps left each of kSkipNames out.
-  const std::array<std::uint64_t, kSkipNames.size()>& skipped_steps() const { return skipped_steps_; }
+  /// Names what was left out, and in how many steps.
+  std::vector<std::pair<std::string, std::uint64_t>> skipped() const;
 
+  std::uint64_t frames = 0;  ///< in which the world stepped
+  std::uint64_t steps = 0;   ///< frames in which time did not stand still
   /// Elements that were worked on in lanes and one at a time, since the world was made.
   LaneCounts lanes;
 
   /// Asks for a look at how full the blocks are, in every 16th step.
   void survey_lanes() { surveying_ = true; }
-  bool surveys(std::uint64_t step) const { return surveying_ && step % kSurveySteps == 0; }
+  bool surveys() const { return surveying_ && steps % kSurveySteps == 0; }
   Lanes& lanes_of(LaneUser user) { return use_[static_cast<std::size_t>(user)]; }
   void add_lanes(LaneUser user, std::uint64_t all, std::uint64_t used) {
     lanes_of(user).all += all;

@@ -78,8 +78,7 @@ struct StepContext {
   Contacts& contacts;
   Dynamics& dynamics;
   StepProgress& progress;
-  std::uint64_t steps;  ///< that are over
-  bool detailed;        ///< the step follows a given detail: its lists are cut as with a governor
+  bool detailed;  ///< the step follows a given detail: its lists are cut as with a governor
   BodyStore& bodies = population.bodies;
   StaticShapes& statics = population.statics;
 

@@ -25,7 +25,7 @@ SleepSource StepContext::sleep_source() const {
           contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
 }
 
-void StepWork::run(const StepContext& c, const Span& span, StepReport& report, std::size_t end) {
+void StepWork::run_part(const StepContext& c, const Span& span, StepReport& report, std::size_t end) {
   const StepPart& now = part();
   const StageTimer timer(report, c.tracer, now.stage);
   now.run(c, span, report, {progress.at, end});
@@ -35,15 +35,11 @@ void StepWork::run(const StepContext& c, const Span& span, StepReport& report, s
   progress.at = 0;
 }
 
-void StepWork::finish(const StepContext& c, const Span& span, StepReport& report) {
-  while (!done()) run(c, span, report, part().pieces(c));
-}
-
-void StepWork::run_pieces(const StepContext& c, const Span& span, StepReport& report, std::size_t left) {
+void StepWork::run(const StepContext& c, const Span& span, StepReport& report, std::size_t left) {
   while (left != 0 && !done()) {
-    const std::size_t end = std::min(part().pieces(c), progress.at + left);
-    left -= end - progress.at;
-    run(c, span, report, end);
+    const std::size_t now = std::min(part().pieces(c) - progress.at, left);
+    left -= now;
+    run_part(c, span, report, progress.at + now);
   }
 }
 

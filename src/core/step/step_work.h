@@ -4,6 +4,7 @@
 // impulses stay with the table that they were laid out by.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "step/step_table.h"
@@ -12,6 +13,8 @@ namespace psim {
 
 class StepWork {
  public:
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
   /// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies that the
   /// host pushed in between. Done again, it comes out the same: saved states hold it.
   struct Done {
@@ -23,6 +26,7 @@ class StepWork {
 
   StepProgress progress;
   std::vector<Done> done_so_far;
+  bool detailed = false;  ///< this step follows a given detail: in pieces as they were with a governor
 
   bool untouched() const { return progress.untouched(); }
   bool done() const { return all_done(progress); }
@@ -34,10 +38,9 @@ class StepWork {
   }
 
   /// Does the pieces of the present part up to the `end`-th; after its last one the next part is the present one.
-  void run(const StepContext& c, const Span& span, StepReport& report, std::size_t end);
+  void run_part(const StepContext& c, const Span& span, StepReport& report, std::size_t end);
   /// Does so many pieces, or all that is left.
-  void run_pieces(const StepContext& c, const Span& span, StepReport& report, std::size_t pieces);
-  void finish(const StepContext& c, const Span& span, StepReport& report);
+  void run(const StepContext& c, const Span& span, StepReport& report, std::size_t pieces = kAll);
 
   /// Shows the contacts of the last step, or again those of this one, as far as there are any: each call swaps them.
   void turn_back(const StepContext& c);

@@ -5,6 +5,8 @@
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
 // the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
+#include <ranges>
+
 #include "base/invariant.h"
 #include "base/machine.h"
 #include "state/describe.h"
@@ -38,11 +40,9 @@ std::string differs(const WorldDesc& a, const WorldDesc& b) {
   return same ? "" : "the saved world has other bounds or another boundary";
 }
 
-}  // namespace
-
-class World::Impl::StateKeeper {
+class StateKeeper {
  public:
-  explicit StateKeeper(Impl& world) : w_(world) {}
+  explicit StateKeeper(Owners& world) : w_(world) {}
 
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
@@ -80,7 +80,8 @@ class World::Impl::StateKeeper {
     describe(loader);
     w_.population.traits.snapshots = w_.plan.publish = snapshots;
     if (!loader.ok()) return;
-    take_plan();
+    w_.dynamics.forces.reset();
+    if (!w_.plan_stale) apply_plan(w_);  // else the columns are there, and wait for the next plan
     if (w_.population.bodies.count != 0) w_.population.bodies.pad_tail();
     w_.contacts.discs.give_up();
     w_.contacts.manifolds.forget();  // of bodies that may not be
@@ -89,8 +90,9 @@ class World::Impl::StateKeeper {
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
     lists_.broad.set_origin(origin_);
     w_.contacts.bare = true;
-    w_.placed = true;
+    w_.observers.placed = true;
     w_.observers.forget_all();
+    const double visits = w_.contacts.loads.visits();
     if (lasting()) {
       remake_lists(loader);
     } else {
@@ -102,6 +104,7 @@ class World::Impl::StateKeeper {
     if (lasting() && w_.context().sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work();
+    w_.contacts.loads.set_visits(visits);
   }
 
  private:
@@ -110,8 +113,8 @@ class World::Impl::StateKeeper {
   void describe_progress(A& a) {
     StepProgress& now = w_.step_work.progress;
     Dynamics& dynamics = w_.dynamics;
-    values(a, last_, w_.frame, w_.steps, w_.quarantine.escaped, dynamics.stiff_substep, dynamics.last_substep,
-           dynamics.substeps, w_.plan_stale);
+    values(a, last_, w_.ledger.frames, w_.ledger.steps, w_.quarantine.escaped, dynamics.stiff_substep,
+           dynamics.last_substep, dynamics.substeps, w_.plan_stale);
     values(a, now.part, now.at, now.lists, now.contacts, now.spread, now.waits, now.spoiled, now.horizon);
     a.require(dynamics.substeps >= 1 && dynamics.substeps <= StepDetail::kMostSubsteps && dynamics.last_substep >= 0 &&
               dynamics.stiff_substep >= 0 && now.horizon >= 1 && now.waits < 255 && now.part <= step_parts().size());
@@ -173,9 +176,7 @@ class World::Impl::StateKeeper {
     if (!a.ok()) return;
     Traits traits = w_.population.recounted();
     traits.joints = w_.joints.count();
-    traits.fields = needs_forces(w_.desc.fields);
-    traits.integrator = w_.desc.integrator;
-    traits.walls = w_.desc.boundary == Boundary::walls;
+    take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
     for (std::size_t k = 0; k < w_.population.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
       a.require(w_.population.bodies.id[k] == kNoSlot || (std::isfinite(w_.population.bodies.disp[2 * k]) &&
@@ -207,27 +208,12 @@ class World::Impl::StateKeeper {
     return around;
   }
 
-  void take_plan() {
-    w_.dynamics.forces.reset();
-    if (w_.plan_stale) {  // its columns are there, and wait for the next plan
-      const bool published = w_.applied.publish;
-      w_.applied = w_.plan;
-      w_.applied.publish = published;
-      return;
-    }
-    w_.applied.events = w_.plan.events;  // who listens is in the state
-    w_.apply_plan();
-  }
-
   // Lists that last, and what their contacts carry.
   void remake_lists(Loader& loader) {
     StepWork& work = w_.step_work;
-    const StepProgress now = work.progress;
+    StepWork kept = work;
     const StepContext c = w_.context();
-    const double visits = w_.contacts.loads.visits();
     const std::uint64_t builds = w_.contacts.discs.builds();
-    std::vector<StepWork::Done> done;
-    done.swap(w_.step_work.done_so_far);
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
     lists_.stale = w_.contacts.impulses_valid = true;
@@ -235,7 +221,7 @@ class World::Impl::StateKeeper {
     work.progress.part = part_named("group");
     work.progress.contacts = ContactState::due;
     StepReport ignored;
-    while (work.progress.part < part_named("look")) work.run(c, {}, ignored, work.part().pieces(c));
+    while (work.progress.part < part_named("look")) work.run_part(c, {}, ignored, work.part().pieces(c));
     work.accept(c);
     if (lists_.renewal.renewed() != 0) {
       w_.contacts.discs.lift(lists_.table);
@@ -243,9 +229,7 @@ class World::Impl::StateKeeper {
       put_renewed(c);
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
-    work.progress = now;
-    w_.step_work.done_so_far.swap(done);
-    w_.contacts.loads.set_visits(visits);
+    work = std::move(kept);
     w_.contacts.discs.set_builds(builds);
   }
 
@@ -255,7 +239,6 @@ class World::Impl::StateKeeper {
     StepProgress& now = work.progress;
     const StepContext c = w_.context();
     BodyStore& bodies = w_.population.bodies;
-    const double visits = w_.contacts.loads.visits();
     const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {
@@ -279,62 +262,62 @@ class World::Impl::StateKeeper {
       std::swap(bodies.vel[2 * slot + 1], push.vy);
       if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
     };
-    for (auto push = w_.step_work.done_so_far.rbegin(); push != w_.step_work.done_so_far.rend(); ++push)
-      swap_motion(*push);
+    for (StepWork::Done& done : std::views::reverse(work.done_so_far)) swap_motion(done);
     StepReport ignored;
-    for (StepWork::Done& done : w_.step_work.done_so_far) {
+    for (StepWork::Done& done : work.done_so_far) {
       swap_motion(done);
       while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
         const std::size_t end = work.part().pieces(c);
-        work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
+        work.run_part(c, {done.span, done.span}, ignored,
+                      now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    w_.contacts.loads.set_visits(visits);
     lists_.made.span = made.span;
     lists_.made.selected_span = made.selected_span;
   }
 
   bool lasting() const { return last_ && !lists_.selects(); }
 
-  Impl& w_;
+  Owners& w_;
   NeighbourLists& lists_ = w_.neighbours;
   bool last_ = false;  // lists, or those to select from, last and are made again
   SavedContacts carried_;
   std::vector<std::uint32_t> origin_;  // where bodies lay when the contacts were laid out, if they moved on
 };
 
-void World::save(std::vector<std::byte>& out) { impl_->save(out); }
+}  // namespace
 
-void World::Impl::save(std::vector<std::byte>& out) { StateKeeper(settled()).save(out); }
+void save(Owners& w, std::vector<std::byte>& out) { StateKeeper(w.settled()).save(out); }
 
-bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }
-
-bool World::Impl::restore(std::span<const std::byte> state, std::string& error) {
-  const FloatSettings settings;  // as in a step: what is made here is what a step would make
-  const WorkerPool::Awake awake(pool);
+void go_back(Owners& w, std::span<const std::byte> state) {
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
-  error = loader.error();
-  if (error.empty()) error = differs(read, desc);
-  if (error.empty()) error = psim::check(read, options);
-  if (!error.empty()) return false;
-  std::vector<std::byte> before;
-  save(before);
-  StateKeeper(*this).load(loader, read);
-  error = loader.error();
-  if (!error.empty()) go_back(before);
-  return error.empty();
+  StateKeeper(w).load(loader, read);
+  PSIM_ASSERT(loader.ok());
 }
 
-void World::Impl::go_back(std::span<const std::byte> state) {
-  const FloatSettings settings;
-  const WorkerPool::Awake awake(pool);
+void World::save(std::vector<std::byte>& out) { psim::save(*impl_, out); }
+
+bool World::restore(std::span<const std::byte> state, std::string& error) {
+  Owners& w = *impl_;
+  const FloatSettings settings;  // as in a step: what is made here is what a step would make
+  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
-  StateKeeper(*this).load(loader, read);
-  PSIM_ASSERT(loader.ok());
+  error = loader.error();
+  if (error.empty()) error = differs(read, w.desc);
+  if (error.empty()) error = check(read, w.options);
+  if (!error.empty()) return false;
+  std::vector<std::byte> before;
+  psim::save(w, before);
+  StateKeeper(w).load(loader, read);
+  error = loader.error();
+  if (!error.empty()) go_back(w, before);
+  return error.empty();
 }
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options,

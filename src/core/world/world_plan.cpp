@@ -6,99 +6,26 @@
 #include "world/world_impl.h"
 
 namespace psim {
+namespace {
 
 // Whether a body has an angle or a spin. Where many do the first few tell: O(bodies) only if none does.
-bool World::Impl::anyone_turns() const {
-  const BodyStore& bodies = population.bodies;
-  if (bodies.rim_speed.empty()) return population.traits.turning;
+bool anyone_turns(const Owners& w) {
+  const BodyStore& bodies = w.population.bodies;
+  if (bodies.rim_speed.empty()) return w.population.traits.turning;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] != kNoSlot && (bodies.rim_speed[i] != 0 || bodies.angle[i] != 0)) return true;
   }
-  const std::vector<Sleeper>& sleepers = sleep.sleepers.list;
+  const std::vector<Sleeper>& sleepers = w.sleep.sleepers.list;
   return std::any_of(sleepers.begin(), sleepers.end(), [](const Sleeper& s) { return s.angle != 0; });
 }
 
 // With those that are looked up, not counted.
-Traits World::Impl::present_traits() const {
-  Traits now = population.traits;
-  now.mass_ratio =
-      population.traits.same_mass == population.traits.moving ? 1 : population.bodies.property_table.mass_ratio();
-  now.turning = anyone_turns();
+Traits present_traits(const Owners& w) {
+  Traits now = w.population.traits;
+  now.mass_ratio = now.same_mass == now.moving ? 1 : w.population.bodies.property_table.mass_ratio();
+  now.turning = anyone_turns(w);
   return now;
 }
-
-void World::Impl::replan() {
-  Traits& traits = population.traits;
-  if (!plan_stale) {
-    if (plan.events == traits.events && plan.publish == traits.snapshots) return;
-    plan.events = traits.events;  // who listens or looks changes no result
-    plan.publish = traits.snapshots;
-    return apply_plan();
-  }
-  plan_stale = false;
-  traits = present_traits();
-  const Plan next = make_plan(traits);
-  if (next.model != plan.model) contacts.impulses_valid = false;
-  Plan same = next;
-  same.events = plan.events;
-  same.publish = plan.publish;
-  if (same != plan) spoil_lists();
-  // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
-  // gone, too.
-  if (!next.radii) std::fill_n(population.bodies.radius.data(), population.bodies.count, population.first_radius);
-  if (plan.manifolds && !next.manifolds)
-    contacts.manifolds.clear();  // pairs may be sorted out on, without contacts of shapes
-  plan = next;
-  apply_plan();
-}
-
-// Arrays of what is not in the plan give their memory back. Those of contacts do when the next are built.
-void World::Impl::apply_plan() {
-  BodyStore& bodies = population.bodies;
-  const auto left = [this](bool Plan::*what) { return applied.*what && !(plan.*what); };
-  if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
-  if (!plan.rotation) bodies.drop_rotation();
-  neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
-  contacts.solved.forget(!plan.rotation, !plan.restitution);
-  if (plan.forces) {
-    if (!dynamics.forces) dynamics.forces = std::make_unique<Forces>(desc, lattice);
-  } else {
-    dynamics.forces.reset();
-    bodies.acc.release();
-  }
-  if (plan.fields) {
-    bodies.add_remainders(plan.integrator != Integrator::verlet);
-  } else {
-    bodies.vel_remainder.release();
-    bodies.disp_remainder.release();
-    bodies.drift_correction.release();
-    bodies.spare.release();
-  }
-  if (!plan.turns) bodies.keep_turns(false);
-  population.statics.find_whole(plan.manifolds);
-  const bool sorts_out = context().sorts_out();
-  if (sorted_out && !sorts_out) contacts.manifolds.release();
-  sorted_out = sorts_out;
-  if (left(&Plan::manifolds)) {
-    contacts.stacks.release();
-    if (bodies.hulls.empty()) bodies.hulls.clear();
-  }
-  if (left(&Plan::joints)) joints.release_blocks();
-  if (left(&Plan::continuous)) dynamics.continuous.release();
-  if (left(&Plan::loads)) contacts.loads.release();
-  if (left(&Plan::sleep) && sleep.sleepers.empty()) sleep.sleepers.release();
-  if (left(&Plan::publish)) observers.publisher.release();
-  if (left(&Plan::events)) observers.events = EventList();
-  if (!plan.scales) bodies.pull.release();
-  if (!plan.restitution) {
-    bodies.event_time.release();
-    dynamics.solver.forget_impacts();
-  }
-  dynamics.forces_stale = true;
-  applied = plan;
-}
-
-namespace {
 
 template <class... Arrays>
 std::size_t sum(const Arrays&... arrays) {
@@ -107,9 +34,75 @@ std::size_t sum(const Arrays&... arrays) {
 
 }  // namespace
 
+void replan(Owners& w) {
+  Traits& traits = w.population.traits;
+  Plan& plan = w.plan;
+  if (!w.plan_stale && plan.events == traits.events && plan.publish == traits.snapshots) return;
+  Plan next = plan;
+  if (w.plan_stale) {
+    traits = present_traits(w);
+    next = make_plan(traits);
+  }
+  w.plan_stale = false;
+  if (next.model != plan.model) w.contacts.impulses_valid = false;
+  next.events = plan.events;  // who listens or looks changes no result
+  next.publish = plan.publish;
+  if (next != plan) w.spoil_lists();
+  next.events = traits.events;
+  next.publish = traits.snapshots;
+  BodyStore& bodies = w.population.bodies;
+  // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
+  // gone, too.
+  if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, w.population.first_radius);
+  // Pairs may be sorted out on, without contacts of shapes.
+  if (plan.manifolds && !next.manifolds) w.contacts.manifolds.clear();
+  plan = next;
+  apply_plan(w);
+}
+
+// Arrays of what is not in the plan give their memory back. Those of contacts do when the next are built.
+void apply_plan(Owners& w) {
+  const Plan& plan = w.plan;
+  BodyStore& bodies = w.population.bodies;
+  if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
+  if (!plan.rotation) bodies.drop_rotation();
+  w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
+  w.contacts.solved.forget(!plan.rotation, !plan.restitution);
+  if (plan.forces) {
+    if (!w.dynamics.forces) w.dynamics.forces = std::make_unique<Forces>(w.desc, w.lattice);
+  } else {
+    w.dynamics.forces.reset();
+    bodies.acc.release();
+  }
+  if (plan.fields) {
+    bodies.add_remainders(plan.integrator != Integrator::verlet);
+  } else {
+    for (Column<float>* of : {&bodies.vel_remainder, &bodies.disp_remainder, &bodies.drift_correction, &bodies.spare}) {
+      of->release();
+    }
+  }
+  if (!plan.turns) bodies.keep_turns(false);
+  w.population.statics.find_whole(plan.manifolds);
+  if (!w.context().sorts_out()) w.contacts.manifolds.release();
+  if (!plan.manifolds) w.contacts.stacks.release();
+  if (!plan.manifolds && bodies.hulls.empty()) bodies.hulls.clear();
+  if (!plan.joints) w.joints.release_blocks();
+  if (!plan.continuous) w.dynamics.continuous.release();
+  if (!plan.loads) w.contacts.loads.release();
+  if (!plan.sleep && w.sleep.sleepers.empty()) w.sleep.sleepers.release();
+  if (!plan.publish) w.observers.publisher.release();
+  if (!plan.events && !w.observers.events.on()) w.observers.events = EventList();
+  if (!plan.scales) bodies.pull.release();
+  if (!plan.restitution) {
+    bodies.event_time.release();
+    w.dynamics.solver.forget_impacts();
+  }
+  w.dynamics.forces_stale = true;
+}
+
 std::vector<PlanEntry> World::plan() const {
-  Impl& w = *impl_;
-  const Traits traits = w.present_traits();
+  Owners& w = *impl_;
+  const Traits traits = present_traits(w);
   const Plan plan = make_plan(traits);
   std::vector<PlanEntry> entries = explain(plan, traits);
   const auto count = [&entries](std::string_view stage, std::size_t bytes) {
