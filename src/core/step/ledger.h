@@ -15,30 +15,9 @@
 
 namespace psim {
 
-/// The kernels whose blocks World::lane_use describes, and their public names.
-enum class LaneUser : std::uint8_t {
-  bodies,
-  substeps,
-  search,
-  selection,
-  contacts,
-  fixed_contacts,
-  manifolds,
-  hulls,
-  joints
-};
-inline constexpr std::array<std::string_view, 9> kLaneUserNames = {"bodies",         "substeps", "pair search",
-                                                                   "pair selection", "contacts", "fixed contacts",
-                                                                   "manifolds",      "hulls",    "joints"};
-
 /// What steps did, in counts.
 class Ledger {
  public:
-  /// Lanes of some blocks, and how many of them held something.
-  struct Lanes {
-    std::uint64_t all = 0, used = 0;
-  };
-
   /// Opens the page of a step. `memory` counts the growths of the world's arrays.
   void begin_step(const MemoryMeter& memory);
   /// A stage or a part of one had nothing to do in this step. To say so twice changes nothing.
@@ -62,11 +41,8 @@ class Ledger {
   /// Asks for a look at how full the blocks are, in every 16th step.
   void survey_lanes() { surveying_ = true; }
   bool surveys() const { return surveying_ && steps % kSurveySteps == 0; }
-  Lanes& lanes_of(LaneUser user) { return use_[static_cast<std::size_t>(user)]; }
-  void add_lanes(LaneUser user, std::uint64_t all, std::uint64_t used) {
-    lanes_of(user).all += all;
-    lanes_of(user).used += used;
-  }
+  /// Adds lanes of blocks, and how many of them held something, to what some kernels had so far.
+  void add_lanes(std::string_view user, std::uint64_t lanes, std::uint64_t used);
   std::vector<LaneUse> lane_use() const;
 
  private:
@@ -75,7 +51,7 @@ class Ledger {
   std::uint32_t skipped_ = 0;         // a bit for each Skip, in this step
   std::uint64_t growths_before_ = 0;  // MemoryMeter::growths when the step began
   std::array<std::uint64_t, kSkipNames.size()> skipped_steps_{};
-  std::array<Lanes, kLaneUserNames.size()> use_{};
+  std::vector<LaneUse> use_;  // in the order in which survey_lanes names them
   bool surveying_ = false;
 };
 

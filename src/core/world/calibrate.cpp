@@ -11,42 +11,30 @@ namespace psim {
 namespace {
 
 // A heap of touching discs, or of boxes, in a box.
-std::unique_ptr<World> heap(const RunOptions& options, std::size_t discs, bool boxes) {
-  const auto stacks = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(discs))));
+std::unique_ptr<World> heap(const RunOptions& options, std::size_t bodies, bool boxes) {
+  const double width = std::ceil(std::sqrt(static_cast<double>(bodies)));
   WorldDesc desc;
-  const double width = static_cast<double>(stacks);
   desc.bounds = {0, 0, width, 2 * width};
   desc.dt = 1e-4;  // nothing moves far: lists are made when they are told to be
   desc.sleeping = false;
   std::string error;
   auto world = World::create(desc, options, error);
   if (!world) return nullptr;
+  BodyDesc body;
   if (boxes) {
-    desc.bounds = {0, 0, width + 1, 2 * width};
-    BodyDesc body;
     body.shape = BoxShape{0.99, 0.99, 0};
     body.material.friction = 0.5;
-    for (std::size_t k = 0; k < discs; ++k) {
-      const std::size_t row = k / stacks;
-      body.position = {0.6 + static_cast<double>(k % stacks) + (row % 2 == 1 ? 0.3 : 0.0),
-                       0.495 + 0.99 * static_cast<double>(row)};
-      world->add_body(body, error);
-    }
-    return world;
+  } else {
+    body.shape = DiscShape{0.4995};
   }
-  std::vector<double> x, y;
-  for (std::size_t k = 0; k < discs; ++k) {
-    const std::size_t row = k / stacks;
-    x.push_back(0.5 + static_cast<double>(k % stacks) * (width - 1.5) / (width - 1) + (row % 2 == 1 ? 0.5 : 0.0));
-    y.push_back(0.5 + static_cast<double>(row) * 0.87);
+  const Vec2 first = boxes ? Vec2{0.6, 0.495} : Vec2{0.5, 0.5};
+  const Vec2 pitch = boxes ? Vec2{1, 0.99} : Vec2{(width - 1.5) / (width - 1), 0.87};
+  const double shift = boxes ? 0.3 : 0.5;  // of every other row
+  for (std::size_t k = 0; k < bodies; ++k) {
+    const double row = std::floor(static_cast<double>(k) / width), column = static_cast<double>(k) - row * width;
+    body.position = {first.x + column * pitch.x + std::fmod(row, 2) * shift, first.y + row * pitch.y};
+    world->add_body(body, error);
   }
-  const double radius = 0.4995;
-  DiscBatch batch;
-  batch.x = x;
-  batch.y = y;
-  batch.radius = {&radius, 1};
-  std::uint32_t first = 0;
-  world->add_discs(batch, first, error);
   return world;
 }
 
