@@ -71,9 +71,6 @@ Governor::Growth list_growth(const StepContext& c, int frames) {
   return {reach * reach / (made.reach * made.reach), frames / made.selected_span};
 }
 
-// ns to keep all manifolds as they were beside looking at them.
-double remember_ns(const UnitCosts& c, const WorkCounts& w) { return kRemembered * c.keep * n(w.manifolds.pairs); }
-
 // Substeps that fit beside the rest.
 int fitting(const UnitCosts& costs, const WorkCounts& w, double ns, int most) {
   const double each = substep_ns(costs, w), room = ns - rest_ns(costs, w);
@@ -108,24 +105,15 @@ Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::fun
   return best;
 }
 
-struct Offer {
-  Governor::Choice choice;
-  double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
-};
-Offer offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
+Governor::Choice offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
   const double room = g.room_ns() - g.costs().step;
   const int fits = fitting(g.costs(), w, left, most), next = fitting(g.costs(), w, room, most);
-  const int here = left >= room ? std::max(fits, 1) : fits;
-  Offer of;
-  of.choice.substeps = here;
-  of.choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
+  Governor::Choice of;
+  of.substeps = left >= room ? std::max(fits, 1) : fits;
+  of.frames = std::max(std::min({of.substeps, elapsed, horizon}), 1);
   const int later = std::min({std::max(next, 1), elapsed + 1, horizon});
-  of.choice.solves = here >= 1 && of.choice.frames * (elapsed + 1) >= later * elapsed;
-  if (of.choice.solves) {
-    of.pace = fits == 0 ? 0.0 : 1.0 * of.choice.frames / elapsed;
-  } else {
-    of.pace = next == 0 ? 0.0 : 1.0 * later / (elapsed + 1);
-  }
+  of.solves = of.substeps >= 1 && of.frames * (elapsed + 1) >= later * elapsed;
+  if ((of.solves ? fits : next) != 0) of.pace = of.solves ? 1.0 * of.frames / elapsed : 1.0 * later / (elapsed + 1);
   return of;
 }
 
@@ -148,14 +136,15 @@ void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& fr
     const WorkCounts counts = count_work(c);
     const bool in_place = work.in_place(c);
     if (in_place && now.at == 0 && !step_parts()[now.part - 1u].in_place) {
-      const double left = in_place_ns(costs, counts) + rest_ns(costs, counts) + substep_ns(costs, counts);
+      const double left = ahead_ns(costs, counts, true) + rest_ns(costs, counts) + substep_ns(costs, counts);
       now.spread = frame.elapsed > 1 || frame.spent + left > room_ns;
-      if (now.spread) frame.spent += remember_ns(costs, counts);
+      if (now.spread) frame.spent += kRemembered * costs.keep * n(counts.manifolds.pairs);
     }
     const bool whole = frame.late || (in_place && !now.spread);
     std::size_t end = now.at;
     for (; end < all; ++end) {
-      const double cost = part.cost_ns(c, counts, end);
+      const double cost =
+          part.piece_ns != nullptr ? part.piece_ns(costs, c, counts, end) : part.whole_ns(costs, counts);
       if (frame.spent + cost > room_ns && frame.spent > costs.step && !whole) break;
       frame.spent += cost;
     }
@@ -211,12 +200,11 @@ int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(
 }
 
 Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
-  const Offer whole = offer(*this, w, left, elapsed, horizon, most);
-  if (w.sweeps <= kFewSweeps) return whole.choice;
-  Offer cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
-  if (whole.pace > 0 && cut.pace <= whole.pace) return whole.choice;
-  cut.choice.sweeps = kFewSweeps;
-  return cut.choice;
+  const Choice whole = offer(*this, w, left, elapsed, horizon, most);
+  if (w.sweeps <= kFewSweeps) return whole;
+  Choice cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
+  cut.sweeps = kFewSweeps;
+  return whole.pace > 0 && cut.pace <= whole.pace ? whole : cut;
 }
 
 void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, StepReport& report) const {

@@ -15,7 +15,6 @@ double rest_ns(const UnitCosts& costs, const WorkCounts& work);
 double substep_ns(const UnitCosts& costs, const WorkCounts& work);
 
 class StepWork;
-struct Span;
 struct StepContext;
 struct StepReport;
 
@@ -54,7 +53,8 @@ class Governor {
   struct Choice {
     bool solves = false;  ///< in this frame; else the next one is better
     int substeps = 0, frames = 1;
-    int sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
+    int sweeps = 0;   ///< over impacts in a substep, at most; 0: as many as it takes
+    double pace = 0;  ///< frames made up for in each that goes by; 0: not within the budget
   };
   /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
   /// substep is longer than a frame: time that they cannot make up for is lost. Sweeps over impacts are left out

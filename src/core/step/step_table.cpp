@@ -14,22 +14,18 @@ namespace {
 constexpr double kRenewedFrames = 2.5;
 
 ListSettings list_settings(const StepContext& c, const Span& span) {
-  ListSettings s;
-  s.desc = &c.desc;
-  s.broad = &c.neighbours.broad;
-  s.least_radius = c.population.least_radius;
-  s.uneven = c.plan.uneven;
-  s.restitution = c.plan.restitution;
-  s.mixed_radii = c.plan.radii;
-  s.link_all = c.plan.fields;
-  s.governed = c.governor.on();
-  s.makes_room = c.detailed || c.governor.on() || span.step > span.frame;
-  s.selected = c.neighbours.selects();
-  s.frames = c.neighbours.made.frames;
-  return s;
+  return {.desc = &c.desc,
+          .broad = &c.neighbours.broad,
+          .least_radius = c.population.least_radius,
+          .uneven = c.plan.uneven,
+          .restitution = c.plan.restitution,
+          .mixed_radii = c.plan.radii,
+          .link_all = c.plan.fields,
+          .governed = c.governor.on(),
+          .makes_room = c.detailed || c.governor.on() || span.step > span.frame,
+          .selected = c.neighbours.selects(),
+          .frames = c.neighbours.made.frames};
 }
-
-bool find_renewed(const StepContext& c, float seconds) { return c.neighbours.renewal.find(seconds); }
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
 void link_bodies(const StepContext& c) {
@@ -58,7 +54,7 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
     if (lists.mode == ListMode::one_step) {
       lists.stale = true;
     } else if (lists.may_renew() && !c.contacts.solved.compact()) {
-      lists.stale = !find_renewed(c, static_cast<float>(kMarginFrames * span.frame));
+      lists.stale = !lists.renewal.find(static_cast<float>(kMarginFrames * span.frame));
     } else {
       lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
     }
@@ -73,7 +69,7 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
 void renew(const StepContext& c, const Span& span, StepReport& report, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   ListRenewal& renewal = lists.renewal;
-  if (!renewal.known()) lists.stale = !find_renewed(c, renewal.time());
+  if (!renewal.known()) lists.stale = !renewal.find(renewal.time());
   const std::uint32_t found = renewal.count();
   if (!lists.stale) {
     c.contacts.discs.lift(lists.table);
@@ -418,21 +414,10 @@ std::uint8_t next_part(const StepContext& c, std::uint8_t row) {
   return row;
 }
 
-double StepPart::cost_ns(const StepContext& c, const WorkCounts& work, std::size_t piece) const {
-  const UnitCosts& ns = c.governor.costs();
-  return piece_ns != nullptr ? piece_ns(ns, c, work, piece) : whole_ns(ns, work);
-}
-
-double ahead_ns(const UnitCosts& ns, const WorkCounts& work) {
-  double sum = 0;
-  for (const StepPart& part : kParts) sum += part.whole_ns(ns, work);
-  return sum;
-}
-
-double in_place_ns(const UnitCosts& ns, const WorkCounts& work) {
+double ahead_ns(const UnitCosts& ns, const WorkCounts& work, bool in_place) {
   double sum = 0;
   for (const StepPart& part : kParts) {
-    if (part.in_place) sum += part.whole_ns(ns, work);
+    if (part.in_place || !in_place) sum += part.whole_ns(ns, work);
   }
   return sum;
 }

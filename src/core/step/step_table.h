@@ -35,16 +35,13 @@ struct StepPart {
   /// It changes contacts that lie as they were in the step before. Once begun it must end in the same frame, unless
   /// those contacts were remembered first (StepProgress::spread).
   bool in_place = false;
-
-  double cost_ns(const StepContext& c, const WorkCounts& work, std::size_t piece) const;
 };
 
 /// All parts, in order. StepProgress::part counts them; as many as there are: all is done.
 std::span<const StepPart> step_parts();
 inline bool all_done(const StepProgress& progress) { return progress.part >= step_parts().size(); }
-/// Predicted ns of all parts, if lists are made; of those that change contacts in place.
-double ahead_ns(const UnitCosts& costs, const WorkCounts& work);
-double in_place_ns(const UnitCosts& costs, const WorkCounts& work);
+/// Predicted ns of all parts, if lists are made; or of those alone that change contacts in place.
+double ahead_ns(const UnitCosts& costs, const WorkCounts& work, bool in_place = false);
 /// The row of a part.
 std::uint8_t part_named(std::string_view name);
 /// The first row from `row` on that applies.

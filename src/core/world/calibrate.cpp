@@ -77,7 +77,7 @@ struct Shares : HeapShares {
     const UnitCosts costs;
     const WorkCounts work = count();
     const double still = quiet(few), pass_ns = (quiet(many) - still) / (kMany - kFew);
-    const double every = in_place_ns(costs, work) + costs.check * static_cast<double>(work.bodies);
+    const double every = ahead_ns(costs, work, true) + costs.check * static_cast<double>(work.bodies);
     lists = std::max((quiet(anew) - still) / (ahead_ns(costs, work) - every), 0.1);
     rest = std::max((still - kFew * pass_ns) / (costs.step + rest_ns(costs, work) + every), 0.1);
     pass = std::max(pass_ns / substep_ns(costs, work), 0.1);
