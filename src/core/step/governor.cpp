@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "step/step_work.h"
+#include "step/step_table.h"
 
 namespace psim {
 
@@ -126,15 +126,16 @@ struct Frame {
 };
 
 // Does pieces until the next one does not fit; at least one.
-void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& frame, StepReport& report) {
+void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& report) {
   const UnitCosts& costs = c.governor.costs();
   const double room_ns = c.governor.room_ns();
-  StepProgress& now = work.progress;
-  while (!work.done()) {
-    const StepPart& part = work.part();
+  StepProgress& now = c.progress;
+  while (!all_done(now)) {
+    const StepPart& part = step_parts()[now.part];
     const std::size_t all = part.pieces(c);
     const WorkCounts counts = count_work(c);
-    const bool in_place = work.in_place(c);
+    // It changes contacts that lie as they were in the step before.
+    const bool in_place = part.in_place && !now.makes_lists() && !c.neighbours.selects();
     if (in_place && now.at == 0 && !step_parts()[now.part - 1u].in_place) {
       const double left = ahead_ns(costs, counts, true) + rest_ns(costs, counts) + substep_ns(costs, counts);
       now.spread = frame.elapsed > 1 || frame.spent + left > room_ns;
@@ -151,12 +152,12 @@ void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& fr
     if (end == now.at && all != 0) break;
     frame.committed = frame.committed || (in_place && !now.spread);
     report.detail.pieces += static_cast<std::uint32_t>(end - now.at);
-    work.run_part(c, span, report, end);
+    c.step_work.run_part(c, span, report, end);
   }
 }
 
 // All is ready: does the step end in this frame, with how many substeps, and how many frames does it make up for?
-void choose_end(const StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
+void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
   const UnitCosts& costs = c.governor.costs();
   const WorkCounts counts = count_work(c);
   int horizon = c.progress.horizon;
@@ -207,21 +208,21 @@ Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed,
   return whole.pace > 0 && cut.pace <= whole.pace ? whole : cut;
 }
 
-void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, StepReport& report) const {
+void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const {
   const bool first = c.ledger.frames == 0;
-  StepProgress& now = work.progress;
+  StepProgress& now = c.progress;
   StepDetail& detail = report.detail;
-  if (work.untouched()) {
+  if (now.untouched()) {
     const auto growth = [&c](int frames) { return list_growth(c, frames); };
     now.horizon = static_cast<std::uint8_t>(first ? 1 : horizon(count_work(c), std::min(c.desc.substeps, 255), growth));
   }
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
   Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
-  if (first) work.run(c, span, report);
-  do_pieces(c, work, span, frame, report);
+  if (first) c.step_work.run(c, span, report);
+  do_pieces(c, span, frame, report);
   detail.solves = false;
-  if (work.done()) choose_end(c, dt, first, frame, detail);
+  if (all_done(now)) choose_end(c, dt, first, frame, detail);
   report.predicted_ms = frame.spent * 1e-6;
 }
 

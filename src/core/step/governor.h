@@ -14,7 +14,6 @@ namespace psim {
 double rest_ns(const UnitCosts& costs, const WorkCounts& work);
 double substep_ns(const UnitCosts& costs, const WorkCounts& work);
 
-class StepWork;
 struct StepContext;
 struct StepReport;
 
@@ -34,7 +33,7 @@ class Governor {
   /// Does of a step's work what fits into a frame of dt seconds, and chooses the detail: whether the rest of the step
   /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong to
   /// making ready (World::prepare).
-  void spend_frame(const StepContext& c, StepWork& work, double dt, StepReport& report) const;
+  void spend_frame(StepContext& c, double dt, StepReport& report) const;
   /// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either, and are
   /// taken out of the prediction.
   bool fits_again(const StepContext& c, StepReport& report) const;

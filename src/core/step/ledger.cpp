@@ -54,7 +54,7 @@ std::vector<LaneUse> Ledger::lane_use() const {
 }
 
 // Most is known from the lists; O(bodies / 8 + joints), and for a 64th of the bodies where lists were made.
-void survey_lanes(const StepContext& c, bool rebuilt) {
+void survey_lanes(StepContext& c, bool rebuilt) {
   const auto add_blocks = [&c](std::string_view user, std::uint64_t blocks, std::uint64_t used) {
     c.ledger.add_lanes(user, blocks * kernels::kBlock, used);
   };

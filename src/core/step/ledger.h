@@ -58,6 +58,6 @@ class Ledger {
 struct StepContext;
 
 /// How full the blocks of the kernels are after a step (`rebuilt`: it made new lists), for World::lane_use.
-void survey_lanes(const StepContext& c, bool rebuilt);
+void survey_lanes(StepContext& c, bool rebuilt);
 
 }  // namespace psim

@@ -18,12 +18,12 @@ constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kMostWarm = 4;  // factor on stored impulses where a step is longer than the last
 
 // Where lanes are counted: with one lane a register everything is done one at a time.
-std::uint64_t& lanes_counted(const StepContext& c) {
+std::uint64_t& lanes_counted(StepContext& c) {
   return c.kernels.width == 1 ? c.ledger.lanes.scalar : c.ledger.lanes.vector;
 }
 
 // Accelerations that differ from body to body, after the bodies were sorted.
-void prepare_forces(const StepContext& c, StepReport& report) {
+void prepare_forces(StepContext& c, StepReport& report) {
   Dynamics& dynamics = c.dynamics;
   BodyStore& bodies = c.bodies;
   if (!dynamics.forces || !(dynamics.forces_stale || bodies.acc.empty())) return;
@@ -44,7 +44,7 @@ bool no_contact_of_discs(const StepContext& c) {
   return c.contacts.discs.pair_blocks() + c.contacts.discs.static_blocks() == 0;
 }
 
-SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
+SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) {
   SolverParams p;
   p.dt = dt;
   p.substeps = c.dynamics.substeps;
@@ -93,7 +93,7 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
 }
 
 // Says to the ledger what the plan leaves out.
-void note_skips(const StepContext& c) {
+void note_skips(StepContext& c) {
   c.ledger.skip_if(!c.dynamics.forces, Skip::forces);
   c.ledger.skip_if(!c.plan.restitution, Skip::restitution);
   c.ledger.skip_if(!c.plan.masses && !c.plan.friction, Skip::masses);
@@ -110,7 +110,7 @@ void note_skips(const StepContext& c) {
 
 }  // namespace
 
-void lay_out_manifolds(const StepContext& c, double dt) {
+void lay_out_manifolds(StepContext& c, double dt) {
   const double h = dt / c.dynamics.substeps;
   ManifoldParams p = c.manifold_params(dt);
   Solver::manifold_softness(h, c.dynamics.next_stiff_substep(h), p);
@@ -124,7 +124,7 @@ void lay_out_manifolds(const StepContext& c, double dt) {
   c.contacts.stacks.place(c.contacts.manifolds);
 }
 
-void prepare_contacts(const StepContext& c, double dt) {
+void prepare_contacts(StepContext& c, double dt) {
   if (c.plan.manifolds) lay_out_manifolds(c, dt);
   if (no_contact_of_discs(c)) {
     c.ledger.skip_if(!c.contacts.manifolds.any(), Skip::narrow_phase);
@@ -134,7 +134,7 @@ void prepare_contacts(const StepContext& c, double dt) {
   c.contacts.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, c.neighbours.table);
 }
 
-std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report) {
+std::optional<SolverParams> prepare_substeps(StepContext& c, double dt, StepReport& report) {
   prepare_forces(c, report);
   note_skips(c);
   if (no_contact_of_discs(c) && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
@@ -160,7 +160,7 @@ std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, St
   return p;
 }
 
-void run_substeps(const StepContext& c, const SolverParams& p, StepReport& report) {
+void run_substeps(StepContext& c, const SolverParams& p, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   Contacts& contacts = c.contacts;
   const SolverReport done = c.dynamics.solver.run(
@@ -180,7 +180,7 @@ void run_substeps(const StepContext& c, const SolverParams& p, StepReport& repor
   c.ledger.lanes.scalar += contacts.discs.static_count() + 2u * substeps * contacts.stacks.link_count();
 }
 
-void stop_fast_bodies(const StepContext& c, StepReport& report) {
+void stop_fast_bodies(StepContext& c, StepReport& report) {
   if (!c.plan.continuous) return;
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
@@ -190,7 +190,7 @@ void stop_fast_bodies(const StepContext& c, StepReport& report) {
   report.fast = continuous.fast();
 }
 
-Integrated integrate(const StepContext& c, double dt, StepReport& report) {
+Integrated integrate(StepContext& c, double dt, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::integrate);
   const kernels::StreamParams p = stream_params(c, dt);
   const std::uint32_t blocks = c.bodies.blocks();

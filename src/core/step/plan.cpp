@@ -1,8 +1,20 @@
 #include "step/plan.h"
 
 #include "lists/heavy_loads.h"
+#include "solver/forces.h"
 
 namespace psim {
+
+void take_traits(const WorldDesc& d, Traits& traits) {
+  traits.walls = d.boundary == Boundary::walls;
+  traits.wall_bounce = d.wall.restitution > 0;
+  traits.wall_rough = d.wall.friction > 0;
+  traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
+  traits.fields = needs_forces(d.fields);
+  traits.integrator = d.integrator;
+  traits.sleeping = d.sleeping;
+  traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
+}
 
 Plan make_plan(const Traits& t) {
   Plan p;

@@ -13,7 +13,7 @@ namespace {
 // they are renewed seldom.
 constexpr double kRenewedFrames = 2.5;
 
-ListSettings list_settings(const StepContext& c, const Span& span) {
+ListSettings list_settings(StepContext& c, const Span& span) {
   return {.desc = &c.desc,
           .broad = &c.neighbours.broad,
           .least_radius = c.population.least_radius,
@@ -22,13 +22,13 @@ ListSettings list_settings(const StepContext& c, const Span& span) {
           .mixed_radii = c.plan.radii,
           .link_all = c.plan.fields,
           .governed = c.governor.on(),
-          .makes_room = c.detailed || c.governor.on() || span.step > span.frame,
+          .makes_room = c.step_work.detailed || c.governor.on() || span.step > span.frame,
           .selected = c.neighbours.selects(),
           .frames = c.neighbours.made.frames};
 }
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
-void link_bodies(const StepContext& c) {
+void link_bodies(StepContext& c) {
   if (!c.population.kinematics.empty()) {
     c.bodies.find_slots();
     for (const auto& [id, velocity] : c.population.kinematics) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
@@ -45,7 +45,7 @@ void link_bodies(const StepContext& c) {
 namespace run {
 
 // Finds out whether there must be new lists.
-void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   if (c.sleep.sleepers.woke) c.sleep.keep_touches_of_woken(c.sleep_source(), c.contacts.impulses_valid);
   c.bodies.pad_tail();
@@ -66,7 +66,7 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
 }
 
 // Makes the lists of those bodies anew that used up their margin; of all, if they are too many.
-void renew(const StepContext& c, const Span& span, StepReport& report, PieceRange) {
+void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   ListRenewal& renewal = lists.renewal;
   if (!renewal.known()) lists.stale = !renewal.find(renewal.time());
@@ -82,42 +82,42 @@ void renew(const StepContext& c, const Span& span, StepReport& report, PieceRang
   if (!lists.stale) report.renewed = found;
 }
 
-void measure(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void measure(StepContext& c, const Span& span, StepReport&, PieceRange) {
   if (!c.bodies.rim_speed.empty()) c.bodies.add_rotation();
   c.neighbours.measure(list_settings(c, span), span.step);
   c.neighbours.made.span = span.step / span.frame;
   c.progress.lists = ListState::begun;
 }
 
-void count(const StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
+void count(StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
 
-void move(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void move(StepContext& c, const Span&, StepReport&, PieceRange p) {
   if (!c.neighbours.move(p.begin, p.end)) return;
   if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.from(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
 
-void search(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void search(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.neighbours.broad.search(c.neighbours.found(), p.begin, p.end);
 }
 
-void near(const StepContext& c, const Span&, StepReport& report, PieceRange p) {
+void near(StepContext& c, const Span&, StepReport& report, PieceRange p) {
   c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
   if (p.end == c.neighbours.broad.nears()) report.rebuilt = true;
 }
 
-void select(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+void select(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   c.progress.contacts = ContactState::replaced;
   c.neighbours.made.selected_span = span.step / span.frame;
   c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
 }
 
-void pack(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void pack(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
 }
 
-void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
+void group(StepContext& c, const Span&, StepReport&, PieceRange) {
   Contacts& contacts = c.contacts;
   NeighbourLists& lists = c.neighbours;
   link_bodies(c);
@@ -136,25 +136,25 @@ void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
   }
 }
 
-void loads(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void loads(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.contacts.loads.go_on(c.neighbours.table, c.pool, p.begin, p.end);
 }
 
-void gather(const StepContext& c, const Span&, StepReport&, PieceRange) {
+void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
   c.contacts.manifolds.begin_collect(c.bodies, c.plan.filters, c.neighbours.table, c.neighbours.stale, c.pool);
 }
 
-void sort_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void sort_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
   c.contacts.manifolds.sort_out(c.bodies, c.statics, c.joints.any_exclusions() ? &joined : nullptr, c.neighbours.table,
                                 p.begin, p.end, c.pool);
 }
 
-void keep(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void keep(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.contacts.manifolds.keep(c.bodies, c.statics, c.sleep.sleepers.recent, p.begin, p.end, c.pool);
 }
 
-void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void colour(StepContext& c, const Span&, StepReport&, PieceRange p) {
   Contacts& contacts = c.contacts;
   if (p.begin == 0) {
     const BodyProperties* const alike = c.plan.materials ? nullptr : &c.population.first_properties;
@@ -163,7 +163,7 @@ void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   contacts.discs.colour(c.neighbours.table, p.begin, p.end);
 }
 
-void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void lay_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   NeighbourLists& lists = c.neighbours;
   const std::uint32_t* const from = lists.stale ? lists.broad.origin() : nullptr;
   c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleep.sleepers.recent, p.begin, p.end);
@@ -172,14 +172,14 @@ void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   lists.stale = false;
 }
 
-void look(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+void look(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   Manifolds& manifolds = c.contacts.manifolds;
   const bool in_place = !c.progress.makes_lists() && !c.neighbours.selects();
   if (p.begin == 0 && c.progress.spread && in_place) manifolds.remember(c.pool);
   manifolds.refresh(c.bodies, c.manifold_params(span.step), p.begin, p.end, c.pool);
 }
 
-void stand(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
   c.contacts.stacks.find(c.bodies, c.contacts.manifolds, c.manifold_params(span.step), c.neighbours.table, c.pool);
 }
 

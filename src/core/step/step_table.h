@@ -28,7 +28,7 @@ struct StepPart {
   std::string_view cut;   ///< what a piece is, for people
   bool (*applies)(const StepContext&);
   std::size_t (*pieces)(const StepContext&);
-  void (*run)(const StepContext&, const Span&, StepReport&, PieceRange);
+  void (*run)(StepContext&, const Span&, StepReport&, PieceRange);
   /// Predicted ns of one piece (nullptr: the part has one), and of the whole part where only counts are known.
   double (*piece_ns)(const UnitCosts&, const StepContext&, const WorkCounts&, std::size_t piece);
   double (*whole_ns)(const UnitCosts&, const WorkCounts&);
@@ -46,5 +46,9 @@ double ahead_ns(const UnitCosts& costs, const WorkCounts& work, bool in_place = 
 std::uint8_t part_named(std::string_view name);
 /// The first row from `row` on that applies.
 std::uint8_t next_part(const StepContext& c, std::uint8_t row);
+
+/// The pairs of bodies that were looked for again (ListRenewal::look) come into the table and get contacts. False if
+/// they are too many: then all lists must be made anew.
+bool put_renewed(StepContext& c);
 
 }  // namespace psim

@@ -3,8 +3,26 @@
 #include <algorithm>
 
 #include "base/trace.h"
+#include "step/step_table.h"
 
 namespace psim {
+
+StepContext::StepContext(const WorldDesc& d, const RunOptions& o)
+    : desc(d),
+      options(o),
+      lattice(d.bounds, d.boundary == Boundary::periodic),
+      kernels(kernels_of(o.isa)),
+      pool(o.threads),
+      population(desc, lattice, memory),
+      joints(memory),
+      neighbours({memory, lattice, bodies, statics, kernels, pool}),
+      contacts({memory, lattice, bodies, statics, kernels, pool}, desc.wall),
+      sleep(contacts.surroundings) {
+  pool.set_tracer(&tracer);
+  const Lattice edges(d.bounds, false);  // walls never wrap
+  walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
+  take_traits(d, population.traits);
+}
 
 ManifoldParams StepContext::manifold_params(double dt) const {
   ManifoldParams p;
@@ -18,15 +36,15 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   return p;
 }
 
-SleepSource StepContext::sleep_source() const {
+SleepSource StepContext::sleep_source() {
   return {population,       lattice,        desc.gravity,
           neighbours.table, contacts.discs, contacts.manifolds,
           contacts.stacks,  joints,         pool,
           contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
 }
 
-void StepWork::run_part(const StepContext& c, const Span& span, StepReport& report, std::size_t end) {
-  const StepPart& now = part();
+void StepWork::run_part(StepContext& c, const Span& span, StepReport& report, std::size_t end) {
+  const StepPart& now = step_parts()[progress.part];
   const StageTimer timer(report, c.tracer, now.stage);
   now.run(c, span, report, {progress.at, end});
   progress.at = static_cast<std::uint32_t>(end);
@@ -35,21 +53,21 @@ void StepWork::run_part(const StepContext& c, const Span& span, StepReport& repo
   progress.at = 0;
 }
 
-void StepWork::run(const StepContext& c, const Span& span, StepReport& report, std::size_t left) {
-  while (left != 0 && !done()) {
-    const std::size_t now = std::min(part().pieces(c) - progress.at, left);
+void StepWork::run(StepContext& c, const Span& span, StepReport& report, std::size_t left) {
+  while (left != 0 && !all_done(progress)) {
+    const std::size_t now = std::min(step_parts()[progress.part].pieces(c) - progress.at, left);
     left -= now;
     run_part(c, span, report, progress.at + now);
   }
 }
 
-void StepWork::turn_back(const StepContext& c) {
+void StepWork::turn_back(StepContext& c) {
   c.contacts.discs.turn_back();
   c.contacts.manifolds.turn_back();
   if (progress.contacts == ContactState::replaced) c.neighbours.table.swap(c.neighbours.old_table);
 }
 
-void StepWork::accept(const StepContext& c) {
+void StepWork::accept(StepContext& c) {
   c.contacts.discs.accept();
   c.contacts.manifolds.accept();
   if (progress.lays_out()) {
@@ -68,7 +86,7 @@ void StepWork::accept(const StepContext& c) {
   begin_again();
 }
 
-void StepWork::spoil(const StepContext& c) {
+void StepWork::spoil(StepContext& c) {
   turn_back(c);
   c.contacts.discs.give_up();
   c.contacts.manifolds.accept();
@@ -93,7 +111,7 @@ void StepWork::note(const Span& span) {
   done_so_far.back().at = progress.at;
 }
 
-void StepWork::pushed(const StepContext& c, std::uint32_t id, const Motion& before) {
+void StepWork::pushed(StepContext& c, std::uint32_t id, const Motion& before) {
   if (untouched()) return;
   c.neighbours.renewal.doubt();
   if (progress.lists == ListState::begun) return spoil(c);  // the body may be copied already
@@ -104,7 +122,7 @@ void StepWork::pushed(const StepContext& c, std::uint32_t id, const Motion& befo
   done_so_far.push_back({.id = id, .vx = before.vx, .vy = before.vy, .rim_speed = before.rim_speed});
 }
 
-bool put_renewed(const StepContext& c) {
+bool put_renewed(StepContext& c) {
   ListRenewal& renewal = c.neighbours.renewal;
   Manifolds& manifolds = c.contacts.manifolds;
   if (c.sorts_out()) {

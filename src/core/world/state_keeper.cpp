@@ -48,8 +48,8 @@ class StateKeeper {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
     if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
-    w_.step_work.turn_back(w_.context());  // to the contacts of the last step
-    lists_.made.candidates = count_work(w_.context()).lists.candidates;
+    w_.step_work.turn_back(w_);  // to the contacts of the last step
+    lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
     lists_.stale = stale || w_.step_work.progress.makes_lists();
     last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.population.bodies.count != 0 &&
@@ -66,7 +66,7 @@ class StateKeeper {
     w_.contacts.manifolds.describe(saver, around_manifolds());
     out = saver.finish();
     lists_.stale = stale;
-    w_.step_work.turn_back(w_.context());
+    w_.step_work.turn_back(w_);
   }
 
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
@@ -101,7 +101,7 @@ class StateKeeper {
     }
     Manifolds& manifolds = w_.contacts.manifolds;
     manifolds.describe(loader, around_manifolds());
-    if (lasting() && w_.context().sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
+    if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work();
     w_.contacts.loads.set_visits(visits);
@@ -212,7 +212,6 @@ class StateKeeper {
   void remake_lists(Loader& loader) {
     StepWork& work = w_.step_work;
     StepWork kept = work;
-    const StepContext c = w_.context();
     const std::uint64_t builds = w_.contacts.discs.builds();
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
@@ -221,12 +220,14 @@ class StateKeeper {
     work.progress.part = part_named("group");
     work.progress.contacts = ContactState::due;
     StepReport ignored;
-    while (work.progress.part < part_named("look")) work.run_part(c, {}, ignored, work.part().pieces(c));
-    work.accept(c);
+    while (work.progress.part < part_named("look")) {
+      work.run_part(w_, {}, ignored, step_parts()[work.progress.part].pieces(w_));
+    }
+    work.accept(w_);
     if (lists_.renewal.renewed() != 0) {
       w_.contacts.discs.lift(lists_.table);
       lists_.renewal.look_again(lists_.table);
-      put_renewed(c);
+      put_renewed(w_);
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
     work = std::move(kept);
@@ -237,7 +238,6 @@ class StateKeeper {
   void redo_work() {
     StepWork& work = w_.step_work;
     StepProgress& now = work.progress;
-    const StepContext c = w_.context();
     BodyStore& bodies = w_.population.bodies;
     const ListNumbers made = lists_.made;
     now.at = 0;
@@ -252,7 +252,7 @@ class StateKeeper {
       lists_.broad.count_again();
       now.part = part_named("move");
     } else {
-      now.part = next_part(c, part_named(lists_.selects() ? "select" : "look"));
+      now.part = next_part(w_, part_named(lists_.selects() ? "select" : "look"));
     }
     bodies.find_slots();
     const auto swap_motion = [&](StepWork::Done& push) {
@@ -266,9 +266,9 @@ class StateKeeper {
     StepReport ignored;
     for (StepWork::Done& done : work.done_so_far) {
       swap_motion(done);
-      while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
-        const std::size_t end = work.part().pieces(c);
-        work.run_part(c, {done.span, done.span}, ignored,
+      while (done.span > 0 && !all_done(now) && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
+        const std::size_t end = step_parts()[now.part].pieces(w_);
+        work.run_part(w_, {done.span, done.span}, ignored,
                       now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }

@@ -44,12 +44,12 @@ void work_on_lists(Owners& w, double dt, StepReport& report) {
   const StepDetail& detail = report.detail;
   StepWork& work = w.step_work;
   if (!work.detailed && w.governor.on()) {
-    w.governor.spend_frame(w.context(), work, dt, report);
+    w.governor.spend_frame(w, dt, report);
     if (detail.solves) return;
   } else if (detail.waits() && !detail.wakes) {
     work.progress.horizon = detail.horizon;
     work.progress.spread = true;
-    work.run(w.context(), {dt, dt * detail.horizon}, report, detail.pieces);
+    work.run(w, {dt, dt * detail.horizon}, report, detail.pieces);
   } else {
     return;
   }
@@ -63,7 +63,7 @@ bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
   // The lists name the bodies that may be met in this step, those of the last step did not.
   if (w.sleep.sleepers.empty() || !w.note_sleep(w.sleep.wake_reached(w.sleep_source(), dt))) return true;
   const bool governed = !w.step_work.detailed && w.governor.on();
-  report.detail.wakes = report.detail.wakes || (governed && !w.governor.fits_again(w.context(), report));
+  report.detail.wakes = report.detail.wakes || (governed && !w.governor.fits_again(w, report));
   if (report.detail.wakes) return false;
   finish_contacts(w, dt, span, report);
   return true;
@@ -71,13 +71,12 @@ bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
 
 // Substeps, continuous collision, the rest of the way.
 void move(Owners& w, double dt, StepReport& report) {
-  const StepContext c = w.context();
-  if (const std::optional<SolverParams> params = prepare_substeps(c, dt, report)) {
+  if (const std::optional<SolverParams> params = prepare_substeps(w, dt, report)) {
     if (w.plan.events) w.observers.events.approach(w.observed(), dt);
-    run_substeps(c, *params, report);
+    run_substeps(w, *params, report);
   }
-  stop_fast_bodies(c, report);
-  const Integrated moved = integrate(c, dt, report);
+  stop_fast_bodies(w, report);
+  const Integrated moved = integrate(w, dt, report);
   if (!moved.sound) report.quarantined += w.quarantine.settle(w.population, w.lattice, dt, freezer(w));
   if (!moved.inside && w.desc.boundary == Boundary::open) {
     const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };
@@ -85,7 +84,7 @@ void move(Owners& w, double dt, StepReport& report) {
   } else if (!moved.inside && Quarantine::bring_back(w.population, w.lattice, w.desc)) {
     w.dynamics.forces_stale = true;
   }
-  if (w.ledger.surveys()) survey_lanes(c, report.rebuilt);
+  if (w.ledger.surveys()) survey_lanes(w, report.rebuilt);
 }
 
 void collect_events(Owners& w, StepReport& report) {
@@ -178,11 +177,11 @@ void finish_contacts(Owners& w, double dt, const Span& span, StepReport& report)
   // Lists that last were found to serve one frame; this step may make up for more.
   const bool lasting = !work.untouched() && !work.progress.lays_out();
   if (lasting && report.detail.frames > 1 && !w.neighbours.serve(dt)) w.spoil_lists();
-  work.run(w.context(), span, report);
+  work.run(w, span, report);
   w.contacts.kept = !work.progress.lays_out();
-  work.accept(w.context());
+  work.accept(w);
   const StageTimer timer(report, w.tracer, Stage::narrow_phase);
-  prepare_contacts(w.context(), dt);
+  prepare_contacts(w, dt);
 }
 
 }  // namespace psim

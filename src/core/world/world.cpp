@@ -56,34 +56,6 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   return {};
 }
 
-void take_traits(const WorldDesc& d, Traits& traits) {
-  traits.walls = d.boundary == Boundary::walls;
-  traits.wall_bounce = d.wall.restitution > 0;
-  traits.wall_rough = d.wall.friction > 0;
-  traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
-  traits.fields = needs_forces(d.fields);
-  traits.integrator = d.integrator;
-  traits.sleeping = d.sleeping;
-  traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
-}
-
-Owners::Owners(const WorldDesc& d, const RunOptions& o)
-    : desc(d),
-      options(o),
-      kernels(kernels_of(o.isa)),
-      lattice(d.bounds, d.boundary == Boundary::periodic),
-      pool(o.threads),
-      population(desc, lattice, memory),
-      neighbours({memory, lattice, population.bodies, population.statics, kernels, pool}),
-      contacts({memory, lattice, population.bodies, population.statics, kernels, pool}, desc.wall),
-      joints(memory),
-      sleep(contacts.surroundings) {
-  pool.set_tracer(&tracer);
-  const Lattice edges(d.bounds, false);  // walls never wrap
-  walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
-  take_traits(d, population.traits);
-}
-
 std::unique_ptr<World> World::create(const WorldDesc& desc, const RunOptions& options, std::string& error) {
   error = check(desc, options);
   if (!error.empty()) return nullptr;

@@ -58,7 +58,7 @@ bool push(Owners& w, BodyId id, const Change& change) {
   const std::uint32_t slot = w.population.bodies.info[id.index].slot;
   const Motion before = w.population.motion_of(slot);
   if (change(slot)) {
-    w.step_work.pushed(w.context(), id.index, before);
+    w.step_work.pushed(w, id.index, before);
   } else {
     w.quarantine.doubtful.push_back(id);
   }

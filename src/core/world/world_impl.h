@@ -1,4 +1,4 @@
-// The owners of a world, which are all that it holds. Each stage takes what it needs of them; none takes the world.
+// All that a world holds: what steps work on (step/step_context.h), who looks at it, and what is to be put right.
 #pragma once
 
 #include <string>
@@ -8,69 +8,27 @@
 #include "bodies/quarantine.h"
 #include "psim/world.h"
 #include "query/observers.h"
-#include "step/step_work.h"
+#include "step/step_table.h"
 
 namespace psim {
 
 /// One line of what is wrong with a description, or empty.
 std::string check(const WorldDesc& desc, const RunOptions& options);
-/// The traits that follow from the description alone.
-void take_traits(const WorldDesc& desc, Traits& traits);
 
-struct Owners {
-  Owners(const WorldDesc& d, const RunOptions& o);
+struct Owners : StepContext {
+  using StepContext::StepContext;
 
-  WorldDesc desc;
-  RunOptions options;
-  kernels::KernelTable kernels;
-  Lattice lattice;
-  Walls walls;
-  MemoryMeter memory;
-  Tracer tracer;
-  WorkerPool pool;
-  Population population;
   Quarantine quarantine;
-  NeighbourLists neighbours;
-  Contacts contacts;
-  JointStore joints;
-  Sleep sleep;
-  Dynamics dynamics;
   Observers observers;
-  Plan plan;
-  bool plan_stale = true;  // traits changed since
-  StepWork step_work;      // what was done of the present step
-  Governor governor;
-  Ledger ledger;
+  bool plan_stale = true;             // traits changed since the plan was made
   std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
 
-  // What the owners need of each other.
-  StepContext context() {
-    return {desc,
-            plan,
-            lattice,
-            walls,
-            kernels,
-            pool,
-            tracer,
-            ledger,
-            governor,
-            population,
-            joints,
-            sleep,
-            neighbours,
-            contacts,
-            dynamics,
-            step_work.progress,
-            step_work.detailed};
-  }
-  SleepSource sleep_source() { return context().sleep_source(); }
   Observed observed() { return {desc, lattice, walls, population, sleep, neighbours.table, contacts, pool}; }
-
   /// The world without what prepare() made, which holds only as long as the host changes nothing and reads no lists.
   /// All that changes the world or reads its lists goes through this.
   Owners& settled();
   /// What was made for this step is thrown away.
-  void spoil_lists() { step_work.spoil(context()); }
+  void spoil_lists() { step_work.spoil(*this); }
   /// Bodies fell asleep or woke if `changed`.
   bool note_sleep(bool changed);
 };

@@ -83,7 +83,7 @@ void apply_plan(Owners& w) {
   }
   if (!plan.turns) bodies.keep_turns(false);
   w.population.statics.find_whole(plan.manifolds);
-  if (!w.context().sorts_out()) w.contacts.manifolds.release();
+  if (!w.sorts_out()) w.contacts.manifolds.release();
   if (!plan.manifolds) w.contacts.stacks.release();
   if (!plan.manifolds && bodies.hulls.empty()) bodies.hulls.clear();
   if (!plan.joints) w.joints.release_blocks();
@@ -125,9 +125,9 @@ std::vector<PlanEntry> World::plan() const {
         b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.
   count(plan.joints && !plan.manifolds ? "joints" : "manifolds", sum(b.arm_change, b.angle_change));
-  count(plan.manifolds || !w.context().sorts_out() ? "manifolds"
-        : plan.filters                             ? "filters"
-                                                   : "joints",
+  count(plan.manifolds || !w.sorts_out() ? "manifolds"
+        : plan.filters                   ? "filters"
+                                         : "joints",
         w.contacts.manifolds.bytes() + w.contacts.manifolds.column_bytes());
   count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes());
   count("joints", w.joints.bytes() + w.joints.column_bytes());

@@ -67,10 +67,10 @@ void World::prepare() {
   go_back(w, before);
   replan(w);
   w.tracer.begin();
-  w.step_work.run(w.context(), span, ignored);
+  w.step_work.run(w, span, ignored);
   if (w.plan.manifolds) {  // a step with as many substeps leaves them as they lie
     w.dynamics.substeps = w.desc.substeps;
-    lay_out_manifolds(w.context(), w.desc.dt);
+    lay_out_manifolds(w, w.desc.dt);
   }
   w.ledger = counted;
   w.unprepared = std::move(before);
