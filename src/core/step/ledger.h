@@ -21,9 +21,8 @@ class Ledger {
   /// Opens the page of a step. `memory` counts the growths of the world's arrays.
   void begin_step(const MemoryMeter& memory);
   /// A stage or a part of one had nothing to do in this step. To say so twice changes nothing.
-  void skip(Skip what) { skipped_ |= 1u << static_cast<unsigned>(what); }
-  void skip_if(bool nothing_to_do, Skip what) {
-    if (nothing_to_do) skip(what);
+  void skip(Skip what, bool nothing_to_do = true) {
+    skipped_ |= unsigned{nothing_to_do} << static_cast<unsigned>(what);
   }
   /// Nobody moves: everything is left out but what the host asked for.
   void skip_all(bool but_publish, bool but_events);

@@ -62,7 +62,7 @@ void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
   c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
   if (lists.stale || (!lists.selects() && lists.renewal.any())) return;
   c.ledger.skip(Skip::broad_phase);
-  c.ledger.skip_if(!lists.selects(), Skip::colouring);
+  c.ledger.skip(Skip::colouring, !lists.selects());
 }
 
 // Makes the lists of those bodies anew that used up their margin; of all, if they are too many.

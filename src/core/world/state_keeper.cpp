@@ -47,13 +47,13 @@ class StateKeeper {
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
-    if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
+    if (w_.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
     w_.step_work.turn_back(w_);  // to the contacts of the last step
     lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
-    lists_.stale = stale || w_.step_work.progress.makes_lists();
-    last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.population.bodies.count != 0 &&
-            w_.population.bodies.dead == 0 && table.body_count != 0;
+    lists_.stale = stale || w_.progress.makes_lists();
+    last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
+            table.body_count != 0;
     if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
       carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleep.sleepers.empty());
     } else {
@@ -82,11 +82,11 @@ class StateKeeper {
     if (!loader.ok()) return;
     w_.dynamics.forces.reset();
     if (!w_.plan_stale) apply_plan(w_);  // else the columns are there, and wait for the next plan
-    if (w_.population.bodies.count != 0) w_.population.bodies.pad_tail();
+    if (w_.bodies.count != 0) w_.bodies.pad_tail();
     w_.contacts.discs.give_up();
     w_.contacts.manifolds.forget();  // of bodies that may not be
     w_.contacts.stacks.forget();
-    StepProgress& now = w_.step_work.progress;
+    StepProgress& now = w_.progress;
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
     lists_.broad.set_origin(origin_);
     w_.contacts.bare = true;
@@ -111,7 +111,7 @@ class StateKeeper {
   // How far the present step is, and what was measured for the next ones.
   template <class A>
   void describe_progress(A& a) {
-    StepProgress& now = w_.step_work.progress;
+    StepProgress& now = w_.progress;
     Dynamics& dynamics = w_.dynamics;
     values(a, last_, w_.ledger.frames, w_.ledger.steps, w_.quarantine.escaped, dynamics.stiff_substep,
            dynamics.last_substep, dynamics.substeps, w_.plan_stale);
@@ -129,10 +129,10 @@ class StateKeeper {
   template <class A>
   void describe(A& a) {
     describe_progress(a);
-    const StepProgress& now = w_.step_work.progress;
-    BodyStore& bodies = w_.population.bodies;
+    const StepProgress& now = w_.progress;
+    BodyStore& bodies = w_.bodies;
     w_.population.describe(a, last_ || now.makes_lists());
-    w_.sleep.sleepers.describe(a, bodies, w_.population.statics);
+    w_.sleep.sleepers.describe(a, bodies, w_.statics);
     a.list(w_.quarantine.doubtful, [&](BodyId& id) {
       a.index(bodies.id_count, id.index);
       a.value(id.generation);
@@ -156,14 +156,14 @@ class StateKeeper {
 
   template <class A>
   void describe_lists(A& a) {
-    const StepProgress& now = w_.step_work.progress;
-    const BodyStore& bodies = w_.population.bodies;
+    const StepProgress& now = w_.progress;
+    const BodyStore& bodies = w_.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
     lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
     if (!lasting()) lists_.table.describe(a);
-    carried_.describe(a, lists_.table, w_.population.statics, !lasting());
+    carried_.describe(a, lists_.table, w_.statics, !lasting());
     a.packed(origin_);
     a.require(origin_.size() <= bodies.count &&
               std::all_of(origin_.begin(), origin_.end(), [&](auto slot) { return slot == kNoSlot || a.fits(slot); }));
@@ -178,11 +178,11 @@ class StateKeeper {
     traits.joints = w_.joints.count();
     take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
-    for (std::size_t k = 0; k < w_.population.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
-      a.require(w_.population.bodies.id[k] == kNoSlot || (std::isfinite(w_.population.bodies.disp[2 * k]) &&
-                                                          std::isfinite(w_.population.bodies.disp[2 * k + 1])));
+    for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
+      a.require(w_.bodies.id[k] == kNoSlot ||
+                (std::isfinite(w_.bodies.disp[2 * k]) && std::isfinite(w_.bodies.disp[2 * k + 1])));
     }
-    a.require(!w_.plan.rotation || w_.population.bodies.count == 0 || !w_.population.bodies.rim_speed.empty());
+    a.require(!w_.plan.rotation || w_.bodies.count == 0 || !w_.bodies.rim_speed.empty());
     if (w_.plan_stale) return;
     Plan wanted = make_plan(traits);
     wanted.publish = w_.plan.publish;
@@ -191,12 +191,11 @@ class StateKeeper {
   }
 
   ManifoldsAround around_manifolds() const {
-    const StepProgress& now = w_.step_work.progress;
+    const StepProgress& now = w_.progress;
     const bool in_order = !now.sorted() && origin_.empty();
-    ManifoldsAround around{w_.population.bodies, w_.population.statics};
-    around.slots = w_.population.bodies.count;
-    around.numbered =
-        in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
+    ManifoldsAround around{w_.bodies, w_.statics};
+    around.slots = w_.bodies.count;
+    around.numbered = in_order ? w_.bodies.count : std::max(w_.bodies.count, lists_.table.body_count);
     around.wanted = w_.plan.manifolds;
     around.fresh = !lists_.stale;
     around.present = around.fresh && w_.plan.manifolds;
@@ -204,7 +203,7 @@ class StateKeeper {
     around.spread = now.makes_lists() || !now.untouched();
     around.exact = !around.spread && around.fresh;
     around.lists = last_;
-    around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
+    around.in_place = w_.bodies.dead == 0 && w_.quarantine.doubtful.empty();
     return around;
   }
 
@@ -238,7 +237,7 @@ class StateKeeper {
   void redo_work() {
     StepWork& work = w_.step_work;
     StepProgress& now = work.progress;
-    BodyStore& bodies = w_.population.bodies;
+    BodyStore& bodies = w_.bodies;
     const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {

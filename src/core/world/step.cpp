@@ -40,7 +40,7 @@ void look_around(Owners& w) {
 
 // Lists and contacts, as far as a governor or the given detail lets them.
 void work_on_lists(Owners& w, double dt, StepReport& report) {
-  if (w.population.bodies.awake() == 0) return;
+  if (w.bodies.awake() == 0) return;
   const StepDetail& detail = report.detail;
   StepWork& work = w.step_work;
   if (!work.detailed && w.governor.on()) {
@@ -69,14 +69,10 @@ bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
   return true;
 }
 
-// Substeps, continuous collision, the rest of the way.
+// Substeps, continuous collision, the rest of the way; bodies that may not be where they are then.
 void move(Owners& w, double dt, StepReport& report) {
-  if (const std::optional<SolverParams> params = prepare_substeps(w, dt, report)) {
-    if (w.plan.events) w.observers.events.approach(w.observed(), dt);
-    run_substeps(w, *params, report);
-  }
-  stop_fast_bodies(w, report);
-  const Integrated moved = integrate(w, dt, report);
+  if (w.plan.events) w.observers.events.approach(w.observed(), dt);
+  const Moved moved = move_bodies(w, dt, report);
   if (!moved.sound) report.quarantined += w.quarantine.settle(w.population, w.lattice, dt, freezer(w));
   if (!moved.inside && w.desc.boundary == Boundary::open) {
     const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };
@@ -109,7 +105,7 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
   const Span span{w.step_work.untouched() ? dt : frame_dt, frame_dt * std::max(detail.frames, detail.horizon)};
   w.dynamics.substeps = detail.substeps != 0 ? detail.substeps : w.desc.substeps;
   detail.substeps = static_cast<std::uint8_t>(w.dynamics.substeps);
-  const bool anyone = w.population.bodies.awake() != 0;
+  const bool anyone = w.bodies.awake() != 0;
   detail.solves = !anyone || meet(w, dt, span, report);
   if (!detail.solves) return;
   detail.wakes = false;
@@ -121,14 +117,14 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
   }
   w.observers.queries.forget(QueryIndex::kMoving);
   collect_events(w, report);
-  if (w.population.bodies.awake() != 0) count_contacts(w, report);
-  w.step_work.progress = {};
+  if (w.bodies.awake() != 0) count_contacts(w, report);
+  w.progress = {};
 }
 
 // Time stands still in this frame: the work goes on in the next one.
 void stand_still(Owners& w) {
   w.observers.events.clear();
-  if (w.step_work.progress.waits < 255) ++w.step_work.progress.waits;
+  if (w.progress.waits < 255) ++w.progress.waits;
 }
 
 void publish(Owners& w, StepReport& report) {
@@ -140,7 +136,7 @@ void publish(Owners& w, StepReport& report) {
 
 // Tells who was awake in this step, and who is asleep after it.
 void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
-  const BodyStore& bodies = w.population.bodies;
+  const BodyStore& bodies = w.bodies;
   report.awake = bodies.awake();
   if (report.detail.solves && w.plan.sleep && report.awake != 0) {
     const StageTimer timer(report, w.tracer, Stage::sleep);

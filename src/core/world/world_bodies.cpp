@@ -13,7 +13,7 @@ namespace {
 void body_came(Owners& w, std::uint32_t id) {
   w.spoil_lists();
   w.plan_stale = w.observers.placed = true;
-  if (w.population.bodies.info[id].place == Place::fixed) {
+  if (w.bodies.info[id].place == Place::fixed) {
     w.observers.queries.forget(QueryIndex::kFixed);
     w.note_sleep(w.sleep.disturb_at_fixed(w.sleep_source(), id));
   } else {
@@ -25,9 +25,9 @@ void body_came(Owners& w, std::uint32_t id) {
 // Tells all others that a body goes out of the simulation. `same`: it keeps its id.
 void body_goes(Owners& w, std::uint32_t id, bool same) {
   remove_joints_of(w, id);
-  w.population.bodies.find_slots();
+  w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
-  const BodyInfo& info = w.population.bodies.info[id];
+  const BodyInfo& info = w.bodies.info[id];
   w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
   if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
   if (info.place != Place::frozen) w.plan_stale = true;
@@ -36,9 +36,9 @@ void body_goes(Owners& w, std::uint32_t id, bool same) {
 // Whether the host may move or push a body. From now on it is awake and its slot is known.
 bool can_move(Owners& w, BodyId id) {
   w.settled();
-  w.population.bodies.find_slots();
+  w.bodies.find_slots();
   if (!w.population.is_valid(id)) return false;
-  const Place place = w.population.bodies.info[id.index].place;
+  const Place place = w.bodies.info[id.index].place;
   if (place != Place::moving && place != Place::asleep) return false;
   disturb(w, id.index);
   return true;
@@ -46,7 +46,7 @@ bool can_move(Owners& w, BodyId id) {
 
 // A body gets an angle or an angular velocity.
 void let_turn(Owners& w) {
-  if (!w.population.bodies.rim_speed.empty()) return;
+  if (!w.bodies.rim_speed.empty()) return;
   w.plan_stale = true;
   w.population.let_turn();
 }
@@ -55,7 +55,7 @@ void let_turn(Owners& w) {
 template <class Change>
 bool push(Owners& w, BodyId id, const Change& change) {
   if (!can_move(w, id)) return false;
-  const std::uint32_t slot = w.population.bodies.info[id.index].slot;
+  const std::uint32_t slot = w.bodies.info[id.index].slot;
   const Motion before = w.population.motion_of(slot);
   if (change(slot)) {
     w.step_work.pushed(w, id.index, before);
@@ -138,7 +138,7 @@ bool World::remove_body(BodyId id) {
 bool World::is_valid(BodyId id) const { return impl_->population.is_valid(id); }
 
 BodyId World::id_of(std::uint32_t index) const {
-  const BodyStore& b = impl_->population.bodies;
+  const BodyStore& b = impl_->bodies;
   if (index >= b.id_count || b.info[index].place == Place::none) return kNoBody;
   return {index, b.info[index].generation};
 }
@@ -191,7 +191,7 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
   if (!apply_impulse(id, impulse)) return false;
   const Observed seen = impl_->observed();
   const Vec2 period = seen.period();
-  Vec2 arm = point - seen.to_world(seen.place(impl_->population.bodies.info[id.index].slot));
+  Vec2 arm = point - seen.to_world(seen.place(impl_->bodies.info[id.index].slot));
   if (period.x > 0) {  // to the nearest of the repeated copies of the point
     arm.x -= period.x * std::nearbyint(arm.x / period.x);
     arm.y -= period.y * std::nearbyint(arm.y / period.y);
@@ -216,9 +216,7 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
   });
 }
 
-bool World::is_awake(BodyId id) const {
-  return is_valid(id) && impl_->population.bodies.info[id.index].place == Place::moving;
-}
+bool World::is_awake(BodyId id) const { return is_valid(id) && impl_->bodies.info[id.index].place == Place::moving; }
 
 bool World::wake(BodyId id) {
   if (!is_valid(id)) return false;

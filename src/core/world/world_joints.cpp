@@ -67,12 +67,12 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   };
   for (const BodyId id : {desc.a, desc.b}) {
     if (!is_valid(id)) return refuse(id == desc.a ? "a is not a body" : "b is not a body");
-    if (w.population.bodies.info[id.index].place == Place::frozen) {
+    if (w.bodies.info[id.index].place == Place::frozen) {
       return refuse("a body whose numbers are broken cannot be joined");
     }
   }
   if (desc.a == desc.b) return refuse("a and b must differ");
-  const auto dynamic = [&](BodyId id) { return w.population.bodies.properties(id.index).inv_mass > 0; };
+  const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
   if (!dynamic(desc.a) && !dynamic(desc.b)) return refuse("one of the bodies must be dynamic");
   if (error = check_numbers(desc); !error.empty()) return kNoJoint;
 
@@ -85,7 +85,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   }
   if (!d.reference) d.reference = b.angle - a.angle;
   disturb_both(w, d);
-  const JointId id = w.joints.add(d, w.population.bodies);
+  const JointId id = w.joints.add(d, w.bodies);
   count_joints(w);
   return id;
 }

@@ -10,7 +10,7 @@ namespace {
 
 // Whether a body has an angle or a spin. Where many do the first few tell: O(bodies) only if none does.
 bool anyone_turns(const Owners& w) {
-  const BodyStore& bodies = w.population.bodies;
+  const BodyStore& bodies = w.bodies;
   if (bodies.rim_speed.empty()) return w.population.traits.turning;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] != kNoSlot && (bodies.rim_speed[i] != 0 || bodies.angle[i] != 0)) return true;
@@ -22,7 +22,7 @@ bool anyone_turns(const Owners& w) {
 // With those that are looked up, not counted.
 Traits present_traits(const Owners& w) {
   Traits now = w.population.traits;
-  now.mass_ratio = now.same_mass == now.moving ? 1 : w.population.bodies.property_table.mass_ratio();
+  now.mass_ratio = now.same_mass == now.moving ? 1 : w.bodies.property_table.mass_ratio();
   now.turning = anyone_turns(w);
   return now;
 }
@@ -50,7 +50,7 @@ void replan(Owners& w) {
   if (next != plan) w.spoil_lists();
   next.events = traits.events;
   next.publish = traits.snapshots;
-  BodyStore& bodies = w.population.bodies;
+  BodyStore& bodies = w.bodies;
   // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
   // gone, too.
   if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, w.population.first_radius);
@@ -63,7 +63,7 @@ void replan(Owners& w) {
 // Arrays of what is not in the plan give their memory back. Those of contacts do when the next are built.
 void apply_plan(Owners& w) {
   const Plan& plan = w.plan;
-  BodyStore& bodies = w.population.bodies;
+  BodyStore& bodies = w.bodies;
   if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
   if (!plan.rotation) bodies.drop_rotation();
   w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
@@ -82,7 +82,7 @@ void apply_plan(Owners& w) {
     }
   }
   if (!plan.turns) bodies.keep_turns(false);
-  w.population.statics.find_whole(plan.manifolds);
+  w.statics.find_whole(plan.manifolds);
   if (!w.sorts_out()) w.contacts.manifolds.release();
   if (!plan.manifolds) w.contacts.stacks.release();
   if (!plan.manifolds && bodies.hulls.empty()) bodies.hulls.clear();
@@ -110,7 +110,7 @@ std::vector<PlanEntry> World::plan() const {
       if (e.stage == stage) e.bytes += bytes;
     }
   };
-  const BodyStore& b = w.population.bodies;
+  const BodyStore& b = w.bodies;
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));

@@ -15,7 +15,7 @@ constexpr std::size_t kFewPairs = 32768, kFewStrips = 256;
 // Lists that serve several frames are longer. To make room for them takes longer than a frame may, so it is made before
 // the first frame.
 void spare_room(Owners& w) {
-  BodyStore& bodies = w.population.bodies;
+  BodyStore& bodies = w.bodies;
   NeighbourLists& lists = w.neighbours;
   Contacts& contacts = w.contacts;
   const std::size_t each = w.plan.radii ? 20 : 12;
@@ -47,8 +47,7 @@ void spare_room(Owners& w) {
 // the host may still change anything, how it was before is kept until the step.
 void World::prepare() {
   Owners& w = *impl_;
-  if (w.ledger.frames != 0 || !w.unprepared.empty() || w.population.bodies.awake() == 0 ||
-      !w.quarantine.doubtful.empty()) {
+  if (w.ledger.frames != 0 || !w.unprepared.empty() || w.bodies.awake() == 0 || !w.quarantine.doubtful.empty()) {
     return;
   }
   std::vector<std::byte> before;

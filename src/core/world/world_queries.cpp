@@ -14,8 +14,8 @@ Queries ask(Owners& w) { return {w.observers.queries, w.observed()}; }
 // Notes which slot each body has now, where bodies were sorted since contacts were laid out.
 void find_moved(Owners& w) {
   std::vector<std::uint32_t> origin;
-  if (w.step_work.progress.sorted() || w.neighbours.broad.has_moved_on()) w.neighbours.broad.copy_origin(origin);
-  w.observers.contacts.set_moved(origin, w.population.bodies.count);
+  if (w.progress.sorted() || w.neighbours.broad.has_moved_on()) w.neighbours.broad.copy_origin(origin);
+  w.observers.contacts.set_moved(origin, w.bodies.count);
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ std::span<const std::uint32_t> World::strips() {
   const WorkerPool::Awake awake(impl_->pool);
   Owners& w = impl_->settled();
   ContactList& list = w.observers.contacts;
-  list.strips.assign(w.population.bodies.id_count, kNoStrip);
+  list.strips.assign(w.bodies.id_count, kNoStrip);
   if (w.ledger.steps == 0) return list.strips;
   find_moved(w);
   w.step_work.turn_back(w);
@@ -86,7 +86,7 @@ std::span<const std::uint32_t> World::strips() {
     const Strip& s = w.neighbours.table.strips[index];
     for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
       const std::uint32_t slot = list.slot(i);
-      const std::uint32_t id = slot < w.population.bodies.count ? w.population.bodies.id[slot] : kNoSlot;
+      const std::uint32_t id = slot < w.bodies.count ? w.bodies.id[slot] : kNoSlot;
       if (id != kNoSlot) list.strips[id] = static_cast<std::uint32_t>(index);
     }
   });
