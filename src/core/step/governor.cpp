@@ -152,7 +152,7 @@ void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& repor
     if (end == now.at && all != 0) break;
     frame.committed = frame.committed || (in_place && !now.spread);
     report.detail.pieces += static_cast<std::uint32_t>(end - now.at);
-    c.step_work.run_part(c, span, report, end);
+    run_part(c, span, report, end);
   }
 }
 
@@ -219,7 +219,7 @@ void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const 
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
   Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
-  if (first) c.step_work.run(c, span, report);
+  if (first) run_parts(c, span, report);
   do_pieces(c, span, frame, report);
   detail.solves = false;
   if (all_done(now)) choose_end(c, dt, first, frame, detail);

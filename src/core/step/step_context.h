@@ -1,5 +1,10 @@
-// What the parts of a step work on: the owners of its rooms, the settings that it goes by, and how far its work has come.
+// What the parts of a step work on: the owners of its rooms, the settings that it goes by, and how far its work has
+// come. A governor may spread that work over several frames, so StepProgress is part of the world's state between
+// frames, and of its saved states.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 #include "base/machine.h"
 #include "base/trace.h"
@@ -14,9 +19,53 @@
 #include "step/governor.h"
 #include "step/ledger.h"
 #include "step/plan.h"
-#include "step/step_work.h"
 
 namespace psim {
+
+/// What the neighbour lists are within a step.
+enum class ListState : std::uint8_t {
+  kept,    ///< those of an earlier step
+  begun,   ///< new ones are being made for this step
+  sorted,  ///< the same, and the bodies lie in an order that the contacts of the last step do not know
+};
+
+/// What the contacts are within a step.
+enum class ContactState : std::uint8_t {
+  kept,      ///< those of the last step stay as they lie
+  due,       ///< they will be laid out anew; until then they are those of the last step, and so is the pair table
+  replaced,  ///< the pair table is the new one; the contacts of the last step lie by the old table
+};
+
+struct StepProgress {
+  std::uint8_t part = 0;  ///< the present row of step_parts() (step/step_table.h)
+  ListState lists = ListState::kept;
+  ContactState contacts = ContactState::kept;
+  bool spread = false;       ///< the work may take more than one frame
+  std::uint8_t waits = 0;    ///< frames of this step in which time stood still
+  std::uint8_t spoiled = 0;  ///< how often the host made the work begin again
+  std::uint8_t horizon = 1;  ///< frames that lists made in this step are to serve
+  std::uint32_t at = 0;      ///< pieces of the present part that are done
+
+  /// Nothing was done of this step yet.
+  bool untouched() const { return part == 0; }
+  bool sorted() const { return lists == ListState::sorted; }
+  bool makes_lists() const { return lists != ListState::kept; }
+  bool lays_out() const { return contacts != ContactState::kept; }
+};
+
+/// Seconds of a frame, and of the step that the lists are to serve.
+struct Span {
+  double frame = 0, step = 0;
+};
+
+/// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies that the
+/// host pushed in between. Done again, it comes out the same: saved states hold it.
+struct WorkDone {
+  std::uint32_t part = 0, at = 0;  ///< part: row of the step table (step/step_table.h)
+  double span = 0;                 ///< s: that the work was for; 0: a push
+  std::uint32_t id = 0;            ///< of the body, and how it moved before, m/s
+  float vx = 0, vy = 0, rim_speed = 0;
+};
 
 struct StepContext {
   StepContext(const WorldDesc& d, const RunOptions& o);
@@ -44,8 +93,9 @@ struct StepContext {
   Contacts contacts;
   Sleep sleep;
   Dynamics dynamics;
-  StepWork step_work;
-  StepProgress& progress = step_work.progress;
+  StepProgress progress;
+  std::vector<WorkDone> done_so_far;
+  bool detailed = false;  ///< this step follows a given detail: its lists are cut as with a governor
 
   /// Whether pairs leave the lists of discs: manifolds, and pairs that must not collide.
   bool sorts_out() const { return plan.manifolds || plan.filters || joints.any_exclusions(); }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "step/step_work.h"
-
 namespace psim {
 namespace {
 
@@ -22,7 +20,7 @@ ListSettings list_settings(StepContext& c, const Span& span) {
           .mixed_radii = c.plan.radii,
           .link_all = c.plan.fields,
           .governed = c.governor.on(),
-          .makes_room = c.step_work.detailed || c.governor.on() || span.step > span.frame,
+          .makes_room = c.detailed || c.governor.on() || span.step > span.frame,
           .selected = c.neighbours.selects(),
           .frames = c.neighbours.made.frames};
 }

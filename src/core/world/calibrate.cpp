@@ -98,7 +98,7 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
     if (const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes)) {
       Impl& w = *world->impl_;
       shares.measure(
-          *world, [&] { w.spoil_lists(); }, [&] { return count_work(w); });
+          *world, [&] { spoil_work(w); }, [&] { return count_work(w); });
     }
     return shares;
   };

@@ -48,7 +48,7 @@ class StateKeeper {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
     if (w_.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
-    w_.step_work.turn_back(w_);  // to the contacts of the last step
+    turn_back(w_);  // to the contacts of the last step
     lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
     lists_.stale = stale || w_.progress.makes_lists();
@@ -66,7 +66,7 @@ class StateKeeper {
     w_.contacts.manifolds.describe(saver, around_manifolds());
     out = saver.finish();
     lists_.stale = stale;
-    w_.step_work.turn_back(w_);
+    turn_back(w_);
   }
 
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
@@ -137,7 +137,7 @@ class StateKeeper {
       a.index(bodies.id_count, id.index);
       a.value(id.generation);
     });
-    a.list(w_.step_work.done_so_far, [&](StepWork::Done& d) {
+    a.list(w_.done_so_far, [&](WorkDone& d) {
       values(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.rim_speed);
       a.require(d.part <= step_parts().size() && d.span >= 0 && d.span <= 1e30 &&
                 (d.span > 0 || d.id < bodies.id_count));
@@ -209,34 +209,33 @@ class StateKeeper {
 
   // Lists that last, and what their contacts carry.
   void remake_lists(Loader& loader) {
-    StepWork& work = w_.step_work;
-    StepWork kept = work;
+    StepProgress& now = w_.progress;
+    const StepProgress kept = now;
+    std::vector<WorkDone> done = std::move(w_.done_so_far);
     const std::uint64_t builds = w_.contacts.discs.builds();
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
     lists_.stale = w_.contacts.impulses_valid = true;
-    work.progress = {};
-    work.progress.part = part_named("group");
-    work.progress.contacts = ContactState::due;
+    now = {};
+    now.part = part_named("group");
+    now.contacts = ContactState::due;
     StepReport ignored;
-    while (work.progress.part < part_named("look")) {
-      work.run_part(w_, {}, ignored, step_parts()[work.progress.part].pieces(w_));
-    }
-    work.accept(w_);
+    while (now.part < part_named("look")) run_part(w_, {}, ignored, step_parts()[now.part].pieces(w_));
+    accept_work(w_);
     if (lists_.renewal.renewed() != 0) {
       w_.contacts.discs.lift(lists_.table);
       lists_.renewal.look_again(lists_.table);
       put_renewed(w_);
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
-    work = std::move(kept);
+    now = kept;
+    w_.done_so_far = std::move(done);
     w_.contacts.discs.set_builds(builds);
   }
 
   // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
   void redo_work() {
-    StepWork& work = w_.step_work;
-    StepProgress& now = work.progress;
+    StepProgress& now = w_.progress;
     BodyStore& bodies = w_.bodies;
     const ListNumbers made = lists_.made;
     now.at = 0;
@@ -254,21 +253,21 @@ class StateKeeper {
       now.part = next_part(w_, part_named(lists_.selects() ? "select" : "look"));
     }
     bodies.find_slots();
-    const auto swap_motion = [&](StepWork::Done& push) {
+    const auto swap_motion = [&](WorkDone& push) {
       if (push.span > 0) return;
       const std::size_t slot = bodies.info[push.id].slot;
       std::swap(bodies.vel[2 * slot], push.vx);
       std::swap(bodies.vel[2 * slot + 1], push.vy);
       if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
     };
-    for (StepWork::Done& done : std::views::reverse(work.done_so_far)) swap_motion(done);
+    for (WorkDone& done : std::views::reverse(w_.done_so_far)) swap_motion(done);
     StepReport ignored;
-    for (StepWork::Done& done : work.done_so_far) {
+    for (WorkDone& done : w_.done_so_far) {
       swap_motion(done);
       while (done.span > 0 && !all_done(now) && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
         const std::size_t end = step_parts()[now.part].pieces(w_);
-        work.run_part(w_, {done.span, done.span}, ignored,
-                      now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
+        run_part(w_, {done.span, done.span}, ignored,
+                 now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
     lists_.made.span = made.span;

@@ -19,7 +19,7 @@ Quarantine::Freeze freezer(Owners& w) {
 // A page of the ledger, and a report that follows the given detail, if there is one.
 StepReport open_page(Owners& w, const StepDetail* given) {
   w.ledger.begin_step(w.memory);
-  w.step_work.detailed = given != nullptr;
+  w.detailed = given != nullptr;
   StepReport report;
   if (given != nullptr) report.detail = *given;
   return report;
@@ -27,7 +27,7 @@ StepReport open_page(Owners& w, const StepDetail* given) {
 
 // The work of prepare() counts if the step is the one that it was done for; else it is taken back.
 void take_prepared(Owners& w, double dt, StepReport& report) {
-  report.rebuilt = !w.unprepared.empty() && !w.step_work.detailed && dt == w.desc.dt;
+  report.rebuilt = !w.unprepared.empty() && !w.detailed && dt == w.desc.dt;
   if (report.rebuilt) w.unprepared = std::vector<std::byte>();
   w.settled();
 }
@@ -42,18 +42,17 @@ void look_around(Owners& w) {
 void work_on_lists(Owners& w, double dt, StepReport& report) {
   if (w.bodies.awake() == 0) return;
   const StepDetail& detail = report.detail;
-  StepWork& work = w.step_work;
-  if (!work.detailed && w.governor.on()) {
+  if (!w.detailed && w.governor.on()) {
     w.governor.spend_frame(w, dt, report);
     if (detail.solves) return;
   } else if (detail.waits() && !detail.wakes) {
-    work.progress.horizon = detail.horizon;
-    work.progress.spread = true;
-    work.run(w, {dt, dt * detail.horizon}, report, detail.pieces);
+    w.progress.horizon = detail.horizon;
+    w.progress.spread = true;
+    run_parts(w, {dt, dt * detail.horizon}, report, detail.pieces);
   } else {
     return;
   }
-  work.note({dt, dt * detail.horizon});
+  note_work(w, {dt, dt * detail.horizon});
 }
 
 // Finds the contacts of a step of dt seconds. False if bodies woke that would be met and there is no time to look for
@@ -62,7 +61,7 @@ bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
   finish_contacts(w, dt, span, report);
   // The lists name the bodies that may be met in this step, those of the last step did not.
   if (w.sleep.sleepers.empty() || !w.note_sleep(w.sleep.wake_reached(w.sleep_source(), dt))) return true;
-  const bool governed = !w.step_work.detailed && w.governor.on();
+  const bool governed = !w.detailed && w.governor.on();
   report.detail.wakes = report.detail.wakes || (governed && !w.governor.fits_again(w, report));
   if (report.detail.wakes) return false;
   finish_contacts(w, dt, span, report);
@@ -102,7 +101,7 @@ void count_contacts(const Owners& w, StepReport& report) {
 void advance(Owners& w, double frame_dt, StepReport& report) {
   StepDetail& detail = report.detail;
   const double dt = frame_dt * detail.frames;
-  const Span span{w.step_work.untouched() ? dt : frame_dt, frame_dt * std::max(detail.frames, detail.horizon)};
+  const Span span{w.progress.untouched() ? dt : frame_dt, frame_dt * std::max(detail.frames, detail.horizon)};
   w.dynamics.substeps = detail.substeps != 0 ? detail.substeps : w.desc.substeps;
   detail.substeps = static_cast<std::uint8_t>(w.dynamics.substeps);
   const bool anyone = w.bodies.awake() != 0;
@@ -169,13 +168,12 @@ StepReport step(Owners& w, double dt, const StepDetail* given) {
 }
 
 void finish_contacts(Owners& w, double dt, const Span& span, StepReport& report) {
-  StepWork& work = w.step_work;
   // Lists that last were found to serve one frame; this step may make up for more.
-  const bool lasting = !work.untouched() && !work.progress.lays_out();
-  if (lasting && report.detail.frames > 1 && !w.neighbours.serve(dt)) w.spoil_lists();
-  work.run(w, span, report);
-  w.contacts.kept = !work.progress.lays_out();
-  work.accept(w);
+  const bool lasting = !w.progress.untouched() && !w.progress.lays_out();
+  if (lasting && report.detail.frames > 1 && !w.neighbours.serve(dt)) spoil_work(w);
+  run_parts(w, span, report);
+  w.contacts.kept = !w.progress.lays_out();
+  accept_work(w);
   const StageTimer timer(report, w.tracer, Stage::narrow_phase);
   prepare_contacts(w, dt);
 }

@@ -89,7 +89,7 @@ bool World::set_skin(double factor) {
   if (!is_skin(factor)) return false;
   if (factor == impl_->desc.skin) return true;
   Owners& w = impl_->settled();
-  w.spoil_lists();
+  spoil_work(w);
   w.desc.skin = factor;
   return true;
 }
@@ -98,7 +98,7 @@ bool World::set_gravity(Vec2 gravity) {
   if (!finite(gravity)) return false;
   if (gravity.x == impl_->desc.gravity.x && gravity.y == impl_->desc.gravity.y) return true;
   Owners& w = impl_->settled();
-  if (!w.step_work.untouched()) w.spoil_lists();  // they were made for the old gravity
+  if (!w.progress.untouched()) spoil_work(w);  // they were made for the old gravity
   w.desc.gravity = gravity;
   take_traits(w.desc, w.population.traits);
   w.dynamics.forces.reset();

@@ -11,7 +11,7 @@ namespace psim {
 namespace {
 
 void body_came(Owners& w, std::uint32_t id) {
-  w.spoil_lists();
+  spoil_work(w);
   w.plan_stale = w.observers.placed = true;
   if (w.bodies.info[id].place == Place::fixed) {
     w.observers.queries.forget(QueryIndex::kFixed);
@@ -58,7 +58,7 @@ bool push(Owners& w, BodyId id, const Change& change) {
   const std::uint32_t slot = w.bodies.info[id.index].slot;
   const Motion before = w.population.motion_of(slot);
   if (change(slot)) {
-    w.step_work.pushed(w, id.index, before);
+    note_push(w, id.index, before);
   } else {
     w.quarantine.doubtful.push_back(id);
   }
@@ -71,13 +71,13 @@ void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
   body_goes(w, id, false);
   w.population.remove(id);
-  w.spoil_lists();
+  spoil_work(w);
 }
 
 void freeze_body(Owners& w, std::uint32_t id, const BodyState& last) {
   body_goes(w, id, true);
   w.population.freeze(id, last);
-  w.spoil_lists();
+  spoil_work(w);
 }
 
 void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep_source(), id)); }
@@ -85,7 +85,7 @@ void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep
 // The impulses of the lists are nobody's once no body is awake.
 bool Owners::note_sleep(bool changed) {
   if (!changed) return false;
-  spoil_lists();
+  spoil_work(*this);
   observers.forget_sleep();
   if (population.bodies.count == 0) contacts.impulses_valid = false;
   return true;
@@ -125,7 +125,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   for (std::size_t i = 0; i < n; ++i) w.sleep.sleepers.mark_moving(w.population.add_disc(batch, i).index);
   if (n != 0) w.plan_stale = w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
-  w.spoil_lists();
+  spoil_work(w);
   return n;
 }
 
@@ -158,7 +158,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));  // what leaned on it where it was
   if (angle != 0) let_turn(w);
   w.population.place(id.index, position, angle);
-  w.spoil_lists();
+  spoil_work(w);
   w.dynamics.forces_stale = w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
   return true;

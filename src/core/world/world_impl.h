@@ -27,8 +27,6 @@ struct Owners : StepContext {
   /// The world without what prepare() made, which holds only as long as the host changes nothing and reads no lists.
   /// All that changes the world or reads its lists goes through this.
   Owners& settled();
-  /// What was made for this step is thrown away.
-  void spoil_lists() { step_work.spoil(*this); }
   /// Bodies fell asleep or woke if `changed`.
   bool note_sleep(bool changed);
 };

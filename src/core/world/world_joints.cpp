@@ -41,7 +41,7 @@ std::string check_length(JointType type, double length) {
 void count_joints(Owners& w) {
   w.population.traits.joints = w.joints.count();
   w.population.traits.exclusions = w.joints.any_exclusions();
-  w.spoil_lists();
+  spoil_work(w);
   w.plan_stale = true;
 }
 

@@ -47,7 +47,7 @@ void replan(Owners& w) {
   if (next.model != plan.model) w.contacts.impulses_valid = false;
   next.events = plan.events;  // who listens or looks changes no result
   next.publish = plan.publish;
-  if (next != plan) w.spoil_lists();
+  if (next != plan) spoil_work(w);
   next.events = traits.events;
   next.publish = traits.snapshots;
   BodyStore& bodies = w.bodies;

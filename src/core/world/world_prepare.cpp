@@ -66,7 +66,7 @@ void World::prepare() {
   go_back(w, before);
   replan(w);
   w.tracer.begin();
-  w.step_work.run(w, span, ignored);
+  run_parts(w, span, ignored);
   if (w.plan.manifolds) {  // a step with as many substeps leaves them as they lie
     w.dynamics.substeps = w.desc.substeps;
     lay_out_manifolds(w, w.desc.dt);

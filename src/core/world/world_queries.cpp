@@ -81,7 +81,7 @@ std::span<const std::uint32_t> World::strips() {
   list.strips.assign(w.bodies.id_count, kNoStrip);
   if (w.ledger.steps == 0) return list.strips;
   find_moved(w);
-  w.step_work.turn_back(w);
+  turn_back(w);
   w.pool.run(w.neighbours.table.body_count != 0 ? w.neighbours.table.strips.size() : 0, [&](std::size_t index) {
     const Strip& s = w.neighbours.table.strips[index];
     for (std::uint32_t i = s.body_begin; i < s.body_end; ++i) {
@@ -90,7 +90,7 @@ std::span<const std::uint32_t> World::strips() {
       if (id != kNoSlot) list.strips[id] = static_cast<std::uint32_t>(index);
     }
   });
-  w.step_work.turn_back(w);
+  turn_back(w);
   return list.strips;
 }
 
@@ -101,15 +101,15 @@ std::span<const Contact> World::contacts() {
   const WorkerPool::Awake awake(impl_->pool);
   Owners& w = impl_->settled();
   LastStep last;
-  last.begun = !w.step_work.untouched() || w.progress.at != 0 || !w.contacts_stand();
+  last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
   last.with_manifolds = w.plan.manifolds;
   last.substeps = w.dynamics.substeps;
   if (w.plan.model.model == kernels::Model::plain) last.disc_mass = static_cast<double>(w.population.first_mass);
   find_moved(w);
-  w.step_work.turn_back(w);
+  turn_back(w);
   if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses(w.pool);
   const std::span<const Contact> found = find_contacts(w.observed(), last, w.observers.contacts);
-  w.step_work.turn_back(w);
+  turn_back(w);
   return found;
 }
 
