@@ -313,18 +313,19 @@ double whole_loads(const UnitCosts& ns, const WorkCounts& w) {
   return (w.has.loads ? ns.load * w.lists.visits : 0) * n(w.contacts);
 }
 
-double whole_gather(const UnitCosts& ns, const WorkCounts& w) { return kGather * ns.group * n(w.manifolds.pairs); }
+template <double kShare>
+double whole_group(const UnitCosts& ns, const WorkCounts& w) {
+  return kShare * ns.group * n(w.manifolds.pairs);
+}
 
 double piece_sort_out(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
   const double shaped = n(w.manifolds.pairs) / std::max(n(w.manifolds.pairs + w.contacts), 1.0);  // of the pairs, about
   return kSortOut * ns.group * std::max(shaped * strip_pairs(c, piece), large_manifolds(c, piece)) + ns.strip;
 }
-double whole_sort_out(const UnitCosts& ns, const WorkCounts& w) { return kSortOut * ns.group * n(w.manifolds.pairs); }
 
 double piece_keep(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
   return kKeep * ns.group * n(c.contacts.manifolds.count_of(piece));
 }
-double whole_keep(const UnitCosts& ns, const WorkCounts& w) { return kKeep * ns.group * n(w.manifolds.pairs); }
 
 // Pieces are strips in the order of phases, not of the table; one strip costs about as much as another.
 double piece_colour(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
@@ -381,11 +382,11 @@ constexpr StepPart kParts[] = {
     {"loads", kColours, "bodies under much heavier ones, where the plan asks", "a strip, for each pass",
      loads_found, load_pieces, run::loads, piece_loads, whole_loads},
     {"gather", kColours, "shapes, filters, joints: what is known of the manifolds of before", "one",
-     sorted_out, one, run::gather, nullptr, whole_gather},
+     sorted_out, one, run::gather, nullptr, whole_group<kGather>},
     {"sort_out", kColours, "takes manifolds, and pairs that must not collide, out of the lists of discs", "a strip",
-     sorted_out, strips, run::sort_out, piece_sort_out, whole_sort_out},
+     sorted_out, strips, run::sort_out, piece_sort_out, whole_group<kSortOut>},
     {"keep", kColours, "gives manifolds what is known of them", "a strip",
-     sorted_out, strips, run::keep, piece_keep, whole_keep},
+     sorted_out, strips, run::keep, piece_keep, whole_group<kKeep>},
     {"colour", kColours, "colours of contacts of discs", "a strip",
      laid_out, strips, run::colour, piece_colour, whole_colour},
     {"lay_out", kColours, "blocks of 8 lanes that share no body, with the impulses of before", "a strip",

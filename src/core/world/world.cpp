@@ -12,7 +12,6 @@ namespace psim {
 namespace {
 
 bool is_skin(double factor) { return factor >= 0.25 && factor <= 4; }
-bool not_negative(double v) { return v >= 0 && finite(v); }
 
 std::string check(const Field& field) {
   if (const auto* well = std::get_if<WellField>(&field)) {

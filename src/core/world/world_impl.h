@@ -37,8 +37,6 @@ struct World::Impl : Owners {
 
 /// A step with the detail that is given; else the governor chooses one, if it is on. The steps of a world: step.cpp.
 StepReport step(Owners& w, double dt, const StepDetail* given = nullptr);
-/// All that is left of the work on lists and contacts; then normals and gaps.
-void finish_contacts(Owners& w, double dt, const Span& span, StepReport& report);
 
 // world_plan.cpp
 void replan(Owners& w);

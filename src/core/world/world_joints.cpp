@@ -17,18 +17,14 @@ Vec2 world_point(const BodyState& s, Vec2 p) {
 std::string check_numbers(const JointDesc& d) {
   if (!finite(d.anchor_a) || !finite(d.anchor_b)) return "anchors must be finite";
   if (!finite(d.length)) return "length must be finite";
-  if (!(d.stiffness >= 0) || !finite(d.stiffness)) return "stiffness must be 0 or more and finite";
-  if (!(d.damping >= 0) || !finite(d.damping)) return "damping must be 0 or more and finite";
+  if (!not_negative(d.stiffness)) return "stiffness must be 0 or more and finite";
+  if (!not_negative(d.damping)) return "damping must be 0 or more and finite";
   if (!finite(d.axis)) return "axis must be finite";
   if (!finite(d.reference)) return "reference must be finite";
   if (!finite(d.lower) || !finite(d.upper)) return "limits must be finite";
   if (!finite(d.motor_speed)) return "motor speed must be finite";
-  if (!(d.motor_limit >= 0) || !finite(d.motor_limit)) {
-    return "motor limit must be 0 or more and finite";
-  }
-  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) {
-    return "axis must not be zero";
-  }
+  if (!not_negative(d.motor_limit)) return "motor limit must be 0 or more and finite";
+  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) return "axis must not be zero";
   if (d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
   return {};
 }
@@ -67,9 +63,8 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   };
   for (const BodyId id : {desc.a, desc.b}) {
     if (!is_valid(id)) return refuse(id == desc.a ? "a is not a body" : "b is not a body");
-    if (w.bodies.info[id.index].place == Place::frozen) {
-      return refuse("a body whose numbers are broken cannot be joined");
-    }
+    const bool frozen = w.bodies.info[id.index].place == Place::frozen;
+    if (frozen) return refuse("a body whose numbers are broken cannot be joined");
   }
   if (desc.a == desc.b) return refuse("a and b must differ");
   const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
@@ -104,7 +99,7 @@ bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id)
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
-  if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
+  if (!finite(speed) || !not_negative(limit) || !is_valid_joint(id)) return false;
   Owners& w = impl_->settled();
   disturb_both(w, w.joints.desc(id));
   return w.joints.set_motor(id, speed, limit);

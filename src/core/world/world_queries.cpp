@@ -63,12 +63,11 @@ Diagnostics World::diagnostics() const {
   ContactStore& discs = w.contacts.discs;
   w.contacts.find_gaps(w.walls, 0, w.neighbours.table);
   float deepest = w.contacts.manifolds.deepest();
-  for (std::size_t l = 0; l < std::size_t{discs.pair_blocks()} * kernels::kBlock; ++l) {
-    deepest = std::fmax(deepest, -discs.gap[l]);
-  }
-  for (std::size_t l = 0; l < std::size_t{discs.static_blocks()} * kernels::kBlock; ++l) {
-    deepest = std::fmax(deepest, -discs.s_gap[l]);
-  }
+  const auto look = [&](const Column<float>& gaps, std::size_t blocks) {
+    for (std::size_t l = 0; l < blocks * kernels::kBlock; ++l) deepest = std::fmax(deepest, -gaps[l]);
+  };
+  look(discs.gap, discs.pair_blocks());
+  look(discs.s_gap, discs.static_blocks());
   d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(deepest));
   return d;
 }
