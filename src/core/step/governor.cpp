@@ -85,7 +85,7 @@ struct Lists {
   double a_frame = 0;  // ns of a step's work for each of them
 };
 Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::function<Governor::Growth(int)>& growth) {
-  const UnitCosts& costs = g.costs();
+  const UnitCosts costs = g.costs();
   const double room = g.room_ns() - costs.step;
   const auto all = [&](const WorkCounts& then, int frames) {
     return ahead_ns(costs, then) + rest_ns(costs, then) + frames * substep_ns(costs, then);
@@ -106,8 +106,9 @@ Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::fun
 }
 
 Governor::Choice offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
-  const double room = g.room_ns() - g.costs().step;
-  const int fits = fitting(g.costs(), w, left, most), next = fitting(g.costs(), w, room, most);
+  const UnitCosts costs = g.costs();
+  const double room = g.room_ns() - costs.step;
+  const int fits = fitting(costs, w, left, most), next = fitting(costs, w, room, most);
   Governor::Choice of;
   of.substeps = left >= room ? std::max(fits, 1) : fits;
   of.frames = std::max(std::min({of.substeps, elapsed, horizon}), 1);
@@ -127,7 +128,7 @@ struct Frame {
 
 // Does pieces until the next one does not fit; at least one.
 void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& report) {
-  const UnitCosts& costs = c.governor.costs();
+  const UnitCosts costs = c.governor.costs();
   const double room_ns = c.governor.room_ns();
   StepProgress& now = c.progress;
   while (!all_done(now)) {
@@ -158,7 +159,7 @@ void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& repor
 
 // All is ready: does the step end in this frame, with how many substeps, and how many frames does it make up for?
 void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
-  const UnitCosts& costs = c.governor.costs();
+  const UnitCosts costs = c.governor.costs();
   const WorkCounts counts = count_work(c);
   int horizon = c.progress.horizon;
   const bool lasting = !c.neighbours.selects() && !c.progress.makes_lists();
@@ -188,14 +189,9 @@ bool Governor::sound(const GovernorDesc& desc) {
          std::all_of(numbers.begin(), numbers.end(), [](double ns) { return ns >= 0 && std::isfinite(ns); });
 }
 
-void Governor::set(const GovernorDesc& desc) {
-  desc_ = desc;
-  costs_ = unit_costs(desc.costs);
-}
-
 int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
   const Lists whole = lists_for(*this, w, most, growth);
-  if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - costs_.step) return whole.frames;
+  if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - costs().step) return whole.frames;
   const Lists cut = lists_for(*this, with_sweeps(w, kFewSweeps), most, growth);
   return cut.a_frame < kWorthIt * whole.a_frame ? cut.frames : whole.frames;
 }
@@ -218,7 +214,7 @@ void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const 
   }
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
-  Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
+  Frame frame{costs().step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
   if (first) run_parts(c, span, report);
   do_pieces(c, span, frame, report);
   detail.solves = false;
@@ -227,10 +223,11 @@ void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const 
 }
 
 bool Governor::fits_again(const StepContext& c, StepReport& report) const {
+  const UnitCosts ns = costs();
   const WorkCounts work = count_work(c);
   double spent = report.predicted_ms * 1e6;
-  if (spent + ahead_ns(costs_, work) + rest_ns(costs_, work) <= room_ns()) return true;
-  spent -= report.detail.substeps * substep_ns(costs_, with_sweeps(work, report.detail.sweeps));
+  if (spent + ahead_ns(ns, work) + rest_ns(ns, work) <= room_ns()) return true;
+  spent -= report.detail.substeps * substep_ns(ns, with_sweeps(work, report.detail.sweeps));
   report.predicted_ms = spent * 1e-6;
   return false;
 }

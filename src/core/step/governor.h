@@ -26,9 +26,9 @@ class Governor {
 
   /// Whether no number is broken.
   static bool sound(const GovernorDesc& desc);
-  void set(const GovernorDesc& desc);
+  void set(const GovernorDesc& desc) { desc_ = desc; }
   bool on() const { return desc_.on; }
-  const UnitCosts& costs() const { return costs_; }
+  UnitCosts costs() const { return unit_costs(desc_.costs); }
 
   /// Does of a step's work what fits into a frame of dt seconds, and chooses the detail: whether the rest of the step
   /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong to
@@ -65,7 +65,6 @@ class Governor {
   static constexpr double kShare = 0.75;
 
   GovernorDesc desc_;
-  UnitCosts costs_;
 };
 
 }  // namespace psim
