@@ -63,8 +63,8 @@ struct Span {
 struct WorkDone {
   std::uint32_t part = 0, at = 0;  ///< part: row of the step table (step/step_table.h)
   double span = 0;                 ///< s: that the work was for; 0: a push
-  std::uint32_t id = 0;            ///< of the body, and how it moved before, m/s
-  float vx = 0, vy = 0, rim_speed = 0;
+  std::uint32_t id = 0;            ///< of the body
+  Motion before = {};              ///< how it moved
 };
 
 struct StepContext {
@@ -73,25 +73,26 @@ struct StepContext {
   // The world as it is described, and what follows from that.
   WorldDesc desc;
   RunOptions options;
-  Lattice lattice;
+  Lattice lattice{desc.bounds, desc.boundary == Boundary::periodic};
   Walls walls;
   Plan plan;
   // Who does the work, and who counts it.
-  kernels::KernelTable kernels;
+  kernels::KernelTable kernels = kernels_of(options.isa);
   MemoryMeter memory;
   Tracer tracer;
-  WorkerPool pool;
+  WorkerPool pool{options.threads};
   Ledger ledger;
   Governor governor;
   // Who is there.
-  Population population;
+  Population population{desc, lattice, memory};
   BodyStore& bodies = population.bodies;
   StaticShapes& statics = population.statics;
-  JointStore joints;
+  Surroundings surroundings{memory, lattice, bodies, statics, kernels, pool};
+  JointStore joints{memory};
   // What a step makes of them.
-  NeighbourLists neighbours;
-  Contacts contacts;
-  Sleep sleep;
+  NeighbourLists neighbours{surroundings};
+  Contacts contacts{surroundings, desc.wall};
+  Sleep sleep{surroundings};
   Dynamics dynamics;
   StepProgress progress;
   std::vector<WorkDone> done_so_far;

@@ -6,17 +6,7 @@
 
 namespace psim {
 
-StepContext::StepContext(const WorldDesc& d, const RunOptions& o)
-    : desc(d),
-      options(o),
-      lattice(d.bounds, d.boundary == Boundary::periodic),
-      kernels(kernels_of(o.isa)),
-      pool(o.threads),
-      population(desc, lattice, memory),
-      joints(memory),
-      neighbours({memory, lattice, bodies, statics, kernels, pool}),
-      contacts({memory, lattice, bodies, statics, kernels, pool}, desc.wall),
-      sleep(contacts.surroundings) {
+StepContext::StepContext(const WorldDesc& d, const RunOptions& o) : desc(d), options(o) {
   pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
@@ -122,7 +112,7 @@ void note_push(StepContext& c, std::uint32_t id, const Motion& before) {
   const double gain = static_cast<double>(c.population.speed_of(slot) - before.fastest());
   const double way = kMarginFrames * c.desc.dt * std::max<int>(c.progress.horizon, c.progress.waits + 1) * gain;
   if (!(way <= 0.02 * static_cast<double>(c.bodies.radius[slot]))) return spoil_work(c);
-  c.done_so_far.push_back({.id = id, .vx = before.vx, .vy = before.vy, .rim_speed = before.rim_speed});
+  c.done_so_far.push_back({.id = id, .before = before});
 }
 
 bool put_renewed(StepContext& c) {

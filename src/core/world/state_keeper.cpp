@@ -8,7 +8,6 @@
 #include <ranges>
 
 #include "base/invariant.h"
-#include "base/machine.h"
 #include "state/describe.h"
 #include "state/saved_contacts.h"
 #include "world/world_impl.h"
@@ -138,7 +137,7 @@ class StateKeeper {
       a.value(id.generation);
     });
     a.list(w_.done_so_far, [&](WorkDone& d) {
-      values(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.rim_speed);
+      values(a, d.part, d.at, d.span, d.id, d.before.vx, d.before.vy, d.before.rim_speed);
       a.require(d.part <= step_parts().size() && d.span >= 0 && d.span <= 1e30 &&
                 (d.span > 0 || d.id < bodies.id_count));
       if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
@@ -256,9 +255,9 @@ class StateKeeper {
     const auto swap_motion = [&](WorkDone& push) {
       if (push.span > 0) return;
       const std::size_t slot = bodies.info[push.id].slot;
-      std::swap(bodies.vel[2 * slot], push.vx);
-      std::swap(bodies.vel[2 * slot + 1], push.vy);
-      if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
+      std::swap(bodies.vel[2 * slot], push.before.vx);
+      std::swap(bodies.vel[2 * slot + 1], push.before.vy);
+      if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.before.rim_speed);
     };
     for (WorkDone& done : std::views::reverse(w_.done_so_far)) swap_motion(done);
     StepReport ignored;

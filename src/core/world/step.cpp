@@ -4,8 +4,6 @@
 #include <chrono>
 #include <limits>
 
-#include "base/machine.h"
-#include "base/trace.h"
 #include "step/motion.h"
 #include "world/world_impl.h"
 

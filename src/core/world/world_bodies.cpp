@@ -31,6 +31,7 @@ void body_goes(Owners& w, std::uint32_t id, bool same) {
   w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
   if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
   if (info.place != Place::frozen) w.plan_stale = true;
+  spoil_work(w);
 }
 
 // Whether the host may move or push a body. From now on it is awake and its slot is known.
@@ -71,13 +72,11 @@ void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
   body_goes(w, id, false);
   w.population.remove(id);
-  spoil_work(w);
 }
 
 void freeze_body(Owners& w, std::uint32_t id, const BodyState& last) {
   body_goes(w, id, true);
   w.population.freeze(id, last);
-  spoil_work(w);
 }
 
 void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep_source(), id)); }

@@ -2,7 +2,6 @@
 // observers answer; here they get what they need.
 #include <cmath>
 
-#include "base/machine.h"
 #include "query/queries.h"
 #include "world/world_impl.h"
 
