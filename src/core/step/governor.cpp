@@ -46,13 +46,11 @@ WorkCounts grown(const WorkCounts& w, const Governor::Growth& by) {
   const double crowd = w.has.mixed && w.sweeps > 0 ? n(w.lists.candidates) * by.candidates : kNeighbours * n(w.bodies);
   const double most = std::min(n(w.lists.candidates) * by.candidates, crowd) / now;
   const double contacts = w.lists.candidates == 0 ? 1 : std::max(std::min(by.time, most), 1.0);
-  for (std::uint64_t* const count :
-       {&then.lists.candidates, &then.manifolds.pairs, &then.manifolds.looks, &then.manifolds.writes}) {
-    *count = static_cast<std::uint64_t>(n(*count) * by.candidates);
-  }
-  for (std::uint64_t* const count : {&then.contacts, &then.lanes, &then.solved}) {
-    *count = static_cast<std::uint64_t>(n(*count) * contacts);
-  }
+  const auto grow = [](double factor, auto&... counts) {
+    ((counts = static_cast<std::uint64_t>(n(counts) * factor)), ...);
+  };
+  grow(by.candidates, then.lists.candidates, then.manifolds.pairs, then.manifolds.looks, then.manifolds.writes);
+  grow(contacts, then.contacts, then.lanes, then.solved);
   then.solved = std::min(then.solved, std::max(w.bodies, w.solved));
   then.lists.tests *= by.candidates;
   return then;

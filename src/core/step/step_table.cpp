@@ -27,16 +27,13 @@ ListSettings list_settings(StepContext& c, const Span& span) {
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
 void link_bodies(StepContext& c) {
-  if (!c.population.kinematics.empty()) {
-    c.bodies.find_slots();
-    for (const auto& [id, velocity] : c.population.kinematics) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
-  }
-  if (!c.joints.empty()) {
-    c.bodies.find_slots();
-    for (const std::uint32_t id : c.joints.bodies()) {
-      if (c.bodies.info[id].place == Place::moving) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
-    }
-  }
+  if (c.population.kinematics.empty() && c.joints.empty()) return;
+  c.bodies.find_slots();
+  const auto link = [&bodies = c.bodies](std::uint32_t id) {
+    if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
+  };
+  for (const auto& [id, velocity] : c.population.kinematics) link(id);
+  for (const std::uint32_t id : c.joints.bodies()) link(id);
 }
 
 // Each does some of the pieces of its part, in order.

@@ -33,12 +33,6 @@ static auto fields(Plan& p) {
 
 namespace {
 
-std::string differs(const WorldDesc& a, const WorldDesc& b) {
-  const bool same = a.bounds.xmin == b.bounds.xmin && a.bounds.xmax == b.bounds.xmax &&
-                    a.bounds.ymin == b.bounds.ymin && a.bounds.ymax == b.bounds.ymax && a.boundary == b.boundary;
-  return same ? "" : "the saved world has other bounds or another boundary";
-}
-
 class StateKeeper {
  public:
   explicit StateKeeper(Owners& world) : w_(world) {}
@@ -306,7 +300,8 @@ bool World::restore(std::span<const std::byte> state, std::string& error) {
   WorldDesc read;
   values(loader, read);
   error = loader.error();
-  if (error.empty()) error = differs(read, w.desc);
+  const bool fits = fields(read.bounds) == fields(w.desc.bounds) && read.boundary == w.desc.boundary;
+  if (error.empty() && !fits) error = "the saved world has other bounds or another boundary";
   if (error.empty()) error = check(read, w.options);
   if (!error.empty()) return false;
   std::vector<std::byte> before;
