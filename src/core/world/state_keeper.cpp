@@ -263,8 +263,7 @@ class StateKeeper {
                  now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    lists_.made.span = made.span;
-    lists_.made.selected_span = made.selected_span;
+    lists_.made = made;
   }
 
   bool lasting() const { return last_ && !lists_.selects(); }

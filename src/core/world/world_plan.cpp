@@ -77,9 +77,10 @@ void apply_plan(Owners& w) {
   if (plan.fields) {
     bodies.add_remainders(plan.integrator != Integrator::verlet);
   } else {
-    for (Column<float>* of : {&bodies.vel_remainder, &bodies.disp_remainder, &bodies.drift_correction, &bodies.spare}) {
-      of->release();
-    }
+    bodies.vel_remainder.release();
+    bodies.disp_remainder.release();
+    bodies.drift_correction.release();
+    bodies.spare.release();
   }
   if (!plan.turns) bodies.keep_turns(false);
   w.statics.find_whole(plan.manifolds);
