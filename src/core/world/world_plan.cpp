@@ -64,6 +64,7 @@ void replan(Owners& w) {
 void apply_plan(Owners& w) {
   const Plan& plan = w.plan;
   BodyStore& bodies = w.bodies;
+  Sleepers& sleepers = w.sleep.sleepers;
   if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
   if (!plan.rotation) bodies.drop_rotation();
   w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
@@ -86,11 +87,12 @@ void apply_plan(Owners& w) {
   w.statics.find_whole(plan.manifolds);
   if (!w.sorts_out()) w.contacts.manifolds.release();
   if (!plan.manifolds) w.contacts.stacks.release();
-  if (!plan.manifolds && bodies.hulls.empty()) bodies.hulls.clear();
+  if (!plan.manifolds && bodies.hulls.empty() && bodies.hulls.bytes() != 0) bodies.hulls.clear();
   if (!plan.joints) w.joints.release_blocks();
   if (!plan.continuous) w.dynamics.continuous.release();
   if (!plan.loads) w.contacts.loads.release();
-  if (!plan.sleep && w.sleep.sleepers.empty()) w.sleep.sleepers.release();
+  // Waking takes a little memory where nobody sleeps, too. It stays, so that a step in which bodies go allocates nothing.
+  if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
   if (!plan.publish) w.observers.publisher.release();
   if (!plan.events && !w.observers.events.on()) w.observers.events = EventList();
   if (!plan.scales) bodies.pull.release();
