@@ -31,8 +31,8 @@ class Governor {
   UnitCosts costs() const { return unit_costs(desc_.costs); }
 
   /// Does of a step's work what fits into a frame of dt seconds, and chooses the detail: whether the rest of the step
-  /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong to
-  /// making ready (World::prepare).
+  /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong
+  /// to making ready (World::prepare).
   void spend_frame(StepContext& c, double dt, StepReport& report) const;
   /// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either, and are
   /// taken out of the prediction.

@@ -91,7 +91,7 @@ void apply_plan(Owners& w) {
   if (!plan.joints) w.joints.release_blocks();
   if (!plan.continuous) w.dynamics.continuous.release();
   if (!plan.loads) w.contacts.loads.release();
-  // Waking takes a little memory where nobody sleeps, too. It stays, so that a step in which bodies go allocates nothing.
+  // Waking takes a little memory where nobody may sleep, too. It stays: a step in which bodies go allocates nothing.
   if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
   if (!plan.publish) w.observers.publisher.release();
   if (!plan.events && !w.observers.events.on()) w.observers.events = EventList();
