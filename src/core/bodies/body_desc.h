@@ -16,6 +16,7 @@ namespace psim {
 inline bool finite(double v) { return std::isfinite(v); }
 inline bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
 inline bool finite(const std::optional<double>& v) { return !v || finite(*v); }
+inline bool not_negative(double v) { return v >= 0 && finite(v); }
 
 /// omega r, m/s, within what floats can square.
 float rim_speed_of(double omega, float radius);

@@ -65,6 +65,7 @@ struct NeighbourLists {
   bool selects() const { return mode != ListMode::persistent; }
   /// The table that the broad phase writes.
   PairTable& found() { return selects() ? candidates : table; }
+  const PairTable& found() const { return selects() ? candidates : table; }
 
   /// Whether the lists can serve dt seconds more. O(bodies).
   bool serve(double dt) { return broad.lists_serve(static_cast<float>((selects() ? 1.0 : kMarginFrames) * dt)); }

@@ -17,6 +17,7 @@ struct Observers {
   EventList events;
   ContactList contacts;
   PublishedColumns columns;
+  bool placed = true;  ///< the host added or moved bodies since the last step
 
   /// Bodies fell asleep or woke.
   void forget_sleep() {

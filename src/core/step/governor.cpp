@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "step/step_work.h"
+#include "step/step_table.h"
 
 namespace psim {
 
@@ -46,13 +46,11 @@ WorkCounts grown(const WorkCounts& w, const Governor::Growth& by) {
   const double crowd = w.has.mixed && w.sweeps > 0 ? n(w.lists.candidates) * by.candidates : kNeighbours * n(w.bodies);
   const double most = std::min(n(w.lists.candidates) * by.candidates, crowd) / now;
   const double contacts = w.lists.candidates == 0 ? 1 : std::max(std::min(by.time, most), 1.0);
-  for (std::uint64_t* const count :
-       {&then.lists.candidates, &then.manifolds.pairs, &then.manifolds.looks, &then.manifolds.writes}) {
-    *count = static_cast<std::uint64_t>(n(*count) * by.candidates);
-  }
-  for (std::uint64_t* const count : {&then.contacts, &then.lanes, &then.solved}) {
-    *count = static_cast<std::uint64_t>(n(*count) * contacts);
-  }
+  const auto grow = [](double factor, auto&... counts) {
+    ((counts = static_cast<std::uint64_t>(n(counts) * factor)), ...);
+  };
+  grow(by.candidates, then.lists.candidates, then.manifolds.pairs, then.manifolds.looks, then.manifolds.writes);
+  grow(contacts, then.contacts, then.lanes, then.solved);
   then.solved = std::min(then.solved, std::max(w.bodies, w.solved));
   then.lists.tests *= by.candidates;
   return then;
@@ -71,9 +69,6 @@ Governor::Growth list_growth(const StepContext& c, int frames) {
   return {reach * reach / (made.reach * made.reach), frames / made.selected_span};
 }
 
-// ns to keep all manifolds as they were beside looking at them.
-double remember_ns(const UnitCosts& c, const WorkCounts& w) { return kRemembered * c.keep * n(w.manifolds.pairs); }
-
 // Substeps that fit beside the rest.
 int fitting(const UnitCosts& costs, const WorkCounts& w, double ns, int most) {
   const double each = substep_ns(costs, w), room = ns - rest_ns(costs, w);
@@ -88,7 +83,7 @@ struct Lists {
   double a_frame = 0;  // ns of a step's work for each of them
 };
 Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::function<Governor::Growth(int)>& growth) {
-  const UnitCosts& costs = g.costs();
+  const UnitCosts costs = g.costs();
   const double room = g.room_ns() - costs.step;
   const auto all = [&](const WorkCounts& then, int frames) {
     return ahead_ns(costs, then) + rest_ns(costs, then) + frames * substep_ns(costs, then);
@@ -108,24 +103,16 @@ Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::fun
   return best;
 }
 
-struct Offer {
-  Governor::Choice choice;
-  double pace = 0;  // frames made up for in each that goes by; 0: not within the budget
-};
-Offer offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
-  const double room = g.room_ns() - g.costs().step;
-  const int fits = fitting(g.costs(), w, left, most), next = fitting(g.costs(), w, room, most);
-  const int here = left >= room ? std::max(fits, 1) : fits;
-  Offer of;
-  of.choice.substeps = here;
-  of.choice.frames = std::max(std::min({here, elapsed, horizon}), 1);
+Governor::Choice offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
+  const UnitCosts costs = g.costs();
+  const double room = g.room_ns() - costs.step;
+  const int fits = fitting(costs, w, left, most), next = fitting(costs, w, room, most);
+  Governor::Choice of;
+  of.substeps = left >= room ? std::max(fits, 1) : fits;
+  of.frames = std::max(std::min({of.substeps, elapsed, horizon}), 1);
   const int later = std::min({std::max(next, 1), elapsed + 1, horizon});
-  of.choice.solves = here >= 1 && of.choice.frames * (elapsed + 1) >= later * elapsed;
-  if (of.choice.solves) {
-    of.pace = fits == 0 ? 0.0 : 1.0 * of.choice.frames / elapsed;
-  } else {
-    of.pace = next == 0 ? 0.0 : 1.0 * later / (elapsed + 1);
-  }
+  of.solves = of.substeps >= 1 && of.frames * (elapsed + 1) >= later * elapsed;
+  if ((of.solves ? fits : next) != 0) of.pace = of.solves ? 1.0 * of.frames / elapsed : 1.0 * later / (elapsed + 1);
   return of;
 }
 
@@ -138,37 +125,39 @@ struct Frame {
 };
 
 // Does pieces until the next one does not fit; at least one.
-void do_pieces(const StepContext& c, StepWork& work, const Span& span, Frame& frame, StepReport& report) {
-  const UnitCosts& costs = c.governor.costs();
+void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& report) {
+  const UnitCosts costs = c.governor.costs();
   const double room_ns = c.governor.room_ns();
-  StepProgress& now = work.progress;
-  while (!work.done()) {
-    const StepPart& part = work.part();
+  StepProgress& now = c.progress;
+  while (!all_done(now)) {
+    const StepPart& part = step_parts()[now.part];
     const std::size_t all = part.pieces(c);
     const WorkCounts counts = count_work(c);
-    const bool in_place = work.in_place(c);
+    // It changes contacts that lie as they were in the step before.
+    const bool in_place = part.in_place && !now.makes_lists() && !c.neighbours.selects();
     if (in_place && now.at == 0 && !step_parts()[now.part - 1u].in_place) {
-      const double left = in_place_ns(costs, counts) + rest_ns(costs, counts) + substep_ns(costs, counts);
+      const double left = ahead_ns(costs, counts, true) + rest_ns(costs, counts) + substep_ns(costs, counts);
       now.spread = frame.elapsed > 1 || frame.spent + left > room_ns;
-      if (now.spread) frame.spent += remember_ns(costs, counts);
+      if (now.spread) frame.spent += kRemembered * costs.keep * n(counts.manifolds.pairs);
     }
     const bool whole = frame.late || (in_place && !now.spread);
     std::size_t end = now.at;
     for (; end < all; ++end) {
-      const double cost = part.cost_ns(c, counts, end);
+      const double cost =
+          part.piece_ns != nullptr ? part.piece_ns(costs, c, counts, end) : part.whole_ns(costs, counts);
       if (frame.spent + cost > room_ns && frame.spent > costs.step && !whole) break;
       frame.spent += cost;
     }
     if (end == now.at && all != 0) break;
     frame.committed = frame.committed || (in_place && !now.spread);
     report.detail.pieces += static_cast<std::uint32_t>(end - now.at);
-    work.run(c, span, report, end);
+    run_part(c, span, report, end);
   }
 }
 
 // All is ready: does the step end in this frame, with how many substeps, and how many frames does it make up for?
-void choose_end(const StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
-  const UnitCosts& costs = c.governor.costs();
+void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
+  const UnitCosts costs = c.governor.costs();
   const WorkCounts counts = count_work(c);
   int horizon = c.progress.horizon;
   const bool lasting = !c.neighbours.selects() && !c.progress.makes_lists();
@@ -198,49 +187,45 @@ bool Governor::sound(const GovernorDesc& desc) {
          std::all_of(numbers.begin(), numbers.end(), [](double ns) { return ns >= 0 && std::isfinite(ns); });
 }
 
-void Governor::set(const GovernorDesc& desc) {
-  desc_ = desc;
-  costs_ = unit_costs(desc.costs);
-}
-
 int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(int)>& growth) const {
   const Lists whole = lists_for(*this, w, most, growth);
-  if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - costs_.step) return whole.frames;
+  if (w.sweeps <= kFewSweeps || whole.a_frame <= room_ns() - costs().step) return whole.frames;
   const Lists cut = lists_for(*this, with_sweeps(w, kFewSweeps), most, growth);
   return cut.a_frame < kWorthIt * whole.a_frame ? cut.frames : whole.frames;
 }
 
 Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
-  const Offer whole = offer(*this, w, left, elapsed, horizon, most);
-  if (w.sweeps <= kFewSweeps) return whole.choice;
-  Offer cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
-  if (whole.pace > 0 && cut.pace <= whole.pace) return whole.choice;
-  cut.choice.sweeps = kFewSweeps;
-  return cut.choice;
+  const Choice whole = offer(*this, w, left, elapsed, horizon, most);
+  if (w.sweeps <= kFewSweeps) return whole;
+  Choice cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
+  cut.sweeps = kFewSweeps;
+  return whole.pace > 0 && cut.pace <= whole.pace ? whole : cut;
 }
 
-void Governor::spend_frame(const StepContext& c, StepWork& work, double dt, bool first, StepReport& report) const {
-  StepProgress& now = work.progress;
+void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const {
+  const bool first = c.ledger.frames == 0;
+  StepProgress& now = c.progress;
   StepDetail& detail = report.detail;
-  if (work.untouched()) {
+  if (now.untouched()) {
     const auto growth = [&c](int frames) { return list_growth(c, frames); };
     now.horizon = static_cast<std::uint8_t>(first ? 1 : horizon(count_work(c), std::min(c.desc.substeps, 255), growth));
   }
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
-  Frame frame{costs_.step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
-  if (first) work.finish(c, span, report);
-  do_pieces(c, work, span, frame, report);
+  Frame frame{costs().step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
+  if (first) run_parts(c, span, report);
+  do_pieces(c, span, frame, report);
   detail.solves = false;
-  if (work.done()) choose_end(c, dt, first, frame, detail);
+  if (all_done(now)) choose_end(c, dt, first, frame, detail);
   report.predicted_ms = frame.spent * 1e-6;
 }
 
 bool Governor::fits_again(const StepContext& c, StepReport& report) const {
+  const UnitCosts ns = costs();
   const WorkCounts work = count_work(c);
   double spent = report.predicted_ms * 1e6;
-  if (spent + ahead_ns(costs_, work) + rest_ns(costs_, work) <= room_ns()) return true;
-  spent -= report.detail.substeps * substep_ns(costs_, with_sweeps(work, report.detail.sweeps));
+  if (spent + ahead_ns(ns, work) + rest_ns(ns, work) <= room_ns()) return true;
+  spent -= report.detail.substeps * substep_ns(ns, with_sweeps(work, report.detail.sweeps));
   report.predicted_ms = spent * 1e-6;
   return false;
 }

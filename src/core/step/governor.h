@@ -14,8 +14,6 @@ namespace psim {
 double rest_ns(const UnitCosts& costs, const WorkCounts& work);
 double substep_ns(const UnitCosts& costs, const WorkCounts& work);
 
-class StepWork;
-struct Span;
 struct StepContext;
 struct StepReport;
 
@@ -28,14 +26,14 @@ class Governor {
 
   /// Whether no number is broken.
   static bool sound(const GovernorDesc& desc);
-  void set(const GovernorDesc& desc);
+  void set(const GovernorDesc& desc) { desc_ = desc; }
   bool on() const { return desc_.on; }
-  const UnitCosts& costs() const { return costs_; }
+  UnitCosts costs() const { return unit_costs(desc_.costs); }
 
   /// Does of a step's work what fits into a frame of dt seconds, and chooses the detail: whether the rest of the step
-  /// fits, too, with how many substeps, and how many frames it makes up for. `first`: the first frame of a world, whose
-  /// lists belong to making ready (World::prepare).
-  void spend_frame(const StepContext& c, StepWork& work, double dt, bool first, StepReport& report) const;
+  /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong
+  /// to making ready (World::prepare).
+  void spend_frame(StepContext& c, double dt, StepReport& report) const;
   /// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either, and are
   /// taken out of the prediction.
   bool fits_again(const StepContext& c, StepReport& report) const;
@@ -54,7 +52,8 @@ class Governor {
   struct Choice {
     bool solves = false;  ///< in this frame; else the next one is better
     int substeps = 0, frames = 1;
-    int sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
+    int sweeps = 0;   ///< over impacts in a substep, at most; 0: as many as it takes
+    double pace = 0;  ///< frames made up for in each that goes by; 0: not within the budget
   };
   /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
   /// substep is longer than a frame: time that they cannot make up for is lost. Sweeps over impacts are left out
@@ -66,7 +65,6 @@ class Governor {
   static constexpr double kShare = 0.75;
 
   GovernorDesc desc_;
-  UnitCosts costs_;
 };
 
 }  // namespace psim

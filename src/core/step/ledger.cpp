@@ -1,7 +1,9 @@
 #include "step/ledger.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
 
 #include "step/step_context.h"
 
@@ -30,59 +32,70 @@ void Ledger::end_step(const MemoryMeter& memory, StepReport& report) {
   report.arena_growths = memory.growths - growths_before_;
 }
 
-std::vector<LaneUse> Ledger::lane_use() const {
-  std::vector<LaneUse> out;
-  for (std::size_t k = 0; k < use_.size(); ++k) {
-    if (use_[k].all != 0) out.push_back({std::string(kLaneUserNames[k]), use_[k].all, use_[k].used});
+std::vector<std::pair<std::string, std::uint64_t>> Ledger::skipped() const {
+  std::vector<std::pair<std::string, std::uint64_t>> out;
+  for (std::size_t k = 0; k < skipped_steps_.size(); ++k) {
+    if (skipped_steps_[k] != 0) out.emplace_back(kSkipNames[k], skipped_steps_[k]);
   }
   return out;
 }
 
+void Ledger::add_lanes(std::string_view user, std::uint64_t lanes, std::uint64_t used) {
+  auto use = std::find_if(use_.begin(), use_.end(), [&](const LaneUse& of) { return of.kernels == user; });
+  if (use == use_.end()) use = use_.insert(use, {std::string(user)});
+  use->lanes += lanes;
+  use->used += used;
+}
+
+std::vector<LaneUse> Ledger::lane_use() const {
+  std::vector<LaneUse> out;
+  std::copy_if(use_.begin(), use_.end(), std::back_inserter(out), [](const LaneUse& use) { return use.lanes != 0; });
+  return out;
+}
+
 // Most is known from the lists; O(bodies / 8 + joints), and for a 64th of the bodies where lists were made.
-void survey_lanes(const StepContext& c, bool rebuilt) {
-  Ledger& ledger = c.ledger;
+void survey_lanes(StepContext& c, bool rebuilt) {
+  const auto add_blocks = [&c](std::string_view user, std::uint64_t blocks, std::uint64_t used) {
+    c.ledger.add_lanes(user, blocks * kernels::kBlock, used);
+  };
   const BodyStore& bodies = c.bodies;
   const Contacts& contacts = c.contacts;
-  const std::uint32_t blocks = bodies.blocks();
-  ledger.add_lanes(LaneUser::bodies, std::uint64_t{blocks} * kernels::kBlock, bodies.awake());
+  const Manifolds& manifolds = contacts.manifolds;
+  add_blocks("bodies", bodies.blocks(), bodies.awake());
   if (contacts.solved.compact()) {
-    ledger.add_lanes(LaneUser::substeps, std::uint64_t{contacts.solved.blocks()} * kernels::kBlock,
-                     contacts.solved.count());
+    add_blocks("substeps", contacts.solved.blocks(), contacts.solved.count());
   } else {  // blocks of which nobody is linked are passed over
     std::uint64_t some = 0, bits = 0;
-    for (std::uint32_t block = 0; block < blocks; ++block) {
+    for (std::uint32_t block = 0; block < bodies.blocks(); ++block) {
       std::uint64_t eight;
       std::memcpy(&eight, bodies.linked.data() + std::size_t{block} * kernels::kBlock, sizeof eight);
       some += eight != 0;
       bits += static_cast<std::uint64_t>(std::popcount(eight));
     }
-    ledger.add_lanes(LaneUser::substeps, some * kernels::kBlock, bits / 8);
+    add_blocks("substeps", some, bits / 8);
   }
   const PairTable& lists = c.neighbours.found();
-  if (rebuilt) {
-    Ledger::Lanes& search = ledger.lanes_of(LaneUser::search);
-    c.neighbours.broad.sample_lanes(lists.large_begin, search.all, search.used);
-  }
+  std::uint64_t all = 0, used = 0;
+  if (rebuilt) c.neighbours.broad.sample_lanes(lists.large_begin, all, used);
+  c.ledger.add_lanes("pair search", all, used);
+  all = used = 0;
   for (const Strip& s : lists.strips) {
     if (!c.neighbours.selects()) break;
     const std::uint64_t n = s.pair_end - s.pair_begin, width = c.kernels.width;
-    ledger.add_lanes(LaneUser::selection, (n + width - 1) / width * width, n);
+    all += (n + width - 1) / width * width;
+    used += n;
   }
-  ledger.add_lanes(LaneUser::contacts, std::uint64_t{contacts.discs.pairs.blocks} * kernels::kBlock,
-                   contacts.discs.pairs.count);
-  ledger.add_lanes(LaneUser::fixed_contacts, std::uint64_t{contacts.discs.fixed.blocks} * kernels::kBlock,
-                   contacts.discs.fixed.count);
-  if (c.plan.manifolds) {
-    std::uint64_t active = 0;
-    for (std::size_t s = 0; s < contacts.manifolds.strip_count(); ++s)
-      active += contacts.manifolds.strip(s).active.size();
-    ledger.add_lanes(LaneUser::manifolds, std::uint64_t{contacts.manifolds.totals().blocks} * kernels::kBlock, active);
-    ledger.add_lanes(LaneUser::hulls, contacts.manifolds.looks().lanes, contacts.manifolds.looks().used);
-  }
-  if (c.plan.joints) {
-    Ledger::Lanes& joined = ledger.lanes_of(LaneUser::joints);
-    c.joints.count_lanes(joined.all, joined.used);
-  }
+  c.ledger.add_lanes("pair selection", all, used);
+  add_blocks("contacts", contacts.discs.pairs.blocks, contacts.discs.pairs.count);
+  add_blocks("fixed contacts", contacts.discs.fixed.blocks, contacts.discs.fixed.count);
+  const Manifolds::Looks hulls = c.plan.manifolds ? manifolds.looks() : Manifolds::Looks{};
+  std::uint64_t active = 0;
+  for (std::size_t s = 0; s < manifolds.strip_count(); ++s) active += manifolds.strip(s).active.size();
+  add_blocks("manifolds", manifolds.totals().blocks, active);
+  c.ledger.add_lanes("hulls", hulls.lanes, hulls.used);
+  all = used = 0;
+  if (c.plan.joints) c.joints.count_lanes(all, used);
+  c.ledger.add_lanes("joints", all, used);
 }
 
 }  // namespace psim

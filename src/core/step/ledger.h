@@ -5,7 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/column.h"
@@ -13,56 +15,33 @@
 
 namespace psim {
 
-/// The kernels whose blocks World::lane_use describes, and their public names.
-enum class LaneUser : std::uint8_t {
-  bodies,
-  substeps,
-  search,
-  selection,
-  contacts,
-  fixed_contacts,
-  manifolds,
-  hulls,
-  joints
-};
-inline constexpr std::array<std::string_view, 9> kLaneUserNames = {"bodies",         "substeps", "pair search",
-                                                                   "pair selection", "contacts", "fixed contacts",
-                                                                   "manifolds",      "hulls",    "joints"};
-
 /// What steps did, in counts.
 class Ledger {
  public:
-  /// Lanes of some blocks, and how many of them held something.
-  struct Lanes {
-    std::uint64_t all = 0, used = 0;
-  };
-
   /// Opens the page of a step. `memory` counts the growths of the world's arrays.
   void begin_step(const MemoryMeter& memory);
   /// A stage or a part of one had nothing to do in this step. To say so twice changes nothing.
-  void skip(Skip what) { skipped_ |= 1u << static_cast<unsigned>(what); }
-  void skip_if(bool nothing_to_do, Skip what) {
-    if (nothing_to_do) skip(what);
+  void skip(Skip what, bool nothing_to_do = true) {
+    skipped_ |= unsigned{nothing_to_do} << static_cast<unsigned>(what);
   }
   /// Nobody moves: everything is left out but what the host asked for.
   void skip_all(bool but_publish, bool but_events);
   /// Adds the page to the sums and writes it into the report. Lists that were rebuilt do not count as left out.
   void end_step(const MemoryMeter& memory, StepReport& report);
 
-  /// How many steps left each of kSkipNames out.
-  const std::array<std::uint64_t, kSkipNames.size()>& skipped_steps() const { return skipped_steps_; }
+  /// Names what was left out, and in how many steps.
+  std::vector<std::pair<std::string, std::uint64_t>> skipped() const;
 
+  std::uint64_t frames = 0;  ///< in which the world stepped
+  std::uint64_t steps = 0;   ///< frames in which time did not stand still
   /// Elements that were worked on in lanes and one at a time, since the world was made.
   LaneCounts lanes;
 
   /// Asks for a look at how full the blocks are, in every 16th step.
   void survey_lanes() { surveying_ = true; }
-  bool surveys(std::uint64_t step) const { return surveying_ && step % kSurveySteps == 0; }
-  Lanes& lanes_of(LaneUser user) { return use_[static_cast<std::size_t>(user)]; }
-  void add_lanes(LaneUser user, std::uint64_t all, std::uint64_t used) {
-    lanes_of(user).all += all;
-    lanes_of(user).used += used;
-  }
+  bool surveys() const { return surveying_ && steps % kSurveySteps == 0; }
+  /// Adds lanes of blocks, and how many of them held something, to what some kernels had so far.
+  void add_lanes(std::string_view user, std::uint64_t lanes, std::uint64_t used);
   std::vector<LaneUse> lane_use() const;
 
  private:
@@ -71,13 +50,13 @@ class Ledger {
   std::uint32_t skipped_ = 0;         // a bit for each Skip, in this step
   std::uint64_t growths_before_ = 0;  // MemoryMeter::growths when the step began
   std::array<std::uint64_t, kSkipNames.size()> skipped_steps_{};
-  std::array<Lanes, kLaneUserNames.size()> use_{};
+  std::vector<LaneUse> use_;  // in the order in which survey_lanes names them
   bool surveying_ = false;
 };
 
 struct StepContext;
 
 /// How full the blocks of the kernels are after a step (`rebuilt`: it made new lists), for World::lane_use.
-void survey_lanes(const StepContext& c, bool rebuilt);
+void survey_lanes(StepContext& c, bool rebuilt);
 
 }  // namespace psim

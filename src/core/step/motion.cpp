@@ -18,12 +18,12 @@ constexpr float kRefreshOfRadius = 0.02f;
 constexpr double kMostWarm = 4;  // factor on stored impulses where a step is longer than the last
 
 // Where lanes are counted: with one lane a register everything is done one at a time.
-std::uint64_t& lanes_counted(const StepContext& c) {
+std::uint64_t& lanes_counted(StepContext& c) {
   return c.kernels.width == 1 ? c.ledger.lanes.scalar : c.ledger.lanes.vector;
 }
 
 // Accelerations that differ from body to body, after the bodies were sorted.
-void prepare_forces(const StepContext& c, StepReport& report) {
+void prepare_forces(StepContext& c, StepReport& report) {
   Dynamics& dynamics = c.dynamics;
   BodyStore& bodies = c.bodies;
   if (!dynamics.forces || !(dynamics.forces_stale || bodies.acc.empty())) return;
@@ -44,7 +44,7 @@ bool no_contact_of_discs(const StepContext& c) {
   return c.contacts.discs.pairs.blocks + c.contacts.discs.fixed.blocks == 0;
 }
 
-SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
+SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) {
   SolverParams p;
   p.dt = dt;
   p.substeps = c.dynamics.substeps;
@@ -86,24 +86,24 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
 }
 
 // Says to the ledger what the plan leaves out.
-void note_skips(const StepContext& c) {
-  c.ledger.skip_if(!c.dynamics.forces, Skip::forces);
-  c.ledger.skip_if(!c.plan.restitution, Skip::restitution);
-  c.ledger.skip_if(!c.plan.masses && !c.plan.friction, Skip::masses);
-  c.ledger.skip_if(!c.plan.friction, Skip::friction);
-  c.ledger.skip_if(!c.plan.rotation, Skip::rotation);
-  c.ledger.skip_if(!c.plan.publish, Skip::publish);
-  c.ledger.skip_if(!c.contacts.loads.any(), Skip::heavy_loads);
-  c.ledger.skip_if(!c.plan.events, Skip::events);
-  c.ledger.skip_if(!c.plan.manifolds, Skip::manifolds);
-  c.ledger.skip_if(!c.plan.joints, Skip::joints);
-  c.ledger.skip_if(!c.sorts_out(), Skip::filters);
-  c.ledger.skip_if(!c.plan.continuous, Skip::continuous);
+void note_skips(StepContext& c) {
+  c.ledger.skip(Skip::forces, !c.dynamics.forces);
+  c.ledger.skip(Skip::restitution, !c.plan.restitution);
+  c.ledger.skip(Skip::masses, !c.plan.masses && !c.plan.friction);
+  c.ledger.skip(Skip::friction, !c.plan.friction);
+  c.ledger.skip(Skip::rotation, !c.plan.rotation);
+  c.ledger.skip(Skip::publish, !c.plan.publish);
+  c.ledger.skip(Skip::heavy_loads, !c.contacts.loads.any());
+  c.ledger.skip(Skip::events, !c.plan.events);
+  c.ledger.skip(Skip::manifolds, !c.plan.manifolds);
+  c.ledger.skip(Skip::joints, !c.plan.joints);
+  c.ledger.skip(Skip::filters, !c.sorts_out());
+  c.ledger.skip(Skip::continuous, !c.plan.continuous);
 }
 
 }  // namespace
 
-void lay_out_manifolds(const StepContext& c, double dt) {
+void lay_out_manifolds(StepContext& c, double dt) {
   const double h = dt / c.dynamics.substeps;
   ManifoldParams p = c.manifold_params(dt);
   Solver::manifold_softness(h, c.dynamics.next_stiff_substep(h), p);
@@ -118,45 +118,42 @@ void lay_out_manifolds(const StepContext& c, double dt) {
   c.contacts.stacks.place();
 }
 
-void prepare_contacts(const StepContext& c, double dt) {
+void prepare_contacts(StepContext& c, double dt) {
   if (c.plan.manifolds) lay_out_manifolds(c, dt);
   if (no_contact_of_discs(c)) {
-    c.ledger.skip_if(!c.contacts.manifolds.any(), Skip::narrow_phase);
+    c.ledger.skip(Skip::narrow_phase, !c.contacts.manifolds.any());
     c.contacts.solved.load();  // bodies may be linked by pairs that must not collide
     return;
   }
   c.contacts.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, c.neighbours.table);
 }
 
-std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report) {
+namespace {
+
+// Substeps. If nobody is near anything there are none: then the closed form of integrate() is all.
+void solve(StepContext& c, double dt, StepReport& report) {
   prepare_forces(c, report);
+  const StageTimer timer(report, c.tracer, Stage::solver);
   note_skips(c);
   if (no_contact_of_discs(c) && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
       c.joints.empty()) {
-    const StageTimer timer(report, c.tracer, Stage::solver);  // else run_substeps() times the stage from here on
     c.ledger.skip(Skip::solver);
     c.dynamics.solver.pass();
-    return std::nullopt;
+    return;
   }
   const SolverParams p = solver_params(c, dt, report.detail);
   const double h = dt / p.substeps;
   if (c.plan.turns) {
-    c.pool.run(stream_tasks(c.bodies.blocks()), [&](std::size_t t) {
-      const BlockRange r = stream_range(t, c.bodies.blocks());
+    run_stream(c.bodies.blocks(), c.pool, [&](BlockRange r) {
       std::fill(c.bodies.arm_change.data() + std::size_t{r.begin} * 2 * kBlock,
                 c.bodies.arm_change.data() + std::size_t{r.end} * 2 * kBlock, 0.0f);
       std::fill(c.bodies.angle_change.data() + std::size_t{r.begin} * kBlock,
                 c.bodies.angle_change.data() + std::size_t{r.end} * kBlock, 0.0f);
     });
   }
-  if (c.plan.joints) c.joints.prepare(c.population.fixed, c.contacts.solved, h);
-  c.dynamics.last_substep = h;
-  return p;
-}
-
-void run_substeps(const StepContext& c, const SolverParams& p, StepReport& report) {
-  const StageTimer timer(report, c.tracer, Stage::solver);
   Contacts& contacts = c.contacts;
+  if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h);
+  c.dynamics.last_substep = h;
   const SolverReport done = c.dynamics.solver.run(
       {contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics}, p);
   const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
@@ -172,7 +169,8 @@ void run_substeps(const StepContext& c, const SolverParams& p, StepReport& repor
   c.ledger.lanes.scalar += contacts.discs.fixed.count + 2u * substeps * contacts.stacks.link_count();
 }
 
-void stop_fast_bodies(const StepContext& c, StepReport& report) {
+// Shapes and bullets that went far for their size are put back to where they met something.
+void stop_fast_bodies(StepContext& c, StepReport& report) {
   if (!c.plan.continuous) return;
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
@@ -181,33 +179,38 @@ void stop_fast_bodies(const StepContext& c, StepReport& report) {
   report.fast = continuous.fast();
 }
 
-Integrated integrate(const StepContext& c, double dt, StepReport& report) {
+// Free bodies take the closed form of the frame; every body's offset folds into its lattice place.
+Moved integrate(StepContext& c, double dt, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::integrate);
   const kernels::StreamParams p = stream_params(c, dt);
-  const std::uint32_t blocks = c.bodies.blocks();
-  const kernels::BodyView view = c.bodies.view();
-  const bool bounded = c.desc.boundary != Boundary::periodic;
+  BodyStore& bodies = c.bodies;
+  const kernels::BodyView view = bodies.view();
+  const bool bounded = c.desc.boundary != Boundary::periodic, turning = !bodies.rim_speed.empty();
   std::atomic<bool> fine{true}, inside{true};
-  const bool turning = !c.bodies.rim_speed.empty();
-  c.pool.run(stream_tasks(blocks), [&](std::size_t t) {
-    const BlockRange r = stream_range(t, blocks);
-    if (!c.kernels.integrate(view, p, r.begin, r.end)) fine.store(false, std::memory_order_relaxed);
-    if (bounded && !Quarantine::walls_hold(c.bodies, c.walls, c.kernels, r))
+  run_stream(bodies.blocks(), c.pool, [&](BlockRange r) {
+    bool sound = c.kernels.integrate(view, p, r.begin, r.end);
+    const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count);
+    for (std::size_t i = std::size_t{r.begin} * kBlock; turning && i < end; ++i) {
+      if (bodies.linked[i] == 0) {  // others turned with the substeps
+        bodies.angle[i] += dt * (static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]));
+      }
+      sound = sound && std::isfinite(bodies.angle[i]) && (!c.plan.turns || std::isfinite(bodies.rim_speed[i]));
+    }
+    if (!sound) fine.store(false, std::memory_order_relaxed);
+    if (bounded && !Quarantine::walls_hold(bodies, c.walls, c.kernels, r)) {
       inside.store(false, std::memory_order_relaxed);
-    if (!turning) return;
-    for (std::size_t i = std::size_t{r.begin} * kBlock;
-         i < std::min<std::size_t>(std::size_t{r.end} * kBlock, c.bodies.count); ++i) {
-      if (c.bodies.linked[i] == 0) {  // others turned with the substeps
-        c.bodies.angle[i] +=
-            dt * (static_cast<double>(c.bodies.rim_speed[i]) / static_cast<double>(c.bodies.radius[i]));
-      }
-      if ((c.plan.turns && !std::isfinite(c.bodies.rim_speed[i])) || !std::isfinite(c.bodies.angle[i])) {
-        fine.store(false, std::memory_order_relaxed);
-      }
     }
   });
-  lanes_counted(c) += std::uint64_t{blocks} * kBlock;
+  lanes_counted(c) += std::uint64_t{bodies.blocks()} * kBlock;
   return {fine.load(), inside.load()};
+}
+
+}  // namespace
+
+Moved move_bodies(StepContext& c, double dt, StepReport& report) {
+  solve(c, dt, report);
+  stop_fast_bodies(c, report);
+  return integrate(c, dt, report);
 }
 
 }  // namespace psim

@@ -1,31 +1,21 @@
 // What a step does after its contacts are known: normals and gaps, substeps, and the move to the end of the frame.
 #pragma once
 
-#include <optional>
-
 #include "step/step_context.h"
 
 namespace psim {
 
 /// Colours and blocks of the manifolds that were found, for a step of dt seconds. O(touching pairs).
-void lay_out_manifolds(const StepContext& c, double dt);
+void lay_out_manifolds(StepContext& c, double dt);
 /// The same, and the normals and gaps of the contacts of discs. O(contacts).
-void prepare_contacts(const StepContext& c, double dt);
+void prepare_contacts(StepContext& c, double dt);
 
-/// Fills the accelerations, joints and parameters for the substeps of a step of dt seconds; nothing, if nobody is near
-/// anything: then the closed form of integrate() is all.
-std::optional<SolverParams> prepare_substeps(const StepContext& c, double dt, StepReport& report);
-void run_substeps(const StepContext& c, const SolverParams& params, StepReport& report);
-
-/// Shapes and bullets that went far for their size are put back to where they met something.
-void stop_fast_bodies(const StepContext& c, StepReport& report);
-
-/// What integrate() saw on its way.
-struct Integrated {
+/// What move_bodies() saw on its way.
+struct Moved {
   bool sound = true;   ///< no body has a bad number or excessive speed
   bool inside = true;  ///< nobody is beyond the walls or the bounds
 };
-/// Free bodies take the closed form of the frame; every body's offset folds into its lattice place. O(bodies).
-Integrated integrate(const StepContext& c, double dt, StepReport& report);
+/// Substeps for those who may touch something; the closed form of the frame for free bodies. O(bodies).
+Moved move_bodies(StepContext& c, double dt, StepReport& report);
 
 }  // namespace psim

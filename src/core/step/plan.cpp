@@ -1,8 +1,20 @@
 #include "step/plan.h"
 
 #include "lists/heavy_loads.h"
+#include "solver/forces.h"
 
 namespace psim {
+
+void take_traits(const WorldDesc& d, Traits& traits) {
+  traits.walls = d.boundary == Boundary::walls;
+  traits.wall_bounce = d.wall.restitution > 0;
+  traits.wall_rough = d.wall.friction > 0;
+  traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
+  traits.fields = needs_forces(d.fields);
+  traits.integrator = d.integrator;
+  traits.sleeping = d.sleeping;
+  traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
+}
 
 Plan make_plan(const Traits& t) {
   Plan p;
@@ -36,33 +48,17 @@ Plan make_plan(const Traits& t) {
   return p;
 }
 
-namespace {
-
-const char* integrator_reason(Integrator integrator) {
-  switch (integrator) {
-    case Integrator::euler:
-      return "euler moves bodies in the fields, one evaluation a substep";
-    case Integrator::rk4:
-      return "rk4 moves bodies in the fields, four evaluations a substep";
-    case Integrator::symplectic4:
-      return "symplectic4 moves bodies in the fields, four evaluations a substep";
-    case Integrator::verlet:
-      break;
-  }
-  return "";
-}
-
-}  // namespace
-
 std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   std::vector<PlanEntry> out;
   const auto add = [&](const char* stage, bool needed, const char* yes, const char* no) {
     out.push_back({stage, needed, needed ? yes : no, 0});
   };
   const bool moves = t.moving != 0;
+  const std::string higher = std::string(integrator_name(p.integrator)) + " moves bodies in the fields, " +
+                             (p.integrator == Integrator::euler ? "one evaluation" : "four evaluations") + " a substep";
   add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",
       "gravity is uniform: part of the kick");
-  add("forces.integrator", p.integrator != Integrator::verlet, integrator_reason(p.integrator),
+  add("forces.integrator", p.integrator != Integrator::verlet, higher.c_str(),
       t.fields ? "verlet: the kick and the drift are leapfrog already"
                : "gravity is uniform: every integrator is the closed form");
   add("damping", t.damping, "linear damping or drag, integrated exactly", "no damping and no drag");

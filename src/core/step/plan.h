@@ -7,6 +7,7 @@
 
 #include "bodies/traits.h"
 #include "contacts/contact_model.h"
+#include "psim/desc.h"
 #include "psim/integrator.h"
 #include "psim/report.h"
 
@@ -38,6 +39,9 @@ struct Plan {
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };
+
+/// The traits that follow from the description of a world alone.
+void take_traits(const WorldDesc& desc, Traits& traits);
 
 Plan make_plan(const Traits& traits);
 

@@ -1,9 +1,10 @@
-// What the parts of a step work on: references to the owners of a world, the settings that this step goes by, and how
-// far its work has come. A governor may spread that work over several frames, so StepProgress is part of the world's
-// state between frames, and of its saved states.
+// What the parts of a step work on: the owners of its rooms, the settings that it goes by, and how far its work has
+// come. A governor may spread that work over several frames, so StepProgress is part of the world's state between
+// frames, and of its saved states.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "base/machine.h"
 #include "base/trace.h"
@@ -57,31 +58,45 @@ struct Span {
   double frame = 0, step = 0;
 };
 
+/// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies that the
+/// host pushed in between. Done again, it comes out the same: saved states hold it.
+struct WorkDone {
+  std::uint32_t part = 0, at = 0;  ///< part: row of the step table (step/step_table.h)
+  double span = 0;                 ///< s: that the work was for; 0: a push
+  std::uint32_t id = 0;            ///< of the body
+  Motion before = {};              ///< how it moved
+};
+
 struct StepContext {
+  StepContext(const WorldDesc& d, const RunOptions& o);
+
   // The world as it is described, and what follows from that.
-  const WorldDesc& desc;
-  const Plan& plan;
-  const Lattice& lattice;
-  const Walls& walls;
+  WorldDesc desc;
+  RunOptions options;
+  Lattice lattice{desc.bounds, desc.boundary == Boundary::periodic};
+  Walls walls;
+  Plan plan;
   // Who does the work, and who counts it.
-  const kernels::KernelTable& kernels;
-  WorkerPool& pool;
-  Tracer& tracer;
-  Ledger& ledger;
-  const Governor& governor;
+  kernels::KernelTable kernels = kernels_of(options.isa);
+  MemoryMeter memory;
+  Tracer tracer;
+  WorkerPool pool{options.threads};
+  Ledger ledger;
+  Governor governor;
   // Who is there.
-  Population& population;
-  JointStore& joints;
-  Sleep& sleep;
-  // What a step makes of them.
-  NeighbourLists& neighbours;
-  Contacts& contacts;
-  Dynamics& dynamics;
-  StepProgress& progress;
-  std::uint64_t steps;  ///< that are over
-  bool detailed;        ///< the step follows a given detail: its lists are cut as with a governor
+  Population population{desc, lattice, memory};
   BodyStore& bodies = population.bodies;
   StaticShapes& statics = population.statics;
+  Surroundings surroundings{memory, lattice, bodies, statics, kernels, pool};
+  JointStore joints{surroundings};
+  // What a step makes of them.
+  NeighbourLists neighbours{surroundings};
+  Contacts contacts{surroundings, desc.wall};
+  Sleep sleep{surroundings};
+  Dynamics dynamics;
+  StepProgress progress;
+  std::vector<WorkDone> done_so_far;
+  bool detailed = false;  ///< this step follows a given detail: its lists are cut as with a governor
 
   /// Whether pairs leave the lists of discs: manifolds, and pairs that must not collide.
   bool sorts_out() const { return plan.manifolds || plan.filters || joints.any_exclusions(); }
@@ -89,7 +104,7 @@ struct StepContext {
   bool contacts_stand() const {
     return progress.contacts != ContactState::replaced && !progress.sorted() && !neighbours.broad.has_moved_on();
   }
-  SleepSource sleep_source() const;
+  SleepSource sleep_source();
   /// What manifolds need to know of a step of dt seconds.
   ManifoldParams manifold_params(double dt) const;
 };

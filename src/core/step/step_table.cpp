@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "step/step_work.h"
-
 namespace psim {
 namespace {
 
@@ -13,40 +11,33 @@ namespace {
 // they are renewed seldom.
 constexpr double kRenewedFrames = 2.5;
 
-ListSettings list_settings(const StepContext& c, const Span& span) {
-  ListSettings s;
-  s.desc = &c.desc;
-  s.least_radius = c.population.least_radius;
-  s.uneven = c.plan.uneven;
-  s.restitution = c.plan.restitution;
-  s.mixed_radii = c.plan.radii;
-  s.link_all = c.plan.fields;
-  s.governed = c.governor.on();
-  s.makes_room = c.detailed || c.governor.on() || span.step > span.frame;
-  return s;
+ListSettings list_settings(StepContext& c, const Span& span) {
+  return {.desc = &c.desc,
+          .least_radius = c.population.least_radius,
+          .uneven = c.plan.uneven,
+          .restitution = c.plan.restitution,
+          .mixed_radii = c.plan.radii,
+          .link_all = c.plan.fields,
+          .governed = c.governor.on(),
+          .makes_room = c.detailed || c.governor.on() || span.step > span.frame};
 }
 
-bool find_renewed(const StepContext& c, float seconds) { return c.neighbours.renewal.find(seconds); }
-
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
-void link_bodies(const StepContext& c) {
-  if (!c.population.kinematics.empty()) {
-    c.bodies.find_slots();
-    for (const auto& [id, velocity] : c.population.kinematics) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
-  }
-  if (!c.joints.empty()) {
-    c.bodies.find_slots();
-    for (const std::uint32_t id : c.joints.bodies()) {
-      if (c.bodies.info[id].place == Place::moving) c.bodies.linked[c.bodies.info[id].slot] = 0xFF;
-    }
-  }
+void link_bodies(StepContext& c) {
+  if (c.population.kinematics.empty() && c.joints.empty()) return;
+  c.bodies.find_slots();
+  const auto link = [&bodies = c.bodies](std::uint32_t id) {
+    if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
+  };
+  for (const auto& [id, velocity] : c.population.kinematics) link(id);
+  for (const std::uint32_t id : c.joints.bodies()) link(id);
 }
 
 // Each does some of the pieces of its part, in order.
 namespace run {
 
 // Finds out whether there must be new lists.
-void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   if (c.sleep.sleepers.woke) c.sleep.keep_touches_of_woken(c.sleep_source(), c.contacts.impulses_valid);
   c.bodies.pad_tail();
@@ -55,7 +46,7 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
     if (lists.mode == ListMode::one_step) {
       lists.stale = true;
     } else if (lists.may_renew() && !c.contacts.solved.compact()) {
-      lists.stale = !find_renewed(c, static_cast<float>(kMarginFrames * span.frame));
+      lists.stale = !lists.renewal.find(static_cast<float>(kMarginFrames * span.frame));
     } else {
       lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
     }
@@ -63,14 +54,14 @@ void check(const StepContext& c, const Span& span, StepReport&, PieceRange) {
   c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
   if (lists.stale || (!lists.selects() && lists.renewal.any())) return;
   c.ledger.skip(Skip::broad_phase);
-  c.ledger.skip_if(!lists.selects(), Skip::colouring);
+  c.ledger.skip(Skip::colouring, !lists.selects());
 }
 
 // Makes the lists of those bodies anew that used up their margin; of all, if they are too many.
-void renew(const StepContext& c, const Span& span, StepReport& report, PieceRange) {
+void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   ListRenewal& renewal = lists.renewal;
-  if (!renewal.known()) lists.stale = !find_renewed(c, renewal.time());
+  if (!renewal.known()) lists.stale = !renewal.find(renewal.time());
   const std::uint32_t found = renewal.count();
   if (!lists.stale) {
     c.contacts.discs.lift(lists.table);
@@ -83,42 +74,42 @@ void renew(const StepContext& c, const Span& span, StepReport& report, PieceRang
   if (!lists.stale) report.renewed = found;
 }
 
-void measure(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void measure(StepContext& c, const Span& span, StepReport&, PieceRange) {
   if (!c.bodies.rim_speed.empty()) c.bodies.add_rotation();
   c.neighbours.measure(list_settings(c, span), span.step);
   c.neighbours.made.span = span.step / span.frame;
   c.progress.lists = ListState::begun;
 }
 
-void count(const StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
+void count(StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
 
-void move(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void move(StepContext& c, const Span&, StepReport&, PieceRange p) {
   if (!c.neighbours.move(p.begin, p.end)) return;
   if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.from(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
 
-void search(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void search(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.neighbours.broad.search(c.neighbours.found(), p.begin, p.end);
 }
 
-void near(const StepContext& c, const Span&, StepReport& report, PieceRange p) {
+void near(StepContext& c, const Span&, StepReport& report, PieceRange p) {
   c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
   if (p.end == c.neighbours.broad.nears()) report.rebuilt = true;
 }
 
-void select(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+void select(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   c.progress.contacts = ContactState::replaced;
   c.neighbours.made.selected_span = span.step / span.frame;
   c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
 }
 
-void pack(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void pack(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
 }
 
-void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
+void group(StepContext& c, const Span&, StepReport&, PieceRange) {
   Contacts& contacts = c.contacts;
   NeighbourLists& lists = c.neighbours;
   link_bodies(c);
@@ -137,24 +128,24 @@ void group(const StepContext& c, const Span&, StepReport&, PieceRange) {
   }
 }
 
-void loads(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void loads(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.contacts.loads.go_on(c.neighbours.table, c.pool, p.begin, p.end);
 }
 
-void gather(const StepContext& c, const Span&, StepReport&, PieceRange) {
+void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
   c.contacts.manifolds.begin_collect(c.plan.filters, c.neighbours.table, c.neighbours.stale);
 }
 
-void sort_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void sort_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
   c.contacts.manifolds.sort_out(c.joints.any_exclusions() ? &joined : nullptr, c.neighbours.table, p.begin, p.end);
 }
 
-void keep(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void keep(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.contacts.manifolds.keep(c.sleep.sleepers.recent, p.begin, p.end);
 }
 
-void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void colour(StepContext& c, const Span&, StepReport&, PieceRange p) {
   Contacts& contacts = c.contacts;
   if (p.begin == 0) {
     const BodyProperties* const alike = c.plan.materials ? nullptr : &c.population.first_properties;
@@ -163,7 +154,7 @@ void colour(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   contacts.discs.colour(c.neighbours.table, p.begin, p.end);
 }
 
-void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
+void lay_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   NeighbourLists& lists = c.neighbours;
   const std::uint32_t* const from = lists.stale ? lists.broad.origin() : nullptr;
   c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleep.sleepers.recent, p.begin, p.end);
@@ -172,14 +163,14 @@ void lay_out(const StepContext& c, const Span&, StepReport&, PieceRange p) {
   lists.stale = false;
 }
 
-void look(const StepContext& c, const Span& span, StepReport&, PieceRange p) {
+void look(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   Manifolds& manifolds = c.contacts.manifolds;
   const bool in_place = !c.progress.makes_lists() && !c.neighbours.selects();
   if (p.begin == 0 && c.progress.spread && in_place) manifolds.remember();
   manifolds.refresh(c.manifold_params(span.step), p.begin, p.end);
 }
 
-void stand(const StepContext& c, const Span& span, StepReport&, PieceRange) {
+void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
   c.contacts.stacks.find(c.manifold_params(span.step));
 }
 
@@ -315,18 +306,19 @@ double whole_loads(const UnitCosts& ns, const WorkCounts& w) {
   return (w.has.loads ? ns.load * w.lists.visits : 0) * n(w.contacts);
 }
 
-double whole_gather(const UnitCosts& ns, const WorkCounts& w) { return kGather * ns.group * n(w.manifolds.pairs); }
+template <double kShare>
+double whole_group(const UnitCosts& ns, const WorkCounts& w) {
+  return kShare * ns.group * n(w.manifolds.pairs);
+}
 
 double piece_sort_out(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
   const double shaped = n(w.manifolds.pairs) / std::max(n(w.manifolds.pairs + w.contacts), 1.0);  // of the pairs, about
   return kSortOut * ns.group * std::max(shaped * strip_pairs(c, piece), large_manifolds(c, piece)) + ns.strip;
 }
-double whole_sort_out(const UnitCosts& ns, const WorkCounts& w) { return kSortOut * ns.group * n(w.manifolds.pairs); }
 
 double piece_keep(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
   return kKeep * ns.group * n(c.contacts.manifolds.count_of(piece));
 }
-double whole_keep(const UnitCosts& ns, const WorkCounts& w) { return kKeep * ns.group * n(w.manifolds.pairs); }
 
 // Pieces are strips in the order of phases, not of the table; one strip costs about as much as another.
 double piece_colour(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t piece) {
@@ -383,11 +375,11 @@ constexpr StepPart kParts[] = {
     {"loads", kColours, "bodies under much heavier ones, where the plan asks", "a strip, for each pass",
      loads_found, load_pieces, run::loads, piece_loads, whole_loads},
     {"gather", kColours, "shapes, filters, joints: what is known of the manifolds of before", "one",
-     sorted_out, one, run::gather, nullptr, whole_gather},
+     sorted_out, one, run::gather, nullptr, whole_group<kGather>},
     {"sort_out", kColours, "takes manifolds, and pairs that must not collide, out of the lists of discs", "a strip",
-     sorted_out, strips, run::sort_out, piece_sort_out, whole_sort_out},
+     sorted_out, strips, run::sort_out, piece_sort_out, whole_group<kSortOut>},
     {"keep", kColours, "gives manifolds what is known of them", "a strip",
-     sorted_out, strips, run::keep, piece_keep, whole_keep},
+     sorted_out, strips, run::keep, piece_keep, whole_group<kKeep>},
     {"colour", kColours, "colours of contacts of discs", "a strip",
      laid_out, strips, run::colour, piece_colour, whole_colour},
     {"lay_out", kColours, "blocks of 8 lanes that share no body, with the impulses of before", "a strip",
@@ -414,21 +406,10 @@ std::uint8_t next_part(const StepContext& c, std::uint8_t row) {
   return row;
 }
 
-double StepPart::cost_ns(const StepContext& c, const WorkCounts& work, std::size_t piece) const {
-  const UnitCosts& ns = c.governor.costs();
-  return piece_ns != nullptr ? piece_ns(ns, c, work, piece) : whole_ns(ns, work);
-}
-
-double ahead_ns(const UnitCosts& ns, const WorkCounts& work) {
-  double sum = 0;
-  for (const StepPart& part : kParts) sum += part.whole_ns(ns, work);
-  return sum;
-}
-
-double in_place_ns(const UnitCosts& ns, const WorkCounts& work) {
+double ahead_ns(const UnitCosts& ns, const WorkCounts& work, bool in_place) {
   double sum = 0;
   for (const StepPart& part : kParts) {
-    if (part.in_place) sum += part.whole_ns(ns, work);
+    if (part.in_place || !in_place) sum += part.whole_ns(ns, work);
   }
   return sum;
 }

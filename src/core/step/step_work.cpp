@@ -1,10 +1,17 @@
-#include "step/step_work.h"
+#include "step/step_table.h"
 
 #include <algorithm>
 
 #include "base/trace.h"
 
 namespace psim {
+
+StepContext::StepContext(const WorldDesc& d, const RunOptions& o) : desc(d), options(o) {
+  pool.set_tracer(&tracer);
+  const Lattice edges(d.bounds, false);  // walls never wrap
+  walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
+  take_traits(d, population.traits);
+}
 
 ManifoldParams StepContext::manifold_params(double dt) const {
   ManifoldParams p;
@@ -16,43 +23,51 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   return p;
 }
 
-SleepSource StepContext::sleep_source() const {
+SleepSource StepContext::sleep_source() {
   return {population, lattice, desc.gravity,     neighbours.table, contacts,
           joints,     pool,    contacts_stand(), plan.manifolds,   plan.model.model == kernels::Model::plain};
 }
 
-void StepWork::run(const StepContext& c, const Span& span, StepReport& report, std::size_t end) {
-  const StepPart& now = part();
+namespace {
+
+void begin_again(StepContext& c) {
+  c.progress.part = 0;
+  c.progress.at = 0;
+  c.progress.lists = ListState::kept;
+  c.progress.contacts = ContactState::kept;
+  c.done_so_far.clear();
+}
+
+}  // namespace
+
+void run_part(StepContext& c, const Span& span, StepReport& report, std::size_t end) {
+  const StepPart& now = step_parts()[c.progress.part];
   const StageTimer timer(report, c.tracer, now.stage);
-  now.run(c, span, report, {progress.at, end});
-  progress.at = static_cast<std::uint32_t>(end);
+  now.run(c, span, report, {c.progress.at, end});
+  c.progress.at = static_cast<std::uint32_t>(end);
   if (end != now.pieces(c)) return;
-  progress.part = next_part(c, static_cast<std::uint8_t>(progress.part + 1));
-  progress.at = 0;
+  c.progress.part = next_part(c, static_cast<std::uint8_t>(c.progress.part + 1));
+  c.progress.at = 0;
 }
 
-void StepWork::finish(const StepContext& c, const Span& span, StepReport& report) {
-  while (!done()) run(c, span, report, part().pieces(c));
-}
-
-void StepWork::run_pieces(const StepContext& c, const Span& span, StepReport& report, std::size_t left) {
-  while (left != 0 && !done()) {
-    const std::size_t end = std::min(part().pieces(c), progress.at + left);
-    left -= end - progress.at;
-    run(c, span, report, end);
+void run_parts(StepContext& c, const Span& span, StepReport& report, std::size_t left) {
+  while (left != 0 && !all_done(c.progress)) {
+    const std::size_t now = std::min(step_parts()[c.progress.part].pieces(c) - c.progress.at, left);
+    left -= now;
+    run_part(c, span, report, c.progress.at + now);
   }
 }
 
-void StepWork::turn_back(const StepContext& c) {
+void turn_back(StepContext& c) {
   c.contacts.discs.turn_back();
   c.contacts.manifolds.turn_back();
-  if (progress.contacts == ContactState::replaced) std::swap(c.neighbours.table, c.neighbours.old_table);
+  if (c.progress.contacts == ContactState::replaced) std::swap(c.neighbours.table, c.neighbours.old_table);
 }
 
-void StepWork::accept(const StepContext& c) {
+void accept_work(StepContext& c) {
   c.contacts.discs.accept();
   c.contacts.manifolds.accept();
-  if (progress.lays_out()) {
+  if (c.progress.lays_out()) {
     TouchMemory& recent = c.sleep.sleepers.recent;
     if (!recent.empty()) {
       recent.clear();
@@ -61,50 +76,42 @@ void StepWork::accept(const StepContext& c) {
     c.contacts.bare = false;
     c.contacts.impulses_valid = true;
   }
-  if (progress.makes_lists()) {
+  if (c.progress.makes_lists()) {
     c.neighbours.broad.forget_origin();
     c.neighbours.broad.finish();
   }
-  begin_again();
+  begin_again(c);
 }
 
-void StepWork::spoil(const StepContext& c) {
+void spoil_work(StepContext& c) {
   turn_back(c);
   c.contacts.discs.give_up();
   c.contacts.manifolds.accept();
-  if (progress.sorted()) c.neighbours.broad.keep_origin();
+  if (c.progress.sorted()) c.neighbours.broad.keep_origin();
   c.neighbours.stale = true;
-  if (progress.waits != 0 && (!untouched() || progress.at != 0)) ++progress.spoiled;
-  begin_again();
+  if (c.progress.waits != 0 && (!c.progress.untouched() || c.progress.at != 0)) ++c.progress.spoiled;
+  begin_again(c);
 }
 
-void StepWork::begin_again() {
-  progress.part = 0;
-  progress.at = 0;
-  progress.lists = ListState::kept;
-  progress.contacts = ContactState::kept;
-  done_so_far.clear();
+void note_work(StepContext& c, const Span& span) {
+  if (c.progress.untouched()) return;
+  if (c.done_so_far.empty() || c.done_so_far.back().span != span.step) c.done_so_far.push_back({.span = span.step});
+  c.done_so_far.back().part = c.progress.part;
+  c.done_so_far.back().at = c.progress.at;
 }
 
-void StepWork::note(const Span& span) {
-  if (untouched()) return;
-  if (done_so_far.empty() || done_so_far.back().span != span.step) done_so_far.push_back({.span = span.step});
-  done_so_far.back().part = progress.part;
-  done_so_far.back().at = progress.at;
-}
-
-void StepWork::pushed(const StepContext& c, std::uint32_t id, const Motion& before) {
-  if (untouched()) return;
+void note_push(StepContext& c, std::uint32_t id, const Motion& before) {
+  if (c.progress.untouched()) return;
   c.neighbours.renewal.doubt();
-  if (progress.lists == ListState::begun) return spoil(c);  // the body may be copied already
+  if (c.progress.lists == ListState::begun) return spoil_work(c);  // the body may be copied already
   const std::uint32_t slot = c.bodies.info[id].slot;
   const double gain = static_cast<double>(c.population.speed_of(slot) - before.fastest());
-  const double way = kMarginFrames * c.desc.dt * std::max<int>(progress.horizon, progress.waits + 1) * gain;
-  if (!(way <= 0.02 * static_cast<double>(c.bodies.radius[slot]))) return spoil(c);
-  done_so_far.push_back({.id = id, .vx = before.vx, .vy = before.vy, .rim_speed = before.rim_speed});
+  const double way = kMarginFrames * c.desc.dt * std::max<int>(c.progress.horizon, c.progress.waits + 1) * gain;
+  if (!(way <= 0.02 * static_cast<double>(c.bodies.radius[slot]))) return spoil_work(c);
+  c.done_so_far.push_back({.id = id, .before = before});
 }
 
-bool put_renewed(const StepContext& c) {
+bool put_renewed(StepContext& c) {
   ListRenewal& renewal = c.neighbours.renewal;
   Manifolds& manifolds = c.contacts.manifolds;
   if (c.sorts_out()) {

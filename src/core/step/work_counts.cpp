@@ -55,10 +55,10 @@ ListCounts count_lists(const StepContext& c) {
   return of;
 }
 
-// Bodies and contacts that sleep looks at after this step (World::Impl::rest).
+// Bodies and contacts that sleep looks at after this step (Sleep::step).
 std::uint64_t count_sleep_looks(const StepContext& c, const WorkCounts& work) {
   if (!c.plan.sleep) return 0;
-  const std::uint64_t met = work.contacts + 4 * work.manifolds.pairs, step = c.steps + 1;
+  const std::uint64_t met = work.contacts + 4 * work.manifolds.pairs, step = c.ledger.steps + 1;
   std::uint64_t looks = 0;
   if (!c.sleep.sleepers.empty()) looks += 2 * met;
   if (step % Sleepers::kWatchFrames == 0) looks += work.bodies;

@@ -11,42 +11,30 @@ namespace psim {
 namespace {
 
 // A heap of touching discs, or of boxes, in a box.
-std::unique_ptr<World> heap(const RunOptions& options, std::size_t discs, bool boxes) {
-  const auto stacks = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(discs))));
+std::unique_ptr<World> heap(const RunOptions& options, std::size_t bodies, bool boxes) {
+  const double width = std::ceil(std::sqrt(static_cast<double>(bodies)));
   WorldDesc desc;
-  const double width = static_cast<double>(stacks);
   desc.bounds = {0, 0, width, 2 * width};
   desc.dt = 1e-4;  // nothing moves far: lists are made when they are told to be
   desc.sleeping = false;
   std::string error;
   auto world = World::create(desc, options, error);
   if (!world) return nullptr;
+  BodyDesc body;
   if (boxes) {
-    desc.bounds = {0, 0, width + 1, 2 * width};
-    BodyDesc body;
     body.shape = BoxShape{0.99, 0.99, 0};
     body.material.friction = 0.5;
-    for (std::size_t k = 0; k < discs; ++k) {
-      const std::size_t row = k / stacks;
-      body.position = {0.6 + static_cast<double>(k % stacks) + (row % 2 == 1 ? 0.3 : 0.0),
-                       0.495 + 0.99 * static_cast<double>(row)};
-      world->add_body(body, error);
-    }
-    return world;
+  } else {
+    body.shape = DiscShape{0.4995};
   }
-  std::vector<double> x, y;
-  for (std::size_t k = 0; k < discs; ++k) {
-    const std::size_t row = k / stacks;
-    x.push_back(0.5 + static_cast<double>(k % stacks) * (width - 1.5) / (width - 1) + (row % 2 == 1 ? 0.5 : 0.0));
-    y.push_back(0.5 + static_cast<double>(row) * 0.87);
+  const Vec2 first = boxes ? Vec2{0.6, 0.495} : Vec2{0.5, 0.5};
+  const Vec2 pitch = boxes ? Vec2{1, 0.99} : Vec2{(width - 1.5) / (width - 1), 0.87};
+  const double shift = boxes ? 0.3 : 0.5;  // of every other row
+  for (std::size_t k = 0; k < bodies; ++k) {
+    const double row = std::floor(static_cast<double>(k) / width), column = static_cast<double>(k) - row * width;
+    body.position = {first.x + column * pitch.x + std::fmod(row, 2) * shift, first.y + row * pitch.y};
+    world->add_body(body, error);
   }
-  const double radius = 0.4995;
-  DiscBatch batch;
-  batch.x = x;
-  batch.y = y;
-  batch.radius = {&radius, 1};
-  std::uint32_t first = 0;
-  world->add_discs(batch, first, error);
   return world;
 }
 
@@ -64,37 +52,33 @@ double quiet(std::vector<double> of) {
   return of[of.size() / 4];
 }
 
-// What a heap costs as shares of what the default costs predict.
-struct Shares : HeapShares {
-  // Steps with and without new lists, and with many substeps: the differences tell the parts apart.
-  template <class Spoil, class Count>
-  void measure(World& world, const Spoil& spoil, const Count& count) {
-    constexpr int kFew = 2, kMany = 8;
-    const auto step = [&](int substeps) {
-      StepDetail detail;
-      detail.substeps = static_cast<std::uint8_t>(substeps);
-      const double begin = worked_ns();
-      world.replay(detail);
-      return worked_ns() - begin;
-    };
-    std::vector<double> anew, few, many;
-    for (int k = 0; k < 9; ++k) {
-      spoil();
-      const double with_lists = step(kFew), without = step(kFew), longer = step(kMany);
-      if (k < 2) continue;  // memory comes, caches fill
-      anew.push_back(with_lists);
-      few.push_back(without);
-      many.push_back(longer);
-    }
-    const UnitCosts costs;
-    const WorkCounts work = count();
-    const double still = quiet(few), pass_ns = (quiet(many) - still) / (kMany - kFew);
-    const double every = in_place_ns(costs, work) + costs.check * static_cast<double>(work.bodies);
-    lists = std::max((quiet(anew) - still) / (ahead_ns(costs, work) - every), 0.1);
-    rest = std::max((still - kFew * pass_ns) / (costs.step + rest_ns(costs, work) + every), 0.1);
-    pass = std::max(pass_ns / substep_ns(costs, work), 0.1);
+// What a heap costs as shares of what the default costs predict. It takes steps with and without new lists, and with
+// many substeps: the differences tell the parts apart.
+HeapShares shares_of(Owners& w) {
+  constexpr int kFew = 2, kMany = 8;
+  const auto step_ns = [&w](int substeps) {
+    const StepDetail detail{.substeps = static_cast<std::uint8_t>(substeps)};
+    const double begin = worked_ns();
+    step(w, w.desc.dt, &detail);
+    return worked_ns() - begin;
+  };
+  std::vector<double> anew, few, many;
+  for (int k = 0; k < 9; ++k) {
+    spoil_work(w);
+    const double with_lists = step_ns(kFew), without = step_ns(kFew), longer = step_ns(kMany);
+    if (k < 2) continue;  // memory comes, caches fill
+    anew.push_back(with_lists);
+    few.push_back(without);
+    many.push_back(longer);
   }
-};
+  const UnitCosts costs;
+  const WorkCounts work = count_work(w);
+  const double still = quiet(few), pass_ns = (quiet(many) - still) / (kMany - kFew);
+  const double every = ahead_ns(costs, work, true) + costs.check * static_cast<double>(work.bodies);
+  return {.lists = std::max((quiet(anew) - still) / (ahead_ns(costs, work) - every), 0.1),
+          .rest = std::max((still - kFew * pass_ns) / (costs.step + rest_ns(costs, work) + every), 0.1),
+          .pass = std::max(pass_ns / substep_ns(costs, work), 0.1)};
+}
 
 }  // namespace
 
@@ -106,15 +90,10 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
     for (double* cost : costs) *cost *= measured / by_default;
   };
   const auto measure = [&](std::size_t count, bool boxes) {
-    Shares shares{};
-    if (const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes)) {
-      Impl& w = *world->impl_;
-      shares.measure(
-          *world, [&] { w.spoil_lists(); }, [&] { return count_work(w.context()); });
-    }
-    return shares;
+    const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes);
+    return world ? shares_of(*world->impl_) : HeapShares{};
   };
-  const Shares discs = measure(bodies, false);
+  const HeapShares discs = measure(bodies, false);
   if (discs.pass == 0) return cost_model(c);
   scale({&c.check, &c.sort, &c.search, &c.pair, &c.near, &c.near_fixed, &c.near_shape, &c.cell, &c.strip, &c.select,
          &c.pack, &c.load, &c.colour, &c.lay_out, &c.lay_out_rough},
@@ -123,7 +102,7 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
   scale({&c.body_pass, &c.pass, &c.touch, &c.sweep, &c.joint_pass, &c.joint, &c.joint_sorted}, discs.pass,
         kDiscHeap.pass);
   if (statics == 0) return cost_model(c);
-  const Shares boxes = measure(statics, true);
+  const HeapShares boxes = measure(statics, true);
   if (boxes.pass == 0) return cost_model(c);
   scale({&c.group}, boxes.lists, kBoxHeap.lists);
   scale({&c.keep, &c.look, &c.stand, &c.column}, boxes.rest, kBoxHeap.rest);

@@ -5,8 +5,9 @@
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
 // the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
+#include <ranges>
+
 #include "base/invariant.h"
-#include "base/machine.h"
 #include "state/describe.h"
 #include "state/saved_contacts.h"
 #include "world/world_impl.h"
@@ -32,28 +33,20 @@ static auto fields(Plan& p) {
 
 namespace {
 
-std::string differs(const WorldDesc& a, const WorldDesc& b) {
-  const bool same = a.bounds.xmin == b.bounds.xmin && a.bounds.xmax == b.bounds.xmax &&
-                    a.bounds.ymin == b.bounds.ymin && a.bounds.ymax == b.bounds.ymax && a.boundary == b.boundary;
-  return same ? "" : "the saved world has other bounds or another boundary";
-}
-
-}  // namespace
-
-class World::Impl::StateKeeper {
+class StateKeeper {
  public:
-  explicit StateKeeper(Impl& world) : w_(world) {}
+  explicit StateKeeper(Owners& world) : w_(world) {}
 
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
-    if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
-    w_.step_work.turn_back(w_.context());  // to the contacts of the last step
-    lists_.made.candidates = count_work(w_.context()).lists.candidates;
+    if (w_.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
+    turn_back(w_);  // to the contacts of the last step
+    lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
-    lists_.stale = stale || w_.step_work.progress.makes_lists();
-    last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.population.bodies.count != 0 &&
-            w_.population.bodies.dead == 0 && table.body_count != 0;
+    lists_.stale = stale || w_.progress.makes_lists();
+    last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
+            table.body_count != 0;
     if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
       carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleep.sleepers.empty());
     } else {
@@ -66,7 +59,7 @@ class World::Impl::StateKeeper {
     w_.contacts.manifolds.describe(saver, around_manifolds());
     out = saver.finish();
     lists_.stale = stale;
-    w_.step_work.turn_back(w_.context());
+    turn_back(w_);
   }
 
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
@@ -80,17 +73,19 @@ class World::Impl::StateKeeper {
     describe(loader);
     w_.population.traits.snapshots = w_.plan.publish = snapshots;
     if (!loader.ok()) return;
-    take_plan();
-    if (w_.population.bodies.count != 0) w_.population.bodies.pad_tail();
+    w_.dynamics.forces.reset();
+    if (!w_.plan_stale) apply_plan(w_);  // else the columns are there, and wait for the next plan
+    if (w_.bodies.count != 0) w_.bodies.pad_tail();
     w_.contacts.discs.give_up();
     w_.contacts.manifolds.forget();  // of bodies that may not be
     w_.contacts.stacks.forget();
-    StepProgress& now = w_.step_work.progress;
+    StepProgress& now = w_.progress;
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
     lists_.broad.set_origin(origin_);
     w_.contacts.bare = true;
-    w_.placed = true;
+    w_.observers.placed = true;
     w_.observers.forget_all();
+    const double visits = w_.contacts.loads.visits;
     if (lasting()) {
       remake_lists(loader);
     } else {
@@ -99,19 +94,20 @@ class World::Impl::StateKeeper {
     }
     Manifolds& manifolds = w_.contacts.manifolds;
     manifolds.describe(loader, around_manifolds());
-    if (lasting() && w_.context().sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
+    if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work();
+    w_.contacts.loads.visits = visits;
   }
 
  private:
   // How far the present step is, and what was measured for the next ones.
   template <class A>
   void describe_progress(A& a) {
-    StepProgress& now = w_.step_work.progress;
+    StepProgress& now = w_.progress;
     Dynamics& dynamics = w_.dynamics;
-    values(a, last_, w_.frame, w_.steps, w_.quarantine.escaped, dynamics.stiff_substep, dynamics.last_substep,
-           dynamics.substeps, w_.plan_stale);
+    values(a, last_, w_.ledger.frames, w_.ledger.steps, w_.quarantine.escaped, dynamics.stiff_substep,
+           dynamics.last_substep, dynamics.substeps, w_.plan_stale);
     values(a, now.part, now.at, now.lists, now.contacts, now.spread, now.waits, now.spoiled, now.horizon);
     a.require(dynamics.substeps >= 1 && dynamics.substeps <= StepDetail::kMostSubsteps && dynamics.last_substep >= 0 &&
               dynamics.stiff_substep >= 0 && now.horizon >= 1 && now.waits < 255 && now.part <= step_parts().size());
@@ -126,16 +122,16 @@ class World::Impl::StateKeeper {
   template <class A>
   void describe(A& a) {
     describe_progress(a);
-    const StepProgress& now = w_.step_work.progress;
-    BodyStore& bodies = w_.population.bodies;
+    const StepProgress& now = w_.progress;
+    BodyStore& bodies = w_.bodies;
     w_.population.describe(a, last_ || now.makes_lists());
-    w_.sleep.sleepers.describe(a, bodies, w_.population.statics);
+    w_.sleep.sleepers.describe(a, bodies, w_.statics);
     a.list(w_.quarantine.doubtful, [&](BodyId& id) {
       a.index(bodies.id_count, id.index);
       a.value(id.generation);
     });
-    a.list(w_.step_work.done_so_far, [&](StepWork::Done& d) {
-      values(a, d.part, d.at, d.span, d.id, d.vx, d.vy, d.rim_speed);
+    a.list(w_.done_so_far, [&](WorkDone& d) {
+      values(a, d.part, d.at, d.span, d.id, d.before.vx, d.before.vy, d.before.rim_speed);
       a.require(d.part <= step_parts().size() && d.span >= 0 && d.span <= 1e30 &&
                 (d.span > 0 || d.id < bodies.id_count));
       if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
@@ -153,14 +149,14 @@ class World::Impl::StateKeeper {
 
   template <class A>
   void describe_lists(A& a) {
-    const StepProgress& now = w_.step_work.progress;
-    const BodyStore& bodies = w_.population.bodies;
+    const StepProgress& now = w_.progress;
+    const BodyStore& bodies = w_.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
     lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
     if (!lasting()) lists_.table.describe(a);
-    carried_.describe(a, lists_.table, w_.population.statics, !lasting());
+    carried_.describe(a, lists_.table, w_.statics, !lasting());
     a.packed(origin_);
     a.require(origin_.size() <= bodies.count &&
               std::all_of(origin_.begin(), origin_.end(), [&](auto slot) { return slot == kNoSlot || a.fits(slot); }));
@@ -173,15 +169,13 @@ class World::Impl::StateKeeper {
     if (!a.ok()) return;
     Traits traits = w_.population.recounted();
     traits.joints = w_.joints.count();
-    traits.fields = needs_forces(w_.desc.fields);
-    traits.integrator = w_.desc.integrator;
-    traits.walls = w_.desc.boundary == Boundary::walls;
+    take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
-    for (std::size_t k = 0; k < w_.population.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
-      a.require(w_.population.bodies.id[k] == kNoSlot || (std::isfinite(w_.population.bodies.disp[2 * k]) &&
-                                                          std::isfinite(w_.population.bodies.disp[2 * k + 1])));
+    for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
+      a.require(w_.bodies.id[k] == kNoSlot ||
+                (std::isfinite(w_.bodies.disp[2 * k]) && std::isfinite(w_.bodies.disp[2 * k + 1])));
     }
-    a.require(!w_.plan.rotation || w_.population.bodies.count == 0 || !w_.population.bodies.rim_speed.empty());
+    a.require(!w_.plan.rotation || w_.bodies.count == 0 || !w_.bodies.rim_speed.empty());
     if (w_.plan_stale) return;
     Plan wanted = make_plan(traits);
     wanted.publish = w_.plan.publish;
@@ -190,70 +184,50 @@ class World::Impl::StateKeeper {
   }
 
   ManifoldsAround around_manifolds() const {
-    const StepProgress& now = w_.step_work.progress;
+    const StepProgress& now = w_.progress;
     const bool in_order = !now.sorted() && origin_.empty();
     ManifoldsAround around;
-    around.slots = w_.population.bodies.count;
-    around.numbered =
-        in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
+    around.slots = w_.bodies.count;
+    around.numbered = in_order ? w_.bodies.count : std::max(w_.bodies.count, lists_.table.body_count);
     around.wanted = w_.plan.manifolds;
     around.fresh = !lists_.stale;
     around.carried = w_.contacts.impulses_valid;
     around.spread = now.makes_lists() || !now.untouched();
     around.lists = last_;
-    around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
+    around.in_place = w_.bodies.dead == 0 && w_.quarantine.doubtful.empty();
     return around;
-  }
-
-  void take_plan() {
-    w_.dynamics.forces.reset();
-    if (w_.plan_stale) {  // its columns are there, and wait for the next plan
-      const bool published = w_.applied.publish;
-      w_.applied = w_.plan;
-      w_.applied.publish = published;
-      return;
-    }
-    w_.applied.events = w_.plan.events;  // who listens is in the state
-    w_.apply_plan();
   }
 
   // Lists that last, and what their contacts carry.
   void remake_lists(Loader& loader) {
-    StepWork& work = w_.step_work;
-    const StepProgress now = work.progress;
-    const StepContext c = w_.context();
-    const double visits = w_.contacts.loads.visits;
+    StepProgress& now = w_.progress;
+    const StepProgress kept = now;
+    std::vector<WorkDone> done = std::move(w_.done_so_far);
     const std::uint64_t builds = w_.contacts.discs.builds();
-    std::vector<StepWork::Done> done;
-    done.swap(w_.step_work.done_so_far);
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
     lists_.stale = w_.contacts.impulses_valid = true;
-    work.progress = {};
-    work.progress.part = part_named("group");
-    work.progress.contacts = ContactState::due;
+    now = {};
+    now.part = part_named("group");
+    now.contacts = ContactState::due;
     StepReport ignored;
-    while (work.progress.part < part_named("look")) work.run(c, {}, ignored, work.part().pieces(c));
-    work.accept(c);
+    while (now.part < part_named("look")) run_part(w_, {}, ignored, step_parts()[now.part].pieces(w_));
+    accept_work(w_);
     if (lists_.renewal.renewed() != 0) {
       w_.contacts.discs.lift(lists_.table);
       lists_.renewal.look_again(lists_.table);
-      put_renewed(c);
+      put_renewed(w_);
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
-    work.progress = now;
-    w_.step_work.done_so_far.swap(done);
-    w_.contacts.loads.visits = visits;
+    now = kept;
+    w_.done_so_far = std::move(done);
     w_.contacts.discs.set_builds(builds);
   }
 
   // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
   void redo_work() {
-    StepWork& work = w_.step_work;
-    StepProgress& now = work.progress;
-    const StepContext c = w_.context();
-    BodyStore& bodies = w_.population.bodies;
-    const double visits = w_.contacts.loads.visits;
+    StepProgress& now = w_.progress;
+    BodyStore& bodies = w_.bodies;
     const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {
@@ -267,72 +241,72 @@ class World::Impl::StateKeeper {
       lists_.broad.count_again();
       now.part = part_named("move");
     } else {
-      now.part = next_part(c, part_named(lists_.selects() ? "select" : "look"));
+      now.part = next_part(w_, part_named(lists_.selects() ? "select" : "look"));
     }
     bodies.find_slots();
-    const auto swap_motion = [&](StepWork::Done& push) {
+    const auto swap_motion = [&](WorkDone& push) {
       if (push.span > 0) return;
       const std::size_t slot = bodies.info[push.id].slot;
-      std::swap(bodies.vel[2 * slot], push.vx);
-      std::swap(bodies.vel[2 * slot + 1], push.vy);
-      if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
+      std::swap(bodies.vel[2 * slot], push.before.vx);
+      std::swap(bodies.vel[2 * slot + 1], push.before.vy);
+      if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.before.rim_speed);
     };
-    for (auto push = w_.step_work.done_so_far.rbegin(); push != w_.step_work.done_so_far.rend(); ++push)
-      swap_motion(*push);
+    for (WorkDone& done : std::views::reverse(w_.done_so_far)) swap_motion(done);
     StepReport ignored;
-    for (StepWork::Done& done : w_.step_work.done_so_far) {
+    for (WorkDone& done : w_.done_so_far) {
       swap_motion(done);
-      while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
-        const std::size_t end = work.part().pieces(c);
-        work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
+      while (done.span > 0 && !all_done(now) && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
+        const std::size_t end = step_parts()[now.part].pieces(w_);
+        run_part(w_, {done.span, done.span}, ignored,
+                 now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    w_.contacts.loads.visits = visits;
-    lists_.made.span = made.span;
-    lists_.made.selected_span = made.selected_span;
+    lists_.made = made;
   }
 
   bool lasting() const { return last_ && !lists_.selects(); }
 
-  Impl& w_;
+  Owners& w_;
   NeighbourLists& lists_ = w_.neighbours;
   bool last_ = false;  // lists, or those to select from, last and are made again
   SavedContacts carried_;
   std::vector<std::uint32_t> origin_;  // where bodies lay when the contacts were laid out, if they moved on
 };
 
-void World::save(std::vector<std::byte>& out) { impl_->save(out); }
+}  // namespace
 
-void World::Impl::save(std::vector<std::byte>& out) { StateKeeper(settled()).save(out); }
+void save(Owners& w, std::vector<std::byte>& out) { StateKeeper(w.settled()).save(out); }
 
-bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }
-
-bool World::Impl::restore(std::span<const std::byte> state, std::string& error) {
-  const FloatSettings settings;  // as in a step: what is made here is what a step would make
-  const WorkerPool::Awake awake(pool);
+void go_back(Owners& w, std::span<const std::byte> state) {
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
-  error = loader.error();
-  if (error.empty()) error = differs(read, desc);
-  if (error.empty()) error = psim::check(read, options);
-  if (!error.empty()) return false;
-  std::vector<std::byte> before;
-  save(before);
-  StateKeeper(*this).load(loader, read);
-  error = loader.error();
-  if (!error.empty()) go_back(before);
-  return error.empty();
+  StateKeeper(w).load(loader, read);
+  PSIM_ASSERT(loader.ok());
 }
 
-void World::Impl::go_back(std::span<const std::byte> state) {
-  const FloatSettings settings;
-  const WorkerPool::Awake awake(pool);
+void World::save(std::vector<std::byte>& out) { psim::save(*impl_, out); }
+
+bool World::restore(std::span<const std::byte> state, std::string& error) {
+  Owners& w = *impl_;
+  const FloatSettings settings;  // as in a step: what is made here is what a step would make
+  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
-  StateKeeper(*this).load(loader, read);
-  PSIM_ASSERT(loader.ok());
+  error = loader.error();
+  const bool fits = fields(read.bounds) == fields(w.desc.bounds) && read.boundary == w.desc.boundary;
+  if (error.empty() && !fits) error = "the saved world has other bounds or another boundary";
+  if (error.empty()) error = check(read, w.options);
+  if (!error.empty()) return false;
+  std::vector<std::byte> before;
+  psim::save(w, before);
+  StateKeeper(w).load(loader, read);
+  error = loader.error();
+  if (!error.empty()) go_back(w, before);
+  return error.empty();
 }
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options,

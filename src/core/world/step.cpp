@@ -1,179 +1,252 @@
-// One step, in order: read World::Impl::step from top to bottom. What its stages read and write is in docs/step.md; the
-// work of lists and contacts is a table of parts (step/step_table.h).
+// One step, in order: read step() from top to bottom. What its stages read and write is in docs/step.md; the work of
+// lists and contacts is a table of parts (step/step_table.h). World::prepare does a first step's work ahead of it.
 #include <algorithm>
 #include <chrono>
 #include <limits>
 
-#include "base/machine.h"
-#include "base/trace.h"
 #include "step/motion.h"
 #include "world/world_impl.h"
 
 namespace psim {
+namespace {
 
-StepReport World::Impl::step(double dt) { return step(dt, {}, true); }
+Quarantine::Freeze freezer(Owners& w) {
+  return [&w](std::uint32_t id, const BodyState& last) { freeze_body(w, id, last); };
+}
 
-// With the detail given, or with one that the governor chooses.
-StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
+// A page of the ledger, and a report that follows the given detail, if there is one.
+StepReport open_page(Owners& w, const StepDetail* given) {
+  w.ledger.begin_step(w.memory);
+  w.detailed = given != nullptr;
   StepReport report;
-  if (!(dt > 0 && dt <= 10)) return report;               // World::create has the same limits
-  dt = std::max(dt, std::numeric_limits<double>::min());  // FloatSettings would make a shorter one zero
-  const FloatSettings settings;
-  const Tracer::Clock::time_point begin = tracer.begin();
-  const WorkerPool::Awake awake(pool);
-  ledger.begin_step(memory);
-  report.detail = given;
-  if (given.frames == 0) report.detail.frames = 1;
-  take_prepared(dt, choose, report);
-  settled();
-  report.quarantined += quarantine.freeze_doubtful(population, freezer());
-  replan();
-  look_around();
-  work_on_lists(dt, choose, report);
-  if (report.detail.solves || report.detail.wakes) advance(dt, choose, report);
-  if (report.detail.solves) {
-    step_work.progress = {};
-  } else {
-    stand_still(report);
-  }
-  publish(report);
-  if (report.detail.solves) fall_asleep(dt * report.detail.frames, report);
-  report.asleep = population.bodies.asleep;
-  ledger.end_step(memory, report);
-  report.total_ms = std::chrono::duration<double, std::milli>(tracer.begin() - begin).count();
+  if (given != nullptr) report.detail = *given;
   return report;
 }
 
-// The work of prepare() counts if the step is the one that it was done for.
-void World::Impl::take_prepared(double dt, bool choose, StepReport& report) {
-  report.rebuilt = prepared() && choose && dt == desc.dt;
-  if (report.rebuilt) unprepared = std::vector<std::byte>();
+// The work of prepare() counts if the step is the one that it was done for; else it is taken back.
+void take_prepared(Owners& w, double dt, StepReport& report) {
+  report.rebuilt = !w.unprepared.empty() && !w.detailed && dt == w.desc.dt;
+  if (report.rebuilt) w.unprepared = std::vector<std::byte>();
+  w.settled();
 }
 
 // A renderer sees where bodies are before they move, if the host placed some.
-void World::Impl::look_around() {
-  if (plan.publish && placed) observers.publisher.look(observed());
-  placed = false;
+void look_around(Owners& w) {
+  if (w.plan.publish && w.observers.placed) w.observers.publisher.look(w.observed());
+  w.observers.placed = false;
 }
 
 // Lists and contacts, as far as a governor or the given detail lets them.
-void World::Impl::work_on_lists(double dt, bool choose, StepReport& report) {
-  detailed = !choose;
-  if (population.bodies.awake() == 0) return;
+void work_on_lists(Owners& w, double dt, StepReport& report) {
+  if (w.bodies.awake() == 0) return;
   const StepDetail& detail = report.detail;
-  if (choose && governor.on()) {
-    governor.spend_frame(context(), step_work, dt, frame == 0, report);
+  if (!w.detailed && w.governor.on()) {
+    w.governor.spend_frame(w, dt, report);
     if (detail.solves) return;
   } else if (detail.waits() && !detail.wakes) {
-    step_work.progress.horizon = detail.horizon;
-    step_work.progress.spread = true;
-    step_work.run_pieces(context(), {dt, dt * detail.horizon}, report, detail.pieces);
+    w.progress.horizon = detail.horizon;
+    w.progress.spread = true;
+    run_parts(w, {dt, dt * detail.horizon}, report, detail.pieces);
   } else {
     return;
   }
-  step_work.note({dt, dt * detail.horizon});
+  note_work(w, {dt, dt * detail.horizon});
 }
 
-// Everything moves on; or time stands still, if bodies woke and there is no time for new lists.
-void World::Impl::advance(double frame_dt, bool choose, StepReport& report) {
-  const double dt = frame_dt * report.detail.frames;
-  const Span span{step_work.untouched() ? dt : frame_dt,
-                  frame_dt * std::max(report.detail.frames, report.detail.horizon)};
-  dynamics.substeps = report.detail.substeps != 0 ? report.detail.substeps : desc.substeps;
-  report.detail.substeps = static_cast<std::uint8_t>(dynamics.substeps);
-  const bool anyone = population.bodies.awake() != 0;
-  if (anyone && !meet(dt, span, choose && governor.on(), report)) return;
-  report.detail.wakes = false;
-  report.detail.solves = true;
-  ++steps;
-  if (anyone) {
-    move(dt, report);
-  } else {
-    ledger.skip_all(plan.publish, plan.events);
-  }
-  observers.queries.forget(QueryIndex::kMoving);
-  collect_events(report);
-  if (report.awake != 0) count_contacts(report);
+// All that is left of the work on lists and contacts; then normals and gaps.
+void finish_contacts(Owners& w, double dt, const Span& span, StepReport& report) {
+  // Lists that last were found to serve one frame; this step may make up for more.
+  const bool lasting = !w.progress.untouched() && !w.progress.lays_out();
+  if (lasting && report.detail.frames > 1 && !w.neighbours.serve(dt)) spoil_work(w);
+  run_parts(w, span, report);
+  w.contacts.kept = !w.progress.lays_out();
+  accept_work(w);
+  const StageTimer timer(report, w.tracer, Stage::narrow_phase);
+  prepare_contacts(w, dt);
 }
 
 // Finds the contacts of a step of dt seconds. False if bodies woke that would be met and there is no time to look for
 // their contacts: then the next frame does.
-bool World::Impl::meet(double dt, const Span& span, bool governed, StepReport& report) {
-  finish_contacts(dt, span, report);
+bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
+  finish_contacts(w, dt, span, report);
   // The lists name the bodies that may be met in this step, those of the last step did not.
-  if (sleep.sleepers.empty() || !note_sleep(sleep.wake_reached(sleep_source(), dt))) return true;
-  if (report.detail.wakes || (governed && !governor.fits_again(context(), report))) {
-    report.detail.wakes = true;
-    report.detail.solves = false;
-    return false;
-  }
-  finish_contacts(dt, span, report);
+  if (w.sleep.sleepers.empty() || !w.note_sleep(w.sleep.wake_reached(w.sleep_source(), dt))) return true;
+  const bool governed = !w.detailed && w.governor.on();
+  report.detail.wakes = report.detail.wakes || (governed && !w.governor.fits_again(w, report));
+  if (report.detail.wakes) return false;
+  finish_contacts(w, dt, span, report);
   return true;
 }
 
-// All that is left of the work on lists and contacts; then normals and gaps.
-void World::Impl::finish_contacts(double dt, const Span& span, StepReport& report) {
-  // Lists that last were found to serve one frame; this step may make up for more.
-  const bool lasting = !step_work.untouched() && !step_work.progress.lays_out();
-  if (lasting && report.detail.frames > 1 && !neighbours.serve(dt)) spoil_lists();
-  step_work.finish(context(), span, report);
-  contacts.kept = !step_work.progress.lays_out();
-  step_work.accept(context());
-  const StageTimer timer(report, tracer, Stage::narrow_phase);
-  prepare_contacts(context(), dt);
+// Substeps, continuous collision, the rest of the way; bodies that may not be where they are then.
+void move(Owners& w, double dt, StepReport& report) {
+  if (w.plan.events) w.observers.events.approach(w.observed(), dt);
+  const Moved moved = move_bodies(w, dt, report);
+  if (!moved.sound) report.quarantined += w.quarantine.settle(w.population, w.lattice, dt, freezer(w));
+  if (!moved.inside && w.desc.boundary == Boundary::open) {
+    const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };
+    report.escaped += w.quarantine.remove_escaped(w.population, w.desc.bounds, remove);
+  } else if (!moved.inside && Quarantine::bring_back(w.population, w.lattice, w.desc)) {
+    w.dynamics.forces_stale = true;
+  }
+  if (w.ledger.surveys()) survey_lanes(w, report.rebuilt);
 }
 
-// Substeps, continuous collision, the rest of the way.
-void World::Impl::move(double dt, StepReport& report) {
-  const StepContext c = context();
-  if (const std::optional<SolverParams> params = prepare_substeps(c, dt, report)) {
-    if (plan.events) observers.events.approach(observed(), dt);
-    run_substeps(c, *params, report);
-  }
-  stop_fast_bodies(c, report);
-  const Integrated moved = integrate(c, dt, report);
-  if (!moved.sound) report.quarantined += quarantine.settle(population, lattice, dt, freezer());
-  if (!moved.inside && desc.boundary == Boundary::open) {
-    report.escaped += quarantine.remove_escaped(population, desc.bounds, [this](std::uint32_t id) { remove(id); });
-  } else if (!moved.inside && Quarantine::bring_back(population, lattice, desc)) {
-    dynamics.forces_stale = true;
-  }
-  if (ledger.surveys(steps)) survey_lanes(c, report.rebuilt);
-  report.awake = population.bodies.awake();
+void collect_events(Owners& w, StepReport& report) {
+  if (!w.plan.events) return;
+  const StageTimer timer(report, w.tracer, Stage::publish);
+  w.observers.events.collect(w.observed(), w.observers.queries);
+  w.sleep.sleepers.changed = false;
 }
 
-void World::Impl::collect_events(StepReport& report) {
-  if (!plan.events) return;
-  const StageTimer timer(report, tracer, Stage::publish);
-  observers.events.collect(observed(), observers.queries);
-  sleep.sleepers.changed = false;
+void count_contacts(const Owners& w, StepReport& report) {
+  const Contacts& contacts = w.contacts;
+  report.pairs = contacts.discs.pairs.count + contacts.discs.fixed.count + contacts.manifolds.pair_count();
+  report.pairs_reused = contacts.kept ? report.pairs : 0;
+  report.contacts = w.dynamics.solver.closed();
+  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
+}
+
+// Everything moves on; or time stands still, if bodies woke and there is no time for new lists.
+void advance(Owners& w, double frame_dt, StepReport& report) {
+  StepDetail& detail = report.detail;
+  const double dt = frame_dt * detail.frames;
+  const Span span{w.progress.untouched() ? dt : frame_dt, frame_dt * std::max(detail.frames, detail.horizon)};
+  w.dynamics.substeps = detail.substeps != 0 ? detail.substeps : w.desc.substeps;
+  detail.substeps = static_cast<std::uint8_t>(w.dynamics.substeps);
+  const bool anyone = w.bodies.awake() != 0;
+  detail.solves = !anyone || meet(w, dt, span, report);
+  if (!detail.solves) return;
+  detail.wakes = false;
+  ++w.ledger.steps;
+  if (anyone) {
+    move(w, dt, report);
+  } else {
+    w.ledger.skip_all(w.plan.publish, w.plan.events);
+  }
+  w.observers.queries.forget(QueryIndex::kMoving);
+  collect_events(w, report);
+  if (w.bodies.awake() != 0) count_contacts(w, report);
+  w.progress = {};
 }
 
 // Time stands still in this frame: the work goes on in the next one.
-void World::Impl::stand_still(StepReport& report) {
-  observers.events.clear();
-  if (step_work.progress.waits < 255) ++step_work.progress.waits;
-  report.awake = population.bodies.awake();
+void stand_still(Owners& w) {
+  w.observers.events.clear();
+  if (w.progress.waits < 255) ++w.progress.waits;
 }
 
-void World::Impl::publish(StepReport& report) {
-  ++frame;
-  if (!plan.publish) return;
-  const StageTimer timer(report, tracer, Stage::publish);
-  observers.publisher.publish(observed(), frame);
+void publish(Owners& w, StepReport& report) {
+  ++w.ledger.frames;
+  if (!w.plan.publish) return;
+  const StageTimer timer(report, w.tracer, Stage::publish);
+  w.observers.publisher.publish(w.observed(), w.ledger.frames);
 }
 
-void World::Impl::fall_asleep(double dt, StepReport& report) {
-  if (!plan.sleep || population.bodies.awake() == 0) return;
-  const StageTimer timer(report, tracer, Stage::sleep);
-  note_sleep(sleep.step(sleep_source(), steps, dt));
+// Tells who was awake in this step, and who is asleep after it.
+void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
+  const BodyStore& bodies = w.bodies;
+  report.awake = bodies.awake();
+  if (report.detail.solves && w.plan.sleep && report.awake != 0) {
+    const StageTimer timer(report, w.tracer, Stage::sleep);
+    w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
+  }
+  report.asleep = bodies.asleep;
 }
 
-void World::Impl::count_contacts(StepReport& report) {
-  report.pairs = contacts.discs.pairs.count + contacts.discs.fixed.count + contacts.manifolds.pair_count();
-  report.pairs_reused = contacts.kept ? report.pairs : 0;
-  report.contacts = dynamics.solver.closed();
-  report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
+// Room for so many candidates and strips is made in small worlds, too: bodies come together.
+constexpr std::size_t kFewPairs = 32768, kFewStrips = 256;
+
+// Lists that serve several frames are longer. To make room for them takes longer than a frame may, so it is made before
+// the first frame.
+void spare_room(Owners& w) {
+  BodyStore& bodies = w.bodies;
+  NeighbourLists& lists = w.neighbours;
+  Contacts& contacts = w.contacts;
+  const std::size_t each = w.plan.radii ? 20 : 12;
+  const std::size_t pairs = std::max<std::size_t>(2 * std::max(lists.table.pair_room, lists.candidates.pair_room),
+                                                  each * bodies.count + kFewPairs);
+  for (PairTable* of : {&lists.table, &lists.old_table, &lists.candidates}) of->spare(bodies.count, pairs);
+  const std::size_t all = kernels::round_up_block(bodies.count) + 2 * lists.table.strips.size() + kFewStrips;
+  lists.broad.spare(bodies.count, all, pairs);
+  if (bodies.count >= BroadPhase::kSmallWorld) lists.renewal.spare(bodies.count);
+  for (Column<float>* of : {&bodies.vel, &bodies.disp, &bodies.vel0}) of->reserve(2 * all);
+  bodies.pos.reserve(2 * all);
+  if (w.plan.manifolds && !lists.table.strips.empty()) {
+    const std::size_t cornered = w.population.traits.cornered;
+    const std::size_t most = std::min(24 * cornered, 6 * cornered + kFewPairs);
+    contacts.manifolds.spare(std::max<std::size_t>(2 * contacts.manifolds.pair_count(), most),
+                             lists.table.strips.size());
+  }
+  contacts.discs.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pairs.blocks,
+                                             (w.plan.radii ? 8 : 5) * std::size_t{bodies.count}),
+                       2 * kernels::kBlock * contacts.discs.fixed.blocks + 1024);
+  if (!w.plan.forces && !w.plan.turns) {
+    contacts.solved.spare(kernels::round_up_block(bodies.count) + 1024, !bodies.rim_speed.empty(), w.plan.restitution);
+  }
+}
+
+}  // namespace
+
+StepReport step(Owners& w, double dt, const StepDetail* given) {
+  if (!(dt > 0 && dt <= 10)) return {};                   // World::create has the same limits
+  dt = std::max(dt, std::numeric_limits<double>::min());  // FloatSettings would make a shorter one zero
+  const FloatSettings settings;
+  const Tracer::Clock::time_point begin = w.tracer.begin();
+  const WorkerPool::Awake awake(w.pool);
+  StepReport report = open_page(w, given);
+  take_prepared(w, dt, report);
+  report.quarantined = w.quarantine.freeze_doubtful(w.population, freezer(w));
+  replan(w);
+  look_around(w);
+  work_on_lists(w, dt, report);
+  if (report.detail.solves || report.detail.wakes) advance(w, dt, report);
+  if (report.detail.waits()) stand_still(w);
+  publish(w, report);
+  fall_asleep(w, dt, report);
+  w.ledger.end_step(w.memory, report);
+  report.total_ms = std::chrono::duration<double, std::milli>(w.tracer.begin() - begin).count();
+  return report;
+}
+
+// All of a first step but its substeps, for the room that it takes, and again as far as a step can be made ahead. Since
+// the host may still change anything, how it was before is kept until the step.
+void World::prepare() {
+  Owners& w = *impl_;
+  if (w.ledger.frames != 0 || !w.unprepared.empty() || w.bodies.awake() == 0 || !w.quarantine.doubtful.empty()) {
+    return;
+  }
+  std::vector<std::byte> before;
+  psim::save(w, before);
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
+  const Ledger counted = w.ledger;
+  const Span span{w.desc.dt, w.desc.dt};
+  StepReport ignored;
+  replan(w);
+  w.tracer.begin();
+  finish_contacts(w, w.desc.dt, span, ignored);
+  if (w.governor.on()) spare_room(w);
+  if (w.plan.sleep && w.sleep.sleepers.anyone_slow()) w.sleep.make_room(w.sleep_source());
+  w.ledger = counted;
+  go_back(w, before);
+  replan(w);
+  w.tracer.begin();
+  run_parts(w, span, ignored);
+  if (w.plan.manifolds) {  // a step with as many substeps leaves them as they lie
+    w.dynamics.substeps = w.desc.substeps;
+    lay_out_manifolds(w, w.desc.dt);
+  }
+  w.ledger = counted;
+  w.unprepared = std::move(before);
+}
+
+Owners& Owners::settled() {
+  if (unprepared.empty()) return *this;
+  const std::vector<std::byte> before = std::move(unprepared);
+  unprepared.clear();
+  go_back(*this, before);
+  return *this;
 }
 
 }  // namespace psim

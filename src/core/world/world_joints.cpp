@@ -17,18 +17,14 @@ Vec2 world_point(const BodyState& s, Vec2 p) {
 std::string check_numbers(const JointDesc& d) {
   if (!finite(d.anchor_a) || !finite(d.anchor_b)) return "anchors must be finite";
   if (!finite(d.length)) return "length must be finite";
-  if (!(d.stiffness >= 0) || !finite(d.stiffness)) return "stiffness must be 0 or more and finite";
-  if (!(d.damping >= 0) || !finite(d.damping)) return "damping must be 0 or more and finite";
+  if (!not_negative(d.stiffness)) return "stiffness must be 0 or more and finite";
+  if (!not_negative(d.damping)) return "damping must be 0 or more and finite";
   if (!finite(d.axis)) return "axis must be finite";
   if (!finite(d.reference)) return "reference must be finite";
   if (!finite(d.lower) || !finite(d.upper)) return "limits must be finite";
   if (!finite(d.motor_speed)) return "motor speed must be finite";
-  if (!(d.motor_limit >= 0) || !finite(d.motor_limit)) {
-    return "motor limit must be 0 or more and finite";
-  }
-  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) {
-    return "axis must not be zero";
-  }
+  if (!not_negative(d.motor_limit)) return "motor limit must be 0 or more and finite";
+  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) return "axis must not be zero";
   if (d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
   return {};
 }
@@ -38,10 +34,28 @@ std::string check_length(JointType type, double length) {
   return length < 0 ? "length must not be negative" : "";
 }
 
+void count_joints(Owners& w) {
+  w.population.traits.joints = w.joints.count();
+  w.population.traits.exclusions = w.joints.any_exclusions();
+  spoil_work(w);
+  w.plan_stale = true;
+}
+
+void disturb_both(Owners& w, const JointDesc& joint) {
+  for (const BodyId body : {joint.a, joint.b}) disturb(w, body.index);
+}
+
 }  // namespace
 
+void remove_joints_of(Owners& w, std::uint32_t body) {
+  if (w.joints.empty()) return;
+  w.joints.each_joined(body, [&](std::uint32_t other) { disturb(w, other); });
+  w.joints.remove_of_body(body);
+  count_joints(w);
+}
+
 JointId World::add_joint(const JointDesc& desc, std::string& error) {
-  Impl& w = impl_->settled();
+  Owners& w = impl_->settled();
   error.clear();
   const auto refuse = [&](std::string what) {
     error = std::move(what);
@@ -49,53 +63,34 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   };
   for (const BodyId id : {desc.a, desc.b}) {
     if (!is_valid(id)) return refuse(id == desc.a ? "a is not a body" : "b is not a body");
-    if (w.population.bodies.info[id.index].place == Place::frozen) {
-      return refuse("a body whose numbers are broken cannot be joined");
-    }
+    const bool frozen = w.bodies.info[id.index].place == Place::frozen;
+    if (frozen) return refuse("a body whose numbers are broken cannot be joined");
   }
   if (desc.a == desc.b) return refuse("a and b must differ");
-  const auto dynamic = [&](BodyId id) { return w.population.bodies.properties(id.index).inv_mass > 0; };
+  const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
   if (!dynamic(desc.a) && !dynamic(desc.b)) return refuse("one of the bodies must be dynamic");
   if (error = check_numbers(desc); !error.empty()) return kNoJoint;
 
   JointDesc d = desc;
-  const BodyState a = w.state_of(d.a.index), b = w.state_of(d.b.index);
+  const Observed seen = w.observed();
+  const BodyState a = seen.state_of(d.a.index), b = seen.state_of(d.b.index);
   if (!d.length) d.length = length_of(world_point(b, d.anchor_b) - world_point(a, d.anchor_a));
   if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
     if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
   }
   if (!d.reference) d.reference = b.angle - a.angle;
-  for (const BodyId body : {d.a, d.b}) w.disturb(body.index);
+  disturb_both(w, d);
   const JointId id = w.joints.add(d);
-  w.count_joints();
+  count_joints(w);
   return id;
-}
-
-void World::Impl::count_joints() {
-  population.traits.joints = joints.count();
-  population.traits.exclusions = joints.any_exclusions();
-  spoil_lists();
-  plan_stale = true;
-}
-
-void World::Impl::remove_joints_of(std::uint32_t body) {
-  if (joints.empty()) return;
-  joints.each_joined(body, [&](std::uint32_t other) { disturb(other); });
-  joints.remove_of_body(body);
-  count_joints();
-}
-
-void World::Impl::disturb_joined(JointId id) {
-  const JointDesc d = joints.desc(id);
-  for (const BodyId body : {d.a, d.b}) disturb(body.index);
 }
 
 bool World::remove_joint(JointId id) {
   if (!is_valid_joint(id)) return false;
-  Impl& w = impl_->settled();
-  w.disturb_joined(id);
+  Owners& w = impl_->settled();
+  disturb_both(w, w.joints.desc(id));
   w.joints.remove(id);
-  w.count_joints();
+  count_joints(w);
   return true;
 }
 
@@ -104,16 +99,17 @@ bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id)
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
-  if (!finite(speed) || !finite(limit) || limit < 0 || !is_valid_joint(id)) return false;
-  Impl& w = impl_->settled();
-  w.disturb_joined(id);
+  if (!finite(speed) || !not_negative(limit) || !is_valid_joint(id)) return false;
+  Owners& w = impl_->settled();
+  disturb_both(w, w.joints.desc(id));
   return w.joints.set_motor(id, speed, limit);
 }
 
 std::optional<JointState> World::joint(JointId id) const {
   if (!is_valid_joint(id)) return std::nullopt;
   const JointDesc& d = impl_->joints.desc(id);
-  const BodyState a = impl_->state_of(d.a.index), b = impl_->state_of(d.b.index);
+  const Observed seen = impl_->observed();
+  const BodyState a = seen.state_of(d.a.index), b = seen.state_of(d.b.index);
   JointState s;
   s.a = d.a;
   s.b = d.b;

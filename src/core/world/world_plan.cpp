@@ -6,64 +6,73 @@
 #include "world/world_impl.h"
 
 namespace psim {
+namespace {
 
 // Whether a body has an angle or a spin. Where many do the first few tell: O(bodies) only if none does.
-bool World::Impl::anyone_turns() const {
-  const BodyStore& bodies = population.bodies;
-  if (bodies.rim_speed.empty()) return population.traits.turning;
+bool anyone_turns(const Owners& w) {
+  const BodyStore& bodies = w.bodies;
+  if (bodies.rim_speed.empty()) return w.population.traits.turning;
   for (std::uint32_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] != kNoSlot && (bodies.rim_speed[i] != 0 || bodies.angle[i] != 0)) return true;
   }
-  const std::vector<Sleeper>& sleepers = sleep.sleepers.list;
+  const std::vector<Sleeper>& sleepers = w.sleep.sleepers.list;
   return std::any_of(sleepers.begin(), sleepers.end(), [](const Sleeper& s) { return s.angle != 0; });
 }
 
 // With those that are looked up, not counted.
-Traits World::Impl::present_traits() const {
-  Traits now = population.traits;
-  now.mass_ratio =
-      population.traits.same_mass == population.traits.moving ? 1 : population.bodies.property_table.mass_ratio();
-  now.turning = anyone_turns();
+Traits present_traits(const Owners& w) {
+  Traits now = w.population.traits;
+  now.mass_ratio = now.same_mass == now.moving ? 1 : w.bodies.property_table.mass_ratio();
+  now.turning = anyone_turns(w);
   return now;
 }
 
-void World::Impl::replan() {
-  Traits& traits = population.traits;
-  if (!plan_stale) {
-    if (plan.events == traits.events && plan.publish == traits.snapshots) return;
-    plan.events = traits.events;  // who listens or looks changes no result
-    plan.publish = traits.snapshots;
-    return apply_plan();
+template <class... Arrays>
+std::size_t sum(const Arrays&... arrays) {
+  return (arrays.bytes() + ...);
+}
+
+}  // namespace
+
+void replan(Owners& w) {
+  Traits& traits = w.population.traits;
+  Plan& plan = w.plan;
+  if (!w.plan_stale && plan.events == traits.events && plan.publish == traits.snapshots) return;
+  Plan next = plan;
+  if (w.plan_stale) {
+    traits = present_traits(w);
+    next = make_plan(traits);
   }
-  plan_stale = false;
-  traits = present_traits();
-  const Plan next = make_plan(traits);
-  if (next.model != plan.model) contacts.impulses_valid = false;
-  Plan same = next;
-  same.events = plan.events;
-  same.publish = plan.publish;
-  if (same != plan) spoil_lists();
+  w.plan_stale = false;
+  if (next.model != plan.model) w.contacts.impulses_valid = false;
+  next.events = plan.events;  // who listens or looks changes no result
+  next.publish = plan.publish;
+  if (next != plan) spoil_work(w);
+  next.events = traits.events;
+  next.publish = traits.snapshots;
+  BodyStore& bodies = w.bodies;
   // While all radii are alike the column stays as it is when bodies move to other slots, those of bodies that are
   // gone, too.
-  if (!next.radii) std::fill_n(population.bodies.radius.data(), population.bodies.count, population.first_radius);
-  if (plan.manifolds && !next.manifolds)
-    contacts.manifolds.clear();  // pairs may be sorted out on, without contacts of shapes
+  if (!next.radii) std::fill_n(bodies.radius.data(), bodies.count, w.population.first_radius);
+  // Pairs may be sorted out on, without contacts of shapes.
+  if (plan.manifolds && !next.manifolds) w.contacts.manifolds.clear();
   plan = next;
-  apply_plan();
+  apply_plan(w);
 }
 
 // Arrays of what is not in the plan give their memory back. Those of contacts do when the next are built.
-void World::Impl::apply_plan() {
-  BodyStore& bodies = population.bodies;
-  const auto left = [this](bool Plan::*what) { return applied.*what && !(plan.*what); };
+void apply_plan(Owners& w) {
+  const Plan& plan = w.plan;
+  BodyStore& bodies = w.bodies;
+  Sleepers& sleepers = w.sleep.sleepers;
   if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
   if (!plan.rotation) bodies.drop_rotation();
-  neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
-  contacts.solved.forget(!plan.rotation, !plan.restitution);
+  w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
+  w.contacts.solved.forget(!plan.rotation, !plan.restitution);
   if (plan.forces) {
-    if (!dynamics.forces) dynamics.forces = std::make_unique<Forces>(desc, lattice);
+    if (!w.dynamics.forces) w.dynamics.forces = std::make_unique<Forces>(w.desc, w.lattice);
   } else {
-    dynamics.forces.reset();
+    w.dynamics.forces.reset();
     bodies.acc.release();
   }
   if (plan.fields) {
@@ -75,41 +84,28 @@ void World::Impl::apply_plan() {
     bodies.spare.release();
   }
   if (!plan.turns) bodies.keep_turns(false);
-  population.statics.find_whole(plan.manifolds);
-  const bool sorts_out = context().sorts_out();
-  if (sorted_out && !sorts_out) contacts.manifolds.release();
-  sorted_out = sorts_out;
-  if (left(&Plan::manifolds)) {
-    contacts.stacks.release();
-    if (bodies.hulls.empty()) bodies.hulls.clear();
-  }
-  if (left(&Plan::joints)) joints.release_blocks();
-  if (left(&Plan::continuous)) dynamics.continuous.release();
-  if (left(&Plan::loads)) contacts.loads.release();
-  if (left(&Plan::sleep) && sleep.sleepers.empty()) sleep.sleepers.release();
-  if (left(&Plan::publish)) observers.publisher.release();
-  if (left(&Plan::events)) observers.events = EventList();
+  w.statics.find_whole(plan.manifolds);
+  if (!w.sorts_out()) w.contacts.manifolds.release();
+  if (!plan.manifolds) w.contacts.stacks.release();
+  if (!plan.manifolds && bodies.hulls.empty() && bodies.hulls.bytes() != 0) bodies.hulls.clear();
+  if (!plan.joints) w.joints.release_blocks();
+  if (!plan.continuous) w.dynamics.continuous.release();
+  if (!plan.loads) w.contacts.loads.release();
+  // Waking takes a little memory where nobody may sleep, too. It stays: a step in which bodies go allocates nothing.
+  if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
+  if (!plan.publish) w.observers.publisher.release();
+  if (!plan.events && !w.observers.events.on()) w.observers.events = EventList();
   if (!plan.scales) bodies.pull.release();
   if (!plan.restitution) {
     bodies.event_time.release();
-    dynamics.solver.forget_impacts();
+    w.dynamics.solver.forget_impacts();
   }
-  dynamics.forces_stale = true;
-  applied = plan;
+  w.dynamics.forces_stale = true;
 }
-
-namespace {
-
-template <class... Arrays>
-std::size_t sum(const Arrays&... arrays) {
-  return (arrays.bytes() + ...);
-}
-
-}  // namespace
 
 std::vector<PlanEntry> World::plan() const {
-  Impl& w = *impl_;
-  const Traits traits = w.present_traits();
+  Owners& w = *impl_;
+  const Traits traits = present_traits(w);
   const Plan plan = make_plan(traits);
   std::vector<PlanEntry> entries = explain(plan, traits);
   const auto count = [&entries](std::string_view stage, std::size_t bytes) {
@@ -117,7 +113,7 @@ std::vector<PlanEntry> World::plan() const {
       if (e.stage == stage) e.bytes += bytes;
     }
   };
-  const BodyStore& b = w.population.bodies;
+  const BodyStore& b = w.bodies;
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
@@ -133,9 +129,9 @@ std::vector<PlanEntry> World::plan() const {
         b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.
   count(plan.joints && !plan.manifolds ? "joints" : "manifolds", sum(b.arm_change, b.angle_change));
-  count(plan.manifolds || !w.context().sorts_out() ? "manifolds"
-        : plan.filters                             ? "filters"
-                                                   : "joints",
+  count(plan.manifolds || !w.sorts_out() ? "manifolds"
+        : plan.filters                   ? "filters"
+                                         : "joints",
         w.contacts.manifolds.bytes() + w.contacts.manifolds.column_bytes());
   count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes());
   count("joints", w.joints.bytes() + w.joints.column_bytes());
