@@ -54,12 +54,29 @@ struct Question {
     if (filter.dynamic && !world.sleep.sleepers.empty()) each(index.part(world, QueryIndex::kSleeping));
   }
 
-  BodyId id(std::uint32_t index) const { return {index, world.bodies.info[index].generation}; }
-
   // A point in the coordinates of the grids. In a periodic world it is the copy nearest to the middle.
   Vec2 place(Vec2 p) const {
-    const Vec2 centre = world.lattice.centre();
-    return {nearest_copy(p.x - centre.x, period.x), nearest_copy(p.y - centre.y, period.y)};
+    const Vec2 far = p - world.lattice.centre();
+    return {nearest_copy(far.x, period.x), nearest_copy(far.y, period.y)};
+  }
+
+  // Appends the bodies that meet an outline about `middle`. Its box has half the width and height `half`.
+  void gather(const Outline& shape, Vec2 middle, Vec2 half, std::vector<std::uint32_t>& ids) const {
+    parts([&](const QueryIndex::Part& part) {
+      QueryIndex::each_overlap(
+          world, part, shape, place(middle), half, [&](std::uint32_t id) { return wants(id); },
+          [&](std::uint32_t id) { ids.push_back(id); });
+    });
+  }
+
+  // All that were gathered, each once, ordered by id.
+  std::vector<BodyId> answer(std::vector<std::uint32_t> ids) const {
+    sort_keys(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    std::vector<BodyId> out;
+    out.reserve(ids.size());
+    for (const std::uint32_t id : ids) out.push_back(world.handle(id));
+    return out;
   }
 };
 
@@ -91,7 +108,7 @@ struct Ray {
   }
 
   RayHit answer(const Question& q, Vec2 p, const Entered& e) const {
-    return {q.id(e.body), {p.x + e.at * u.x, p.y + e.at * u.y}, e.normal, whole > 0 ? e.at / whole : 0};
+    return {q.world.handle(e.body), p + e.at * u, e.normal, whole > 0 ? e.at / whole : 0};
   }
 
   Vec2 from, u;
@@ -103,8 +120,8 @@ template <class Each>
 void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
   q.parts([&](const QueryIndex::Part& part) {
     const auto meet = [&](const QueryItem& item, Vec2 shift) {
-      const Vec2 to{item.x + shift.x - ray.from.x, item.y + shift.y - ray.from.y};
-      const double miss = to.x * ray.u.y - to.y * ray.u.x, r = static_cast<double>(item.radius);
+      const Vec2 to = item.seen_from(ray.from, shift);
+      const double miss = cross(to, ray.u), r = wide(item.radius);
       if (miss * miss > r * r) return;
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
@@ -118,56 +135,6 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
     }
   });
 }
-
-// Gathers the bodies that have a point in common with one of several outlines.
-class Gatherer {
- public:
-  explicit Gatherer(const Question& q) : q_(q) {}
-
-  /// Adds the bodies that meet an outline about `middle`. Its box has half the width and height `half`.
-  void add(const Outline& shape, Vec2 middle, Vec2 half) {
-    const Vec2 at = q_.place(middle);
-    q_.parts([&](const QueryIndex::Part& part) {
-      const auto meet = [&](const QueryItem& item, Vec2 shift) {
-        const Vec2 to{item.x + shift.x - at.x, item.y + shift.y - at.y};
-        const double r = static_cast<double>(item.radius);
-        if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r) return;
-        if (!q_.wants(item.body) || !psim::overlap(shape, QueryIndex::outline(q_.world, part, item, to))) return;
-        ids_.push_back(item.body);
-      };
-      part.grid.in_box({at.x - half.x, at.y - half.y}, {at.x + half.x, at.y + half.y}, meet);
-    });
-  }
-
-  /// All that were gathered, ordered by id.
-  std::vector<BodyId> answer() {
-    sort_keys(ids_.begin(), ids_.end());
-    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-    std::vector<BodyId> out;
-    out.reserve(ids_.size());
-    for (const std::uint32_t id : ids_) out.push_back(q_.id(id));
-    return out;
-  }
-
- private:
-  const Question& q_;
-  std::vector<std::uint32_t> ids_;
-};
-
-// A hull about the middle of its box.
-struct Boxed {
-  Outline outline;
-  Vec2 middle, half;
-
-  Boxed(const Hull& hull, Vec2 turn) : outline(outline_of(hull, turn, {})) {
-    const Box box = box_of(outline);
-    middle = box.middle();
-    half = {box.high.x - middle.x + outline.radius, box.high.y - middle.y + outline.radius};
-    for (std::int32_t k = 0; k < outline.count; ++k) {
-      outline.v[k] = {outline.v[k].x - middle.x, outline.v[k].y - middle.y};
-    }
-  }
-};
 
 }  // namespace
 
@@ -210,32 +177,30 @@ std::vector<BodyId> Queries::overlap(const Shape& shape, Vec2 position, double a
   std::string error;
   if (!sane(position) || !std::isfinite(angle) || !make_hulls(shape, false, hulls, error)) return {};
   const Question q{index, world, filter};
-  Gatherer found(q);
   const SineCosine turn = sine_cosine(angle);
+  std::vector<std::uint32_t> ids;
   for (const Hull& hull : hulls.parts) {
-    const Boxed part(hull, {turn.cosine, turn.sine});
-    found.add(part.outline, {position.x + part.middle.x, position.y + part.middle.y}, part.half);
+    Outline part = outline_of(hull, {turn.cosine, turn.sine}, {});
+    const Box box = box_of(part);
+    const Vec2 middle = box.middle();
+    for (std::int32_t k = 0; k < part.count; ++k) part.v[k] = part.v[k] - middle;
+    q.gather(part, position + middle, box.high - middle + Vec2{part.radius, part.radius}, ids);
   }
-  return found.answer();
+  return q.answer(std::move(ids));
 }
 
 std::vector<BodyId> Queries::in_region(const Bounds& region, const QueryFilter& filter) const {
   const Vec2 low{region.xmin, region.ymin}, high{region.xmax, region.ymax};
   if (!sane(low) || !sane(high) || !(low.x <= high.x && low.y <= high.y)) return {};
   const Question q{index, world, filter};
-  const Vec2 middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2};
-  Vec2 half{high.x - middle.x, high.y - middle.y};
+  const Vec2 middle = Box{low, high}.middle();
+  Vec2 half = high - middle;
   if (q.period.x > 0) half.x = std::fmin(half.x, q.period.x / 2);
   if (q.period.y > 0) half.y = std::fmin(half.y, q.period.y / 2);
-  Outline box;
-  box.count = 4;
-  box.v[0] = {-half.x, -half.y};
-  box.v[1] = {half.x, -half.y};
-  box.v[2] = {half.x, half.y};
-  box.v[3] = {-half.x, half.y};
-  Gatherer found(q);
-  found.add(box, middle, half);
-  return found.answer();
+  const Outline box{{-1 * half, {half.x, -half.y}, half, {-half.x, half.y}}, 4};
+  std::vector<std::uint32_t> ids;
+  q.gather(box, middle, half, ids);
+  return q.answer(std::move(ids));
 }
 
 std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const QueryFilter& filter) const {
@@ -246,9 +211,9 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
   std::uint32_t body = 0;
   q.parts([&](const QueryIndex::Part& part) {
     part.grid.around(at, reach, [&](const QueryItem& item, Vec2 shift) {
-      const Vec2 to{item.x + shift.x - at.x, item.y + shift.y - at.y};
-      const double r = static_cast<double>(item.radius), far = reach + r;
-      if (to.x * to.x + to.y * to.y > far * far * (1 + 1e-12)) return;
+      const Vec2 to = item.seen_from(at, shift);
+      const double r = wide(item.radius), far = reach + r;
+      if (dot(to, to) > far * far * (1 + 1e-12)) return;
       const NearPoint n = item.piece == QueryIndex::kDisc
                               ? near_point(to, r)
                               : near_point(QueryIndex::outline(q.world, part.pieces[item.piece], to));
@@ -264,7 +229,7 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
     });
   });
   if (!best) return {};
-  return ClosestHit{q.id(body), {point.x + best->point.x, point.y + best->point.y}, best->distance};
+  return ClosestHit{world.handle(body), point + best->point, best->distance};
 }
 
 }  // namespace psim

@@ -185,9 +185,8 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
   Impl& w = *impl_;
   if (!apply_impulse(id, impulse)) return false;
   const std::size_t i = w.population.bodies.info[id.index].slot;
-  const Observed seen = w.observed();
-  const Vec2 centre = seen.to_world(seen.place(i)), period = seen.period();
-  Vec2 arm{point.x - centre.x, point.y - centre.y};
+  const Vec2 period = w.observed().period();
+  Vec2 arm = point - w.lattice.to_world(w.population.bodies.point(i));
   if (period.x > 0) {  // to the nearest of the repeated copies of the point
     arm.x -= period.x * std::nearbyint(arm.x / period.x);
     arm.y -= period.y * std::nearbyint(arm.y / period.y);
