@@ -39,12 +39,11 @@ bool same_pair(const T& x, const T& y) {
 class StripColours {
  public:
   StripColours(const Observed& world, const LastStep& last, std::size_t index)
-      : known_(!last.begun), laid_(known_ && !world.contacts.bare), contacts_(world.contacts.discs) {
-    if (!known_) return;
+      : laid_(!last.begun && !world.contacts.bare), contacts_(world.contacts.discs) {
     const Manifolds& manifolds = world.contacts.manifolds;
     std::uint32_t next = laid_ ? world.table.strips[index].colours : 0;
     std::array<std::uint32_t, 4> used{};
-    if (last.with_manifolds && index < manifolds.strip_count()) {
+    if (!last.begun && last.with_manifolds && index < manifolds.strip_count()) {
       for (const ManifoldPair& pair : manifolds.pairs_of(index)) {
         if (pair.lane == PairName::kNone || pair.colour == ManifoldPair::kAlone) continue;
         std::uint32_t& most = used[pair.colour / ManifoldPair::kColours];
@@ -55,20 +54,22 @@ class StripColours {
     statics_ = next;
   }
   std::uint32_t of_pair(std::uint32_t pair) const {
-    const std::uint32_t c = laid_ ? contacts_.colour_of_pair(pair) : ContactStore::kMostColours;
-    return c < ContactStore::kMostColours ? c : kNoColour;
-  }
-  std::uint32_t of_manifold(const ManifoldPair& pair) const {
-    if (!known_ || pair.colour == ManifoldPair::kAlone) return kNoColour;
-    return manifolds_[pair.colour / ManifoldPair::kColours] + pair.colour % ManifoldPair::kColours;
+    return laid_ ? numbered(contacts_.colour_of_pair(pair), 0) : kNoColour;
   }
   std::uint32_t of_static(const Strip& strip, const StaticPair& pair, std::uint32_t sequence) const {
-    const std::uint32_t c = laid_ ? ContactStore::colour_of_static(strip, pair, sequence) : ContactStore::kMostColours;
-    return c < ContactStore::kMostColours ? statics_ + c : kNoColour;
+    return laid_ ? numbered(ContactStore::colour_of_static(strip, pair, sequence), statics_) : kNoColour;
+  }
+  std::uint32_t of_manifold(const ManifoldPair& pair) const {
+    if (pair.colour == ManifoldPair::kAlone) return kNoColour;
+    return manifolds_[pair.colour / ManifoldPair::kColours] + pair.colour % ManifoldPair::kColours;
   }
 
  private:
-  bool known_, laid_;
+  static std::uint32_t numbered(std::uint32_t colour, std::uint32_t first) {
+    return colour < ContactStore::kMostColours ? first + colour : kNoColour;
+  }
+
+  const bool laid_;
   const ContactStore& contacts_;
   std::array<std::uint32_t, 4> manifolds_{};
   std::uint32_t statics_ = 0;

@@ -8,13 +8,11 @@
 #include <tuple>
 
 #include "base/rotor.h"
-#include "base/tasks.h"
 #include "query/events.h"
 
 namespace psim {
 namespace {
 
-using kernels::kBlock;
 using Candidate = HitList::Candidate;
 
 constexpr double kAnswered = 0.5;  // share of the approach that must be gone
@@ -49,8 +47,8 @@ struct Approach {
   const Observed& world;
   double least_speed, dt;  // m/s, s
   const BodyStore& b = world.bodies;
+  const PairTable& table = world.table;
   const ContactStore& discs = world.contacts.discs;
-  const SolverBodies& solved = world.contacts.solved;
   const Manifolds& manifolds = world.contacts.manifolds;
 
   // Whether two bodies move against each other fast enough, in any direction.
@@ -77,41 +75,37 @@ struct Approach {
     out.push_back(c);
   }
 
-  void pairs(BlockRange range, std::vector<Candidate>& out) const {
-    for (std::uint32_t l = range.begin * kBlock; l < range.end * kBlock; ++l) {
-      if (discs.body[2 * l] >= solved.dummies()) continue;
+  void pairs(const Strip& strip, std::vector<Candidate>& out) const {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
       Candidate c;
-      c.a.slot = solved.slot(discs.body[2 * l]);
-      c.b.slot = solved.slot(discs.body[2 * l + 1]);
+      c.a.slot = table.owner[p];
+      c.b.slot = table.other[p];
       if (!fast(c)) continue;
+      const std::uint32_t lane = table.contact[p];
       c.a.id = b.id[c.a.slot];
       c.b.id = b.id[c.b.slot];
       c.impulses = &discs.impulse;
-      c.at = l;
-      c.normal = {wide(discs.nx[l]), wide(discs.ny[l])};
-      const double reach = wide(discs.rsum[l]);
-      consider(c, {(reach + wide(discs.gap[l])) * c.normal, reach, 0, -wide(b.radius[c.b.slot])}, out);
+      c.at = lane;
+      c.normal = {wide(discs.nx[lane]), wide(discs.ny[lane])};
+      const double reach = wide(discs.rsum[lane]);
+      consider(c, {(reach + wide(discs.gap[lane])) * c.normal, reach, 0, -wide(b.radius[c.b.slot])}, out);
     }
   }
 
-  void statics(std::vector<Candidate>& out) const {
-    for (std::uint32_t l = 0; l < discs.static_blocks() * kBlock; ++l) {
-      if (discs.s_body[l] >= solved.dummies()) continue;
+  void statics(const std::vector<StaticPair>& pairs, std::vector<Candidate>& out) const {
+    for (const StaticPair& pair : pairs) {
       Candidate c;
-      c.b.slot = solved.slot(discs.s_body[l]);
+      c.b.slot = pair.body;
       if (!fast(c)) continue;
-      if (discs.s_shape[l] < kWallLeft) c.a.id = world.statics[discs.s_shape[l]].owner;
-      c.b.id = b.id[c.b.slot];
+      const std::uint32_t lane = pair.contact;
+      if (pair.shape < kWallLeft) c.a.id = world.statics[pair.shape].owner;
+      c.b.id = b.id[pair.body];
       c.impulses = &discs.s_impulse;
-      c.at = l;
-      c.normal = {wide(discs.s_nx[l]), wide(discs.s_ny[l])};
-      const bool round = discs.s_refresh[l] < 1e30f;
-      consider(c,
-               {{wide(discs.s_base_x[l]), wide(discs.s_base_y[l])},
-                round ? wide(discs.s_rsum[l]) : 0,
-                wide(discs.s_gap[l]),
-                -wide(b.radius[c.b.slot])},
-               out);
+      c.at = lane;
+      c.normal = {wide(discs.s_nx[lane]), wide(discs.s_ny[lane])};
+      const bool round = discs.s_refresh[lane] < 1e30f;
+      const Vec2 d{wide(discs.s_base_x[lane]), wide(discs.s_base_y[lane])};
+      consider(c, {d, round ? wide(discs.s_rsum[lane]) : 0, wide(discs.s_gap[lane]), -wide(b.radius[pair.body])}, out);
     }
   }
 
@@ -138,12 +132,16 @@ struct Approach {
 void HitList::approach(const Observed& world, double least_speed, double dt) {
   candidates_.clear();
   const Approach find{world, least_speed, dt};
-  const std::uint32_t blocks = world.contacts.discs.pair_blocks();
-  found_.resize(std::max(found_.size(), stream_tasks(blocks)));
-  for (std::vector<Candidate>& some : found_) some.clear();
-  run_stream(blocks, world.pool, [&](BlockRange range) { find.pairs(range, found_[range.begin / kTaskBlocks]); });
-  for (const auto& some : found_) candidates_.insert(candidates_.end(), some.begin(), some.end());
-  find.statics(candidates_);
+  const PairTable& table = world.table;
+  found_.resize(std::max(found_.size(), table.strips.size()));
+  world.pool.run(table.strips.size(), [&](std::size_t strip) {
+    found_[strip].clear();
+    find.pairs(table.strips[strip], found_[strip]);
+    find.statics(table.static_contacts[strip], found_[strip]);
+  });
+  for (std::size_t strip = 0; strip < table.strips.size(); ++strip) {
+    candidates_.insert(candidates_.end(), found_[strip].begin(), found_[strip].end());
+  }
   find.shapes(candidates_);
 }
 

@@ -23,12 +23,10 @@ std::uint32_t first_of(std::uint64_t key) { return static_cast<std::uint32_t>(ke
 std::uint32_t second_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 // A bit for each closed contact of a block. An impulse of -0 marks an open one.
-unsigned closed_bits(const float* impulse) {
+std::uint8_t closed_bits(const float* impulse) {
   unsigned open = 0;
-  for (std::size_t l = 0; l < kBlock; ++l) {
-    open |= (std::bit_cast<std::uint32_t>(impulse[l]) >> 31) << l;
-  }
-  return ~open & 0xFFu;
+  for (std::size_t l = 0; l < kBlock; ++l) open |= (std::bit_cast<std::uint32_t>(impulse[l]) >> 31) << l;
+  return static_cast<std::uint8_t>(~open);
 }
 
 // Calls each(lane) for the bits of a block.
@@ -67,11 +65,6 @@ void EventList::set_options(const EventOptions& options) {
   }
   if (!options.sensors) sensed_ = {};
   if (!options.hits) hits_ = {};
-  if (!on()) {
-    for (Keys* keys : {&now_, &began_, &ended_, &scratch_}) *keys = {};
-    count_ = {};
-    removed_ = {};
-  }
 }
 
 void EventList::clear() {
@@ -130,8 +123,8 @@ void EventList::compare_lanes(const Observed& world) {
     return;
   }
   for (std::size_t k = 0; k < blocks; ++k) {
-    const unsigned now = closed_bits(c.impulse.data() + k * kBlock), changed = now ^ touching_[k];
-    each_lane(k, changed, [&](std::size_t l) {
+    const unsigned now = closed_bits(c.impulse.data() + k * kBlock);
+    each_lane(k, now ^ touching_[k], [&](std::size_t l) {
       if (lane_key_[l] == kNoKey) return;
       ((now >> (l % kBlock) & 1) != 0 ? began_ : ended_).push_back(lane_key_[l]);
       toggled_.push_back(lane_key_[l]);
@@ -143,7 +136,7 @@ void EventList::compare_lanes(const Observed& world) {
 void EventList::renew_lanes(const Observed& world, std::uint32_t blocks) {
   const BodyStore& b = world.bodies;
   const ContactStore& c = world.contacts.discs;
-  const SolverBodies& solved = world.contacts.solved;
+  const PairTable& table = world.table;
   // The pairs that touched before: those at the time when the lanes were made, changed by each pair that toggled an odd
   // number of times.
   sort_keys(toggled_.begin(), toggled_.end());
@@ -161,22 +154,18 @@ void EventList::renew_lanes(const Observed& world, std::uint32_t blocks) {
                                 std::back_inserter(now_));
   paired_.swap(now_);
 
-  lane_key_.resize(std::size_t{blocks} * kBlock);
+  lane_key_.assign(std::size_t{blocks} * kBlock, kNoKey);
   touching_.resize(blocks);
-  run_stream(blocks, world.pool, [&](BlockRange r) {
-    for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
-      lane_key_[l] = kNoKey;
-      if (c.body[2 * l] >= solved.dummies()) continue;
-      const std::uint32_t i = b.id[solved.slot(c.body[2 * l])], j = b.id[solved.slot(c.body[2 * l + 1])];
+  world.pool.run(blocks != 0 ? table.strips.size() : 0, [&](std::size_t strip) {
+    for (std::uint32_t p = table.strips[strip].pair_begin; p < table.strips[strip].pair_end; ++p) {
+      const std::uint32_t i = b.id[table.owner[p]], j = b.id[table.other[p]];
       if (i == kNoSlot || j == kNoSlot) continue;  // a body left in this step
-      if (world.tells_of(i, j)) lane_key_[l] = key_of(i, j);
-    }
-    for (std::size_t k = r.begin; k < r.end; ++k) {
-      touching_[k] = static_cast<std::uint8_t>(closed_bits(c.impulse.data() + k * kBlock));
+      if (world.tells_of(i, j)) lane_key_[table.contact[p]] = key_of(i, j);
     }
   });
   now_.clear();
   for (std::size_t k = 0; k < blocks; ++k) {
+    touching_[k] = closed_bits(c.impulse.data() + k * kBlock);
     each_lane(k, touching_[k], [&](std::size_t l) {
       if (lane_key_[l] != kNoKey) now_.push_back(lane_key_[l]);
     });
@@ -188,19 +177,18 @@ void EventList::renew_lanes(const Observed& world, std::uint32_t blocks) {
 void EventList::compare_rest(const Observed& world) {
   const BodyStore& b = world.bodies;
   const ContactStore& c = world.contacts.discs;
-  const SolverBodies& solved = world.contacts.solved;
   const Manifolds& manifolds = world.contacts.manifolds;
   const auto here = [&](std::uint32_t id) {
-    return b.info[id].place == Place::moving || b.info[id].place == Place::fixed || b.info[id].place == Place::asleep;
+    return b.info[id].place != Place::none && b.info[id].place != Place::frozen;
   };
   now_.clear();
   if (b.awake() != 0) {
-    for (std::size_t k = 0; k < c.static_blocks(); ++k) {
-      each_lane(k, closed_bits(c.s_impulse.data() + k * kBlock), [&](std::size_t l) {
-        if (c.s_body[l] >= solved.dummies() || c.s_shape[l] >= kWallLeft) return;
-        const std::uint32_t id = b.id[solved.slot(c.s_body[l])];
-        if (id != kNoSlot && world.tells_of(id)) now_.push_back(key_of(id, world.statics[c.s_shape[l]].owner));
-      });
+    for (std::size_t s = 0; s < world.table.strips.size(); ++s) {
+      for (const StaticPair& pair : world.table.static_contacts[s]) {
+        if (pair.shape >= kWallLeft || !closed(c.s_impulse[pair.contact])) continue;
+        const std::uint32_t id = b.id[pair.body];
+        if (id != kNoSlot && world.tells_of(id)) now_.push_back(key_of(id, world.statics[pair.shape].owner));
+      }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
       for (const std::uint32_t k : manifolds.active_of(s)) {

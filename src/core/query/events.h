@@ -45,7 +45,7 @@ class HitList {
 
  private:
   std::vector<Candidate> candidates_;
-  std::vector<std::vector<Candidate>> found_;  // by task
+  std::vector<std::vector<Candidate>> found_;  // by strip
 };
 
 class EventList {

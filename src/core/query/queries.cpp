@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/rotor.h"
 #include "base/sort_keys.h"
@@ -32,15 +33,8 @@ struct Question {
     const BodyKind& kind = world.bodies.kinds[properties.kind];
     if (kind.sensor && !filter.sensors) return false;
     if ((kind.filter.category & filter.mask) == 0) return false;
-    switch (properties.type) {
-      case BodyType::dynamic_body:
-        return filter.dynamic;
-      case BodyType::kinematic_body:
-        return filter.kinematic;
-      case BodyType::static_body:
-        break;
-    }
-    return filter.fixed;
+    if (properties.type == BodyType::static_body) return filter.fixed;
+    return properties.type == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
   }
 
   // Calls each(part) for the grids that may hold wanted bodies.
@@ -89,9 +83,7 @@ struct Entered {
 
 // The nearest comes first. Ties are broken so that the order depends on neither slots nor grids.
 bool before(const Entered& a, const Entered& b) {
-  if (a.at != b.at) return a.at < b.at;
-  if (a.body != b.body) return a.body < b.body;
-  return a.normal.x != b.normal.x ? a.normal.x < b.normal.x : a.normal.y < b.normal.y;
+  return std::tie(a.at, a.body, a.normal.x, a.normal.y) < std::tie(b.at, b.body, b.normal.x, b.normal.y);
 }
 
 // A ray of `length` metres along u from `from`, in the coordinates of the grids.
@@ -125,7 +117,7 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
       if (miss * miss > r * r) return;
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
-                             : enter(QueryIndex::outline(q.world, part.pieces[item.piece], to), ray.u, limit);
+                             : enter(QueryIndex::outline(q.world, part, item, to), ray.u, limit);
       if (e.at >= 0 && e.at <= limit && q.wants(item.body)) each(Entered{e.at, item.body, e.normal});
     };
     if (ray.length > 0) {
@@ -177,10 +169,9 @@ std::vector<BodyId> Queries::overlap(const Shape& shape, Vec2 position, double a
   std::string error;
   if (!sane(position) || !std::isfinite(angle) || !make_hulls(shape, false, hulls, error)) return {};
   const Question q{index, world, filter};
-  const SineCosine turn = sine_cosine(angle);
   std::vector<std::uint32_t> ids;
   for (const Hull& hull : hulls.parts) {
-    Outline part = outline_of(hull, {turn.cosine, turn.sine}, {});
+    Outline part = outline_of(hull, sine_cosine(angle), {});
     const Box box = box_of(part);
     const Vec2 middle = box.middle();
     for (std::int32_t k = 0; k < part.count; ++k) part.v[k] = part.v[k] - middle;
@@ -214,9 +205,8 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
       const Vec2 to = item.seen_from(at, shift);
       const double r = wide(item.radius), far = reach + r;
       if (dot(to, to) > far * far * (1 + 1e-12)) return;
-      const NearPoint n = item.piece == QueryIndex::kDisc
-                              ? near_point(to, r)
-                              : near_point(QueryIndex::outline(q.world, part.pieces[item.piece], to));
+      const NearPoint n = item.piece == QueryIndex::kDisc ? near_point(to, r)
+                                                          : near_point(QueryIndex::outline(q.world, part, item, to));
       if (n.distance > reach || !q.wants(item.body)) return;
       if (best && n.distance == best->distance) {  // at equal distance the lowest id comes first, then the lowest point
         if (item.body > body) return;

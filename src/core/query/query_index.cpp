@@ -79,16 +79,18 @@ class Filler {
   }
 
   // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
-  void piece(std::uint32_t id, QueryPiece piece, Vec2 at) {
-    const Outline o = QueryIndex::outline(world_, piece, {});
+  void piece(std::uint32_t id, const QueryPiece& piece, Vec2 at) {
+    QueryItem item{at.x, at.y, 0, id, static_cast<std::uint32_t>(part_.pieces.size())};
+    part_.pieces.push_back(piece);
+    const Outline o = QueryIndex::outline(world_, part_, item, {});
     const Vec2 middle = box_of(o).middle();
     double reach = 0;
     for (std::int32_t k = 0; k < o.count; ++k) reach = std::fmax(reach, length_of(o.v[k] - middle));
-    piece.at = -1 * middle;
-    const auto number = static_cast<std::uint32_t>(part_.pieces.size());
-    const auto radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));
-    part_.pieces.push_back(piece);
-    part_.grid.add({at.x + middle.x, at.y + middle.y, radius, id, number});
+    part_.pieces.back().at = -1 * middle;
+    item.x += middle.x;
+    item.y += middle.y;
+    item.radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));
+    part_.grid.add(item);
   }
 
   const Observed& world_;
@@ -97,22 +99,14 @@ class Filler {
 
 }  // namespace
 
-Outline QueryIndex::outline(const Observed& world, const QueryPiece& piece, Vec2 centre) {
+Outline QueryIndex::outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 centre) {
+  if (item.piece == kDisc) return {{centre}, 1, wide(item.radius)};
+  const QueryPiece& piece = part.pieces[item.piece];
   const Vec2 at = centre + piece.at;
-  switch (piece.kind) {
-    case QueryPiece::kHull:
-      return outline_of(world.bodies.hulls[piece.hull], piece.way, at);
-    case QueryPiece::kWholeStatic:
-      return outline_of(world.statics.hull(world.statics[piece.hull]), piece.way, at);
-    case QueryPiece::kSegment:
-      break;
-  }
-  return {{at, at + piece.way}, 2, wide(piece.radius)};
-}
-
-Outline QueryIndex::outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at) {
-  if (item.piece != kDisc) return outline(world, part.pieces[item.piece], at);
-  return {{at}, 1, wide(item.radius)};
+  if (piece.kind == QueryPiece::kSegment) return {{at, at + piece.way}, 2, wide(piece.radius)};
+  const bool moves = piece.kind == QueryPiece::kHull;
+  const Hull& hull = moves ? world.bodies.hulls[piece.hull] : world.statics.hull(world.statics[piece.hull]);
+  return outline_of(hull, {piece.way.y, piece.way.x}, at);
 }
 
 const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {

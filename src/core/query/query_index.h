@@ -43,9 +43,7 @@ class QueryIndex {
   void forget(Who who) { ready_[who].store(false, std::memory_order_relaxed); }
   const Part& part(const Observed& world, Who who) const;
 
-  /// The outline of a piece if the centre of its item lies at `at`.
-  static Outline outline(const Observed& world, const QueryPiece& piece, Vec2 at);
-  /// The outline of an item, which may be a disc.
+  /// The outline of an item if its centre lies at `at`.
   static Outline outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at);
 
   /// Calls each(id) for the bodies with wanted(id) that have a point in common with `shape`, an outline about `at`. Its

@@ -180,10 +180,9 @@ const Snapshot* Publisher::latest() {
   while ((seen & kFresh) != 0) {  // the flag is gone if release() came between
     if (!middle_.compare_exchange_weak(seen, front_, std::memory_order_acq_rel, std::memory_order_relaxed)) continue;
     front_ = seen & 3u;
-    any_ = true;
     break;
   }
-  return any_ ? &frames_[front_] : nullptr;
+  return frames_[front_].frame != 0 ? &frames_[front_] : nullptr;
 }
 
 void Publisher::release() {

@@ -50,7 +50,6 @@ class Publisher {
   unsigned back_ = 0;
   std::atomic<unsigned> middle_{1};
   unsigned front_ = 2;
-  bool any_ = false;
   struct Row {
     float x = 0, y = 0, angle = 0, speed = 0;  // m from the lattice centre, radians, m/s
   };
