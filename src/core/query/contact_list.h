@@ -5,7 +5,6 @@
 // O(contacts); docs/queries-events.md has the times.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,10 +22,8 @@ struct ContactList {
     return of_lists < now.size() ? now[of_lists] : kNoSlot;
   }
   /// The body in slot i lay in origin[i] when the lists were made. An empty origin: no body has moved.
-  void set_moved(const std::vector<std::uint32_t>& origin, std::size_t bodies) {
-    now.clear();
-    if (origin.empty()) return;
-    now.assign(std::max(bodies, origin.size()), kNoSlot);
+  void set_moved(const std::vector<std::uint32_t>& origin) {
+    now.assign(origin.size(), kNoSlot);
     for (std::size_t i = 0; i < origin.size(); ++i) {
       if (origin[i] == kNoSlot) continue;
       if (origin[i] >= now.size()) now.resize(std::size_t{origin[i]} + 1, kNoSlot);

@@ -128,11 +128,7 @@ class ContactWriter {
   /// Appends the contacts of two bodies that lie still, or of one and fixed geometry, with what they carried, if they
   /// still touch.
   void keep(const Touch& touch, std::vector<Contact>& out) const {
-    if (touch.of_fixed()) {
-      keep_fixed(touch, touch.first(), touch.second(), out);
-    } else {
-      keep_pair(touch, touch.first(), touch.second(), out);
-    }
+    touch.of_fixed() ? keep_fixed(touch, out) : keep_pair(touch, out);
   }
 
  private:
@@ -166,7 +162,8 @@ class ContactWriter {
     return {times * wide(touch.impulse[0]), times * wide(touch.friction[0])};
   }
 
-  void keep_pair(const Touch& touch, std::uint32_t a, std::uint32_t b, std::vector<Contact>& out) const {
+  void keep_pair(const Touch& touch, std::vector<Contact>& out) const {
+    const std::uint32_t a = touch.first(), b = touch.second();
     const Still sa = still(a), sb = still(b);
     const double factor = times(touch, sa.hulls == nullptr ? a : b);
     const Vec2 to = world_.lattice.way(sa.at, sb.at);
@@ -188,7 +185,8 @@ class ContactWriter {
     share(touch, best, a, b, sa.at, true, factor, out);
   }
 
-  void keep_fixed(const Touch& touch, std::uint32_t id, std::uint32_t shape, std::vector<Contact>& out) const {
+  void keep_fixed(const Touch& touch, std::vector<Contact>& out) const {
+    const std::uint32_t id = touch.first(), shape = touch.second();
     const Still s = still(id);
     const double factor = times(touch, id);
     if (s.hulls == nullptr) {

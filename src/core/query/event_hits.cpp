@@ -52,8 +52,8 @@ struct Approach {
   const Manifolds& manifolds = world.contacts.manifolds;
 
   // Whether two bodies move against each other fast enough, in any direction.
-  bool fast(const Candidate& c) const {
-    const Vec2 u = b.velocity(c.b.slot) - (c.a.slot == kNoSlot ? Vec2{} : b.velocity(c.a.slot));
+  bool fast(std::uint32_t slot_a, std::uint32_t slot_b) const {
+    const Vec2 u = b.velocity(slot_b) - (slot_a == kNoSlot ? Vec2{} : b.velocity(slot_a));
     return dot(u, u) > least_speed * least_speed;
   }
 
@@ -77,35 +77,24 @@ struct Approach {
 
   void pairs(const Strip& strip, std::vector<Candidate>& out) const {
     for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
-      Candidate c;
-      c.a.slot = table.owner[p];
-      c.b.slot = table.other[p];
-      if (!fast(c)) continue;
-      const std::uint32_t lane = table.contact[p];
-      c.a.id = b.id[c.a.slot];
-      c.b.id = b.id[c.b.slot];
-      c.impulses = &discs.impulse;
-      c.at = lane;
-      c.normal = {wide(discs.nx[lane]), wide(discs.ny[lane])};
+      const std::uint32_t i = table.owner[p], j = table.other[p], lane = table.contact[p];
+      if (!fast(i, j)) continue;
+      const Vec2 normal{wide(discs.nx[lane]), wide(discs.ny[lane])};
       const double reach = wide(discs.rsum[lane]);
-      consider(c, {(reach + wide(discs.gap[lane])) * c.normal, reach, 0, -wide(b.radius[c.b.slot])}, out);
+      consider({{i, b.id[i]}, {j, b.id[j]}, &discs.impulse, lane, normal},
+               {(reach + wide(discs.gap[lane])) * normal, reach, 0, -wide(b.radius[j])}, out);
     }
   }
 
   void statics(const std::vector<StaticPair>& pairs, std::vector<Candidate>& out) const {
-    for (const StaticPair& pair : pairs) {
-      Candidate c;
-      c.b.slot = pair.body;
-      if (!fast(c)) continue;
-      const std::uint32_t lane = pair.contact;
-      if (pair.shape < kWallLeft) c.a.id = world.statics[pair.shape].owner;
-      c.b.id = b.id[pair.body];
-      c.impulses = &discs.s_impulse;
-      c.at = lane;
-      c.normal = {wide(discs.s_nx[lane]), wide(discs.s_ny[lane])};
-      const bool round = discs.s_refresh[lane] < 1e30f;
+    for (const auto& [i, shape, lane] : pairs) {
+      if (!fast(kNoSlot, i)) continue;
+      const std::uint32_t owner = shape < kWallLeft ? world.statics[shape].owner : kNoSlot;
+      const Vec2 normal{wide(discs.s_nx[lane]), wide(discs.s_ny[lane])};
       const Vec2 d{wide(discs.s_base_x[lane]), wide(discs.s_base_y[lane])};
-      consider(c, {d, round ? wide(discs.s_rsum[lane]) : 0, wide(discs.s_gap[lane]), -wide(b.radius[pair.body])}, out);
+      const bool round = discs.s_refresh[lane] < 1e30f;
+      consider({{kNoSlot, owner}, {i, b.id[i]}, &discs.s_impulse, lane, normal},
+               {d, round ? wide(discs.s_rsum[lane]) : 0, wide(discs.s_gap[lane]), -wide(b.radius[i])}, out);
     }
   }
 
@@ -114,14 +103,13 @@ struct Approach {
     for (std::uint32_t k = 0; k < manifolds.pairs().size(); ++k) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       if (pair.lane == PairName::kNone) continue;
+      const Vec2 normal{wide(pair.manifold.nx), wide(pair.manifold.ny)};
       for (int corner = 0; corner < pair.manifold.count; ++corner) {
         const ManifoldPoint& p = pair.manifold.point[corner];
-        Candidate c;
-        c.a = {pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}};
-        c.b = {pair.b, pair.id_b, {wide(p.bx), wide(p.by)}};
-        c.at = k;
-        c.normal = {wide(pair.manifold.nx), wide(pair.manifold.ny)};
-        consider(c, {{}, 0, wide(pair.gap[corner]), pair.ahead ? 0 : wide(p.gap) / 2}, out);
+        const Candidate::Side first{pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}};
+        const Candidate::Side second{pair.b, pair.id_b, {wide(p.bx), wide(p.by)}};
+        consider({first, second, nullptr, k, normal}, {{}, 0, wide(pair.gap[corner]), pair.ahead ? 0 : wide(p.gap) / 2},
+                 out);
       }
     }
   }
@@ -150,11 +138,9 @@ void HitList::collect(const Observed& world) {
   const Manifolds& manifolds = world.contacts.manifolds;
   const auto there = [&](const Candidate::Side& side) { return side.slot == kNoSlot || b.id[side.slot] == side.id; };
   const auto answered = [&](const Candidate& c) {
-    if (c.impulses != nullptr ? closed((*c.impulses)[c.at])
-                              : manifolds.closed(manifolds.strip_of(c.at), manifolds.pairs()[c.at])) {
-      return true;
-    }
-    return c.meets && dot(c.normal, closing(b, c)) >= (kAnswered - 1) * c.speed;
+    const bool touches = c.impulses != nullptr ? closed((*c.impulses)[c.at])
+                                               : manifolds.closed(manifolds.strip_of(c.at), manifolds.pairs()[c.at]);
+    return touches || (c.meets && dot(c.normal, closing(b, c)) >= (kAnswered - 1) * c.speed);
   };
   std::erase_if(candidates_, [&](const Candidate& c) {  // some bodies left in this step
     return !there(c.a) || !there(c.b) || !answered(c);

@@ -32,15 +32,15 @@ class HitList {
     struct Side {
       std::uint32_t slot = kNoSlot;  // kNoSlot: fixed
       std::uint32_t id = kNoSlot;    // kNoSlot: a wall
-      Vec2 arm;                      // m: of a manifold, from the centre to the point
+      Vec2 arm{};                    // m: of a manifold, from the centre to the point
     };
     Side a, b;
     const Column<float>* impulses = nullptr;  // of the lanes of discs; null: a manifold
     std::uint32_t at = 0;                     // the lane; of a manifold the number of its pair
+    Vec2 normal{};                            // from a to b
     bool meets = false;                       // the bodies meet within the step if they keep their velocities
-    Vec2 normal;                              // from a to b
     double speed = 0;                         // m/s, of approach
-    Vec2 point;                               // m
+    Vec2 point{};                             // m
   };
 
  private:

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <concepts>
 #include <mutex>
 #include <vector>
 
@@ -40,7 +41,7 @@ class QueryIndex {
   enum Who : std::uint8_t { kMoving, kSleeping, kFixed };
 
   /// They moved, came or went, fell asleep or woke.
-  void forget(Who who) { ready_[who].store(false, std::memory_order_relaxed); }
+  void forget(std::same_as<Who> auto... who) { (ready_[who].store(false, std::memory_order_relaxed), ...); }
   const Part& part(const Observed& world, Who who) const;
 
   /// The outline of an item if its centre lies at `at`.

@@ -66,20 +66,16 @@ Diagnostics sum_motion(const Observed& world) {
     if (info.place != Place::moving && info.place != Place::asleep) continue;
     const BodyProperties& properties = b.property_table[info.properties];
     if (properties.type != BodyType::dynamic_body) continue;
-    BodyState s = world.state_of(id);
-    const Vec2 arm = arm_of(b.kinds[properties.kind], s.angle);
-    s.x += arm.x;
-    s.y += arm.y;
-    const double m = static_cast<double>(properties.mass);
-    const double gain = static_cast<double>(properties.rim_gain);
-    const double u = s.omega * s.radius;
-    d.kinetic += m * (s.vx * s.vx + s.vy * s.vy) / 2 + (gain > 0 ? u * u / gain / 2 : 0);
-    const double scale = static_cast<double>(properties.gravity_scale);
-    d.potential -= m * scale * (world.desc.gravity.x * s.x + world.desc.gravity.y * s.y);
-    d.potential += m * scale * wells.potential({s.x, s.y});
-    d.momentum_x += m * s.vx;
-    d.momentum_y += m * s.vy;
-    d.angular_momentum += m * (s.x * s.vy - s.y * s.vx) + (gain > 0 ? s.omega * s.radius * s.radius / gain : 0);
+    const BodyState s = world.state_of(id);
+    const Vec2 at = Vec2{s.x, s.y} + arm_of(b.kinds[properties.kind], s.angle), v{s.vx, s.vy};
+    const double m = wide(properties.mass), gain = wide(properties.rim_gain), u = s.omega * s.radius;
+    const double weight = m * wide(properties.gravity_scale);
+    d.kinetic += m * dot(v, v) / 2 + (gain > 0 ? u * u / gain / 2 : 0);
+    d.potential -= weight * dot(world.desc.gravity, at);
+    d.potential += weight * wells.potential(at);
+    d.momentum_x += m * v.x;
+    d.momentum_y += m * v.y;
+    d.angular_momentum += m * cross(at, v) + (gain > 0 ? s.omega * s.radius * s.radius / gain : 0);
   }
   return d;
 }

@@ -90,7 +90,7 @@ class World::Impl::StateKeeper {
     lists_.broad.set_origin(origin_);
     w_.contacts.bare = true;
     w_.placed = true;
-    w_.observers.forget_all();
+    w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
     if (lasting()) {
       remake_lists(loader);
     } else {

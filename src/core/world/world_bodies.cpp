@@ -52,7 +52,7 @@ void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
 bool World::Impl::note_sleep(bool changed) {
   if (!changed) return false;
   spoil_lists();
-  observers.forget_sleep();
+  observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping);
   if (population.bodies.count == 0) contacts.impulses_valid = false;
   return true;
 }

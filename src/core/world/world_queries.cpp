@@ -64,7 +64,7 @@ Diagnostics World::diagnostics() const {
 void World::Impl::find_moved() {
   std::vector<std::uint32_t> origin;
   if (step_work.progress.sorted() || neighbours.broad.has_moved_on()) neighbours.broad.copy_origin(origin);
-  observers.contacts.set_moved(origin, population.bodies.count);
+  observers.contacts.set_moved(origin);
 }
 
 std::span<const std::uint32_t> World::strips() {
