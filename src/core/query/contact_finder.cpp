@@ -78,9 +78,7 @@ class StripColours {
 class ContactFinder {
  public:
   ContactFinder(const Observed& world, const LastStep& last, ContactList& list)
-      : world_(world), last_(last), list_(list) {
-    if (world.contacts.impulses_valid && bodies_.count != 0 && table_.body_count != 0) strips_ = table_.strips.size();
-  }
+      : world_(world), last_(last), list_(list) {}
 
   /// The contacts, in order.
   std::span<const Contact> find() {
@@ -288,7 +286,8 @@ class ContactFinder {
   ContactList& list_;
   const ContactWriter writer_{world_};
   const bool rough_ = contacts_.rough();
-  std::size_t strips_ = 0;  // whose lists hold
+  const bool valid_ = world_.contacts.impulses_valid && bodies_.count != 0 && table_.body_count != 0;
+  const std::size_t strips_ = valid_ ? table_.strips.size() : 0;  // that have contacts
 };
 
 }  // namespace

@@ -60,18 +60,11 @@ class ContactWriter {
   /// How a disc meets a fixed shape. The normal points towards the disc; `normal` is the one that the contact had.
   Meeting fixed(const LatticePoint& at, double r, std::uint32_t shape, Vec2 normal) const {
     const Lattice& lattice = world_.lattice;
-    const Vec2 above = lattice.way(world_.walls.low, at), below = lattice.way(world_.walls.high, at);
-    switch (shape) {
-      case kWallLeft:
-        return {{1, 0}, above.x - r};
-      case kWallRight:
-        return {{-1, 0}, -below.x - r};
-      case kWallBottom:
-        return {{0, 1}, above.y - r};
-      case kWallTop:
-        return {{0, -1}, -below.y - r};
-      default:
-        break;
+    if (shape >= kWallLeft) {
+      const Vec2 low = lattice.way(world_.walls.low, at), high = lattice.way(world_.walls.high, at);
+      const Meeting walls[] = {
+          {{1, 0}, low.x - r}, {{-1, 0}, -high.x - r}, {{0, 1}, low.y - r}, {{0, -1}, -high.y - r}};
+      return walls[shape - kWallLeft];
     }
     const StaticShape& s = statics_[shape];
     const Vec2 a = lattice.way(s.p, at);

@@ -169,6 +169,4 @@ void HitList::collect(const Observed& world) {
   candidates_.clear();
 }
 
-std::size_t HitList::bytes() const { return capacity_bytes(candidates_, hits); }
-
 }  // namespace psim

@@ -72,11 +72,6 @@ void EventList::clear() {
   hits_.hits.clear();
 }
 
-void EventList::body_left(BodyId id, bool same) {
-  left_ = true;
-  if (!same) removed_.push_back(id);
-}
-
 // Pairs of removed bodies have ended, even if other bodies have their ids now.
 void EventList::retire(Keys& known) {
   if (removed_.empty()) return;
@@ -251,7 +246,7 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
         return b.info[other].place != Place::frozen && !theirs.sensor && meet(kind.filter, theirs.filter);
       };
       for (const QueryIndex::Part* in : {&moving, &sleeping}) {
-        QueryIndex::each_overlap(world, *in, mine, {item.x, item.y}, {reach, reach}, felt,
+        QueryIndex::each_overlap(world, *in, mine, item.at, {reach, reach}, felt,
                                  [&](std::uint32_t other) { now_.push_back(std::uint64_t{item.body} << 32 | other); });
       }
     };

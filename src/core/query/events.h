@@ -20,14 +20,6 @@ namespace psim {
 /// Contacts whose bodies approach fast before the solver, and those of them that an impulse answers (event_hits.cpp).
 class HitList {
  public:
-  /// Notes the contacts whose bodies come near faster than least_speed, m/s, in a step of dt seconds.
-  void approach(const Observed& world, double least_speed, double dt);
-  /// Keeps the contacts that were answered: each pair once, at the highest speed.
-  void collect(const Observed& world);
-
-  std::vector<HitEvent> hits;
-  std::size_t bytes() const;
-
   struct Candidate {
     struct Side {
       std::uint32_t slot = kNoSlot;  // kNoSlot: fixed
@@ -43,6 +35,14 @@ class HitList {
     Vec2 point{};                             // m
   };
 
+  /// Notes the contacts whose bodies come near faster than least_speed, m/s, in a step of dt seconds.
+  void approach(const Observed& world, double least_speed, double dt);
+  /// Keeps the contacts that were answered: each pair once, at the highest speed.
+  void collect(const Observed& world);
+
+  std::vector<HitEvent> hits;
+  std::size_t bytes() const { return capacity_bytes(candidates_, hits); }
+
  private:
   std::vector<Candidate> candidates_;
   std::vector<std::vector<Candidate>> found_;  // by strip
@@ -57,7 +57,10 @@ class EventList {
   bool on() const { return options_.contacts || options_.hits || options_.sensors; }
 
   /// A body was removed, or frozen, which leaves its id valid (`same`).
-  void body_left(BodyId id, bool same);
+  void body_left(BodyId id, bool same) {
+    left_ = true;
+    if (!same) removed_.push_back(id);
+  }
 
   /// Before the solver: notes which contacts may become hits. O(contacts), if the host asks for hits.
   void approach(const Observed& world, double dt) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 
 #include "base/worker_pool.h"
 #include "bodies/population.h"
@@ -52,11 +53,7 @@ struct Observed {
   BodyId handle(std::uint32_t id) const { return id == kNoSlot ? kNoBody : BodyId{id, bodies.info[id].generation}; }
   BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
   /// The centre and the angle, rad, of a body that moves or sleeps.
-  struct Stand {
-    LatticePoint at;
-    double angle = 0;
-  };
-  Stand stand(std::uint32_t id) const {
+  std::pair<LatticePoint, double> stand(std::uint32_t id) const {
     const BodyInfo& info = bodies.info[id];
     if (info.place != Place::asleep) return {bodies.point(info.slot), bodies.angle_of(info.slot)};
     const Sleeper& sleeper = sleep.sleepers.list[info.slot];

@@ -16,12 +16,6 @@ constexpr double kLargest = 1e100;  // m: larger numbers count as infinite
 bool sane(double v) { return std::fabs(v) <= kLargest; }
 bool sane(Vec2 p) { return sane(p.x) && sane(p.y); }
 
-double nearest_copy(double at, double period) {
-  if (!(period > 0)) return at;
-  const double near = at - period * std::floor(at / period + 0.5);
-  return std::fabs(near) <= period ? near : std::remainder(at, period);  // far away the product is rounded
-}
-
 struct Question {
   const QueryIndex& index;
   const Observed& world;
@@ -48,11 +42,8 @@ struct Question {
     if (filter.dynamic && !world.sleep.sleepers.empty()) each(index.part(world, QueryIndex::kSleeping));
   }
 
-  // A point in the coordinates of the grids. In a periodic world it is the copy nearest to the middle.
-  Vec2 place(Vec2 p) const {
-    const Vec2 far = p - world.lattice.centre();
-    return {nearest_copy(far.x, period.x), nearest_copy(far.y, period.y)};
-  }
+  // A point in the coordinates of the grids.
+  Vec2 place(Vec2 p) const { return nearest_copy(p - world.lattice.centre(), period); }
 
   // Appends the bodies that meet an outline about `middle`. Its box has half the width and height `half`.
   void gather(const Outline& shape, Vec2 middle, Vec2 half, std::vector<std::uint32_t>& ids) const {
@@ -74,16 +65,16 @@ struct Question {
   }
 };
 
-// Where a ray enters a body.
-struct Entered {
-  double at = 0;  // m
+// A body that is met.
+struct Met {
+  double at = 0;  // m: how far away
   std::uint32_t body = 0;
-  Vec2 normal;
+  Vec2 where;  // the normal where a ray enters; or the point that is nearest
 };
 
 // The nearest comes first. Ties are broken so that the order depends on neither slots nor grids.
-bool before(const Entered& a, const Entered& b) {
-  return std::tie(a.at, a.body, a.normal.x, a.normal.y) < std::tie(b.at, b.body, b.normal.x, b.normal.y);
+bool before(const Met& a, const Met& b) {
+  return std::tie(a.at, a.body, a.where.x, a.where.y) < std::tie(b.at, b.body, b.where.x, b.where.y);
 }
 
 // A ray of `length` metres along u from `from`, in the coordinates of the grids.
@@ -99,15 +90,15 @@ struct Ray {
     if (period.y > 0 && u.y != 0) length = std::fmin(length, period.y / std::fabs(u.y));
   }
 
-  RayHit answer(const Question& q, Vec2 p, const Entered& e) const {
-    return {q.world.handle(e.body), p + e.at * u, e.normal, whole > 0 ? e.at / whole : 0};
+  RayHit answer(const Question& q, Vec2 p, const Met& e) const {
+    return {q.world.handle(e.body), p + e.at * u, e.where, whole > 0 ? e.at / whole : 0};
   }
 
   Vec2 from, u;
   double length = 0, whole = 0;  // m: how far the ray is followed, and how far the host asked
 };
 
-// Calls each(entered) for the pieces that a ray enters within `limit`, which `each` may lower.
+// Calls each(met) for the pieces that a ray enters within `limit`, which `each` may lower.
 template <class Each>
 void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
   q.parts([&](const QueryIndex::Part& part) {
@@ -118,7 +109,7 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
                              : enter(QueryIndex::outline(q.world, part, item, to), ray.u, limit);
-      if (e.at >= 0 && e.at <= limit && q.wants(item.body)) each(Entered{e.at, item.body, e.normal});
+      if (e.at >= 0 && e.at <= limit && q.wants(item.body)) each(Met{e.at, item.body, e.normal});
     };
     if (ray.length > 0) {
       part.grid.along(ray.from, ray.u, limit, meet);
@@ -134,9 +125,9 @@ std::optional<RayHit> Queries::ray_cast(Vec2 from, Vec2 to, const QueryFilter& f
   if (!sane(from) || !sane(to)) return {};
   const Question q{index, world, filter};
   const Ray ray(q, from, to);
-  std::optional<Entered> best;
+  std::optional<Met> best;
   double limit = ray.length;
-  cast(q, ray, limit, [&](const Entered& e) {
+  cast(q, ray, limit, [&](const Met& e) {
     if (best && !before(e, *best)) return;
     best = e;
     limit = e.at;
@@ -149,18 +140,18 @@ std::vector<RayHit> Queries::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter&
   if (!sane(from) || !sane(to)) return {};
   const Question q{index, world, filter};
   const Ray ray(q, from, to);
-  std::vector<Entered> all;
+  std::vector<Met> all;
   double limit = ray.length;
-  cast(q, ray, limit, [&](const Entered& e) { all.push_back(e); });
+  cast(q, ray, limit, [&](const Met& e) { all.push_back(e); });
   // Of all pieces and copies of a body the first counts. Total order, here and below: before() compares all members.
   std::sort(all.begin(), all.end(),
-            [](const Entered& a, const Entered& b) { return a.body != b.body ? a.body < b.body : before(a, b); });
-  const auto same = [](const Entered& a, const Entered& b) { return a.body == b.body; };
+            [](const Met& a, const Met& b) { return a.body != b.body ? a.body < b.body : before(a, b); });
+  const auto same = [](const Met& a, const Met& b) { return a.body == b.body; };
   all.erase(std::unique(all.begin(), all.end(), same), all.end());
   std::sort(all.begin(), all.end(), before);  // Total order: as above.
   std::vector<RayHit> out;
   out.reserve(all.size());
-  for (const Entered& e : all) out.push_back(ray.answer(q, from, e));
+  for (const Met& e : all) out.push_back(ray.answer(q, from, e));
   return out;
 }
 
@@ -169,12 +160,12 @@ std::vector<BodyId> Queries::overlap(const Shape& shape, Vec2 position, double a
   std::string error;
   if (!sane(position) || !std::isfinite(angle) || !make_hulls(shape, false, hulls, error)) return {};
   const Question q{index, world, filter};
+  const SineCosine turn = sine_cosine(angle);
   std::vector<std::uint32_t> ids;
   for (const Hull& hull : hulls.parts) {
-    Outline part = outline_of(hull, sine_cosine(angle), {});
-    const Box box = box_of(part);
+    const Box box = box_of(outline_of(hull, turn, {}));
     const Vec2 middle = box.middle();
-    for (std::int32_t k = 0; k < part.count; ++k) part.v[k] = part.v[k] - middle;
+    const Outline part = outline_of(hull, turn, -1 * middle);
     q.gather(part, position + middle, box.high - middle + Vec2{part.radius, part.radius}, ids);
   }
   return q.answer(std::move(ids));
@@ -198,8 +189,7 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
   if (!sane(point) || !sane(reach) || !(reach >= 0)) return {};
   const Question q{index, world, filter};
   const Vec2 at = q.place(point);
-  std::optional<NearPoint> best;
-  std::uint32_t body = 0;
+  std::optional<Met> best;
   q.parts([&](const QueryIndex::Part& part) {
     part.grid.around(at, reach, [&](const QueryItem& item, Vec2 shift) {
       const Vec2 to = item.seen_from(at, shift);
@@ -207,19 +197,14 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
       if (dot(to, to) > far * far * (1 + 1e-12)) return;
       const NearPoint n = item.piece == QueryIndex::kDisc ? near_point(to, r)
                                                           : near_point(QueryIndex::outline(q.world, part, item, to));
-      if (n.distance > reach || !q.wants(item.body)) return;
-      if (best && n.distance == best->distance) {  // at equal distance the lowest id comes first, then the lowest point
-        if (item.body > body) return;
-        const Vec2 p = n.point, o = best->point;
-        if (item.body == body && (p.x != o.x ? p.x > o.x : p.y >= o.y)) return;
-      }
-      best = n;
-      body = item.body;
-      reach = n.distance;
+      const Met met{n.distance, item.body, n.point};
+      if (met.at > reach || !q.wants(met.body) || (best && !before(met, *best))) return;
+      best = met;
+      reach = met.at;
     });
   });
   if (!best) return {};
-  return ClosestHit{world.handle(body), point + best->point, best->distance};
+  return ClosestHit{world.handle(best->body), point + best->where, best->at};
 }
 
 }  // namespace psim

@@ -19,6 +19,15 @@ bool by_class(const QueryItem& a, const QueryItem& b) { return size_class(a) < s
 
 }  // namespace
 
+Vec2 nearest_copy(Vec2 at, Vec2 period) {
+  const auto nearest = [](double x, double width) {
+    if (!(width > 0)) return x;
+    const double near = x - width * std::floor(x / width + 0.5);
+    return std::fabs(near) <= width ? near : std::remainder(x, width);  // far away the product is rounded
+  };
+  return {nearest(at.x, period.x), nearest(at.y, period.y)};
+}
+
 void QueryGrid::begin(Vec2 period, std::size_t room) {
   period_ = period;
   items_.clear();
@@ -26,8 +35,7 @@ void QueryGrid::begin(Vec2 period, std::size_t room) {
 }
 
 void QueryGrid::add(QueryItem item) {
-  if (period_.x > 0) item.x -= period_.x * std::floor(item.x / period_.x + 0.5);
-  if (period_.y > 0) item.y -= period_.y * std::floor(item.y / period_.y + 0.5);
+  item.at = nearest_copy(item.at, period_);
   items_.push_back(item);
 }
 
@@ -36,17 +44,19 @@ void QueryGrid::add(QueryItem item) {
 void QueryGrid::choose(Level& g, std::span<const QueryItem> members) {
   const double n = static_cast<double>(members.size());
   for (const QueryItem& item : members) g.most = std::max(g.most, static_cast<double>(item.radius));
-  const auto bound = [&](Axis& axis, double QueryItem::*at, double period) {  // returns the size of the box
-    axis.period = period;
-    axis.low = -period / 2;
-    if (period > 0) return period;
+  const auto bound = [&](Axis& axis, double Vec2::*along) {  // returns the size of the box
+    axis.period = period_.*along;
+    axis.low = -axis.period / 2;
+    if (!axis.ends()) return axis.period;
     double low = 1e300, high = -1e300;
     for (const QueryItem& item : members) {
-      low = std::min(low, item.*at);
-      high = std::max(high, item.*at);
+      low = std::min(low, item.at.*along);
+      high = std::max(high, item.at.*along);
     }
     sample_.clear();
-    for (std::size_t k = 0; k < members.size(); k += members.size() / kSample + 1) sample_.push_back(members[k].*at);
+    for (std::size_t k = 0; k < members.size(); k += members.size() / kSample + 1) {
+      sample_.push_back(members[k].at.*along);
+    }
     // Total order: equal numbers are alike.
     std::sort(sample_.begin(), sample_.end());
     const std::size_t few = sample_.size() / 64;
@@ -55,7 +65,7 @@ void QueryGrid::choose(Level& g, std::span<const QueryItem> members) {
     axis.low = std::fmax(low, inner_low - margin);
     return std::fmin(high, inner_high + margin) - axis.low;
   };
-  const double width = bound(g.x, &QueryItem::x, period_.x), height = bound(g.y, &QueryItem::y, period_.y);
+  const double width = bound(g.x, &Vec2::x), height = bound(g.y, &Vec2::y);
   double edge = std::fmax(2 * g.most, std::sqrt(width * height / n));
   edge = std::fmax(edge, std::fmax(width, height) / (4 * n + 16));
   const auto cut = [&](Axis& axis, double size) {
@@ -86,7 +96,7 @@ void QueryGrid::build() {
     choose(g, std::span(items_).subspan(begin, end - begin));
     g.first = cells;
     for (std::size_t k = begin; k < end; ++k) {
-      const std::int64_t at = g.y.cell(items_[k].y) * g.x.count + g.x.cell(items_[k].x);
+      const std::int64_t at = g.y.cell(items_[k].at.y) * g.x.count + g.x.cell(items_[k].at.x);
       key_[k] = static_cast<std::uint32_t>(cells + static_cast<std::size_t>(at));
     }
     cells += static_cast<std::size_t>(g.x.count * g.y.count);

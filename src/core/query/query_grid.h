@@ -13,20 +13,23 @@
 #include <span>
 #include <vector>
 
-#include "psim/types.h"
+#include "base/rotor.h"
 
 namespace psim {
 
 /// An item. Coordinates are metres from the centre of the lattice.
 struct QueryItem {
-  double x = 0, y = 0;
-  float radius = 0;         ///< m: no part of the item is further from (x, y)
+  Vec2 at;
+  float radius = 0;         ///< m: no part of the item is further from its place
   std::uint32_t body = 0;   ///< id
   std::uint32_t piece = 0;  ///< the owner's number for it
 
   /// From a point to the centre of a copy of the item.
-  Vec2 seen_from(Vec2 at, Vec2 shift) const { return {x + shift.x - at.x, y + shift.y - at.y}; }
+  Vec2 seen_from(Vec2 point, Vec2 shift) const { return at + shift - point; }
 };
+
+/// In a periodic world: the copy of a point that is nearest to the middle.
+Vec2 nearest_copy(Vec2 at, Vec2 period);
 
 class QueryGrid {
  public:

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "base/rotor.h"
-
 namespace psim {
 namespace {
 
@@ -56,7 +54,7 @@ class Filler {
     part_.pieces.clear();
   }
 
-  void disc(std::uint32_t id, Vec2 at, float radius) { part_.grid.add({at.x, at.y, radius, id, QueryIndex::kDisc}); }
+  void disc(std::uint32_t id, Vec2 at, float radius) { part_.grid.add({at, radius, id, QueryIndex::kDisc}); }
 
   // Adds a body about its centre.
   void body(std::uint32_t id, Vec2 at, double angle) {
@@ -80,15 +78,14 @@ class Filler {
 
   // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
   void piece(std::uint32_t id, const QueryPiece& piece, Vec2 at) {
-    QueryItem item{at.x, at.y, 0, id, static_cast<std::uint32_t>(part_.pieces.size())};
+    QueryItem item{at, 0, id, static_cast<std::uint32_t>(part_.pieces.size())};
     part_.pieces.push_back(piece);
     const Outline o = QueryIndex::outline(world_, part_, item, {});
     const Vec2 middle = box_of(o).middle();
     double reach = 0;
     for (std::int32_t k = 0; k < o.count; ++k) reach = std::fmax(reach, length_of(o.v[k] - middle));
     part_.pieces.back().at = -1 * middle;
-    item.x += middle.x;
-    item.y += middle.y;
+    item.at = at + middle;
     item.radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));
     part_.grid.add(item);
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "solver/forces.h"
@@ -26,7 +25,7 @@ std::uint64_t bits(double v) { return std::bit_cast<std::uint64_t>(v + 0.0); }
 std::uint64_t pair(std::uint64_t low, std::uint64_t high) { return low | high << 32; }
 
 // The place before, moved to the side of a periodic seam on which `now` is: a body that crosses the seam does not fly
-// back through the world between two frames. The period of a world without seams is infinite.
+// back through the world between two frames. The period of a world without seams is 0.
 float near_to(float now, float before, float period) {
   if (now - before > period / 2) return before + period;
   if (before - now > period / 2) return before - period;
@@ -149,9 +148,7 @@ void Publisher::publish(const Observed& world, std::uint64_t frame) {
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     if (b.info[id].place != Place::none) s.id[row++] = id;
   }
-  const float far = std::numeric_limits<float>::infinity();
-  const auto period_x = world.lattice.wraps() ? static_cast<float>(world.lattice.pitch_x() * 0x1p32) : far;
-  const auto period_y = world.lattice.wraps() ? static_cast<float>(world.lattice.pitch_y() * 0x1p32) : far;
+  const auto period_x = static_cast<float>(world.period().x), period_y = static_cast<float>(world.period().y);
   constexpr std::size_t kRows = 8192;
   world.pool.run((n + kRows - 1) / kRows, [&](std::size_t task) {
     for (std::size_t r = task * kRows; r < std::min(n, (task + 1) * kRows); ++r) {
