@@ -100,12 +100,6 @@ class ContactFinder {
 
   bool counts(float impulse) const { return last_.begun ? impulse > 0 : closed(impulse); }
 
-  // What a lane carried in the last step, N s.
-  ContactWriter::Load load(double mass, float impulse, float friction) const {
-    const double times = last_.substeps * mass;
-    return {times * wide(impulse), times * wide(friction)};
-  }
-
   void put(std::size_t strip, Contact contact, std::uint32_t colour) {
     if (!last_.begun) {
       contact.strip = static_cast<std::uint32_t>(strip);
@@ -141,7 +135,7 @@ class ContactFinder {
       put(strip,
           writer_.of_disc(bodies_.id[i], bodies_.id[j], at, r,
                           ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal),
-                          load(last_.disc_mass, contacts_.impulse[lane], rough_ ? contacts_.friction[lane] : 0)),
+                          ContactWriter::load(times_, contacts_.impulse[lane], rough_ ? contacts_.friction[lane] : 0)),
           colours.of_pair(p));
     }
   }
@@ -159,8 +153,9 @@ class ContactFinder {
       const double r = wide(bodies_.radius[slot]);
       const Vec2 normal{wide(contacts_.s_nx[lane]), wide(contacts_.s_ny[lane])};
       put(strip,
-          writer_.of_disc(writer_.owner(pair.shape), id, at, -r, writer_.fixed(at, r, pair.shape, normal),
-                          load(last_.disc_mass, contacts_.s_impulse[lane], rough_ ? contacts_.s_friction[lane] : 0)),
+          writer_.of_disc(
+              writer_.owner(pair.shape), id, at, -r, writer_.fixed(at, r, pair.shape, normal),
+              ContactWriter::load(times_, contacts_.s_impulse[lane], rough_ ? contacts_.s_friction[lane] : 0)),
           colours.of_static(table_.strips[strip], pair, sequence));
     }
   }
@@ -187,7 +182,8 @@ class ContactFinder {
       if (laid ? !closed(impulse) : !(impulse > 0)) continue;
       Vec2 point;
       const ContactWriter::Meeting m = writer_.manifold(pair, list_.slot(pair.a), list_.slot(pair.b), k, point);
-      put(strip, writer_.contact(pair.id_a, pair.id_b, point, m, load(1, impulse, friction)),
+      put(strip,
+          writer_.contact(pair.id_a, pair.id_b, point, m, ContactWriter::load(last_.substeps, impulse, friction)),
           colours.of_manifold(pair));
     }
   }
@@ -286,6 +282,7 @@ class ContactFinder {
   ContactList& list_;
   const ContactWriter writer_{world_};
   const bool rough_ = contacts_.rough();
+  const double times_ = last_.substeps * last_.disc_mass;  // turns the impulses of discs into N s
   const bool valid_ = world_.contacts.impulses_valid && bodies_.count != 0 && table_.body_count != 0;
   const std::size_t strips_ = valid_ ? table_.strips.size() : 0;  // that have contacts
 };

@@ -22,10 +22,13 @@ class ContactWriter {
     double gap = 0;
   };
 
-  /// What a contact carried, N s.
+  /// What a contact carried, N s. `times` turns the impulses of a lane or a touch into N s.
   struct Load {
     double impulse = 0, friction = 0;
   };
+  static Load load(double times, float impulse, float friction) {
+    return {times * wide(impulse), times * wide(friction)};
+  }
 
   explicit ContactWriter(const Observed& world) : world_(world) {}
 
@@ -151,9 +154,6 @@ class ContactWriter {
   double times(const Touch& touch, std::uint32_t disc) const {
     return world_.desc.substeps * wide(touch.times(false, b_.properties(disc).mass));
   }
-  static Load load(const Touch& touch, double times) {
-    return {times * wide(touch.impulse[0]), times * wide(touch.friction[0])};
-  }
 
   void keep_pair(const Touch& touch, std::vector<Contact>& out) const {
     const std::uint32_t a = touch.first(), b = touch.second();
@@ -163,7 +163,8 @@ class ContactWriter {
     const double margin = std::fmin(sa.margin, sb.margin);
     if (sa.hulls == nullptr && sb.hulls == nullptr) {
       const Meeting m = discs(to, sa.radius + sb.radius, {0, 1});
-      if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, load(touch, factor)));
+      const Load carried = load(factor, touch.impulse[0], touch.friction[0]);
+      if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, carried));
       return;
     }
     Manifold best;
@@ -184,7 +185,8 @@ class ContactWriter {
     const double factor = times(touch, id);
     if (s.hulls == nullptr) {
       const Meeting m = fixed(s.at, s.radius, shape, {});
-      if (m.gap <= s.margin) out.push_back(of_disc(owner(shape), id, s.at, -s.radius, m, load(touch, factor)));
+      const Load carried = load(factor, touch.impulse[0], touch.friction[0]);
+      if (m.gap <= s.margin) out.push_back(of_disc(owner(shape), id, s.at, -s.radius, m, carried));
       return;
     }
     const auto margin = static_cast<float>(s.margin);
@@ -217,8 +219,8 @@ class ContactWriter {
       }
       const ManifoldPoint& p = m.point[k];
       const Vec2 arm{wide(of_a ? p.ax : p.bx), wide(of_a ? p.ay : p.by)};
-      out.push_back(contact(a, b, centre + arm, {{wide(m.nx), wide(m.ny)}, wide(p.gap)},
-                            {times * wide(impulse), times * wide(friction)}));
+      out.push_back(
+          contact(a, b, centre + arm, {{wide(m.nx), wide(m.ny)}, wide(p.gap)}, load(times, impulse, friction)));
     }
   }
 

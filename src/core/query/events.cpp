@@ -6,7 +6,6 @@
 #include <iterator>
 
 #include "base/sort_keys.h"
-#include "base/tasks.h"
 
 namespace psim {
 namespace {
@@ -16,9 +15,6 @@ using Keys = std::vector<std::uint64_t>;
 
 constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
 
-std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
-  return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
-}
 std::uint32_t first_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
 std::uint32_t second_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
@@ -155,7 +151,7 @@ void EventList::renew_lanes(const Observed& world, std::uint32_t blocks) {
     for (std::uint32_t p = table.strips[strip].pair_begin; p < table.strips[strip].pair_end; ++p) {
       const std::uint32_t i = b.id[table.owner[p]], j = b.id[table.other[p]];
       if (i == kNoSlot || j == kNoSlot) continue;  // a body left in this step
-      if (world.tells_of(i, j)) lane_key_[table.contact[p]] = key_of(i, j);
+      if (world.tells_of(i, j)) lane_key_[table.contact[p]] = TouchKey::bodies(i, j);
     }
   });
   now_.clear();
@@ -182,14 +178,14 @@ void EventList::compare_rest(const Observed& world) {
       for (const StaticPair& pair : world.table.static_contacts[s]) {
         if (pair.shape >= kWallLeft || !closed(c.s_impulse[pair.contact])) continue;
         const std::uint32_t id = b.id[pair.body];
-        if (id != kNoSlot && world.tells_of(id)) now_.push_back(key_of(id, world.statics[pair.shape].owner));
+        if (id != kNoSlot && world.tells_of(id)) now_.push_back(TouchKey::bodies(id, world.statics[pair.shape].owner));
       }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
       for (const std::uint32_t k : manifolds.active_of(s)) {
         const ManifoldPair& pair = manifolds.pairs()[k];
         if (pair.id_a == ManifoldPair::kNone || !manifolds.closed(s, pair)) continue;
-        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(key_of(pair.id_a, pair.id_b));
+        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(TouchKey::bodies(pair.id_a, pair.id_b));
       }
     }
   }
