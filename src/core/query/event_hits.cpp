@@ -5,6 +5,7 @@
 // bodies would have met within the step and at least half of the approach is gone (an impact in its midst).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "base/rotor.h"
@@ -118,19 +119,14 @@ struct Approach {
 }  // namespace
 
 void HitList::approach(const Observed& world, double least_speed, double dt) {
-  candidates_.clear();
   const Approach find{world, least_speed, dt};
   const PairTable& table = world.table;
-  found_.resize(std::max(found_.size(), table.strips.size()));
+  found_.resize(std::max(found_.size(), table.strips.size() + 1));
   world.pool.run(table.strips.size(), [&](std::size_t strip) {
-    found_[strip].clear();
     find.pairs(table.strips[strip], found_[strip]);
     find.statics(table.static_contacts[strip], found_[strip]);
   });
-  for (std::size_t strip = 0; strip < table.strips.size(); ++strip) {
-    candidates_.insert(candidates_.end(), found_[strip].begin(), found_[strip].end());
-  }
-  find.shapes(candidates_);
+  find.shapes(found_[table.strips.size()]);
 }
 
 void HitList::collect(const Observed& world) {
@@ -142,10 +138,13 @@ void HitList::collect(const Observed& world) {
                                                : manifolds.closed(manifolds.strip_of(c.at), manifolds.pairs()[c.at]);
     return touches || (c.meets && dot(c.normal, closing(b, c)) >= (kAnswered - 1) * c.speed);
   };
-  std::erase_if(candidates_, [&](const Candidate& c) {  // some bodies left in this step
-    return !there(c.a) || !there(c.b) || !answered(c);
-  });
-  for (Candidate& c : candidates_) {  // a wall comes last: its number is the highest
+  for (std::vector<Candidate>& some : found_) {
+    std::copy_if(some.begin(), some.end(), std::back_inserter(answered_), [&](const Candidate& c) {
+      return there(c.a) && there(c.b) && answered(c);  // some bodies left in this step
+    });
+    some.clear();
+  }
+  for (Candidate& c : answered_) {  // a wall comes last: its number is the highest
     if (c.a.id < c.b.id) continue;
     std::swap(c.a, c.b);
     c.normal = -1 * c.normal;
@@ -158,15 +157,15 @@ void HitList::collect(const Observed& world) {
     return std::tuple(who(c), -c.speed, c.point.x, c.point.y, c.normal.x, c.normal.y);
   };
   // Total order: all members that a hit shows.
-  std::sort(candidates_.begin(), candidates_.end(),
+  std::sort(answered_.begin(), answered_.end(),
             [&](const Candidate& x, const Candidate& y) { return order(x) < order(y); });
-  const auto end = std::unique(candidates_.begin(), candidates_.end(),
+  const auto end = std::unique(answered_.begin(), answered_.end(),
                                [&](const Candidate& x, const Candidate& y) { return who(x) == who(y); });
   hits.clear();
-  for (auto c = candidates_.begin(); c != end; ++c) {
+  for (auto c = answered_.begin(); c != end; ++c) {
     hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed});
   }
-  candidates_.clear();
+  answered_.clear();
 }
 
 }  // namespace psim

@@ -41,11 +41,11 @@ class HitList {
   void collect(const Observed& world);
 
   std::vector<HitEvent> hits;
-  std::size_t bytes() const { return capacity_bytes(candidates_, hits); }
+  std::size_t bytes() const { return capacity_bytes(answered_, hits); }
 
  private:
-  std::vector<Candidate> candidates_;
-  std::vector<std::vector<Candidate>> found_;  // by strip
+  std::vector<std::vector<Candidate>> found_;  // by strip; then those of shapes
+  std::vector<Candidate> answered_;
 };
 
 class EventList {
