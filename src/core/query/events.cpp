@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/sort_keys.h"
+#include "contacts/touch_memory.h"
 
 namespace psim {
 namespace {

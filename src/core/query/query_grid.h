@@ -71,7 +71,30 @@ class QueryGrid {
   /// the order of the way. `each` may lower `limit`. `u` has length 1.
   template <class Each>
   void along(Vec2 from, Vec2 u, const double& limit, const Each& each) const {
-    for (const Level& g : levels_) walk(g, from, u, limit, each);
+    for (const Level& g : levels_) {
+      // Slab by slab along the axis on which the ray passes more cells.
+      const bool flat = std::fabs(u.x) * g.y.edge >= std::fabs(u.y) * g.x.edge;
+      const Axis &axis = flat ? g.x : g.y, &across = flat ? g.y : g.x;
+      const double way = flat ? u.x : u.y, origin = flat ? from.x : from.y, r = g.most;
+      const double side_way = flat ? u.y : u.x, side = flat ? from.y : from.x;
+      const bool ahead = way > 0;
+      const double end = origin + limit * way;
+      const Range slabs = ahead ? axis.cells(origin - r, end + r) : axis.cells(end - r, origin + r);
+      for (std::int64_t n = 0; n <= slabs.last - slabs.first; ++n) {
+        const std::int64_t slab = ahead ? slabs.first + n : slabs.last - n;
+        double near = axis.low + axis.edge * static_cast<double>(slab) - r;
+        double far = near + axis.edge + 2 * r;
+        if (axis.ends() && slab == 0) near = -1e300;
+        if (axis.ends() && slab == axis.count - 1) far = 1e300;
+        const double t0 = std::max(((ahead ? near : far) - origin) / way, 0.0);
+        const double t1 = std::min(((ahead ? far : near) - origin) / way, limit);
+        if (t0 > limit) break;
+        if (t0 > t1) continue;
+        const double s0 = side + t0 * side_way, s1 = side + t1 * side_way;
+        const Range sides = across.cells(std::min(s0, s1) - r, std::max(s0, s1) + r), one{slab, slab};
+        visit(g, flat ? one : sides, flat ? sides : one, each);
+      }
+    }
   }
 
  private:
@@ -140,33 +163,6 @@ class QueryGrid {
         for (std::uint32_t k = start[from]; k < start[to + 1]; ++k) each(sorted_[k], shift);
         c += to - from + 1;
       }
-    }
-  }
-
-  // Goes slab by slab along the axis on which the ray passes more cells.
-  template <class Each>
-  void walk(const Level& g, Vec2 from, Vec2 u, const double& limit, const Each& each) const {
-    const bool flat = std::fabs(u.x) * g.y.edge >= std::fabs(u.y) * g.x.edge;
-    const Axis &along = flat ? g.x : g.y, &across = flat ? g.y : g.x;
-    const double way = flat ? u.x : u.y, origin = flat ? from.x : from.y, r = g.most;
-    const double side_way = flat ? u.y : u.x, side = flat ? from.y : from.x;
-    const bool ahead = way > 0;
-    const double end = origin + limit * way;
-    const Range slabs = ahead ? along.cells(origin - r, end + r) : along.cells(end - r, origin + r);
-    const std::int64_t count = slabs.last - slabs.first + 1;
-    for (std::int64_t n = 0; n < count; ++n) {
-      const std::int64_t slab = ahead ? slabs.first + n : slabs.last - n;
-      double near = along.low + along.edge * static_cast<double>(slab) - r;
-      double far = near + along.edge + 2 * r;
-      if (along.ends() && slab == 0) near = -1e300;
-      if (along.ends() && slab == along.count - 1) far = 1e300;
-      const double t0 = std::max(((ahead ? near : far) - origin) / way, 0.0);
-      const double t1 = std::min(((ahead ? far : near) - origin) / way, limit);
-      if (t0 > limit) return;
-      if (t0 > t1) continue;
-      const double s0 = side + t0 * side_way, s1 = side + t1 * side_way;
-      const Range sides = across.cells(std::min(s0, s1) - r, std::max(s0, s1) + r), one{slab, slab};
-      visit(g, flat ? one : sides, flat ? sides : one, each);
     }
   }
 

@@ -101,8 +101,8 @@ Outline QueryIndex::outline(const Observed& world, const Part& part, const Query
   const QueryPiece& piece = part.pieces[item.piece];
   const Vec2 at = centre + piece.at;
   if (piece.kind == QueryPiece::kSegment) return {{at, at + piece.way}, 2, wide(piece.radius)};
-  const bool moves = piece.kind == QueryPiece::kHull;
-  const Hull& hull = moves ? world.bodies.hulls[piece.hull] : world.statics.hull(world.statics[piece.hull]);
+  const Hull& hull =
+      piece.kind == QueryPiece::kHull ? world.bodies.hulls[piece.hull] : world.statics.hull(world.statics[piece.hull]);
   return outline_of(hull, {piece.way.y, piece.way.x}, at);
 }
 
