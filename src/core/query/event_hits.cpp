@@ -5,32 +5,27 @@
 // bodies would have met within the step and at least half of the approach is gone (an impact in its midst).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "base/rotor.h"
-#include "base/tasks.h"
-#include "bodies/body_store.h"
 #include "query/events.h"
 
 namespace psim {
 namespace {
 
-using kernels::kBlock;
+using Candidate = HitList::Candidate;
 
 constexpr double kAnswered = 0.5;  // share of the approach that must be gone
 
-Vec2 velocity(const BodyStore& b, std::uint32_t slot) {
-  if (slot == kNoSlot) return {};
-  return {static_cast<double>(b.vel[2 * std::size_t{slot}]), static_cast<double>(b.vel[2 * std::size_t{slot} + 1])};
+// The velocity of the point of a body at the arm.
+Vec2 velocity(const BodyStore& b, const Candidate::Side& side) {
+  if (side.slot == kNoSlot) return {};
+  const Vec2 v = b.velocity(side.slot);
+  const double omega = b.omega_of(side.slot);
+  return {v.x - omega * side.arm.y, v.y + omega * side.arm.x};
 }
-
-// The velocity of the point of a body at an arm.
-Vec2 velocity(const BodyStore& b, std::uint32_t slot, double x, double y) {
-  const Vec2 v = velocity(b, slot);
-  if (slot == kNoSlot || b.rim_speed.empty()) return v;
-  const double omega = static_cast<double>(b.rim_speed[slot]) / static_cast<double>(b.radius[slot]);
-  return {v.x - omega * y, v.y + omega * x};
-}
+Vec2 closing(const BodyStore& b, const Candidate& c) { return velocity(b, c.b) - velocity(b, c.a); }
 
 // The time at which a point at d with velocity u comes within r of the origin; < 0: never.
 double meeting(Vec2 d, Vec2 u, double r) {
@@ -40,179 +35,137 @@ double meeting(Vec2 d, Vec2 u, double r) {
   return b < 0 && root >= 0 ? (-b - std::sqrt(root)) / square : -1;
 }
 
+// How two surfaces lie before the step.
+struct Surfaces {
+  Vec2 d;             // m: from the point of A to that of B
+  double reach = 0;   // m: round surfaces meet where the points are so far apart; 0: flat surfaces
+  double gap = 0;     // m: between flat surfaces, along the normal
+  double beyond = 0;  // m: from the point of B along the normal to where they meet
+};
+
+// Finds the contacts whose bodies come near at speed.
+struct Approach {
+  const Observed& world;
+  double least_speed, dt;  // m/s, s
+  const BodyStore& b = world.bodies;
+  const PairTable& table = world.table;
+  const ContactStore& discs = world.contacts.discs;
+  const Manifolds& manifolds = world.contacts.manifolds;
+
+  // Whether two bodies move against each other fast enough, in any direction.
+  bool fast(std::uint32_t slot_a, std::uint32_t slot_b) const {
+    const Vec2 u = b.velocity(slot_b) - (slot_a == kNoSlot ? Vec2{} : b.velocity(slot_a));
+    return dot(u, u) > least_speed * least_speed;
+  }
+
+  // Appends a candidate if its bodies come near fast enough.
+  void consider(Candidate c, const Surfaces& s, std::vector<Candidate>& out) const {
+    const Vec2 u = closing(b, c);
+    double time = 0;
+    if (s.reach > 0) {
+      time = meeting(s.d, u, s.reach);
+      const Vec2 at = s.d + time * u;
+      if (time > 0) c.normal = {at.x / s.reach, at.y / s.reach};
+    }
+    c.speed = -dot(c.normal, u);
+    if (!(c.speed > least_speed)) return;
+    if (!(s.reach > 0)) time = std::fmax(s.gap, 0) / c.speed;
+    c.meets = time >= 0 && time <= kMarginFrames * dt;
+    time = std::fmin(std::fmax(time, 0), dt);
+    c.point = world.lattice.to_world(b.point(c.b.slot)) + time * b.velocity(c.b.slot) + (c.b.arm + s.beyond * c.normal);
+    out.push_back(c);
+  }
+
+  void pairs(const Strip& strip, std::vector<Candidate>& out) const {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
+      const std::uint32_t i = table.owner[p], j = table.other[p], lane = table.contact[p];
+      if (!fast(i, j)) continue;
+      const Vec2 normal{wide(discs.pairs.nx[lane]), wide(discs.pairs.ny[lane])};
+      const double reach = wide(discs.pairs.rsum[lane]);
+      consider({{i, b.id[i]}, {j, b.id[j]}, &discs.pairs.impulse, lane, normal},
+               {(reach + wide(discs.pairs.gap[lane])) * normal, reach, 0, -wide(b.radius[j])}, out);
+    }
+  }
+
+  void statics(const std::vector<StaticPair>& pairs, std::vector<Candidate>& out) const {
+    for (const auto& [i, shape, lane] : pairs) {
+      if (!fast(kNoSlot, i)) continue;
+      const std::uint32_t owner = shape < kWallLeft ? world.statics[shape].owner : kNoSlot;
+      const Vec2 normal{wide(discs.fixed.nx[lane]), wide(discs.fixed.ny[lane])};
+      const Vec2 d{wide(discs.fixed.base_x[lane]), wide(discs.fixed.base_y[lane])};
+      const bool round = discs.fixed.refresh[lane] < 1e30f;
+      consider({{kNoSlot, owner}, {i, b.id[i]}, &discs.fixed.impulse, lane, normal},
+               {d, round ? wide(discs.fixed.rsum[lane]) : 0, wide(discs.fixed.gap[lane]), -wide(b.radius[i])}, out);
+    }
+  }
+
+  // The point lies midway between the bodies, unless they meet within the step: then it is the point of that moment.
+  void shapes(std::vector<Candidate>& out) const {
+    for (std::uint32_t k = 0; k < manifolds.pairs().size(); ++k) {
+      const ManifoldPair& pair = manifolds.pairs()[k];
+      if (pair.lane == PairName::kNone) continue;
+      const Vec2 normal{wide(pair.manifold.nx), wide(pair.manifold.ny)};
+      for (int corner = 0; corner < pair.manifold.count; ++corner) {
+        const ManifoldPoint& p = pair.manifold.point[corner];
+        const Candidate::Side first{pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}};
+        const Candidate::Side second{pair.b, pair.id_b, {wide(p.bx), wide(p.by)}};
+        consider({first, second, nullptr, k, normal}, {{}, 0, wide(pair.gap[corner]), pair.ahead ? 0 : wide(p.gap) / 2},
+                 out);
+      }
+    }
+  }
+};
+
 }  // namespace
 
-Vec2 EventList::closing(const Observed& s, const Candidate& c) {
-  if (c.kind != Candidate::kManifold) return velocity(s.bodies, c.slot_b) - velocity(s.bodies, c.slot_a);
-  const ManifoldPoint& p = s.contacts.manifolds.pairs()[c.at].manifold.point[c.corner];
-  return velocity(s.bodies, c.slot_b, static_cast<double>(p.bx), static_cast<double>(p.by)) -
-         velocity(s.bodies, c.slot_a, static_cast<double>(p.ax), static_cast<double>(p.ay));
-}
-
-// Appends a candidate if its bodies come near fast enough. `d` leads from the point of A to that of B. Round surfaces
-// meet where the points are `reach` apart; if `reach` is 0 they are flat, with `gap` between them along the normal.
-void EventList::consider(const Observed& s, Candidate c, Vec2 d, double reach, double gap, double dt,
-                         std::vector<Candidate>& out) const {
-  const BodyStore& b = s.bodies;
-  const Vec2 u = closing(s, c);
-  double time = 0;
-  if (reach > 0) {
-    time = meeting(d, u, reach);
-    if (time > 0) {
-      const Vec2 at = d + time * u;
-      c.nx = at.x / reach;
-      c.ny = at.y / reach;
-    }
-  }
-  c.speed = -(c.nx * u.x + c.ny * u.y);
-  if (!(c.speed > options_.hit_speed)) return;
-  if (!(reach > 0)) time = std::fmax(gap, 0) / c.speed;
-  c.meets = time >= 0 && time <= kMarginFrames * dt;
-  time = std::fmin(std::fmax(time, 0), dt);
-  const Vec2 v = velocity(b, c.slot_b), centre = s.to_world(s.place(c.slot_b));
-  Vec2 arm;
-  if (c.kind == Candidate::kManifold) {
-    const ManifoldPair& pair = s.contacts.manifolds.pairs()[c.at];
-    const ManifoldPoint& p = pair.manifold.point[c.corner];
-    // The point lies midway between the bodies, unless they meet within the step: then it is the point of that moment.
-    const double half = pair.ahead ? 0 : static_cast<double>(p.gap) / 2;
-    arm = {static_cast<double>(p.bx) + half * c.nx, static_cast<double>(p.by) + half * c.ny};
-  } else {
-    const double r = static_cast<double>(b.radius[c.slot_b]);
-    arm = {-r * c.nx, -r * c.ny};
-  }
-  c.point = centre + time * v + arm;
-  out.push_back(c);
-}
-
-// Whether two bodies move against each other fast enough, in any direction.
-bool EventList::fast(const Observed& s, std::uint32_t slot_a, std::uint32_t slot_b) const {
-  const Vec2 u = velocity(s.bodies, slot_b) - velocity(s.bodies, slot_a);
-  return dot(u, u) > options_.hit_speed * options_.hit_speed;
-}
-
-void EventList::approach(const Observed& s, double dt) {
-  candidates_.clear();
-  if (!options_.hits) return;
-  const std::uint32_t blocks = s.contacts.discs.pairs.blocks;
-  const std::size_t tasks = stream_tasks(blocks);
-  found_.resize(std::max(found_.size(), tasks));
-  s.pool.run(tasks, [&](std::size_t t) {
-    found_[t].clear();
-    approach_pairs(s, stream_range(t, blocks), dt, found_[t]);
+void HitList::approach(const Observed& world, double least_speed, double dt) {
+  const Approach find{world, least_speed, dt};
+  const PairTable& table = world.table;
+  found_.resize(std::max(found_.size(), table.strips.size() + 1));
+  world.pool.run(table.strips.size(), [&](std::size_t strip) {
+    find.pairs(table.strips[strip], found_[strip]);
+    find.statics(table.static_contacts[strip], found_[strip]);
   });
-  for (std::size_t t = 0; t < tasks; ++t) candidates_.insert(candidates_.end(), found_[t].begin(), found_[t].end());
-  approach_statics(s, dt);
-  approach_manifolds(s, dt);
+  find.shapes(found_[table.strips.size()]);
 }
 
-void EventList::approach_pairs(const Observed& s, BlockRange r, double dt, std::vector<Candidate>& out) const {
-  const BodyStore& b = s.bodies;
-  const PairLanes& c = s.contacts.discs.pairs;
-  const std::uint32_t dummies = s.contacts.solved.dummies();
-  for (std::size_t l = std::size_t{r.begin} * kBlock; l < std::size_t{r.end} * kBlock; ++l) {
-    if (c.body[2 * l] >= dummies) continue;
-    Candidate pair;
-    pair.slot_a = s.contacts.solved.slot(c.body[2 * l]);
-    pair.slot_b = s.contacts.solved.slot(c.body[2 * l + 1]);
-    if (!fast(s, pair.slot_a, pair.slot_b)) continue;
-    pair.at = static_cast<std::uint32_t>(l);
-    pair.id_a = b.id[pair.slot_a];
-    pair.id_b = b.id[pair.slot_b];
-    pair.nx = static_cast<double>(c.nx[l]);
-    pair.ny = static_cast<double>(c.ny[l]);
-    const double reach = static_cast<double>(c.rsum[l]);
-    const double far = reach + static_cast<double>(c.gap[l]);
-    consider(s, pair, {far * pair.nx, far * pair.ny}, reach, 0, dt, out);
-  }
-}
-
-void EventList::approach_statics(const Observed& s, double dt) {
-  const BodyStore& b = s.bodies;
-  const StaticLanes& c = s.contacts.discs.fixed;
-  const std::uint32_t dummies = s.contacts.solved.dummies();
-  for (std::size_t l = 0; l < std::size_t{c.blocks} * kBlock; ++l) {
-    if (c.body[l] >= dummies) continue;
-    Candidate static_pair;
-    static_pair.kind = Candidate::kStatic;
-    static_pair.at = static_cast<std::uint32_t>(l);
-    static_pair.slot_b = s.contacts.solved.slot(c.body[l]);
-    if (!fast(s, kNoSlot, static_pair.slot_b)) continue;
-    static_pair.id_b = b.id[static_pair.slot_b];
-    if (c.shape[l] < kWallLeft) static_pair.id_a = s.statics[c.shape[l]].owner;
-    static_pair.nx = static_cast<double>(c.nx[l]);
-    static_pair.ny = static_cast<double>(c.ny[l]);
-    const bool round = c.refresh[l] < 1e30f;
-    consider(s, static_pair, {static_cast<double>(c.base_x[l]), static_cast<double>(c.base_y[l])},
-             round ? static_cast<double>(c.rsum[l]) : 0, static_cast<double>(c.gap[l]), dt, candidates_);
-  }
-}
-
-void EventList::approach_manifolds(const Observed& s, double dt) {
-  for (std::uint32_t k = 0; k < s.contacts.manifolds.pairs().size(); ++k) {
-    const ManifoldPair& p = s.contacts.manifolds.pairs()[k];
-    if (p.lane == PairName::kNone) continue;
-    for (int corner = 0; corner < p.manifold.count; ++corner) {
-      Candidate pair;
-      pair.kind = Candidate::kManifold;
-      pair.at = k;
-      pair.corner = corner;
-      pair.slot_a = p.a;
-      pair.slot_b = p.b;
-      pair.id_a = p.id_a;
-      pair.id_b = p.id_b;
-      pair.nx = static_cast<double>(p.manifold.nx);
-      pair.ny = static_cast<double>(p.manifold.ny);
-      consider(s, pair, {}, 0, static_cast<double>(p.gap[corner]), dt, candidates_);
-    }
-  }
-}
-
-// Keeps the candidates that were answered: each pair once, at the highest speed.
-void EventList::keep_hits(const Observed& s) {
-  const BodyStore& b = s.bodies;
-  const auto there = [&](std::uint32_t slot, std::uint32_t id) { return slot == kNoSlot || b.id[slot] == id; };
-  const auto closed = [&](const Candidate& c) {
-    switch (c.kind) {
-      case Candidate::kPair:
-        return !std::signbit(s.contacts.discs.pairs.impulse[c.at]);
-      case Candidate::kStatic:
-        return !std::signbit(s.contacts.discs.fixed.impulse[c.at]);
-      case Candidate::kManifold:
-        break;
-    }
-    return s.contacts.manifolds.closed(s.contacts.manifolds.strip_of(c.at), s.contacts.manifolds.pairs()[c.at]);
+void HitList::collect(const Observed& world) {
+  const BodyStore& b = world.bodies;
+  const Manifolds& manifolds = world.contacts.manifolds;
+  const auto there = [&](const Candidate::Side& side) { return side.slot == kNoSlot || b.id[side.slot] == side.id; };
+  const auto answered = [&](const Candidate& c) {
+    const bool touches = c.impulses != nullptr ? closed((*c.impulses)[c.at])
+                                               : manifolds.closed(manifolds.strip_of(c.at), manifolds.pairs()[c.at]);
+    return touches || (c.meets && dot(c.normal, closing(b, c)) >= (kAnswered - 1) * c.speed);
   };
-  std::erase_if(candidates_, [&](const Candidate& c) {
-    if (!there(c.slot_a, c.id_a) || !there(c.slot_b, c.id_b)) return true;  // a body left in this step
-    if (closed(c)) return false;
-    const Vec2 u = closing(s, c);
-    return !(c.meets && c.nx * u.x + c.ny * u.y >= (kAnswered - 1) * c.speed);
-  });
-  for (Candidate& c : candidates_) {  // a wall comes last: its number is the highest
-    if (c.id_a < c.id_b) continue;
-    std::swap(c.id_a, c.id_b);
-    c.nx = -c.nx;
-    c.ny = -c.ny;
+  for (std::vector<Candidate>& some : found_) {
+    std::copy_if(some.begin(), some.end(), std::back_inserter(answered_), [&](const Candidate& c) {
+      return there(c.a) && there(c.b) && answered(c);  // some bodies left in this step
+    });
+    some.clear();
   }
+  for (Candidate& c : answered_) {  // a wall comes last: its number is the highest
+    if (c.a.id < c.b.id) continue;
+    std::swap(c.a, c.b);
+    c.normal = -1 * c.normal;
+  }
+  const auto who = [](const Candidate& c) {  // a body may hit several walls
+    const Vec2 wall = c.b.id == kNoSlot ? c.normal : Vec2{};
+    return std::tuple(c.a.id, c.b.id, wall.x, wall.y);
+  };
+  const auto order = [&](const Candidate& c) {
+    return std::tuple(who(c), -c.speed, c.point.x, c.point.y, c.normal.x, c.normal.y);
+  };
   // Total order: all members that a hit shows.
-  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& o) {
-    if (a.id_a != o.id_a) return a.id_a < o.id_a;
-    if (a.id_b != o.id_b) return a.id_b < o.id_b;
-    if (a.id_b == kNoSlot && a.nx != o.nx) return a.nx < o.nx;
-    if (a.id_b == kNoSlot && a.ny != o.ny) return a.ny < o.ny;
-    if (a.speed != o.speed) return a.speed > o.speed;
-    return std::tie(a.point.x, a.point.y, a.nx, a.ny) < std::tie(o.point.x, o.point.y, o.nx, o.ny);
-  });
-  const auto same = [](const Candidate& a, const Candidate& o) {
-    return a.id_a == o.id_a && a.id_b == o.id_b && (a.id_b != kNoSlot || (a.nx == o.nx && a.ny == o.ny));
-  };
-  candidates_.erase(std::unique(candidates_.begin(), candidates_.end(), same), candidates_.end());
-  hits_.clear();
-  for (const Candidate& c : candidates_) {
-    const BodyId other = c.id_b == kNoSlot ? kNoBody : handle(s, c.id_b, false);
-    hits_.push_back({handle(s, c.id_a, false), other, c.point, {c.nx, c.ny}, c.speed});
+  std::sort(answered_.begin(), answered_.end(),
+            [&](const Candidate& x, const Candidate& y) { return order(x) < order(y); });
+  const auto end = std::unique(answered_.begin(), answered_.end(),
+                               [&](const Candidate& x, const Candidate& y) { return who(x) == who(y); });
+  hits.clear();
+  for (auto c = answered_.begin(); c != end; ++c) {
+    hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed});
   }
+  answered_.clear();
 }
 
 }  // namespace psim

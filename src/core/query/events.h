@@ -12,11 +12,41 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/tasks.h"
 #include "psim/events.h"
 #include "query/query_index.h"
 
 namespace psim {
+
+/// Contacts whose bodies approach fast before the solver, and those of them that an impulse answers (event_hits.cpp).
+class HitList {
+ public:
+  struct Candidate {
+    struct Side {
+      std::uint32_t slot = kNoSlot;  // kNoSlot: fixed
+      std::uint32_t id = kNoSlot;    // kNoSlot: a wall
+      Vec2 arm{};                    // m: of a manifold, from the centre to the point
+    };
+    Side a, b;
+    const Column<float>* impulses = nullptr;  // of the lanes of discs; null: a manifold
+    std::uint32_t at = 0;                     // the lane; of a manifold the number of its pair
+    Vec2 normal{};                            // from a to b
+    bool meets = false;                       // the bodies meet within the step if they keep their velocities
+    double speed = 0;                         // m/s, of approach
+    Vec2 point{};                             // m
+  };
+
+  /// Notes the contacts whose bodies come near faster than least_speed, m/s, in a step of dt seconds.
+  void approach(const Observed& world, double least_speed, double dt);
+  /// Keeps the contacts that were answered: each pair once, at the highest speed.
+  void collect(const Observed& world);
+
+  std::vector<HitEvent> hits;
+  std::size_t bytes() const { return capacity_bytes(answered_, hits); }
+
+ private:
+  std::vector<std::vector<Candidate>> found_;  // by strip; then those of shapes
+  std::vector<Candidate> answered_;
+};
 
 class EventList {
  public:
@@ -27,54 +57,35 @@ class EventList {
   bool on() const { return options_.contacts || options_.hits || options_.sensors; }
 
   /// A body was removed, or frozen, which leaves its id valid (`same`).
-  void body_left(BodyId id, bool same);
+  void body_left(BodyId id, bool same) {
+    left_ = true;
+    if (!same) removed_.push_back(id);
+  }
 
   /// Before the solver: notes which contacts may become hits. O(contacts), if the host asks for hits.
-  void approach(const Observed& world, double dt);
+  void approach(const Observed& world, double dt) {
+    if (options_.hits) hits_.approach(world, options_.hit_speed, dt);
+  }
   /// After the step: finds all events. O(contacts) for touching; a query for each sensor.
   void collect(const Observed& world, const QueryIndex& index);
 
   /// Empties the lists: nothing happens in a step that waits.
   void clear();
 
-  Events view() const { return {begin_, end_, hits_, sensor_begin_, sensor_end_}; }
+  Events view() const { return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_}; }
   std::size_t bytes() const;
 
  private:
   using Keys = std::vector<std::uint64_t>;  // a << 32 | b
 
-  // A contact whose bodies come near at speed.
-  struct Candidate {
-    enum Kind : std::uint8_t { kPair, kStatic, kManifold };
-    std::uint32_t at = 0;                              // the lane; of a manifold the number of its pair
-    std::uint32_t slot_a = kNoSlot, slot_b = kNoSlot;  // kNoSlot: fixed
-    std::uint32_t id_a = kNoSlot, id_b = kNoSlot;      // kNoSlot: a wall
-    Kind kind = kPair;
-    int corner = 0;         // the point of a manifold
-    bool meets = false;     // the bodies meet within the step if they keep their velocities
-    double nx = 0, ny = 0;  // from a to b
-    double speed = 0;       // m/s, of approach
-    Vec2 point;             // m
-  };
-
-  void name_lanes(const Observed& world);
-  void compare_pairs(const Observed& world);
+  void compare_lanes(const Observed& world);
+  void renew_lanes(const Observed& world, std::uint32_t blocks);
   void compare_rest(const Observed& world);
   void settle_sleepers(const Observed& world);
   void gather_sensed(const Observed& world, const QueryIndex& index);
-  // event_hits.cpp
-  void approach_pairs(const Observed& world, BlockRange blocks, double dt, std::vector<Candidate>& out) const;
-  void approach_statics(const Observed& world, double dt);
-  void approach_manifolds(const Observed& world, double dt);
-  void keep_hits(const Observed& world);
-  static Vec2 closing(const Observed& world, const Candidate& candidate);
-  void consider(const Observed& world, Candidate candidate, Vec2 d, double reach, double gap, double dt,
-                std::vector<Candidate>& out) const;
-  bool fast(const Observed& world, std::uint32_t slot_a, std::uint32_t slot_b) const;
-  void retire(Keys& before, Keys& ended) const;
-  BodyId handle(const Observed& world, std::uint32_t id, bool gone) const;
-  void tell(const Observed& world, Keys& keys, bool gone, std::vector<TouchEvent>& out) const;
-  void sort(Keys& keys, std::uint32_t ids);
+  void replace(Keys& known, std::uint32_t ids);
+  void retire(Keys& known);
+  void tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end);
 
   EventOptions options_;
   std::vector<BodyId> removed_;  // since the last step, with the generation that they had
@@ -91,13 +102,11 @@ class EventList {
   Keys slept_;  ///< touching pairs of bodies that do not move, one or both asleep; sorted
   Keys sensed_;
 
-  Keys before_, now_, began_, ended_, scratch_;
+  Keys now_, began_, ended_, scratch_;
   std::vector<std::uint32_t> count_;
-  std::vector<Candidate> candidates_;
-  std::vector<std::vector<Candidate>> found_;  // by task
 
+  HitList hits_;
   std::vector<TouchEvent> begin_, end_, sensor_begin_, sensor_end_;
-  std::vector<HitEvent> hits_;
 };
 
 }  // namespace psim

@@ -1,6 +1,9 @@
 // What observers read: the owners of a world, and where its bodies are.
 #pragma once
 
+#include <cmath>
+#include <utility>
+
 #include "base/worker_pool.h"
 #include "bodies/population.h"
 #include "lists/pair_table.h"
@@ -8,6 +11,17 @@
 #include "sleep/sleep.h"
 
 namespace psim {
+
+inline double wide(float v) { return static_cast<double>(v); }
+
+/// Whether a contact touched at the end of the step: an impulse of -0 marks an open one.
+inline bool closed(float impulse) { return !std::signbit(impulse); }
+
+/// The memory of lists.
+template <class... List>
+std::size_t capacity_bytes(const List&... lists) {
+  return ((lists.capacity() * sizeof(lists[0])) + ...);
+}
 
 struct Observed {
   const WorldDesc& desc;
@@ -27,15 +41,26 @@ struct Observed {
     return {desc.bounds.xmax - desc.bounds.xmin, desc.bounds.ymax - desc.bounds.ymin};
   }
   bool any_kinematic() const { return !population.kinematics.empty(); }
+  /// Whether the host is told that two bodies touch. It is not told of two kinematic ones, or of one that touches
+  /// fixed geometry (kNoSlot).
+  bool tells_of(std::uint32_t a, std::uint32_t b = kNoSlot) const {
+    const auto dynamic = [&](std::uint32_t id) {
+      return id != kNoSlot && bodies.properties(id).type == BodyType::dynamic_body;
+    };
+    return !any_kinematic() || dynamic(a) || dynamic(b);
+  }
+  /// The handle of a body, or of a wall (kNoSlot).
+  BodyId handle(std::uint32_t id) const { return id == kNoSlot ? kNoBody : BodyId{id, bodies.info[id].generation}; }
   BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
-  LatticePoint place(std::size_t slot) const {
-    return {bodies.pos[2 * slot], bodies.pos[2 * slot + 1], bodies.disp[2 * slot], bodies.disp[2 * slot + 1]};
+  /// The centre and the angle, rad, of a body that moves or sleeps.
+  std::pair<LatticePoint, double> stand(std::uint32_t id) const {
+    const BodyInfo& info = bodies.info[id];
+    if (info.place != Place::asleep) return {bodies.point(info.slot), bodies.angle_of(info.slot)};
+    const Sleeper& sleeper = sleep.sleepers.list[info.slot];
+    return {sleeper.at, sleeper.angle};
   }
   /// m, from the centre of the lattice.
-  Vec2 from_centre(const LatticePoint& p) const {
-    return {p.x * lattice.pitch_x() + static_cast<double>(p.dx), p.y * lattice.pitch_y() + static_cast<double>(p.dy)};
-  }
-  Vec2 to_world(const LatticePoint& p) const { return lattice.to_world(p.x, p.y, p.dx, p.dy); }
+  Vec2 from_centre(const LatticePoint& p) const { return lattice.way({}, p); }
 };
 
 }  // namespace psim

@@ -19,16 +19,6 @@ struct Observers {
   PublishedColumns columns;
   bool placed = true;  ///< the host added or moved bodies since the last step
 
-  /// Bodies fell asleep or woke.
-  void forget_sleep() {
-    queries.forget(QueryIndex::kSleeping);
-    queries.forget(QueryIndex::kMoving);
-  }
-  /// The bodies are those of another state.
-  void forget_all() {
-    forget_sleep();
-    queries.forget(QueryIndex::kFixed);
-  }
   std::size_t bytes() const {
     return publisher.bytes() + queries.bytes() + events.bytes() + contacts.bytes() + columns.bytes();
   }

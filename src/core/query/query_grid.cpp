@@ -1,8 +1,9 @@
 #include "query/query_grid.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
+
+#include "base/sort_keys.h"
 
 namespace psim {
 namespace {
@@ -11,98 +12,94 @@ constexpr std::size_t kSample = 512;  // size of the sample from which the box o
 constexpr double kSlack = 1 + 1e-9;   // factor on reaches, since cells are found by rounded numbers
 
 // Radii of a class differ by less than a factor of four.
-std::size_t size_class(float radius) { return std::bit_cast<std::uint32_t>(radius) >> 24; }
+std::uint32_t size_class(const QueryItem& item) { return std::bit_cast<std::uint32_t>(item.radius) >> 24; }
+constexpr std::uint32_t kClasses = 256;
+
+bool by_class(const QueryItem& a, const QueryItem& b) { return size_class(a) < size_class(b); }
 
 }  // namespace
 
+Vec2 nearest_copy(Vec2 at, Vec2 period) {
+  const auto nearest = [](double x, double width) {
+    if (!(width > 0)) return x;
+    const double near = x - width * std::floor(x / width + 0.5);
+    return std::fabs(near) <= width ? near : std::remainder(x, width);  // far away the product is rounded
+  };
+  return {nearest(at.x, period.x), nearest(at.y, period.y)};
+}
+
 void QueryGrid::begin(Vec2 period, std::size_t room) {
-  period_[0] = period.x;
-  period_[1] = period.y;
+  period_ = period;
   items_.clear();
   items_.reserve(room);
 }
 
 void QueryGrid::add(QueryItem item) {
-  if (period_[0] > 0) item.x -= period_[0] * std::floor(item.x / period_[0] + 0.5);
-  if (period_[1] > 0) item.y -= period_[1] * std::floor(item.y / period_[1] + 0.5);
+  item.at = nearest_copy(item.at, period_);
   items_.push_back(item);
 }
 
 // Lays a grid over its members. Cells are as large as the largest member, and there are about as many cells as members.
 // The box holds all but the outermost few of a sample, and is half as large again.
-void QueryGrid::choose(Level& g, std::span<const std::uint32_t> members) {
+void QueryGrid::choose(Level& g, std::span<const QueryItem> members) {
   const double n = static_cast<double>(members.size());
-  double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, size[2];
-  for (const std::uint32_t k : members) {
-    const QueryItem& item = items_[k];
-    low[0] = std::min(low[0], item.x);
-    low[1] = std::min(low[1], item.y);
-    high[0] = std::max(high[0], item.x);
-    high[1] = std::max(high[1], item.y);
-    g.most = std::max(g.most, static_cast<double>(item.radius));
-  }
-  for (int axis = 0; axis < 2; ++axis) {
-    if (period_[axis] > 0) {
-      g.low[axis] = -period_[axis] / 2;
-      size[axis] = period_[axis];
-      continue;
+  for (const QueryItem& item : members) g.most = std::max(g.most, static_cast<double>(item.radius));
+  const auto bound = [&](Axis& axis, double Vec2::*along) {  // returns the size of the box
+    axis.period = period_.*along;
+    axis.low = -axis.period / 2;
+    if (!axis.ends()) return axis.period;
+    double low = 1e300, high = -1e300;
+    for (const QueryItem& item : members) {
+      low = std::min(low, item.at.*along);
+      high = std::max(high, item.at.*along);
     }
     sample_.clear();
     for (std::size_t k = 0; k < members.size(); k += members.size() / kSample + 1) {
-      sample_.push_back(axis == 0 ? items_[members[k]].x : items_[members[k]].y);
+      sample_.push_back(members[k].at.*along);
     }
     // Total order: equal numbers are alike.
     std::sort(sample_.begin(), sample_.end());
     const std::size_t few = sample_.size() / 64;
     const double inner_low = sample_[few], inner_high = sample_[sample_.size() - 1 - few];
     const double margin = (inner_high - inner_low) / 4 + 2 * g.most;
-    g.low[axis] = std::fmax(low[axis], inner_low - margin);
-    size[axis] = std::fmin(high[axis], inner_high + margin) - g.low[axis];
-  }
-  double edge = std::fmax(2 * g.most, std::sqrt(size[0] * size[1] / n));
-  edge = std::fmax(edge, std::fmax(size[0], size[1]) / (4 * n + 16));
-  for (int axis = 0; axis < 2; ++axis) {
-    const double cells = edge > 0 ? std::floor(size[axis] / edge) : 0;
-    g.cells[axis] = static_cast<std::int64_t>(std::fmax(cells, 1));
-    g.edge[axis] = edge > 0 ? edge : 1;
-    if (period_[axis] > 0) {
-      g.edge[axis] = size[axis] / static_cast<double>(g.cells[axis]);
-    } else if (size[axis] > edge * static_cast<double>(g.cells[axis])) {
-      ++g.cells[axis];
+    axis.low = std::fmax(low, inner_low - margin);
+    return std::fmin(high, inner_high + margin) - axis.low;
+  };
+  const double width = bound(g.x, &Vec2::x), height = bound(g.y, &Vec2::y);
+  double edge = std::fmax(2 * g.most, std::sqrt(width * height / n));
+  edge = std::fmax(edge, std::fmax(width, height) / (4 * n + 16));
+  const auto cut = [&](Axis& axis, double size) {
+    axis.count = static_cast<std::int64_t>(std::fmax(edge > 0 ? std::floor(size / edge) : 0, 1));
+    axis.edge = edge > 0 ? edge : 1;
+    if (!axis.ends()) {
+      axis.edge = size / static_cast<double>(axis.count);
+    } else if (size > edge * static_cast<double>(axis.count)) {
+      ++axis.count;
     }
-    g.per[axis] = 1 / g.edge[axis];
-  }
-  g.most = g.most * kSlack + 1e-9 * std::fmax(g.edge[0], g.edge[1]);
+    axis.per = 1 / axis.edge;
+  };
+  cut(g.x, width);
+  cut(g.y, height);
+  g.most = g.most * kSlack + 1e-9 * std::fmax(g.x.edge, g.y.edge);
 }
 
 void QueryGrid::build() {
-  // Sorts the items by class of size.
-  std::array<std::uint32_t, 257> begin{};
-  for (const QueryItem& item : items_) ++begin[size_class(item.radius) + 1];
-  for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
-  std::array<std::uint32_t, 257> next = begin;
-  order_.resize(items_.size());
-  for (std::uint32_t k = 0; k < items_.size(); ++k) {
-    order_[next[size_class(items_[k].radius)]++] = k;
+  if (!std::is_sorted(items_.begin(), items_.end(), by_class)) {
+    sort_by_first(items_, sorted_, start_, kClasses, size_class, by_class);
   }
   levels_.clear();
   key_.resize(items_.size());
   std::size_t cells = 0;
-  for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
-    if (begin[c] == begin[c + 1]) continue;
-    const std::span members(order_.data() + begin[c], begin[c + 1] - begin[c]);
-    Level g;
-    choose(g, members);
+  for (std::size_t begin = 0, end = 0; begin < items_.size(); begin = end) {
+    while (end < items_.size() && size_class(items_[end]) == size_class(items_[begin])) ++end;
+    Level& g = levels_.emplace_back();
+    choose(g, std::span(items_).subspan(begin, end - begin));
     g.first = cells;
-    const auto last_x = static_cast<double>(g.cells[0] - 1);
-    const auto last_y = static_cast<double>(g.cells[1] - 1);
-    for (const std::uint32_t k : members) {
-      const std::int64_t x = cell((items_[k].x - g.low[0]) * g.per[0], last_x);
-      const std::int64_t y = cell((items_[k].y - g.low[1]) * g.per[1], last_y);
-      key_[k] = static_cast<std::uint32_t>(cells + static_cast<std::size_t>(y * g.cells[0] + x));
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::int64_t at = g.y.cell(items_[k].at.y) * g.x.count + g.x.cell(items_[k].at.x);
+      key_[k] = static_cast<std::uint32_t>(cells + static_cast<std::size_t>(at));
     }
-    cells += static_cast<std::size_t>(g.cells[0] * g.cells[1]);
-    levels_.push_back(g);
+    cells += static_cast<std::size_t>(g.x.count * g.y.count);
   }
   start_.assign(cells + 2, 0);
   for (const std::uint32_t key : key_) ++start_[key + 2];
@@ -114,7 +111,7 @@ void QueryGrid::build() {
 
 std::size_t QueryGrid::bytes() const {
   return (items_.capacity() + sorted_.capacity()) * sizeof(QueryItem) +
-         (start_.capacity() + key_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
+         (start_.capacity() + key_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace psim

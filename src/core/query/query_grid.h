@@ -13,17 +13,23 @@
 #include <span>
 #include <vector>
 
-#include "psim/types.h"
+#include "base/rotor.h"
 
 namespace psim {
 
 /// An item. Coordinates are metres from the centre of the lattice.
 struct QueryItem {
-  double x = 0, y = 0;
-  float radius = 0;         ///< m: no part of the item is further from (x, y)
+  Vec2 at;
+  float radius = 0;         ///< m: no part of the item is further from its place
   std::uint32_t body = 0;   ///< id
   std::uint32_t piece = 0;  ///< the owner's number for it
+
+  /// From a point to the centre of a copy of the item.
+  Vec2 seen_from(Vec2 point, Vec2 shift) const { return at + shift - point; }
 };
+
+/// In a periodic world: the copy of a point that is nearest to the middle.
+Vec2 nearest_copy(Vec2 at, Vec2 period);
 
 class QueryGrid {
  public:
@@ -40,9 +46,7 @@ class QueryGrid {
   template <class Each>
   void in_box(Vec2 low, Vec2 high, const Each& each) const {
     for (const Level& g : levels_) {
-      Range x = cells(g, 0, low.x - g.most, high.x + g.most);
-      Range y = cells(g, 1, low.y - g.most, high.y + g.most);
-      for (std::int64_t row = y.first; row <= y.last; ++row) run(g, row, x.first, x.last, each);
+      visit(g, g.x.cells(low.x - g.most, high.x + g.most), g.y.cells(low.y - g.most, high.y + g.most), each);
     }
   }
 
@@ -51,12 +55,14 @@ class QueryGrid {
   template <class Each>
   void around(Vec2 at, const double& reach, const Each& each) const {
     for (const Level& g : levels_) {
-      for (double half = first_half(g, at);; half *= 2) {
+      // The first square reaches as far as a cell, from a point outside of the grid as far as the grid and a cell.
+      double half = std::fmax(g.x.distance(at.x), g.y.distance(at.y)) + std::fmin(g.x.edge, g.y.edge);
+      for (;; half *= 2) {
         const double side = std::fmin(half, reach);
-        const Range x = cells(g, 0, at.x - side - g.most, at.x + side + g.most);
-        const Range y = cells(g, 1, at.y - side - g.most, at.y + side + g.most);
-        for (std::int64_t row = y.first; row <= y.last; ++row) run(g, row, x.first, x.last, each);
-        if (half >= reach || (covers(g, 0, x) && covers(g, 1, y))) break;
+        const Range x = g.x.cells(at.x - side - g.most, at.x + side + g.most);
+        const Range y = g.y.cells(at.y - side - g.most, at.y + side + g.most);
+        visit(g, x, y, each);
+        if (half >= reach || (g.x.covers(x) && g.y.covers(y))) break;
       }
     }
   }
@@ -65,119 +71,108 @@ class QueryGrid {
   /// the order of the way. `each` may lower `limit`. `u` has length 1.
   template <class Each>
   void along(Vec2 from, Vec2 u, const double& limit, const Each& each) const {
-    for (const Level& g : levels_) walk(g, from, u, limit, each);
+    for (const Level& g : levels_) {
+      // Slab by slab along the axis on which the ray passes more cells.
+      const bool flat = std::fabs(u.x) * g.y.edge >= std::fabs(u.y) * g.x.edge;
+      const Axis &axis = flat ? g.x : g.y, &across = flat ? g.y : g.x;
+      const double way = flat ? u.x : u.y, origin = flat ? from.x : from.y, r = g.most;
+      const double side_way = flat ? u.y : u.x, side = flat ? from.y : from.x;
+      const bool ahead = way > 0;
+      const double end = origin + limit * way;
+      const Range slabs = ahead ? axis.cells(origin - r, end + r) : axis.cells(end - r, origin + r);
+      for (std::int64_t n = 0; n <= slabs.last - slabs.first; ++n) {
+        const std::int64_t slab = ahead ? slabs.first + n : slabs.last - n;
+        double near = axis.low + axis.edge * static_cast<double>(slab) - r;
+        double far = near + axis.edge + 2 * r;
+        if (axis.ends() && slab == 0) near = -1e300;
+        if (axis.ends() && slab == axis.count - 1) far = 1e300;
+        const double t0 = std::max(((ahead ? near : far) - origin) / way, 0.0);
+        const double t1 = std::min(((ahead ? far : near) - origin) / way, limit);
+        if (t0 > limit) break;
+        if (t0 > t1) continue;
+        const double s0 = side + t0 * side_way, s1 = side + t1 * side_way;
+        const Range sides = across.cells(std::min(s0, s1) - r, std::max(s0, s1) + r), one{slab, slab};
+        visit(g, flat ? one : sides, flat ? sides : one, each);
+      }
+    }
   }
 
  private:
-  struct Level {
-    double most = 0;      // m: largest radius
-    double low[2] = {};   // m: corner of the first cell
-    double edge[2] = {};  // m
-    double per[2] = {};   // 1/m: 1 / edge
-    std::int64_t cells[2] = {};
-    std::size_t first = 0;  // the first of its cells in start_
-  };
   struct Range {
     std::int64_t first = 0, last = -1;
   };
 
-  // The cells of an axis between two coordinates. In a world that is not periodic the outermost cells have no end.
-  Range cells(const Level& g, int axis, double low, double high) const {
-    const double a = (low - g.low[axis]) * g.per[axis], b = (high - g.low[axis]) * g.per[axis];
-    const auto n = static_cast<double>(g.cells[axis]);
-    if (!(period_[axis] > 0)) return {cell(a, n - 1), cell(b, n - 1)};
-    if (b - a < 3 * n) return {whole(a), whole(b)};
-    const double middle = (a + b) / 2;  // these copies suffice for a box no larger than the world
-    return {whole(middle - 1.5 * n), whole(middle + 1.5 * n)};
-  }
+  // The cells of a grid along an axis.
+  struct Axis {
+    double low = 0;     // m: the side of the first cell
+    double edge = 0;    // m
+    double per = 0;     // 1/m: 1 / edge
+    double period = 0;  // m; 0: not periodic
+    std::int64_t count = 0;
 
-  static std::int64_t cell(double at, double last) {
-    return static_cast<std::int64_t>(at > 0 ? (at < last ? at : last) : 0.0);
-  }
-  static std::int64_t whole(double at) {  // std::floor, which is a call without SSE4.1
-    const auto cut = static_cast<std::int64_t>(at);
-    return static_cast<double>(cut) > at ? cut - 1 : cut;
-  }
-
-  bool covers(const Level& g, int axis, const Range& r) const {
-    if (period_[axis] > 0) return r.last - r.first + 1 >= 2 * g.cells[axis];
-    return r.first == 0 && r.last + 1 == g.cells[axis];
-  }
-
-  // Half the side of the first square: the edge of a cell, or the distance to the grid from a point outside of it.
-  double first_half(const Level& g, Vec2 at) const {
-    double far = 0;
-    const double point[2] = {at.x, at.y};
-    for (int axis = 0; axis < 2; ++axis) {
-      if (period_[axis] > 0) continue;
-      const double high = g.low[axis] + g.edge[axis] * static_cast<double>(g.cells[axis]);
-      far = std::fmax(far, std::fmax(g.low[axis] - point[axis], point[axis] - high));
+    bool ends() const { return !(period > 0); }
+    std::int64_t cell(double at) const {
+      const double k = (at - low) * per, last = static_cast<double>(count - 1);
+      return static_cast<std::int64_t>(k > 0 ? (k < last ? k : last) : 0.0);
     }
-    return far + std::fmin(g.edge[0], g.edge[1]);
-  }
-
-  // Visits the items of the cells first..last of a row. In a periodic world these may be cells of any copy.
-  template <class Each>
-  void run(const Level& g, std::int64_t row, std::int64_t first, std::int64_t last, const Each& each) const {
-    Vec2 shift;
-    if (period_[1] > 0) row -= g.cells[1] * turns(row, g.cells[1], period_[1], shift.y);
-    const std::uint32_t* const start = start_.data() + g.first + static_cast<std::size_t>(row * g.cells[0]);
-    for (std::int64_t c = first; c <= last;) {
-      std::int64_t base = 0, end = last;
-      if (period_[0] > 0) {
-        base = g.cells[0] * turns(c, g.cells[0], period_[0], shift.x);
-        if (end > base + g.cells[0] - 1) end = base + g.cells[0] - 1;
-      }
-      const std::uint32_t stop = start[end - base + 1];
-      for (std::uint32_t k = start[c - base]; k < stop; ++k) each(sorted_[k], shift);
-      c = end + 1;
+    // The cells between two coordinates. In a world that is not periodic the outermost cells have no end.
+    Range cells(double from, double to) const {
+      if (ends()) return {cell(from), cell(to)};
+      const double a = (from - low) * per, b = (to - low) * per;
+      const auto n = static_cast<double>(count);
+      if (b - a < 3 * n) return {whole(a), whole(b)};
+      const double middle = (a + b) / 2;  // these copies suffice for a box no larger than the world
+      return {whole(middle - 1.5 * n), whole(middle + 1.5 * n)};
     }
-  }
+    bool covers(const Range& r) const {
+      return ends() ? r.first == 0 && r.last + 1 == count : r.last - r.first + 1 >= 2 * count;
+    }
+    // How far a point lies outside of the cells, m.
+    double distance(double at) const {
+      const double high = low + edge * static_cast<double>(count);
+      return ends() ? std::fmax(0.0, std::fmax(low - at, at - high)) : 0;
+    }
+    // In a periodic world: takes a cell of any copy to the first one. `shift` leads from there to the copy, m.
+    std::int64_t first_copy(std::int64_t at, double& shift) const {
+      if (ends()) return at;
+      const std::int64_t turns = at >= 0 ? at / count : -((count - 1 - at) / count);
+      shift = static_cast<double>(turns) * period;
+      return at - turns * count;
+    }
+    static std::int64_t whole(double at) {  // std::floor, which is a call without SSE4.1
+      const auto cut = static_cast<std::int64_t>(at);
+      return static_cast<double>(cut) > at ? cut - 1 : cut;
+    }
+  };
 
-  static std::int64_t turns(std::int64_t cell, std::int64_t n, double period, double& shift) {
-    const std::int64_t k = cell >= 0 ? cell / n : -((n - 1 - cell) / n);
-    shift = static_cast<double>(k) * period;
-    return k;
-  }
+  struct Level {
+    double most = 0;  // m: largest radius
+    Axis x, y;
+    std::size_t first = 0;  // the first of its cells in start_
+  };
 
-  // Goes slab by slab along the axis on which the ray passes more cells.
+  // Visits the items of some columns and rows. In a periodic world these may be cells of any copy.
   template <class Each>
-  void walk(const Level& g, Vec2 from, Vec2 u, const double& limit, const Each& each) const {
-    const double way[2] = {u.x, u.y}, origin[2] = {from.x, from.y};
-    const int a = std::fabs(u.x) * g.edge[1] >= std::fabs(u.y) * g.edge[0] ? 0 : 1, b = 1 - a;
-    const double r = g.most, edge = g.edge[a];
-    const bool ahead = way[a] > 0, endless = !(period_[a] > 0);
-    const double low = ahead ? origin[a] - r : origin[a] + limit * way[a] - r;
-    const double high = ahead ? origin[a] + limit * way[a] + r : origin[a] + r;
-    const Range slabs = cells(g, a, low, high);
-    const std::int64_t count = slabs.last - slabs.first + 1;
-    for (std::int64_t n = 0; n < count; ++n) {
-      const std::int64_t slab = ahead ? slabs.first + n : slabs.last - n;
-      double near = g.low[a] + edge * static_cast<double>(slab) - r;
-      double far = near + edge + 2 * r;
-      if (endless && slab == 0) near = -1e300;
-      if (endless && slab == g.cells[a] - 1) far = 1e300;
-      const double t0 = std::max(((ahead ? near : far) - origin[a]) / way[a], 0.0);
-      const double t1 = std::min(((ahead ? far : near) - origin[a]) / way[a], limit);
-      if (t0 > limit) return;
-      if (t0 > t1) continue;
-      const double s0 = origin[b] + t0 * way[b], s1 = origin[b] + t1 * way[b];
-      const Range side = cells(g, b, std::min(s0, s1) - r, std::max(s0, s1) + r);
-      if (a == 1) {
-        run(g, slab, side.first, side.last, each);
-      } else {
-        for (std::int64_t row = side.first; row <= side.last; ++row) run(g, row, slab, slab, each);
+  void visit(const Level& g, const Range& columns, const Range& rows, const Each& each) const {
+    for (std::int64_t row = rows.first; row <= rows.last; ++row) {
+      Vec2 shift;
+      const std::int64_t line = g.y.first_copy(row, shift.y) * g.x.count;
+      const std::uint32_t* const start = start_.data() + g.first + static_cast<std::size_t>(line);
+      for (std::int64_t c = columns.first; c <= columns.last;) {
+        const std::int64_t from = g.x.first_copy(c, shift.x), to = std::min(from + columns.last - c, g.x.count - 1);
+        for (std::uint32_t k = start[from]; k < start[to + 1]; ++k) each(sorted_[k], shift);
+        c += to - from + 1;
       }
     }
   }
 
-  void choose(Level& g, std::span<const std::uint32_t> members);
+  void choose(Level& g, std::span<const QueryItem> members);
 
-  double period_[2] = {};
+  Vec2 period_;
   std::vector<QueryItem> items_, sorted_;
   std::vector<Level> levels_;
   std::vector<std::uint32_t> start_;
-  std::vector<std::uint32_t> key_, order_;
+  std::vector<std::uint32_t> key_;
   std::vector<double> sample_;
 };
 

@@ -2,167 +2,117 @@
 
 #include <cmath>
 
-#include "base/rotor.h"
-
 namespace psim {
 namespace {
 
 // Puts the pieces of bodies into a grid.
 class Filler {
  public:
-  Filler(const Observed& world, QueryIndex::Part& part, std::size_t room) : world_(world), part_(part) {
-    part_.grid.begin(world.period(), room);
-    part_.pieces.clear();
-  }
+  Filler(const Observed& world, QueryIndex::Part& part) : world_(world), part_(part) {}
 
-  void disc(std::uint32_t id, Vec2 at, float radius) { part_.grid.add({at.x, at.y, radius, id, QueryIndex::kDisc}); }
-
-  // Adds the hulls of a body about its origin.
-  void hulls(std::uint32_t id, const BodyKind& kind, Vec2 origin, double angle) {
-    const SineCosine turn = sine_cosine(std::isfinite(angle) ? angle : 0);
-    for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
-      QueryPiece piece;
-      piece.kind = QueryPiece::kHull;
-      piece.way = {turn.cosine, turn.sine};
-      piece.hull = kind.first_hull + k;
-      round(id, piece, origin);
+  void moving() {
+    const BodyStore& b = world_.bodies;
+    const std::vector<BodyState>& frozen = world_.population.frozen;
+    begin(b.count + frozen.size());
+    for (std::size_t i = 0; i < b.count; ++i) {
+      if (b.id[i] == kNoSlot) continue;
+      const Vec2 at = world_.from_centre(b.point(i));
+      if (world_.population.traits.cornered == 0) {
+        disc(b.id[i], at, b.radius[i]);
+      } else {
+        body(b.id[i], at, b.angle_of(i));
+      }
+    }
+    for (const BodyState& s : frozen) {
+      const double angle = std::isfinite(s.angle) ? s.angle : 0;
+      const Vec2 at = Vec2{s.x, s.y} - world_.lattice.centre();
+      body(s.id.index, at + arm_of(b.kind(s.id.index), angle), angle);
     }
   }
 
-  void fixed(const StaticShape& s, std::uint32_t number) {
-    const Vec2 p = world_.from_centre(s.p);
-    if (s.whole) {
-      QueryPiece piece;
-      piece.kind = QueryPiece::kWholeStatic;
-      piece.way = {1, 0};
-      piece.hull = number;
-      return round(s.owner, piece, p);
+  void sleeping() {
+    begin(world_.sleep.sleepers.list.size());
+    for (const Sleeper& s : world_.sleep.sleepers.list) body(s.id, world_.from_centre(s.at), s.angle);
+  }
+
+  // Static bodies, and sensors that do not move, which have no static shapes.
+  void fixed() {
+    const StaticShapes& statics = world_.statics;
+    begin(statics.size());
+    for (std::uint32_t k = 0; k < statics.size(); ++k) {
+      if (statics[k].alive && !statics[k].face && !statics[k].asleep) shape(statics[k], k);
     }
-    if (!s.segment) return disc(s.owner, p, s.radius);
-    QueryPiece piece;
-    piece.kind = QueryPiece::kSegment;
-    piece.radius = s.radius;
-    piece.way = world_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
-    piece.way.x -= static_cast<double>(s.p.dx);
-    piece.way.y -= static_cast<double>(s.p.dy);
-    round(s.owner, piece, p);
+    const Vec2 centre = world_.lattice.centre();
+    for (const FixedBody& f : world_.population.fixed) {
+      if (world_.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - centre, f.angle);
+    }
   }
 
  private:
-  // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
-  void round(std::uint32_t id, QueryPiece piece, Vec2 at) {
-    const Outline o = QueryIndex::outline(world_, piece, {});
-    const Box box = box_of(o);
-    const Vec2 middle = box.middle();
-    double reach = 0;
-    for (std::int32_t k = 0; k < o.count; ++k) {
-      reach = std::fmax(reach, length_of(o.v[k] - middle));
+  void begin(std::size_t room) {
+    part_.grid.begin(world_.period(), room);
+    part_.pieces.clear();
+  }
+
+  void disc(std::uint32_t id, Vec2 at, float radius) { part_.grid.add({at, radius, id, QueryIndex::kDisc}); }
+
+  // Adds a body about its centre.
+  void body(std::uint32_t id, Vec2 at, double angle) {
+    const BodyProperties& properties = world_.bodies.properties(id);
+    const BodyKind& kind = world_.bodies.kinds[properties.kind];
+    if (kind.hull_count == 0) return disc(id, at, properties.radius);
+    const SineCosine turn = sine_cosine(angle);
+    for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
+      piece(id, {.way = {turn.cosine, turn.sine}, .hull = kind.first_hull + k, .kind = QueryPiece::kHull}, at);
     }
-    piece.at = {-middle.x, -middle.y};
-    const auto number = static_cast<std::uint32_t>(part_.pieces.size());
+  }
+
+  void shape(const StaticShape& s, std::uint32_t number) {
+    const Vec2 p = world_.from_centre(s.p);
+    if (s.whole) return piece(s.owner, {.way = {1, 0}, .hull = number, .kind = QueryPiece::kWholeStatic}, p);
+    if (!s.segment) return disc(s.owner, p, s.radius);
+    Vec2 way = world_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
+    way = way - Vec2{wide(s.p.dx), wide(s.p.dy)};
+    piece(s.owner, {.way = way, .radius = s.radius, .kind = QueryPiece::kSegment}, p);
+  }
+
+  // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
+  void piece(std::uint32_t id, const QueryPiece& piece, Vec2 at) {
+    QueryItem item{at, 0, id, static_cast<std::uint32_t>(part_.pieces.size())};
     part_.pieces.push_back(piece);
-    part_.grid.add(
-        {at.x + middle.x, at.y + middle.y, static_cast<float>((reach + o.radius) * (1 + 0x1p-22)), id, number});
+    const Outline o = QueryIndex::outline(world_, part_, item, {});
+    const Vec2 middle = box_of(o).middle();
+    double reach = 0;
+    for (std::int32_t k = 0; k < o.count; ++k) reach = std::fmax(reach, length_of(o.v[k] - middle));
+    part_.pieces.back().at = -1 * middle;
+    item.at = at + middle;
+    item.radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));
+    part_.grid.add(item);
   }
 
   const Observed& world_;
   QueryIndex::Part& part_;
 };
 
-void fill_moving(const Observed& world, QueryIndex::Part& part) {
-  const BodyStore& b = world.bodies;
-  Filler filler(world, part, b.count + world.population.frozen.size());
-  for (std::size_t i = 0; i < b.count; ++i) {
-    const std::uint32_t id = b.id[i];
-    if (id == kNoSlot) continue;
-    const Vec2 at = world.from_centre(world.place(i));
-    const std::uint32_t kind = world.population.traits.cornered == 0 ? 0 : b.properties(id).kind;
-    if (kind == 0 || b.kinds[kind].hull_count == 0) {
-      filler.disc(id, at, b.radius[i]);
-    } else {
-      filler.hulls(id, b.kinds[kind], at, b.angle.empty() ? 0 : b.angle[i]);
-    }
-  }
-  for (const BodyState& s : world.population.frozen) {
-    const Vec2 centre = world.lattice.centre();
-    Vec2 at = Vec2{s.x, s.y} - centre;
-    const BodyKind& kind = b.kind(s.id.index);
-    if (kind.hull_count == 0) {
-      filler.disc(s.id.index, at, static_cast<float>(s.radius));
-      continue;
-    }
-    at = at + arm_of(kind, std::isfinite(s.angle) ? s.angle : 0);
-    filler.hulls(s.id.index, kind, at, s.angle);
-  }
-  part.grid.build();
-}
-
-void fill_sleeping(const Observed& world, QueryIndex::Part& part) {
-  const BodyStore& b = world.bodies;
-  Filler filler(world, part, world.sleep.sleepers.list.size());
-  for (const Sleeper& s : world.sleep.sleepers.list) {
-    const Vec2 at = world.from_centre(s.at);
-    const BodyProperties& properties = b.properties(s.id);
-    const BodyKind& kind = b.kinds[properties.kind];
-    if (kind.hull_count == 0) {
-      filler.disc(s.id, at, properties.radius);
-    } else {
-      filler.hulls(s.id, kind, at, s.angle);
-    }
-  }
-  part.grid.build();
-}
-
-void fill_fixed(const Observed& world, QueryIndex::Part& part) {
-  const StaticShapes& statics = world.statics;
-  Filler filler(world, part, statics.size());
-  for (std::uint32_t k = 0; k < statics.size(); ++k) {
-    if (statics[k].alive && !statics[k].face && !statics[k].asleep) filler.fixed(statics[k], k);
-  }
-  const Vec2 centre = world.lattice.centre();
-  for (const FixedBody& body : world.population.fixed) {
-    const BodyKind& kind = world.bodies.kind(body.id);
-    if (!kind.sensor) continue;
-    filler.hulls(body.id, kind, {body.x - centre.x, body.y - centre.y}, body.angle);
-  }
-  part.grid.build();
-}
-
 }  // namespace
 
-Outline QueryIndex::outline(const Observed& world, const QueryPiece& piece, Vec2 centre) {
-  const Vec2 at{centre.x + piece.at.x, centre.y + piece.at.y};
-  switch (piece.kind) {
-    case QueryPiece::kHull:
-      return outline_of(world.bodies.hulls[piece.hull], piece.way, at);
-    case QueryPiece::kWholeStatic:
-      return outline_of(world.statics.hull(world.statics[piece.hull]), piece.way, at);
-    case QueryPiece::kSegment:
-      break;
-  }
-  Outline line;
-  line.count = 2;
-  line.radius = static_cast<double>(piece.radius);
-  line.v[0] = at;
-  line.v[1] = {at.x + piece.way.x, at.y + piece.way.y};
-  return line;
-}
-
-Outline QueryIndex::outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at) {
-  if (item.piece != kDisc) return outline(world, part.pieces[item.piece], at);
-  Outline disc;
-  disc.count = 1;
-  disc.radius = static_cast<double>(item.radius);
-  disc.v[0] = at;
-  return disc;
+Outline QueryIndex::outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 centre) {
+  if (item.piece == kDisc) return {{centre}, 1, wide(item.radius)};
+  const QueryPiece& piece = part.pieces[item.piece];
+  const Vec2 at = centre + piece.at;
+  if (piece.kind == QueryPiece::kSegment) return {{at, at + piece.way}, 2, wide(piece.radius)};
+  const Hull& hull =
+      piece.kind == QueryPiece::kHull ? world.bodies.hulls[piece.hull] : world.statics.hull(world.statics[piece.hull]);
+  return outline_of(hull, {piece.way.y, piece.way.x}, at);
 }
 
 const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
-  static constexpr void (*kFill[])(const Observed&, Part&) = {fill_moving, fill_sleeping, fill_fixed};
+  static constexpr void (Filler::*kFill[])() = {&Filler::moving, &Filler::sleeping, &Filler::fixed};
   if (ready_[who].load(std::memory_order_acquire)) return parts_[who];
   const std::lock_guard<std::mutex> lock(making_);
   if (!ready_[who].load(std::memory_order_relaxed)) {
-    kFill[who](world, parts_[who]);
+    (Filler(world, parts_[who]).*kFill[who])();
+    parts_[who].grid.build();
     ready_[who].store(true, std::memory_order_release);
   }
   return parts_[who];
@@ -171,7 +121,7 @@ const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
 std::size_t QueryIndex::bytes() const {
   const std::lock_guard<std::mutex> lock(making_);
   std::size_t sum = 0;
-  for (const Part& part : parts_) sum += part.grid.bytes() + part.pieces.capacity() * sizeof(QueryPiece);
+  for (const Part& part : parts_) sum += part.grid.bytes() + capacity_bytes(part.pieces);
   return sum;
 }
 

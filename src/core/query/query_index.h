@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <concepts>
 #include <mutex>
 #include <vector>
 
@@ -19,8 +20,8 @@ namespace psim {
 /// The piece of an item that is no disc. Places are relative to the centre of the item.
 struct QueryPiece {
   enum Kind : std::uint8_t { kHull, kWholeStatic, kSegment };
-  Vec2 at;                 ///< m: the origin of a hull; the first end of a segment
-  Vec2 way;                ///< of a hull its cosine and sine; of a segment the way from its first end to the other, m
+  Vec2 at{};               ///< m: the origin of a hull; the first end of a segment
+  Vec2 way{};              ///< of a hull its cosine and sine; of a segment the way from its first end to the other, m
   float radius = 0;        ///< m, around a segment
   std::uint32_t hull = 0;  ///< number in BodyStore::hulls; of a whole static polygon the number of its shape
   Kind kind = kHull;
@@ -40,13 +41,24 @@ class QueryIndex {
   enum Who : std::uint8_t { kMoving, kSleeping, kFixed };
 
   /// They moved, came or went, fell asleep or woke.
-  void forget(Who who) { ready_[who].store(false, std::memory_order_relaxed); }
+  void forget(std::same_as<Who> auto... who) { (ready_[who].store(false, std::memory_order_relaxed), ...); }
   const Part& part(const Observed& world, Who who) const;
 
-  /// The outline of a piece if the centre of its item lies at `at`.
-  static Outline outline(const Observed& world, const QueryPiece& piece, Vec2 at);
-  /// The outline of an item, which may be a disc.
+  /// The outline of an item if its centre lies at `at`.
   static Outline outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at);
+
+  /// Calls each(id) for the bodies with wanted(id) that have a point in common with `shape`, an outline about `at`. Its
+  /// box has half the width and height `half`. A body may come more than once.
+  template <class Wanted, class Each>
+  static void each_overlap(const Observed& world, const Part& part, const Outline& shape, Vec2 at, Vec2 half,
+                           const Wanted& wanted, const Each& each) {
+    part.grid.in_box(at - half, at + half, [&](const QueryItem& item, Vec2 shift) {
+      const Vec2 to = item.seen_from(at, shift);
+      const double r = wide(item.radius);
+      if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r || !wanted(item.body)) return;
+      if (overlap(shape, outline(world, part, item, to))) each(item.body);
+    });
+  }
 
   std::size_t bytes() const;
 

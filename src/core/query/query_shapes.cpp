@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "base/rotor.h"
+#include <optional>
 
 namespace psim {
 namespace {
@@ -20,13 +19,24 @@ Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
   return p + std::clamp(share, 0.0, 1.0) * way - from;
 }
 
-// Whether the origin lies inside the polygon and not on its rim. A core of one or two vertices has no inside.
+// Whether a point lies inside the polygon and not on its rim. A core of one or two vertices has no inside.
 bool holds(const Outline& o, Vec2 point) {
   if (o.count < 3) return false;
   for (int k = 0; k < o.count; ++k) {
     if (!(cross(end_of(o, k) - o.v[k], point - o.v[k]) > 0)) return false;
   }
   return true;
+}
+
+// From the origin to the nearest point of the core; nothing if the origin lies inside.
+std::optional<Vec2> to_core(const Outline& o) {
+  if (holds(o, {})) return {};
+  Vec2 best = to_edge(o.v[0], end_of(o, 0), {});
+  for (int k = 1; k < edges(o); ++k) {
+    const Vec2 to = to_edge(o.v[k], end_of(o, k), {});
+    if (dot(to, to) < dot(best, best)) best = to;
+  }
+  return best;
 }
 
 bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
@@ -47,13 +57,12 @@ Box box_of(const Outline& o) {
   return box;
 }
 
-Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at) {
+Outline outline_of(const Hull& hull, SineCosine turn, Vec2 at) {
   Outline out;
   out.count = hull.count;
   out.radius = static_cast<double>(hull.radius);
   for (int k = 0; k < hull.count; ++k) {
-    const double x = static_cast<double>(hull.x[k]), y = static_cast<double>(hull.y[k]);
-    out.v[k] = {at.x + (turn.x * x - turn.y * y), at.y + (turn.y * x + turn.x * y)};
+    out.v[k] = at + turned(turn, {static_cast<double>(hull.x[k]), static_cast<double>(hull.y[k])});
   }
   return out;
 }
@@ -70,15 +79,14 @@ RayEntry enter(Vec2 centre, double radius, Vec2 u, double length) {
 
 RayEntry enter(const Outline& o, Vec2 u, double length) {
   if (o.count == 1) return enter(o.v[0], o.radius, u, length);
+  const std::optional<Vec2> core = to_core(o);
+  if (!core || dot(*core, *core) < o.radius * o.radius) return {0, {}};
   RayEntry best;
   const auto take = [&](double at, Vec2 normal) {
     if (best.at < 0 || at < best.at) best = {at, normal};
   };
-  double nearest2 = 1e300;
   for (int k = 0; k < o.count; ++k) {  // a line has two sides
     const Vec2 p = o.v[k], edge = end_of(o, k) - p;
-    const Vec2 to = to_edge(p, end_of(o, k), {});
-    nearest2 = std::fmin(nearest2, dot(to, to));
     const double span = std::sqrt(dot(edge, edge));
     if (!(span > 0)) continue;
     const Vec2 normal{edge.y / span, -edge.x / span};
@@ -90,7 +98,6 @@ RayEntry enter(const Outline& o, Vec2 u, double length) {
     const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
     if (along >= -seam && along <= span + seam) take(at, normal);
   }
-  if (nearest2 < o.radius * o.radius || holds(o, {})) return {0, {}};
   if (!(o.radius > 0)) return best;
   for (int k = 0; k < o.count; ++k) {
     const RayEntry corner = enter(o.v[k], o.radius, u, length);
@@ -107,17 +114,8 @@ NearPoint near_point(Vec2 centre, double radius) {
 }
 
 NearPoint near_point(const Outline& o) {
-  if (holds(o, {})) return {};
-  double least = 1e300;
-  Vec2 core;
-  for (int k = 0; k < edges(o); ++k) {
-    const Vec2 to = to_edge(o.v[k], end_of(o, k), {});
-    if (dot(to, to) < least) {
-      least = dot(to, to);
-      core = to;
-    }
-  }
-  return near_point(core, o.radius);
+  const std::optional<Vec2> core = to_core(o);
+  return core ? near_point(*core, o.radius) : NearPoint{};
 }
 
 bool overlap(const Outline& a, const Outline& b) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "base/rotor.h"
 #include "bodies/hull.h"
 
 namespace psim {
@@ -23,8 +24,8 @@ struct Box {
 };
 Box box_of(const Outline& outline);
 
-/// A hull turned by (cosine, sine) and moved to `at`.
-Outline outline_of(const Hull& hull, Vec2 turn, Vec2 at);
+/// A hull, turned and moved to `at`.
+Outline outline_of(const Hull& hull, SineCosine turn, Vec2 at);
 
 /// Where a ray from the origin enters an outline.
 struct RayEntry {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "solver/forces.h"
 
@@ -24,36 +24,8 @@ std::uint64_t bits(double v) { return std::bit_cast<std::uint64_t>(v + 0.0); }
 
 std::uint64_t pair(std::uint64_t low, std::uint64_t high) { return low | high << 32; }
 
-struct Row {
-  float x = 0, y = 0, angle = 0, speed = 0;  // m from the lattice centre, radians, m/s
-};
-
-Row row_at(const Observed& world, const LatticePoint& place, Vec2 arm, double angle, float speed) {
-  const Vec2 at = world.from_centre(place);
-  return {static_cast<float>(at.x - arm.x), static_cast<float>(at.y - arm.y), static_cast<float>(angle), speed};
-}
-
-Row row_of(std::uint32_t id, const Observed& world) {
-  const BodyStore& b = world.bodies;
-  const BodyInfo& info = b.info[id];
-  const std::size_t i = info.slot;
-  if (info.place == Place::moving) {
-    const float speed = std::sqrt(b.vel[2 * i] * b.vel[2 * i] + b.vel[2 * i + 1] * b.vel[2 * i + 1]);
-    if (b.angle.empty()) return row_at(world, world.place(i), {}, 0, speed);
-    return row_at(world, world.place(i), arm_of(b.kind(id), b.angle[i]), b.angle[i], speed);
-  }
-  if (info.place == Place::asleep) {
-    const Sleeper& s = world.sleep.sleepers.list[i];
-    return row_at(world, s.at, arm_of(b.kind(id), s.angle), s.angle, 0);
-  }
-  const auto still = [centre = world.lattice.centre()](const auto& f) -> Row {
-    return {static_cast<float>(f.x - centre.x), static_cast<float>(f.y - centre.y), static_cast<float>(f.angle), 0};
-  };
-  return info.place == Place::fixed ? still(world.population.fixed[i]) : still(world.population.frozen[i]);
-}
-
 // The place before, moved to the side of a periodic seam on which `now` is: a body that crosses the seam does not fly
-// back through the world between two frames. The period of a world without seams is infinite.
+// back through the world between two frames. The period of a world without seams is 0.
 float near_to(float now, float before, float period) {
   if (now - before > period / 2) return before + period;
   if (before - now > period / 2) return before - period;
@@ -93,20 +65,16 @@ Diagnostics sum_motion(const Observed& world) {
     if (info.place != Place::moving && info.place != Place::asleep) continue;
     const BodyProperties& properties = b.property_table[info.properties];
     if (properties.type != BodyType::dynamic_body) continue;
-    BodyState s = world.state_of(id);
-    const Vec2 arm = arm_of(b.kinds[properties.kind], s.angle);
-    s.x += arm.x;
-    s.y += arm.y;
-    const double m = static_cast<double>(properties.mass);
-    const double gain = static_cast<double>(properties.rim_gain);
-    const double u = s.omega * s.radius;
-    d.kinetic += m * (s.vx * s.vx + s.vy * s.vy) / 2 + (gain > 0 ? u * u / gain / 2 : 0);
-    const double scale = static_cast<double>(properties.gravity_scale);
-    d.potential -= m * scale * (world.desc.gravity.x * s.x + world.desc.gravity.y * s.y);
-    d.potential += m * scale * wells.potential({s.x, s.y});
-    d.momentum_x += m * s.vx;
-    d.momentum_y += m * s.vy;
-    d.angular_momentum += m * (s.x * s.vy - s.y * s.vx) + (gain > 0 ? s.omega * s.radius * s.radius / gain : 0);
+    const BodyState s = world.state_of(id);
+    const Vec2 at = Vec2{s.x, s.y} + arm_of(b.kinds[properties.kind], s.angle), v{s.vx, s.vy};
+    const double m = wide(properties.mass), gain = wide(properties.rim_gain), u = s.omega * s.radius;
+    const double weight = m * wide(properties.gravity_scale);
+    d.kinetic += m * dot(v, v) / 2 + (gain > 0 ? u * u / gain / 2 : 0);
+    d.potential -= weight * dot(world.desc.gravity, at);
+    d.potential += weight * wells.potential(at);
+    d.momentum_x += m * v.x;
+    d.momentum_y += m * v.y;
+    d.angular_momentum += m * cross(at, v) + (gain > 0 ? s.omega * s.radius * s.radius / gain : 0);
   }
   return d;
 }
@@ -137,16 +105,30 @@ PublishedState PublishedColumns::fill(const Observed& world) {
 
 // ---- snapshots for a renderer
 
+Publisher::Row Publisher::row_of(std::uint32_t id, const Observed& world) {
+  const BodyStore& b = world.bodies;
+  const BodyInfo& info = b.info[id];
+  const auto still = [centre = world.lattice.centre()](const auto& f) -> Row {
+    return {static_cast<float>(f.x - centre.x), static_cast<float>(f.y - centre.y), static_cast<float>(f.angle), 0};
+  };
+  if (info.place == Place::fixed) return still(world.population.fixed[info.slot]);
+  if (info.place == Place::frozen) return still(world.population.frozen[info.slot]);
+  const auto [place, angle] = world.stand(id);
+  const Vec2 at = world.from_centre(place) - arm_of(b.kind(id), angle);
+  Row row{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(angle), 0};
+  if (info.place == Place::moving) {
+    const float* v = &b.vel[2 * std::size_t{info.slot}];
+    row.speed = std::sqrt(v[0] * v[0] + v[1] * v[1]);
+  }
+  return row;
+}
+
 void Publisher::look(const Observed& world) {
   const BodyStore& b = world.bodies;
   b.find_slots();
-  for (std::vector<float>* c : {&last_x_, &last_y_, &last_angle_}) c->resize(b.id_count);
+  last_.resize(b.id_count);
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
-    if (b.info[id].place == Place::none) continue;
-    const Row row = row_of(id, world);
-    last_x_[id] = row.x;
-    last_y_[id] = row.y;
-    last_angle_[id] = row.angle;
+    if (b.info[id].place != Place::none) last_[id] = row_of(id, world);
   }
 }
 
@@ -166,26 +148,21 @@ void Publisher::publish(const Observed& world, std::uint64_t frame) {
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     if (b.info[id].place != Place::none) s.id[row++] = id;
   }
-  const float far = std::numeric_limits<float>::infinity();
-  const auto period_x = world.lattice.wraps() ? static_cast<float>(world.lattice.pitch_x() * 0x1p32) : far;
-  const auto period_y = world.lattice.wraps() ? static_cast<float>(world.lattice.pitch_y() * 0x1p32) : far;
+  const auto period_x = static_cast<float>(world.period().x), period_y = static_cast<float>(world.period().y);
   constexpr std::size_t kRows = 8192;
   world.pool.run((n + kRows - 1) / kRows, [&](std::size_t task) {
     for (std::size_t r = task * kRows; r < std::min(n, (task + 1) * kRows); ++r) {
       const std::uint32_t id = s.id[r];
-      const Row now = row_of(id, world);
+      const Row now = row_of(id, world), before = std::exchange(last_[id], now);
       s.x[r] = now.x;
       s.y[r] = now.y;
-      s.x_prev[r] = near_to(now.x, last_x_[id], period_x);
-      s.y_prev[r] = near_to(now.y, last_y_[id], period_y);
+      s.x_prev[r] = near_to(now.x, before.x, period_x);
+      s.y_prev[r] = near_to(now.y, before.y, period_y);
       s.angle[r] = now.angle;
-      s.angle_prev[r] = last_angle_[id];
+      s.angle_prev[r] = before.angle;
       s.radius[r] = b.property_table[b.info[id].properties].radius;
       s.speed[r] = now.speed;
       s.asleep[r] = b.info[id].place == Place::asleep;
-      last_x_[id] = now.x;
-      last_y_[id] = now.y;
-      last_angle_[id] = now.angle;
     }
   });
   back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & 3u;
@@ -196,21 +173,20 @@ const Snapshot* Publisher::latest() {
   while ((seen & kFresh) != 0) {  // the flag is gone if release() came between
     if (!middle_.compare_exchange_weak(seen, front_, std::memory_order_acq_rel, std::memory_order_relaxed)) continue;
     front_ = seen & 3u;
-    any_ = true;
     break;
   }
-  return any_ ? &frames_[front_] : nullptr;
+  return frames_[front_].frame != 0 ? &frames_[front_] : nullptr;
 }
 
 void Publisher::release() {
-  for (std::vector<float>* c : {&last_x_, &last_y_, &last_angle_}) std::vector<float>().swap(*c);
+  last_ = std::vector<Row>();
   frames_[back_] = {};
   back_ = middle_.exchange(back_, std::memory_order_acq_rel) & 3u;  // there is nothing fresh for the reader
   frames_[back_] = {};
 }
 
 std::size_t Publisher::bytes() const {
-  std::size_t sum = (last_x_.capacity() * 4) * 3;
+  std::size_t sum = capacity_bytes(last_);
   for (const Snapshot& s : frames_) sum += s.id.capacity() * 4 + s.x.capacity() * (4 * 8 + 1);
   return sum;
 }

@@ -50,8 +50,11 @@ class Publisher {
   unsigned back_ = 0;
   std::atomic<unsigned> middle_{1};
   unsigned front_ = 2;
-  bool any_ = false;
-  std::vector<float> last_x_, last_y_, last_angle_;  // by id: the rows of the frame before
+  struct Row {
+    float x = 0, y = 0, angle = 0, speed = 0;  // m from the lattice centre, radians, m/s
+  };
+  static Row row_of(std::uint32_t id, const Observed& world);
+  std::vector<Row> last_;  // by id: the frame before
 };
 
 }  // namespace psim

@@ -84,7 +84,7 @@ class StateKeeper {
     lists_.broad.set_origin(origin_);
     w_.contacts.bare = true;
     w_.observers.placed = true;
-    w_.observers.forget_all();
+    w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
     const double visits = w_.contacts.loads.visits;
     if (lasting()) {
       remake_lists(loader);

@@ -85,7 +85,7 @@ void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep
 bool Owners::note_sleep(bool changed) {
   if (!changed) return false;
   spoil_work(*this);
-  observers.forget_sleep();
+  observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping);
   if (population.bodies.count == 0) contacts.impulses_valid = false;
   return true;
 }
@@ -188,9 +188,9 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
 
 bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
   if (!apply_impulse(id, impulse)) return false;
-  const Observed seen = impl_->observed();
-  const Vec2 period = seen.period();
-  Vec2 arm = point - seen.to_world(seen.place(impl_->bodies.info[id.index].slot));
+  const BodyStore& bodies = impl_->bodies;
+  const Vec2 period = impl_->observed().period();
+  Vec2 arm = point - impl_->lattice.to_world(bodies.point(bodies.info[id.index].slot));
   if (period.x > 0) {  // to the nearest of the repeated copies of the point
     arm.x -= period.x * std::nearbyint(arm.x / period.x);
     arm.y -= period.y * std::nearbyint(arm.y / period.y);

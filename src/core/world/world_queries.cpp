@@ -14,7 +14,7 @@ Queries ask(Owners& w) { return {w.observers.queries, w.observed()}; }
 void find_moved(Owners& w) {
   std::vector<std::uint32_t> origin;
   if (w.progress.sorted() || w.neighbours.broad.has_moved_on()) w.neighbours.broad.copy_origin(origin);
-  w.observers.contacts.set_moved(origin, w.bodies.count);
+  w.observers.contacts.set_moved(origin);
 }
 
 }  // namespace
