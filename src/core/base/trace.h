@@ -40,10 +40,7 @@ class Tracer {
   }
 
   std::vector<TraceEvent> take() {
-    std::size_t count = 0;
-    for (const Track& t : tracks_) count += t.spans.size();
     std::vector<TraceEvent> all;
-    all.reserve(count);
     for (Track& t : tracks_) {
       all.insert(all.end(), t.spans.begin(), t.spans.end());
       t.spans.clear();

@@ -33,7 +33,7 @@ std::uint32_t Quarantine::settle(Population& population, const Lattice& lattice,
     if (!std::isfinite(vx) || !std::isfinite(vy) || !std::isfinite(at.dx) || !std::isfinite(at.dy) || !turns) {
       BodyState last = population.state_of(bodies.id[i]);
       if (!std::isfinite(last.angle)) last.angle = 0;
-      const Vec2 seen = lattice.to_world(bodies.built[2 * std::size_t{i}], bodies.built[2 * std::size_t{i} + 1], 0, 0);
+      const Vec2 seen = lattice.to_world({bodies.built[2 * i], bodies.built[2 * i + 1]});
       last.x = seen.x;
       last.y = seen.y;
       last.vx = last.vy = last.omega = 0;

@@ -28,14 +28,10 @@ struct Observed {
   }
   bool any_kinematic() const { return !population.kinematics.empty(); }
   BodyState state_of(std::uint32_t id) const { return sleep.state_of(population, lattice, id); }
-  LatticePoint place(std::size_t slot) const {
-    return {bodies.pos[2 * slot], bodies.pos[2 * slot + 1], bodies.disp[2 * slot], bodies.disp[2 * slot + 1]};
-  }
+  LatticePoint place(std::size_t slot) const { return bodies.point(slot); }
   /// m, from the centre of the lattice.
-  Vec2 from_centre(const LatticePoint& p) const {
-    return {p.x * lattice.pitch_x() + static_cast<double>(p.dx), p.y * lattice.pitch_y() + static_cast<double>(p.dy)};
-  }
-  Vec2 to_world(const LatticePoint& p) const { return lattice.to_world(p.x, p.y, p.dx, p.dy); }
+  Vec2 from_centre(const LatticePoint& p) const { return lattice.from_centre(p); }
+  Vec2 to_world(const LatticePoint& p) const { return lattice.to_world(p); }
 };
 
 }  // namespace psim

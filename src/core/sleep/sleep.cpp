@@ -54,7 +54,6 @@ void Sleep::fall_asleep(const SleepSource& source) {
   keep_touches(source, first);
   for (std::uint32_t k = first; k < sleepers.list.size(); ++k) put_to_sleep(source, k);
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size()) - first;
-  bodies.asleep += sleepers.list.size() - first;
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
   sleepers.changed = true;
   if (!source.joints.empty()) source.joints.follow_sleep(bodies);
@@ -165,17 +164,11 @@ void Sleep::put_to_sleep(const SleepSource& source, std::uint32_t k) {
 BodyState Sleep::state_of(const Population& population, const Lattice& lattice, std::uint32_t id) const {
   const BodyStore& bodies = population.bodies;
   bodies.find_slots();
-  const BodyInfo& info = bodies.info[id];
-  if (info.place != Place::asleep) return population.state_of(id);
-  const Sleeper& sleeper = sleepers.list[info.slot];
-  const Vec2 centre = lattice.to_world(sleeper.at);
-  const Vec2 to_centre = arm_of(bodies.kind(id), sleeper.angle);
-  BodyState s;
-  s.id = {id, info.generation};
-  s.radius = static_cast<double>(bodies.properties(id).radius);
-  s.type = bodies.properties(id).type;
-  s.x = centre.x - to_centre.x;
-  s.y = centre.y - to_centre.y;
+  if (bodies.info[id].place != Place::asleep) return population.state_of(id);
+  const Sleeper& sleeper = sleepers.list[bodies.info[id].slot];
+  const Vec2 place = lattice.to_world(sleeper.at) - arm_of(bodies.kind(id), sleeper.angle);
+  BodyState s = population.bare_state(id);
+  s.x = place.x, s.y = place.y;
   s.angle = sleeper.angle;
   return s;
 }

@@ -49,7 +49,6 @@ void Sleep::wake_one(const SleepSource& source, std::uint32_t id) {
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
   sleepers.list.pop_back();
-  --bodies.asleep;
   source.population.statics.remove_sleeping(s.first_shape, s.pieces);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) sleepers.recent.add(sleepers.touches[t]);
   bodies.reserve_slots(1);

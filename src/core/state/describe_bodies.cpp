@@ -70,7 +70,8 @@ void BodyStore::describe(A& a, bool lists) {
 template <class A>
 void BodyStore::describe_ids(A& a) {
   const std::uint32_t ids = id_count;
-  values(a, id_count, kinematic);
+  std::size_t unused = 0;
+  values(a, id_count, unused);
   if constexpr (A::kLoading) {
     if (!a.fits(id_count)) id_count = 0;
     info.reserve(id_count);
@@ -80,17 +81,6 @@ void BodyStore::describe_ids(A& a) {
       a, id_count, [&](std::size_t k) -> BodyInfo& { return info[k]; }, &BodyInfo::place, &BodyInfo::generation,
       &BodyInfo::properties);
   describe_free(a, free_ids, 0, id_count, [&](std::size_t k) { return info[k].place == Place::none; });
-  if constexpr (A::kLoading) {
-    const auto count_of = [&](Place place) {
-      std::size_t n = 0;
-      for (std::uint32_t k = 0; k < id_count; ++k) n += info[k].place == place;
-      return n;
-    };
-    fixed = count_of(Place::fixed);
-    asleep = count_of(Place::asleep);
-    moving = count_of(Place::moving) + asleep;
-    living = id_count - free_ids.size();
-  }
 }
 
 template <class A>
@@ -101,11 +91,8 @@ void BodyStore::describe_slots(A& a, bool lists) {
   if constexpr (A::kLoading) {
     if (!a.fits(count)) count = 0;
     reserve_slots(1);  // even of none: columns that the plan wants are there
-    if (turns) add_rotation();
-    if (remainders) add_remainders(offsets);
-    if (!remainders) vel_remainder.release();
-    if (!offsets) disp_remainder.release();
-    if (!turns) drop_rotation();
+    keep_rotation(turns);
+    keep_remainders(remainders, remainders && offsets);
   }
   const std::size_t n = count;
   a.plain(pos, 2 * n);
@@ -134,7 +121,8 @@ void BodyStore::describe_slots(A& a, bool lists) {
         a.require(put(id[slot], Place::moving, slot));
       }
     }
-    a.require(count - dead == moving - asleep);
+    const auto is_moving = [](const BodyInfo& i) { return i.place == Place::moving; };
+    a.require(count - dead == std::count_if(info.data(), info.data() + id_count, is_moving));
     slots_stale = false;
   }
 }
@@ -179,7 +167,7 @@ bool ShapeTable::used_as(const std::vector<std::uint64_t>& users_of_first) const
 
 template <class A>
 void Population::describe(A& a, bool lists) {
-  values(a, first_mass, first_radius, least_radius, first_properties);
+  values(a, first_properties.mass, first_radius, least_radius, first_properties);
   a.require(first_radius >= 0 && least_radius >= 0);
   a.refuse_nan(true);
   bodies.describe(a, lists);
@@ -364,7 +352,11 @@ void TouchMemory::describe(A& a, std::uint32_t ids) {
 template <class A>
 void Sleepers::describe(A& a, BodyStore& bodies, StaticShapes& statics) {
   values(a, woke, changed, watching_);
-  if constexpr (A::kLoading) list.assign(bodies.asleep, Sleeper{});
+  if constexpr (A::kLoading) {
+    const auto sleeps = [](const BodyInfo& i) { return i.place == Place::asleep; };
+    list.assign(static_cast<std::size_t>(std::count_if(bodies.info.data(), bodies.info.data() + bodies.id_count, sleeps)),
+                Sleeper{});
+  }
   lattice_points(a, list.size(), [&](std::size_t k) -> LatticePoint& { return list[k].at; });
   using S = Sleeper;
   columns(

@@ -38,7 +38,7 @@ StepReport World::Impl::step(double dt, const StepDetail& given, bool choose) {
   }
   publish(report);
   if (report.detail.solves) fall_asleep(dt * report.detail.frames, report);
-  report.asleep = population.bodies.asleep;
+  report.asleep = sleep.sleepers.list.size();
   ledger.end_step(memory, report);
   report.total_ms = std::chrono::duration<double, std::milli>(tracer.begin() - begin).count();
   return report;

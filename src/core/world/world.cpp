@@ -145,10 +145,10 @@ void World::set_sleeping(bool on) {
   if (!on) w.note_sleep(w.sleep.wake_all(w.sleep_source()));
 }
 
-std::size_t World::body_count() const { return impl_->population.bodies.living; }
-std::size_t World::dynamic_count() const { return impl_->population.bodies.moving; }
+std::size_t World::body_count() const { return impl_->population.bodies.living(); }
+std::size_t World::dynamic_count() const { return impl_->population.traits.moving; }
 std::size_t World::shape_count() const { return impl_->population.traits.cornered; }
-std::size_t World::static_count() const { return impl_->population.bodies.fixed; }
+std::size_t World::static_count() const { return impl_->population.fixed.size(); }
 std::uint64_t World::frame() const { return impl_->frame; }
 std::uint64_t World::escaped_total() const { return impl_->quarantine.escaped; }
 const WorldDesc& World::desc() const { return impl_->desc; }

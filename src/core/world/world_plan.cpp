@@ -56,8 +56,7 @@ void World::Impl::replan() {
 void World::Impl::apply_plan() {
   BodyStore& bodies = population.bodies;
   const auto left = [this](bool Plan::*what) { return applied.*what && !(plan.*what); };
-  if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
-  if (!plan.rotation) bodies.drop_rotation();
+  bodies.keep_rotation(plan.rotation);
   neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
   contacts.solved.forget(!plan.rotation, !plan.restitution);
   if (plan.forces) {
@@ -66,11 +65,8 @@ void World::Impl::apply_plan() {
     dynamics.forces.reset();
     bodies.acc.release();
   }
-  if (plan.fields) {
-    bodies.add_remainders(plan.integrator != Integrator::verlet);
-  } else {
-    bodies.vel_remainder.release();
-    bodies.disp_remainder.release();
+  bodies.keep_remainders(plan.fields, plan.fields && plan.integrator != Integrator::verlet);
+  if (!plan.fields) {
     bodies.drift_correction.release();
     bodies.spare.release();
   }

@@ -99,7 +99,7 @@ std::span<const Contact> World::contacts() {
   last.begun = !w.step_work.untouched() || c.progress.at != 0 || !c.contacts_stand();
   last.with_manifolds = w.plan.manifolds;
   last.substeps = w.dynamics.substeps;
-  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = static_cast<double>(w.population.first_mass);
+  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
   w.find_moved();
   w.step_work.turn_back(c);
   if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses(w.pool);
