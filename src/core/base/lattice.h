@@ -84,8 +84,9 @@ class Lattice {
 
   /// Cuts the line from p to q at the edges of the lattice, so that its ends are not clamped one by one
   /// (Liang & Barsky 1984). A line that lies outside stays as it is, and so does any line where the lattice wraps.
-  void clip(Vec2& p, Vec2& q) const {
-    if (wraps_) return;
+  /// Returns whether the line was cut.
+  bool clip(Vec2& p, Vec2& q) const {
+    if (wraps_) return false;
     double begin = 0, end = 1;
     const Vec2 way = q - p;
     const auto cut = [&](double from, double along, double half) {
@@ -96,11 +97,11 @@ class Lattice {
       return begin < end;
     };
     constexpr double kReach = 0x1p30 - 0x1p20;  // lattice steps
-    if (!cut(p.x - centre_.x, way.x, kReach * pitch_x_) || !cut(p.y - centre_.y, way.y, kReach * pitch_y_)) {
-      return;
-    }
+    const Vec2 from = p - centre_;
+    if (!cut(from.x, way.x, kReach * pitch_x_) || !cut(from.y, way.y, kReach * pitch_y_)) return false;
     if (end < 1) q = p + end * way;
     if (begin > 0) p = p + begin * way;
+    return end < 1 || begin > 0;
   }
 
   Vec2 centre() const { return centre_; }

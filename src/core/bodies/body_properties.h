@@ -85,13 +85,12 @@ class SharedTable {
     }
     if (free_.empty()) {
       if (list_.size() > kMost) return kMost + 1;
-      last_ = static_cast<std::uint32_t>(list_.size());
-      list_.push_back({value, 1});
-    } else {
-      last_ = free_.back();
-      free_.pop_back();
-      list_[last_] = {value, 1};
+      free_.push_back(static_cast<std::uint32_t>(list_.size()));
+      list_.emplace_back();
     }
+    last_ = free_.back();
+    free_.pop_back();
+    list_[last_] = {value, 1};
     return last_;
   }
   void release(std::uint32_t i) {

@@ -262,9 +262,9 @@ void Population::remove(std::uint32_t id) {
   bodies.free_ids.push_back(id);
 }
 
-void Population::freeze(std::uint32_t id, const BodyState& last) {
-  leave_columns(id);
-  BodyInfo& info = bodies.info[id];
+void Population::freeze(const BodyState& last) {
+  leave_columns(last.id.index);
+  BodyInfo& info = bodies.info[last.id.index];
   info.place = Place::frozen;
   info.slot = static_cast<std::uint32_t>(frozen.size());
   frozen.push_back(last);

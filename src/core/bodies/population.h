@@ -48,7 +48,7 @@ class Population {
   void remove(std::uint32_t id);
   /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
   /// state.
-  void freeze(std::uint32_t id, const BodyState& last);
+  void freeze(const BodyState& last);
 
   bool is_valid(BodyId id) const {
     return id.index < bodies.id_count && bodies.info[id.index].place != Place::none &&

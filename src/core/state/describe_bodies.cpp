@@ -29,8 +29,8 @@ void BodyKindTable::describe(A& a, const ShapeTable& hulls) {
 }
 
 bool ShapeTable::has(const BodyKind& kind) const {
-  const auto found = by_first_.find(kind.first_hull);
-  return found != by_first_.end() && sets_[found->second].count == kind.hull_count;
+  const std::uint32_t k = index_of(kind.first_hull);
+  return k < sets_.size() && sets_[k].first == kind.first_hull && sets_[k].count == kind.hull_count && sets_[k].users != 0;
 }
 
 template <class A>
@@ -44,15 +44,15 @@ void ShapeTable::describe(A& a) {
   describe_free(a, free_, 0, sets_.size(), [&](std::size_t k) { return sets_[k].users == 0; });
   if constexpr (!A::kLoading) return;
   by_hash_.clear();
-  by_first_.clear();
-  std::vector<std::uint8_t> taken(hulls_.size());
+  std::uint32_t end = 1;  // of the sets before
   for (std::uint32_t k = 0; k < sets_.size() && a.ok(); ++k) {
     const Set& s = sets_[k];
-    for (std::uint32_t h = s.first; h < s.first + s.count; ++h) a.require(hulls_[h].count >= 1 && taken[h]++ == 0);
+    a.require(s.first >= end);
+    end = s.first + s.count;
+    for (std::uint32_t h = s.first; h < end; ++h) a.require(hulls_[h].count >= 1);
     if (s.users == 0 || !a.ok()) continue;
     const auto first = hulls_.begin() + s.first;
     by_hash_.emplace(hash({first, first + s.count}), k);
-    by_first_[s.first] = k;
   }
 }
 

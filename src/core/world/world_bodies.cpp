@@ -42,9 +42,9 @@ void World::Impl::remove(std::uint32_t id) {
   spoil_lists();
 }
 
-void World::Impl::freeze(std::uint32_t id, const BodyState& last) {
-  body_goes(id, true);
-  population.freeze(id, last);
+void World::Impl::freeze(const BodyState& last) {
+  body_goes(last.id.index, true);
+  population.freeze(last);
   spoil_lists();
 }
 

@@ -70,9 +70,9 @@ struct World::Impl {
   void body_came(std::uint32_t id);
   void body_goes(std::uint32_t id, bool same);
   void remove(std::uint32_t id);
-  void freeze(std::uint32_t id, const BodyState& last);
+  void freeze(const BodyState& last);
   Quarantine::Freeze freezer() {
-    return [this](std::uint32_t id, const BodyState& last) { freeze(id, last); };
+    return [this](const BodyState& last) { freeze(last); };
   }
   bool note_sleep(bool changed);
   bool can_move(BodyId id);
