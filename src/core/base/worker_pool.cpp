@@ -111,7 +111,7 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
 }
 
 void WorkerPool::worker(std::size_t index) {
-  set_float_settings();
+  const FloatSettings settings;
   std::uint32_t seen = 1;
   for (;;) {
     if (!stepping_.load(std::memory_order_acquire)) {

@@ -115,6 +115,24 @@ class BodyStore {
     return id_count++;
   }
 
+  /// Gives a body a slot behind the others, where it is at rest.
+  std::uint32_t enter(std::uint32_t body, const LatticePoint& at, double turn) {
+    reserve_slots(1);
+    const std::uint32_t slot = count++;
+    info[body].slot = slot;
+    info[body].place = Place::moving;
+    id[slot] = body;
+    radius[slot] = properties(body).radius;
+    linked[slot] = 0;
+    put_point(slot, at);
+    put_velocity(slot, {});
+    clear_remainders(slot);
+    if (rim_speed.empty()) return slot;
+    rim_speed[slot] = 0;
+    angle[slot] = turn;
+    return slot;
+  }
+
   /// Makes room for n more slots.
   void reserve_slots(std::size_t n) {
     const std::size_t total = kernels::round_up_block(count + n);
@@ -160,7 +178,7 @@ class BodyStore {
   float rim_speed_of(std::size_t slot) const { return rim_speed.empty() ? 0.0f : rim_speed[slot]; }
   /// The angular velocity, rad/s.
   double omega_of(std::size_t slot) const {
-    return static_cast<double>(rim_speed_of(slot)) / static_cast<double>(radius[slot]);
+    return double{rim_speed_of(slot)} / radius[slot];
   }
   Vec2 velocity(std::size_t slot) const { return {vel[2 * slot], vel[2 * slot + 1]}; }
 
@@ -176,11 +194,10 @@ class BodyStore {
 
   /// Fills up the last block with neutral records: at the place of the last body, at rest, unlinked.
   void pad_tail() {
-    const std::uint32_t end = static_cast<std::uint32_t>(kernels::round_up_block(count));
-    for (std::uint32_t i = count; i < end; ++i) {
-      pos[2 * i] = pos[2 * (count - 1)];
-      pos[2 * i + 1] = pos[2 * (count - 1) + 1];
-      vel[2 * i] = vel[2 * i + 1] = disp[2 * i] = disp[2 * i + 1] = 0;
+    const std::size_t last = count - 1;
+    for (std::size_t i = count; i < kernels::round_up_block(count); ++i) {
+      put_point(i, {pos[2 * last], pos[2 * last + 1]});
+      vel[2 * i] = vel[2 * i + 1] = 0;
       radius[i] = 0;
       linked[i] = 0;
       id[i] = kNoSlot;

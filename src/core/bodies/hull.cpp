@@ -83,7 +83,7 @@ MassProperties properties_of(const Sums& sums, Vec2 base) {
   return {sums.area, base + offset, sums.polar / sums.area - dot(offset, offset)};
 }
 
-std::string vertex_name(std::size_t k) { return "vertex " + std::to_string(k); }
+std::string vertex_name(std::ptrdiff_t k) { return "vertex " + std::to_string(k); }
 
 bool fail(std::string& error, std::string text) {
   error = std::move(text);
@@ -91,11 +91,10 @@ bool fail(std::string& error, std::string text) {
 }
 
 bool check_points(const Points& points, std::string& error) {
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (std::fabs(points[k].x) <= kMostSize && std::fabs(points[k].y) <= kMostSize) continue;
-    return fail(error, vertex_name(k) + " must lie within 1e9 m of the body's place");
-  }
-  return true;
+  const auto is_far = [](Vec2 p) { return !(std::fabs(p.x) <= kMostSize && std::fabs(p.y) <= kMostSize); };
+  const auto far = std::find_if(points.begin(), points.end(), is_far);
+  return far == points.end() ||
+         fail(error, vertex_name(far - points.begin()) + " must lie within 1e9 m of the body's place");
 }
 
 bool check_size(double size, const char* name, std::string& error) {
@@ -114,17 +113,11 @@ double extent_of(const Points& points) {
   return std::fmax(right.x - left.x, top.y - bottom.y);
 }
 
-/// A vertex of a polygon and its number in the description.
-struct Numbered {
-  Vec2 at;
-  std::size_t number;
-};
-
 /// Leaves out vertices that repeat the one before them or lie on the line of their neighbours.
-void drop_needless(std::vector<Numbered>& p, double size) {
+void drop_needless(Points& p, double size) {
   for (std::size_t k = 0; k < p.size() && p.size() > 2;) {
     const std::size_t n = p.size();
-    const Vec2 before = p[(k + n - 1) % n].at, here = p[k].at, after = p[(k + 1) % n].at;
+    const Vec2 before = p[(k + n - 1) % n], here = p[k], after = p[(k + 1) % n];
     const Vec2 u = here - before, v = after - here, w = after - before;
     const bool repeated = length_of(u) <= kSame * size;
     const bool straight = dot(u, v) > 0 && std::fabs(cross(u, w)) <= kSame * size * length_of(w);
@@ -138,38 +131,32 @@ void drop_needless(std::vector<Numbered>& p, double size) {
 }
 
 /// Makes the vertices of a polygon counter-clockwise and strictly convex.
-bool tidy_polygon(const Points& given, Points& out, std::string& error) {
+bool tidy_polygon(const Points& given, Points& p, std::string& error) {
   if (given.size() < 3 || given.size() > kMostPolygonVertices) {
     return fail(error, "a polygon has 3 to 8 vertices, this one has " + std::to_string(given.size()));
   }
   if (!check_points(given, error)) return false;
   const double size = extent_of(given);
   if (!check_size(size, "a polygon's extent", error)) return false;
-
-  std::vector<Numbered> p;
-  for (std::size_t k = 0; k < given.size(); ++k) p.push_back({given[k], k});
+  p = given;
   drop_needless(p, size);
-  const std::size_t n = p.size();
-  double area = 0;
-  for (std::size_t k = 1; k + 1 < n; ++k) {
-    area += 0.5 * cross(p[k].at - p[0].at, p[k + 1].at - p[0].at);
-  }
+  const double area = rounded_sums(p, 0).area;
   if (area < 0) std::reverse(p.begin(), p.end());
   // All vertices to the left of every edge, those at its ends aside: convex and not self-crossing.
   // First each edge's next vertex, so that a dent is what the message names.
+  const std::size_t n = p.size();
   for (std::size_t ahead = 2; ahead < n; ++ahead) {
     for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 edge = p[(k + 1) % n].at - p[k].at;
-      const Numbered& other = p[(k + ahead) % n];
-      if (cross(edge, other.at - p[k].at) > 0) continue;
-      const std::size_t corner = ahead == 2 ? p[(k + 1) % n].number : other.number;
-      return fail(error, "a polygon must be convex and not cross itself; it is not at " + vertex_name(corner));
+      const Vec2 next = p[(k + 1) % n], other = p[(k + ahead) % n], corner = ahead == 2 ? next : other;
+      if (cross(next - p[k], other - p[k]) > 0) continue;
+      const auto is_corner = [&](Vec2 v) { return v.x == corner.x && v.y == corner.y; };
+      const auto number = std::find_if(given.begin(), given.end(), is_corner) - given.begin();
+      return fail(error, "a polygon must be convex and not cross itself; it is not at " + vertex_name(number));
     }
   }
   if (n < 3 || !(std::fabs(area) > kSame * size * size)) {
     return fail(error, "a polygon must have an area (above 1e-6 of its extent squared)");
   }
-  for (const Numbered& v : p) out.push_back(v.at);
   return true;
 }
 

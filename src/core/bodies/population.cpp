@@ -9,25 +9,22 @@
 namespace psim {
 namespace {
 
-// One line that says what is wrong with the points of a line, or nothing.
-std::string check_line(const std::vector<Vec2>& points, bool loop) {
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!finite(points[k])) return "segment points must be finite";
-    if (k + 1 == points.size() && !loop) break;
-    const Vec2 next = points[(k + 1) % points.size()];
-    if (points[k].x == next.x && points[k].y == next.y) return "segment points must differ";
-  }
-  return {};
-}
-
+// Makes the pieces of a line. One line that says what is wrong with it, or nothing.
 std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
-  const std::size_t n = chain.vertices.size();
+  const std::vector<Vec2>& points = chain.vertices;
+  const std::size_t n = points.size();
   if (n < (chain.loop ? 3u : 2u)) {
     return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
   }
-  for (std::size_t k = 0; k + 1 < n; ++k) pieces.segment(chain.vertices[k], chain.vertices[k + 1], 0, false);
-  if (chain.loop) pieces.segment(chain.vertices[n - 1], chain.vertices[0], 0, false);
-  return check_line(chain.vertices, chain.loop);
+  for (const Vec2 p : points) {
+    if (!finite(p)) return "segment points must be finite";
+  }
+  for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
+    const Vec2 from = points[k], to = points[(k + 1) % n];
+    if (from.x == to.x && from.y == to.y) return "segment points must differ";
+    pieces.segment(from, to, 0, false);
+  }
+  return {};
 }
 
 // Makes the pieces of a static body. One line that says what is wrong with its shape, or nothing.
@@ -69,14 +66,12 @@ Vec2 Population::capped(Vec2 v) const {
 
 void Population::let_turn() {
   traits.turning = true;
-  if (bodies.rim_speed.empty()) bodies.keep_rotation(true);
+  bodies.keep_rotation(true);
 }
 
-// So many equal bodies come or go.
-void Population::count(const BodyProperties& p, std::int64_t n, Traits& t) const {
-  const auto add = [n](std::uint64_t& counter, bool yes) {
-    if (yes) counter += static_cast<std::uint64_t>(n);
-  };
+// A body comes (+1) or goes (-1).
+void Population::count(const BodyProperties& p, int sign, Traits& t) const {
+  const auto add = [sign](std::uint64_t& counter, bool yes) { counter += static_cast<std::uint64_t>(yes ? sign : 0); };
   const BodyKind& kind = bodies.kinds[p.kind];
   const bool disc = kind.hull_count == 0;
   add(t.filtered, kind.filter != Filter{});
@@ -106,13 +101,9 @@ void Population::count(const BodyProperties& p, std::int64_t n, Traits& t) const
 Traits Population::recounted() const {
   Traits t = traits;
   static_cast<BodyCounts&>(t) = {};
-  std::vector<std::int64_t> alike(bodies.property_table.size());
   for (std::uint32_t id = 0; id < bodies.id_count; ++id) {
-    const BodyInfo& info = bodies.info[id];
-    if (info.place != Place::none && info.place != Place::frozen) ++alike[info.properties];
-  }
-  for (std::uint32_t k = 0; k < alike.size(); ++k) {
-    if (alike[k] != 0) count(bodies.property_table[k], alike[k], t);
+    const Place place = bodies.info[id].place;
+    if (place != Place::none && place != Place::frozen) count(bodies.properties(id), +1, t);
   }
   return t;
 }
@@ -176,32 +167,21 @@ void Population::enter_statics(std::uint32_t id, const BodyDesc& d, std::vector<
     piece.shape.owner = id;
     piece.shape.restitution = properties.restitution;
     piece.shape.friction = properties.friction;
-    statics.add(piece.shape, piece.shape.whole ? &piece.hull : nullptr);
+    statics.add(piece);
   }
 }
 
-// Gives a moving body a slot at the end of the columns.
 void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   const BodyProperties& properties = bodies.properties(id);
   const BodyKind& kind = bodies.kind(id);
   bodies.find_slots();
   bodies.reserve_slots(1);
+  if (traits.fields) bodies.keep_remainders(true, desc_.integrator != Integrator::verlet);
+  if (d.angle != 0 || d.angular_velocity != 0) let_turn();
   // In open worlds steps remove bodies and give their ids back, which must not allocate.
   if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
-  const std::uint32_t slot = bodies.count++;
-  bodies.info[id].slot = slot;
-  bodies.info[id].place = Place::moving;
-  bodies.id[slot] = id;
-  bodies.radius[slot] = properties.radius;
-  bodies.linked[slot] = 0;
-  if (traits.fields) bodies.keep_remainders(true, desc_.integrator != Integrator::verlet);
-  bodies.put_point(slot, lattice_.to_lattice(d.position, arm_of(kind, d.angle)));
-  bodies.clear_remainders(slot);
-  if (d.angle != 0 || d.angular_velocity != 0) let_turn();
-  if (!bodies.rim_speed.empty()) {
-    bodies.rim_speed[slot] = rim_speed_of(d.angular_velocity, properties.radius);
-    bodies.angle[slot] = d.angle;
-  }
+  const std::uint32_t slot = bodies.enter(id, lattice_.to_lattice(d.position, arm_of(kind, d.angle)), d.angle);
+  if (!bodies.rim_speed.empty()) bodies.rim_speed[slot] = rim_speed_of(d.angular_velocity, properties.radius);
   const Vec2 velocity = capped(d.velocity);
   bodies.put_velocity(slot, velocity);
   if (properties.type == BodyType::kinematic_body) {

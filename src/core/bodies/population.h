@@ -99,7 +99,7 @@ class Population {
   void enter_columns(std::uint32_t id, const BodyDesc& desc);
   void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);
-  void count(const BodyProperties& properties, std::int64_t bodies, Traits& to) const;
+  void count(const BodyProperties& properties, int sign, Traits& to) const;
   void go_round(std::uint32_t id, Vec2 velocity);
 
   const WorldDesc& desc_;

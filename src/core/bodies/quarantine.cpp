@@ -83,13 +83,6 @@ bool Quarantine::bring_back(Population& population, const Lattice& lattice, cons
   BodyStore& bodies = population.bodies;
   const Bounds& b = desc.bounds;
   bool any = false;
-  const auto back = [](double& x, float& v, double low, double high, double radius, float e) {
-    if (x >= low && x <= high) return;
-    const double room = std::fmin(radius, (high - low) / 2);
-    const bool left = x < low;
-    x = left ? low + room : high - room;
-    if ((v < 0) == left) v = -e * v;
-  };
   for (std::size_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const BodyProperties& properties = bodies.properties(bodies.id[i]);
@@ -97,13 +90,19 @@ bool Quarantine::bring_back(Population& population, const Lattice& lattice, cons
       for (const std::size_t k : {2 * i, 2 * i + 1}) bodies.pos[k] = std::clamp(bodies.pos[k], -kFarSteps, kFarSteps);
       continue;
     }
-    Vec2 at = lattice.to_world(bodies.point(i));
-    const Vec2 before = at;
     const float e = std::fmax(properties.restitution, static_cast<float>(desc.wall.restitution));
-    const auto radius = static_cast<double>(properties.radius);
-    back(at.x, bodies.vel[2 * i], b.xmin, b.xmax, radius, e);
-    back(at.y, bodies.vel[2 * i + 1], b.ymin, b.ymax, radius, e);
-    if (at.x == before.x && at.y == before.y) continue;
+    const auto back = [&](double& x, float& v, double low, double high) {
+      if (x >= low && x <= high) return false;
+      const double room = std::fmin(properties.radius, (high - low) / 2);
+      const bool left = x < low;
+      x = left ? low + room : high - room;
+      if ((v < 0) == left) v = -e * v;
+      return true;
+    };
+    Vec2 at = lattice.to_world(bodies.point(i));
+    const bool was_beside = back(at.x, bodies.vel[2 * i], b.xmin, b.xmax);
+    const bool was_beyond = back(at.y, bodies.vel[2 * i + 1], b.ymin, b.ymax);
+    if (!was_beside && !was_beyond) continue;
     bodies.put_point(i, lattice.to_lattice(at));
     any = true;
   }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -27,7 +27,7 @@ class ShapeTable {
   /// Adds a user to a set of hulls and returns the number of the first one; the others follow it. Number 0 means a
   /// plain disc and is never given out.
   std::uint32_t acquire(const std::vector<Hull>& parts) {
-    const std::uint64_t key = hash(parts);
+    const std::size_t key = hash(parts);
     for (auto [at, end] = by_hash_.equal_range(key); at != end; ++at) {
       Set& set = sets_[at->second];
       if (set.count != parts.size() || !std::equal(parts.begin(), parts.end(), hulls_.begin() + set.first)) continue;
@@ -57,9 +57,10 @@ class ShapeTable {
     free_.push_back(index);
   }
 
-  /// Gives all memory back. No body may have a shape.
-  void clear() { *this = ShapeTable(); }
-  bool empty() const { return by_hash_.empty(); }
+  /// Gives all memory back if no body has a shape.
+  void give_back() {
+    if (by_hash_.empty()) *this = ShapeTable();
+  }
 
   /// Memory in use; the entry that stands for discs does not count.
   std::size_t bytes() const {
@@ -73,17 +74,10 @@ class ShapeTable {
     std::uint32_t users = 0;
   };
 
-  static std::uint64_t hash(const std::vector<Hull>& parts) {
-    std::uint64_t h = parts.size();
-    for (const Hull& hull : parts) {
-      const auto add = [&h](float value) {
-        h = (h ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15u;
-        h ^= h >> 29;
-      };
-      for (int k = 0; k < hull.count; ++k) add(hull.x[k]), add(hull.y[k]);
-      add(hull.radius);
-    }
-    return h;
+  static std::size_t hash(const std::vector<Hull>& parts) {
+    static_assert(sizeof(Hull) == (4 * Hull::kMost + 4) * sizeof(float), "no padding");
+    const std::string_view bytes(reinterpret_cast<const char*>(parts.data()), parts.size() * sizeof(Hull));
+    return std::hash<std::string_view>()(bytes);
   }
   // The set that begins with this hull, or the one behind it.
   std::uint32_t index_of(std::uint32_t first) const {
@@ -93,7 +87,7 @@ class ShapeTable {
   std::vector<Hull> hulls_{1};
   std::vector<Set> sets_;  // by their first hull
   std::vector<std::uint32_t> free_;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> by_hash_;  // of the sets with users, which differ in content
+  std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;  // of the sets with users, which differ in content
 };
 
 }  // namespace psim

@@ -38,29 +38,29 @@ StaticShapes::StaticShapes(MemoryMeter& meter, const Lattice& lattice)
       standing_(meter, shift_of(lattice)),
       lattice_(&lattice) {}
 
-void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
-  statics_[number] = shape;
+void StaticShapes::put(std::uint32_t number, const Piece& piece) {
+  statics_[number] = piece.shape;
   ++alive_;
-  if (hull == nullptr) return;
+  if (!piece.shape.whole) return;
   std::uint32_t& at = statics_[number].hull;
   if (free_hulls_.empty()) {
     at = static_cast<std::uint32_t>(hulls_.size());
-    hulls_.push_back(*hull);
+    hulls_.push_back(piece.hull);
   } else {
     at = free_hulls_.back();
     free_hulls_.pop_back();
-    hulls_[at] = *hull;
+    hulls_[at] = piece.hull;
   }
 }
 
-std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
+void StaticShapes::add(const Piece& piece) {
   statics_.reserve(std::size_t{count_} + 1);
-  put(count_, shape, hull);
+  put(count_++, piece);
   dirty_ = true;
-  return count_++;
 }
 
-std::uint32_t StaticShapes::add_sleeping(const Piece* pieces, std::uint32_t count) {
+std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
+  const auto count = static_cast<std::uint32_t>(pieces.size());
   std::uint32_t first = count_;
   if (count <= kLongestRun && !runs_[count].empty()) {
     first = runs_[count].back();
@@ -70,8 +70,7 @@ std::uint32_t StaticShapes::add_sleeping(const Piece* pieces, std::uint32_t coun
     count_ += count;
   }
   for (std::uint32_t k = 0; k < count; ++k) {
-    const StaticShape& piece = pieces[k].shape;
-    put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
+    put(first + k, pieces[k]);
     statics_[first + k].asleep = true;
     enter(sleepers_, first + k);
   }

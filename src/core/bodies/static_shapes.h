@@ -40,7 +40,7 @@ struct StaticShape {
 /// A shape on its way into the grids.
 struct Piece {
   StaticShape shape;
-  Hull hull;  ///< of a whole polygon: in world axes, about its place
+  Hull hull = {};  ///< of a whole polygon: in world axes, about its place
 };
 
 /// Shape numbers of the walls in contact lists.
@@ -76,12 +76,11 @@ class StaticShapes {
   /// The grids, once all are there. False if not as many pieces sleep.
   bool make_grids(std::size_t asleep);
 
-  /// `hull`, of a whole polygon, is in world axes about p.
-  std::uint32_t add(const StaticShape& shape, const Hull* hull = nullptr);
+  void add(const Piece& piece);
   void remove(std::uint32_t first, std::uint32_t owner);
 
   /// Adds the pieces of a body that falls asleep. Returns the number of the first one; the others follow. O(count).
-  std::uint32_t add_sleeping(const Piece* pieces, std::uint32_t count);
+  std::uint32_t add_sleeping(const std::vector<Piece>& pieces);
   /// Makes room for so many pieces of sleeping bodies, `hulls` of them with hulls: adding them allocates nothing.
   void make_room(std::uint32_t pieces, std::uint32_t hulls);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
@@ -122,7 +121,7 @@ class StaticShapes {
   Cells cells_of(const Bounds& box) const;
   Cells cells_of(const StaticShape& s, std::int64_t row) const;
   bool meets_grid(const Bounds& box) const;
-  void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
+  void put(std::uint32_t number, const Piece& piece);
   void drop(std::uint32_t number);
   void enter(HashGrid& grid, std::uint32_t number) const;
   double size_of(const StaticShape& s) const { return s.whole ? hulls_[s.hull].reach : s.radius; }

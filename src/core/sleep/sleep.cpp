@@ -158,7 +158,7 @@ void Sleep::put_to_sleep(const SleepSource& source, std::uint32_t k) {
     piece.shape.friction = properties.friction;
   }
   s.pieces = static_cast<std::uint32_t>(list.size());
-  s.first_shape = source.population.statics.add_sleeping(list.data(), s.pieces);
+  s.first_shape = source.population.statics.add_sleeping(list);
 }
 
 BodyState Sleep::state_of(const Population& population, const Lattice& lattice, std::uint32_t id) const {

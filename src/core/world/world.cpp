@@ -179,7 +179,7 @@ void World::count_lane_use() {
 }
 std::vector<LaneUse> World::lane_use() const { return impl_->ledger.lane_use(); }
 
-void World::start_trace() { impl_->tracer.start(impl_->options.threads); }
+void World::start_trace() { impl_->tracer.start(); }
 void World::stop_trace() { impl_->tracer.stop(); }
 std::vector<TraceEvent> World::take_trace() { return impl_->tracer.take(); }
 

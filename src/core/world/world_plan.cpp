@@ -77,7 +77,7 @@ void World::Impl::apply_plan() {
   sorted_out = sorts_out;
   if (left(&Plan::manifolds)) {
     contacts.stacks.release();
-    if (bodies.hulls.empty()) bodies.hulls.clear();
+    bodies.hulls.give_back();
   }
   if (left(&Plan::joints)) joints.release_blocks();
   if (left(&Plan::continuous)) dynamics.continuous.release();
