@@ -32,7 +32,9 @@ inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 inline double length_of(Vec2 v) { return std::sqrt(dot(v, v)); }
 inline Vec2 turned(SineCosine q, Vec2 v) { return {q.cosine * v.x - q.sine * v.y, q.sine * v.x + q.cosine * v.y}; }
 
-inline bool contains(const Bounds& b, Vec2 p) { return p.x >= b.xmin && p.x <= b.xmax && p.y >= b.ymin && p.y <= b.ymax; }
+inline bool contains(const Bounds& b, Vec2 p) {
+  return p.x >= b.xmin && p.x <= b.xmax && p.y >= b.ymin && p.y <= b.ymax;
+}
 inline bool overlap(const Bounds& a, const Bounds& b) {
   return a.xmin <= b.xmax && a.xmax >= b.xmin && a.ymin <= b.ymax && a.ymax >= b.ymin;
 }

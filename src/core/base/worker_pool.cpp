@@ -64,8 +64,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
     shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads_)), std::memory_order_release);
   }
   ticket_.store(open, std::memory_order_release);
-  const std::size_t mine = work(0, open);
-  done_.fetch_add(mine, std::memory_order_acq_rel);
+  done_.fetch_add(work(0, open), std::memory_order_acq_rel);
   const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
   const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
   for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) wait_a_moment(spins);
@@ -79,9 +78,6 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
 // Claims and runs jobs under the ticket until none is left; returns how many.
 std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
   std::size_t finished = 0;
-  const bool traced = home != 0 && tracer_ != nullptr && tracer_->on();
-  Tracer::Clock::time_point begin;
-  const char* stage = "";
   for (std::size_t step = 0; step < threads_; ++step) {
     Share& share = shares_[(home + step) % threads_];
     std::uint64_t next = share.next.load(std::memory_order_acquire);
@@ -97,16 +93,11 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
                                             std::memory_order_acquire)) {
         continue;
       }
-      if (traced && finished == 0) {
-        stage = tracer_->stage();
-        begin = Tracer::Clock::now();
-      }
       for (std::uint32_t n = number; n < number + claimed; ++n) call(context, n);
       finished += claimed;
       next = share.next.load(std::memory_order_acquire);
     }
   }
-  if (traced && finished != 0) tracer_->add(home, stage, begin, Tracer::Clock::now());
   return finished;
 }
 
@@ -127,8 +118,12 @@ void WorkerPool::worker(std::size_t index) {
     }
     if ((ticket & 1u) != 0 || ticket == seen) continue;
     seen = ticket;
+    const bool traced = tracer_ != nullptr && tracer_->on();
+    const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
     const std::size_t finished = work(index, ticket);
-    if (finished != 0) done_.fetch_add(finished, std::memory_order_acq_rel);
+    if (finished == 0) continue;
+    if (traced) tracer_->add(index, tracer_->stage(), begin, Tracer::Clock::now());
+    done_.fetch_add(finished, std::memory_order_acq_rel);
   }
 }
 

@@ -177,9 +177,7 @@ class BodyStore {
   double angle_of(std::size_t slot) const { return angle.empty() ? 0 : angle[slot]; }
   float rim_speed_of(std::size_t slot) const { return rim_speed.empty() ? 0.0f : rim_speed[slot]; }
   /// The angular velocity, rad/s.
-  double omega_of(std::size_t slot) const {
-    return double{rim_speed_of(slot)} / radius[slot];
-  }
+  double omega_of(std::size_t slot) const { return double{rim_speed_of(slot)} / radius[slot]; }
   Vec2 velocity(std::size_t slot) const { return {vel[2 * slot], vel[2 * slot + 1]}; }
 
   /// Sets the velocity of a slot, m/s. Where remainders are kept, the part that does not fit into a float goes there.

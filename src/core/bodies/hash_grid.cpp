@@ -24,8 +24,9 @@ int level_of(std::uint64_t cell) { return static_cast<int>(cell >> 58); }
 class Span {
  public:
   Span(std::int32_t middle, std::uint32_t half, int level) : mask_((1ull << (32 - level)) - 1) {
+    constexpr std::uint64_t kHalf = 1ull << 31;  // of the lattice
     const std::uint64_t reach = std::uint64_t{half} + (1ull << level) / 2;
-    const std::uint64_t low = static_cast<std::uint32_t>(middle) + (1ull << 32) - std::min(reach, std::uint64_t{1} << 31);
+    const std::uint64_t low = static_cast<std::uint32_t>(middle) + (1ull << 32) - std::min(reach, kHalf);
     const std::uint64_t offset = low & ((1ull << level) - 1);
     first_ = (low >> level) & mask_;
     count = std::min(mask_ + 1, ((offset + 2 * reach) >> level) + 1);

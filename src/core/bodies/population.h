@@ -93,7 +93,7 @@ class Population {
   Traits traits;
   float first_radius = 0;           ///< of the first moving body: what Traits compares with
   BodyProperties first_properties;  ///< the same of the first disc
-  float least_radius = 0;  ///< m: of all moving bodies that there ever were
+  float least_radius = 0;           ///< m: of all moving bodies that there ever were
 
  private:
   void enter_columns(std::uint32_t id, const BodyDesc& desc);

@@ -19,7 +19,7 @@ BodyState at_rest(BodyState s) {
 std::uint32_t Quarantine::freeze_doubtful(const Population& population, const Freeze& freeze) {
   std::uint32_t frozen = 0;
   for (const BodyId id : doubtful) {
-    if (!population.is_valid(id) || population.bodies.info[id.index].place != Place::moving) continue;  // frozen already
+    if (!population.is_valid(id) || population.bodies.info[id.index].place != Place::moving) continue;
     freeze(at_rest(population.state_of(id.index)));
     ++frozen;
   }

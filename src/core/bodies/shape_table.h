@@ -87,7 +87,8 @@ class ShapeTable {
   std::vector<Hull> hulls_{1};
   std::vector<Set> sets_;  // by their first hull
   std::vector<std::uint32_t> free_;
-  std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;  // of the sets with users, which differ in content
+  // The sets with users. Look-up only: they differ in content, so that no order matters.
+  std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;
 };
 
 }  // namespace psim

@@ -217,7 +217,8 @@ bool StaticShapes::fill_cells(const std::vector<std::uint32_t>& standing) {
       const bool slanted = s.segment && all.last_row > all.first_row && all.last_col > all.first_col;
       for (std::int64_t row = all.first_row; row <= all.last_row; ++row) {
         const Cells here = slanted ? cells_of(s, row) : all;
-        for (std::int64_t c = here.first_col; c <= here.last_col; ++c) each(static_cast<std::size_t>(row * cols_ + c), i);
+        const std::int64_t first = row * cols_ + here.first_col, last = row * cols_ + here.last_col;
+        for (std::int64_t cell = first; cell <= last; ++cell) each(static_cast<std::size_t>(cell), i);
       }
     }
   };
@@ -268,9 +269,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   const double r = reach;
   const auto from = static_cast<std::ptrdiff_t>(out.size());
   const Bounds square{m.x - r, m.y - r, m.x + r, m.y + r};
-  const auto find_in = [&](const HashGrid& grid) {
-    grid.near(x, y, steps_of(r / px + 1), steps_of(r / py + 1), out);
-  };
+  const auto find_in = [&](const HashGrid& grid) { grid.near(x, y, steps_of(r / px + 1), steps_of(r / py + 1), out); };
   // Drops those of the shapes found since `begin` that are not wanted or that the test names.
   const auto drop = [&](std::ptrdiff_t begin, const auto& test) {
     const auto gone = [&](std::uint32_t i) { return (statics_[i].whole && !whole_wanted_) || test(statics_[i]); };
@@ -284,14 +283,16 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
     const Cells cells = cells_of(square);
     for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
       const std::uint32_t* const start = cell_start_.data() + row * cols_;
-      out.insert(out.end(), cell_shape_.data() + start[cells.first_col], cell_shape_.data() + start[cells.last_col + 1]);
+      out.insert(out.end(), cell_shape_.data() + start[cells.first_col],
+                 cell_shape_.data() + start[cells.last_col + 1]);
     }
     drop(from, apart);
   }
   if (!sleepers_.empty()) {
     const auto standing = static_cast<std::ptrdiff_t>(out.size());
     find_in(sleepers_);
-    drop(standing, [&](const StaticShape& s) {  // as seen from the body: in a periodic world one may lie beyond the seam
+    // As seen from the body: in a periodic world one may lie beyond the seam.
+    drop(standing, [&](const StaticShape& s) {
       const Vec2 a = lattice_->metres(wrap_sub(s.p.x, x), wrap_sub(s.p.y, y));
       const Vec2 b = s.segment ? a + lattice_->metres(wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y)) : a;
       const double far = r + 2 * px + 2 * py + size_of(s);

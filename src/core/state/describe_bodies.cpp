@@ -5,6 +5,14 @@
 #include "state/describe.h"
 
 namespace psim {
+namespace {
+
+std::size_t count_of(const BodyStore& b, Place place) {
+  const auto is_there = [place](const BodyInfo& info) { return info.place == place; };
+  return static_cast<std::size_t>(std::count_if(b.info.data(), b.info.data() + b.id_count, is_there));
+}
+
+}  // namespace
 
 template <class A>
 void BodyPropertyTable::describe(A& a, std::size_t kinds) {
@@ -30,7 +38,8 @@ void BodyKindTable::describe(A& a, const ShapeTable& hulls) {
 
 bool ShapeTable::has(const BodyKind& kind) const {
   const std::uint32_t k = index_of(kind.first_hull);
-  return k < sets_.size() && sets_[k].first == kind.first_hull && sets_[k].count == kind.hull_count && sets_[k].users != 0;
+  return k < sets_.size() && sets_[k].first == kind.first_hull && sets_[k].count == kind.hull_count &&
+         sets_[k].users != 0;
 }
 
 template <class A>
@@ -121,8 +130,7 @@ void BodyStore::describe_slots(A& a, bool lists) {
         a.require(put(id[slot], Place::moving, slot));
       }
     }
-    const auto is_moving = [](const BodyInfo& i) { return i.place == Place::moving; };
-    a.require(count - dead == std::count_if(info.data(), info.data() + id_count, is_moving));
+    a.require(count - dead == count_of(*this, Place::moving));
     slots_stale = false;
   }
 }
@@ -352,11 +360,7 @@ void TouchMemory::describe(A& a, std::uint32_t ids) {
 template <class A>
 void Sleepers::describe(A& a, BodyStore& bodies, StaticShapes& statics) {
   values(a, woke, changed, watching_);
-  if constexpr (A::kLoading) {
-    const auto sleeps = [](const BodyInfo& i) { return i.place == Place::asleep; };
-    list.assign(static_cast<std::size_t>(std::count_if(bodies.info.data(), bodies.info.data() + bodies.id_count, sleeps)),
-                Sleeper{});
-  }
+  if constexpr (A::kLoading) list.assign(count_of(bodies, Place::asleep), Sleeper{});
   lattice_points(a, list.size(), [&](std::size_t k) -> LatticePoint& { return list[k].at; });
   using S = Sleeper;
   columns(
