@@ -50,12 +50,26 @@ class Lattice {
   double pitch_y() const { return pitch_y_; }
 
   /// The lattice place of a world position (clamped to the lattice where it does not wrap).
-  LatticePoint to_lattice(Vec2 p) const { return moved({}, p - centre_); }
+  LatticePoint to_lattice(Vec2 p) const {
+    LatticePoint out;
+    axis(p.x - centre_.x, pitch_x_, out.x, out.dx);
+    axis(p.y - centre_.y, pitch_y_, out.y, out.dy);
+    return out;
+  }
+
   /// The lattice place of `place` + `arm`. The arm is added on the lattice, so that a scene that is moved
   /// by whole steps has the same bits.
   LatticePoint to_lattice(Vec2 place, Vec2 arm) const {
-    const LatticePoint p = to_lattice(place);
-    return arm.x == 0 && arm.y == 0 ? p : moved(p, arm);
+    if (arm.x == 0 && arm.y == 0) return to_lattice(place);
+    LatticePoint p = to_lattice(place);
+    const auto add = [&](std::int32_t& k, float& rest, double way, double pitch) {
+      const double all = rest + way, steps = clamped(k + std::nearbyint(all / pitch));
+      rest = static_cast<float>(all - (steps - k) * pitch);
+      k = step_of(steps);
+    };
+    add(p.x, p.dx, arm.x, pitch_x_);
+    add(p.y, p.dy, arm.y, pitch_y_);
+    return p;
   }
 
   /// So many lattice steps, m.
@@ -94,17 +108,18 @@ class Lattice {
   bool wraps() const { return wraps_; }  ///< periodic world
 
  private:
-  LatticePoint moved(LatticePoint p, Vec2 way) const {
-    const double limit = wraps_ ? 0x1p62 : 0x1p30;  // steps
-    const auto move = [&](std::int32_t& k, float& rest, double along, double pitch) {
-      const double all = std::fmin(std::fmax(rest + along, -0x1p100), 0x1p100);  // the remainder is finite as a float
-      const double steps = k + std::nearbyint(all / pitch), kept = std::fmin(std::fmax(steps, -limit), limit);
-      rest = static_cast<float>(all - ((wraps_ ? steps : kept) - k) * pitch);
-      k = static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(kept)));
-    };
-    move(p.x, p.dx, way.x, pitch_x_);
-    move(p.y, p.dy, way.y, pitch_y_);
-    return p;
+  void axis(double d, double pitch, std::int32_t& k, float& rest) const {
+    d = std::fmin(std::fmax(d, -0x1p100), 0x1p100);  // the remainder must be finite as a float
+    const double steps = std::nearbyint(d / pitch), kept = clamped(steps);
+    rest = static_cast<float>(d - (wraps_ ? steps : kept) * pitch);
+    k = step_of(kept);
+  }
+  double clamped(double steps) const {
+    const double limit = wraps_ ? 0x1p62 : 0x1p30;
+    return steps < limit ? (steps > -limit ? steps : -limit) : limit;
+  }
+  static std::int32_t step_of(double steps) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(steps)));
   }
 
   double pitch_x_ = 1, pitch_y_ = 1;
