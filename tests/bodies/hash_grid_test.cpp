@@ -33,7 +33,7 @@ std::uint32_t size(Random& random, double most) {
 }
 
 struct Model {
-  explicit Model(int shift) { grid.set_shape(shift); }
+  explicit Model(int shift) : grid(meter, shift) {}
 
   void insert(const Box& box) {
     grid.insert(box.number, box.x, box.y, box.half_x, box.half_y);
@@ -69,7 +69,7 @@ struct Model {
   }
 
   MemoryMeter meter;
-  HashGrid grid{meter};
+  HashGrid grid;
   std::vector<Box> boxes;
 };
 

@@ -2,6 +2,7 @@
 // the kernels want it. Growth is counted: a warm step makes none.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -42,20 +43,18 @@ class Column {
   /// Makes room for n values (and the readable pad). Keeps the content; new values are zero.
   void reserve(std::size_t n) {
     if (n <= capacity_) return;
-    std::size_t wanted = capacity_ + capacity_ / 8;
-    if (wanted < n) wanted = n;
-    wanted = kernels::round_up_block(wanted) + kernels::kReadPad;
-    const std::size_t bytes = (wanted * sizeof(T) + kernels::kAlign - 1) / kernels::kAlign * kernels::kAlign;
-    T* fresh = static_cast<T*>(std::aligned_alloc(kernels::kAlign, bytes));
+    const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
+    const std::size_t size = bytes_for(wanted);
+    T* fresh = static_cast<T*>(std::aligned_alloc(kernels::kAlign, size));
     if (fresh == nullptr) throw std::bad_alloc();
-    if (capacity_bytes_ != 0) std::memcpy(static_cast<void*>(fresh), data_, capacity_bytes_);
-    std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + capacity_bytes_), 0, bytes - capacity_bytes_);
+    const std::size_t before = bytes();
+    if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
+    std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + before), 0, size - before);
     std::free(data_);
     data_ = fresh;
-    capacity_ = wanted - kernels::kReadPad;
-    meter_->bytes += bytes - capacity_bytes_;
+    capacity_ = wanted;
+    meter_->bytes += size - before;
     ++meter_->growths;
-    capacity_bytes_ = bytes;
   }
 
   /// The same, but with an eighth to spare when it grows: for lists whose length goes up and down.
@@ -65,18 +64,15 @@ class Column {
 
   /// Gives the memory back.
   void release() {
-    if (data_ == nullptr) return;
     std::free(data_);
-    meter_->bytes -= capacity_bytes_;
+    meter_->bytes -= bytes();
     data_ = nullptr;
     capacity_ = 0;
-    capacity_bytes_ = 0;
   }
 
   void swap(Column& other) {
     std::swap(data_, other.data_);
     std::swap(capacity_, other.capacity_);
-    std::swap(capacity_bytes_, other.capacity_bytes_);
   }
 
   T* data() { return data_; }
@@ -85,19 +81,29 @@ class Column {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return capacity_; }
   bool empty() const { return data_ == nullptr; }
-  std::size_t bytes() const { return capacity_bytes_; }
+  std::size_t bytes() const { return capacity_ == 0 ? 0 : bytes_for(capacity_); }
 
  private:
+  static std::size_t bytes_for(std::size_t capacity) {
+    const std::size_t size = (capacity + kernels::kReadPad) * sizeof(T);
+    return (size + kernels::kAlign - 1) / kernels::kAlign * kernels::kAlign;
+  }
+
   MemoryMeter* meter_;
   T* data_ = nullptr;
   std::size_t capacity_ = 0;
-  std::size_t capacity_bytes_ = 0;
 };
 
 /// Bytes that these vectors hold: a meter does not count them.
 template <class... Vectors>
 std::size_t bytes_of(const Vectors&... vectors) {
   return (std::size_t{0} + ... + (vectors.capacity() * sizeof vectors[0]));
+}
+
+/// Makes room for n values in columns that are wanted; the others give their memory back.
+template <class... Columns>
+void keep_if(bool wanted, std::size_t n, Columns&... columns) {
+  ((wanted ? columns.reserve(n) : columns.release()), ...);
 }
 
 }  // namespace psim

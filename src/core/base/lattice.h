@@ -25,6 +25,7 @@ inline std::int32_t wrap_add(std::int32_t a, std::int32_t b) {
 struct LatticePoint {
   std::int32_t x = 0, y = 0;
   float dx = 0, dy = 0;
+  friend bool operator==(const LatticePoint&, const LatticePoint&) = default;
 };
 
 class Lattice {
@@ -38,9 +39,8 @@ class Lattice {
       wraps_ = true;
       return;
     }
-    const double half = std::fmax(b.xmax - b.xmin, b.ymax - b.ymin) / 2;
     int exponent = 0;
-    std::frexp(half, &exponent);  // half <= 2^exponent
+    std::frexp(std::fmax(b.xmax - b.xmin, b.ymax - b.ymin) / 2, &exponent);  // half the width <= 2^exponent
     pitch_x_ = pitch_y_ = std::ldexp(1.0, exponent - 29);
     centre_ = {std::nearbyint((b.xmin / 2 + b.xmax / 2) / pitch_x_) * pitch_x_,
                std::nearbyint((b.ymin / 2 + b.ymax / 2) / pitch_y_) * pitch_y_};
@@ -63,7 +63,7 @@ class Lattice {
     if (arm.x == 0 && arm.y == 0) return to_lattice(place);
     LatticePoint p = to_lattice(place);
     const auto add = [&](std::int32_t& k, float& rest, double way, double pitch) {
-      const double all = static_cast<double>(rest) + way, steps = clamped(k + std::nearbyint(all / pitch));
+      const double all = rest + way, steps = clamped(k + std::nearbyint(all / pitch));
       rest = static_cast<float>(all - (steps - k) * pitch);
       k = step_of(steps);
     };
@@ -72,20 +72,21 @@ class Lattice {
     return p;
   }
 
-  Vec2 to_world(std::int32_t x, std::int32_t y, float dx, float dy) const {
-    return {centre_.x + (x * pitch_x_ + static_cast<double>(dx)), centre_.y + (y * pitch_y_ + static_cast<double>(dy))};
-  }
+  /// So many lattice steps, m.
+  Vec2 metres(std::int32_t x, std::int32_t y) const { return {x * pitch_x_, y * pitch_y_}; }
+  /// A place, m from the centre of the lattice.
+  Vec2 from_centre(const LatticePoint& p) const { return metres(p.x, p.y) + Vec2{p.dx, p.dy}; }
+  Vec2 to_world(const LatticePoint& p) const { return centre_ + from_centre(p); }
   /// The vector from one place to another, m. The difference of the lattice points is exact.
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
-    return {wrap_sub(to.x, from.x) * pitch_x_ + (static_cast<double>(to.dx) - static_cast<double>(from.dx)),
-            wrap_sub(to.y, from.y) * pitch_y_ + (static_cast<double>(to.dy) - static_cast<double>(from.dy))};
+    return metres(wrap_sub(to.x, from.x), wrap_sub(to.y, from.y)) + (Vec2{to.dx, to.dy} - Vec2{from.dx, from.dy});
   }
-  Vec2 to_world(const LatticePoint& p) const { return to_world(p.x, p.y, p.dx, p.dy); }
 
   /// Cuts the line from p to q at the edges of the lattice, so that its ends are not clamped one by one
   /// (Liang & Barsky 1984). A line that lies outside stays as it is, and so does any line where the lattice wraps.
-  void clip(Vec2& p, Vec2& q) const {
-    if (wraps_) return;
+  /// Returns whether the line was cut.
+  bool clip(Vec2& p, Vec2& q) const {
+    if (wraps_) return false;
     double begin = 0, end = 1;
     const Vec2 way = q - p;
     const auto cut = [&](double from, double along, double half) {
@@ -96,11 +97,11 @@ class Lattice {
       return begin < end;
     };
     constexpr double kReach = 0x1p30 - 0x1p20;  // lattice steps
-    if (!cut(p.x - centre_.x, way.x, kReach * pitch_x_) || !cut(p.y - centre_.y, way.y, kReach * pitch_y_)) {
-      return;
-    }
+    const Vec2 from = p - centre_;
+    if (!cut(from.x, way.x, kReach * pitch_x_) || !cut(from.y, way.y, kReach * pitch_y_)) return false;
     if (end < 1) q = p + end * way;
     if (begin > 0) p = p + begin * way;
+    return end < 1 || begin > 0;
   }
 
   Vec2 centre() const { return centre_; }

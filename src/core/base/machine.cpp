@@ -34,8 +34,7 @@ bool cpu_has(kernels::CpuNeed need) {
 
 void pause_briefly() { _mm_pause(); }
 
-void set_float_settings() { _mm_setcsr(kStepFloatSettings); }
-FloatSettings::FloatSettings() : before_(_mm_getcsr()) { set_float_settings(); }
+FloatSettings::FloatSettings() : before_(_mm_getcsr()) { _mm_setcsr(kStepFloatSettings); }
 FloatSettings::~FloatSettings() { _mm_setcsr(before_); }
 
 void clear_upper_halves() {
@@ -48,7 +47,6 @@ bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; 
 
 void pause_briefly() { std::this_thread::yield(); }
 
-void set_float_settings() {}
 FloatSettings::FloatSettings() : before_(0) {}
 FloatSettings::~FloatSettings() { (void)before_; }
 

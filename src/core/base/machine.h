@@ -23,11 +23,9 @@ const kernels::KernelTable& kernels_of(Isa isa);
 /// A hint to the CPU that the thread waits in a loop.
 void pause_briefly();
 
-/// Sets the calling thread to the floating-point settings of a step for good: round to nearest, no traps, denormals are
-/// flushed and read as zero. Denormals cost twenty times as much as other numbers and mean nothing here.
-void set_float_settings();
-
-/// The same from construction to destruction. The host's own settings come back at the end.
+/// Sets the calling thread to the floating-point settings of a step, from construction to destruction: round to
+/// nearest, no traps, denormals are flushed and read as zero. Denormals cost twenty times as much as other numbers and
+/// mean nothing here. The host's own settings come back at the end.
 class FloatSettings {
  public:
   FloatSettings();

@@ -21,6 +21,16 @@ bool is_same_file(const struct stat& file, int fd) {
   return ::fstat(fd, &other) == 0 && other.st_dev == file.st_dev && other.st_ino == file.st_ino;
 }
 
+void keep_owner_and_mode(int fd, const struct stat& old) {
+  mode_t mode = old.st_mode & kPermissions;
+  if (::fchown(fd, old.st_uid, old.st_gid) != 0 && ::fchown(fd, static_cast<uid_t>(-1), old.st_gid) != 0) {
+    mode &= ~kGroup;  // the permissions would go to another group
+  }
+  ::fchmod(fd, mode);
+}
+
+std::string folder_of(const std::string& path) { return path.substr(0, path.rfind('/') + 1); }
+
 }  // namespace
 
 OutputFile::OutputFile(const std::string& path) {
@@ -34,7 +44,7 @@ OutputFile::OutputFile(const std::string& path) {
     fail(errno);
   } else if ((!exists || !open_straight(path, old)) && error_ == 0 && find_target(path, exists)) {
     open_beside(exists);
-    if (exists && fd_ >= 0) keep_owner_and_mode(old);
+    if (exists && fd_ >= 0) keep_owner_and_mode(fd_, old);
   }
 }
 
@@ -56,8 +66,7 @@ bool OutputFile::open_straight(const std::string& path, const struct stat& old) 
     fd_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (fd_ < 0) return fail(errno);
   }
-  straight_ = fd_ >= 0;
-  return straight_;
+  return fd_ >= 0;
 }
 
 // Resolves links, so that the file behind a link is replaced and not the link, and so that the process may change its
@@ -76,7 +85,6 @@ bool OutputFile::find_target(const std::string& name, bool exists) {
   path = exists ? canonical(path, failed) : canonical(folder, failed) / path.filename();
   if (failed) return fail(failed.value());
   target_ = path;
-  folder_ = path.parent_path();
   return true;
 }
 
@@ -85,7 +93,7 @@ int OutputFile::take_name(const std::function<bool(const char*)>& take) {
   static std::atomic<unsigned> count = 0;
   int error = EEXIST;
   for (int k = 0; error == EEXIST && k < kMostNames; ++k) {
-    temporary_ = folder_ + "/.psim-" + std::to_string(::getpid()) + "." + std::to_string(count++);
+    temporary_ = folder_of(target_) + ".psim-" + std::to_string(::getpid()) + "." + std::to_string(count++);
     error = take(temporary_.c_str()) ? 0 : errno;
   }
   if (error != 0) temporary_.clear();
@@ -94,10 +102,9 @@ int OutputFile::take_name(const std::function<bool(const char*)>& take) {
 
 void OutputFile::open_beside(bool exists) {
   const mode_t mode = exists ? kOwner : kAnyoneByUmask;
-  const bool can_be_named_later = ::access("/proc/self/fd", X_OK) == 0;
   int error = EOPNOTSUPP;
-  if (can_be_named_later) {
-    fd_ = ::open(folder_.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
+  if (::access("/proc/self/fd", X_OK) == 0) {  // it can be named later
+    fd_ = ::open(folder_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
     error = errno;
   }
   if (fd_ < 0 && (error == EOPNOTSUPP || error == EISDIR || error == EINVAL)) {
@@ -107,14 +114,6 @@ void OutputFile::open_beside(bool exists) {
     });
   }
   if (fd_ < 0) fail(error);
-}
-
-void OutputFile::keep_owner_and_mode(const struct stat& old) {
-  mode_t mode = old.st_mode & kPermissions;
-  if (::fchown(fd_, old.st_uid, old.st_gid) != 0 && ::fchown(fd_, static_cast<uid_t>(-1), old.st_gid) != 0) {
-    mode &= ~kGroup;  // the permissions would go to another group
-  }
-  ::fchmod(fd_, mode);
 }
 
 std::string OutputFile::path_for_program(int there) const { return temporary_.empty() ? path_of(there) : temporary_; }
@@ -149,7 +148,7 @@ bool OutputFile::give_name(bool to_disk) {
   }
   temporary_.clear();
   if (error_ != 0 || !to_disk) return error_ == 0;
-  const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) {  // errors are ignored: the file is in its place, only a power cut could still lose its name
     ::fsync(folder);
     ::close(folder);
@@ -159,7 +158,7 @@ bool OutputFile::give_name(bool to_disk) {
 
 bool OutputFile::commit(bool to_disk) {
   if (error_ != 0) return false;
-  if (!straight_ && !give_name(to_disk)) return false;
+  if (!target_.empty() && !give_name(to_disk)) return false;
   const int closed = ::close(fd_);
   fd_ = -1;
   return closed == 0 || fail(errno);

@@ -40,16 +40,14 @@ class OutputFile {
   bool open_straight(const std::string& path, const struct stat& old);
   bool find_target(const std::string& name, bool exists);
   void open_beside(bool exists);
-  void keep_owner_and_mode(const struct stat& old);
   int take_name(const std::function<bool(const char*)>& take);
   bool give_name(bool to_disk);
   bool fail(int error);
 
-  std::string folder_, target_;  // with links resolved
-  std::string temporary_;        // to unlink; empty while the file is nameless or written directly
+  std::string target_;     // with links resolved; empty if it is written directly
+  std::string temporary_;  // to unlink; empty while the file is nameless or written directly
   int fd_ = -1;
   int error_ = 0;
-  bool straight_ = false;
 };
 
 }  // namespace psim

@@ -1,4 +1,4 @@
-// Vectors of the plane and rotations. Sine and cosine are polynomials of our own, because those of C libraries differ
+// Vectors and boxes of the plane, and rotations. Sine and cosine are polynomials of our own, because those of C libraries differ
 // from one platform to another.
 #pragma once
 
@@ -31,5 +31,12 @@ inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 inline double length_of(Vec2 v) { return std::sqrt(dot(v, v)); }
 inline Vec2 turned(SineCosine q, Vec2 v) { return {q.cosine * v.x - q.sine * v.y, q.sine * v.x + q.cosine * v.y}; }
+
+inline bool contains(const Bounds& b, Vec2 p) {
+  return p.x >= b.xmin && p.x <= b.xmax && p.y >= b.ymin && p.y <= b.ymax;
+}
+inline bool overlap(const Bounds& a, const Bounds& b) {
+  return a.xmin <= b.xmax && a.xmax >= b.xmin && a.ymin <= b.ymax && a.ymax >= b.ymin;
+}
 
 }  // namespace psim

@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdint>
+#include <cstddef>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "psim/report.h"
@@ -18,9 +20,8 @@ class Tracer {
  public:
   using Clock = std::chrono::steady_clock;
 
-  void start(int threads) {
-    if (tracks_.empty()) origin_ = Clock::now();
-    tracks_.resize(static_cast<std::size_t>(threads));
+  void start() {
+    if (origin_ == Clock::time_point{}) origin_ = Clock::now();
     on_.store(true, std::memory_order_relaxed);
   }
   /// Ends recording; the spans so far can still be taken.
@@ -34,36 +35,23 @@ class Tracer {
   void set_stage(const char* name) { stage_ = name; }
   const char* stage() const { return stage_; }
 
-  /// Adds a span; each thread writes its own track.
+  /// Adds a span; several threads may do so at once.
   void add(std::size_t thread, const char* name, Clock::time_point begin, Clock::time_point end) {
-    tracks_[thread].spans.push_back({name, static_cast<int>(thread), ns(begin), ns(end)});
+    const auto ns = [this](Clock::time_point t) {
+      return std::chrono::duration_cast<std::chrono::nanoseconds>(t - origin_).count();
+    };
+    const std::lock_guard lock(adding_);
+    spans_.push_back({name, static_cast<int>(thread), ns(begin), ns(end)});
   }
 
-  std::vector<TraceEvent> take() {
-    std::size_t count = 0;
-    for (const Track& t : tracks_) count += t.spans.size();
-    std::vector<TraceEvent> all;
-    all.reserve(count);
-    for (Track& t : tracks_) {
-      all.insert(all.end(), t.spans.begin(), t.spans.end());
-      t.spans.clear();
-    }
-    return all;
-  }
+  std::vector<TraceEvent> take() { return std::exchange(spans_, {}); }
 
  private:
-  // The spans of one thread, in a cache line of its own, because threads write at the same time.
-  struct alignas(64) Track {
-    std::vector<TraceEvent> spans;
-  };
-
-  std::int64_t ns(Clock::time_point t) const {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(t - origin_).count();
-  }
   std::atomic<bool> on_ = false;  // atomic, because a late worker may read it between two steps
   const char* stage_ = "";
   Clock::time_point origin_, stage_end_;
-  std::vector<Track> tracks_;
+  std::mutex adding_;
+  std::vector<TraceEvent> spans_;
 };
 
 /// Adds the time until its destruction to one stage of the report, and passes the span to the tracer. A stage begins

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "base/machine.h"
-
 namespace psim {
 namespace {
 
@@ -14,12 +12,11 @@ constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
 }  // namespace
 
 WorkerPool::WorkerPool(int threads)
-    : threads_(threads),
-      crowded_(static_cast<unsigned>(threads) > std::thread::hardware_concurrency()),
-      shares_(std::make_unique<Share[]>(static_cast<std::size_t>(threads))) {
-  ticket_.store(1, std::memory_order_relaxed);
-  for (int i = 1; i < threads; ++i) {
-    workers_.emplace_back([this, i] { worker(static_cast<std::size_t>(i)); });
+    : threads_(static_cast<std::size_t>(threads)),
+      crowded_(threads_ > std::thread::hardware_concurrency()),
+      shares_(std::make_unique<Share[]>(threads_)) {
+  for (std::size_t i = 1; i < threads_; ++i) {
+    workers_.emplace_back([this, i] { worker(i); });
   }
 }
 
@@ -32,17 +29,17 @@ WorkerPool::~WorkerPool() {
   for (std::thread& t : workers_) t.join();
 }
 
-void WorkerPool::begin_step() {
-  if (++awake_ > 1 || threads_ == 1 || host_.parallel_for) return;
+WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
+  if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
   {
-    const std::lock_guard lock(sleep_mutex_);
-    stepping_.store(true, std::memory_order_release);
+    const std::lock_guard lock(pool.sleep_mutex_);
+    pool.stepping_.store(true, std::memory_order_release);
   }
-  wake_.notify_all();
+  pool.wake_.notify_all();
 }
 
-void WorkerPool::end_step() {
-  if (--awake_ == 0) stepping_.store(false, std::memory_order_release);
+WorkerPool::Awake::~Awake() {
+  if (--pool_.awake_ == 0) pool_.stepping_.store(false, std::memory_order_release);
 }
 
 void WorkerPool::wait_a_moment(int spins) const {
@@ -53,35 +50,26 @@ void WorkerPool::wait_a_moment(int spins) const {
   }
 }
 
-void WorkerPool::run_on_host(std::size_t count, Call call, const void* context) {
-  host_.parallel_for(count, [call, context](std::size_t i) {
-    const FloatSettings settings;
-    call(context, i);
-  });
-}
-
 // Opens a run, works on it and waits for the last claimed job. A worker that reads the call under a
 // ticket and then claims under the same ticket is safe: while any job of the run is unfinished the
 // call stands. The odd ticket closes the shares while they are rewritten.
 void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   const std::uint32_t closed = ticket_.load(std::memory_order_relaxed);
   const std::uint32_t open = closed + 1;
-  const auto threads = static_cast<std::size_t>(threads_);
   call_.store(call, std::memory_order_relaxed);
   context_.store(context, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
-  for (std::size_t t = 0; t < threads; ++t) {
-    shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads), std::memory_order_relaxed);
-    shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads)), std::memory_order_release);
+  for (std::size_t t = 0; t < threads_; ++t) {
+    shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads_), std::memory_order_relaxed);
+    shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads_)), std::memory_order_release);
   }
   ticket_.store(open, std::memory_order_release);
-  const std::size_t mine = work(0, open);
-  done_.fetch_add(mine, std::memory_order_acq_rel);
+  done_.fetch_add(work(0, open), std::memory_order_acq_rel);
   const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
   const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
   for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) wait_a_moment(spins);
   if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
-  for (std::size_t t = 0; t < threads; ++t) {
+  for (std::size_t t = 0; t < threads_; ++t) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
   }
   ticket_.store(open + 1, std::memory_order_release);
@@ -89,13 +77,9 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
 
 // Claims and runs jobs under the ticket until none is left; returns how many.
 std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
-  const auto threads = static_cast<std::size_t>(threads_);
   std::size_t finished = 0;
-  const bool traced = home != 0 && tracer_ != nullptr && tracer_->on();
-  Tracer::Clock::time_point begin;
-  const char* stage = "";
-  for (std::size_t step = 0; step < threads; ++step) {
-    Share& share = shares_[(home + step) % threads];
+  for (std::size_t step = 0; step < threads_; ++step) {
+    Share& share = shares_[(home + step) % threads_];
     std::uint64_t next = share.next.load(std::memory_order_acquire);
     while (static_cast<std::uint32_t>(next >> 32) == ticket) {
       const auto number = static_cast<std::uint32_t>(next);
@@ -109,21 +93,16 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
                                             std::memory_order_acquire)) {
         continue;
       }
-      if (traced && finished == 0) {
-        stage = tracer_->stage();
-        begin = Tracer::Clock::now();
-      }
       for (std::uint32_t n = number; n < number + claimed; ++n) call(context, n);
       finished += claimed;
       next = share.next.load(std::memory_order_acquire);
     }
   }
-  if (traced && finished != 0) tracer_->add(home, stage, begin, Tracer::Clock::now());
   return finished;
 }
 
 void WorkerPool::worker(std::size_t index) {
-  set_float_settings();
+  const FloatSettings settings;
   std::uint32_t seen = 1;
   for (;;) {
     if (!stepping_.load(std::memory_order_acquire)) {
@@ -139,8 +118,12 @@ void WorkerPool::worker(std::size_t index) {
     }
     if ((ticket & 1u) != 0 || ticket == seen) continue;
     seen = ticket;
+    const bool traced = tracer_ != nullptr && tracer_->on();
+    const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
     const std::size_t finished = work(index, ticket);
-    if (finished != 0) done_.fetch_add(finished, std::memory_order_acq_rel);
+    if (finished == 0) continue;
+    if (traced) tracer_->add(index, tracer_->stage(), begin, Tracer::Clock::now());
+    done_.fetch_add(finished, std::memory_order_acq_rel);
   }
 }
 

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/machine.h"
 #include "base/trace.h"
 #include "psim/jobs.h"
 
@@ -32,15 +33,15 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  int threads() const { return threads_; }
+  int threads() const { return static_cast<int>(threads_); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
   void set_tracer(Tracer* tracer) { tracer_ = tracer; }
 
   /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
   class Awake {
    public:
-    explicit Awake(WorkerPool& pool) : pool_(pool) { pool.begin_step(); }
-    ~Awake() { pool_.end_step(); }
+    explicit Awake(WorkerPool& pool);
+    ~Awake();
     Awake(const Awake&) = delete;
     Awake& operator=(const Awake&) = delete;
 
@@ -51,12 +52,15 @@ class WorkerPool {
   template <class Job>
   void run(std::size_t count, const Job& job) {
     if (count == 0) return;
-    const Call call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
     if (host_.parallel_for) {
-      run_on_host(count, call, &job);
+      host_.parallel_for(count, [&job](std::size_t i) {
+        const FloatSettings settings;
+        job(i);
+      });
     } else if (threads_ == 1 || count == 1) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
+      const auto call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
       run_here(count, call, &job);
     }
   }
@@ -68,16 +72,13 @@ class WorkerPool {
     std::atomic<std::uint32_t> end{0};
   };
 
-  void begin_step();
-  void end_step();
   void run_here(std::size_t count, Call call, const void* context);
-  void run_on_host(std::size_t count, Call call, const void* context);
   // noexcept: an exception in a job ends the program, because jobs of other threads still run.
   std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
   void worker(std::size_t index);
   void wait_a_moment(int spins) const;
 
-  int threads_;
+  std::size_t threads_;
   bool crowded_;   // there are more threads than cores, so waiting yields the core
   int awake_ = 0;  // how many Awake there are
   JobSystem host_;
@@ -85,7 +86,7 @@ class WorkerPool {
   std::unique_ptr<Share[]> shares_;
   std::atomic<Call> call_{nullptr};
   std::atomic<const void*> context_{nullptr};
-  alignas(64) std::atomic<std::uint32_t> ticket_{0};  // even: open run; odd: none open
+  alignas(64) std::atomic<std::uint32_t> ticket_{1};  // even: open run; odd: none open
   alignas(64) std::atomic<std::size_t> done_{0};
   std::atomic<bool> stepping_{false};
   std::atomic<bool> quit_{false};

@@ -52,7 +52,7 @@ struct BodyKind {
 /// The vector from a body's place to its centre of mass, m, when the body is turned by `angle`.
 inline Vec2 arm_of(const BodyKind& kind, double angle) {
   if (kind.centre_x == 0 && kind.centre_y == 0) return {};
-  return turned(sine_cosine(angle), {static_cast<double>(kind.centre_x), static_cast<double>(kind.centre_y)});
+  return turned(sine_cosine(angle), {kind.centre_x, kind.centre_y});
 }
 
 /// Whether two bodies collide, by their filters.
@@ -85,13 +85,12 @@ class SharedTable {
     }
     if (free_.empty()) {
       if (list_.size() > kMost) return kMost + 1;
-      last_ = static_cast<std::uint32_t>(list_.size());
-      list_.push_back({value, 1});
-    } else {
-      last_ = free_.back();
-      free_.pop_back();
-      list_[last_] = {value, 1};
+      free_.push_back(static_cast<std::uint32_t>(list_.size()));
+      list_.emplace_back();
     }
+    last_ = free_.back();
+    free_.pop_back();
+    list_[last_] = {value, 1};
     return last_;
   }
   void release(std::uint32_t i) {
@@ -121,7 +120,7 @@ class BodyPropertyTable : public SharedTable<BodyProperties, 0xFFFFFFFFu, 0> {
       least = std::fmin(least, e.value.mass);
       most = std::fmax(most, e.value.mass);
     }
-    return most > 0 ? static_cast<double>(most) / static_cast<double>(least) : 1;
+    return most > 0 ? double{most} / least : 1;
   }
 };
 

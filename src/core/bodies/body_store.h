@@ -88,8 +88,7 @@ class BodyStore {
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
   std::uint32_t dead = 0;
   std::uint32_t awake() const { return count - dead; }
-  std::size_t living = 0, moving = 0, fixed = 0, kinematic = 0;
-  std::size_t asleep = 0;  ///< of the moving bodies: they sleep and have no slot
+  std::size_t living() const { return id_count - free_ids.size(); }
 
   /// Brings info[id].slot of moving bodies up to date, since a sort moves bodies to other slots and leaves `info` as it
   /// is. Comes before every read of such a slot. O(bodies) after a sort, else nothing. Threads may call it at once.
@@ -117,7 +116,6 @@ class BodyStore {
 
   /// Gives out an id: one that is free again, else a new one.
   std::uint32_t take_id() {
-    ++living;
     if (!free_ids.empty()) {
       const std::uint32_t index = free_ids.back();
       free_ids.pop_back();
@@ -127,32 +125,47 @@ class BodyStore {
     return id_count++;
   }
 
+  /// Gives a body a slot behind the others, where it is at rest.
+  std::uint32_t enter(std::uint32_t body, const LatticePoint& at, double turn) {
+    reserve_slots(1);
+    const std::uint32_t slot = count++;
+    info[body].slot = slot;
+    info[body].place = Place::moving;
+    id[slot] = body;
+    radius[slot] = properties(body).radius;
+    linked[slot] = 0;
+    put_point(slot, at);
+    put_velocity(slot, {});
+    clear_remainders(slot);
+    if (rim_speed.empty()) return slot;
+    rim_speed[slot] = 0;
+    angle[slot] = turn;
+    return slot;
+  }
+
   /// Makes room for n more slots.
   void reserve_slots(std::size_t n) {
     const std::size_t total = kernels::round_up_block(count + n);
-    pos.reserve(2 * total);
-    vel.reserve(2 * total);
-    disp.reserve(2 * total);
-    id.reserve(total);
-    radius.reserve(total);
-    linked.reserve(total);
-    if (!rim_speed.empty()) add_rotation();
-    if (!vel_remainder.empty()) add_remainders(!disp_remainder.empty());
+    keep_if(true, 2 * total, pos, vel, disp);
+    keep_if(true, total, id, radius, linked);
+    if (!rim_speed.empty()) keep_rotation(true);
+    if (!vel_remainder.empty()) keep_remainders(true, !disp_remainder.empty());
   }
 
-  /// Makes the columns of rotation, filled with zero, if they are not there.
-  void add_rotation() {
-    const std::size_t total = kernels::round_up_block(id.capacity());
-    rim_speed.reserve(total);
-    angle.reserve(total);
-    rim_speed0.reserve(total);
+  /// Makes the columns of rotation, filled with zero, or gives them back. Then no body may have an angle or an angular
+  /// velocity.
+  void keep_rotation(bool wanted) { keep_if(wanted, id.capacity(), rim_speed, angle, rim_speed0); }
+
+  /// Makes the columns of the remainders, filled with zero, or gives them back.
+  void keep_remainders(bool of_velocities, bool of_offsets) {
+    keep_if(of_velocities, 2 * id.capacity(), vel_remainder);
+    keep_if(of_offsets, 2 * id.capacity(), disp_remainder);
   }
 
-  /// Makes the columns of the remainders, filled with zero, if they are not there.
-  void add_remainders(bool of_offsets) {
-    const std::size_t total = kernels::round_up_block(id.capacity());
-    vel_remainder.reserve(2 * total);
-    if (of_offsets) disp_remainder.reserve(2 * total);
+  /// Makes the columns of turning within a frame, filled with zero, or gives them back.
+  void keep_turns(bool wanted) {
+    keep_if(wanted, 2 * id.capacity(), arm_change);
+    keep_if(wanted, id.capacity(), angle_change);
   }
 
   /// Sets the remainders of a slot to zero, since its velocity and offset are new.
@@ -172,30 +185,27 @@ class BodyStore {
     disp[2 * slot + 1] = p.dy;
   }
   double angle_of(std::size_t slot) const { return angle.empty() ? 0 : angle[slot]; }
+  float rim_speed_of(std::size_t slot) const { return rim_speed.empty() ? 0.0f : rim_speed[slot]; }
   /// The angular velocity, rad/s.
-  double omega_of(std::size_t slot) const {
-    return rim_speed.empty() ? 0 : static_cast<double>(rim_speed[slot]) / static_cast<double>(radius[slot]);
-  }
-  Vec2 velocity(std::size_t slot) const {
-    return {static_cast<double>(vel[2 * slot]), static_cast<double>(vel[2 * slot + 1])};
-  }
+  double omega_of(std::size_t slot) const { return double{rim_speed_of(slot)} / radius[slot]; }
+  Vec2 velocity(std::size_t slot) const { return {vel[2 * slot], vel[2 * slot + 1]}; }
 
   /// Sets the velocity of a slot, m/s. Where remainders are kept, the part that does not fit into a float goes there.
   void put_velocity(std::size_t slot, Vec2 v) {
     vel[2 * slot] = static_cast<float>(v.x);
     vel[2 * slot + 1] = static_cast<float>(v.y);
     if (vel_remainder.empty()) return;
-    vel_remainder[2 * slot] = static_cast<float>(v.x - static_cast<double>(vel[2 * slot]));
-    vel_remainder[2 * slot + 1] = static_cast<float>(v.y - static_cast<double>(vel[2 * slot + 1]));
+    const Vec2 rest = v - velocity(slot);
+    vel_remainder[2 * slot] = static_cast<float>(rest.x);
+    vel_remainder[2 * slot + 1] = static_cast<float>(rest.y);
   }
 
   /// Fills up the last block with neutral records: at the place of the last body, at rest, unlinked.
   void pad_tail() {
-    const std::uint32_t end = static_cast<std::uint32_t>(kernels::round_up_block(count));
-    for (std::uint32_t i = count; i < end; ++i) {
-      pos[2 * i] = pos[2 * (count - 1)];
-      pos[2 * i + 1] = pos[2 * (count - 1) + 1];
-      vel[2 * i] = vel[2 * i + 1] = disp[2 * i] = disp[2 * i + 1] = 0;
+    const std::size_t last = count - 1;
+    for (std::size_t i = count; i < kernels::round_up_block(count); ++i) {
+      put_point(i, {pos[2 * last], pos[2 * last + 1]});
+      vel[2 * i] = vel[2 * i + 1] = 0;
       radius[i] = 0;
       linked[i] = 0;
       id[i] = kNoSlot;
@@ -203,25 +213,7 @@ class BodyStore {
     }
   }
 
-  /// Gives the columns of rotation back. No body may have an angle or an angular velocity.
-  void drop_rotation() {
-    rim_speed.release();
-    angle.release();
-    rim_speed0.release();
-  }
   std::size_t rotation_bytes() const { return rim_speed.bytes() + angle.bytes() + rim_speed0.bytes(); }
-
-  /// Makes the columns of turning within a frame, filled with zero, or gives them back.
-  void keep_turns(bool wanted) {
-    if (!wanted) {
-      arm_change.release();
-      angle_change.release();
-      return;
-    }
-    const std::size_t total = kernels::round_up_block(id.capacity());
-    arm_change.reserve(2 * total);
-    angle_change.reserve(total);
-  }
 
   /// Returns the columns as kernels see them. A column that the plan does not have is null.
   kernels::BodyView view() {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "base/column.h"
@@ -14,10 +13,8 @@ namespace psim {
 
 class HashGrid {
  public:
-  explicit HashGrid(MemoryMeter& meter) : key_(meter), head_(meter), next_(meter), cell_(meter) {}
-
-  /// Sets the ratio of the pitches along x and y, as a power of two.
-  void set_shape(int shift) { shift_ = shift; }
+  /// `shift`: the ratio of the pitches along x and y, as a power of two.
+  HashGrid(MemoryMeter& meter, int shift) : first_(meter), next_(meter), cell_(meter), shift_(shift) {}
 
   /// `number` may be any; the box is (x +- half_x, y +- half_y), lattice steps.
   void insert(std::uint32_t number, std::int32_t x, std::int32_t y, std::uint32_t half_x, std::uint32_t half_y);
@@ -33,19 +30,19 @@ class HashGrid {
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  static constexpr int kLeast = 3;  // the lowest level; a level is log2 of the width of its cells in lattice steps
+  // A level is log2 of the width of its cells in lattice steps. The highest one has a single cell.
+  static constexpr int kLeast = 3, kTop = 32;
 
-  std::uint32_t find(std::uint64_t key) const;
-  static std::size_t size_for(std::size_t boxes);
-  void rehash(std::size_t size);
+  int level_y(int level) const;
+  std::uint32_t& first_of(std::uint64_t cell);
+  void grow(std::size_t places);
 
-  Column<std::uint64_t> key_;  // by open addressing; 0 marks a free place
-  Column<std::uint32_t> head_;
-  Column<std::uint32_t> next_, cell_;                           // by number
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> moved_;  // scratch of rehash
-  std::size_t size_ = 0, used_ = 0, count_ = 0;
-  std::uint32_t of_level_[32] = {};  // number of boxes on each level
-  int shift_ = 0;
+  Column<std::uint32_t> first_;  // a box by the hash of its cell; the others of that hash follow in next_
+  Column<std::uint32_t> next_;   // by number
+  Column<std::uint64_t> cell_;   // by number
+  std::size_t size_ = 0, count_ = 0;
+  std::uint32_t of_level_[kTop + 1] = {};  // number of boxes on each level
+  int shift_;
 };
 
 }  // namespace psim

@@ -83,7 +83,7 @@ MassProperties properties_of(const Sums& sums, Vec2 base) {
   return {sums.area, base + offset, sums.polar / sums.area - dot(offset, offset)};
 }
 
-std::string vertex_name(std::size_t k) { return "vertex " + std::to_string(k); }
+std::string vertex_name(std::ptrdiff_t k) { return "vertex " + std::to_string(k); }
 
 bool fail(std::string& error, std::string text) {
   error = std::move(text);
@@ -91,11 +91,10 @@ bool fail(std::string& error, std::string text) {
 }
 
 bool check_points(const Points& points, std::string& error) {
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (std::fabs(points[k].x) <= kMostSize && std::fabs(points[k].y) <= kMostSize) continue;
-    return fail(error, vertex_name(k) + " must lie within 1e9 m of the body's place");
-  }
-  return true;
+  const auto is_far = [](Vec2 p) { return !(std::fabs(p.x) <= kMostSize && std::fabs(p.y) <= kMostSize); };
+  const auto far = std::find_if(points.begin(), points.end(), is_far);
+  return far == points.end() ||
+         fail(error, vertex_name(far - points.begin()) + " must lie within 1e9 m of the body's place");
 }
 
 bool check_size(double size, const char* name, std::string& error) {
@@ -109,25 +108,16 @@ bool check_rounding(double radius, std::string& error) {
 
 /// The larger side of the box around the points.
 double extent_of(const Points& points) {
-  Vec2 low = points[0], high = points[0];
-  for (const Vec2 p : points) {
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y)};
-  }
-  return std::fmax(high.x - low.x, high.y - low.y);
+  const auto [left, right] = std::ranges::minmax(points, {}, &Vec2::x);
+  const auto [bottom, top] = std::ranges::minmax(points, {}, &Vec2::y);
+  return std::fmax(right.x - left.x, top.y - bottom.y);
 }
 
-/// A vertex of a polygon and its number in the description.
-struct Numbered {
-  Vec2 at;
-  std::size_t number;
-};
-
 /// Leaves out vertices that repeat the one before them or lie on the line of their neighbours.
-void drop_needless(std::vector<Numbered>& p, double size) {
+void drop_needless(Points& p, double size) {
   for (std::size_t k = 0; k < p.size() && p.size() > 2;) {
     const std::size_t n = p.size();
-    const Vec2 before = p[(k + n - 1) % n].at, here = p[k].at, after = p[(k + 1) % n].at;
+    const Vec2 before = p[(k + n - 1) % n], here = p[k], after = p[(k + 1) % n];
     const Vec2 u = here - before, v = after - here, w = after - before;
     const bool repeated = length_of(u) <= kSame * size;
     const bool straight = dot(u, v) > 0 && std::fabs(cross(u, w)) <= kSame * size * length_of(w);
@@ -141,56 +131,46 @@ void drop_needless(std::vector<Numbered>& p, double size) {
 }
 
 /// Makes the vertices of a polygon counter-clockwise and strictly convex.
-bool tidy_polygon(const Points& given, Points& out, std::string& error) {
+bool tidy_polygon(const Points& given, Points& p, std::string& error) {
   if (given.size() < 3 || given.size() > kMostPolygonVertices) {
     return fail(error, "a polygon has 3 to 8 vertices, this one has " + std::to_string(given.size()));
   }
   if (!check_points(given, error)) return false;
   const double size = extent_of(given);
   if (!check_size(size, "a polygon's extent", error)) return false;
-
-  std::vector<Numbered> p;
-  for (std::size_t k = 0; k < given.size(); ++k) p.push_back({given[k], k});
+  p = given;
   drop_needless(p, size);
-  const std::size_t n = p.size();
-  double area = 0;
-  for (std::size_t k = 1; k + 1 < n; ++k) {
-    area += 0.5 * cross(p[k].at - p[0].at, p[k + 1].at - p[0].at);
-  }
+  const double area = rounded_sums(p, 0).area;
   if (area < 0) std::reverse(p.begin(), p.end());
   // All vertices to the left of every edge, those at its ends aside: convex and not self-crossing.
   // First each edge's next vertex, so that a dent is what the message names.
+  const std::size_t n = p.size();
   for (std::size_t ahead = 2; ahead < n; ++ahead) {
     for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 edge = p[(k + 1) % n].at - p[k].at;
-      const Numbered& other = p[(k + ahead) % n];
-      if (cross(edge, other.at - p[k].at) > 0) continue;
-      const std::size_t corner = ahead == 2 ? p[(k + 1) % n].number : other.number;
-      return fail(error, "a polygon must be convex and not cross itself; it is not at " + vertex_name(corner));
+      const Vec2 next = p[(k + 1) % n], other = p[(k + ahead) % n], corner = ahead == 2 ? next : other;
+      if (cross(next - p[k], other - p[k]) > 0) continue;
+      const auto is_corner = [&](Vec2 v) { return v.x == corner.x && v.y == corner.y; };
+      const auto number = std::find_if(given.begin(), given.end(), is_corner) - given.begin();
+      return fail(error, "a polygon must be convex and not cross itself; it is not at " + vertex_name(number));
     }
   }
   if (n < 3 || !(std::fabs(area) > kSame * size * size)) {
     return fail(error, "a polygon must have an area (above 1e-6 of its extent squared)");
   }
-  for (const Numbered& v : p) out.push_back(v.at);
   return true;
 }
 
 /// Makes the hull of these vertices about `origin`. Fails if floats cannot tell its vertices apart.
 bool make_hull(const Points& points, Vec2 origin, double radius, Hull& hull) {
   hull = {};
-  hull.count = static_cast<std::int32_t>(points.size());
   hull.radius = static_cast<float>(radius);
-  const std::size_t n = points.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    hull.x[k] = static_cast<float>(points[k].x - origin.x);
-    hull.y[k] = static_cast<float>(points[k].y - origin.y);
-  }
+  for (const Vec2 p : points) hull.set_vertex(hull.count++, p - origin);
   finish_hull(hull);
-  const auto vertex = [&](std::size_t k) { return Vec2{double{hull.x[k % n]}, double{hull.y[k % n]}}; };
-  for (std::size_t k = 0; n > 2 && k < n; ++k) {
-    for (std::size_t other = k + 2; other < k + n; ++other) {  // the vertices that are no ends of edge k
-      if (!(cross(vertex(k + 1) - vertex(k), vertex(other) - vertex(k)) > 0)) return false;
+  const int n = hull.count;
+  for (int k = 0; n > 2 && k < n; ++k) {
+    const Vec2 from = hull.vertex(k), edge = hull.vertex(hull.next(k)) - from;
+    for (int other = k + 2; other < k + n; ++other) {  // the vertices that are no ends of edge k
+      if (!(cross(edge, hull.vertex(other % n) - from) > 0)) return false;
     }
   }
   return n != 2 || hull.x[0] != hull.x[1] || hull.y[0] != hull.y[1];
@@ -203,12 +183,13 @@ struct Maker {
   HullSet& out;
   std::string& error;
 
+  Vec2 origin() const { return about_centre ? out.mass.centre : Vec2{}; }
+
   /// Adds one convex part.
   bool one(const Points& points, double radius, const MassProperties& mass) {
     out.mass = mass;
     out.parts.resize(1);
-    if (make_hull(points, about_centre ? mass.centre : Vec2{}, radius, out.parts[0])) return true;
-    return fail(error, kTooFar);
+    return make_hull(points, origin(), radius, out.parts[0]) || fail(error, kTooFar);
   }
 
   bool disc(Vec2 centre, double radius) {
@@ -226,8 +207,7 @@ struct Maker {
   }
 
   bool operator()(const ChainShape& s) {
-    const std::size_t least = s.loop ? 3 : 2;
-    if (s.vertices.size() < least) {
+    if (s.vertices.size() < (s.loop ? 3 : 2)) {
       return fail(error, s.loop ? "a closed chain has 3 vertices or more" : "a chain has 2 vertices or more");
     }
     if (!check_points(s.vertices, error)) return false;
@@ -246,9 +226,7 @@ struct Maker {
     out.mass = properties_of(sums, p[0]);
     for (std::size_t k = 0; k + 1 < p.size(); ++k) {
       Hull hull;
-      if (make_hull({p[k], p[k + 1]}, about_centre ? out.mass.centre : Vec2{}, 0, hull)) {
-        out.parts.push_back(hull);
-      }
+      if (make_hull({p[k], p[k + 1]}, origin(), 0, hull)) out.parts.push_back(hull);
     }
     return !out.parts.empty() || fail(error, kTooFar);
   }
@@ -291,20 +269,17 @@ bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string
 }
 
 void finish_hull(Hull& hull) {
-  const int n = hull.count;
   double reach = 0, inner = 0;
-  for (int k = 0; k < n; ++k) {
-    const double x = hull.x[k], y = hull.y[k];
-    reach = std::fmax(reach, std::sqrt(x * x + y * y));
-    if (n == 1) break;
-    const int next = k + 1 < n ? k + 1 : 0;
-    const double ex = hull.x[next] - x, ey = hull.y[next] - y;
-    const double edge = std::sqrt(ex * ex + ey * ey);
-    const double nx = edge > 0 ? ey / edge : 1, ny = edge > 0 ? -ex / edge : 0;
-    hull.nx[k] = static_cast<float>(nx);
-    hull.ny[k] = static_cast<float>(ny);
-    const double offset = nx * x + ny * y;
-    inner = k == 0 ? offset : std::fmin(inner, offset);
+  for (int k = 0; k < hull.count; ++k) {
+    const Vec2 v = hull.vertex(k);
+    reach = std::fmax(reach, length_of(v));
+    if (hull.count == 1) break;
+    const Vec2 e = hull.vertex(hull.next(k)) - v;
+    const double edge = length_of(e);
+    const Vec2 normal = edge > 0 ? Vec2{e.y / edge, -e.x / edge} : Vec2{1, 0};
+    hull.nx[k] = static_cast<float>(normal.x);
+    hull.ny[k] = static_cast<float>(normal.y);
+    inner = k == 0 ? dot(normal, v) : std::fmin(inner, dot(normal, v));
   }
   // Rounds to floats: the reach upwards, the inner radius downwards.
   reach += hull.radius;

@@ -20,6 +20,13 @@ struct Hull {
   float reach = 0;                       ///< m: farthest point from the centre, radius included
   float inner = 0;                       ///< m: from the centre to the nearest point of the surface, at least `radius`
   std::int32_t count = 0;
+
+  int next(int k) const { return k + 1 < count ? k + 1 : 0; }
+  Vec2 vertex(int k) const { return {x[k], y[k]}; }
+  void set_vertex(int k, Vec2 v) {
+    x[k] = static_cast<float>(v.x);
+    y[k] = static_cast<float>(v.y);
+  }
   friend bool operator==(const Hull&, const Hull&) = default;
 };
 

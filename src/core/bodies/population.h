@@ -39,9 +39,8 @@ class Population {
 
   /// Adds a body whose description check() accepts. kNoBody, with a line in `error`, if its shape is refused.
   BodyId add(const BodyDesc& desc, std::string& error);
-  /// Makes room for the moving discs of a batch that check() accepts; then they are added one by one.
-  void make_room(const DiscBatch& batch);
-  BodyId add_disc(const DiscBatch& batch, std::size_t i);
+  /// Makes room for so many more moving bodies.
+  void make_room(std::size_t moving);
   /// The id that the next body gets.
   std::uint32_t next_id() const { return bodies.free_ids.empty() ? bodies.id_count : bodies.free_ids.back(); }
 
@@ -49,12 +48,14 @@ class Population {
   void remove(std::uint32_t id);
   /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
   /// state.
-  void freeze(std::uint32_t id, const BodyState& last);
+  void freeze(const BodyState& last);
 
   bool is_valid(BodyId id) const {
     return id.index < bodies.id_count && bodies.info[id.index].place != Place::none &&
            bodies.info[id.index].generation == id.generation;
   }
+  /// What a body is, without where it is and how fast.
+  BodyState bare_state(std::uint32_t id) const;
   /// The state of a body that does not sleep.
   BodyState state_of(std::uint32_t id) const;
 
@@ -65,7 +66,7 @@ class Population {
   void let_turn();
 
   Motion motion_of(std::size_t slot) const {
-    return {bodies.vel[2 * slot], bodies.vel[2 * slot + 1], bodies.rim_speed.empty() ? 0.0f : bodies.rim_speed[slot]};
+    return {bodies.vel[2 * slot], bodies.vel[2 * slot + 1], bodies.rim_speed_of(slot)};
   }
   float speed_of(std::size_t slot) const { return motion_of(slot).fastest(); }
   /// A velocity that exceeds the limit of the engine would carry a body past the lattice: it is cut to the limit.
@@ -90,19 +91,15 @@ class Population {
   KinematicBodies kinematics;
   std::vector<std::uint32_t> bullets;  ///< ids
   Traits traits;
-  float first_mass = 0, first_radius = 0;  ///< of the first body: what Traits compares with
-  BodyProperties first_properties;
-  float least_radius = 0;  ///< m: of all moving bodies that there ever were
+  float first_radius = 0;           ///< of the first moving body: what Traits compares with
+  BodyProperties first_properties;  ///< the same of the first disc
+  float least_radius = 0;           ///< m: of all moving bodies that there ever were
 
  private:
-  BodyId add_moving(const BodyDesc& desc, std::string& error);
-  BodyId add_fixed(const BodyDesc& desc, std::string& error);
-  std::uint32_t enter(const BodyProperties& properties, const LatticePoint& at, double angle, Vec2 velocity,
-                      double omega);
+  void enter_columns(std::uint32_t id, const BodyDesc& desc);
+  void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);
-  void remove_fixed(std::uint32_t id);
-  void count(const BodyProperties& properties, int sign);
-  void count_alike(const BodyProperties& properties, std::int64_t bodies, Traits& to) const;
+  void count(const BodyProperties& properties, int sign, Traits& to) const;
   void go_round(std::uint32_t id, Vec2 velocity);
 
   const WorldDesc& desc_;

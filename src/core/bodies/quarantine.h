@@ -17,8 +17,8 @@ namespace psim {
 
 class Quarantine {
  public:
-  /// Freezes a body; the state is the one that it keeps.
-  using Freeze = std::function<void(std::uint32_t id, const BodyState& last)>;
+  /// Freezes a body that moves. It keeps the state.
+  using Freeze = std::function<void(const BodyState& last)>;
   using Remove = std::function<void(std::uint32_t id)>;
 
   /// Freezes the bodies in `doubtful` that still move. Returns how many.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -27,42 +27,40 @@ class ShapeTable {
   /// Adds a user to a set of hulls and returns the number of the first one; the others follow it. Number 0 means a
   /// plain disc and is never given out.
   std::uint32_t acquire(const std::vector<Hull>& parts) {
-    const std::uint64_t key = hash(parts);
+    const std::size_t key = hash(parts);
     for (auto [at, end] = by_hash_.equal_range(key); at != end; ++at) {
       Set& set = sets_[at->second];
-      if (!same(set, parts)) continue;
+      if (set.count != parts.size() || !std::equal(parts.begin(), parts.end(), hulls_.begin() + set.first)) continue;
       ++set.users;
       return set.first;
     }
-    Set set{static_cast<std::uint32_t>(hulls_.size()), static_cast<std::uint32_t>(parts.size()), 1};
+    const auto count = static_cast<std::uint32_t>(parts.size());
     auto index = static_cast<std::uint32_t>(sets_.size());
-    const auto gap = std::find_if(free_.begin(), free_.end(), [&](auto k) { return sets_[k].count == set.count; });
+    const auto gap = std::find_if(free_.begin(), free_.end(), [&](auto k) { return sets_[k].count == count; });
     if (gap == free_.end()) {
-      sets_.push_back(set);
-      hulls_.insert(hulls_.end(), parts.begin(), parts.end());
+      sets_.push_back({static_cast<std::uint32_t>(hulls_.size()), count, 0});
+      hulls_.resize(hulls_.size() + count);
     } else {
       index = *gap;
       free_.erase(gap);
-      set.first = sets_[index].first;
-      sets_[index] = set;
-      std::copy(parts.begin(), parts.end(), hulls_.begin() + set.first);
     }
     by_hash_.emplace(key, index);
-    by_first_[set.first] = index;
-    return set.first;
+    sets_[index].users = 1;
+    std::copy(parts.begin(), parts.end(), hulls_.begin() + sets_[index].first);
+    return sets_[index].first;
   }
 
   void release(std::uint32_t first) {
-    const std::uint32_t index = by_first_.at(first);
+    const std::uint32_t index = index_of(first);
     if (--sets_[index].users != 0) return;
     std::erase_if(by_hash_, [index](const auto& entry) { return entry.second == index; });
-    by_first_.erase(first);
     free_.push_back(index);
   }
 
-  /// Gives all memory back. No body may have a shape.
-  void clear() { *this = ShapeTable(); }
-  bool empty() const { return by_first_.empty(); }
+  /// Gives all memory back if no body has a shape.
+  void give_back() {
+    if (by_hash_.empty() && bytes() != 0) *this = ShapeTable();
+  }
 
   /// Memory in use; the entry that stands for discs does not count.
   std::size_t bytes() const {
@@ -76,29 +74,21 @@ class ShapeTable {
     std::uint32_t users = 0;
   };
 
-  static std::uint64_t hash(const std::vector<Hull>& parts) {
-    std::uint64_t h = parts.size();
-    for (const Hull& hull : parts) {
-      const auto add = [&h](float value) {
-        h = (h ^ std::bit_cast<std::uint32_t>(value)) * 0x9E3779B97F4A7C15u;
-        h ^= h >> 29;
-      };
-      for (int k = 0; k < hull.count; ++k) add(hull.x[k]), add(hull.y[k]);
-      add(hull.radius);
-    }
-    return h;
+  static std::size_t hash(const std::vector<Hull>& parts) {
+    static_assert(sizeof(Hull) == (4 * Hull::kMost + 4) * sizeof(float), "no padding");
+    const std::string_view bytes(reinterpret_cast<const char*>(parts.data()), parts.size() * sizeof(Hull));
+    return std::hash<std::string_view>()(bytes);
   }
-  bool same(const Set& set, const std::vector<Hull>& parts) const {
-    return set.users != 0 && set.count == parts.size() &&
-           std::equal(parts.begin(), parts.end(), hulls_.begin() + set.first);
+  // The set that begins with this hull, or the one behind it.
+  std::uint32_t index_of(std::uint32_t first) const {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(sets_, first, {}, &Set::first) - sets_.begin());
   }
 
   std::vector<Hull> hulls_{1};
-  std::vector<Set> sets_;
+  std::vector<Set> sets_;  // by their first hull
   std::vector<std::uint32_t> free_;
-  // Look-up only: sets differ in content and in their first part, so that no order matters.
-  std::unordered_multimap<std::uint64_t, std::uint32_t> by_hash_;
-  std::unordered_map<std::uint32_t, std::uint32_t> by_first_;
+  // The sets with users. Look-up only: they differ in content, so that no order matters.
+  std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;
 };
 
 }  // namespace psim

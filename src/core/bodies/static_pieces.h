@@ -22,7 +22,7 @@ class Pieces {
 
   void disc(Vec2 centre, float radius) {
     StaticShape& shape = list.emplace_back().shape;
-    shape.p = lattice_.to_lattice(at_, turned(turn_, centre));
+    shape.p = place(centre);
     shape.radius = radius;
   }
 
@@ -31,37 +31,29 @@ class Pieces {
     shape.segment = true;
     shape.face = face;
     shape.radius = radius;
-    const Vec2 whole[2] = {at_ + turned(turn_, p), at_ + turned(turn_, q)};
-    Vec2 from = whole[0], to = whole[1];
-    lattice_.clip(from, to);
-    const bool cut = from.x != whole[0].x || from.y != whole[0].y || to.x != whole[1].x || to.y != whole[1].y;
-    shape.p = cut ? lattice_.to_lattice(from) : lattice_.to_lattice(at_, turned(turn_, p));
-    shape.q = cut ? lattice_.to_lattice(to) : lattice_.to_lattice(at_, turned(turn_, q));
+    Vec2 from = at_ + turned(turn_, p), to = at_ + turned(turn_, q);
+    const bool cut = lattice_.clip(from, to);
+    shape.p = cut ? lattice_.to_lattice(from) : place(p);
+    shape.q = cut ? lattice_.to_lattice(to) : place(q);
   }
 
   void solid(const Hull& hull) {
-    const auto n = static_cast<std::size_t>(hull.count);
-    const auto vertex = [&](std::size_t k) {
-      return Vec2{static_cast<double>(hull.x[k % n]), static_cast<double>(hull.y[k % n])};
-    };
-    if (n == 1) return disc(vertex(0), hull.radius);
-    if (n == 2) return segment(vertex(0), vertex(1), hull.radius, false);
-    for (std::size_t k = 0; k < n; ++k) segment(vertex(k), vertex(k + 1), hull.radius, true);
+    if (hull.count == 1) return disc(hull.vertex(0), hull.radius);
+    if (hull.count == 2) return segment(hull.vertex(0), hull.vertex(1), hull.radius, false);
+    for (int k = 0; k < hull.count; ++k) segment(hull.vertex(k), hull.vertex(hull.next(k)), hull.radius, true);
     Piece& piece = list.emplace_back();
     piece.shape.p = lattice_.to_lattice(at_);
     piece.shape.whole = true;
     piece.hull = hull;
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 v = turned(turn_, vertex(k));
-      piece.hull.x[k] = static_cast<float>(v.x);
-      piece.hull.y[k] = static_cast<float>(v.y);
-    }
+    for (int k = 0; k < hull.count; ++k) piece.hull.set_vertex(k, turned(turn_, hull.vertex(k)));
     finish_hull(piece.hull);
   }
 
   std::vector<Piece>& list;
 
  private:
+  LatticePoint place(Vec2 in_body) const { return lattice_.to_lattice(at_, turned(turn_, in_body)); }
+
   Vec2 at_;
   SineCosine turn_;
   const Lattice& lattice_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 namespace psim {
 namespace {
@@ -22,34 +23,46 @@ void cut_to(Vec2 (&ends)[2], double size) {
   if (low > 0 && low < length) ends[0] = begin + low / length * way;
 }
 
+std::uint32_t steps_of(double steps) { return static_cast<std::uint32_t>(std::fmin(steps, 0x1p31)); }
+
+// The ratio of the pitches as the nearest power of two.
+int shift_of(const Lattice& lattice) { return std::ilogb(lattice.pitch_x() / lattice.pitch_y() / 0.75); }
+
 }  // namespace
 
-void StaticShapes::put(std::uint32_t number, const StaticShape& shape, const Hull* hull) {
-  statics_[number] = shape;
+StaticShapes::StaticShapes(MemoryMeter& meter, const Lattice& lattice)
+    : cell_start_(meter),
+      cell_shape_(meter),
+      statics_(meter),
+      sleepers_(meter, shift_of(lattice)),
+      standing_(meter, shift_of(lattice)),
+      lattice_(&lattice) {}
+
+void StaticShapes::put(std::uint32_t number, const Piece& piece) {
+  statics_[number] = piece.shape;
   ++alive_;
-  if (hull == nullptr) return;
+  if (!piece.shape.whole) return;
   std::uint32_t& at = statics_[number].hull;
   if (free_hulls_.empty()) {
     at = static_cast<std::uint32_t>(hulls_.size());
-    hulls_.push_back(*hull);
+    hulls_.push_back(piece.hull);
   } else {
     at = free_hulls_.back();
     free_hulls_.pop_back();
-    hulls_[at] = *hull;
+    hulls_[at] = piece.hull;
   }
 }
 
-std::uint32_t StaticShapes::add(const StaticShape& shape, const Hull* hull) {
+void StaticShapes::add(const Piece& piece) {
   statics_.reserve(std::size_t{count_} + 1);
-  put(count_, shape, hull);
+  put(count_++, piece);
   dirty_ = true;
-  return count_++;
 }
 
-std::uint32_t StaticShapes::add_sleeping(const Piece* pieces, std::uint32_t count) {
+std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
+  const auto count = static_cast<std::uint32_t>(pieces.size());
   std::uint32_t first = count_;
-  const bool again = count <= kLongestRun && !runs_[count].empty();
-  if (again) {
+  if (count <= kLongestRun && !runs_[count].empty()) {
     first = runs_[count].back();
     runs_[count].pop_back();
   } else {
@@ -57,8 +70,7 @@ std::uint32_t StaticShapes::add_sleeping(const Piece* pieces, std::uint32_t coun
     count_ += count;
   }
   for (std::uint32_t k = 0; k < count; ++k) {
-    const StaticShape& piece = pieces[k].shape;
-    put(first + k, piece, piece.whole ? &pieces[k].hull : nullptr);
+    put(first + k, pieces[k]);
     statics_[first + k].asleep = true;
     enter(sleepers_, first + k);
   }
@@ -73,13 +85,10 @@ void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
 
 void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
   const StaticShape& s = statics_[number];
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
   const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
   const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
-  const double round = 2 * px + 2 * py + size_of(s);
-  const auto half = [&](std::int32_t way, double pitch) {
-    return static_cast<std::uint32_t>(std::fmin(std::abs(way) + round / pitch + 2, 0x1p31));
-  };
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), room = size_of(s) + 2 * px + 2 * py;
+  const auto half = [&](std::int32_t way, double pitch) { return steps_of(room / pitch + 2 + std::abs(way)); };
   grid.insert(number, wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py));
 }
 
@@ -105,26 +114,18 @@ void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
 
 Hull StaticShapes::seen_from(std::uint32_t i, const LatticePoint& from, double size) const {
   const StaticShape& s = statics_[i];
-  Vec2 ends[2] = {lattice_->way(from, s.p), {}};
-  Hull hull;
+  const Vec2 p = lattice_->way(from, s.p);
   if (s.whole) {
-    hull = hulls_[s.hull];
-    for (int k = 0; k < hull.count; ++k) {
-      hull.x[k] = static_cast<float>(static_cast<double>(hull.x[k]) + ends[0].x);
-      hull.y[k] = static_cast<float>(static_cast<double>(hull.y[k]) + ends[0].y);
-    }
+    Hull hull = hulls_[s.hull];
+    for (int k = 0; k < hull.count; ++k) hull.set_vertex(k, hull.vertex(k) + p);
     return hull;
   }
+  Vec2 ends[2] = {p, s.segment ? lattice_->way(from, s.q) : p};
+  cut_to(ends, size);
+  Hull hull;
   hull.radius = s.radius;
   hull.count = s.segment ? 2 : 1;
-  if (s.segment) {
-    ends[1] = lattice_->way(from, s.q);
-    cut_to(ends, size);
-  }
-  for (int k = 0; k < hull.count; ++k) {
-    hull.x[k] = static_cast<float>(ends[k].x);
-    hull.y[k] = static_cast<float>(ends[k].y);
-  }
+  for (int k = 0; k < hull.count; ++k) hull.set_vertex(k, ends[k]);
   finish_hull(hull);
   return hull;
 }
@@ -134,10 +135,7 @@ const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) 
   const auto of_chain = [&](std::uint32_t k) {
     return k < count_ && statics_[k].alive && statics_[k].owner == s.owner && statics_[k].segment && !statics_[k].face;
   };
-  const auto goes_on = [&](const StaticShape& o) {
-    const LatticePoint &mine = forward ? s.q : s.p, &other = forward ? o.p : o.q;
-    return mine.x == other.x && mine.y == other.y && mine.dx == other.dx && mine.dy == other.dy;
-  };
+  const auto goes_on = [&](const StaticShape& o) { return forward ? s.q == o.p : s.p == o.q; };
   if (!of_chain(i)) return nullptr;
   std::uint32_t k = forward ? i + 1 : i - 1;
   if (!of_chain(k)) {  // a loop goes on from its last segment to its first
@@ -156,10 +154,19 @@ StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
           clamp((box.ymin - origin_y_) / cell_, rows_), clamp((box.ymax - origin_y_) / cell_, rows_)};
 }
 
+// The cells of a row that a shape may meet: a slanted segment takes only those near its line.
+StaticShapes::Cells StaticShapes::cells_of(const StaticShape& s, std::int64_t row) const {
+  const Vec2 p = metres(s.p), q = metres(s.q);
+  const double slack = cell_ * 0.01, round = s.radius;
+  const double y0 = origin_y_ + static_cast<double>(row) * cell_ - slack, y1 = y0 + cell_ * 1.02;
+  const auto crossing = [&](double y) { return p.x + std::clamp((y - p.y) / (q.y - p.y), 0.0, 1.0) * (q.x - p.x); };
+  const double xa = crossing(y0), xb = crossing(y1);
+  return cells_of({std::fmin(xa, xb) - slack - round, y0, std::fmax(xa, xb) + slack + round, y1});
+}
+
 bool StaticShapes::meets_grid(const Bounds& box) const {
-  return cols_ != 0 && box.xmax >= origin_x_ && box.ymax >= origin_y_ &&
-         box.xmin <= origin_x_ + static_cast<double>(cols_) * cell_ &&
-         box.ymin <= origin_y_ + static_cast<double>(rows_) * cell_;
+  const auto width = static_cast<double>(cols_) * cell_, height = static_cast<double>(rows_) * cell_;
+  return cols_ != 0 && overlap(box, {origin_x_, origin_y_, origin_x_ + width, origin_y_ + height});
 }
 
 void StaticShapes::build_grid() {
@@ -172,48 +179,23 @@ void StaticShapes::build_grid() {
   make_grid();
 }
 
-// Puts the shapes of static bodies into the hashed grid, because the cells of the other one are crowded.
-void StaticShapes::hash_standing() {
-  cols_ = rows_ = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    if (statics_[i].alive && !statics_[i].asleep) enter(standing_, i);
-  }
-}
-
-// A slanted segment takes only the cells near its line in each row.
-void StaticShapes::narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const {
-  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
-  const double qx = s.q.x * lattice_->pitch_x(), qy = s.q.y * lattice_->pitch_y();
-  const double y0 = origin_y_ + static_cast<double>(row) * cell_ - cell_ * 0.01;
-  const double y1 = y0 + cell_ * 1.02;
-  const double t0 = std::clamp((y0 - py) / (qy - py), 0.0, 1.0);
-  const double t1 = std::clamp((y1 - py) / (qy - py), 0.0, 1.0);
-  const double xa = px + t0 * (qx - px), xb = px + t1 * (qx - px);
-  const double round = static_cast<double>(s.radius);
-  const Cells narrow =
-      cells_of({std::fmin(xa, xb) - cell_ * 0.01 - round, y0, std::fmax(xa, xb) + cell_ * 0.01 + round, y1});
-  first = narrow.first_col;
-  last = narrow.last_col;
-}
-
 void StaticShapes::make_grid() {
   cols_ = rows_ = 0;
   standing_.clear();
-  const auto stands = [&](std::uint32_t i) { return statics_[i].alive && !statics_[i].asleep; };
-  std::size_t standing = 0;
+  std::vector<std::uint32_t> standing;
   Bounds all{1e300, 1e300, -1e300, -1e300};
   double extent_sum = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
-    if (!stands(i)) continue;
-    ++standing;
+    if (!statics_[i].alive || statics_[i].asleep) continue;
+    standing.push_back(i);
     const Bounds b = box_of(statics_[i]);
     all = {std::fmin(all.xmin, b.xmin), std::fmin(all.ymin, b.ymin), std::fmax(all.xmax, b.xmax),
            std::fmax(all.ymax, b.ymax)};
     extent_sum += std::fmax(b.xmax - b.xmin, b.ymax - b.ymin);
   }
-  if (standing == 0) return;
+  if (standing.empty()) return;
   const double width = std::fmax(all.xmax - all.xmin, 1e-9), height = std::fmax(all.ymax - all.ymin, 1e-9);
-  const double n = static_cast<double>(standing);
+  const double n = static_cast<double>(standing.size());
   // There are about four cells for each shape, and no cell is smaller than a quarter of the mean shape.
   cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
   cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
@@ -221,43 +203,51 @@ void StaticShapes::make_grid() {
   origin_y_ = all.ymin;
   cols_ = static_cast<std::int64_t>(width / cell_) + 1;
   rows_ = static_cast<std::int64_t>(height / cell_) + 1;
-  const auto cells = static_cast<std::size_t>(cols_ * rows_);
-  cell_start_.reserve(cells + 1);
-  std::fill(cell_start_.data(), cell_start_.data() + cells + 1, 0u);
+  if (fill_cells(standing)) return;
+  cols_ = rows_ = 0;
+  for (const std::uint32_t i : standing) enter(standing_, i);
+}
+
+// Sorts shapes into the cells of the grid. False if these are crowded.
+bool StaticShapes::fill_cells(const std::vector<std::uint32_t>& standing) {
   const auto visit = [&](auto&& each) {
-    for (std::uint32_t i = 0; i < count_; ++i) {
-      if (!stands(i)) continue;
-      const Cells r = cells_of(box_of(statics_[i]));
-      const bool slanted = statics_[i].segment && r.last_row > r.first_row && r.last_col > r.first_col;
-      for (std::int64_t row = r.first_row; row <= r.last_row; ++row) {
-        std::int64_t c0 = r.first_col, c1 = r.last_col;
-        if (slanted) narrow_row(statics_[i], row, c0, c1);
-        for (std::int64_t c = c0; c <= c1; ++c) each(static_cast<std::size_t>(row * cols_ + c), i);
+    for (const std::uint32_t i : standing) {
+      const StaticShape& s = statics_[i];
+      const Cells all = cells_of(box_of(s));
+      const bool slanted = s.segment && all.last_row > all.first_row && all.last_col > all.first_col;
+      for (std::int64_t row = all.first_row; row <= all.last_row; ++row) {
+        const Cells here = slanted ? cells_of(s, row) : all;
+        const std::int64_t first = row * cols_ + here.first_col, last = row * cols_ + here.last_col;
+        for (std::int64_t cell = first; cell <= last; ++cell) each(static_cast<std::size_t>(cell), i);
       }
     }
   };
-  visit([&](std::size_t cell, std::uint32_t) { ++cell_start_[cell + 1]; });
+  // The shapes of cell c begin at cell_start_[c]. Until they are all there cell_start_[c + 1] says where the next one
+  // goes.
+  const auto cells = static_cast<std::size_t>(cols_ * rows_);
+  cell_start_.reserve(cells + 2);
+  std::uint32_t* const start = cell_start_.data();
+  std::fill_n(start, cells + 2, 0u);
+  visit([&](std::size_t cell, std::uint32_t) { ++start[cell + 2]; });
   double sum = 0, squares = 0;
-  for (std::size_t c = 1; c <= cells; ++c) {
-    const double here = cell_start_[c];
+  for (std::size_t c = 0; c < cells; ++c) {
+    const double here = start[c + 2];
     sum += here;
     squares += here * here;
   }
-  if (squares > kCrowded * sum) return hash_standing();
-  for (std::size_t c = 0; c < cells; ++c) cell_start_[c + 1] += cell_start_[c];
-  cell_shape_.reserve(cell_start_[cells]);
-  visit([&](std::size_t cell, std::uint32_t i) { cell_shape_[cell_start_[cell]++] = i; });
-  for (std::size_t c = cells; c > 0; --c) cell_start_[c] = cell_start_[c - 1];
-  cell_start_[0] = 0;
+  if (squares > kCrowded * sum) return false;
+  std::partial_sum(start, start + cells + 2, start);
+  cell_shape_.reserve(start[cells + 1]);
+  visit([&](std::size_t cell, std::uint32_t i) { cell_shape_[start[cell + 1]++] = i; });
+  return true;
 }
 
-// Whether a square of half width `reach` at (x, y) lies beside the line that a segment is a part of.
-bool StaticShapes::beside(const StaticShape& s, double x, double y, double reach) const {
+// Whether a square of half width `reach` lies beside the line that a segment is a part of.
+bool StaticShapes::beside(const StaticShape& s, Vec2 at, double reach) const {
   if (!s.segment) return false;
-  const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
-  const double ux = s.q.x * lattice_->pitch_x() - px, uy = s.q.y * lattice_->pitch_y() - py;
-  const double far = reach + static_cast<double>(s.radius) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-  return std::fabs(ux * (y - py) - uy * (x - px)) > far * (std::fabs(ux) + std::fabs(uy));
+  const Vec2 p = metres(s.p), u = metres(s.q) - p;
+  const double far = reach + s.radius + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+  return std::fabs(cross(u, at - p)) > far * (std::fabs(u.x) + std::fabs(u.y));
 }
 
 bool StaticShapes::surely_none(const Bounds& box) const {
@@ -275,47 +265,42 @@ bool StaticShapes::surely_none(const Bounds& box) const {
 
 void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const {
   const double px = lattice_->pitch_x(), py = lattice_->pitch_y();
-  const double mx = x * px, my = y * py;
-  const double r = static_cast<double>(reach);
-  const std::size_t from = out.size();
-  const Bounds square{mx - r, my - r, mx + r, my + r};
-  const auto steps = [&](double pitch) { return static_cast<std::uint32_t>(std::fmin(r / pitch + 1, 0x1p31)); };
-  const auto apart = [&](std::uint32_t i) {
-    if (!whole_wanted_ && statics_[i].whole) return true;
-    const Bounds box = box_of(statics_[i]);
-    return box.xmin > square.xmax || box.xmax < square.xmin || box.ymin > square.ymax || box.ymax < square.ymin;
+  const Vec2 m = lattice_->metres(x, y);
+  const double r = reach;
+  const auto from = static_cast<std::ptrdiff_t>(out.size());
+  const Bounds square{m.x - r, m.y - r, m.x + r, m.y + r};
+  const auto find_in = [&](const HashGrid& grid) { grid.near(x, y, steps_of(r / px + 1), steps_of(r / py + 1), out); };
+  // Drops those of the shapes found since `begin` that are not wanted or that the test names.
+  const auto drop = [&](std::ptrdiff_t begin, const auto& test) {
+    const auto gone = [&](std::uint32_t i) { return (statics_[i].whole && !whole_wanted_) || test(statics_[i]); };
+    out.erase(std::remove_if(out.begin() + begin, out.end(), gone), out.end());
   };
-  // Drops those of the shapes found since `begin` that the test names.
-  const auto drop = [&out](std::size_t begin, const auto& test) {
-    out.erase(std::remove_if(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), test), out.end());
-  };
+  const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {
-    standing_.near(x, y, steps(px), steps(py), out);
-    drop(from, [&](std::uint32_t i) { return apart(i) || beside(statics_[i], mx, my, r); });
+    find_in(standing_);
+    drop(from, [&](const StaticShape& s) { return apart(s) || beside(s, m, r); });
   } else if (meets_grid(square)) {
     const Cells cells = cells_of(square);
     for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
-      for (std::int64_t c = cells.first_col; c <= cells.last_col; ++c) {
-        const auto cell = static_cast<std::size_t>(row * cols_ + c);
-        out.insert(out.end(), cell_shape_.data() + cell_start_[cell], cell_shape_.data() + cell_start_[cell + 1]);
-      }
+      const std::uint32_t* const start = cell_start_.data() + row * cols_;
+      out.insert(out.end(), cell_shape_.data() + start[cells.first_col],
+                 cell_shape_.data() + start[cells.last_col + 1]);
     }
     drop(from, apart);
   }
   if (!sleepers_.empty()) {
-    const std::size_t standing = out.size();
-    sleepers_.near(x, y, steps(px), steps(py), out);
-    drop(standing, [&](std::uint32_t i) {  // as seen from the body: in a periodic world one may lie beyond the seam
-      const StaticShape& s = statics_[i];
-      if (!whole_wanted_ && s.whole) return true;
-      const double ax = wrap_sub(s.p.x, x) * px, ay = wrap_sub(s.p.y, y) * py;
-      const double bx = s.segment ? ax + wrap_sub(s.q.x, s.p.x) * px : ax;
-      const double by = s.segment ? ay + wrap_sub(s.q.y, s.p.y) * py : ay;
+    const auto standing = static_cast<std::ptrdiff_t>(out.size());
+    find_in(sleepers_);
+    // As seen from the body: in a periodic world one may lie beyond the seam.
+    drop(standing, [&](const StaticShape& s) {
+      const Vec2 a = lattice_->metres(wrap_sub(s.p.x, x), wrap_sub(s.p.y, y));
+      const Vec2 b = s.segment ? a + lattice_->metres(wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y)) : a;
       const double far = r + 2 * px + 2 * py + size_of(s);
-      return std::fmin(ax, bx) > far || std::fmax(ax, bx) < -far || std::fmin(ay, by) > far || std::fmax(ay, by) < -far;
+      return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
+             std::fmax(a.y, b.y) < -far;
     });
   }
-  const auto first = out.begin() + static_cast<std::ptrdiff_t>(from);
+  const auto first = out.begin() + from;
   if (out.end() - first < 2) return;
   sort_keys(first, out.end());
   out.erase(std::unique(first, out.end()), out.end());

@@ -40,7 +40,7 @@ struct StaticShape {
 /// A shape on its way into the grids.
 struct Piece {
   StaticShape shape;
-  Hull hull;  ///< of a whole polygon: in world axes, about its place
+  Hull hull = {};  ///< of a whole polygon: in world axes, about its place
 };
 
 /// Shape numbers of the walls in contact lists.
@@ -64,18 +64,7 @@ struct FixedBody {
 
 class StaticShapes {
  public:
-  StaticShapes(MemoryMeter& meter, const Lattice& lattice)
-      : cell_start_(meter),
-        cell_shape_(meter),
-        statics_(meter),
-        sleepers_(meter),
-        standing_(meter),
-        lattice_(&lattice) {
-    int shift = 0;
-    for (double r = lattice.pitch_x() / lattice.pitch_y(); r >= 1.5; r /= 2) ++shift;
-    for (double r = lattice.pitch_x() / lattice.pitch_y(); r <= 0.75; r *= 2) --shift;
-    for (HashGrid* grid : {&sleepers_, &standing_}) grid->set_shape(shift);
-  }
+  StaticShapes(MemoryMeter& meter, const Lattice& lattice);
 
   /// For saved states (describe_bodies.cpp); behind the bodies. Those that are read wait for the sleepers.
   template <class A>
@@ -87,12 +76,11 @@ class StaticShapes {
   /// The grids, once all are there. False if not as many pieces sleep.
   bool make_grids(std::size_t asleep);
 
-  /// `hull`, of a whole polygon, is in world axes about p.
-  std::uint32_t add(const StaticShape& shape, const Hull* hull = nullptr);
+  void add(const Piece& piece);
   void remove(std::uint32_t first, std::uint32_t owner);
 
   /// Adds the pieces of a body that falls asleep. Returns the number of the first one; the others follow. O(count).
-  std::uint32_t add_sleeping(const Piece* pieces, std::uint32_t count);
+  std::uint32_t add_sleeping(const std::vector<Piece>& pieces);
   /// Makes room for so many pieces of sleeping bodies, `hulls` of them with hulls: adding them allocates nothing.
   void make_room(std::uint32_t pieces, std::uint32_t hulls);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
@@ -126,26 +114,25 @@ class StaticShapes {
   template <class A>
   void check_runs(A& a) const;
   void make_grid();
-  void hash_standing();
+  bool fill_cells(const std::vector<std::uint32_t>& standing);
   struct Cells {
     std::int64_t first_col, last_col, first_row, last_row;
   };
-  void narrow_row(const StaticShape& s, std::int64_t row, std::int64_t& first, std::int64_t& last) const;
   Cells cells_of(const Bounds& box) const;
+  Cells cells_of(const StaticShape& s, std::int64_t row) const;
   bool meets_grid(const Bounds& box) const;
-  void put(std::uint32_t number, const StaticShape& shape, const Hull* hull);
+  void put(std::uint32_t number, const Piece& piece);
   void drop(std::uint32_t number);
   void enter(HashGrid& grid, std::uint32_t number) const;
-  double size_of(const StaticShape& s) const { return static_cast<double>(s.whole ? hulls_[s.hull].reach : s.radius); }
+  double size_of(const StaticShape& s) const { return s.whole ? hulls_[s.hull].reach : s.radius; }
+  Vec2 metres(const LatticePoint& p) const { return lattice_->metres(p.x, p.y); }
   // Here, for near() asks it of every shape that a cell names.
   Bounds box_of(const StaticShape& s) const {
-    const double px = s.p.x * lattice_->pitch_x(), py = s.p.y * lattice_->pitch_y();
-    const double qx = s.segment ? s.q.x * lattice_->pitch_x() : px;
-    const double qy = s.segment ? s.q.y * lattice_->pitch_y() : py;
+    const Vec2 p = metres(s.p), q = s.segment ? metres(s.q) : p;
     const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-    return {std::fmin(px, qx) - r, std::fmin(py, qy) - r, std::fmax(px, qx) + r, std::fmax(py, qy) + r};
+    return {std::fmin(p.x, q.x) - r, std::fmin(p.y, q.y) - r, std::fmax(p.x, q.x) + r, std::fmax(p.y, q.y) + r};
   }
-  bool beside(const StaticShape& s, double x, double y, double reach) const;
+  bool beside(const StaticShape& s, Vec2 at, double reach) const;
 
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> statics_;

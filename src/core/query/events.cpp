@@ -229,7 +229,7 @@ void EventList::settle_sleepers(const Observed& world) {
 void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
   const BodyStore& b = world.bodies;
   now_.clear();
-  if (b.moving != 0) {
+  if (world.population.traits.moving != 0) {
     const QueryIndex::Part& moving = index.part(world, QueryIndex::kMoving);
     const QueryIndex::Part& sleeping = index.part(world, QueryIndex::kSleeping);
     // Finds the bodies that overlap an item of a sensor in `part`.

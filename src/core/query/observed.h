@@ -60,7 +60,7 @@ struct Observed {
     return {sleeper.at, sleeper.angle};
   }
   /// m, from the centre of the lattice.
-  Vec2 from_centre(const LatticePoint& p) const { return lattice.way({}, p); }
+  Vec2 from_centre(const LatticePoint& p) const { return lattice.from_centre(p); }
 };
 
 }  // namespace psim

@@ -34,9 +34,9 @@ struct Question {
   // Calls each(part) for the grids that may hold wanted bodies.
   template <class Each>
   void parts(const Each& each) const {
-    const BodyStore& b = world.bodies;
-    if (filter.fixed && b.fixed != 0) each(index.part(world, QueryIndex::kFixed));
-    if ((filter.dynamic && b.living != b.fixed) || (filter.kinematic && world.any_kinematic())) {
+    const std::size_t fixed = world.population.fixed.size();
+    if (filter.fixed && fixed != 0) each(index.part(world, QueryIndex::kFixed));
+    if ((filter.dynamic && world.bodies.living() != fixed) || (filter.kinematic && world.any_kinematic())) {
       each(index.part(world, QueryIndex::kMoving));
     }
     if (filter.dynamic && !world.sleep.sleepers.empty()) each(index.part(world, QueryIndex::kSleeping));

@@ -37,7 +37,7 @@ float near_to(float now, float before, float period) {
 std::uint64_t state_hash(const Observed& world) {
   const BodyStore& b = world.bodies;
   b.find_slots();
-  std::uint64_t hash = b.living;
+  std::uint64_t hash = b.living();
   for (std::uint32_t id = 0; id < b.id_count; ++id) {
     const BodyInfo& info = b.info[id];
     if (info.place == Place::none) continue;
@@ -83,7 +83,7 @@ PublishedState PublishedColumns::fill(const Observed& world) {
   const BodyStore& b = world.bodies;
   for (std::vector<double>* c : {&x_, &y_, &angle_, &vx_, &vy_, &omega_, &radius_}) {
     c->clear();
-    c->reserve(b.living);
+    c->reserve(b.living());
   }
   id_.clear();
   type_.clear();
@@ -136,7 +136,7 @@ void Publisher::publish(const Observed& world, std::uint64_t frame) {
   const BodyStore& b = world.bodies;
   b.find_slots();
   Snapshot& s = frames_[back_];
-  const std::size_t n = b.living;
+  const std::size_t n = b.living();
   s.frame = frame;
   s.origin = world.lattice.centre();
   s.id.resize(n);

@@ -80,7 +80,7 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
     piece.shape.friction = properties.friction;
   }
   s.pieces = static_cast<std::uint32_t>(list.size());
-  s.first_shape = source.population.statics.add_sleeping(list.data(), s.pieces);
+  s.first_shape = source.population.statics.add_sleeping(list);
 }
 
 // Takes the chosen bodies, the last ones of the list, out of the columns and stands them among the fixed shapes.
@@ -93,9 +93,7 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
     if (sleepers.chosen(slot)) bodies.id[slot] = kNoSlot;
   }
   for (Sleeper& s : std::span(sleepers.list).subspan(first)) become_fixed(source, sleepers.pieces, s);
-  const std::size_t chosen = sleepers.list.size() - first;
-  bodies.dead += static_cast<std::uint32_t>(chosen);
-  bodies.asleep += chosen;
+  bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
   sleepers.changed = true;
   if (!source.joints.empty()) source.joints.follow_sleep();
@@ -141,17 +139,11 @@ void Sleep::make_room(const SleepSource& source) {
 BodyState Sleep::state_of(const Population& population, const Lattice& lattice, std::uint32_t id) const {
   const BodyStore& bodies = population.bodies;
   bodies.find_slots();
-  const BodyInfo& info = bodies.info[id];
-  if (info.place != Place::asleep) return population.state_of(id);
-  const Sleeper& sleeper = sleepers.list[info.slot];
-  const Vec2 centre = lattice.to_world(sleeper.at);
-  const Vec2 to_centre = arm_of(bodies.kind(id), sleeper.angle);
-  BodyState s;
-  s.id = {id, info.generation};
-  s.radius = static_cast<double>(bodies.properties(id).radius);
-  s.type = bodies.properties(id).type;
-  s.x = centre.x - to_centre.x;
-  s.y = centre.y - to_centre.y;
+  if (bodies.info[id].place != Place::asleep) return population.state_of(id);
+  const Sleeper& sleeper = sleepers.list[bodies.info[id].slot];
+  const Vec2 place = lattice.to_world(sleeper.at) - arm_of(bodies.kind(id), sleeper.angle);
+  BodyState s = population.bare_state(id);
+  s.x = place.x, s.y = place.y;
   s.angle = sleeper.angle;
   return s;
 }

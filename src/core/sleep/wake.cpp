@@ -43,29 +43,14 @@ bool touches(const LatticePoint& at, double reach, const StaticShape& shape, con
 // Brings a body back into the columns, at rest where it lay.
 void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   BodyStore& bodies = source.population.bodies;
-  BodyInfo& info = bodies.info[id];
-  const std::uint32_t k = info.slot;
+  const std::uint32_t k = bodies.info[id].slot;
   const Sleeper s = sleepers.list[k];
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
   sleepers.list.pop_back();
-  --bodies.asleep;
   source.population.statics.remove_sleeping(s.first_shape, s.pieces);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) sleepers.recent.add(sleepers.touches[t]);
-  bodies.reserve_slots(1);
-  const std::size_t slot = bodies.count++;
-  info.place = Place::moving;
-  info.slot = static_cast<std::uint32_t>(slot);
-  bodies.put_point(slot, s.at);
-  bodies.vel[2 * slot] = bodies.vel[2 * slot + 1] = 0;
-  bodies.id[slot] = id;
-  bodies.radius[slot] = bodies.properties(id).radius;
-  bodies.linked[slot] = 0;
-  bodies.clear_remainders(slot);
-  if (!bodies.rim_speed.empty()) {
-    bodies.rim_speed[slot] = 0;
-    bodies.angle[slot] = s.angle;
-  }
+  bodies.enter(id, s.at, s.angle);
   sleepers.mark_woken(id, s.at);
   sleepers.woke = sleepers.changed = true;
 }

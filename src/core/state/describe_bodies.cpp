@@ -5,6 +5,14 @@
 #include "state/describe.h"
 
 namespace psim {
+namespace {
+
+std::size_t count_of(const BodyStore& b, Place place) {
+  const auto is_there = [place](const BodyInfo& info) { return info.place == place; };
+  return static_cast<std::size_t>(std::count_if(b.info.data(), b.info.data() + b.id_count, is_there));
+}
+
+}  // namespace
 
 template <class A>
 void BodyPropertyTable::describe(A& a, std::size_t kinds) {
@@ -29,8 +37,9 @@ void BodyKindTable::describe(A& a, const ShapeTable& hulls) {
 }
 
 bool ShapeTable::has(const BodyKind& kind) const {
-  const auto found = by_first_.find(kind.first_hull);
-  return found != by_first_.end() && sets_[found->second].count == kind.hull_count;
+  const std::uint32_t k = index_of(kind.first_hull);
+  return k < sets_.size() && sets_[k].first == kind.first_hull && sets_[k].count == kind.hull_count &&
+         sets_[k].users != 0;
 }
 
 template <class A>
@@ -44,15 +53,15 @@ void ShapeTable::describe(A& a) {
   describe_free(a, free_, 0, sets_.size(), [&](std::size_t k) { return sets_[k].users == 0; });
   if constexpr (!A::kLoading) return;
   by_hash_.clear();
-  by_first_.clear();
-  std::vector<std::uint8_t> taken(hulls_.size());
+  std::uint32_t end = 1;  // of the sets before
   for (std::uint32_t k = 0; k < sets_.size() && a.ok(); ++k) {
     const Set& s = sets_[k];
-    for (std::uint32_t h = s.first; h < s.first + s.count; ++h) a.require(hulls_[h].count >= 1 && taken[h]++ == 0);
+    a.require(s.first >= end);
+    end = s.first + s.count;
+    for (std::uint32_t h = s.first; h < end; ++h) a.require(hulls_[h].count >= 1);
     if (s.users == 0 || !a.ok()) continue;
     const auto first = hulls_.begin() + s.first;
     by_hash_.emplace(hash({first, first + s.count}), k);
-    by_first_[s.first] = k;
   }
 }
 
@@ -70,7 +79,8 @@ void BodyStore::describe(A& a, bool lists) {
 template <class A>
 void BodyStore::describe_ids(A& a) {
   const std::uint32_t ids = id_count;
-  values(a, id_count, kinematic);
+  std::size_t unused = 0;
+  values(a, id_count, unused);
   if constexpr (A::kLoading) {
     if (!a.fits(id_count)) id_count = 0;
     info.reserve(id_count);
@@ -80,17 +90,6 @@ void BodyStore::describe_ids(A& a) {
       a, id_count, [&](std::size_t k) -> BodyInfo& { return info[k]; }, &BodyInfo::place, &BodyInfo::generation,
       &BodyInfo::properties);
   describe_free(a, free_ids, 0, id_count, [&](std::size_t k) { return info[k].place == Place::none; });
-  if constexpr (A::kLoading) {
-    const auto count_of = [&](Place place) {
-      std::size_t n = 0;
-      for (std::uint32_t k = 0; k < id_count; ++k) n += info[k].place == place;
-      return n;
-    };
-    fixed = count_of(Place::fixed);
-    asleep = count_of(Place::asleep);
-    moving = count_of(Place::moving) + asleep;
-    living = id_count - free_ids.size();
-  }
 }
 
 template <class A>
@@ -101,11 +100,8 @@ void BodyStore::describe_slots(A& a, bool lists) {
   if constexpr (A::kLoading) {
     if (!a.fits(count)) count = 0;
     reserve_slots(1);  // even of none: columns that the plan wants are there
-    if (turns) add_rotation();
-    if (remainders) add_remainders(offsets);
-    if (!remainders) vel_remainder.release();
-    if (!offsets) disp_remainder.release();
-    if (!turns) drop_rotation();
+    keep_rotation(turns);
+    keep_remainders(remainders, remainders && offsets);
   }
   const std::size_t n = count;
   a.plain(pos, 2 * n);
@@ -134,7 +130,7 @@ void BodyStore::describe_slots(A& a, bool lists) {
         a.require(put(id[slot], Place::moving, slot));
       }
     }
-    a.require(count - dead == moving - asleep);
+    a.require(count - dead == count_of(*this, Place::moving));
     slots_stale = false;
   }
 }
@@ -179,7 +175,7 @@ bool ShapeTable::used_as(const std::vector<std::uint64_t>& users_of_first) const
 
 template <class A>
 void Population::describe(A& a, bool lists) {
-  values(a, first_mass, first_radius, least_radius, first_properties);
+  values(a, first_properties.mass, first_radius, least_radius, first_properties);
   a.require(first_radius >= 0 && least_radius >= 0);
   a.refuse_nan(true);
   bodies.describe(a, lists);
@@ -364,7 +360,7 @@ void TouchMemory::describe(A& a, std::uint32_t ids) {
 template <class A>
 void Sleepers::describe(A& a, BodyStore& bodies, StaticShapes& statics) {
   values(a, woke, changed, watching_);
-  if constexpr (A::kLoading) list.assign(bodies.asleep, Sleeper{});
+  if constexpr (A::kLoading) list.assign(count_of(bodies, Place::asleep), Sleeper{});
   lattice_points(a, list.size(), [&](std::size_t k) -> LatticePoint& { return list[k].at; });
   using S = Sleeper;
   columns(

@@ -75,7 +75,7 @@ void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
 }
 
 void measure(StepContext& c, const Span& span, StepReport&, PieceRange) {
-  if (!c.bodies.rim_speed.empty()) c.bodies.add_rotation();
+  if (!c.bodies.rim_speed.empty()) c.bodies.keep_rotation(true);
   c.neighbours.measure(list_settings(c, span), span.step);
   c.neighbours.made.span = span.step / span.frame;
   c.progress.lists = ListState::begun;

@@ -11,7 +11,7 @@ namespace psim {
 namespace {
 
 Quarantine::Freeze freezer(Owners& w) {
-  return [&w](std::uint32_t id, const BodyState& last) { freeze_body(w, id, last); };
+  return [&w](const BodyState& last) { freeze_body(w, last); };
 }
 
 // A page of the ledger, and a report that follows the given detail, if there is one.
@@ -151,7 +151,7 @@ void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
     const StageTimer timer(report, w.tracer, Stage::sleep);
     w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
   }
-  report.asleep = bodies.asleep;
+  report.asleep = w.sleep.sleepers.list.size();
 }
 
 // Room for so many candidates and strips is made in small worlds, too: bodies come together.

@@ -115,10 +115,10 @@ void World::set_sleeping(bool on) {
   if (!on) w.note_sleep(w.sleep.wake_all(w.sleep_source()));
 }
 
-std::size_t World::body_count() const { return impl_->bodies.living; }
-std::size_t World::dynamic_count() const { return impl_->bodies.moving; }
+std::size_t World::body_count() const { return impl_->bodies.living(); }
+std::size_t World::dynamic_count() const { return impl_->population.traits.moving; }
 std::size_t World::shape_count() const { return impl_->population.traits.cornered; }
-std::size_t World::static_count() const { return impl_->bodies.fixed; }
+std::size_t World::static_count() const { return impl_->population.fixed.size(); }
 std::uint64_t World::frame() const { return impl_->ledger.frames; }
 std::uint64_t World::escaped_total() const { return impl_->quarantine.escaped; }
 const WorldDesc& World::desc() const { return impl_->desc; }
@@ -142,7 +142,7 @@ void World::count_lane_use() {
 }
 std::vector<LaneUse> World::lane_use() const { return impl_->ledger.lane_use(); }
 
-void World::start_trace() { impl_->tracer.start(impl_->options.threads); }
+void World::start_trace() { impl_->tracer.start(); }
 void World::stop_trace() { impl_->tracer.stop(); }
 std::vector<TraceEvent> World::take_trace() { return impl_->tracer.take(); }
 

@@ -74,9 +74,9 @@ void remove_body(Owners& w, std::uint32_t id) {
   w.population.remove(id);
 }
 
-void freeze_body(Owners& w, std::uint32_t id, const BodyState& last) {
-  body_goes(w, id, true);
-  w.population.freeze(id, last);
+void freeze_body(Owners& w, const BodyState& last) {
+  body_goes(w, last.id.index, true);
+  w.population.freeze(last);
 }
 
 void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep_source(), id)); }
@@ -106,22 +106,16 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   const std::size_t n = batch.x.size();
   first = w.population.next_id();
   if (batch.type == BodyType::static_body) {
-    BodyDesc d;
-    d.type = BodyType::static_body;
-    d.material = batch.material;
-    d.filter = batch.filter;
-    d.mass = batch.mass;
     w.population.fixed.reserve(w.population.fixed.size() + n);
-    for (std::size_t i = 0; i < n; ++i) {
-      d.shape = DiscShape{batch.radius[batch.radius.size() == 1 ? 0 : i]};
-      d.position = {batch.x[i], batch.y[i]};
-      d.angle = batch.angle.empty() ? 0 : batch.angle[i];
-      add_body(d, error);
-    }
+    for (std::size_t i = 0; i < n; ++i) add_body(disc_of(batch, i), error);
     return n;
   }
-  w.population.make_room(batch);
-  for (std::size_t i = 0; i < n; ++i) w.sleep.sleepers.mark_moving(w.population.add_disc(batch, i).index);
+  w.population.make_room(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const BodyId id = w.population.add(disc_of(batch, i), error);
+    if (id == kNoBody) return i;  // none: all discs are of one kind
+    w.sleep.sleepers.mark_moving(id.index);
+  }
   if (n != 0) w.plan_stale = w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
   spoil_work(w);

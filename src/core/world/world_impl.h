@@ -44,7 +44,7 @@ void apply_plan(Owners& w);
 
 // world_bodies.cpp
 void remove_body(Owners& w, std::uint32_t id);
-void freeze_body(Owners& w, std::uint32_t id, const BodyState& last);
+void freeze_body(Owners& w, const BodyState& last);
 /// The host moves or pushes a body, or what is joined to it.
 void disturb(Owners& w, std::uint32_t id);
 

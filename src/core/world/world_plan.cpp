@@ -65,8 +65,7 @@ void apply_plan(Owners& w) {
   const Plan& plan = w.plan;
   BodyStore& bodies = w.bodies;
   Sleepers& sleepers = w.sleep.sleepers;
-  if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
-  if (!plan.rotation) bodies.drop_rotation();
+  bodies.keep_rotation(plan.rotation);
   w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
   w.contacts.solved.forget(!plan.rotation, !plan.restitution);
   if (plan.forces) {
@@ -75,11 +74,8 @@ void apply_plan(Owners& w) {
     w.dynamics.forces.reset();
     bodies.acc.release();
   }
-  if (plan.fields) {
-    bodies.add_remainders(plan.integrator != Integrator::verlet);
-  } else {
-    bodies.vel_remainder.release();
-    bodies.disp_remainder.release();
+  bodies.keep_remainders(plan.fields, plan.fields && plan.integrator != Integrator::verlet);
+  if (!plan.fields) {
     bodies.drift_correction.release();
     bodies.spare.release();
   }
@@ -87,7 +83,7 @@ void apply_plan(Owners& w) {
   w.statics.find_whole(plan.manifolds);
   if (!w.sorts_out()) w.contacts.manifolds.release();
   if (!plan.manifolds) w.contacts.stacks.release();
-  if (!plan.manifolds && bodies.hulls.empty() && bodies.hulls.bytes() != 0) bodies.hulls.clear();
+  if (!plan.manifolds) bodies.hulls.give_back();
   if (!plan.joints) w.joints.release_blocks();
   if (!plan.continuous) w.dynamics.continuous.release();
   if (!plan.loads) w.contacts.loads.release();

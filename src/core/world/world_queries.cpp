@@ -102,7 +102,7 @@ std::span<const Contact> World::contacts() {
   last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
   last.with_manifolds = w.plan.manifolds;
   last.substeps = w.dynamics.substeps;
-  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = static_cast<double>(w.population.first_mass);
+  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
   find_moved(w);
   turn_back(w);
   if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses();
