@@ -78,8 +78,7 @@ class StaticShapes {
   }
 
   /// For saved states (describe_bodies.cpp); behind the bodies. Those that are read wait for the sleepers.
-  template <class A>
-  void describe(A& a, const BodyStore& bodies);
+  void describe(class Archive& a, const BodyStore& bodies);
   /// Of a state that is read: the piece of a plain disc that sleeps. False if its number is that of something else.
   bool lay_lone(std::uint32_t number, const StaticShape& piece);
   /// Whether these are pieces of one who sleeps.
@@ -120,11 +119,9 @@ class StaticShapes {
   bool surely_none(const Bounds& box) const;
 
  private:
-  template <class A>
-  void check_pieces(A& a, const std::vector<std::uint32_t>& told, const BodyStore& bodies,
+  void check_pieces(Archive& a, const std::vector<std::uint32_t>& told, const BodyStore& bodies,
                     std::vector<std::uint8_t>& hull_used);
-  template <class A>
-  void check_runs(A& a) const;
+  void check_runs(Archive& a) const;
   void make_grid();
   void hash_standing();
   struct Cells {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "bodies/surroundings.h"
@@ -31,10 +32,9 @@ class ContactStore {
 
  public:
   /// For saved states. Their impulses are saved by pair (state/saved_contacts.h).
-  template <class A>
-  void describe(A& a) {
-    values(a, model_.model, model_.bounce, pair_blocks_, static_blocks_, colours_, pair_count_, static_count_,
-           loaded_blocks_, builds_);
+  auto fields() {
+    return std::tie(model_.model, model_.bounce, pair_blocks_, static_blocks_, colours_, pair_count_, static_count_,
+                    loaded_blocks_, builds_);
   }
   const ContactModel& model() const { return model_; }
 

@@ -43,8 +43,7 @@ struct JointMember {
 
 class JointStore {
  public:
-  template <class A>
-  void describe(A& a, const BodyStore& bodies);  ///< for saved states; behind the bodies
+  void describe(class Archive& a, const BodyStore& bodies);  ///< for saved states; behind the bodies
 
   explicit JointStore(MemoryMeter& meter)
       : share_vel_(meter), share_rim_speed_(meter), push_vel_(meter), push_rim_speed_(meter) {}
@@ -155,8 +154,6 @@ class JointStore {
   static std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
     return a < b ? (std::uint64_t{a} << 32 | b) : (std::uint64_t{b} << 32 | a);
   }
-  template <class A>
-  void check_joint(A& a, const Joint& joint, const BodyStore& bodies) const;
   void tie_all(const BodyStore& bodies);
   std::uint32_t* link_to(std::uint32_t index, std::uint32_t body);
   void tie(std::uint32_t index);

@@ -33,8 +33,7 @@ struct SortCount {
 
 class CellList {
  public:
-  template <class A>
-  void describe(A& a);  ///< for saved states
+  void describe(class Archive& a);  ///< for saved states
   bool sound() const;
   bool holds(const BodyStore& bodies, bool periodic) const;
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "base/column.h"
@@ -16,10 +17,7 @@ namespace psim {
 
 class HeavyLoads {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    a.value(visits_);
-  }
+  auto fields() { return std::tie(visits_); }  ///< for saved states
 
   /// The least ratio of masses that counts as heavy.
   static constexpr float kLeastRatio = 8;

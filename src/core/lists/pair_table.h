@@ -58,10 +58,6 @@ struct PairTable {
 
   static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu;
 
-  /// For saved states: the strips and their bodies.
-  template <class A>
-  void describe(A& a);
-
   void swap(PairTable& o) {
     first.swap(o.first);
     owner.swap(o.owner);

@@ -138,8 +138,7 @@ struct ManifoldsAround {
 
 class Manifolds {
  public:
-  template <class A>
-  void describe(A& a, const ManifoldsAround& around);  ///< for saved states
+  void describe(class Archive& a, const ManifoldsAround& around);  ///< for saved states
 
   explicit Manifolds(MemoryMeter& meter) : kind_(meter), rotor_(meter), inner_(meter), used_(meter) {}
 
@@ -300,10 +299,7 @@ class Manifolds {
     Batches batches = {};     // of the last refresh
   };
 
-  template <class A>
-  void check_pair(A& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
-  template <class A>
-  void check_strip(A& a, std::size_t strip, const ManifoldsAround& around) const;
+  void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
   void complete(std::size_t slots);
   void cut();
   void sort_out_strip(const BodyStore& bodies, const StaticShapes& statics, const Joined* joined, PairTable& table,

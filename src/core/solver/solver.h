@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "base/worker_pool.h"
@@ -99,10 +100,7 @@ struct SweepMemory {
 
 class Solver {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    values(a, closed_, sweeps_);
-  }
+  auto fields() { return std::tie(closed_, sweeps_); }  ///< for saved states
 
   /// Runs all substeps.
   SolverReport run(const SolverInput& in, const SolverParams& params);

@@ -13,8 +13,7 @@ namespace psim {
 
 // ---- lists: how they were made, which is all that making them again needs, and their strips
 
-template <class A>
-void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cells) {
+void BroadPhase::describe(Archive& a, const BodyStore& bodies, bool periodic, bool cells) {
   BroadPhaseParams& p = params_;
   kernels::GridView& g = grid_.view;
   a.refuse_nan(true);
@@ -26,39 +25,34 @@ void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cel
          pad_reach_, next_pad_reach_, pairs_a_large_, near_pairs_, tests_, fixed_);
   for (std::vector<double>* guess : {&pairs_a_body_, &pairs_a_piece_, &near_a_body_}) {
     a.packed(*guess);
-    if constexpr (A::kLoading) {
+    if (a.loading()) {
       a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
     }
   }
   a.refuse_nan(false);
   sort_.listed().describe(a);
-  if constexpr (!A::kLoading) return;
+  if (!a.loading()) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
   a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
             pairs_a_large_ <= kMostGuess);
   if (!cells || !a.ok()) return;
-  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits(bodies, periodic)));
-}
-
-// Whether every cell that a body may get lies in the grid.
-bool BroadPhase::grid_fits(const BodyStore& bodies, bool periodic) const {
-  const kernels::GridView& g = grid_.view;
+  // Every cell that a body may get lies in the grid.
   const double room = 64.0 * bodies.count + 65536;
-  return g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
-         g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
-         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
-         grid_.cell_y > 0 && grid_.periodic == periodic &&
-         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
-         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
-         g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
+  const bool grid_fits = g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
+                         g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
+                         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
+                         grid_.cell_y > 0 && grid_.periodic == periodic &&
+                         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
+                         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
+                         g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
+  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits));
 }
 
-template <class A>
-void CellList::describe(A& a) {
+void CellList::describe(Archive& a) {
   for (Axis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
   values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
   a.require((row_axis_ == 0 || row_axis_ == 1) && (!stays_ || sound()));
-  if constexpr (A::kLoading) sorted_ = 0;
+  if (a.loading()) sorted_ = 0;
 }
 
 // Whether the cells that are laid fit together.
@@ -84,45 +78,33 @@ bool CellList::holds(const BodyStore& bodies, bool periodic) const {
 }
 
 // Where renewed bodies were when all lists were made. Where they are looked for now, the bodies say.
-template <class A>
-void ListRenewal::describe(A& a, std::size_t slots) {
+void ListRenewal::describe(Archive& a, std::size_t slots) {
   a.list(renewed_, [&](Renewed& x) {
     a.index(slots, x.slot);
     values(a, x.x, x.y, x.reach);
   });
   a.packed(linked_, slots);
   a.value(time_);
-  if constexpr (A::kLoading) mark_.reserve(slots);
+  if (a.loading()) mark_.reserve(slots);
 }
 
-template <class A>
-void PairTable::describe(A& a) {
-  values(a, body_count, large_begin);
-  a.list(strips, [&](Strip& s) { values(a, s.body_begin, s.body_end, s.row_begin, s.row_end); });
-  if constexpr (!A::kLoading) return;
-  a.require(a.fits(body_count) && (body_count == 0 || (large_begin <= body_count && !strips.empty())));
+void describe_strips(Archive& a, PairTable& table) {
+  const std::uint32_t& bodies = table.body_count;
+  values(a, table.body_count, table.large_begin);
   std::uint32_t at = 0;
-  for (const Strip& strip : strips) {
-    a.require(strip.body_begin == at && strip.body_end >= at && strip.body_end <= body_count);
-    at = strip.body_end;
-  }
-  a.require(body_count == 0 || at == body_count);
+  a.list(table.strips, [&](Strip& s) {
+    values(a, s.body_begin, s.body_end, s.row_begin, s.row_end);
+    a.require(s.body_begin == at && s.body_end >= at && s.body_end <= bodies);
+    at = s.body_end;
+  });
+  a.require(a.fits(bodies) && at == bodies && (bodies == 0 || table.large_begin <= bodies));
 }
-
-PSIM_DESCRIBED(BroadPhase, const BodyStore&, bool, bool);
-PSIM_DESCRIBED(ListRenewal, std::size_t);
-PSIM_DESCRIBED(PairTable);
 
 // ---- contacts and events
 
-inline auto fields(ManifoldPoint& q) { return std::tie(q.ax, q.ay, q.bx, q.by, q.gap, q.feature); }
-inline auto fields(Rotor& q) { return std::tie(q.c, q.s); }
-
-template <class A>
-void one_value(A& a, ManifoldPair& p) {
+void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
-  values(a, p.manifold.nx, p.manifold.ny, p.manifold.count, p.manifold.point);
-  values(a, p.base, p.turn_a, p.turn_b, p.margin);
+  values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   values(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.stack, p.was_stack,
          p.rest_frames, p.recalled, p.colour, p.balanced);
@@ -131,45 +113,9 @@ void one_value(A& a, ManifoldPair& p) {
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
 
-template <class A>
-void Manifolds::describe(A& a, const ManifoldsAround& around) {
-  values(a, pairs_);
-  a.packed(begin_);
-  a.list(strips_, [&](StripBlocks& s) {
-    a.plain(s.blocks);
-    a.packed(s.active);
-    a.packed(s.laid);
-    values(a, s.end, s.colours, s.points);
-  });
-  a.packed(ghosts_);
-  a.packed(special_);
-  a.packed(stale_);
-  a.packed(shaped_, around.present ? around.slots : kAnyNumber);
-  bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
-  a.value(kinds);
-  if (kinds) {
-    if constexpr (A::kLoading) kind_.reserve(around.slots);
-    a.packed(kind_, around.slots);
-  }
-  values(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
-  if constexpr (!A::kLoading) return;
-  if (!kinds) kind_.release();
-  for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
-  a.require(begin_.size() <= strips_.size() + 1);
-  a.require(std::is_sorted(begin_.begin(), begin_.end()));
-  a.require(!around.exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
-  std::uint64_t points = 0;
-  for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
-    check_strip(a, k, around);
-    points += strips_[k].points;
-  }
-  a.require(points_ == 0 || (points_ <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present);
-  if (a.ok()) complete(around.slots);
-}
+namespace {
 
-template <class A>
-void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& around) const {
+void check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAround& around) {
   const BodyStore& b = around.bodies;
   const auto of = [&](std::uint32_t slot, std::uint32_t id, std::uint32_t part) {
     a.require(id < b.id_count);
@@ -188,9 +134,46 @@ void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& a
   if (!wall) a.require(around.statics[p.shape].alive && around.statics[p.shape].owner == p.id_a);
 }
 
+}  // namespace
+
+void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
+  values(a, pairs_);
+  a.packed(begin_);
+  a.list(strips_, [&](StripBlocks& s) {
+    a.plain(s.blocks);
+    a.packed(s.active);
+    a.packed(s.laid);
+    values(a, s.end, s.colours, s.points);
+  });
+  a.packed(ghosts_);
+  a.packed(special_);
+  a.packed(stale_);
+  a.packed(shaped_, around.present ? around.slots : kAnyNumber);
+  bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
+  a.value(kinds);
+  if (kinds) {
+    if (a.loading()) kind_.reserve(around.slots);
+    a.packed(kind_, around.slots);
+  }
+  values(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
+  if (!a.loading()) return;
+  if (!kinds) kind_.release();
+  for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
+  a.require(begin_.size() <= strips_.size() + 1);
+  a.require(std::is_sorted(begin_.begin(), begin_.end()));
+  a.require(!around.exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
+  std::uint64_t points = 0;
+  for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
+    check_strip(a, k, around);
+    points += strips_[k].points;
+  }
+  a.require(points_ == 0 || (points_ <= points && around.wanted));
+  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present);
+  if (a.ok()) complete(around.slots);
+}
+
 // Lists of pairs that are gone, or not looked at yet, are made anew before anyone reads them.
-template <class A>
-void Manifolds::check_strip(A& a, std::size_t index, const ManifoldsAround& around) const {
+void Manifolds::check_strip(Archive& a, std::size_t index, const ManifoldsAround& around) const {
   const StripBlocks& s = strips_[index];
   const auto blocks = static_cast<std::uint32_t>(s.blocks.size());
   a.require(std::is_sorted(std::begin(s.end), std::end(s.end)) && s.end[3] <= blocks);
@@ -230,8 +213,7 @@ void Manifolds::complete(std::size_t slots) {
   used_.reserve(slots);
 }
 
-template <class A>
-void EventList::describe(A& a, std::uint32_t ids) {
+void EventList::describe(Archive& a, std::uint32_t ids) {
   values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, left_, build_);
   a.list(removed_, [&](BodyId& id) {
     a.index(ids, id.index);
@@ -240,63 +222,26 @@ void EventList::describe(A& a, std::uint32_t ids) {
   a.packed(touching_);
   for (Keys* keys : {&lane_key_, &paired_, &toggled_, &rest_found_, &rest_, &slept_, &sensed_}) {
     a.packed(*keys);
-    if constexpr (A::kLoading) {
+    if (a.loading()) {
       for (const std::uint64_t key : *keys) {
         const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
         a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
       }
     }
   }
-  if constexpr (!A::kLoading) return;
+  if (!a.loading()) return;
   a.require(lane_key_.size() == touching_.size() * kernels::kBlock);
   for (const Keys* keys : {&paired_, &rest_, &slept_}) a.require(std::is_sorted(keys->begin(), keys->end()));
   clear();
 }
 
-PSIM_DESCRIBED(Manifolds, const ManifoldsAround&);
-PSIM_DESCRIBED(EventList, std::uint32_t);
-
 // ---- joints: what the host asked for, and the blocks with what they did in the last substep. Which joint lies in
 // which lane, and who is joined to whom, follows from that.
 
-template <class A>
-void JointStore::describe(A& a, const BodyStore& bodies) {
-  if constexpr (!A::kLoading) save_impulses();
-  float spare = 0;  // the format has room for a fifth impulse
-  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
-  describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
-  bool laid = !stale_;
-  values(a, laid, h_);
-  if constexpr (A::kLoading) {
-    for (const Joint& j : joints_) check_joint(a, j, bodies);
-    if (!a.ok()) joints_.clear(), free_.clear();
-    tie_all(bodies);
-    stale_ = bodies_stale_ = true;
-    if (laid && a.ok()) {
-      bodies_stale_ = true;
-      lay_out(bodies);
-      stale_ = false;
-    }
-  }
-  for (std::uint32_t k = 0; k < kLists && laid; ++k) {
-    JointLists::visit(lists_, k, [&](auto& blocks) {
-      const std::size_t n = blocks.size();
-      a.plain(blocks);
-      if constexpr (A::kLoading) {
-        a.require(blocks.size() == n);
-        blocks.resize(n);
-      }
-    });
-  }
-}
-
-template <class A>
-void JointStore::check_joint(A& a, const Joint& j, const BodyStore& b) const {
-  if (!j.alive) return;
-  const BodyId ends[2] = {j.desc.a, j.desc.b};
-  a.require(ends[0].index != ends[1].index && j.desc.length && j.desc.reference);
+static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) {
+  a.require(joint.a.index != joint.b.index && joint.length && joint.reference);
   bool dynamic = false;
-  for (const BodyId& end : ends) {
+  for (const BodyId& end : {joint.a, joint.b}) {
     a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
     if (!a.ok()) return;
     const Place place = b.info[end.index].place;
@@ -304,6 +249,33 @@ void JointStore::check_joint(A& a, const Joint& j, const BodyStore& b) const {
     dynamic = dynamic || b.properties(end.index).inv_mass > 0;
   }
   a.require(dynamic);
+}
+
+void JointStore::describe(Archive& a, const BodyStore& bodies) {
+  if (!a.loading()) save_impulses();
+  float spare = 0;  // the format has room for a fifth impulse
+  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
+  describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
+  bool laid = !stale_;
+  values(a, laid, h_);
+  if (a.loading()) {
+    for (const Joint& j : joints_) {
+      if (j.alive) check_joint(a, j.desc, bodies);
+    }
+    if (!a.ok()) joints_.clear(), free_.clear();
+    tie_all(bodies);
+    bodies_stale_ = true;
+    stale_ = !laid || !a.ok();
+    if (!stale_) lay_out(bodies);
+  }
+  for (std::uint32_t k = 0; k < kLists && laid; ++k) {
+    JointLists::visit(lists_, k, [&](auto& blocks) {
+      const std::size_t n = blocks.size();
+      a.plain(blocks);
+      a.require(blocks.size() == n);
+      blocks.resize(n);
+    });
+  }
 }
 
 // What follows from the joints.
@@ -324,7 +296,5 @@ void JointStore::tie_all(const BodyStore& b) {
     exclude(j.desc, +1);
   }
 }
-
-PSIM_DESCRIBED(JointStore, const BodyStore&);
 
 }  // namespace psim

@@ -49,8 +49,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   }
 }
 
-template <class A>
-void SavedContacts::describe(A& a, const PairTable& table, const StaticShapes& statics, bool named) {
+void SavedContacts::describe(Archive& a, const PairTable& table, const StaticShapes& statics, bool named) {
   a.packed(strip_pairs_);
   a.packed(strip_statics_);
   for (auto& column : carried_) a.plain(column);
@@ -71,7 +70,7 @@ void SavedContacts::describe(A& a, const PairTable& table, const StaticShapes& s
     values(a, pair.impulse, pair.friction);
     a.require(pair.owner < pair.other);
   });
-  if constexpr (!A::kLoading) return;
+  if (!a.loading()) return;
   const auto before = [](const Renewed& p, const Renewed& q) {
     return p.owner != q.owner ? p.owner < q.owner : p.other < q.other;
   };
@@ -151,7 +150,5 @@ bool SavedContacts::put_back(const PairTable& table, ContactStore& c) const {
   }
   return true;
 }
-
-PSIM_DESCRIBED(SavedContacts, const PairTable&, const StaticShapes&, bool);
 
 }  // namespace psim

@@ -19,8 +19,7 @@ class SavedContacts {
   /// There are none, in as many strips.
   void gather_none(const PairTable& table);
 
-  template <class A>
-  void describe(A& a, const PairTable& table, const StaticShapes& statics, bool named);
+  void describe(class Archive& a, const PairTable& table, const StaticShapes& statics, bool named);
   bool empty() const { return empty(kImpulse) && renewed_.empty() && empty(kStatic); }
 
   /// Makes `table`, whose strips are there, of the names: contacts lie in the order of their pairs.

@@ -106,8 +106,7 @@ class World::Impl::StateKeeper {
 
  private:
   // How far the present step is, and what was measured for the next ones.
-  template <class A>
-  void describe_progress(A& a) {
+  void describe_progress(Archive& a) {
     StepProgress& now = w_.step_work.progress;
     Dynamics& dynamics = w_.dynamics;
     values(a, last_, w_.frame, w_.steps, w_.quarantine.escaped, dynamics.stiff_substep, dynamics.last_substep,
@@ -123,12 +122,11 @@ class World::Impl::StateKeeper {
   }
 
   // All but the contacts of shapes, which are read once the lists are there.
-  template <class A>
-  void describe(A& a) {
+  void describe(Archive& a) {
     describe_progress(a);
     const StepProgress& now = w_.step_work.progress;
     BodyStore& bodies = w_.population.bodies;
-    w_.population.describe(a, last_ || now.makes_lists());
+    describe_population(a, w_.population, last_ || now.makes_lists());
     w_.sleep.sleepers.describe(a, bodies, w_.population.statics);
     a.list(w_.quarantine.doubtful, [&](BodyId& id) {
       a.index(bodies.id_count, id.index);
@@ -141,25 +139,20 @@ class World::Impl::StateKeeper {
       if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
     });
     describe_lists(a);
-    w_.contacts.discs.describe(a);
-    w_.contacts.solved.describe(a);
-    w_.contacts.loads.describe(a);
-    w_.dynamics.solver.describe(a);
-    w_.dynamics.continuous.describe(a);
+    values(a, w_.contacts.discs, w_.contacts.solved, w_.contacts.loads, w_.dynamics.solver, w_.dynamics.continuous);
     w_.joints.describe(a, bodies);
     w_.observers.events.describe(a, bodies.id_count);
-    if constexpr (A::kLoading) check(a);
+    if (a.loading()) check(a);
   }
 
-  template <class A>
-  void describe_lists(A& a) {
+  void describe_lists(Archive& a) {
     const StepProgress& now = w_.step_work.progress;
     const BodyStore& bodies = w_.population.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
     lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
-    if (!lasting()) lists_.table.describe(a);
+    if (!lasting()) describe_strips(a, lists_.table);
     carried_.describe(a, lists_.table, w_.population.statics, !lasting());
     a.packed(origin_);
     a.require(origin_.size() <= bodies.count &&
@@ -169,7 +162,7 @@ class World::Impl::StateKeeper {
   }
 
   // What the plan follows from is counted again. What is looked up when a plan is made stays as it was.
-  void check(Loader& a) const {
+  void check(Archive& a) const {
     if (!a.ok()) return;
     Traits traits = w_.population.recounted();
     traits.joints = w_.joints.count();
