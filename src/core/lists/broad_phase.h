@@ -37,7 +37,7 @@ struct BroadPhaseParams {
 class BroadPhase {
  public:
   /// For saved states; behind the bodies. `cells`: bodies lie in cells that are laid.
-  void describe(class Archive& a, const BodyStore& bodies, bool periodic, bool cells);
+  void describe(class Archive& a, bool periodic, bool cells);
 
   /// Below this number of bodies, building lists is so cheap that they need not last.
   static constexpr std::uint32_t kSmallWorld = 512;

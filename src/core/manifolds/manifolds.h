@@ -124,16 +124,17 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 struct ManifoldsAround {
   const BodyStore& bodies;
   const StaticShapes& statics;
-  std::uint32_t slots = 0;
   std::uint32_t numbered = 0;  ///< slots that pairs may name
   bool wanted = false;         ///< the plan has manifolds
   bool fresh = false;          ///< lists are not stale
-  bool present = false;        ///< so the manifolds are those of the next step
   bool carried = false;        ///< their impulses are of use
   bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
-  bool exact = false;          ///< none is under way, and lists are not stale
   bool lists = false;          ///< lists last
   bool in_place = false;       ///< every slot has the body that pairs name it for
+
+  std::uint32_t slots() const { return bodies.count; }
+  bool present() const { return fresh && wanted; }  ///< the manifolds are those of the next step
+  bool exact() const { return fresh && !spread; }
 };
 
 class Manifolds {

@@ -16,7 +16,7 @@ void SharedTable<T, kMost, kSearched>::describe(Archive& a, std::size_t first, c
     a.require(sound(e.value, e.users));
   });
   describe_free(a, free_, first, list_.size(), [&](std::size_t k) { return list_[k].users == 0; });
-  a.value(last_);
+  a.index(std::max<std::size_t>(list_.size(), 1), last_);
 }
 
 bool ShapeTable::has(const BodyKind& kind) const {

@@ -13,7 +13,7 @@ namespace psim {
 
 // ---- lists: how they were made, which is all that making them again needs, and their strips
 
-void BroadPhase::describe(Archive& a, const BodyStore& bodies, bool periodic, bool cells) {
+void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   BroadPhaseParams& p = params_;
   kernels::GridView& g = grid_.view;
   a.refuse_nan(true);
@@ -30,51 +30,45 @@ void BroadPhase::describe(Archive& a, const BodyStore& bodies, bool periodic, bo
     }
   }
   a.refuse_nan(false);
-  sort_.listed().describe(a);
+  sort_.listed().describe(a, periodic, cells && listed_);
   if (!a.loading()) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
   a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
             pairs_a_large_ <= kMostGuess);
-  if (!cells || !a.ok()) return;
+  if (!cells) return;
+  a.require(p.periodic == periodic);
+  if (listed_) return;
   // Every cell that a body may get lies in the grid.
-  const double room = 64.0 * bodies.count + 65536;
-  const bool grid_fits = g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
-                         g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
-                         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
-                         grid_.cell_y > 0 && grid_.periodic == periodic &&
-                         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
-                         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
-                         g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
-  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits));
+  a.require(g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= 64.0 * b_.count + 65536);
+  a.require(g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
+            grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3);
+  a.require(grid_.cell_x > 0 && grid_.cell_y > 0 && grid_.periodic == periodic);
+  a.require(g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
+            g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y));
+  a.require(g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2);
 }
 
-void CellList::describe(Archive& a) {
-  for (Axis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
+void CellList::describe(Archive& a, bool periodic, bool used) {
+  for (Axis& x : axis_) values(a, x.low, x.per, x.cells, x.width);
   values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
-  a.require((row_axis_ == 0 || row_axis_ == 1) && (!stays_ || sound()));
-  if (a.loading()) sorted_ = 0;
-}
-
-// Whether the cells that are laid fit together.
-bool CellList::sound() const {
+  a.require(row_axis_ == 0 || row_axis_ == 1);
+  if (!a.loading() || !a.ok()) return;
+  sorted_ = 0;
+  if (!stays_ && !used) return;
+  // The cells that are laid fit together.
   for (const Axis& x : axis_) {
-    if (x.per < 1 || x.per > std::uint64_t{1} << 32 || x.cells < 1 || x.cells > x.per + 1) return false;
-    if (x.width != 0x1p32 / static_cast<double>(x.per) || (periodic_ && x.cells != x.per)) return false;
+    a.require(x.per >= 1 && x.per <= std::uint64_t{1} << 32 && x.cells >= 1 && x.cells <= x.per + 1);
+    a.require(x.width == 0x1p32 / static_cast<double>(x.per) && (!periodic_ || x.cells == x.per));
   }
-  return rows_ == axis_[row_axis_].cells && stride_ == axis_[1 - row_axis_].cells + 1 && slot_bits_ >= 0 &&
-         slot_bits_ <= 32 &&
-         static_cast<double>(rows_ + 1) * static_cast<double>(stride_) < std::ldexp(1.0, 64 - slot_bits_);
-}
-
-// Whether every body lies in one of them.
-bool CellList::holds(const BodyStore& bodies, bool periodic) const {
-  if (!sound() || periodic_ != periodic || bodies.count >= std::uint64_t{1} << slot_bits_) return false;
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    for (std::size_t k = 0; k < bodies.count; ++k) {
-      if (cell_at(axis_[axis], bodies.built[2 * k + axis]) >= axis_[axis].cells) return false;
-    }
+  a.require(rows_ == axis_[row_axis_].cells && stride_ == axis_[1 - row_axis_].cells + 1);
+  a.require(slot_bits_ >= 0 && slot_bits_ <= 32 &&
+            static_cast<double>(rows_ + 1) * static_cast<double>(stride_) < std::ldexp(1.0, 64 - slot_bits_));
+  if (!used || !a.ok()) return;
+  // Every body lies in one of them.
+  a.require(periodic_ == periodic && b_.count < std::uint64_t{1} << slot_bits_);
+  for (std::size_t k = 0; k < 2 * std::size_t{b_.count} && a.ok(); ++k) {
+    a.require(cell_at(axis_[k % 2], b_.built[k]) < axis_[k % 2].cells);
   }
-  return true;
 }
 
 // Where renewed bodies were when all lists were made. Where they are looked for now, the bodies say.
@@ -121,13 +115,13 @@ void check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAround& around
     a.require(id < b.id_count);
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
-    if (around.present && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
+    if (around.present() && around.in_place) a.require(slot < around.slots() && b.id[slot] == id);
   };
   const bool fixed = p.a == PairName::kNone, wall = p.shape >= kWallLeft;
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
-  if (around.present || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
+  if (around.present() || around.carried) a.require(p.b < around.numbered && (fixed || p.a < around.numbered));
   if (fixed) a.require(wall ? p.shape <= kWallTop : p.shape < around.statics.size());
-  if (!a.ok() || !around.present) return;
+  if (!a.ok() || !around.present()) return;
   of(p.b, p.id_b, p.part_b);
   if (!fixed) return of(p.a, p.id_a, p.part_a);
   a.require(p.fixed_a);
@@ -148,12 +142,12 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   a.packed(ghosts_);
   a.packed(special_);
   a.packed(stale_);
-  a.packed(shaped_, around.present ? around.slots : kAnyNumber);
-  bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
+  a.packed(shaped_, around.present() ? around.slots() : kAnyNumber);
+  bool kinds = around.slots() != 0 && kind_.capacity() >= around.slots();
   a.value(kinds);
   if (kinds) {
-    if (a.loading()) kind_.reserve(around.slots);
-    a.packed(kind_, around.slots);
+    if (a.loading()) kind_.reserve(around.slots());
+    a.packed(kind_, around.slots());
   }
   values(a, points_, g_, any_filter_, loaded_, colours_, blocks_, pass_blocks_, laid_, looks_, new_pairs_);
   if (!a.loading()) return;
@@ -161,15 +155,16 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
   a.require(std::is_sorted(begin_.begin(), begin_.end()));
-  a.require(!around.exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
+  a.require(!around.exact() ||
+            (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
     check_strip(a, k, around);
     points += strips_[k].points;
   }
   a.require(points_ == 0 || (points_ <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present);
-  if (a.ok()) complete(around.slots);
+  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots() || !around.present());
+  if (a.ok()) complete(around.slots());
 }
 
 // Lists of pairs that are gone, or not looked at yet, are made anew before anyone reads them.
@@ -193,7 +188,7 @@ void Manifolds::check_strip(Archive& a, std::size_t index, const ManifoldsAround
     }
   }
   if (!around.fresh) return;
-  const std::size_t bodies = kernels::round_up_block(around.slots) + 2 * strip_count();  // two that rest a strip
+  const std::size_t bodies = kernels::round_up_block(around.slots()) + 2 * strip_count();  // two that rest a strip
   for (const kernels::ManifoldBlock& block : s.blocks) {
     for (const std::uint32_t body : block.body) a.require(body < bodies);
   }

@@ -1,5 +1,6 @@
 #include "psim/recording.h"
 
+#include <array>
 #include <tuple>
 
 #include "state/describe.h"
@@ -50,23 +51,15 @@ static auto fields(BodyDesc& d) {
 namespace {
 
 // What a DiscBatch looks at.
-struct Discs {
-  std::vector<double> x, y, radius, angle, vx, vy, angular_velocity;
-};
+using Discs = std::array<std::vector<double>, 7>;
 
 void describe(Archive& a, DiscBatch& b, Discs& discs) {
-  const auto column = [&](std::span<const double>& seen, std::vector<double>& own) {
-    if (!a.loading()) own.assign(seen.begin(), seen.end());
-    values(a, own);
-    seen = own;
-  };
-  column(b.x, discs.x);
-  column(b.y, discs.y);
-  column(b.radius, discs.radius);
-  column(b.angle, discs.angle);
-  column(b.vx, discs.vx);
-  column(b.vy, discs.vy);
-  column(b.angular_velocity, discs.angular_velocity);
+  std::span<const double>* seen[] = {&b.x, &b.y, &b.radius, &b.angle, &b.vx, &b.vy, &b.angular_velocity};
+  for (std::size_t k = 0; k < discs.size(); ++k) {
+    discs[k].assign(seen[k]->begin(), seen[k]->end());
+    values(a, discs[k]);
+    *seen[k] = discs[k];
+  }
   values(a, b.type, b.material, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet, b.filter);
 }
 

@@ -5,6 +5,9 @@
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
 // the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
+#include <ranges>
+#include <utility>
+
 #include "base/invariant.h"
 #include "base/machine.h"
 #include "state/describe.h"
@@ -29,16 +32,6 @@ static auto fields(Plan& p) {
                   p.radii, p.materials, p.rotation, p.manifolds, p.filters, p.joints, p.turns, p.continuous, p.bullets,
                   p.sleep, p.events, p.model.model, p.model.bounce);
 }
-
-namespace {
-
-std::string differs(const WorldDesc& a, const WorldDesc& b) {
-  const bool same = a.bounds.xmin == b.bounds.xmin && a.bounds.xmax == b.bounds.xmax &&
-                    a.bounds.ymin == b.bounds.ymin && a.bounds.ymax == b.bounds.ymax && a.boundary == b.boundary;
-  return same ? "" : "the saved world has other bounds or another boundary";
-}
-
-}  // namespace
 
 class World::Impl::StateKeeper {
  public:
@@ -71,6 +64,7 @@ class World::Impl::StateKeeper {
 
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
   void load(Loader& loader, const WorldDesc& desc) {
+    const WorkerPool::Awake awake(w_.pool);
     w_.desc = desc;
     const bool snapshots = w_.population.traits.snapshots;
     lists_.table.body_count = lists_.old_table.body_count = 0;
@@ -91,6 +85,10 @@ class World::Impl::StateKeeper {
     w_.contacts.bare = true;
     w_.placed = true;
     w_.observers.forget_all();
+    // Work that is done again is not counted again.
+    const ListNumbers made = lists_.made;
+    const double visits = w_.contacts.loads.visits();
+    const std::uint64_t builds = w_.contacts.discs.builds();
     if (lasting()) {
       remake_lists(loader);
     } else {
@@ -102,6 +100,9 @@ class World::Impl::StateKeeper {
     if (lasting() && w_.context().sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work();
+    lists_.made = made;
+    w_.contacts.loads.set_visits(visits);
+    w_.contacts.discs.set_builds(builds);
   }
 
  private:
@@ -150,7 +151,7 @@ class World::Impl::StateKeeper {
     const BodyStore& bodies = w_.population.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
-    lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
+    lists_.broad.describe(a, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
     if (!lasting()) describe_strips(a, lists_.table);
     carried_.describe(a, lists_.table, w_.population.statics, !lasting());
@@ -184,20 +185,17 @@ class World::Impl::StateKeeper {
 
   ManifoldsAround around_manifolds() const {
     const StepProgress& now = w_.step_work.progress;
+    const BodyStore& bodies = w_.population.bodies;
     const bool in_order = !now.sorted() && origin_.empty();
-    ManifoldsAround around{w_.population.bodies, w_.population.statics};
-    around.slots = w_.population.bodies.count;
-    around.numbered =
-        in_order ? w_.population.bodies.count : std::max(w_.population.bodies.count, lists_.table.body_count);
-    around.wanted = w_.plan.manifolds;
-    around.fresh = !lists_.stale;
-    around.present = around.fresh && w_.plan.manifolds;
-    around.carried = w_.contacts.impulses_valid;
-    around.spread = now.makes_lists() || !now.untouched();
-    around.exact = !around.spread && around.fresh;
-    around.lists = last_;
-    around.in_place = w_.population.bodies.dead == 0 && w_.quarantine.doubtful.empty();
-    return around;
+    return {.bodies = bodies,
+            .statics = w_.population.statics,
+            .numbered = in_order ? bodies.count : std::max(bodies.count, lists_.table.body_count),
+            .wanted = w_.plan.manifolds,
+            .fresh = !lists_.stale,
+            .carried = w_.contacts.impulses_valid,
+            .spread = now.makes_lists() || !now.untouched(),
+            .lists = last_,
+            .in_place = bodies.dead == 0 && w_.quarantine.doubtful.empty()};
   }
 
   void take_plan() {
@@ -217,16 +215,11 @@ class World::Impl::StateKeeper {
     StepWork& work = w_.step_work;
     const StepProgress now = work.progress;
     const StepContext c = w_.context();
-    const double visits = w_.contacts.loads.visits();
-    const std::uint64_t builds = w_.contacts.discs.builds();
-    std::vector<StepWork::Done> done;
-    done.swap(w_.step_work.done_so_far);
+    std::vector<StepWork::Done> done = std::exchange(work.done_so_far, {});
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
     lists_.stale = w_.contacts.impulses_valid = true;
-    work.progress = {};
-    work.progress.part = part_named("group");
-    work.progress.contacts = ContactState::due;
+    work.progress = {.part = part_named("group"), .contacts = ContactState::due};
     StepReport ignored;
     while (work.progress.part < part_named("look")) work.run(c, {}, ignored, work.part().pieces(c));
     work.accept(c);
@@ -237,9 +230,7 @@ class World::Impl::StateKeeper {
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
     work.progress = now;
-    w_.step_work.done_so_far.swap(done);
-    w_.contacts.loads.set_visits(visits);
-    w_.contacts.discs.set_builds(builds);
+    work.done_so_far = std::move(done);
   }
 
   // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
@@ -248,8 +239,6 @@ class World::Impl::StateKeeper {
     StepProgress& now = work.progress;
     const StepContext c = w_.context();
     BodyStore& bodies = w_.population.bodies;
-    const double visits = w_.contacts.loads.visits();
-    const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {
       if (!lists_.selects()) {
@@ -272,19 +261,15 @@ class World::Impl::StateKeeper {
       std::swap(bodies.vel[2 * slot + 1], push.vy);
       if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.rim_speed);
     };
-    for (auto push = w_.step_work.done_so_far.rbegin(); push != w_.step_work.done_so_far.rend(); ++push)
-      swap_motion(*push);
+    std::ranges::for_each(std::views::reverse(work.done_so_far), swap_motion);
     StepReport ignored;
-    for (StepWork::Done& done : w_.step_work.done_so_far) {
+    for (StepWork::Done& done : work.done_so_far) {
       swap_motion(done);
       while (done.span > 0 && !work.done() && (now.part < done.part || (now.part == done.part && now.at < done.at))) {
         const std::size_t end = work.part().pieces(c);
         work.run(c, {done.span, done.span}, ignored, now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    w_.contacts.loads.set_visits(visits);
-    lists_.made.span = made.span;
-    lists_.made.selected_span = made.selected_span;
   }
 
   bool lasting() const { return last_ && !lists_.selects(); }
@@ -300,29 +285,28 @@ void World::save(std::vector<std::byte>& out) { impl_->save(out); }
 
 void World::Impl::save(std::vector<std::byte>& out) { StateKeeper(settled()).save(out); }
 
-bool World::restore(std::span<const std::byte> state, std::string& error) { return impl_->restore(state, error); }
-
-bool World::Impl::restore(std::span<const std::byte> state, std::string& error) {
+bool World::restore(std::span<const std::byte> state, std::string& error) {
   const FloatSettings settings;  // as in a step: what is made here is what a step would make
-  const WorkerPool::Awake awake(pool);
+  Impl& w = *impl_;
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
   error = loader.error();
-  if (error.empty()) error = differs(read, desc);
-  if (error.empty()) error = psim::check(read, options);
+  if (error.empty() && (fields(read.bounds) != fields(w.desc.bounds) || read.boundary != w.desc.boundary)) {
+    error = "the saved world has other bounds or another boundary";
+  }
+  if (error.empty()) error = check(read, w.options);
   if (!error.empty()) return false;
   std::vector<std::byte> before;
-  save(before);
-  StateKeeper(*this).load(loader, read);
+  w.save(before);
+  Impl::StateKeeper(w).load(loader, read);
   error = loader.error();
-  if (!error.empty()) go_back(before);
+  if (!error.empty()) w.go_back(before);
   return error.empty();
 }
 
 void World::Impl::go_back(std::span<const std::byte> state) {
   const FloatSettings settings;
-  const WorkerPool::Awake awake(pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);

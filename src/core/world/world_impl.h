@@ -85,7 +85,6 @@ struct World::Impl {
   // state_keeper.cpp
   class StateKeeper;
   void save(std::vector<std::byte>& out);
-  bool restore(std::span<const std::byte> state, std::string& error);
   void go_back(std::span<const std::byte> state);  ///< to a state that was saved here
 
   // world_prepare.cpp
