@@ -19,6 +19,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <span>
@@ -75,6 +76,19 @@ std::string read_header(std::span<const std::byte> bytes, const char* what, Head
   return fault_of(header, right, what);
 }
 
+/// A file: its header, and what follows.
+template <class Header>
+std::vector<std::byte> sealed(Header header, std::initializer_list<std::span<const std::byte>> parts) {
+  std::size_t size = sizeof header;
+  for (const std::span<const std::byte> part : parts) size += part.size();
+  std::vector<std::byte> file(size);
+  auto at = file.begin() + sizeof header;
+  for (const std::span<const std::byte> part : parts) at = std::copy(part.begin(), part.end(), at);
+  header.seal(std::span(file).subspan(sizeof header));
+  std::memcpy(file.data(), &header, sizeof header);
+  return file;
+}
+
 /// The unsigned integer that holds the bits of a number.
 template <std::size_t kBytes>
 using BitsOf = std::conditional_t<
@@ -114,22 +128,12 @@ class Archive {
     transfer(&bits, sizeof bits);
     if (!loading_) return;
     v = number<T>(bits);
-    if constexpr (std::is_floating_point_v<T>) {
-      if (!refuses_nan_ || !std::isnan(v)) return;
-      v = 0;
-      require(false);
-    }
+    if constexpr (std::is_floating_point_v<T>) keep_if(v, !refuses_nan_ || !std::isnan(v));
   }
   /// Numbers below a bound. 0 if one that is read is not.
   template <class... T>
   void index(std::uint64_t bound, T&... v) {
-    const auto one = [&](auto& x) {
-      value(x);
-      if (!loading_ || static_cast<std::uint64_t>(x) < bound) return;
-      x = 0;
-      require(false);
-    };
-    (one(v), ...);
+    ((value(v), keep_if(v, static_cast<std::uint64_t>(v) < bound)), ...);
   }
   template <class T, class Each>
   void list(std::vector<T>& v, const Each& each) {
@@ -231,12 +235,18 @@ class Archive {
   template <Number T>
   T number(BitsOf<sizeof(T)> bits) {
     if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) {
-      const bool sound = bits <= last_of(Enum<T>());
-      require(sound);
-      return sound ? static_cast<T>(bits) : T{};
+      keep_if(bits, bits <= last_of(Enum<T>()));
+      return static_cast<T>(bits);
     } else {
       return std::bit_cast<T>(bits);
     }
+  }
+  // A number that is read and is not sound is 0.
+  template <class T>
+  void keep_if(T& v, bool sound) {
+    if (sound || !loading_) return;
+    v = 0;
+    require(false);
   }
   template <class Bits>
   void packed_run(Bits* numbers, std::size_t count) {

@@ -222,26 +222,19 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
   a.list(left_, [&](auto& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
   std::vector<std::uint8_t> hull_used(hulls_.size());
   if (a.loading()) {
-    check_pieces(a, told, bodies, hull_used);
+    alive_ = count_ - told.size();
+    for (const std::uint32_t k : told) {
+      const S& s = statics_[k];
+      a.require(s.owner < bodies.id_count);
+      if (!a.ok() || !s.alive) continue;
+      ++alive_;
+      a.require(s.radius >= 0 && s.radius < 1e30f);
+      a.require(bodies.info[s.owner].place == (s.asleep ? Place::asleep : Place::fixed));
+      a.require(!s.whole || (s.hull < hulls_.size() && hulls_[s.hull].count != 0 && hull_used[s.hull]++ == 0));
+    }
     check_runs(a);
   }
   describe_free(a, free_hulls_, 0, hulls_.size(), [&](std::size_t k) { return hull_used[k] == 0; });
-}
-
-void StaticShapes::check_pieces(Archive& a, const std::vector<std::uint32_t>& told, const BodyStore& bodies,
-                                std::vector<std::uint8_t>& hull_used) {
-  alive_ = count_ - told.size();
-  for (const std::uint32_t k : told) {
-    const StaticShape& s = statics_[k];
-    a.require(s.owner < bodies.id_count);
-    if (!a.ok() || !s.alive) continue;
-    ++alive_;
-    a.require(s.radius >= 0 && s.radius < 1e30f);
-    a.require(bodies.info[s.owner].place == (s.asleep ? Place::asleep : Place::fixed));
-    if (!s.whole) continue;
-    a.require(s.hull < hulls_.size());
-    if (a.ok()) a.require(hulls_[s.hull].count != 0 && hull_used[s.hull]++ == 0);
-  }
 }
 
 // Numbers that nobody has, by run: each once.
@@ -257,16 +250,16 @@ void StaticShapes::check_runs(Archive& a) const {
   for (const auto& [first, length] : left_) run(first, length);
 }
 
-bool StaticShapes::lay_lone(std::uint32_t number, const StaticShape& piece) {
-  if (number >= count_ || !statics_[number].lone || statics_[number].owner != kNoSlot) return false;
-  statics_[number] = piece;
-  statics_[number].asleep = true;
-  return true;
-}
-
-bool StaticShapes::sleeps(std::uint32_t first, std::uint32_t pieces, std::uint32_t owner) const {
+bool StaticShapes::lay_sleeper(std::uint32_t owner, std::uint32_t first, std::uint32_t pieces,
+                               const StaticShape* lone) {
   if (pieces == 0 || pieces > count_ || first > count_ - pieces) return false;
-  return std::all_of(statics_.data() + first, statics_.data() + first + pieces,
+  StaticShape* const shapes = statics_.data() + first;
+  if (lone != nullptr) {
+    if (!shapes[0].lone || shapes[0].owner != kNoSlot) return false;
+    shapes[0] = *lone;
+    shapes[0].asleep = true;
+  }
+  return std::all_of(shapes, shapes + pieces,
                      [owner](const StaticShape& s) { return s.alive && s.asleep && s.owner == owner; });
 }
 
@@ -336,10 +329,9 @@ void put_sleepers(Archive& a, Sleepers& sleepers, BodyStore& bodies, StaticShape
     a.require(std::isfinite(s.at.dx) && std::isfinite(s.at.dy) && std::isfinite(s.angle));
     a.require(put(bodies, s.id, Place::asleep, k));
     if (!a.ok()) break;
-    if (bodies.kind(s.id).hull_count == 0) {
-      a.require(statics.lay_lone(s.first_shape, lone_piece(s.at, s.id, bodies.properties(s.id))));
-    }
-    a.require(statics.sleeps(s.first_shape, s.pieces, s.id));
+    const StaticShape disc = lone_piece(s.at, s.id, bodies.properties(s.id));
+    const bool lone = bodies.kind(s.id).hull_count == 0;
+    a.require(statics.lay_sleeper(s.id, s.first_shape, s.pieces, lone ? &disc : nullptr));
     pieces += s.pieces;
     s.first_touch = static_cast<std::uint32_t>(touches);
     touches += s.touches;

@@ -217,11 +217,10 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
   a.packed(touching_);
   for (Keys* keys : {&lane_key_, &paired_, &toggled_, &rest_found_, &rest_, &slept_, &sensed_}) {
     a.packed(*keys);
-    if (a.loading()) {
-      for (const std::uint64_t key : *keys) {
-        const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
-        a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
-      }
+    if (!a.loading()) continue;
+    for (const std::uint64_t key : *keys) {
+      const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
+      a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
     }
   }
   if (!a.loading()) return;

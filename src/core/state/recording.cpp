@@ -155,18 +155,10 @@ bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); 
 std::vector<std::byte> Recorder::recording() const {
   Log end;
   end.add(kHash, world_.state_hash());
-  const auto ops = log_->saver.bytes(), last = end.saver.bytes();
   RecordHeader header;
   header.state = log_->state.size();
   header.steps = log_->steps;
-  std::vector<std::byte> out(sizeof header);
-  out.reserve(sizeof header + log_->state.size() + ops.size() + last.size());
-  for (const std::span<const std::byte> part : {std::span<const std::byte>(log_->state), ops, last}) {
-    out.insert(out.end(), part.begin(), part.end());
-  }
-  header.seal(std::span(out).subspan(sizeof header));
-  std::memcpy(out.data(), &header, sizeof header);
-  return out;
+  return sealed(header, {log_->state, log_->saver.bytes(), end.saver.bytes()});
 }
 
 // ---- replay ----------------------------------------------------------------------------------------
@@ -184,13 +176,6 @@ struct Replay::State {
     values(*log, v);
     return v;
   }
-  void check() {
-    const auto hash = get<std::uint64_t>();
-    if (!log->ok()) return;
-    ++hashes;
-    compared = true;
-    if (differs == 0 && hash != world->state_hash()) differs = std::max<std::uint64_t>(steps, 1);
-  }
   template <class R, class... T>
   void call(R (World::*function)(T...)) {
     std::tuple<std::decay_t<T>...> args;
@@ -205,46 +190,49 @@ struct Replay::State {
         },
         kCalls);
   }
-  void perform();
-};
-
-// The next entry of the log.
-void Replay::State::perform() {
-  World& w = *world;
-  std::string error;
-  std::uint8_t op = 0;
-  log->index(kOps, op);
-  compared = false;
-  switch (op) {
-    case kStep: {
-      const auto dt = get<double>();
-      const auto detail = get<StepDetail>();
-      if (!log->ok()) return;
-      w.replay(detail, dt);
-      ++steps;
-      break;
+  // The next entry of the log.
+  void perform() {
+    World& w = *world;
+    std::string error;
+    std::uint8_t op = 0;
+    log->index(kOps, op);
+    compared = false;
+    switch (op) {
+      case kStep: {
+        const auto dt = get<double>();
+        const auto detail = get<StepDetail>();
+        if (!log->ok()) return;
+        w.replay(detail, dt);
+        ++steps;
+        break;
+      }
+      case kHash: {
+        const auto hash = get<std::uint64_t>();
+        compared = log->ok();
+        if (!compared) return;
+        ++hashes;
+        if (differs == 0 && hash != w.state_hash()) differs = std::max<std::uint64_t>(steps, 1);
+        break;
+      }
+      case kAddBody:
+        w.add_body(get<BodyDesc>(), error);
+        break;
+      case kAddDiscs: {
+        DiscBatch batch;
+        Discs discs;
+        describe(*log, batch, discs);
+        std::uint32_t first = 0;
+        w.add_discs(batch, first, error);
+        break;
+      }
+      case kAddJoint:
+        w.add_joint(get<JointDesc>(), error);
+        break;
+      default:
+        call(op - std::size_t{kCallsBegin});
     }
-    case kHash:
-      check();
-      break;
-    case kAddBody:
-      w.add_body(get<BodyDesc>(), error);
-      break;
-    case kAddDiscs: {
-      DiscBatch batch;
-      Discs discs;
-      describe(*log, batch, discs);
-      std::uint32_t first = 0;
-      w.add_discs(batch, first, error);
-      break;
-    }
-    case kAddJoint:
-      w.add_joint(get<JointDesc>(), error);
-      break;
-    default:
-      call(op - std::size_t{kCallsBegin});
   }
-}
+};
 
 Replay::Replay(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Replay::~Replay() = default;

@@ -93,14 +93,7 @@ Loader::Loader(std::span<const std::byte> bytes) : Archive(bytes, kHeader) {
   if (const std::string fault = read_header(bytes, "saved state", header); !fault.empty()) fail(fault);
 }
 
-std::vector<std::byte> pack_state(std::span<const std::byte> state) {
-  PackHeader header;
-  header.seal(state);
-  std::vector<std::byte> packed(sizeof header + state.size());
-  std::memcpy(packed.data(), &header, sizeof header);
-  std::copy(state.begin(), state.end(), packed.begin() + sizeof header);
-  return packed;
-}
+std::vector<std::byte> pack_state(std::span<const std::byte> state) { return sealed(PackHeader(), {state}); }
 
 bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state, std::string& error) {
   PackHeader header;

@@ -47,11 +47,8 @@ class World::Impl::StateKeeper {
     lists_.stale = stale || w_.step_work.progress.makes_lists();
     last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.population.bodies.count != 0 &&
             w_.population.bodies.dead == 0 && table.body_count != 0;
-    if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
-      carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleep.sleepers.empty());
-    } else {
-      carried_.gather_none(table);
-    }
+    const bool any = lasting() || (w_.contacts.impulses_valid && table.body_count != 0);
+    carried_.gather(table, w_.contacts.discs, any, !lasting(), !w_.sleep.sleepers.empty());
     if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses(w_.pool);
     Saver saver(std::move(out));
     values(saver, w_.desc);
