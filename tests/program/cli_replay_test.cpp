@@ -133,10 +133,10 @@ TEST_F(CliReplay, OneLineSaysWhatIsWrong) {
   for (const char* option : {"--replay", "--restore"}) {
     expect_refused({option, "/dev/null"}, std::string(option) + " /dev/null: is a device; a file or a pipe is read");
   }
-  std::string cut = read_file(recording_);
-  cut.resize(cut.size() / 2);
+  const std::string whole = read_file(recording_), cut = whole.substr(0, whole.size() / 2);
   const std::string half = folder_.write("half.record", cut);
-  expect_refused({"--replay", half}, "--replay " + half + ": it is cut short");
+  expect_refused({"--replay", half}, "--replay " + half + ": it has " + std::to_string(cut.size()) + " bytes of " +
+                                         std::to_string(whole.size()));
 }
 
 TEST_F(CliReplay, ARecordingThatBreaksOffIsDamaged) {

@@ -19,8 +19,7 @@ constexpr std::size_t kHeader = sizeof(ArchiveHeader);
 // With the size and the checksum that the bytes have now.
 Bytes repaired(Bytes bytes) {
   ArchiveHeader header;
-  header.size = bytes.size();
-  header.hash = hash_of(bytes.data() + kHeader, bytes.size() - kHeader);
+  header.seal(std::span(bytes).subspan(kHeader));
   std::memcpy(bytes.data(), &header, kHeader);
   return bytes;
 }

@@ -28,7 +28,7 @@ std::vector<std::byte> forged(const std::vector<std::byte>& recording, const Cha
   out.insert(out.end(), log.begin(), log.end());
   const std::span rest = std::span(out).subspan(sizeof header);
   header.size = out.size();
-  header.hash = hash_of(rest.data(), rest.size()) + 0x9E3779B97F4A7C15u * header.steps;
+  header.hash = hash_of(rest) + 0x9E3779B97F4A7C15u * header.steps;
   std::memcpy(out.data(), &header, sizeof header);
   return out;
 }

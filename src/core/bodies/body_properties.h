@@ -96,6 +96,9 @@ class SharedTable {
   void release(std::uint32_t i) {
     if (--list_[i].users == 0) free_.push_back(i);
   }
+  /// For saved states: entries are free from `first` on, and sound(value, users).
+  template <class Sound>
+  void describe(class Archive& a, std::size_t first, const Sound& sound);
 
  protected:
   struct Entry {
@@ -109,9 +112,6 @@ class SharedTable {
 
 class BodyPropertyTable : public SharedTable<BodyProperties, 0xFFFFFFFFu, 0> {
  public:
-  template <class A>
-  void describe(A& a, std::size_t kinds);  ///< for saved states
-
   /// The heaviest dynamic body over the lightest; 1 if there is none. O(entries).
   double mass_ratio() const {
     float least = std::numeric_limits<float>::infinity(), most = 0;
@@ -130,8 +130,6 @@ inline constexpr std::uint32_t kMostKinds = (1u << 24) - 1;
 class BodyKindTable : public SharedTable<BodyKind, kMostKinds, 64> {
  public:
   BodyKindTable() { list_.resize(1); }
-  template <class A>
-  void describe(A& a, const ShapeTable& hulls);  ///< for saved states
 
   std::uint32_t acquire(const BodyKind& kind) { return kind == BodyKind{} ? 0 : SharedTable::acquire(kind); }
   void release(std::uint32_t i) {

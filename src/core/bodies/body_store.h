@@ -78,13 +78,6 @@ class BodyStore {
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;
 
-  /// For saved states (describe_bodies.cpp). `lists`: with where they were when the lists were made.
-  template <class A>
-  void describe(A& a, bool lists);
-  /// Makes a body of a state that is being read the `at`-th of those at a place. Returns false if there is no such
-  /// place, or if the body is in one already.
-  bool put(std::uint32_t body, Place place, std::size_t at);
-
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
   std::uint32_t dead = 0;
   std::uint32_t awake() const { return count - dead; }
@@ -235,13 +228,6 @@ class BodyStore {
   }
 
  private:
-  template <class A>
-  void describe_ids(A& a);
-  template <class A>
-  void describe_slots(A& a, bool lists);
-  template <class A>
-  void check_users(A& a) const;
-
   mutable std::mutex finding_;
 };
 

@@ -78,9 +78,6 @@ class Population {
            fixed.capacity() * sizeof(FixedBody);
   }
 
-  /// For saved states (describe_bodies.cpp). `lists`: as BodyStore.
-  template <class A>
-  void describe(A& a, bool lists);
   /// Traits of the bodies that there are.
   Traits recounted() const;
 

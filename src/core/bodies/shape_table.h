@@ -15,8 +15,7 @@ struct BodyKind;
 
 class ShapeTable {
  public:
-  template <class A>
-  void describe(A& a);  ///< for saved states, here and in other classes
+  void describe(class Archive& a);  ///< for saved states, here and in other classes
   bool has(const BodyKind& kind) const;
   /// Whether each set has as many users as those whose first hull it is.
   bool used_as(const std::vector<std::uint64_t>& users_of_first) const;

@@ -67,12 +67,9 @@ class StaticShapes {
   StaticShapes(MemoryMeter& meter, const Lattice& lattice);
 
   /// For saved states (describe_bodies.cpp); behind the bodies. Those that are read wait for the sleepers.
-  template <class A>
-  void describe(A& a, const BodyStore& bodies);
-  /// Of a state that is read: the piece of a plain disc that sleeps. False if its number is that of something else.
-  bool lay_lone(std::uint32_t number, const StaticShape& piece);
-  /// Whether these are pieces of one who sleeps.
-  bool sleeps(std::uint32_t first, std::uint32_t pieces, std::uint32_t owner) const;
+  void describe(class Archive& a, const BodyStore& bodies);
+  /// Of a state that is read: whether these are the pieces of one who sleeps. `lone`: that of a plain disc, laid here.
+  bool lay_sleeper(std::uint32_t owner, std::uint32_t first, std::uint32_t pieces, const StaticShape* lone);
   /// The grids, once all are there. False if not as many pieces sleep.
   bool make_grids(std::size_t asleep);
 
@@ -108,11 +105,7 @@ class StaticShapes {
   bool surely_none(const Bounds& box) const;
 
  private:
-  template <class A>
-  void check_pieces(A& a, const std::vector<std::uint32_t>& told, const BodyStore& bodies,
-                    std::vector<std::uint8_t>& hull_used);
-  template <class A>
-  void check_runs(A& a) const;
+  void check_runs(Archive& a) const;
   void make_grid();
   bool fill_cells(const std::vector<std::uint32_t>& standing);
   struct Cells {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "bodies/surroundings.h"
@@ -21,10 +22,9 @@ namespace psim {
 class ContactStore {
  public:
   /// For saved states. Their impulses are saved by pair (state/saved_contacts.h).
-  template <class A>
-  void describe(A& a) {
-    values(a, model_.model, model_.bounce, pairs.blocks, fixed.blocks, colours_, pairs.count, fixed.count,
-           loaded_blocks_, builds_);
+  auto fields() {
+    return std::tie(model_.model, model_.bounce, pairs.blocks, fixed.blocks, colours_, pairs.count, fixed.count,
+                    loaded_blocks_, builds_);
   }
   const ContactModel& model() const { return model_; }
 

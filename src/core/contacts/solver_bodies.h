@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "base/tasks.h"
@@ -15,10 +16,7 @@ namespace psim {
 
 class SolverBodies {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    values(a, count_, compact_);
-  }
+  auto fields() { return std::tie(count_, compact_); }  ///< for saved states
 
   explicit SolverBodies(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 

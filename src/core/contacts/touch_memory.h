@@ -43,9 +43,6 @@ struct Touch {
 /// Touches by key. Sleeping fills it; the next layout of the contacts reads it; then it is cleared.
 class TouchMemory {
  public:
-  template <class A>
-  void describe(A& a, std::uint32_t ids);  ///< for saved states
-
   void add(const Touch& touch);
   const Touch* find(std::uint64_t key) const;
   bool empty() const { return list_.empty(); }

@@ -37,8 +37,7 @@ struct JointMember {
 
 class JointStore {
  public:
-  template <class A>
-  void describe(A& a);  ///< for saved states; behind the bodies
+  void describe(class Archive& a);  ///< for saved states; behind the bodies
 
   explicit JointStore(const Surroundings& s) : s_(s) {}
 

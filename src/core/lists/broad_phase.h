@@ -37,8 +37,7 @@ struct BroadPhaseParams {
 class BroadPhase {
  public:
   /// For saved states; behind the bodies. `cells`: bodies lie in cells that are laid.
-  template <class A>
-  void describe(A& a, const BodyStore& bodies, bool periodic, bool cells);
+  void describe(class Archive& a, bool periodic, bool cells);
 
   /// Below this number of bodies, building lists is so cheap that they need not last.
   static constexpr std::uint32_t kSmallWorld = 512;
@@ -172,7 +171,6 @@ class BroadPhase {
  private:
   static constexpr double kMostGuess = 1e9;  // pairs of a body
 
-  bool grid_fits(const BodyStore& bodies, bool periodic) const;
   double choose_reach(double area) const;
   void set_reach(double reach);
   double least_edge(double reach) const;

@@ -33,10 +33,8 @@ struct SortCount {
 
 class CellList {
  public:
-  template <class A>
-  void describe(A& a);  ///< for saved states
-  bool sound() const;
-  bool holds(const BodyStore& bodies, bool periodic) const;
+  /// For saved states. `used`: bodies lie in cells that are laid.
+  void describe(class Archive& a, bool periodic, bool used);
 
   explicit CellList(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 

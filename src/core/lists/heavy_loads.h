@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "base/column.h"
@@ -17,10 +18,7 @@ namespace psim {
 
 class HeavyLoads {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    a.value(visits);
-  }
+  auto fields() { return std::tie(visits); }  ///< for saved states
 
   /// The least ratio of masses that counts as heavy.
   static constexpr float kLeastRatio = 8;

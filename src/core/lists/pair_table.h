@@ -66,10 +66,6 @@ struct PairTable {
 
   static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu;
 
-  /// For saved states: the strips and their bodies.
-  template <class A>
-  void describe(A& a);
-
   /// Makes room for `pairs` pairs, gaps included.
   void spare(std::size_t bodies, std::size_t pairs) {
     first.reserve(bodies + 1);

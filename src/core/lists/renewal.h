@@ -19,8 +19,7 @@ namespace psim {
 
 class ListRenewal {
  public:
-  template <class A>
-  void describe(A& a, std::size_t slots);  ///< for saved states
+  void describe(class Archive& a, std::size_t slots);  ///< for saved states
 
   ListRenewal(const Surroundings& s, const BroadPhase& broad)
       : b_(s.bodies), lattice_(s.lattice), k_(s.kernels), pool_(s.pool), broad_(broad), mark_(s.memory) {}

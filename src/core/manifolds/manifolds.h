@@ -127,7 +127,6 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 /// What manifolds of a saved state are checked against.
 struct ManifoldsAround {
-  std::uint32_t slots = 0;
   std::uint32_t numbered = 0;  ///< slots that pairs may name
   bool wanted = false;         ///< the plan has manifolds
   bool fresh = false;          ///< lists are not stale
@@ -135,15 +134,16 @@ struct ManifoldsAround {
   bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
   bool lists = false;          ///< lists last
   bool in_place = false;       ///< every slot has the body that pairs name it for
+
   bool present() const { return wanted && fresh; }  ///< the manifolds are those of the next step
+  bool exact() const { return fresh && !spread; }
 };
 
 class Manifolds {
   const Surroundings s_;
 
  public:
-  template <class A>
-  void describe(A& a, const ManifoldsAround& around);  ///< for saved states
+  void describe(class Archive& a, const ManifoldsAround& around);  ///< for saved states
 
   explicit Manifolds(const Surroundings& s)
       : s_(s), kind_(s.memory), rotor_(s.memory), inner_(s.memory), used_(s.memory) {}
@@ -311,10 +311,8 @@ class Manifolds {
   struct Look;    // manifold_look.cpp
   struct Layout;  // manifold_layout.cpp
 
-  template <class A>
-  void check_pair(A& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
-  template <class A>
-  void check_strip(A& a, std::size_t strip, const ManifoldsAround& around) const;
+  void check_pair(Archive& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
+  void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
   void cut();
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;

@@ -50,8 +50,7 @@ class HitList {
 
 class EventList {
  public:
-  template <class A>
-  void describe(A& a, std::uint32_t ids);  ///< for saved states
+  void describe(class Archive& a, std::uint32_t ids);  ///< for saved states
 
   void set_options(const EventOptions& options);
   bool on() const { return options_.contacts || options_.hits || options_.sensors; }

@@ -74,8 +74,7 @@ class Sleepers {
   }
 
   /// For saved states; behind the bodies and the fixed geometry, into which those that are read are put.
-  template <class A>
-  void describe(A& a, BodyStore& bodies, StaticShapes& statics);
+  void describe(class Archive& a, BodyStore& bodies, StaticShapes& statics);
 
   std::vector<Sleeper> list;   ///< by BodyInfo::slot of sleeping bodies
   std::vector<Touch> touches;  ///< in runs: Sleeper::first_touch
@@ -129,10 +128,6 @@ class Sleepers {
  private:
   static constexpr std::size_t kTouchesOfBody = 6;  // as many as equal discs have in a dense packing
   struct Ball;
-  template <class A>
-  void put_sleepers(A& a, BodyStore& bodies, StaticShapes& statics);
-  template <class A>
-  void describe_watched(A& a, const BodyStore& bodies);
 
   // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
   // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.

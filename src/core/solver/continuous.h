@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "lists/pair_table.h"
@@ -16,10 +17,7 @@ namespace psim {
 
 class Continuous {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    a.value(looked_);
-  }
+  auto fields() { return std::tie(looked_); }  ///< for saved states
 
   /// Cuts the motion of fast shapes at fixed geometry, and of `bullets` (ids) at other moving bodies.
   /// Returns how many motions were cut at fixed geometry. O(shapes), plus the shapes along the ways of fast ones.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "joints/joint_store.h"
@@ -53,10 +54,7 @@ kernels::StreamParams kick_params(Vec2 gravity, double damping, double h);
 
 class Solver {
  public:
-  template <class A>
-  void describe(A& a) {  // for saved states
-    values(a, closed_, sweeps_);
-  }
+  auto fields() { return std::tie(closed_, sweeps_); }  ///< for saved states
 
   /// Runs all substeps.
   SolverReport run(const SolverInput& in, const SolverParams& params);

@@ -1,9 +1,10 @@
 // How saved states and recordings write the small types that several parts of a world share (archive.h).
 #pragma once
 
+#include <functional>
 #include <tuple>
 
-#include "bodies/body_store.h"
+#include "bodies/population.h"
 #include "manifolds/manifolds.h"
 #include "psim/desc.h"
 #include "psim/joint.h"
@@ -38,15 +39,22 @@ inline auto fields(JointDesc& d) {
                   d.lower, d.upper, d.motor_speed, d.motor_limit, d.collide);
 }
 
-template <class A>
-void one_value(A& a, Hull& h) {
+inline auto fields(BodyKind& k) {
+  return std::tie(k.first_hull, k.hull_count, k.centre_x, k.centre_y, k.inner, k.filter, k.bullet, k.sensor);
+}
+inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
+inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }
+inline auto fields(ManifoldPoint& q) { return std::tie(q.ax, q.ay, q.bx, q.by, q.gap, q.feature); }
+inline auto fields(Manifold& m) { return std::tie(m.nx, m.ny, m.count, m.point); }
+inline auto fields(Rotor& q) { return std::tie(q.c, q.s); }
+
+inline void one_value(Archive& a, Hull& h) {
   for (int k = 0; k < Hull::kMost; ++k) values(a, h.x[k], h.y[k], h.nx[k], h.ny[k]);
   values(a, h.radius, h.reach, h.inner, h.count);
   a.require(h.count >= 0 && h.count <= Hull::kMost && h.radius >= 0 && h.reach >= 0 && h.inner >= 0);
 }
 
-template <class A>
-void one_value(A& a, BodyProperties& s) {
+inline void one_value(Archive& a, BodyProperties& s) {
   values(a, s.inv_mass, s.mass, s.rim_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
   std::uint32_t kind = s.kind;
   BodyType type = s.type;
@@ -58,34 +66,36 @@ void one_value(A& a, BodyProperties& s) {
             s.restitution <= 1 && s.friction >= 0);
 }
 
-/// Members of n structs, each as a column: of(k) is the k-th struct.
-template <class A, class Of, class... Member>
-void columns(A& a, std::size_t n, const Of& of, Member... member) {
-  (a.packed(
-       n, [&](std::size_t k) -> auto& { return of(k).*member; }),
-   ...);
+/// Members of the structs in a range, each as a column.
+template <class Range, class... Member>
+void columns(Archive& a, Range&& structs, Member... member) {
+  const auto column = [&](auto of) {
+    a.packed(
+        structs.size(), [&](std::size_t k) -> auto& { return std::invoke(of, structs[k]); });
+  };
+  (column(member), ...);
 }
-template <class A, class Of>
-void lattice_points(A& a, std::size_t n, const Of& of) {
-  columns(a, n, of, &LatticePoint::x, &LatticePoint::y, &LatticePoint::dx, &LatticePoint::dy);
+template <class Range>
+void lattice_points(Archive& a, Range&& points) {
+  columns(a, points, &LatticePoint::x, &LatticePoint::y, &LatticePoint::dx, &LatticePoint::dy);
 }
 
 /// Entries of a list that nobody uses, each once, in the order in which they will be given away again.
-template <class A, class IsFree>
-void describe_free(A& a, std::vector<std::uint32_t>& list, std::size_t begin, std::size_t end, const IsFree& is_free) {
+template <class IsFree>
+void describe_free(Archive& a, std::vector<std::uint32_t>& list, std::size_t begin, std::size_t end,
+                   const IsFree& is_free) {
   a.packed(list, end);
-  if constexpr (A::kLoading) {
-    std::vector<std::uint8_t> listed(a.ok() ? end : 0);
-    for (const std::uint32_t k : list) {
-      if (a.ok()) a.require(k >= begin && listed[k]++ == 0);
-    }
-    for (std::size_t k = begin; k < end && a.ok(); ++k) a.require(is_free(k) == (listed[k] != 0));
+  if (!a.loading()) return;
+  std::vector<std::uint8_t> listed(a.ok() ? end : 0);
+  for (const std::uint32_t k : list) {
+    if (a.ok()) a.require(k >= begin && listed[k]++ == 0);
   }
+  for (std::size_t k = begin; k < end && a.ok(); ++k) a.require(is_free(k) == (listed[k] != 0));
 }
 
-/// Defines a class's describe() for both archives, where it is written outside its header.
-#define PSIM_DESCRIBED(Class, ...)                                  \
-  template void Class::describe(Saver& __VA_OPT__(, ) __VA_ARGS__); \
-  template void Class::describe(Loader& __VA_OPT__(, ) __VA_ARGS__)
+/// Who is in a world. `lists`: with where they were when the lists were made.
+void describe_population(Archive& a, Population& population, bool lists);
+/// The strips of a table and their bodies.
+void describe_strips(Archive& a, PairTable& table);
 
 }  // namespace psim

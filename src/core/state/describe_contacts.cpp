@@ -13,8 +13,7 @@ namespace psim {
 
 // ---- lists: how they were made, which is all that making them again needs, and their strips
 
-template <class A>
-void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cells) {
+void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   BroadPhaseParams& p = params_;
   kernels::GridView& g = grid_.view;
   a.refuse_nan(true);
@@ -26,103 +25,80 @@ void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cel
          pad_reach_, next_pad_reach_, pairs_a_large_, near_pairs_, tests_, fixed_);
   for (std::vector<double>* guess : {&pairs_a_body_, &pairs_a_piece_, &near_a_body_}) {
     a.packed(*guess);
-    if constexpr (A::kLoading) {
+    if (a.loading()) {
       a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
     }
   }
   a.refuse_nan(false);
-  sort_.listed().describe(a);
-  if constexpr (!A::kLoading) return;
+  sort_.listed().describe(a, periodic, cells && listed_);
+  if (!a.loading()) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
   a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
             pairs_a_large_ <= kMostGuess);
-  if (!cells || !a.ok()) return;
-  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits(bodies, periodic)));
+  if (!cells) return;
+  a.require(p.periodic == periodic);
+  if (listed_) return;
+  // Every cell that a body may get lies in the grid.
+  a.require(g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= 64.0 * b_.count + 65536);
+  a.require(g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
+            grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3);
+  a.require(grid_.cell_x > 0 && grid_.cell_y > 0 && grid_.periodic == periodic);
+  a.require(g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
+            g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y));
+  a.require(g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2);
 }
 
-// Whether every cell that a body may get lies in the grid.
-bool BroadPhase::grid_fits(const BodyStore& bodies, bool periodic) const {
-  const kernels::GridView& g = grid_.view;
-  const double room = 64.0 * bodies.count + 65536;
-  return g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
-         g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
-         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
-         grid_.cell_y > 0 && grid_.periodic == periodic &&
-         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
-         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
-         g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
-}
-
-template <class A>
-void CellList::describe(A& a) {
-  for (Axis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
+void CellList::describe(Archive& a, bool periodic, bool used) {
+  for (Axis& x : axis_) values(a, x.low, x.per, x.cells, x.width);
   values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
-  a.require((row_axis_ == 0 || row_axis_ == 1) && (!stays_ || sound()));
-  if constexpr (A::kLoading) sorted_ = 0;
-}
-
-// Whether the cells that are laid fit together.
-bool CellList::sound() const {
+  a.require(row_axis_ == 0 || row_axis_ == 1);
+  if (!a.loading() || !a.ok()) return;
+  sorted_ = 0;
+  if (!stays_ && !used) return;
+  // The cells that are laid fit together.
   for (const Axis& x : axis_) {
-    if (x.per < 1 || x.per > std::uint64_t{1} << 32 || x.cells < 1 || x.cells > x.per + 1) return false;
-    if (x.width != 0x1p32 / static_cast<double>(x.per) || (periodic_ && x.cells != x.per)) return false;
+    a.require(x.per >= 1 && x.per <= std::uint64_t{1} << 32 && x.cells >= 1 && x.cells <= x.per + 1);
+    a.require(x.width == 0x1p32 / static_cast<double>(x.per) && (!periodic_ || x.cells == x.per));
   }
-  return rows_ == axis_[row_axis_].cells && stride_ == axis_[1 - row_axis_].cells + 1 && slot_bits_ >= 0 &&
-         slot_bits_ <= 32 &&
-         static_cast<double>(rows_ + 1) * static_cast<double>(stride_) < std::ldexp(1.0, 64 - slot_bits_);
-}
-
-// Whether every body lies in one of them.
-bool CellList::holds(const BodyStore& bodies, bool periodic) const {
-  if (!sound() || periodic_ != periodic || bodies.count >= std::uint64_t{1} << slot_bits_) return false;
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    for (std::size_t k = 0; k < bodies.count; ++k) {
-      if (cell_at(axis_[axis], bodies.built[2 * k + axis]) >= axis_[axis].cells) return false;
-    }
+  a.require(rows_ == axis_[row_axis_].cells && stride_ == axis_[1 - row_axis_].cells + 1);
+  a.require(slot_bits_ >= 0 && slot_bits_ <= 32 &&
+            static_cast<double>(rows_ + 1) * static_cast<double>(stride_) < std::ldexp(1.0, 64 - slot_bits_));
+  if (!used || !a.ok()) return;
+  // Every body lies in one of them.
+  a.require(periodic_ == periodic && b_.count < std::uint64_t{1} << slot_bits_);
+  for (std::size_t k = 0; k < 2 * std::size_t{b_.count} && a.ok(); ++k) {
+    a.require(cell_at(axis_[k % 2], b_.built[k]) < axis_[k % 2].cells);
   }
-  return true;
 }
 
 // Where renewed bodies were when all lists were made. Where they are looked for now, the bodies say.
-template <class A>
-void ListRenewal::describe(A& a, std::size_t slots) {
+void ListRenewal::describe(Archive& a, std::size_t slots) {
   a.list(renewed_, [&](Renewed& x) {
     a.index(slots, x.slot);
     values(a, x.x, x.y, x.reach);
   });
   a.packed(linked_, slots);
   a.value(time_);
-  if constexpr (A::kLoading) mark_.reserve(slots);
+  if (a.loading()) mark_.reserve(slots);
 }
 
-template <class A>
-void PairTable::describe(A& a) {
-  values(a, body_count, large_begin);
-  a.list(strips, [&](Strip& s) { values(a, s.body_begin, s.body_end, s.row_begin, s.row_end); });
-  if constexpr (!A::kLoading) return;
-  a.require(a.fits(body_count) && (body_count == 0 || (large_begin <= body_count && !strips.empty())));
+void describe_strips(Archive& a, PairTable& table) {
+  const std::uint32_t& bodies = table.body_count;
+  values(a, table.body_count, table.large_begin);
   std::uint32_t at = 0;
-  for (const Strip& strip : strips) {
-    a.require(strip.body_begin == at && strip.body_end >= at && strip.body_end <= body_count);
-    at = strip.body_end;
-  }
-  a.require(body_count == 0 || at == body_count);
+  a.list(table.strips, [&](Strip& s) {
+    values(a, s.body_begin, s.body_end, s.row_begin, s.row_end);
+    a.require(s.body_begin == at && s.body_end >= at && s.body_end <= bodies);
+    at = s.body_end;
+  });
+  a.require(a.fits(bodies) && at == bodies && (bodies == 0 || table.large_begin <= bodies));
 }
-
-PSIM_DESCRIBED(BroadPhase, const BodyStore&, bool, bool);
-PSIM_DESCRIBED(ListRenewal, std::size_t);
-PSIM_DESCRIBED(PairTable);
 
 // ---- contacts and events
 
-inline auto fields(ManifoldPoint& q) { return std::tie(q.ax, q.ay, q.bx, q.by, q.gap, q.feature); }
-inline auto fields(Rotor& q) { return std::tie(q.c, q.s); }
-
-template <class A>
-void one_value(A& a, ManifoldPair& p) {
+void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
-  values(a, p.manifold.nx, p.manifold.ny, p.manifold.count, p.manifold.point);
-  values(a, p.base, p.turn_a, p.turn_b, p.margin);
+  values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   values(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.stack, p.was_stack,
          p.rest_frames, p.recalled, p.colour, p.balanced);
@@ -131,8 +107,8 @@ void one_value(A& a, ManifoldPair& p) {
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
 
-template <class A>
-void Manifolds::describe(A& a, const ManifoldsAround& around) {
+void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
+  const std::uint32_t slots = s_.bodies.count;
   values(a, pairs_);
   a.packed(begin_);
   a.list(strips_, [&](StripBlocks& s) {
@@ -144,29 +120,29 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   a.packed(ghosts_);
   a.packed(special_);
   a.packed(stale_);
-  a.packed(shaped_, around.present() ? around.slots : kAnyNumber);
-  bool kinds = around.slots != 0 && kind_.capacity() >= around.slots;
+  a.packed(shaped_, around.present() ? slots : kAnyNumber);
+  bool kinds = slots != 0 && kind_.capacity() >= slots;
   a.value(kinds);
   if (kinds) {
-    if constexpr (A::kLoading) kind_.reserve(around.slots);
-    a.packed(kind_, around.slots);
+    if (a.loading()) kind_.reserve(slots);
+    a.packed(kind_, slots);
   }
   Totals& t = totals_;
   values(a, t.points, g_, any_filter_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again, new_pairs_);
-  if constexpr (!A::kLoading) return;
+  if (!a.loading()) return;
   if (!kinds) kind_.release();
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
   a.require(std::is_sorted(begin_.begin(), begin_.end()));
-  const bool exact = around.fresh && !around.spread;
-  a.require(!exact || (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
+  a.require(!around.exact() ||
+            (begin_.empty() ? pairs_.empty() : begin_.front() == 0 && begin_.back() == pairs_.size()));
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < strips_.size() && a.ok(); ++k) {
     check_strip(a, k, around);
     points += strips_[k].points;
   }
   a.require(t.points == 0 || (t.points <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < around.slots || !around.present());
+  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < slots || !around.present());
   if (!a.ok()) return;
   // What follows from the pairs that were read.
   old_pairs_.clear();
@@ -174,19 +150,18 @@ void Manifolds::describe(A& a, const ManifoldsAround& around) {
   indexed_ = false;
   own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
   cut();
-  rotor_.reserve(2 * std::size_t{around.slots});
-  inner_.reserve(around.slots);
-  used_.reserve(around.slots);
+  rotor_.reserve(2 * std::size_t{slots});
+  inner_.reserve(slots);
+  used_.reserve(slots);
 }
 
-template <class A>
-void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& around) const {
+void Manifolds::check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAround& around) const {
   const BodyStore& b = s_.bodies;
   const auto of = [&](std::uint32_t slot, std::uint32_t id, std::uint32_t part) {
     a.require(id < b.id_count);
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
-    if (around.present() && around.in_place) a.require(slot < around.slots && b.id[slot] == id);
+    if (around.present() && around.in_place) a.require(slot < b.count && b.id[slot] == id);
   };
   const bool fixed = p.of_piece(), wall = p.of_wall();
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
@@ -200,8 +175,7 @@ void Manifolds::check_pair(A& a, const ManifoldPair& p, const ManifoldsAround& a
 }
 
 // Lists of pairs that are gone, or not looked at yet, are made anew before anyone reads them.
-template <class A>
-void Manifolds::check_strip(A& a, std::size_t index, const ManifoldsAround& around) const {
+void Manifolds::check_strip(Archive& a, std::size_t index, const ManifoldsAround& around) const {
   const StripBlocks& s = strips_[index];
   const auto blocks = static_cast<std::uint32_t>(s.blocks.size());
   a.require(std::is_sorted(std::begin(s.end), std::end(s.end)) && s.end[3] <= blocks);
@@ -221,14 +195,13 @@ void Manifolds::check_strip(A& a, std::size_t index, const ManifoldsAround& arou
     }
   }
   if (!around.fresh) return;
-  const std::size_t bodies = kernels::round_up_block(around.slots) + 2 * strip_count();  // two that rest a strip
+  const std::size_t bodies = kernels::round_up_block(s_.bodies.count) + 2 * strip_count();  // two that rest a strip
   for (const kernels::ManifoldBlock& block : s.blocks) {
     for (const std::uint32_t body : block.body) a.require(body < bodies);
   }
 }
 
-template <class A>
-void EventList::describe(A& a, std::uint32_t ids) {
+void EventList::describe(Archive& a, std::uint32_t ids) {
   values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, left_, build_);
   a.list(removed_, [&](BodyId& id) {
     a.index(ids, id.index);
@@ -237,30 +210,25 @@ void EventList::describe(A& a, std::uint32_t ids) {
   a.packed(touching_);
   for (Keys* keys : {&lane_key_, &paired_, &toggled_, &rest_found_, &rest_, &slept_, &sensed_}) {
     a.packed(*keys);
-    if constexpr (A::kLoading) {
-      for (const std::uint64_t key : *keys) {
-        const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
-        a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
-      }
+    if (!a.loading()) continue;
+    for (const std::uint64_t key : *keys) {
+      const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
+      a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
     }
   }
-  if constexpr (!A::kLoading) return;
+  if (!a.loading()) return;
   a.require(lane_key_.size() == touching_.size() * kernels::kBlock);
   for (const Keys* keys : {&paired_, &rest_, &slept_}) a.require(std::is_sorted(keys->begin(), keys->end()));
   clear();
 }
 
-PSIM_DESCRIBED(Manifolds, const ManifoldsAround&);
-PSIM_DESCRIBED(EventList, std::uint32_t);
-
 // ---- joints: what the host asked for, and the blocks with what they did in the last substep. Which joint lies in
 // which lane, and who is joined to whom, follows from that.
 
-template <class A>
-void check_joint(A& a, const JointDesc& d, const BodyStore& b) {
-  a.require(d.a.index != d.b.index && d.length && d.reference);
+static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) {
+  a.require(joint.a.index != joint.b.index && joint.length && joint.reference);
   bool dynamic = false;
-  for (const BodyId& end : {d.a, d.b}) {
+  for (const BodyId& end : {joint.a, joint.b}) {
     a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
     if (!a.ok()) return;
     const Place place = b.info[end.index].place;
@@ -270,15 +238,14 @@ void check_joint(A& a, const JointDesc& d, const BodyStore& b) {
   a.require(dynamic);
 }
 
-template <class A>
-void JointStore::describe(A& a) {
-  if constexpr (!A::kLoading) save_impulses();
+void JointStore::describe(Archive& a) {
+  if (!a.loading()) save_impulses();
   float spare = 0;  // the format has room for a fifth impulse
   a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
   describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
   bool laid = !stale_;
   values(a, laid, h_);
-  if constexpr (A::kLoading) {
+  if (a.loading()) {
     for (const Joint& j : joints_) {
       if (j.alive) check_joint(a, j.desc, s_.bodies);
     }
@@ -289,24 +256,17 @@ void JointStore::describe(A& a) {
     for (std::uint32_t k = 0; k < joints_.size(); ++k) {
       if (joints_[k].alive) enter(k);
     }
-    stale_ = true;
-    if (laid && a.ok()) {
-      lay_out();
-      stale_ = false;
-    }
+    stale_ = !laid || !a.ok();
+    if (!stale_) lay_out();
   }
   for (std::uint32_t k = 0; k < kLists && laid; ++k) {
     JointLists::visit(lists_, k, [&](auto& blocks) {
       const std::size_t n = blocks.size();
       a.plain(blocks);
-      if constexpr (A::kLoading) {
-        a.require(blocks.size() == n);
-        blocks.resize(n);
-      }
+      a.require(blocks.size() == n);
+      blocks.resize(n);
     });
   }
 }
-
-PSIM_DESCRIBED(JointStore);
 
 }  // namespace psim

@@ -1,5 +1,6 @@
 #include "psim/recording.h"
 
+#include <array>
 #include <tuple>
 
 #include "state/describe.h"
@@ -14,20 +15,18 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::remove_joint,  &World::set_motor,        &World::set_skin};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum class Op : std::uint8_t { step, hash, add_body, add_discs, add_joint, calls };
+enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kCallsBegin };
+constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
-struct RecordHeader {
+struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
   static constexpr std::uint64_t kFormat = 5;
-  std::uint64_t magic = kMagic;
-  std::uint64_t format = kFormat;
-  std::uint64_t size = 0;   ///< of all, bytes
-  std::uint64_t hash = 0;   ///< of what follows the header, and of the steps
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
-  std::uint64_t hash_with(std::span<const std::byte> rest) const {
-    return hash_of(rest.data(), rest.size()) + 0x9E3779B97F4A7C15u * steps;
+  void seal(std::span<const std::byte> rest) {
+    const std::uint64_t hash = hash_of(rest) + 0x9E3779B97F4A7C15u * steps;
+    static_cast<FileHeader&>(*this) = {kMagic, kFormat, sizeof *this + rest.size(), hash};
   }
 };
 
@@ -52,24 +51,15 @@ static auto fields(BodyDesc& d) {
 namespace {
 
 // What a DiscBatch looks at.
-struct Discs {
-  std::vector<double> x, y, radius, angle, vx, vy, angular_velocity;
-};
+using Discs = std::array<std::vector<double>, 7>;
 
-template <class A>
-void describe(A& a, DiscBatch& b, Discs& discs) {
-  const auto column = [&](std::span<const double>& seen, std::vector<double>& own) {
-    if constexpr (!A::kLoading) own.assign(seen.begin(), seen.end());
-    values(a, own);
-    seen = own;
-  };
-  column(b.x, discs.x);
-  column(b.y, discs.y);
-  column(b.radius, discs.radius);
-  column(b.angle, discs.angle);
-  column(b.vx, discs.vx);
-  column(b.vy, discs.vy);
-  column(b.angular_velocity, discs.angular_velocity);
+void describe(Archive& a, DiscBatch& b, Discs& discs) {
+  std::span<const double>* seen[] = {&b.x, &b.y, &b.radius, &b.angle, &b.vx, &b.vy, &b.angular_velocity};
+  for (std::size_t k = 0; k < discs.size(); ++k) {
+    discs[k].assign(seen[k]->begin(), seen[k]->end());
+    values(a, discs[k]);
+    *seen[k] = discs[k];
+  }
   values(a, b.type, b.material, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet, b.filter);
 }
 
@@ -83,20 +73,22 @@ struct Recorder::Log {
   std::uint64_t every = 60, steps = 0;
 
   template <class... T>
-  void add(Op op, T... args) {
-    saver.value(op);
-    values(saver, args...);
+  void add(std::uint8_t op, T... args) {
+    values(saver, op, args...);
   }
   // Writes down a call of kCalls, and does it.
   template <std::size_t kCall, class... T>
   auto call(World& world, const T&... args) {
-    add(static_cast<Op>(static_cast<std::size_t>(Op::calls) + kCall), args...);
+    add(kCallsBegin + kCall, args...);
     return (world.*std::get<kCall>(kCalls))(args...);
   }
-  StepReport step(World& world, double dt, const StepReport& report, std::uint64_t frame_before) {
-    if (world.frame() == frame_before) return report;  // refused
-    add(Op::step, dt, report.detail);
-    if (++steps % every == 0) add(Op::hash, world.state_hash());
+  template <class Step>
+  StepReport step(World& world, double dt, const Step& step) {
+    const std::uint64_t frame = world.frame();
+    const StepReport report = step();
+    if (world.frame() == frame) return report;  // refused
+    add(kStep, dt, report.detail);
+    if (++steps % every == 0) add(kHash, world.state_hash());
     return report;
   }
 };
@@ -110,20 +102,18 @@ Recorder::~Recorder() = default;
 StepReport Recorder::step() { return step(world_.desc().dt); }
 
 StepReport Recorder::step(double dt) {
-  const std::uint64_t frame = world_.frame();
-  return log_->step(world_, dt, world_.step(dt), frame);
+  return log_->step(world_, dt, [&] { return world_.step(dt); });
 }
 
 StepReport Recorder::replay(const StepDetail& detail) { return replay(detail, world_.desc().dt); }
 
 StepReport Recorder::replay(const StepDetail& detail, double dt) {
-  const std::uint64_t frame = world_.frame();
-  return log_->step(world_, dt, world_.replay(detail, dt), frame);
+  return log_->step(world_, dt, [&] { return world_.replay(detail, dt); });
 }
 
 BodyId Recorder::add_body(const BodyDesc& desc, std::string& error) {
   const BodyId id = world_.add_body(desc, error);
-  if (id != kNoBody) log_->add(Op::add_body, desc);
+  if (id != kNoBody) log_->add(kAddBody, desc);
   return id;
 }
 
@@ -132,14 +122,14 @@ std::size_t Recorder::add_discs(const DiscBatch& batch, std::uint32_t& first, st
   if (added == 0) return 0;
   DiscBatch copy = batch;
   Discs discs;
-  log_->add(Op::add_discs);
+  log_->add(kAddDiscs);
   describe(log_->saver, copy, discs);
   return added;
 }
 
 JointId Recorder::add_joint(const JointDesc& desc, std::string& error) {
   const JointId id = world_.add_joint(desc, error);
-  if (id != kNoJoint) log_->add(Op::add_joint, desc);
+  if (id != kNoJoint) log_->add(kAddJoint, desc);
   return id;
 }
 
@@ -164,20 +154,11 @@ bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); 
 
 std::vector<std::byte> Recorder::recording() const {
   Log end;
-  end.add(Op::hash, world_.state_hash());
-  const auto ops = log_->saver.bytes(), last = end.saver.bytes();
+  end.add(kHash, world_.state_hash());
   RecordHeader header;
   header.state = log_->state.size();
   header.steps = log_->steps;
-  header.size = sizeof header + log_->state.size() + ops.size() + last.size();
-  std::vector<std::byte> out(sizeof header);
-  out.reserve(header.size);
-  out.insert(out.end(), log_->state.begin(), log_->state.end());
-  out.insert(out.end(), ops.begin(), ops.end());
-  out.insert(out.end(), last.begin(), last.end());
-  header.hash = header.hash_with(std::span(out).subspan(sizeof header));
-  std::memcpy(out.data(), &header, sizeof header);
-  return out;
+  return sealed(header, {log_->state, log_->saver.bytes(), end.saver.bytes()});
 }
 
 // ---- replay ----------------------------------------------------------------------------------------
@@ -195,18 +176,6 @@ struct Replay::State {
     values(*log, v);
     return v;
   }
-  void check() {
-    const auto hash = get<std::uint64_t>();
-    if (!log->ok()) return;
-    ++hashes;
-    compared = true;
-    if (differs == 0 && hash != world->state_hash()) differs = std::max<std::uint64_t>(steps, 1);
-  }
-  Op next_op() {
-    std::uint8_t op = 0;
-    log->index(static_cast<std::size_t>(Op::calls) + std::tuple_size_v<decltype(kCalls)>, op);
-    return static_cast<Op>(op);
-  }
   template <class R, class... T>
   void call(R (World::*function)(T...)) {
     std::tuple<std::decay_t<T>...> args;
@@ -221,45 +190,49 @@ struct Replay::State {
         },
         kCalls);
   }
-  bool perform(Op op);
-};
-
-// False after a step.
-bool Replay::State::perform(Op op) {
-  World& w = *world;
-  std::string error;
-  compared = false;
-  switch (op) {
-    case Op::step: {
-      const auto dt = get<double>();
-      const auto detail = get<StepDetail>();
-      if (!log->ok()) return false;
-      w.replay(detail, dt);
-      ++steps;
-      return false;
+  // The next entry of the log.
+  void perform() {
+    World& w = *world;
+    std::string error;
+    std::uint8_t op = 0;
+    log->index(kOps, op);
+    compared = false;
+    switch (op) {
+      case kStep: {
+        const auto dt = get<double>();
+        const auto detail = get<StepDetail>();
+        if (!log->ok()) return;
+        w.replay(detail, dt);
+        ++steps;
+        break;
+      }
+      case kHash: {
+        const auto hash = get<std::uint64_t>();
+        compared = log->ok();
+        if (!compared) return;
+        ++hashes;
+        if (differs == 0 && hash != w.state_hash()) differs = std::max<std::uint64_t>(steps, 1);
+        break;
+      }
+      case kAddBody:
+        w.add_body(get<BodyDesc>(), error);
+        break;
+      case kAddDiscs: {
+        DiscBatch batch;
+        Discs discs;
+        describe(*log, batch, discs);
+        std::uint32_t first = 0;
+        w.add_discs(batch, first, error);
+        break;
+      }
+      case kAddJoint:
+        w.add_joint(get<JointDesc>(), error);
+        break;
+      default:
+        call(op - std::size_t{kCallsBegin});
     }
-    case Op::hash:
-      check();
-      break;
-    case Op::add_body:
-      w.add_body(get<BodyDesc>(), error);
-      break;
-    case Op::add_discs: {
-      DiscBatch batch;
-      Discs discs;
-      describe(*log, batch, discs);
-      std::uint32_t first = 0;
-      w.add_discs(batch, first, error);
-      break;
-    }
-    case Op::add_joint:
-      w.add_joint(get<JointDesc>(), error);
-      break;
-    default:
-      call(static_cast<std::size_t>(op) - static_cast<std::size_t>(Op::calls));
   }
-  return true;
-}
+};
 
 Replay::Replay(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Replay::~Replay() = default;
@@ -268,13 +241,8 @@ std::unique_ptr<Replay> Replay::open(std::span<const std::byte> recording, const
                                      std::string& error) {
   RecordHeader header;
   error = read_header(recording, "recording", header);
-  if (!error.empty()) return nullptr;
-  const auto rest = recording.subspan(sizeof header);
-  if (recording.size() < header.size) {
-    error = "it is cut short";
-  } else if (recording.size() > header.size || header.hash_with(rest) != header.hash || header.state > rest.size()) {
-    error = "it is damaged";
-  }
+  const auto rest = recording.subspan(std::min(sizeof header, recording.size()));
+  if (error.empty() && header.state > rest.size()) error = "it is damaged";
   if (!error.empty()) return nullptr;
   auto state = std::make_unique<State>();
   state->world = World::from_state(rest.first(header.state), options, error);
@@ -289,15 +257,8 @@ std::unique_ptr<Replay> Replay::open(std::span<const std::byte> recording, const
 bool Replay::next() {
   State& s = *state_;
   const std::uint64_t before = s.steps;
-  while (s.log->left() != 0 && s.log->ok()) {
-    if (s.perform(s.next_op())) continue;
-    // Hashes after a step belong to it.
-    while (s.log->ok() && s.log->left() != 0 && s.log->peek() == static_cast<std::byte>(Op::hash)) {
-      s.next_op();
-      s.check();
-    }
-    break;
-  }
+  // Hashes after a step belong to it.
+  while (s.log->left() != 0 && (s.steps == before || s.log->peek() == std::byte{kHash})) s.perform();
   return s.steps != before;
 }
 

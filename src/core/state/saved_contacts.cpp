@@ -7,15 +7,12 @@
 
 namespace psim {
 
-void SavedContacts::gather_none(const PairTable& table) {
+void SavedContacts::gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps) {
   *this = {};
   strip_pairs_.resize(table.strips.size());
   strip_statics_.resize(table.strips.size());
   owned_.resize(table.body_count);
-}
-
-void SavedContacts::gather(const PairTable& table, const ContactStore& contacts, bool named, bool gaps) {
-  *this = {};
+  if (!any) return;
   const bool rough = contacts.rough();
   const auto take = [&](int first, int last, std::uint32_t lane) {
     for (int k = first; k < last; ++k) {
@@ -32,13 +29,12 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
       s_body_.push_back(pair.body);
       s_shape_.push_back(pair.shape);
     }
-    strip_pairs_.push_back(end - strip.pair_begin);
-    strip_statics_.push_back(static_cast<std::uint32_t>(table.static_contacts[k].size()));
+    strip_pairs_[k] = end - strip.pair_begin;
+    strip_statics_[k] = static_cast<std::uint32_t>(table.static_contacts[k].size());
     if (!named) continue;
     other_.insert(other_.end(), table.other.data() + strip.pair_begin, table.other.data() + end);
     for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
-      const std::uint32_t next = i + 1 == strip.body_end ? end : table.first[i + 1];
-      owned_.push_back(next - table.pairs_of_begin(i));
+      owned_[i] = table.pairs_of_end(i) - table.pairs_of_begin(i);
     }
   }
   if (!named || table.strips.empty()) return;
@@ -49,8 +45,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   }
 }
 
-template <class A>
-void SavedContacts::describe(A& a, const PairTable& table, const StaticShapes& statics, bool named) {
+void SavedContacts::describe(Archive& a, const PairTable& table, const StaticShapes& statics, bool named) {
   a.packed(strip_pairs_);
   a.packed(strip_statics_);
   for (auto& column : carried_) a.plain(column);
@@ -71,11 +66,9 @@ void SavedContacts::describe(A& a, const PairTable& table, const StaticShapes& s
     values(a, pair.impulse, pair.friction);
     a.require(pair.owner < pair.other);
   });
-  if constexpr (!A::kLoading) return;
-  const auto before = [](const Renewed& p, const Renewed& q) {
-    return p.owner != q.owner ? p.owner < q.owner : p.other < q.other;
-  };
-  a.require(std::is_sorted(renewed_.begin(), renewed_.end(), before) && (renewed_.empty() || table.body_count != 0));
+  if (!a.loading()) return;
+  const auto name = [](const Renewed& pair) { return std::pair(pair.owner, pair.other); };
+  a.require(std::ranges::is_sorted(renewed_, {}, name) && (renewed_.empty() || table.body_count != 0));
   for (const std::uint32_t shape : s_shape_) {
     a.require(shape < statics.size() || (shape >= kWallLeft && shape <= kWallTop));
   }
@@ -151,7 +144,5 @@ bool SavedContacts::put_back(const PairTable& table, ContactStore& c) const {
   }
   return true;
 }
-
-PSIM_DESCRIBED(SavedContacts, const PairTable&, const StaticShapes&, bool);
 
 }  // namespace psim

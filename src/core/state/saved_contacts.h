@@ -14,13 +14,10 @@ namespace psim {
 
 class SavedContacts {
  public:
-  /// Takes them out of a world. `named`: with their names; `gaps`: with those to fixed shapes.
-  void gather(const PairTable& table, const ContactStore& contacts, bool named, bool gaps);
-  /// There are none, in as many strips.
-  void gather_none(const PairTable& table);
+  /// Takes them out of a world, if there are any. `named`: with their names; `gaps`: with those to fixed shapes.
+  void gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps);
 
-  template <class A>
-  void describe(A& a, const PairTable& table, const StaticShapes& statics, bool named);
+  void describe(class Archive& a, const PairTable& table, const StaticShapes& statics, bool named);
   bool empty() const { return empty(kImpulse) && renewed_.empty() && empty(kStatic); }
 
   /// Makes `table`, whose strips are there, of the names: contacts lie in the order of their pairs.

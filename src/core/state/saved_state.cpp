@@ -15,13 +15,11 @@
 namespace psim {
 namespace {
 
-struct PackHeader {
+struct PackHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304B50'6D697370u;  // "psimPK01"
-  static constexpr std::uint64_t kFormat = ArchiveHeader::kFormat;
-  std::uint64_t magic = kMagic;
-  std::uint64_t format = kFormat;
-  std::uint64_t size = 0;  ///< of the state, bytes
-  std::uint64_t hash = 0;  ///< of the state
+  void seal(std::span<const std::byte> state) {
+    static_cast<FileHeader&>(*this) = {kMagic, ArchiveHeader::kFormat, state.size(), hash_of(state)};
+  }
 };
 
 struct Descriptor {
@@ -35,54 +33,73 @@ std::string because() { return std::strerror(errno); }
 
 }  // namespace
 
-std::uint64_t hash_of(const std::byte* data, std::size_t size) {
-  std::uint64_t hash = 0x9E3779B97F4A7C15u ^ size;
+std::uint64_t hash_of(std::span<const std::byte> bytes) {
+  std::uint64_t hash = 0x9E3779B97F4A7C15u ^ bytes.size();
   const auto mix = [](std::uint64_t& to, std::uint64_t v) {
     to = (to ^ v) * 0xD6E8FEB86659FD93u;
     to ^= to >> 32;
   };
-  const auto take = [&] {
-    std::uint64_t v;
-    std::memcpy(&v, data, 8);
-    data += 8, size -= 8;
+  const auto take = [&](std::size_t n = 8) {
+    std::uint64_t v = 0;
+    std::memcpy(&v, bytes.data(), n);
+    bytes = bytes.subspan(n);
     return v;
   };
-  if (size >= 32) {  // four that do not wait for each other
+  if (bytes.size() >= 32) {  // four that do not wait for each other
     std::uint64_t lane[4] = {hash, hash + 1, hash + 2, hash + 3};
-    while (size >= 32) {
+    while (bytes.size() >= 32) {
       for (std::uint64_t& l : lane) mix(l, take());
     }
     for (const std::uint64_t l : lane) mix(hash, l);
   }
-  while (size >= 8) mix(hash, take());
-  std::uint64_t last = 0;
-  if (size != 0) std::memcpy(&last, data, size);
-  mix(hash, last);
+  while (bytes.size() >= 8) mix(hash, take());
+  mix(hash, bytes.empty() ? 0 : take(bytes.size()));
   return hash ^ (hash >> 29);
 }
 
-std::vector<std::byte> pack_state(std::span<const std::byte> state) {
-  PackHeader header;
-  header.size = state.size();
-  header.hash = hash_of(state.data(), state.size());
-  std::vector<std::byte> packed(sizeof header + state.size());
-  std::memcpy(packed.data(), &header, sizeof header);
-  std::copy(state.begin(), state.end(), packed.begin() + sizeof header);
-  return packed;
+std::string fault_of(const FileHeader& header, const FileHeader& right, const std::string& what) {
+  const auto differ = [](const char* mine, std::uint64_t a, const char* other, std::uint64_t b) {
+    return mine + std::to_string(a) + other + std::to_string(b);
+  };
+  if (header.magic != right.magic) return "it is no " + what + " of psim";
+  if (header.format != right.format) return differ("its format is ", header.format, ", this psim reads ", right.format);
+  if (header.size != right.size) return differ("it has ", right.size, " bytes of ", header.size);
+  return header.hash == right.hash ? "" : "it is damaged";
 }
+
+Archive::Archive(std::vector<std::byte> memory) : memory_(std::move(memory)) {
+  memory_.resize(std::max(memory_.size(), kHeader));
+  end_ = memory_.size();
+}
+
+bool Archive::make_room(std::size_t n) {
+  require(false);
+  if (loading_) return false;
+  memory_.resize(std::max(at_ + n, 2 * memory_.size() + 1024));
+  end_ = memory_.size();
+  return true;
+}
+
+std::vector<std::byte> Saver::finish() {
+  ArchiveHeader header;
+  header.seal(bytes());
+  std::memcpy(memory_.data(), &header, sizeof header);
+  memory_.resize(at_);
+  return std::move(memory_);
+}
+
+Loader::Loader(std::span<const std::byte> bytes) : Archive(bytes, kHeader) {
+  ArchiveHeader header;
+  if (const std::string fault = read_header(bytes, "saved state", header); !fault.empty()) fail(fault);
+}
+
+std::vector<std::byte> pack_state(std::span<const std::byte> state) { return sealed(PackHeader(), {state}); }
 
 bool unpack_state(std::span<const std::byte> packed, std::vector<std::byte>& state, std::string& error) {
   PackHeader header;
   error = read_header(packed, "saved state", header);
   if (!error.empty()) return false;
-  const auto rest = packed.subspan(sizeof header);
-  if (rest.size() < header.size) {
-    error = "it is cut short";
-  } else if (rest.size() > header.size || hash_of(rest.data(), rest.size()) != header.hash) {
-    error = "it is damaged";
-  }
-  if (!error.empty()) return false;
-  state.assign(rest.begin(), rest.end());
+  state.assign(packed.begin() + sizeof header, packed.end());
   return true;
 }
 

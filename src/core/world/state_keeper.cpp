@@ -6,6 +6,7 @@
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
 // the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
 #include <ranges>
+#include <utility>
 
 #include "base/invariant.h"
 #include "state/describe.h"
@@ -47,11 +48,8 @@ class StateKeeper {
     lists_.stale = stale || w_.progress.makes_lists();
     last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
             table.body_count != 0;
-    if (lasting() || (w_.contacts.impulses_valid && table.body_count != 0)) {
-      carried_.gather(table, w_.contacts.discs, !lasting(), !w_.sleep.sleepers.empty());
-    } else {
-      carried_.gather_none(table);
-    }
+    const bool any = lasting() || (w_.contacts.impulses_valid && table.body_count != 0);
+    carried_.gather(table, w_.contacts.discs, any, !lasting(), !w_.sleep.sleepers.empty());
     if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses();
     Saver saver(std::move(out));
     values(saver, w_.desc);
@@ -64,6 +62,7 @@ class StateKeeper {
 
   /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
   void load(Loader& loader, const WorldDesc& desc) {
+    const WorkerPool::Awake awake(w_.pool);
     w_.desc = desc;
     const bool snapshots = w_.population.traits.snapshots;
     lists_.table.body_count = lists_.old_table.body_count = 0;
@@ -85,7 +84,10 @@ class StateKeeper {
     w_.contacts.bare = true;
     w_.observers.placed = true;
     w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
+    // Work that is done again is not counted again.
+    const ListNumbers made = lists_.made;
     const double visits = w_.contacts.loads.visits;
+    const std::uint64_t builds = w_.contacts.discs.builds();
     if (lasting()) {
       remake_lists(loader);
     } else {
@@ -97,13 +99,14 @@ class StateKeeper {
     if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work();
+    lists_.made = made;
     w_.contacts.loads.visits = visits;
+    w_.contacts.discs.set_builds(builds);
   }
 
  private:
   // How far the present step is, and what was measured for the next ones.
-  template <class A>
-  void describe_progress(A& a) {
+  void describe_progress(Archive& a) {
     StepProgress& now = w_.progress;
     Dynamics& dynamics = w_.dynamics;
     values(a, last_, w_.ledger.frames, w_.ledger.steps, w_.quarantine.escaped, dynamics.stiff_substep,
@@ -119,12 +122,11 @@ class StateKeeper {
   }
 
   // All but the contacts of shapes, which are read once the lists are there.
-  template <class A>
-  void describe(A& a) {
+  void describe(Archive& a) {
     describe_progress(a);
     const StepProgress& now = w_.progress;
     BodyStore& bodies = w_.bodies;
-    w_.population.describe(a, last_ || now.makes_lists());
+    describe_population(a, w_.population, last_ || now.makes_lists());
     w_.sleep.sleepers.describe(a, bodies, w_.statics);
     a.list(w_.quarantine.doubtful, [&](BodyId& id) {
       a.index(bodies.id_count, id.index);
@@ -137,25 +139,20 @@ class StateKeeper {
       if (d.span == 0) a.require(a.ok() && bodies.info[d.id].place == Place::moving);
     });
     describe_lists(a);
-    w_.contacts.discs.describe(a);
-    w_.contacts.solved.describe(a);
-    w_.contacts.loads.describe(a);
-    w_.dynamics.solver.describe(a);
-    w_.dynamics.continuous.describe(a);
+    values(a, w_.contacts.discs, w_.contacts.solved, w_.contacts.loads, w_.dynamics.solver, w_.dynamics.continuous);
     w_.joints.describe(a);
     w_.observers.events.describe(a, bodies.id_count);
-    if constexpr (A::kLoading) check(a);
+    if (a.loading()) check(a);
   }
 
-  template <class A>
-  void describe_lists(A& a) {
+  void describe_lists(Archive& a) {
     const StepProgress& now = w_.progress;
     const BodyStore& bodies = w_.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
-    lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
+    lists_.broad.describe(a, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
-    if (!lasting()) lists_.table.describe(a);
+    if (!lasting()) describe_strips(a, lists_.table);
     carried_.describe(a, lists_.table, w_.statics, !lasting());
     a.packed(origin_);
     a.require(origin_.size() <= bodies.count &&
@@ -165,7 +162,7 @@ class StateKeeper {
   }
 
   // What the plan follows from is counted again. What is looked up when a plan is made stays as it was.
-  void check(Loader& a) const {
+  void check(Archive& a) const {
     if (!a.ok()) return;
     Traits traits = w_.population.recounted();
     traits.joints = w_.joints.count();
@@ -186,30 +183,24 @@ class StateKeeper {
   ManifoldsAround around_manifolds() const {
     const StepProgress& now = w_.progress;
     const bool in_order = !now.sorted() && origin_.empty();
-    ManifoldsAround around;
-    around.slots = w_.bodies.count;
-    around.numbered = in_order ? w_.bodies.count : std::max(w_.bodies.count, lists_.table.body_count);
-    around.wanted = w_.plan.manifolds;
-    around.fresh = !lists_.stale;
-    around.carried = w_.contacts.impulses_valid;
-    around.spread = now.makes_lists() || !now.untouched();
-    around.lists = last_;
-    around.in_place = w_.bodies.dead == 0 && w_.quarantine.doubtful.empty();
-    return around;
+    return {.numbered = in_order ? w_.bodies.count : std::max(w_.bodies.count, lists_.table.body_count),
+            .wanted = w_.plan.manifolds,
+            .fresh = !lists_.stale,
+            .carried = w_.contacts.impulses_valid,
+            .spread = now.makes_lists() || !now.untouched(),
+            .lists = last_,
+            .in_place = w_.bodies.dead == 0 && w_.quarantine.doubtful.empty()};
   }
 
   // Lists that last, and what their contacts carry.
   void remake_lists(Loader& loader) {
     StepProgress& now = w_.progress;
     const StepProgress kept = now;
-    std::vector<WorkDone> done = std::move(w_.done_so_far);
-    const std::uint64_t builds = w_.contacts.discs.builds();
+    std::vector<WorkDone> done = std::exchange(w_.done_so_far, {});
     lists_.renewal.turn_back();
     lists_.broad.build_again(lists_.table);
     lists_.stale = w_.contacts.impulses_valid = true;
-    now = {};
-    now.part = part_named("group");
-    now.contacts = ContactState::due;
+    now = {.part = part_named("group"), .contacts = ContactState::due};
     StepReport ignored;
     while (now.part < part_named("look")) run_part(w_, {}, ignored, step_parts()[now.part].pieces(w_));
     accept_work(w_);
@@ -221,14 +212,12 @@ class StateKeeper {
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
     now = kept;
     w_.done_so_far = std::move(done);
-    w_.contacts.discs.set_builds(builds);
   }
 
   // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
   void redo_work() {
     StepProgress& now = w_.progress;
     BodyStore& bodies = w_.bodies;
-    const ListNumbers made = lists_.made;
     now.at = 0;
     if (now.sorted()) {
       if (!lists_.selects()) {
@@ -261,7 +250,6 @@ class StateKeeper {
                  now.part == done.part ? std::min<std::size_t>(end, done.at) : end);
       }
     }
-    lists_.made = made;
   }
 
   bool lasting() const { return last_ && !lists_.selects(); }
@@ -279,7 +267,6 @@ void save(Owners& w, std::vector<std::byte>& out) { StateKeeper(w.settled()).sav
 
 void go_back(Owners& w, std::span<const std::byte> state) {
   const FloatSettings settings;
-  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
@@ -292,7 +279,6 @@ void World::save(std::vector<std::byte>& out) { psim::save(*impl_, out); }
 bool World::restore(std::span<const std::byte> state, std::string& error) {
   Owners& w = *impl_;
   const FloatSettings settings;  // as in a step: what is made here is what a step would make
-  const WorkerPool::Awake awake(w.pool);
   Loader loader(state);
   WorldDesc read;
   values(loader, read);
