@@ -84,9 +84,9 @@ void plan_flight(const BodyStore& bodies, const ListSettings& world, const Sampl
   const double r = s.radius;
   const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
   const double area =
-      world.broad->area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
+      world.broad->cells().area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
-  const double density = std::fmax(bodies.count / area, world.broad->density());
+  const double density = std::fmax(bodies.count / area, world.broad->cells().density());
   // Without restitution impacts only slow bodies down.
   if (world.restitution) {
     out.crowding = std::clamp(3 * bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
@@ -134,7 +134,7 @@ double impact_slack(const ListSettings& world, double speed, double close, doubl
 
 ListPlan plan_lists(const BodyStore& bodies, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
-  const BroadPhase& broad = *world.broad;
+  const BroadCells& cells = world.broad->cells();
   const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius));
   const double r = s.radius;
   ListPlan out;
@@ -146,8 +146,8 @@ ListPlan plan_lists(const BodyStore& bodies, const ListSettings& world, double d
   out.margin.time = static_cast<float>(kMarginFrames * dt);
   out.outer = 2 * (1 + skin_of_radius) * r;
   // Impacts in a two-dimensional gas: 2 D n v g(c) sqrt(pi), where c is the share of the area that bodies cover.
-  const double covered = std::fmin(broad.density() * 3.14159 * r * r, 0.8);
-  out.impacts = 7 * r * broad.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
+  const double covered = std::fmin(cells.density() * 3.14159 * r * r, 0.8);
+  out.impacts = 7 * r * cells.density() * out.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   if (kMarginFrames * dt * speed > kSkinOfRadius * r && std::isfinite(speed)) {
     plan_flight(bodies, world, s, dt, out);

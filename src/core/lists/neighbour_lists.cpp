@@ -14,7 +14,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
   const double reach = plan.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.speed);
   const double growth = made.reach > 0 ? reach * reach / (made.reach * made.reach) : 1;
   const bool changed =
-      broad.density() == 0 || selected != selects() || plan.frames != made.frames || desc.skin != made.skin;
+      broad.cells().density() == 0 || selected != selects() || plan.frames != made.frames || desc.skin != made.skin;
   mode = plan.mode;
   made.frames = plan.frames;
   made.reach = reach;
@@ -39,7 +39,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
 }
 
 bool NeighbourLists::move(std::size_t begin, std::size_t end) {
-  const bool last = end == broad.moves();
+  const bool last = end == broad.cells().moves();
   if (last && !selects()) table.swap(old_table);
   broad.move(found(), begin, end);
   return last;

@@ -14,48 +14,51 @@ namespace psim {
 // ---- lists: how they were made, which is all that making them again needs, and their strips
 
 template <class A>
-void BroadPhase::describe(A& a, const BodyStore& bodies, bool periodic, bool cells) {
+void BroadPhase::describe(A& a, bool periodic, bool cells) {
   BroadPhaseParams& p = params_;
-  kernels::GridView& g = grid_.view;
+  BroadCells& c = cells_;
+  PairSearch& s = search_;
+  Grid& grid = c.grid_;
+  kernels::GridView& g = grid.view;
   a.refuse_nan(true);
   values(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.sample, p.growth,
          p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
-  values(a, all_.most, all_.extent, sorted_);
+  values(a, c.extent_.most, c.extent_.box, c.sorted_);
   values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
-  values(a, grid_.cell_x, grid_.cell_y, grid_.periodic, grid_.keys, listed_, large_, most_, box_, area_, density_,
-         pad_reach_, next_pad_reach_, pairs_a_large_, near_pairs_, tests_, fixed_);
-  for (std::vector<double>* guess : {&pairs_a_body_, &pairs_a_piece_, &near_a_body_}) {
+  values(a, grid.cell, grid.periodic, grid.keys, c.listed_, c.large_, c.most_, c.box_, c.area_, c.density_, pad_reach_,
+         next_pad_reach_, s.pairs_a_large_, near_.pairs_, c.tests_, fixed_);
+  for (std::vector<double>* guess : {&s.pairs_a_body_, &s.pairs_a_piece_, &near_.near_a_body_}) {
     a.packed(*guess);
     if constexpr (A::kLoading) {
-      a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
+      a.require(std::all_of(guess->begin(), guess->end(), [&](double x) { return x >= 0 && x <= s.kMostGuess; }));
     }
   }
   a.refuse_nan(false);
-  sort_.listed().describe(a);
+  c.list_.describe(a);
   if constexpr (!A::kLoading) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
-  a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
-            pairs_a_large_ <= kMostGuess);
+  a.require(c.most_ >= 0 && c.box_ >= 0 && c.area_ >= 0 && c.density_ >= 0 && c.tests_ >= 0 && s.pairs_a_large_ >= 0 &&
+            s.pairs_a_large_ <= s.kMostGuess);
   if (!cells || !a.ok()) return;
-  a.require(p.periodic == periodic && (listed_ ? sort_.listed().holds(bodies, periodic) : grid_fits(bodies, periodic)));
+  a.require(p.periodic == periodic && (c.listed_ ? c.list_.holds(s_.bodies, periodic) : c.grid_fits(periodic)));
 }
 
 // Whether every cell that a body may get lies in the grid.
-bool BroadPhase::grid_fits(const BodyStore& bodies, bool periodic) const {
+bool BroadCells::grid_fits(bool periodic) const {
   const kernels::GridView& g = grid_.view;
-  const double room = 64.0 * bodies.count + 65536;
+  const double room = 64.0 * s_.bodies.count + 65536;
   return g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= room &&
          g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
-         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell_x > 0 &&
-         grid_.cell_y > 0 && grid_.periodic == periodic &&
-         g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
-         g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y) &&
+         grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3 && grid_.cell[0] > 0 &&
+         grid_.cell[1] > 0 && grid_.periodic == periodic &&
+         g.scale_x == static_cast<float>(s_.lattice.pitch_x() / grid_.cell[0]) &&
+         g.scale_y == static_cast<float>(s_.lattice.pitch_y() / grid_.cell[1]) &&
          g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2;
 }
 
 template <class A>
 void CellList::describe(A& a) {
-  for (Axis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
+  for (CellAxis& axis : axis_) values(a, axis.low, axis.per, axis.cells, axis.width);
   values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
   a.require((row_axis_ == 0 || row_axis_ == 1) && (!stays_ || sound()));
   if constexpr (A::kLoading) sorted_ = 0;
@@ -63,7 +66,7 @@ void CellList::describe(A& a) {
 
 // Whether the cells that are laid fit together.
 bool CellList::sound() const {
-  for (const Axis& x : axis_) {
+  for (const CellAxis& x : axis_) {
     if (x.per < 1 || x.per > std::uint64_t{1} << 32 || x.cells < 1 || x.cells > x.per + 1) return false;
     if (x.width != 0x1p32 / static_cast<double>(x.per) || (periodic_ && x.cells != x.per)) return false;
   }
@@ -77,7 +80,7 @@ bool CellList::holds(const BodyStore& bodies, bool periodic) const {
   if (!sound() || periodic_ != periodic || bodies.count >= std::uint64_t{1} << slot_bits_) return false;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     for (std::size_t k = 0; k < bodies.count; ++k) {
-      if (cell_at(axis_[axis], bodies.built[2 * k + axis]) >= axis_[axis].cells) return false;
+      if (axis_[axis].at(bodies.built[2 * k + axis]) >= axis_[axis].cells) return false;
     }
   }
   return true;
@@ -109,7 +112,7 @@ void PairTable::describe(A& a) {
   a.require(body_count == 0 || at == body_count);
 }
 
-PSIM_DESCRIBED(BroadPhase, const BodyStore&, bool, bool);
+PSIM_DESCRIBED(BroadPhase, bool, bool);
 PSIM_DESCRIBED(ListRenewal, std::size_t);
 PSIM_DESCRIBED(PairTable);
 

@@ -61,7 +61,7 @@ void survey_lanes(const StepContext& c, bool rebuilt) {
   const PairTable& lists = c.neighbours.found();
   if (rebuilt) {
     Ledger::Lanes& search = ledger.lanes_of(LaneUser::search);
-    c.neighbours.broad.sample_lanes(lists.large_begin, search.all, search.used);
+    c.neighbours.broad.cells().sample_lanes(search.all, search.used);
   }
   for (const Strip& s : lists.strips) {
     if (!c.neighbours.selects()) break;

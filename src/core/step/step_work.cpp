@@ -66,7 +66,7 @@ void StepWork::accept(const StepContext& c) {
     c.contacts.impulses_valid = true;
   }
   if (progress.makes_lists()) {
-    c.neighbours.broad.forget_origin();
+    c.neighbours.broad.origin.forget();
     c.neighbours.broad.finish();
   }
   begin_again();
@@ -76,7 +76,7 @@ void StepWork::spoil(const StepContext& c) {
   turn_back(c);
   c.contacts.discs.give_up();
   c.contacts.manifolds.accept();
-  if (progress.sorted()) c.neighbours.broad.keep_origin();
+  if (progress.sorted()) c.neighbours.broad.origin.keep();
   c.neighbours.stale = true;
   if (progress.waits != 0 && (!untouched() || progress.at != 0)) ++progress.spoiled;
   begin_again();

@@ -47,7 +47,7 @@ class World::Impl::StateKeeper {
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
-    if (w_.step_work.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
+    if (w_.step_work.progress.sorted() || lists_.broad.origin.moved_on()) lists_.broad.origin.copy(origin_);
     w_.step_work.turn_back(w_.context());  // to the contacts of the last step
     lists_.made.candidates = count_work(w_.context()).lists.candidates;
     const bool stale = lists_.stale;
@@ -87,7 +87,7 @@ class World::Impl::StateKeeper {
     w_.contacts.stacks.forget();
     StepProgress& now = w_.step_work.progress;
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
-    lists_.broad.set_origin(origin_);
+    lists_.broad.origin.set(origin_);
     w_.contacts.bare = true;
     w_.placed = true;
     w_.observers.forget_all();
@@ -157,7 +157,7 @@ class World::Impl::StateKeeper {
     const BodyStore& bodies = w_.population.bodies;
     a.require(!last_ || bodies.count != 0);
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
-    lists_.broad.describe(a, bodies, w_.desc.boundary == Boundary::periodic, cells);
+    lists_.broad.describe(a, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
     if (!lasting()) lists_.table.describe(a);
     carried_.describe(a, lists_.table, w_.population.statics, !lasting());

@@ -58,7 +58,7 @@ void World::Impl::apply_plan() {
   const auto left = [this](bool Plan::*what) { return applied.*what && !(plan.*what); };
   if (plan.rotation && bodies.rim_speed.empty()) bodies.add_rotation();
   if (!plan.rotation) bodies.drop_rotation();
-  neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
+  neighbours.broad.mover().forget(!plan.radii, !plan.rotation);
   contacts.solved.forget(!plan.rotation, !plan.restitution);
   if (plan.forces) {
     if (!dynamics.forces) dynamics.forces = std::make_unique<Forces>(desc, lattice);
@@ -121,7 +121,7 @@ std::vector<PlanEntry> World::plan() const {
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
-  count("broad_phase.mixed_radii", w.neighbours.broad.sorter().radii_bytes());
+  count("broad_phase.mixed_radii", w.neighbours.broad.mover().radii_bytes());
   count("solver.restitution", sum(b.event_time, c.e, c.impact, c.start, c.s_e, c.s_impact, c.s_start) +
                                   w.contacts.solved.impact_bytes() + w.dynamics.solver.impact_bytes());
   // Contacts with friction have masses, too.
@@ -129,7 +129,7 @@ std::vector<PlanEntry> World::plan() const {
   count("solver.friction", c.friction_bytes());
   count("solver.heavy_loads", w.contacts.loads.bytes());
   count("rotation",
-        b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());
+        b.rotation_bytes() + w.neighbours.broad.mover().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.
   count(plan.joints && !plan.manifolds ? "joints" : "manifolds", sum(b.arm_change, b.angle_change));
   count(plan.manifolds || !w.context().sorts_out() ? "manifolds"

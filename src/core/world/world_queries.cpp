@@ -63,7 +63,7 @@ Diagnostics World::diagnostics() const {
 // Notes which slot each body has now, where bodies were sorted since contacts were laid out.
 void World::Impl::find_moved() {
   std::vector<std::uint32_t> origin;
-  if (step_work.progress.sorted() || neighbours.broad.has_moved_on()) neighbours.broad.copy_origin(origin);
+  if (step_work.progress.sorted() || neighbours.broad.origin.moved_on()) neighbours.broad.origin.copy(origin);
   observers.contacts.set_moved(origin, population.bodies.count);
 }
 
