@@ -175,16 +175,14 @@ void BroadPhase::select(float time, const std::vector<float>& slack, bool link_a
   });
   if (end != table.strips.size()) return;
   std::uint32_t total = 0;
-  for (const Strip& s : table.strips) total += s.pair_end - s.pair_begin;
-  table.owner.reserve_loosely(total);
-  table.other.reserve_loosely(total);
-  table.pair_room = total;
-  total = 0;
   for (Strip& s : table.strips) {  // candidates that are not selected take no room
     const std::uint32_t n = s.pair_end - s.pair_begin;
     s.pair_begin = total;
     s.pair_end = total += n;
   }
+  table.owner.reserve_loosely(total);
+  table.other.reserve_loosely(total);
+  table.pair_room = total;
 }
 
 void BroadPhase::pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end) {

@@ -32,7 +32,7 @@ class BroadPhase {
 
   explicit BroadPhase(const Surroundings& s);
 
-  /// True if the lists can serve `time` seconds more.
+  /// True if the lists can serve `time` seconds more. Padding slots are asked, too.
   bool lists_serve(float time) const;
 
   /// New lists, in parts, since a step may be spread over frames. The parts in order:

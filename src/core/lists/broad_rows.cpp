@@ -33,7 +33,7 @@ void cut_listed_rows(const CellList& cells, const std::uint32_t* keys, std::uint
     const std::uint32_t last = std::min(begin + target, table.large_begin) - 1;
     Strip s;
     s.body_begin = begin;
-    s.body_end = cells.first(cells.find(cells.row(keys[last] / 4) + 1, 0));
+    s.body_end = cells.first(cells.find(cells.row(keys[last] / 4) + 1, 0, keys[last] / 4));
     table.strips.push_back(s);
     begin = s.body_end;
   }
@@ -113,7 +113,7 @@ bool BroadCells::find_listed(const Strip& s, kernels::PairList& list) const {
       if (!find_at_seam(cell++, list)) return false;
       continue;
     }
-    const std::uint32_t next = list_.find(list_.row(cell), list_.last_column());
+    const std::uint32_t next = list_.find(list_.row(cell), list_.last_column(), cell);
     if (!s_.kernels.find_pairs(view(), list_.first(cell), list_.first(next), list)) return false;
     cell = next;
   }
@@ -124,16 +124,13 @@ bool BroadCells::find_listed(const Strip& s, kernels::PairList& list) const {
 bool BroadCells::find_at_seam(std::uint32_t cell, kernels::PairList& list) const {
   const kernels::PairRow v = view();
   const std::uint32_t* const s = list_.start() + 4 * std::size_t{cell};
-  const std::uint64_t row = list_.row(cell), above = list_.row_above(row);
+  const std::uint64_t row = list_.row(cell);
   const bool west = list_.column(cell) == 0;
   const std::uint64_t far = west ? list_.last_column() : 0;
-  const auto only = [&](std::uint64_t r, std::uint32_t out[2]) {
-    out[0] = list_.first(list_.find(r, far));
-    out[1] = list_.first(list_.find(r, far + 1));
+  const auto only = [&](std::uint64_t r) {
+    return std::array{list_.first(list_.find(r, far)), list_.first(list_.find(r, far + 1))};
   };
-  std::uint32_t across[2], across_above[2];
-  only(row, across);
-  only(above, across_above);
+  const auto across = only(row), across_above = only(list_.row_above(row));
   for (std::uint32_t i = list_.first(cell); i < list_.first(cell + 1); ++i) {
     list.first[i] = list.count;
     if (list.count + kBlock > list.capacity) return false;

@@ -336,7 +336,7 @@ void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
 }
 
 // Steps of doubling length go away from the guess until the cell lies between two of them.
-std::uint32_t CellList::find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
+std::uint32_t CellList::find(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
   const std::uint64_t name = row * stride_ + column;
   const std::uint64_t* const names = name_.data();
   std::uint32_t low = std::min(guess, cells_), high = low;  // at the end: names[low - 1] < name <= names[high]

@@ -71,13 +71,8 @@ class CellList {
   std::uint64_t last_column() const { return stride_ - 2; }
   std::uint64_t row_above(std::uint64_t row) const { return row + 1 == rows_ ? 0 : row + 1; }
   /// The first cell of a row at or after a column; if there is none, the first
-  /// cell of a later row. O(log cells).
-  std::uint32_t find(std::uint64_t row, std::uint64_t column) const {
-    const std::uint64_t* const names = name_.data();
-    return static_cast<std::uint32_t>(std::lower_bound(names, names + cells_, row * stride_ + column) - names);
-  }
-  /// The same; fast if the result is near `guess`.
-  std::uint32_t find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const;
+  /// cell of a later row. O(log cells), fast if the result is near `guess`.
+  std::uint32_t find(std::uint64_t row, std::uint64_t column, std::uint32_t guess = 0) const;
 
   /// Calls each(first body, past the last) for runs of bodies that may lie in
   /// the box that reaches `half` lattice steps each way from a place. Ends and
@@ -94,12 +89,12 @@ class CellList {
         if (here >= r.end) break;
         for (int k = 0; k < 2; ++k) {
           if (columns[k].size() == 0) continue;
-          const std::uint32_t begin = find_about(here, columns[k].first, c + offset[k]);
+          const std::uint32_t begin = find(here, columns[k].first, c + offset[k]);
           offset[k] = begin - c;
-          const std::uint32_t from = first(begin), to = first(find_about(here, columns[k].end, begin));
+          const std::uint32_t from = first(begin), to = first(find(here, columns[k].end, begin));
           if (from < to && !each(from, to)) return false;
         }
-        const std::uint32_t next = find_about(here + 1, 0, c + row_cells);
+        const std::uint32_t next = find(here + 1, 0, c + row_cells);
         row_cells = next - c;
         c = next;
       }

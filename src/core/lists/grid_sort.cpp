@@ -60,17 +60,13 @@ std::size_t GridSort::find_windows(const Grid& grid, float large) {
     windows += c.high - c.low;
   }
   if (windows <= 4 * std::size_t{grid.keys} + 65536) return windows;
-  Chunk all;  // bodies are shuffled: one chunk sorts all of them
-  all.end = n;
+  Chunk all{.end = n, .high = grid.keys};  // bodies are shuffled: one chunk sorts all of them
   for (const Chunk& c : chunks_) {
     all.large += c.large;
     all.dead += c.dead;
-    if (c.high == c.low) continue;
-    all.low = all.high == all.low ? c.low : std::min(all.low, c.low);
-    all.high = std::max(all.high, c.high);
   }
   chunks_.assign(1, all);
-  return all.high - all.low;
+  return grid.keys;
 }
 
 // Counts become places: cells in order, within a cell by chunk; then large bodies and dead ones, chunk by chunk.
@@ -149,16 +145,13 @@ SortCount GridSort::order(std::uint32_t* from, std::uint32_t* keys) {
   pool_.run(chunks_.size(), [&](std::size_t c) {
     Chunk chunk = chunks_[c];
     std::uint32_t* const counts = counts_.data() + chunk.counts;
-    const std::uint32_t* const cells = start();
-    const std::uint32_t* const key = key_.data();
-    std::uint32_t *const from_of = from, *const key_of = keys;
     for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
-      const std::uint32_t mine = key[i];
-      const std::uint32_t to = mine < kLargeKey    ? cells[mine] + counts[mine - chunk.low]++
-                               : mine == kLargeKey ? chunk.large++
-                                                   : chunk.dead++;
-      from_of[to] = i;
-      key_of[to] = mine;
+      const std::uint32_t key = key_[i];
+      const std::uint32_t to = key < kLargeKey    ? start()[key] + counts[key - chunk.low]++
+                               : key == kLargeKey ? chunk.large++
+                                                  : chunk.dead++;
+      from[to] = i;
+      keys[to] = key;
     }
   });
   return {small, living - small, b_.count - living};

@@ -1,6 +1,7 @@
 #include "lists/large_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -9,6 +10,7 @@
 namespace psim {
 namespace {
 
+constexpr std::size_t kExponents = 256;  // of floats: one level each at most
 constexpr std::uint64_t kMostCells = std::uint64_t{1} << 30;
 constexpr double kRowTests = 24;  // the cost of a row of cells beside its candidates, in comparisons
 
@@ -16,8 +18,8 @@ std::size_t exponent(float reach) { return std::bit_cast<std::uint32_t>(reach) >
 
 }  // namespace
 
-// A level for each exponent that a reach has; tells the level of each.
-LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t begin, std::uint32_t end) {
+// A level for each exponent that a reach has, in ascending order.
+void LargeCells::make_levels(const float* reach, std::uint32_t begin, std::uint32_t end) {
   std::array<std::uint32_t, kExponents> bodies{};
   std::array<float, kExponents> most{};
   for (std::size_t i = begin; i < end; ++i) {
@@ -25,7 +27,6 @@ LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t be
     ++bodies[e];
     most[e] = std::max(most[e], reach[i]);
   }
-  LevelOf level_of{};
   std::uint32_t place = 0, bucket = 0;
   for (std::size_t e = 0; e < kExponents; ++e) {
     if (bodies[e] == 0) continue;
@@ -42,10 +43,8 @@ LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t be
       axis.per = axis.cells = cells >= 1 ? std::min(static_cast<std::uint64_t>(cells), kMostCells) : 1;
       axis.width = 0x1p32 / static_cast<double>(axis.per);
     }
-    level_of[e] = levels_.size();
     levels_.push_back(level);
   }
-  return level_of;
 }
 
 void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t begin, std::uint32_t end,
@@ -59,7 +58,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   begin_ = begin;
   pitch_[0] = lattice.pitch_x();
   pitch_[1] = lattice.pitch_y();
-  const LevelOf level_of = make_levels(reach, begin, end);
+  make_levels(reach, begin, end);
   const std::size_t bucket = std::size_t{levels_.back().bucket} + levels_.back().mask + 1;
   at_.reserve(2 * n);
   reach_.reserve(n);
@@ -70,7 +69,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   // Count the bodies of each bucket; then each start holds the end of its bucket and goes down as bodies come.
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = begin + k;
-    const Level& level = levels_[level_of[exponent(reach[i])]];
+    const Level& level = *std::ranges::find_if(levels_, [&](const Level& l) { return reach[i] <= l.most; });
     const std::uint32_t mine =
         level.bucket + bucket_of(level, level.axis[0].at(at[2 * i]), level.axis[1].at(at[2 * i + 1]));
     place_[k] = mine;

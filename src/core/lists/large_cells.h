@@ -7,7 +7,6 @@
 // needs nothing else. O(bodies) to build; 24 bytes a large body.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,10 +45,8 @@ class LargeCells {
     std::uint32_t bucket = 0, mask = 0;  // first bucket in start_; number of buckets less one
     CellAxis axis[2];
   };
-  static constexpr std::size_t kExponents = 256;  // of floats: one level each at most
-  using LevelOf = std::array<std::size_t, kExponents>;
 
-  LevelOf make_levels(const float* reach, std::uint32_t begin, std::uint32_t end);
+  void make_levels(const float* reach, std::uint32_t begin, std::uint32_t end);
   /// Calls among(first place, end) for runs of bodies that may be within reach of `at`; a place may come twice.
   template <class Among>
   void each_run(const std::int32_t* at, float reach, const Among& among) const;
