@@ -36,8 +36,7 @@ class PairSearch {
   bool around(std::uint32_t body, std::uint32_t large_begin, kernels::PairList& list) const;
 
  private:
-  friend class BroadPhase;                   // describes it for saved states
-  static constexpr double kMostGuess = 1e9;  // pairs of a body
+  friend class BroadPhase;  // describes it for saved states
 
   Strip& job(std::size_t n, PairTable& table) {
     const std::size_t strips = table.strips.size() - 1;

@@ -69,7 +69,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   // Count the bodies of each bucket; then each start holds the end of its bucket and goes down as bodies come.
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = begin + k;
-    const Level& level = *std::ranges::find_if(levels_, [&](const Level& l) { return reach[i] <= l.most; });
+    const Level& level = *std::ranges::find_if(levels_, [&](const Level& l) { return !(l.most < reach[i]); });
     const std::uint32_t mine =
         level.bucket + bucket_of(level, level.axis[0].at(at[2 * i]), level.axis[1].at(at[2 * i + 1]));
     place_[k] = mine;

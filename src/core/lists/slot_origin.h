@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "lists/broad_cells.h"
@@ -15,8 +14,10 @@ class SlotOrigin {
 
   /// By slot: the slot that the body had then.
   const std::uint32_t* slots() const { return moved_on() ? chain_.data() : cells_.from(); }
-  void copy(std::vector<std::uint32_t>& to) const { to.assign(slots(), slots() + cells_.sorted()); }
-  /// Whether bodies were sorted again since contacts were laid out by the lists of the last sort but one.
+  void copy(std::vector<std::uint32_t>& to) const {
+    to.assign(slots(), slots() + (moved_on() ? chain_.size() : cells_.sorted()));
+  }
+  /// Whether lists were thrown away after a sort since contacts were laid out.
   bool moved_on() const { return !chain_.empty(); }
 
   /// Empty `slots` say that bodies lie in the order by which contacts were laid out.
@@ -30,17 +31,14 @@ class SlotOrigin {
   /// Call when bodies were sorted.
   void follow() {
     if (!moved_on()) return;
-    next_.resize(cells_.sorted());
-    for (std::size_t i = 0; i < next_.size(); ++i) {
-      const std::uint32_t at = cells_.from()[i];
-      next_[i] = at < chain_.size() ? chain_[at] : kNoSlot;
-    }
-    chain_.swap(next_);
+    std::vector<std::uint32_t> next(cells_.from(), cells_.from() + cells_.sorted());
+    for (std::uint32_t& slot : next) slot = slot < chain_.size() ? chain_[slot] : kNoSlot;
+    chain_.swap(next);
   }
 
  private:
   const BroadCells& cells_;
-  std::vector<std::uint32_t> chain_, next_;  // after lists were thrown away: as slots(), and scratch
+  std::vector<std::uint32_t> chain_;  // after lists were thrown away: as slots()
 };
 
 }  // namespace psim

@@ -15,6 +15,7 @@ namespace psim {
 
 template <class A>
 void BroadPhase::describe(A& a, bool periodic, bool cells) {
+  constexpr double kMostGuess = 1e9;  // pairs of a body
   BroadPhaseParams& p = params_;
   BroadCells& c = cells_;
   PairSearch& s = search_;
@@ -30,7 +31,7 @@ void BroadPhase::describe(A& a, bool periodic, bool cells) {
   for (std::vector<double>* guess : {&s.pairs_a_body_, &s.pairs_a_piece_, &near_.near_a_body_}) {
     a.packed(*guess);
     if constexpr (A::kLoading) {
-      a.require(std::all_of(guess->begin(), guess->end(), [&](double x) { return x >= 0 && x <= s.kMostGuess; }));
+      a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
     }
   }
   a.refuse_nan(false);
@@ -38,7 +39,7 @@ void BroadPhase::describe(A& a, bool periodic, bool cells) {
   if constexpr (!A::kLoading) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
   a.require(c.most_ >= 0 && c.box_ >= 0 && c.area_ >= 0 && c.density_ >= 0 && c.tests_ >= 0 && s.pairs_a_large_ >= 0 &&
-            s.pairs_a_large_ <= s.kMostGuess);
+            s.pairs_a_large_ <= kMostGuess);
   if (!cells || !a.ok()) return;
   a.require(p.periodic == periodic && (c.listed_ ? c.list_.holds(s_.bodies, periodic) : c.grid_fits(periodic)));
 }
