@@ -16,7 +16,7 @@ TEST(SparseWorld, WallsAreFoundFromListedCells) {
   cluster(p, random, {0, 0}, 100, 9);
   one.add(p);
   one.build();
-  ASSERT_TRUE(one.broad.listed());
+  ASSERT_TRUE(one.broad.cells().listed());
   std::set<std::pair<std::uint32_t, std::uint32_t>> found, want;
   for (std::size_t s = 0; s < one.table.strips.size(); ++s) {
     for (const StaticPair& pair : one.table.static_contacts[s]) found.insert({pair.body, pair.shape});

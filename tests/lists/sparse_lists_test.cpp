@@ -130,7 +130,7 @@ TEST(SparseWorld, NoPairIsLostWhateverLiesBetween) {
     Broad one(square(kHalf), a.periodic);
     one.add(a.make(random));
     one.build();
-    EXPECT_EQ(one.broad.listed(), a.listed);
+    EXPECT_EQ(one.broad.cells().listed(), a.listed);
     one.expect_right();
     if (testing::Test::HasFatalFailure()) return;
   }
@@ -209,7 +209,7 @@ TEST(SparseWorld, ManyChunksOfBodiesAreSortedAsOne) {
     one.add(p);
     for (int build = 0; build < 4; ++build) {
       one.build();
-      EXPECT_TRUE(one.broad.listed());
+      EXPECT_TRUE(one.broad.cells().listed());
       for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
         one.bodies.pos[2 * i] += static_cast<std::int32_t>(random.bits() % 401) - 200;
       }
@@ -251,12 +251,12 @@ TEST(SparseWorld, CellsAndMemoryFollowTheBodiesNotTheSpace) {
     Broad one(square(apart), false);
     one.add(p);
     for (int build = 0; build < 4; ++build) one.build();
-    EXPECT_TRUE(one.broad.listed()) << apart;
-    EXPECT_LE(one.broad.sorter().listed().size(), p.size()) << apart;
+    EXPECT_TRUE(one.broad.cells().listed()) << apart;
+    EXPECT_LE(one.broad.cells().list().size(), p.size()) << apart;
     EXPECT_LT(static_cast<double>(one.memory.bytes) / static_cast<double>(p.size()), 300) << apart;
     // Half a disc a square metre, seen through cells of a metre or so.
-    EXPECT_NEAR(one.broad.density(), 0.5, 0.1) << apart;
-    EXPECT_NEAR(one.broad.area(), 2e4, 4e3) << apart;
+    EXPECT_NEAR(one.broad.cells().density(), 0.5, 0.1) << apart;
+    EXPECT_NEAR(one.broad.cells().area(), 2e4, 4e3) << apart;
   }
 }
 
@@ -267,13 +267,13 @@ TEST(SparseWorld, DenseWorldsKeepTheirGrid) {
   cluster(p, random, {0, 0}, 4000, 60);
   one.add(p);
   one.build();
-  EXPECT_FALSE(one.broad.listed());
+  EXPECT_FALSE(one.broad.cells().listed());
   Broad gas(square(kHalf), false);
   p.clear();
   cluster(p, random, {0, 0}, 4000, 1e5);
   gas.add(p);
   gas.build();
-  EXPECT_FALSE(gas.broad.listed());
+  EXPECT_FALSE(gas.broad.cells().listed());
 }
 
 TEST(SparseWorld, ACloudThatThinsOutGoesBackToAGrid) {
@@ -284,14 +284,14 @@ TEST(SparseWorld, ACloudThatThinsOutGoesBackToAGrid) {
   cluster(p, random, {4e4, 0}, 1500, 40);
   one.add(p);
   one.build();
-  EXPECT_TRUE(one.broad.listed());
+  EXPECT_TRUE(one.broad.cells().listed());
   for (std::uint32_t i = 0; i < one.bodies.count; ++i) {
     const LatticePoint at = one.lattice.to_lattice({random.uniform(-4e4, 4e4), random.uniform(-4e4, 4e4)});
     one.bodies.pos[2 * i] = at.x;
     one.bodies.pos[2 * i + 1] = at.y;
   }
   for (int build = 0; build < 3; ++build) one.build();
-  EXPECT_FALSE(one.broad.listed());
+  EXPECT_FALSE(one.broad.cells().listed());
   one.expect_right();
 }
 

@@ -48,7 +48,7 @@ struct Broad {
     kernels = kernels_of(isa);
     broad.measure(p);
     broad.count();
-    broad.move(table, 0, broad.moves());
+    broad.move(table, 0, broad.cells().moves());
     broad.find_lists(table);
     broad.finish();
   }

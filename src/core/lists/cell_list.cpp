@@ -28,10 +28,11 @@ constexpr std::uint32_t kSentinels = 4;  // names behind the last cell that belo
 }  // namespace
 
 // Whether the cells of an axis can keep their places.
-bool CellList::serves(const Axis& a, const std::int32_t box[4], int axis, double edge, bool periodic) const {
+bool CellList::serves(int axis, const std::int32_t box[4], double edge, bool periodic) const {
+  const CellAxis& a = axis_[axis];
   if (!stays_ || !(edge <= a.width && edge >= kLeastEdge * a.width)) return false;
-  return periodic || (box[axis] >= a.low && cell_at(a, box[2 + axis]) < a.cells &&
-                      4 * (cell_at(a, box[2 + axis]) - cell_at(a, box[axis])) + 64 >= a.cells);
+  const std::uint64_t last = a.at(box[2 + axis]);
+  return periodic || (box[axis] >= a.low && last < a.cells && 4 * (last - a.at(box[axis])) + 64 >= a.cells);
 }
 
 bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodic, std::uint32_t bodies) {
@@ -45,15 +46,15 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodi
   }
   const double wider = std::sqrt(std::fmax(cells / std::ldexp(0.5, 64 - slot_bits), 1.0));
   const double least[2] = {wider * edge[0], wider * edge[1]};
-  if (periodic == periodic_ && slot_bits == slot_bits_ && serves(axis_[0], box, 0, least[0], periodic) &&
-      serves(axis_[1], box, 1, least[1], periodic)) {
+  if (periodic == periodic_ && slot_bits == slot_bits_ && serves(0, box, least[0], periodic) &&
+      serves(1, box, least[1], periodic)) {
     return true;
   }
   forget();
   periodic_ = periodic;
   slot_bits_ = slot_bits;
   for (int k = 0; k < 2; ++k) {
-    Axis& a = axis_[k];
+    CellAxis& a = axis_[k];
     const double width = kFirstEdge * least[k];
     if (periodic) {
       a.low = std::numeric_limits<std::int32_t>::min();
@@ -63,7 +64,7 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodi
       const auto steps = [](double at) { return static_cast<std::int32_t>(std::clamp(at, -0x1p31, 0x1p31 - 1)); };
       a.low = steps(box[k] - room);
       a.per = static_cast<std::uint64_t>(0x1p32 / std::ceil(width));
-      a.cells = cell_at(a, steps(box[2 + k] + room)) + 1;
+      a.cells = a.at(steps(box[2 + k] + room)) + 1;
     }
     if (a.per == 0) return false;
     a.width = 0x1p32 / static_cast<double>(a.per);
@@ -84,17 +85,17 @@ void CellList::cut_chunks(std::uint32_t n) {
     chunks_[c].begin = static_cast<std::uint32_t>(c) * each;
     chunks_[c].end = std::min(n, chunks_[c].begin + each);
   }
+  moved_room_ = std::max(64u, std::min(n, each) / kMoved);
+  moved_.reserve(chunks_.size() * moved_room_);
 }
 
-std::uint32_t CellList::room_of_moved() const { return std::max(64u, (chunks_[0].end - chunks_[0].begin) / kMoved); }
-
 void CellList::name_bodies(float large, Chunk& chunk) {
-  const Axis ra = axis_[row_axis_], ca = axis_[1 - row_axis_];
+  const CellAxis ra = axis_[row_axis_], ca = axis_[1 - row_axis_];
   const std::int32_t* const row_at = b_.built.data() + row_axis_;
   const std::int32_t* const column_at = b_.built.data() + (1 - row_axis_);
   std::uint64_t* const out = spare_name_.data();
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-    const std::uint64_t name = cell_at(ra, row_at[2 * i]) * stride_ + cell_at(ca, column_at[2 * i]);
+    const std::uint64_t name = ra.at(row_at[2 * i]) * stride_ + ca.at(column_at[2 * i]);
     out[i] = name << slot_bits_ | i;
   }
   chunk.large = chunk.dead = 0;
@@ -145,10 +146,11 @@ void CellList::sort_by_digit(int shift, int bits) {
 
 // Splits the names of a chunk: bodies that are in the same cell as at the last
 // sort come first, in order; the others go to moved_, as far as there is room.
-void CellList::find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t index) {
+void CellList::find_moved(const std::uint32_t* keys, std::size_t index) {
   Chunk& chunk = chunks_[index];
   const std::uint64_t* const cell = name_.data();
   std::uint64_t* const name = spare_name_.data();
+  const std::uint32_t room = moved_room_;
   std::uint64_t* const moved = moved_.data() + index * room;
   const int shift = slot_bits_;
   std::size_t stay = chunk.begin;
@@ -168,32 +170,25 @@ void CellList::find_moved(const std::uint32_t* keys, std::uint32_t room, std::si
 // Puts the names in order by merging, if most bodies are in the same cell as at
 // the last sort: those are in order already.
 bool CellList::merge_moved(float large, const std::uint32_t* keys) {
-  const std::uint32_t room = room_of_moved();
   pool_.run(chunks_.size(), [&](std::size_t c) {
     name_bodies(large, chunks_[c]);
-    find_moved(keys, room, c);
+    find_moved(keys, c);
   });
   std::uint64_t* const moved = moved_.data();
-  std::size_t all = 0;
+  std::uint64_t* end = moved;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    if (chunks_[c].moved >= room) return false;
-    std::copy_n(moved + c * room, chunks_[c].moved, moved + all);
-    all += chunks_[c].moved;
+    if (chunks_[c].moved >= moved_room_) return false;
+    end = std::copy_n(moved + c * moved_room_, chunks_[c].moved, end);
   }
-  sort_keys(moved, moved + all);
-  // The moved ones of a chunk are those before the next chunk's first.
+  sort_keys(moved, end);
+  // The moved ones of a chunk are those before the first that stayed in the next chunk.
   const std::uint64_t* const stay = spare_name_.data();
-  std::size_t end = all;
-  for (std::size_t c = chunks_.size(); c-- > 0;) {
-    Chunk& chunk = chunks_[c];
-    std::size_t begin = end;
-    if (c == 0) {
-      begin = 0;
-    } else if (chunk.stayed != 0) {
-      begin = static_cast<std::size_t>(std::lower_bound(moved, moved + end, stay[chunk.begin]) - moved);
-    }
-    chunk.moved = static_cast<std::uint32_t>(end - begin);
-    end = begin;
+  for (auto c = chunks_.rbegin(); c != chunks_.rend(); ++c) {
+    std::uint64_t* const first = &*c == &chunks_.front() ? moved
+                                 : c->stayed == 0        ? end
+                                                         : std::lower_bound(moved, end, stay[c->begin]);
+    c->moved = static_cast<std::uint32_t>(end - first);
+    end = first;
   }
   pool_.run(chunks_.size(), [&](std::size_t c) {
     const std::uint64_t* m = moved;
@@ -202,13 +197,8 @@ bool CellList::merge_moved(float large, const std::uint32_t* keys) {
       m += chunks_[k].moved;
       out += chunks_[k].moved + chunks_[k].stayed;
     }
-    const std::uint64_t* s = stay + chunks_[c].begin;
-    const std::uint64_t* const s_end = s + chunks_[c].stayed;
-    for (const std::uint64_t* const m_end = m + chunks_[c].moved; m != m_end; ++m) {
-      while (s != s_end && *s < *m) *out++ = *s++;
-      *out++ = *m;
-    }
-    std::copy(s, s_end, out);
+    const std::uint64_t* const s = stay + chunks_[c].begin;
+    std::merge(s, s + chunks_[c].stayed, m, m + chunks_[c].moved, out);
   });
   return true;
 }
@@ -220,7 +210,6 @@ SortCount CellList::sort(float large, std::uint32_t* order, std::uint32_t* keys)
   spare_name_.reserve(padded);
   start_.reserve(4 * padded);
   cut_chunks(n);
-  moved_.reserve(chunks_.size() * room_of_moved());
   bool merged = false;
   if (sorted_ != 0 && patience_ == 0) {
     merged = merge_moved(large, keys);
@@ -347,7 +336,7 @@ void CellList::find_neighbours(std::uint32_t begin, std::uint32_t end) {
 }
 
 // Steps of doubling length go away from the guess until the cell lies between two of them.
-std::uint32_t CellList::find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
+std::uint32_t CellList::find(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const {
   const std::uint64_t name = row * stride_ + column;
   const std::uint64_t* const names = name_.data();
   std::uint32_t low = std::min(guess, cells_), high = low;  // at the end: names[low - 1] < name <= names[high]
@@ -362,27 +351,6 @@ std::uint32_t CellList::find_about(std::uint64_t row, std::uint64_t column, std:
     }
   }
   return static_cast<std::uint32_t>(std::lower_bound(names + low, names + high, name) - names);
-}
-
-// The cells of an axis within `half` steps of a place: one run, or two in a
-// periodic world.
-void CellList::span(int axis, std::int32_t at, double half, Range out[2]) const {
-  const Axis& a = axis_[axis];
-  const double here = static_cast<std::uint32_t>(wrap_sub(at, a.low));
-  const double low = std::floor(here - half) - 1, high = std::ceil(here + half) + 1;
-  const auto cell = [&](double steps) {
-    const auto k = static_cast<std::uint64_t>(std::clamp(steps, 0.0, 0x1p32 - 1));
-    return std::min((k * a.per) >> 32, a.cells - 1);
-  };
-  out[1] = {};
-  if (periodic_ && high - low + 2 * a.width >= 0x1p32) {
-    out[0] = {0, a.cells};
-  } else if (periodic_ && (low < 0 || high >= 0x1p32)) {
-    out[0] = {0, cell(low < 0 ? high : high - 0x1p32) + 1};
-    out[1] = {cell(low < 0 ? low + 0x1p32 : low), a.cells};
-  } else {
-    out[0] = {cell(low), cell(high) + 1};
-  }
 }
 
 // By symmetry the cells to the west and below hold as many bodies as those to

@@ -23,12 +23,14 @@
 #include <vector>
 
 #include "bodies/surroundings.h"
+#include "lists/cell_axis.h"
 
 namespace psim {
 
 /// How many bodies of each kind a sort found.
 struct SortCount {
   std::uint32_t small = 0, large = 0, dead = 0;
+  std::uint32_t all() const { return small + large + dead; }
 };
 
 class CellList {
@@ -67,36 +69,30 @@ class CellList {
   std::uint64_t last_column() const { return stride_ - 2; }
   std::uint64_t row_above(std::uint64_t row) const { return row + 1 == rows_ ? 0 : row + 1; }
   /// The first cell of a row at or after a column; if there is none, the first
-  /// cell of a later row. O(log cells).
-  std::uint32_t find(std::uint64_t row, std::uint64_t column) const {
-    const std::uint64_t* const names = name_.data();
-    return static_cast<std::uint32_t>(std::lower_bound(names, names + cells_, row * stride_ + column) - names);
-  }
-  /// The same; fast if the result is near `guess`.
-  std::uint32_t find_about(std::uint64_t row, std::uint64_t column, std::uint32_t guess) const;
+  /// cell of a later row. O(log cells), fast if the result is near `guess`.
+  std::uint32_t find(std::uint64_t row, std::uint64_t column, std::uint32_t guess = 0) const;
 
   /// Calls each(first body, past the last) for runs of bodies that may lie in
   /// the box that reaches `half` lattice steps each way from a place. Ends and
   /// returns false when a call returns false.
   template <class Each>
   bool in_box(const std::int32_t place[2], const double half[2], const Each& each) const {
-    Range rows[2], columns[2];
-    span(row_axis_, place[row_axis_], half[row_axis_], rows);
-    span(1 - row_axis_, place[1 - row_axis_], half[1 - row_axis_], columns);
-    for (const Range& r : rows) {
+    const auto along = [&](int k) { return axis_[k].around(place[k], half[k], periodic_); };
+    const auto columns = along(1 - row_axis_);
+    for (const CellRange& r : along(row_axis_)) {
       // Rows are much alike: the offsets of one row are good guesses for the next.
       std::uint32_t row_cells = 0, offset[2] = {0, 0};
       for (std::uint32_t c = find(r.first, 0); c < cells_;) {
         const std::uint64_t here = row(c);
         if (here >= r.end) break;
         for (int k = 0; k < 2; ++k) {
-          if (columns[k].first == columns[k].end) continue;
-          const std::uint32_t begin = find_about(here, columns[k].first, c + offset[k]);
+          if (columns[k].size() == 0) continue;
+          const std::uint32_t begin = find(here, columns[k].first, c + offset[k]);
           offset[k] = begin - c;
-          const std::uint32_t from = first(begin), to = first(find_about(here, columns[k].end, begin));
+          const std::uint32_t from = first(begin), to = first(find(here, columns[k].end, begin));
           if (from < to && !each(from, to)) return false;
         }
-        const std::uint32_t next = find_about(here + 1, 0, c + row_cells);
+        const std::uint32_t next = find(here + 1, 0, c + row_cells);
         row_cells = next - c;
         c = next;
       }
@@ -109,32 +105,17 @@ class CellList {
   double neighbours(const std::uint32_t* keys, std::uint32_t bodies) const;
 
  private:
-  struct Axis {
-    std::int32_t low = 0;   // lattice coordinate where cell 0 begins
-    std::uint64_t per = 0;  // cells in 2^32 lattice steps
-    std::uint64_t cells = 0;
-    double width = 1;  // lattice steps a cell
-  };
-  struct Range {
-    std::uint64_t first = 0, end = 0;
-  };
   struct Chunk {
     std::uint32_t begin = 0, end = 0;  // bodies
     std::uint32_t large = 0, dead = 0, cells = 0;
     std::uint32_t stayed = 0, moved = 0;
   };
 
-  static std::uint64_t cell_at(const Axis& a, std::int32_t at) {
-    return (std::uint64_t{static_cast<std::uint32_t>(wrap_sub(at, a.low))} * a.per) >> 32;
-  }
-  bool serves(const Axis& a, const std::int32_t box[4], int axis, double edge, bool periodic) const;
-  void span(int axis, std::int32_t at, double half, Range out[2]) const;
+  bool serves(int axis, const std::int32_t box[4], double edge, bool periodic) const;
   void cut_chunks(std::uint32_t bodies);
   void name_bodies(float large, Chunk& chunk);
   bool merge_moved(float large, const std::uint32_t* keys);
-  /// Number of moved bodies that fit into the room of a chunk.
-  std::uint32_t room_of_moved() const;
-  void find_moved(const std::uint32_t* keys, std::uint32_t room, std::size_t chunk);
+  void find_moved(const std::uint32_t* keys, std::size_t chunk);
   void sort_by_digit(int shift, int bits);
   void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys);
   void find_neighbours(std::uint32_t begin, std::uint32_t end);
@@ -146,13 +127,14 @@ class CellList {
   Column<std::uint64_t> name_{meter_}, spare_name_{meter_};
   int slot_bits_ = 0;
   Column<std::uint64_t> moved_{meter_};   // names of the bodies that went to another cell
+  std::uint32_t moved_room_ = 0;          // number of them that fit into the room of a chunk
   std::uint32_t sorted_ = 0;              // number of bodies in the last sort; 0: its keys are gone
   bool stays_ = false;                    // the cells kept their places
   int patience_ = 0;                      // sorts to go before moved bodies are looked for again
   Column<std::uint32_t> counts_{meter_};  // by chunk and digit
   Column<std::uint32_t> start_{meter_};
   std::vector<Chunk> chunks_;
-  Axis axis_[2];
+  CellAxis axis_[2];
   int row_axis_ = 1;
   std::uint64_t stride_ = 2, rows_ = 0;
   std::uint32_t cells_ = 0;

@@ -1,6 +1,7 @@
 #include "lists/large_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -9,6 +10,7 @@
 namespace psim {
 namespace {
 
+constexpr std::size_t kExponents = 256;  // of floats: one level each at most
 constexpr std::uint64_t kMostCells = std::uint64_t{1} << 30;
 constexpr double kRowTests = 24;  // the cost of a row of cells beside its candidates, in comparisons
 
@@ -16,9 +18,8 @@ std::size_t exponent(float reach) { return std::bit_cast<std::uint32_t>(reach) >
 
 }  // namespace
 
-// A level for each exponent that a reach has; tells the level of each.
-LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t begin, std::uint32_t end,
-                                            const double (&pitch)[2]) {
+// A level for each exponent that a reach has, in ascending order.
+void LargeCells::make_levels(const float* reach, std::uint32_t begin, std::uint32_t end) {
   std::array<std::uint32_t, kExponents> bodies{};
   std::array<float, kExponents> most{};
   for (std::size_t i = begin; i < end; ++i) {
@@ -26,7 +27,6 @@ LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t be
     ++bodies[e];
     most[e] = std::max(most[e], reach[i]);
   }
-  LevelOf level_of{};
   std::uint32_t place = 0, bucket = 0;
   for (std::size_t e = 0; e < kExponents; ++e) {
     if (bodies[e] == 0) continue;
@@ -38,14 +38,13 @@ LargeCells::LevelOf LargeCells::make_levels(const float* reach, std::uint32_t be
     level.mask = std::bit_ceil(bodies[e]) - 1;
     bucket += level.mask + 1;
     for (int k = 0; k < 2; ++k) {
-      const double cells = std::floor(0x1p32 / (2 * static_cast<double>(most[e]) / pitch[k] + 1));
-      level.axis[k].per = cells >= 1 ? std::min(static_cast<std::uint64_t>(cells), kMostCells) : 1;
-      level.axis[k].pitch = pitch[k];
+      CellAxis& axis = level.axis[k];
+      const double cells = std::floor(0x1p32 / (2 * static_cast<double>(most[e]) / pitch_[k] + 1));
+      axis.per = axis.cells = cells >= 1 ? std::min(static_cast<std::uint64_t>(cells), kMostCells) : 1;
+      axis.width = 0x1p32 / static_cast<double>(axis.per);
     }
-    level_of[e] = levels_.size();
     levels_.push_back(level);
   }
-  return level_of;
 }
 
 void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t begin, std::uint32_t end,
@@ -57,9 +56,9 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   }
   const std::size_t n = end - begin;
   begin_ = begin;
-  const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
-  for (int k = 0; k < 2; ++k) pitch_[k] = static_cast<float>(pitch[k]);
-  const LevelOf level_of = make_levels(reach, begin, end, pitch);
+  pitch_[0] = lattice.pitch_x();
+  pitch_[1] = lattice.pitch_y();
+  make_levels(reach, begin, end);
   const std::size_t bucket = std::size_t{levels_.back().bucket} + levels_.back().mask + 1;
   at_.reserve(2 * n);
   reach_.reserve(n);
@@ -70,9 +69,9 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   // Count the bodies of each bucket; then each start holds the end of its bucket and goes down as bodies come.
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = begin + k;
-    const Level& level = levels_[level_of[exponent(reach[i])]];
+    const Level& level = *std::ranges::find_if(levels_, [&](const Level& l) { return !(l.most < reach[i]); });
     const std::uint32_t mine =
-        level.bucket + bucket_of(level, cell_at(level.axis[0], at[2 * i]), cell_at(level.axis[1], at[2 * i + 1]));
+        level.bucket + bucket_of(level, level.axis[0].at(at[2 * i]), level.axis[1].at(at[2 * i + 1]));
     place_[k] = mine;
     ++start_[mine];
   }
@@ -103,40 +102,29 @@ double LargeCells::tests() const {
   return kLevel * static_cast<double>(levels_.size());
 }
 
-// The cells within `reach` of a place, and one lattice step more, because distances are rounded.
-LargeCells::Span LargeCells::span(const Axis& a, std::int32_t at, double reach) {
-  const double half = std::ceil(reach / a.pitch * 1.00001) + 1;
-  if (!(half < 0x1p31)) return {0, a.per};
-  const auto steps = static_cast<std::uint64_t>(half);
-  const std::uint64_t from = static_cast<std::uint32_t>(wrap_sub(at, static_cast<std::int32_t>(steps)));
-  const std::uint64_t first = from * a.per >> 32, last = (from + 2 * steps) * a.per >> 32;
-  return {first, std::min(last - first + 1, a.per)};
-}
-
 template <class Among>
 void LargeCells::each_run(const std::int32_t* at, float reach, const Among& among) const {
   for (const Level& level : levels_) {
-    const double both = static_cast<double>(reach) + static_cast<double>(level.most);
-    const Span columns = span(level.axis[0], at[0], both), rows = span(level.axis[1], at[1], both);
-    const std::uint32_t* const start = start_.data() + level.bucket;
-    const double all = level.end - level.begin;
-    if (static_cast<double>(columns.cells) > level.mask ||
-        static_cast<double>(rows.cells) * (static_cast<double>(columns.cells) + kRowTests) > all) {
+    const double both = (static_cast<double>(reach) + static_cast<double>(level.most)) * 1.00001;
+    const auto columns = level.axis[0].around(at[0], both / pitch_[0], true);
+    const auto rows = level.axis[1].around(at[1], both / pitch_[1], true);
+    const auto count = [](const auto& cells) { return static_cast<double>(cells[0].size() + cells[1].size()); };
+    if (count(columns) > level.mask || count(rows) * (count(columns) + kRowTests) > level.end - level.begin) {
       among(level.begin, level.end);
       continue;
     }
-    // Cells [column, column + n) of a row, up to the seam.
-    const auto run = [&](std::uint64_t column, std::uint64_t n, std::uint64_t row) {
-      if (n == 0) return;
-      const std::uint32_t first = bucket_of(level, column, row), last = first + static_cast<std::uint32_t>(n) - 1;
+    const std::uint32_t* const start = start_.data() + level.bucket;
+    const auto run = [&](const CellRange& cells, std::uint64_t row) {
+      if (cells.size() == 0) return;
+      const std::uint32_t first = bucket_of(level, cells.first, row);
+      const std::uint32_t last = first + static_cast<std::uint32_t>(cells.size()) - 1;
       among(start[first], start[std::min(last, level.mask) + 1]);
       if (last > level.mask) among(start[0], start[last - level.mask]);
     };
-    for (std::uint64_t r = 0; r < rows.cells; ++r) {
-      const std::uint64_t row = (rows.first + r) % level.axis[1].per;
-      const std::uint64_t before = std::min(columns.cells, level.axis[0].per - columns.first);
-      run(columns.first, before, row);
-      run(0, columns.cells - before, row);
+    for (const CellRange& some : rows) {
+      for (std::uint64_t row = some.first; row < some.end; ++row) {
+        for (const CellRange& cells : columns) run(cells, row);
+      }
     }
   }
 }
@@ -146,8 +134,8 @@ bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::P
   kernels::PairRow row;
   row.pos = at_.data();
   row.reach = reach_.data();
-  row.pitch_x = pitch_[0];
-  row.pitch_y = pitch_[1];
+  row.pitch_x = static_cast<float>(pitch_[0]);
+  row.pitch_y = static_cast<float>(pitch_[1]);
   bool room = true;
   each_run(at_.data() + 2 * std::size_t{me}, reach_[me], [&](std::uint32_t begin, std::uint32_t end) {
     if (room && begin != end) room = k.find_near(row, me, begin, end, list);
@@ -175,10 +163,11 @@ bool LargeCells::around(const std::int32_t* at, float reach, kernels::PairList& 
   std::uint32_t* const begin = list.other + list.count;
   std::uint32_t* const last = list.other + list.capacity - 1;
   std::uint32_t* end = begin;
+  const float px = static_cast<float>(pitch_[0]), py = static_cast<float>(pitch_[1]);
   each_run(at, reach, [&](std::uint32_t from, std::uint32_t to) {
     for (std::size_t p = from; p < to; ++p) {
-      const float dx = static_cast<float>(wrap_sub(at_[2 * p], at[0])) * pitch_[0];
-      const float dy = static_cast<float>(wrap_sub(at_[2 * p + 1], at[1])) * pitch_[1];
+      const float dx = static_cast<float>(wrap_sub(at_[2 * p], at[0])) * px;
+      const float dy = static_cast<float>(wrap_sub(at_[2 * p + 1], at[1])) * py;
       const float sum = reach + reach_[p];
       *end = slot_[p];
       if (dx * dx + dy * dy < sum * sum && end != last) ++end;

@@ -7,13 +7,12 @@
 // needs nothing else. O(bodies) to build; 24 bytes a large body.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "base/column.h"
-#include "base/lattice.h"
 #include "kernel_table.h"
+#include "lists/cell_axis.h"
 
 namespace psim {
 
@@ -40,31 +39,18 @@ class LargeCells {
   bool around(const std::int32_t* at, float reach, kernels::PairList& list) const;
 
  private:
-  struct Axis {
-    std::uint64_t per = 1;  // cells in 2^32 lattice steps
-    double pitch = 1;       // m
-  };
   struct Level {
     float most = 0;                      // m: largest reach
     std::uint32_t begin = 0, end = 0;    // bodies, by place
     std::uint32_t bucket = 0, mask = 0;  // first bucket in start_; number of buckets less one
-    Axis axis[2];
+    CellAxis axis[2];
   };
-  struct Span {
-    std::uint64_t first = 0, cells = 0;
-  };
-  static constexpr std::size_t kExponents = 256;  // of floats: one level each at most
-  using LevelOf = std::array<std::size_t, kExponents>;
 
-  LevelOf make_levels(const float* reach, std::uint32_t begin, std::uint32_t end, const double (&pitch)[2]);
-
-  static std::uint64_t cell_at(const Axis& a, std::int32_t at) {
-    return (std::uint64_t{static_cast<std::uint32_t>(at)} * a.per) >> 32;
-  }
-  static Span span(const Axis& a, std::int32_t at, double reach);
+  void make_levels(const float* reach, std::uint32_t begin, std::uint32_t end);
   /// Calls among(first place, end) for runs of bodies that may be within reach of `at`; a place may come twice.
   template <class Among>
   void each_run(const std::int32_t* at, float reach, const Among& among) const;
+  // The bucket of a cell, counted from the first one of its level.
   static std::uint32_t bucket_of(const Level& level, std::uint64_t column, std::uint64_t row) {
     return (static_cast<std::uint32_t>(column) + static_cast<std::uint32_t>(row) * 0x9E3779B1u) & level.mask;
   }
@@ -77,7 +63,7 @@ class LargeCells {
   Column<std::uint32_t> start_;  // by bucket, level after level: its first place
   std::vector<Level> levels_;
   std::uint32_t begin_ = 0;
-  float pitch_[2] = {1, 1};
+  double pitch_[2] = {1, 1};  // m
 };
 
 }  // namespace psim

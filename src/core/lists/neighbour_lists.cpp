@@ -82,9 +82,9 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
   const double r = s.radius;
   const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
   const double area =
-      lists.broad.area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
+      lists.broad.cells().area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
-  const double density = std::fmax(lists.bodies.count / area, lists.broad.density());
+  const double density = std::fmax(lists.bodies.count / area, lists.broad.cells().density());
   // Without restitution impacts only slow bodies down.
   if (world.restitution) {
     out.made.crowding = std::clamp(3 * lists.bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
@@ -141,7 +141,7 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
   out.broad.margin.time = static_cast<float>(kMarginFrames * dt);
   out.broad.outer = 2 * (1 + skin_of_radius) * r;
   // Impacts in a two-dimensional gas: 2 D n v g(c) sqrt(pi), where c is the share of the area that bodies cover.
-  const double density = lists.broad.density(), covered = std::fmin(density * 3.14159 * r * r, 0.8);
+  const double density = lists.broad.cells().density(), covered = std::fmin(density * 3.14159 * r * r, 0.8);
   out.made.impact_rate = 7 * r * density * out.made.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   if (kMarginFrames * dt * speed > kSkinOfRadius * r && std::isfinite(speed)) {
@@ -162,8 +162,8 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
   const bool selected = plan.mode != ListMode::persistent;
   const double reach = plan.broad.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.made.speed);
   const double growth = made.reach > 0 ? reach * reach / (made.reach * made.reach) : 1;
-  const bool changed =
-      broad.density() == 0 || selected != selects() || plan.made.frames != made.frames || plan.made.skin != made.skin;
+  const bool changed = broad.cells().density() == 0 || selected != selects() || plan.made.frames != made.frames ||
+                       plan.made.skin != made.skin;
   mode = plan.mode;
   made = plan.made;
   made.reach = reach;
@@ -182,7 +182,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
 }
 
 bool NeighbourLists::move(std::size_t begin, std::size_t end) {
-  const bool last = end == broad.moves();
+  const bool last = end == broad.cells().moves();
   if (last && !selects()) std::swap(table, old_table);
   broad.move(found(), begin, end);
   return last;

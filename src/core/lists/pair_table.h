@@ -25,8 +25,8 @@ struct ContactBlocks {
 struct Strip {
   std::uint32_t body_begin = 0, body_end = 0;
   std::uint32_t row_begin = 0, row_end = 0;
-  std::uint32_t pair_begin = 0, pair_end = 0;  ///< in PairTable::other
-  ContactBlocks blocks, static_blocks;         ///< contacts of two bodies, contacts with fixed shapes
+  std::uint32_t pair_begin = 0, pair_end = 0;     ///< in PairTable::other
+  ContactBlocks blocks = {}, static_blocks = {};  ///< contacts of two bodies, contacts with fixed shapes
   std::uint32_t colours = 0;
   bool loaded = false;  ///< the strip has contacts under heavy loads
 };

@@ -105,7 +105,7 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
   kernels::PairList list;
   for (;;) {
     list = {s.owner.data(), s.other.data(), nullptr, 0, static_cast<std::uint32_t>(s.owner.size())};
-    if (broad_.around(slot, table.large_begin, list)) break;
+    if (broad_.pairs().around(slot, table.large_begin, list)) break;
     s.owner.resize(2 * s.owner.size());
     s.other.resize(s.owner.size());
   }
@@ -113,7 +113,7 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
     if (mark_[list.other[n]] == kListed) keep(list.other[n]);
   }
   // Renewed bodies need not lie in their cells any more: they are searched along one axis.
-  const std::size_t axis = broad_.wide() ? 0 : 1;
+  const std::size_t axis = broad_.cells().wide() ? 0 : 1;
   const auto px = static_cast<float>(lattice_.pitch_x()), py = static_cast<float>(lattice_.pitch_y());
   const double reach = static_cast<double>(b_.reach[slot]) + static_cast<double>(most_);
   const double steps = reach * 1.0001 / (axis == 0 ? lattice_.pitch_x() : lattice_.pitch_y()) + 2;
@@ -186,7 +186,7 @@ void ListRenewal::put_statics(PairTable& table) {
 }
 
 void ListRenewal::search_all(const PairTable& table) {
-  const std::size_t axis = broad_.wide() ? 0 : 1;
+  const std::size_t axis = broad_.cells().wide() ? 0 : 1;
   std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
   const auto before = static_cast<std::ptrdiff_t>(places_.size());
   for (const std::uint32_t slot : found_) {
@@ -207,7 +207,7 @@ void ListRenewal::search_all(const PairTable& table) {
   for (const Scratch& s : scratch_) fresh_.insert(fresh_.end(), s.pairs.begin(), s.pairs.end());
   sort_keys(fresh_.begin(), fresh_.end());
   near_.clear();
-  for (const std::uint32_t slot : found_) broad_.near_body(slot, statics_, near_);
+  for (const std::uint32_t slot : found_) broad_.near().near_body(slot, statics_, near_);
   const auto link = [&](std::uint32_t slot) {
     if (b_.linked[slot] != 0) return;
     b_.linked[slot] = 0xFF;

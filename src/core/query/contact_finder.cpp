@@ -133,9 +133,9 @@ class ContactFinder {
       const double r = wide(bodies_.radius[i]);
       const Vec2 way = world_.lattice.way(at, bodies_.point(j));
       put(strip,
-          writer_.of_disc(bodies_.id[i], bodies_.id[j], at, r,
-                          ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal),
-                          ContactWriter::load(times_, contacts_.pairs.impulse[lane], rough_ ? contacts_.pairs.friction[lane] : 0)),
+          writer_.of_disc(
+              bodies_.id[i], bodies_.id[j], at, r, ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal),
+              ContactWriter::load(times_, contacts_.pairs.impulse[lane], rough_ ? contacts_.pairs.friction[lane] : 0)),
           colours.of_pair(p));
     }
   }

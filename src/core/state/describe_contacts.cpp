@@ -14,49 +14,53 @@ namespace psim {
 // ---- lists: how they were made, which is all that making them again needs, and their strips
 
 void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
+  constexpr double kMostGuess = 1e9;  // pairs of a body
   BroadPhaseParams& p = params_;
-  kernels::GridView& g = grid_.view;
+  BroadCells& c = cells_;
+  PairSearch& s = search_;
+  Grid& grid = c.grid_;
+  kernels::GridView& g = grid.view;
   a.refuse_nan(true);
   values(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.sample, p.growth,
          p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
-  values(a, all_.most, all_.extent, sorted_);
+  values(a, c.extent_.most, c.extent_.box, c.sorted_);
   values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
-  values(a, grid_.cell_x, grid_.cell_y, grid_.periodic, grid_.keys, listed_, large_, most_, box_, area_, density_,
-         pad_reach_, next_pad_reach_, pairs_a_large_, near_pairs_, tests_, fixed_);
-  for (std::vector<double>* guess : {&pairs_a_body_, &pairs_a_piece_, &near_a_body_}) {
+  values(a, grid.cell, grid.periodic, grid.keys, c.listed_, c.large_, c.most_, c.box_, c.area_, c.density_, pad_reach_,
+         next_pad_reach_, s.pairs_a_large_, near_.pairs_, c.tests_, fixed_);
+  for (std::vector<double>* guess : {&s.pairs_a_body_, &s.pairs_a_piece_, &near_.near_a_body_}) {
     a.packed(*guess);
     if (a.loading()) {
       a.require(std::all_of(guess->begin(), guess->end(), [](double x) { return x >= 0 && x <= kMostGuess; }));
     }
   }
   a.refuse_nan(false);
-  sort_.listed().describe(a, periodic, cells && listed_);
+  c.list_.describe(a, periodic, cells && c.listed_);
   if (!a.loading()) return;
   a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
-  a.require(most_ >= 0 && box_ >= 0 && area_ >= 0 && density_ >= 0 && tests_ >= 0 && pairs_a_large_ >= 0 &&
-            pairs_a_large_ <= kMostGuess);
+  a.require(c.most_ >= 0 && c.box_ >= 0 && c.area_ >= 0 && c.density_ >= 0 && c.tests_ >= 0 && s.pairs_a_large_ >= 0 &&
+            s.pairs_a_large_ <= kMostGuess);
   if (!cells) return;
   a.require(p.periodic == periodic);
-  if (listed_) return;
+  if (c.listed_) return;
   // Every cell that a body may get lies in the grid.
-  a.require(g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= 64.0 * b_.count + 65536);
+  a.require(g.cols >= 1 && g.rows >= 1 && static_cast<double>(g.cols) * g.rows <= 64.0 * s_.bodies.count + 65536);
   a.require(g.stride == static_cast<std::uint32_t>(g.cols) + 1 &&
-            grid_.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3);
-  a.require(grid_.cell_x > 0 && grid_.cell_y > 0 && grid_.periodic == periodic);
-  a.require(g.scale_x == static_cast<float>(lattice_.pitch_x() / grid_.cell_x) &&
-            g.scale_y == static_cast<float>(lattice_.pitch_y() / grid_.cell_y));
+            grid.keys == (static_cast<std::uint32_t>(g.rows) + 1) * g.stride + 3);
+  a.require(grid.cell[0] > 0 && grid.cell[1] > 0 && grid.periodic == periodic);
+  a.require(g.scale_x == static_cast<float>(s_.lattice.pitch_x() / grid.cell[0]) &&
+            g.scale_y == static_cast<float>(s_.lattice.pitch_y() / grid.cell[1]));
   a.require(g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2);
 }
 
 void CellList::describe(Archive& a, bool periodic, bool used) {
-  for (Axis& x : axis_) values(a, x.low, x.per, x.cells, x.width);
+  for (CellAxis& x : axis_) values(a, x.low, x.per, x.cells, x.width);
   values(a, row_axis_, stride_, rows_, periodic_, slot_bits_, stays_);
   a.require(row_axis_ == 0 || row_axis_ == 1);
   if (!a.loading() || !a.ok()) return;
   sorted_ = 0;
   if (!stays_ && !used) return;
   // The cells that are laid fit together.
-  for (const Axis& x : axis_) {
+  for (const CellAxis& x : axis_) {
     a.require(x.per >= 1 && x.per <= std::uint64_t{1} << 32 && x.cells >= 1 && x.cells <= x.per + 1);
     a.require(x.width == 0x1p32 / static_cast<double>(x.per) && (!periodic_ || x.cells == x.per));
   }
@@ -67,7 +71,7 @@ void CellList::describe(Archive& a, bool periodic, bool used) {
   // Every body lies in one of them.
   a.require(periodic_ == periodic && b_.count < std::uint64_t{1} << slot_bits_);
   for (std::size_t k = 0; k < 2 * std::size_t{b_.count} && a.ok(); ++k) {
-    a.require(cell_at(axis_[k % 2], b_.built[k]) < axis_[k % 2].cells);
+    a.require(axis_[k % 2].at(b_.built[k]) < axis_[k % 2].cells);
   }
 }
 

@@ -76,7 +76,7 @@ void survey_lanes(StepContext& c, bool rebuilt) {
   }
   const PairTable& lists = c.neighbours.found();
   std::uint64_t all = 0, used = 0;
-  if (rebuilt) c.neighbours.broad.sample_lanes(lists.large_begin, all, used);
+  if (rebuilt) c.neighbours.broad.cells().sample_lanes(all, used);
   c.ledger.add_lanes("pair search", all, used);
   all = used = 0;
   for (const Strip& s : lists.strips) {

@@ -102,7 +102,7 @@ struct StepContext {
   bool sorts_out() const { return plan.manifolds || plan.filters || joints.any_exclusions(); }
   /// Whether the table, the contacts and the bodies' slots belong together.
   bool contacts_stand() const {
-    return progress.contacts != ContactState::replaced && !progress.sorted() && !neighbours.broad.has_moved_on();
+    return progress.contacts != ContactState::replaced && !progress.sorted() && !neighbours.broad.origin.moved_on();
   }
   SleepSource sleep_source();
   /// What manifolds need to know of a step of dt seconds.

@@ -85,7 +85,7 @@ void count(StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.
 
 void move(StepContext& c, const Span&, StepReport&, PieceRange p) {
   if (!c.neighbours.move(p.begin, p.end)) return;
-  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.from(), c.pool);
+  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.cells().from(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
@@ -96,7 +96,7 @@ void search(StepContext& c, const Span&, StepReport&, PieceRange p) {
 
 void near(StepContext& c, const Span&, StepReport& report, PieceRange p) {
   c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
-  if (p.end == c.neighbours.broad.nears()) report.rebuilt = true;
+  if (p.end == c.neighbours.broad.near().pieces()) report.rebuilt = true;
 }
 
 void select(StepContext& c, const Span& span, StepReport&, PieceRange p) {
@@ -156,7 +156,7 @@ void colour(StepContext& c, const Span&, StepReport&, PieceRange p) {
 
 void lay_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   NeighbourLists& lists = c.neighbours;
-  const std::uint32_t* const from = lists.stale ? lists.broad.origin() : nullptr;
+  const std::uint32_t* const from = lists.stale ? lists.broad.origin.slots() : nullptr;
   c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleep.sleepers.recent, p.begin, p.end);
   if (p.end != lists.table.strips.size()) return;
   if (lists.stale) c.dynamics.forces_stale = true;
@@ -190,9 +190,9 @@ bool shapes_move(const StepContext& c) { return c.plan.manifolds; }
 
 // ---- how many pieces a part has
 std::size_t one(const StepContext&) { return 1; }
-std::size_t moves(const StepContext& c) { return c.neighbours.broad.moves(); }
-std::size_t searches(const StepContext& c) { return c.neighbours.broad.searches(); }
-std::size_t nears(const StepContext& c) { return c.neighbours.broad.nears(); }
+std::size_t moves(const StepContext& c) { return c.neighbours.broad.cells().moves(); }
+std::size_t searches(const StepContext& c) { return c.neighbours.broad.pairs().searches(); }
+std::size_t nears(const StepContext& c) { return c.neighbours.broad.near().pieces(); }
 std::size_t found_strips(const StepContext& c) { return c.neighbours.found().strips.size(); }
 std::size_t strips(const StepContext& c) { return c.neighbours.table.strips.size(); }
 std::size_t load_pieces(const StepContext& c) { return c.contacts.loads.pieces(); }
@@ -243,24 +243,24 @@ double piece_measure(const UnitCosts& ns, const StepContext& c, const WorkCounts
 double whole_measure(const UnitCosts& ns, const WorkCounts& w) { return kMeasure * ns.sort * n(w.bodies); }
 
 double piece_count(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
-  const double share = c.neighbours.broad.listed() ? kListedCount : c.plan.radii ? kMixedCount : kCount;
-  return share * ns.sort * n(c.bodies.count) + ns.cell * n(c.neighbours.broad.cell_count());
+  const double share = c.neighbours.broad.cells().listed() ? kListedCount : c.plan.radii ? kMixedCount : kCount;
+  return share * ns.sort * n(c.bodies.count) + ns.cell * n(c.neighbours.broad.cells().cell_count());
 }
 double whole_count(const UnitCosts& ns, const WorkCounts& w) {
   return kCount * ns.sort * n(w.bodies) + ns.cell * n(w.lists.cells);
 }
 
 double piece_move(const UnitCosts& ns, const StepContext& c, const WorkCounts&, std::size_t) {
-  return (c.plan.radii ? kMixedMove : kMove) * ns.sort * n(c.bodies.count) / n(c.neighbours.broad.moves());
+  return (c.plan.radii ? kMixedMove : kMove) * ns.sort * n(c.bodies.count) / n(c.neighbours.broad.cells().moves());
 }
 double whole_move(const UnitCosts& ns, const WorkCounts& w) { return kMove * ns.sort * n(w.bodies); }
 
 double piece_search(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
   const BroadPhase& broad = c.neighbours.broad;
-  const BroadPhase::Search s = broad.search_at(piece, c.neighbours.found());
+  const PairSearch::Work s = broad.pairs().work_of(piece, c.neighbours.found());
   const double each = s.large ? 2 * ns.strip + (ns.pair + 12 * ns.test) * s.pairs + 1.75 * ns.test * s.others
-                              : ns.search + ns.test * broad.tests() + ns.pair * s.pairs;
-  const double longer = broad.listed() ? 1 + kListedCrowd * crowded(w) : 1;
+                              : ns.search + ns.test * broad.cells().tests() + ns.pair * s.pairs;
+  const double longer = broad.cells().listed() ? 1 + kListedCrowd * crowded(w) : 1;
   return longer * each * s.bodies + ns.strip;
 }
 double whole_search(const UnitCosts& ns, const WorkCounts& w) {
@@ -269,9 +269,9 @@ double whole_search(const UnitCosts& ns, const WorkCounts& w) {
 }
 
 double piece_near(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t piece) {
-  const BroadPhase::Near& near = c.neighbours.broad.near_at(piece);
+  const NearSearch::Piece& near = c.neighbours.broad.near().piece(piece);
   const double each =
-      w.has.fixed ? ns.near_fixed + ns.near_shape * c.neighbours.broad.expected_near(near.strip) : ns.near;
+      w.has.fixed ? ns.near_fixed + ns.near_shape * c.neighbours.broad.near().expected(near.strip) : ns.near;
   return each * n(near.end - near.begin) + ns.strip;
 }
 double whole_near(const UnitCosts& ns, const WorkCounts& w) {

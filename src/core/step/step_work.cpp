@@ -77,7 +77,7 @@ void accept_work(StepContext& c) {
     c.contacts.impulses_valid = true;
   }
   if (c.progress.makes_lists()) {
-    c.neighbours.broad.forget_origin();
+    c.neighbours.broad.origin.forget();
     c.neighbours.broad.finish();
   }
   begin_again(c);
@@ -87,7 +87,7 @@ void spoil_work(StepContext& c) {
   turn_back(c);
   c.contacts.discs.give_up();
   c.contacts.manifolds.accept();
-  if (c.progress.sorted()) c.neighbours.broad.keep_origin();
+  if (c.progress.sorted()) c.neighbours.broad.origin.keep();
   c.neighbours.stale = true;
   if (c.progress.waits != 0 && (!c.progress.untouched() || c.progress.at != 0)) ++c.progress.spoiled;
   begin_again(c);

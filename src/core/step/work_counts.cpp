@@ -48,10 +48,10 @@ ListCounts count_lists(const StepContext& c) {
     for (const Strip& s : lists.candidates.strips) of.candidates += s.pair_end - s.pair_begin;
   }
   of.strips = lists.table.strips.size();
-  of.cells = lists.broad.cell_count();
+  of.cells = lists.broad.cells().cell_count();
   of.visits = c.contacts.loads.visits;
-  of.tests = lists.broad.tests() * static_cast<double>(c.bodies.awake());
-  of.near = lists.broad.near_pairs();
+  of.tests = lists.broad.cells().tests() * static_cast<double>(c.bodies.awake());
+  of.near = lists.broad.near().pairs();
   return of;
 }
 

@@ -41,7 +41,7 @@ class StateKeeper {
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
-    if (w_.progress.sorted() || lists_.broad.has_moved_on()) lists_.broad.copy_origin(origin_);
+    if (w_.progress.sorted() || lists_.broad.origin.moved_on()) lists_.broad.origin.copy(origin_);
     turn_back(w_);  // to the contacts of the last step
     lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
@@ -80,7 +80,7 @@ class StateKeeper {
     w_.contacts.stacks.forget();
     StepProgress& now = w_.progress;
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
-    lists_.broad.set_origin(origin_);
+    lists_.broad.origin.set(origin_);
     w_.contacts.bare = true;
     w_.observers.placed = true;
     w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);

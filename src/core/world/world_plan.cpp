@@ -66,7 +66,7 @@ void apply_plan(Owners& w) {
   BodyStore& bodies = w.bodies;
   Sleepers& sleepers = w.sleep.sleepers;
   bodies.keep_rotation(plan.rotation);
-  w.neighbours.broad.sorter().forget(!plan.radii, !plan.rotation);
+  w.neighbours.broad.mover().forget(!plan.radii, !plan.rotation);
   w.contacts.solved.forget(!plan.rotation, !plan.restitution);
   if (plan.forces) {
     if (!w.dynamics.forces) w.dynamics.forces = std::make_unique<Forces>(w.desc, w.lattice);
@@ -113,7 +113,7 @@ std::vector<PlanEntry> World::plan() const {
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
-  count("broad_phase.mixed_radii", w.neighbours.broad.sorter().radii_bytes());
+  count("broad_phase.mixed_radii", w.neighbours.broad.mover().radii_bytes());
   count("solver.restitution", b.event_time.bytes() + c.pairs.bounce_bytes() + c.fixed.bounce_bytes() +
                                   w.contacts.solved.impact_bytes() + w.dynamics.solver.impact_bytes());
   // Contacts with friction have masses, too.
@@ -122,7 +122,7 @@ std::vector<PlanEntry> World::plan() const {
   count("solver.friction", c.pairs.friction_bytes() + c.fixed.friction_bytes());
   count("solver.heavy_loads", w.contacts.loads.bytes());
   count("rotation",
-        b.rotation_bytes() + w.neighbours.broad.sorter().rotation_bytes() + w.contacts.solved.rotation_bytes());
+        b.rotation_bytes() + w.neighbours.broad.mover().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.
   count(plan.joints && !plan.manifolds ? "joints" : "manifolds", sum(b.arm_change, b.angle_change));
   count(plan.manifolds || !w.sorts_out() ? "manifolds"

@@ -13,7 +13,7 @@ Queries ask(Owners& w) { return {w.observers.queries, w.observed()}; }
 // Notes which slot each body has now, where bodies were sorted since contacts were laid out.
 void find_moved(Owners& w) {
   std::vector<std::uint32_t> origin;
-  if (w.progress.sorted() || w.neighbours.broad.has_moved_on()) w.neighbours.broad.copy_origin(origin);
+  if (w.progress.sorted() || w.neighbours.broad.origin.moved_on()) w.neighbours.broad.origin.copy(origin);
   w.observers.contacts.set_moved(origin);
 }
 

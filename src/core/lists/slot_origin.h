@@ -1,0 +1,44 @@
+// Where bodies lay when contacts were last laid out, however often they were sorted since.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lists/broad_cells.h"
+
+namespace psim {
+
+class SlotOrigin {
+ public:
+  explicit SlotOrigin(const BroadCells& cells) : cells_(cells) {}
+
+  /// By slot: the slot that the body had then.
+  const std::uint32_t* slots() const { return moved_on() ? chain_.data() : cells_.from(); }
+  void copy(std::vector<std::uint32_t>& to) const {
+    to.assign(slots(), slots() + (moved_on() ? chain_.size() : cells_.sorted()));
+  }
+  /// Whether lists were thrown away after a sort since contacts were laid out.
+  bool moved_on() const { return !chain_.empty(); }
+
+  /// Empty `slots` say that bodies lie in the order by which contacts were laid out.
+  void set(const std::vector<std::uint32_t>& slots) { chain_ = slots; }
+  /// Call when the lists of the last sort are thrown away before contacts were laid out by them.
+  void keep() {
+    if (!moved_on()) copy(chain_);
+  }
+  /// Call when contacts were laid out by the lists of the last sort.
+  void forget() { chain_.clear(); }
+  /// Call when bodies were sorted.
+  void follow() {
+    if (!moved_on()) return;
+    std::vector<std::uint32_t> next(cells_.from(), cells_.from() + cells_.sorted());
+    for (std::uint32_t& slot : next) slot = slot < chain_.size() ? chain_[slot] : kNoSlot;
+    chain_.swap(next);
+  }
+
+ private:
+  const BroadCells& cells_;
+  std::vector<std::uint32_t> chain_;  // after lists were thrown away: as slots()
+};
+
+}  // namespace psim
