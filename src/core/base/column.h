@@ -24,7 +24,7 @@ struct MemoryMeter {
 /// Empties lists and gives their memory back.
 template <class... Lists>
 void give_back(Lists&... lists) {
-  (Lists().swap(lists), ...);
+  ((lists = Lists()), ...);
 }
 
 template <class T>

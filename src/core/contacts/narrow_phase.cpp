@@ -201,18 +201,17 @@ class StaticGeometry {
 
 }  // namespace
 
-void narrow_phase(const Surroundings& s, SolverBodies& solved, const Walls& walls, float refresh,
-                  const PairTable& table, ContactStore& contacts) {
-  solved.load();
-  const kernels::BodyView bodies = solved.view();
-  const kernels::ContactView pairs = contacts.pairs.view();
+void ContactStore::find_gaps(const Walls& walls, float refresh, const PairTable& table) {
+  numbers_.load();
+  const kernels::BodyView bodies = numbers_.view();
+  const kernels::ContactView lanes = pairs.view();
   kernels::ContactParams p;
-  p.pitch_x = static_cast<float>(s.lattice.pitch_x());
-  p.pitch_y = static_cast<float>(s.lattice.pitch_y());
-  s.pool.run(table.strips.size(), [&](std::size_t index) {
+  p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
+  p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  s_.pool.run(table.strips.size(), [&](std::size_t index) {
     const ContactBlocks& blocks = table.strips[index].blocks;
-    if (blocks.begin != blocks.end) s.kernels.prepare(bodies, pairs, p, blocks.begin, blocks.end);
-    StaticGeometry geometry(s, walls, refresh, contacts.fixed);
+    if (blocks.begin != blocks.end) s_.kernels.prepare(bodies, lanes, p, blocks.begin, blocks.end);
+    StaticGeometry geometry(s_, walls, refresh, fixed);
     std::span<const StaticPair> list = table.static_contacts[index];
     while (!list.empty()) {
       std::size_t of_body = 1;

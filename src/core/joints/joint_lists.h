@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/column.h"
 #include "joint_views.h"
 
 namespace psim {
@@ -66,7 +67,7 @@ class JointLists {
   std::size_t bytes() const {
     std::size_t sum = 0;
     for (std::uint32_t list = 0; list < kCount; ++list) {
-      visit(*this, list, [&](const auto& all) { sum += all.capacity() * sizeof(all[0]); });
+      visit(*this, list, [&](const auto& all) { sum += bytes_of(all); });
     }
     return sum;
   }

@@ -21,11 +21,6 @@ struct Contacts {
         manifolds(s),
         stacks(s, manifolds) {}
 
-  /// Normals and gaps of the contacts of discs.
-  void find_gaps(const Walls& walls, float refresh, const PairTable& table) {
-    narrow_phase(surroundings, solved, walls, refresh, table, discs);
-  }
-
   const Surroundings surroundings;
   SolverBodies solved;                   ///< the bodies that the solver works on
   HeavyLoads loads;                      ///< bodies that carry much heavier ones

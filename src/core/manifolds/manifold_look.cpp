@@ -29,8 +29,6 @@ constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stan
 constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
 
-Vec2 vertex(const Hull& hull, int k) { return {hull.x[k], hull.y[k]}; }
-
 // Gives recalled impulses to the points of the manifold that was found.
 void take_recalled(ManifoldPair& pair) {
   const Manifold& m = pair.manifold;
@@ -244,7 +242,7 @@ struct Manifolds::Look {
   // body meets the face of the segment, never its end: a normal that leans towards such an end is wrong.
   // `face` becomes the normal of the face on the side of the body. The piece is relative to the centre of the body.
   bool end_on(const ManifoldPair& pair, const Hull& piece, const Manifold& m, Vec2& face) const {
-    const Vec2 p = vertex(piece, 0), u = vertex(piece, 1) - p;
+    const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
     const double length = length_of(u);
     face = {-u.y / length, u.x / length};
     const double side = dot(p, face) > 0 ? -1 : 1;
@@ -265,7 +263,7 @@ struct Manifolds::Look {
     Manifold& m = pair.manifold;
     Vec2 normal;
     if (m.count == 0 || piece.count != 2 || !end_on(pair, piece, m, normal)) return;
-    const Vec2 p = vertex(piece, 0), u = vertex(piece, 1) - p;
+    const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
     const auto offset = static_cast<float>(-dot(p, normal));
     m = meet_plane(hull, q, static_cast<float>(normal.x), static_cast<float>(normal.y), offset - piece.radius, margin);
     const int found = std::exchange(m.count, 0);

@@ -277,7 +277,7 @@ constexpr std::uint64_t kFixedPieces = std::uint64_t{1} << 63;
 
 std::uint64_t rank(const PairName& p) {
   if (p.of_piece()) return kFixedPieces | p.b;
-  return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
+  return pair_key(p.a, p.b);
 }
 
 }  // namespace

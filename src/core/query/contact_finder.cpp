@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/sort_keys.h"
+#include "base/tasks.h"
 #include "query/contact_list.h"
 #include "query/contact_writer.h"
 
@@ -82,13 +83,14 @@ class ContactFinder {
 
   /// The contacts, in order.
   std::span<const Contact> find() {
-    const std::size_t jobs = (sleepers_.list.size() + kSleepers - 1) / kSleepers;
+    const std::size_t jobs = jobs_for(sleepers_.list.size(), kSleepers);
     list_.found.resize(std::max(list_.found.size(), strips_ + jobs + 1));
     for (std::vector<Contact>& some : list_.found) some.clear();
     world_.pool.run(strips_, [&](std::size_t strip) { find_listed(strip); });
     if (jobs != 0 || !sleepers_.recent.empty()) {
       bodies_.find_slots();
-      world_.pool.run(jobs, [&](std::size_t job) { find_kept(job, list_.found[strips_ + job]); });
+      run_each(sleepers_.list.size(), kSleepers, world_.pool,
+               [&](std::size_t k, std::size_t job) { find_kept(sleepers_.list[k], list_.found[strips_ + job]); });
       find_recent(list_.found[strips_ + jobs]);
     }
     return in_order();
@@ -204,12 +206,10 @@ class ContactFinder {
     return std::span(sleepers_.touches).subspan(s.first_touch, s.touches);
   }
 
-  // Contacts among bodies that lie still.
-  void find_kept(std::size_t job, std::vector<Contact>& out) const {
-    for (std::size_t k = job * kSleepers; k < std::min(sleepers_.list.size(), (job + 1) * kSleepers); ++k) {
-      for (const Touch& touch : touches_of(sleepers_.list[k])) {
-        if (tells(sleepers_.list[k].id, touch)) writer_.keep(touch, out);
-      }
+  // Contacts of a sleeper with bodies that lie still.
+  void find_kept(const Sleeper& sleeper, std::vector<Contact>& out) const {
+    for (const Touch& touch : touches_of(sleeper)) {
+      if (tells(sleeper.id, touch)) writer_.keep(touch, out);
     }
   }
 
@@ -239,11 +239,8 @@ class ContactFinder {
     sort_refs();
     std::vector<Contact>& out = list_.out;
     out.resize(list_.refs.size());
-    world_.pool.run((out.size() + kSorted - 1) / kSorted, [&](std::size_t job) {
-      for (std::size_t n = job * kSorted; n < std::min(out.size(), (job + 1) * kSorted); ++n) {
-        out[n] = list_.found[list_.refs[n].list][list_.refs[n].at];
-      }
-    });
+    run_each(out.size(), kSorted, world_.pool,
+             [&](std::size_t n, std::size_t) { out[n] = list_.found[list_.refs[n].list][list_.refs[n].at]; });
     for (auto first = out.begin(); first != out.end();) {
       const auto last = std::find_if(first, out.end(), [&](const Contact& c) { return !same_pair(c, *first); });
       // Total order: all members that contacts of a pair can differ in.

@@ -271,8 +271,8 @@ void EventList::collect(const Observed& world, const QueryIndex& index) {
 }
 
 std::size_t EventList::bytes() const {
-  return capacity_bytes(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_,
-                        toggled_, count_, touching_, begin_, end_) +
+  return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_, toggled_,
+                  count_, touching_, begin_, end_) +
          hits_.bytes();
 }
 

@@ -16,7 +16,7 @@ class Filler {
     begin(b.count + frozen.size());
     for (std::size_t i = 0; i < b.count; ++i) {
       if (b.id[i] == kNoSlot) continue;
-      const Vec2 at = world_.from_centre(b.point(i));
+      const Vec2 at = lattice_.from_centre(b.point(i));
       if (world_.population.traits.cornered == 0) {
         disc(b.id[i], at, b.radius[i]);
       } else {
@@ -25,14 +25,14 @@ class Filler {
     }
     for (const BodyState& s : frozen) {
       const double angle = std::isfinite(s.angle) ? s.angle : 0;
-      const Vec2 at = Vec2{s.x, s.y} - world_.lattice.centre();
+      const Vec2 at = Vec2{s.x, s.y} - lattice_.centre();
       body(s.id.index, at + arm_of(b.kind(s.id.index), angle), angle);
     }
   }
 
   void sleeping() {
     begin(world_.sleep.sleepers.list.size());
-    for (const Sleeper& s : world_.sleep.sleepers.list) body(s.id, world_.from_centre(s.at), s.angle);
+    for (const Sleeper& s : world_.sleep.sleepers.list) body(s.id, lattice_.from_centre(s.at), s.angle);
   }
 
   // Static bodies, and sensors that do not move, which have no static shapes.
@@ -42,9 +42,8 @@ class Filler {
     for (std::uint32_t k = 0; k < statics.size(); ++k) {
       if (statics[k].alive && !statics[k].face && !statics[k].asleep) shape(statics[k], k);
     }
-    const Vec2 centre = world_.lattice.centre();
     for (const FixedBody& f : world_.population.fixed) {
-      if (world_.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - centre, f.angle);
+      if (world_.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - lattice_.centre(), f.angle);
     }
   }
 
@@ -68,11 +67,11 @@ class Filler {
   }
 
   void shape(const StaticShape& s, std::uint32_t number) {
-    const Vec2 p = world_.from_centre(s.p);
+    const Vec2 p = lattice_.from_centre(s.p);
     if (s.whole) return piece(s.owner, {.way = {1, 0}, .hull = number, .kind = QueryPiece::kWholeStatic}, p);
     if (!s.segment) return disc(s.owner, p, s.radius);
-    Vec2 way = world_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
-    way = way - Vec2{wide(s.p.dx), wide(s.p.dy)};
+    Vec2 way = lattice_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
+    way = way - Vec2{s.p.dx, s.p.dy};
     piece(s.owner, {.way = way, .radius = s.radius, .kind = QueryPiece::kSegment}, p);
   }
 
@@ -91,6 +90,7 @@ class Filler {
   }
 
   const Observed& world_;
+  const Lattice& lattice_ = world_.lattice;
   QueryIndex::Part& part_;
 };
 
@@ -121,7 +121,7 @@ const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
 std::size_t QueryIndex::bytes() const {
   const std::lock_guard<std::mutex> lock(making_);
   std::size_t sum = 0;
-  for (const Part& part : parts_) sum += part.grid.bytes() + capacity_bytes(part.pieces);
+  for (const Part& part : parts_) sum += part.grid.bytes() + bytes_of(part.pieces);
   return sum;
 }
 
