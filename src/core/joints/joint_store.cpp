@@ -89,8 +89,8 @@ std::size_t JointStore::bytes() const {
 }
 
 void JointStore::release_blocks() {
-  give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_);
-  for (Column<float>* c : {&share_vel_, &share_rim_speed_, &push_vel_, &push_rim_speed_}) c->release();
+  give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_, share_vel_, share_rim_speed_,
+            push_vel_, push_rim_speed_);
   stale_ = true;
 }
 
@@ -152,10 +152,8 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
   if (j.lane == kNoSlot || !(h_ > 0)) return;
   JointLists::visit_lane(lists_, j.list(), j.lane, [&](const auto& b, std::uint32_t k) {
     double l[JointLists::kImpulses] = {};
-    JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = static_cast<double>(impulse); });
-    const auto along = [&](float x, float y, double f) {
-      return f * Vec2{static_cast<double>(x), static_cast<double>(y)};
-    };
+    JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = impulse; });
+    const auto along = [](float x, float y, double f) { return f * Vec2{x, y}; };
     if constexpr (requires { b.nx; }) {
       force = along(b.nx[k], b.ny[k], l[0]);
     } else if constexpr (requires { b.ux; }) {

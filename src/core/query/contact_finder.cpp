@@ -100,6 +100,9 @@ class ContactFinder {
   std::uint32_t id_at(std::uint32_t slot) const { return slot == kNoSlot ? kNoSlot : bodies_.id[slot]; }
   std::uint32_t id_of(std::uint32_t slot_of_lists) const { return id_at(list_.slot(slot_of_lists)); }
 
+  ContactWriter::Load load_of(const ContactLanes& c, std::uint32_t lane) const {
+    return {times_, c.impulse[lane], rough_ ? c.friction[lane] : 0};
+  }
   bool counts(float impulse) const { return last_.begun ? impulse > 0 : closed(impulse); }
 
   void put(std::size_t strip, Contact contact, std::uint32_t colour) {
@@ -134,10 +137,8 @@ class ContactFinder {
       const LatticePoint at = bodies_.point(i);
       const double r = wide(bodies_.radius[i]);
       const Vec2 way = world_.lattice.way(at, bodies_.point(j));
-      put(strip,
-          writer_.of_disc(
-              bodies_.id[i], bodies_.id[j], at, r, ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal),
-              ContactWriter::load(times_, contacts_.pairs.impulse[lane], rough_ ? contacts_.pairs.friction[lane] : 0)),
+      const ContactWriter::Meeting m = ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal);
+      put(strip, writer_.of_disc(bodies_.id[i], bodies_.id[j], at, r, m, load_of(contacts_.pairs, lane)),
           colours.of_pair(p));
     }
   }
@@ -154,10 +155,8 @@ class ContactFinder {
       const LatticePoint at = bodies_.point(slot);
       const double r = wide(bodies_.radius[slot]);
       const Vec2 normal{wide(contacts_.fixed.nx[lane]), wide(contacts_.fixed.ny[lane])};
-      put(strip,
-          writer_.of_disc(
-              writer_.owner(pair.shape), id, at, -r, writer_.fixed(at, r, pair.shape, normal),
-              ContactWriter::load(times_, contacts_.fixed.impulse[lane], rough_ ? contacts_.fixed.friction[lane] : 0)),
+      const ContactWriter::Meeting m = writer_.fixed(at, r, pair.shape, normal);
+      put(strip, writer_.of_disc(writer_.owner(pair.shape), id, at, -r, m, load_of(contacts_.fixed, lane)),
           colours.of_static(table_.strips[strip], pair, sequence));
     }
   }
@@ -184,9 +183,8 @@ class ContactFinder {
       if (laid ? !closed(impulse) : !(impulse > 0)) continue;
       Vec2 point;
       const ContactWriter::Meeting m = writer_.manifold(pair, list_.slot(pair.a), list_.slot(pair.b), k, point);
-      put(strip,
-          writer_.contact(pair.id_a, pair.id_b, point, m, ContactWriter::load(last_.substeps, impulse, friction)),
-          colours.of_manifold(pair));
+      const ContactWriter::Load load{static_cast<double>(last_.substeps), impulse, friction};
+      put(strip, writer_.contact(pair.id_a, pair.id_b, point, m, load), colours.of_manifold(pair));
     }
   }
 

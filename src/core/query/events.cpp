@@ -57,11 +57,10 @@ void EventList::set_options(const EventOptions& options) {
   clear();
   if (!options.contacts) {
     build_ = 0;
-    for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &slept_, &paired_, &toggled_}) *keys = {};
-    touching_ = {};
+    give_back(lane_key_, touching_, paired_, toggled_, rest_found_, rest_, slept_);
   }
-  if (!options.sensors) sensed_ = {};
-  if (!options.hits) hits_ = {};
+  if (!options.sensors) give_back(sensed_);
+  if (!options.hits) give_back(hits_);
 }
 
 void EventList::clear() {

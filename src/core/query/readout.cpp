@@ -178,7 +178,7 @@ const Snapshot* Publisher::latest() {
 }
 
 void Publisher::release() {
-  last_ = std::vector<Row>();
+  give_back(last_);
   frames_[back_] = {};
   back_ = middle_.exchange(back_, std::memory_order_acq_rel) & 3u;  // there is nothing fresh for the reader
   frames_[back_] = {};
