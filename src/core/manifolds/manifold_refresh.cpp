@@ -9,11 +9,6 @@
 #include "manifolds/manifolds.h"
 
 namespace psim {
-namespace {
-
-constexpr float kThin = 0.2f;  // the inner radius counts as at least this share of the reach
-
-}  // namespace
 
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
@@ -53,6 +48,7 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   if (begin == 0) {
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
+    constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
     constexpr std::size_t kBodies = 1024;  // a job
     run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
       const std::size_t i = shaped_[n];
