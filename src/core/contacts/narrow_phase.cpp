@@ -30,11 +30,8 @@ class StaticGeometry {
       if (s.asleep) yield(pair, s);
       return;
     }
-    const bool high = pair.shape == kWallRight || pair.shape == kWallTop;
-    const Vec2 way = lattice_.way(high ? walls_.high : walls_.low, centre_of(pair));
-    const bool upright = pair.shape == kWallLeft || pair.shape == kWallRight;
-    const float sign = high ? -1 : 1;
-    face(pair, upright ? sign : 0, upright ? 0 : sign, sign * static_cast<float>(upright ? way.x : way.y) - r);
+    const Walls::Face wall = walls_.face(pair.shape, centre_of(pair), lattice_);
+    face(pair, wall.nx, wall.ny, static_cast<float>(wall.height) - r);
   }
 
   // Makes the contact as soft as it was when both sides moved. Both bodies are at rest, so that the normal lasts.

@@ -153,14 +153,9 @@ struct Manifolds::Look {
     pair.round_a = 0;
     if (pair.of_wall()) {
       ++looks.alone;
-      const Vec2 low = lattice.way(params.walls.low, now.at), high = lattice.way(params.walls.high, now.at);
-      const auto meet = [&](float nx, float ny, double offset) {
-        take(pair, now, meet_plane(hull_b, now.qb, nx, ny, static_cast<float>(offset), margin), nullptr, hull_b);
-      };
-      if (pair.shape == kWallLeft) return meet(1, 0, low.x);
-      if (pair.shape == kWallRight) return meet(-1, 0, -high.x);
-      if (pair.shape == kWallBottom) return meet(0, 1, low.y);
-      return meet(0, -1, -high.y);
+      const auto [nx, ny, height] = params.walls.face(pair.shape, now.at, lattice);
+      const Manifold found = meet_plane(hull_b, now.qb, nx, ny, static_cast<float>(height), margin);
+      return take(pair, now, found, nullptr, hull_b);
     }
     Vec2 way;
     if (pair.of_piece()) {

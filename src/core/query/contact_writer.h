@@ -62,10 +62,8 @@ class ContactWriter {
   Meeting fixed(const LatticePoint& at, double r, std::uint32_t shape, Vec2 normal) const {
     const Lattice& lattice = world_.lattice;
     if (shape >= kWallLeft) {
-      const Vec2 low = lattice.way(world_.walls.low, at), high = lattice.way(world_.walls.high, at);
-      const Meeting walls[] = {
-          {{1, 0}, low.x - r}, {{-1, 0}, -high.x - r}, {{0, 1}, low.y - r}, {{0, -1}, -high.y - r}};
-      return walls[shape - kWallLeft];
+      const auto [nx, ny, height] = world_.walls.face(shape, at, lattice);
+      return {{nx, ny}, height - r};
     }
     const StaticShape& s = statics_[shape];
     const Vec2 a = lattice.way(s.p, at);
