@@ -21,10 +21,17 @@ struct MemoryMeter {
   std::uint64_t growths = 0;
 };
 
-/// Empties lists and gives their memory back.
+/// Empties lists and columns and gives their memory back.
 template <class... Lists>
 void give_back(Lists&... lists) {
-  (Lists().swap(lists), ...);
+  const auto drop = []<class List>(List& list) {
+    if constexpr (requires { list.release(); }) {
+      list.release();
+    } else {
+      list = List();
+    }
+  };
+  (drop(lists), ...);
 }
 
 template <class T>

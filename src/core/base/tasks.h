@@ -26,6 +26,15 @@ void run_stream(std::uint32_t blocks, Pool& pool, const Each& each) {
   pool.run(stream_tasks(blocks), [&](std::size_t task) { each(stream_range(task, blocks)); });
 }
 
+inline std::size_t jobs_for(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
+/// Runs each(k, job) for every k below n, in jobs of `size`.
+template <class Pool, class Each>
+void run_each(std::size_t n, std::size_t size, Pool& pool, const Each& each) {
+  pool.run(jobs_for(n, size), [&](std::size_t job) {
+    for (std::size_t k = job * size, end = std::min(n, k + size); k < end; ++k) each(k, job);
+  });
+}
+
 /// Runs each(strip) over strips in three phases: even strips, odd strips, then the last strip, the group of large
 /// bodies. No two strips of a phase share a body. `begin` and `end` count strips in that order.
 template <class Pool, class Each>

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
 namespace psim {
 
@@ -133,11 +132,8 @@ void Sleepers::tidy() {
 }
 
 void Sleepers::release() {
-  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(list, touches, queue, found, roots, pieces, kept_);
-  if (recent.empty()) recent = TouchMemory();
-  watched_.release();
-  state.release();
+  give_back(list, touches, queue, found, roots, pieces, kept_, watched_, state);
+  if (recent.empty()) give_back(recent);
   watching_ = false;
   room_of_ = 0;
 }
