@@ -19,16 +19,11 @@ BroadPhase::BroadPhase(const Surroundings& s)
       picked_other_(s.memory) {}
 
 bool BroadPhase::lists_serve(float time) const {
-  BodyStore& b = s_.bodies;
-  kernels::StreamParams p;
-  p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
-  p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  const auto beyond = beyond_margins(time);
   std::atomic<bool> serve{true};
-  run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
+  run_stream(s_.bodies.blocks(), s_.pool, [&](BlockRange r) {
     if (!serve.load(std::memory_order_relaxed)) return;  // another task already found that the lists do not serve
-    const float age =
-        s_.kernels.list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p, time, r.begin, r.end);
-    if (!(age <= 0)) serve.store(false, std::memory_order_relaxed);
+    if (!(beyond(r.begin, r.end) <= 0)) serve.store(false, std::memory_order_relaxed);
   });
   return serve.load();
 }
@@ -38,7 +33,6 @@ void BroadPhase::measure(const BroadPhaseParams& p) {
   BodyStore& b = s_.bodies;
   params_ = p;
   s_.statics.build_grid();
-  fixed_ = s_.statics.any();
   b.reach.reserve(kernels::round_up_block(b.count));
   b.built.reserve(2 * kernels::round_up_block(b.count));
   BodyExtent all;
@@ -119,7 +113,7 @@ void BroadPhase::begin_table(PairTable& table, std::uint32_t bodies, bool link_a
 }
 
 void BroadPhase::search(PairTable& table, std::size_t begin, std::size_t end) {
-  if (search_.run(table, begin, end)) near_.begin(table, fixed_);
+  if (search_.run(table, begin, end)) near_.begin(table);
 }
 
 void BroadPhase::find_near(PairTable& table, std::size_t begin, std::size_t end) {
@@ -143,7 +137,6 @@ void BroadPhase::find_lists(PairTable& table) {
 }
 
 void BroadPhase::build_again(PairTable& table) {
-  fixed_ = s_.statics.any();
   move_again(table);
   find_lists(table);
 }

@@ -31,7 +31,17 @@ class BroadPhase {
 
   explicit BroadPhase(const Surroundings& s);
 
-  /// True if the lists can serve `time` seconds more. Padding slots are asked, too.
+  /// Returns a function that tells how far, m, some body of blocks [begin, end) would go beyond its margin within `time`
+  /// seconds more; 0 or less: none does. Padding slots are asked, too.
+  auto beyond_margins(float time) const {
+    kernels::StreamParams p;
+    p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
+    p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+    return [=, &b = s_.bodies, &k = s_.kernels, view = s_.bodies.view()](std::uint32_t begin, std::uint32_t end) {
+      return k.list_age(view, b.built.data(), b.radius.data(), b.reach.data(), p, time, begin, end);
+    };
+  }
+  /// True if the lists can serve `time` seconds more.
   bool lists_serve(float time) const;
 
   /// New lists, in parts, since a step may be spread over frames. The parts in order:
@@ -92,7 +102,6 @@ class BroadPhase {
   BroadCells cells_;
   PairSearch search_;
   NearSearch near_;
-  bool fixed_ = false;                                 // whether there are fixed shapes
   float pad_reach_ = 0, next_pad_reach_ = 0;           // m: reach of the padding slots, in these lists and in the next
   Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
 };

@@ -198,7 +198,7 @@ void HeavyLoads::release() {
   forget();
   inv_mass_.release();
   level_.release();
-  for (std::vector<std::uint8_t>* marks : {&active_, &next_}) std::vector<std::uint8_t>().swap(*marks);
+  give_back(active_, next_);
 }
 
 }  // namespace psim

@@ -192,9 +192,7 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
   constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
   if (begin == 0) {
     std::swap(table, old_table);
-    const bool periodic = world.desc->boundary == Boundary::periodic;
-    speeds.measure(bodies, candidates.strips, {world.uneven, periodic, broad.lattice().pitch_y(), kMarginFrames * dt},
-                   pool);
+    speeds.measure(candidates.strips, world.uneven, kMarginFrames * dt);
     slack.resize(candidates.strips.size());
   }
   for (std::size_t s = begin; s < end; ++s) {

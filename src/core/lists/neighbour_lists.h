@@ -57,6 +57,7 @@ struct NeighbourLists {
         pool(s.pool),
         broad(s),
         renewal(s, broad),
+        speeds(s),
         table(s.memory),
         old_table(s.memory),
         candidates(s.memory) {}
