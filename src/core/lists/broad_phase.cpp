@@ -10,14 +10,6 @@ namespace psim {
 
 using kernels::kBlock;
 
-BroadPhase::BroadPhase(const Surroundings& s)
-    : s_(s),
-      cells_(s),
-      search_(s, cells_),
-      near_(s, params_, cells_),
-      picked_owner_(s.memory),
-      picked_other_(s.memory) {}
-
 bool BroadPhase::lists_serve(float time) const {
   const auto beyond = beyond_margins(time);
   std::atomic<bool> serve{true};

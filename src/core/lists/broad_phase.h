@@ -29,7 +29,7 @@ class BroadPhase {
   /// Below this number of bodies, building lists is so cheap that they need not last.
   static constexpr std::uint32_t kSmallWorld = 512;
 
-  explicit BroadPhase(const Surroundings& s);
+  explicit BroadPhase(const Surroundings& s) : s_(s) {}
 
   /// Returns a function that tells how far, m, some body of blocks [begin, end) would go beyond its margin within `time`
   /// seconds more; 0 or less: none does. Padding slots are asked, too.
@@ -74,7 +74,6 @@ class BroadPhase {
   BodyMover& mover() { return cells_.mover(); }
   /// The margin of the last build.
   const kernels::ReachParams& margin() const { return params_.margin; }
-  const Lattice& lattice() const { return s_.lattice; }
 
   /// Makes room for `pairs` candidate pairs, for the cells of `bodies` bodies, and for moving `all` slots.
   void spare(std::size_t bodies, std::size_t all, std::size_t pairs) {
@@ -99,11 +98,11 @@ class BroadPhase {
 
   const Surroundings s_;
   BroadPhaseParams params_;  // of the present build
-  BroadCells cells_;
-  PairSearch search_;
-  NearSearch near_;
-  float pad_reach_ = 0, next_pad_reach_ = 0;           // m: reach of the padding slots, in these lists and in the next
-  Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
+  BroadCells cells_{s_};
+  PairSearch search_{s_, cells_};
+  NearSearch near_{s_, params_, cells_};
+  float pad_reach_ = 0, next_pad_reach_ = 0;  // m: reach of the padding slots, in these lists and in the next
+  Column<std::uint32_t> picked_owner_{s_.memory}, picked_other_{s_.memory};  // selected pairs, before they are packed
 };
 
 }  // namespace psim

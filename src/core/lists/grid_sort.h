@@ -27,7 +27,7 @@ struct Grid {
 
 class GridSort {
  public:
-  explicit GridSort(const Surroundings& s) : s_(s), b_(s.bodies), key_(s.memory), start_(s.memory), counts_(s.memory) {}
+  explicit GridSort(const Surroundings& s) : s_(s), b_(s.bodies) {}
 
   /// Finds the cell of every body, and where each cell's bodies will lie. A body whose reach exceeds `large`, m, is in
   /// no cell.
@@ -64,7 +64,7 @@ class GridSort {
 
   const Surroundings s_;
   const BodyStore& b_;
-  Column<std::uint32_t> key_, start_, counts_;
+  Column<std::uint32_t> key_{s_.memory}, start_{s_.memory}, counts_{s_.memory};
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> range_sum_;
 };

@@ -78,16 +78,17 @@ double impact_slack(const ListSettings& world, double speed, double close, doubl
 void plan_flight(const NeighbourLists& lists, const ListSettings& world, const Sample& s, double dt, ListPlan& out) {
   constexpr double kBuild = 25, kTest = 0.25, kSelect = 5;  // ns, measured (docs/performance.md)
   const WorldDesc& desc = *world.desc;
+  const std::uint32_t count = lists.surroundings.bodies.count;
   BroadPhaseParams& p = out.broad;
   const double r = s.radius;
   const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
   const double area =
       lists.broad.cells().area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
-  const double density = std::fmax(lists.bodies.count / area, lists.broad.cells().density());
+  const double density = std::fmax(count / area, lists.broad.cells().density());
   // Without restitution impacts only slow bodies down.
   if (world.restitution) {
-    out.made.crowding = std::clamp(3 * lists.bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
+    out.made.crowding = std::clamp(3 * count / area * 3.14159 * r * r, 0.1, 1.0);
   }
   out.mode = ListMode::one_step;
   // Candidates of a body up to `outer` away: hard discs leave a distance of 2 r around it empty, but where they are
@@ -96,7 +97,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
     return std::fmax(1.5708 * density * (outer * outer - 4 * r * r), 1.5708 * density * outer * outer - 0.5);
   };
   const auto build = [&](double reach) {
-    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / lists.bodies.count));
+    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / count));
     return kBuild + kTest * 4.5 * density * edge * edge;
   };
   const double half = kMarginFrames * dt / 2;
@@ -125,7 +126,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
 
 ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
-  const BodyStore& bodies = lists.bodies;
+  const BodyStore& bodies = lists.surroundings.bodies;
   const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius));
   const double r = s.radius;
   ListPlan out;
@@ -175,7 +176,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = world.mixed_radii;
   p.link_all = world.link_all;
-  const Vec2 c = broad.lattice().centre();
+  const Vec2 c = surroundings.lattice.centre();
   p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y};
   renewal.forget();
   broad.measure(p);

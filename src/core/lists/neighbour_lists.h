@@ -52,15 +52,7 @@ struct ListNumbers {
 };
 
 struct NeighbourLists {
-  explicit NeighbourLists(const Surroundings& s)
-      : bodies(s.bodies),
-        pool(s.pool),
-        broad(s),
-        renewal(s, broad),
-        speeds(s),
-        table(s.memory),
-        old_table(s.memory),
-        candidates(s.memory) {}
+  explicit NeighbourLists(const Surroundings& s) : surroundings(s) {}
 
   /// Whether each step selects its pairs from the candidates.
   bool selects() const { return mode != ListMode::persistent; }
@@ -83,17 +75,17 @@ struct NeighbourLists {
   void select(const ListSettings& world, double dt, std::size_t begin, std::size_t end);
   /// Whether lists can be made anew for a few bodies alone.
   bool may_renew() const {
-    return !selects() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count;
+    const std::uint32_t bodies = surroundings.bodies.count;
+    return !selects() && bodies >= BroadPhase::kSmallWorld && bodies == table.body_count;
   }
-  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + slack.capacity() * sizeof(float); }
+  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + bytes_of(slack); }
 
-  BodyStore& bodies;
-  WorkerPool& pool;
-  BroadPhase broad;
-  ListRenewal renewal;
-  StripSpeeds speeds;
+  const Surroundings surroundings;
+  BroadPhase broad{surroundings};
+  ListRenewal renewal{surroundings, broad};
+  StripSpeeds speeds{surroundings};
   std::vector<float> slack;  ///< m, by strip: how far impacts within a step may move a body
-  PairTable table, old_table, candidates;
+  PairTable table{surroundings.memory}, old_table{surroundings.memory}, candidates{surroundings.memory};
   ListMode mode = ListMode::persistent;
   bool stale = true;  ///< new lists must be made before the next step
   ListNumbers made;

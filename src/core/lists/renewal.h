@@ -21,7 +21,7 @@ class ListRenewal {
  public:
   void describe(class Archive& a, std::size_t slots);  ///< for saved states
 
-  ListRenewal(const Surroundings& s, const BroadPhase& broad) : s_(s), b_(s.bodies), broad_(broad), mark_(s.memory) {}
+  ListRenewal(const Surroundings& s, const BroadPhase& broad) : s_(s), b_(s.bodies), broad_(broad) {}
 
   /// At most one body in kShare is renewed; if more need it, all lists are made again. The pairs of renewed bodies
   /// are a single job of every pass.
@@ -101,7 +101,7 @@ class ListRenewal {
   std::vector<std::uint32_t> found_;          // slots, ascending
   std::vector<Renewed> renewed_;              // by slot, ascending
   std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build
-  Column<std::uint8_t> mark_;                 // by slot
+  Column<std::uint8_t> mark_{s_.memory};      // by slot
   std::vector<std::uint64_t> places_;         // of renewed bodies: place along the longer side << 32 | slot, ascending
   std::vector<std::uint64_t> pairs_, fresh_;  // as pair_key, ascending
   std::vector<Scratch> scratch_;              // by job
