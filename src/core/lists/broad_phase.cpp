@@ -90,8 +90,6 @@ void BroadPhase::open_lists(PairTable& table, double pairs_a_body, double growth
   search_.begin(table, pairs_a_body, growth);
 }
 
-// Begins a table whose strips are cut: each gets a list of contacts with fixed shapes, with room for the usual few so
-// that warm steps do not allocate, and no body is linked yet, or all are.
 void BroadPhase::begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const {
   table.body_count = bodies;
   table.renewed_begin = PairTable::kNoneRenewed;
@@ -131,63 +129,6 @@ void BroadPhase::find_lists(PairTable& table) {
 void BroadPhase::build_again(PairTable& table) {
   move_again(table);
   find_lists(table);
-}
-
-void BroadPhase::select(float time, const std::vector<float>& slack, bool link_all, const PairTable& candidates,
-                        PairTable& table, std::size_t begin, std::size_t end) {
-  if (begin == 0) {
-    picked_owner_.reserve(candidates.owner.capacity());
-    picked_other_.reserve(candidates.other.capacity());
-    table.large_begin = candidates.large_begin;
-    table.strips.assign(candidates.strips.begin(), candidates.strips.end());
-    begin_table(table, candidates.body_count, link_all);
-  }
-  const kernels::BodyView view = s_.bodies.view();
-  kernels::PairSelection selection;
-  selection.owner = candidates.owner.data();
-  selection.other = candidates.other.data();
-  selection.radius = s_.bodies.radius.data();
-  selection.pitch_x = static_cast<float>(s_.lattice.pitch_x());
-  selection.pitch_y = static_cast<float>(s_.lattice.pitch_y());
-  selection.time = time;
-  s_.pool.run(end - begin, [&](std::size_t n) {
-    Strip& s = table.strips[begin + n];
-    kernels::PairSelection mine = selection;
-    mine.slack = slack[begin + n];
-    mine.out_owner = picked_owner_.data() + s.pair_begin;
-    mine.out_other = picked_other_.data() + s.pair_begin;
-    s.pair_end = s.pair_begin + s_.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);
-  });
-  if (end != table.strips.size()) return;
-  std::uint32_t total = 0;
-  for (Strip& s : table.strips) {  // candidates that are not selected take no room
-    const std::uint32_t n = s.pair_end - s.pair_begin;
-    s.pair_begin = total;
-    s.pair_end = total += n;
-  }
-  table.owner.reserve_loosely(total);
-  table.other.reserve_loosely(total);
-  table.pair_room = total;
-}
-
-void BroadPhase::pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end) {
-  s_.pool.run(end - begin, [&](std::size_t n) {
-    const std::size_t index = begin + n;
-    const Strip& s = table.strips[index];
-    const std::uint32_t from = candidates.strips[index].pair_begin;
-    std::copy_n(picked_owner_.data() + from, s.pair_end - s.pair_begin, table.owner.data() + s.pair_begin);
-    std::copy_n(picked_other_.data() + from, s.pair_end - s.pair_begin, table.other.data() + s.pair_begin);
-    // Where the pairs of each body begin; a body without pairs begins where the next one does.
-    std::uint32_t i = s.body_begin;
-    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-      for (const std::uint32_t owner = table.owner[p]; i <= owner; ++i) table.first[i] = p;
-    }
-    for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
-    table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
-                                        candidates.static_contacts[index].end());
-    link_strip(table, index, s_.bodies.linked.data());
-  });
-  if (end == table.strips.size()) table.mark_strips();
 }
 
 }  // namespace psim

@@ -75,26 +75,17 @@ class BroadPhase {
   /// The margin of the last build.
   const kernels::ReachParams& margin() const { return params_.margin; }
 
-  /// Makes room for `pairs` candidate pairs, for the cells of `bodies` bodies, and for moving `all` slots.
-  void spare(std::size_t bodies, std::size_t all, std::size_t pairs) {
-    picked_owner_.reserve(pairs);
-    picked_other_.reserve(pairs);
-    cells_.spare(bodies, all);
-  }
-
-  /// Selects from the candidates of strips [begin, end) the pairs that can meet within `time` at their present
-  /// relative velocity u: gap < |u| time + slack of the strip. Fills `table` and sets bodies.linked. O(candidates).
-  void select(float time, const std::vector<float>& slack, bool link_all, const PairTable& candidates, PairTable& table,
-              std::size_t begin, std::size_t end);
-  /// Packs the selected pairs side by side, after all strips were selected.
-  void pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end);
+  /// Makes room for the cells of `bodies` bodies, and for moving `all` slots.
+  void spare(std::size_t bodies, std::size_t all) { cells_.spare(bodies, all); }
+  /// Begins a table whose strips are cut: each gets a list of contacts with fixed shapes, with room for the usual few so
+  /// that warm steps do not allocate, and no body is linked yet, or all are.
+  void begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const;
 
   SlotOrigin origin{cells_};
 
  private:
   void place(float ahead, BlockRange blocks) const;
   void open_lists(PairTable& table, double pairs_a_body, double growth);
-  void begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const;
 
   const Surroundings s_;
   BroadPhaseParams params_;  // of the present build
@@ -102,7 +93,6 @@ class BroadPhase {
   PairSearch search_{s_, cells_};
   NearSearch near_{s_, params_, cells_};
   float pad_reach_ = 0, next_pad_reach_ = 0;  // m: reach of the padding slots, in these lists and in the next
-  Column<std::uint32_t> picked_owner_{s_.memory}, picked_other_{s_.memory};  // selected pairs, before they are packed
 };
 
 }  // namespace psim

@@ -1,4 +1,4 @@
-// How new neighbour lists are made, each choice by predicted cost (docs/step.md).
+// How new neighbour lists are made, each choice by predicted cost, and which candidates a step takes (docs/step.md).
 #include "lists/neighbour_lists.h"
 
 #include <algorithm>
@@ -194,13 +194,58 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
   if (begin == 0) {
     std::swap(table, old_table);
     speeds.measure(candidates.strips, world.uneven, kMarginFrames * dt);
-    slack.resize(candidates.strips.size());
+    keep_if(true, candidates.owner.capacity(), picked_owner, picked_other);
+    table.large_begin = candidates.large_begin;
+    table.strips.assign(candidates.strips.begin(), candidates.strips.end());
+    broad.begin_table(table, candidates.body_count, world.link_all);
   }
-  for (std::size_t s = begin; s < end; ++s) {
-    const double speed = std::fmin(made.speed, kReserve * speeds.at(s));
-    slack[s] = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+  const kernels::BodyView view = surroundings.bodies.view();
+  kernels::PairSelection selection;
+  selection.owner = candidates.owner.data();
+  selection.other = candidates.other.data();
+  selection.radius = surroundings.bodies.radius.data();
+  selection.pitch_x = static_cast<float>(surroundings.lattice.pitch_x());
+  selection.pitch_y = static_cast<float>(surroundings.lattice.pitch_y());
+  selection.time = static_cast<float>(kMarginFrames * dt);
+  surroundings.pool.run(end - begin, [&](std::size_t n) {
+    Strip& s = table.strips[begin + n];
+    kernels::PairSelection mine = selection;
+    const double speed = std::fmin(made.speed, kReserve * speeds.at(begin + n));
+    mine.slack = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+    mine.out_owner = picked_owner.data() + s.pair_begin;
+    mine.out_other = picked_other.data() + s.pair_begin;
+    s.pair_end = s.pair_begin + surroundings.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);
+  });
+  if (end != table.strips.size()) return;
+  std::uint32_t total = 0;
+  for (Strip& s : table.strips) {  // candidates that are not selected take no room
+    const std::uint32_t n = s.pair_end - s.pair_begin;
+    s.pair_begin = total;
+    s.pair_end = total += n;
   }
-  broad.select(static_cast<float>(kMarginFrames * dt), slack, world.link_all, candidates, table, begin, end);
+  table.owner.reserve_loosely(total);
+  table.other.reserve_loosely(total);
+  table.pair_room = total;
+}
+
+void NeighbourLists::pack(std::size_t begin, std::size_t end) {
+  surroundings.pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t index = begin + n;
+    const Strip& s = table.strips[index];
+    const std::uint32_t from = candidates.strips[index].pair_begin;
+    std::copy_n(picked_owner.data() + from, s.pair_end - s.pair_begin, table.owner.data() + s.pair_begin);
+    std::copy_n(picked_other.data() + from, s.pair_end - s.pair_begin, table.other.data() + s.pair_begin);
+    // Where the pairs of each body begin; a body without pairs begins where the next one does.
+    std::uint32_t i = s.body_begin;
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+      for (const std::uint32_t owner = table.owner[p]; i <= owner; ++i) table.first[i] = p;
+    }
+    for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
+    table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
+                                        candidates.static_contacts[index].end());
+    link_strip(table, index, surroundings.bodies.linked.data());
+  });
+  if (end == table.strips.size()) table.mark_strips();
 }
 
 }  // namespace psim

@@ -105,9 +105,7 @@ void select(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
 }
 
-void pack(StepContext& c, const Span&, StepReport&, PieceRange p) {
-  c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
-}
+void pack(StepContext& c, const Span&, StepReport&, PieceRange p) { c.neighbours.pack(p.begin, p.end); }
 
 void group(StepContext& c, const Span&, StepReport&, PieceRange) {
   Contacts& contacts = c.contacts;
