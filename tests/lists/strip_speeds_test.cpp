@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/machine.h"
 #include "support.h"
 
 namespace psim::test {
@@ -55,7 +56,9 @@ class StripSpeedsTest : public testing::Test {
     strips.back().body_end = bodies.count;
   }
   std::vector<double> measure(bool uneven, bool periodic = false) {
-    speeds.measure(bodies, strips, {uneven, periodic, 1e-6, 0.02}, pool);
+    const double half = periodic ? 2147.483648 : 500;  // 1 um a step, or a little less
+    lattice = Lattice({-half, -half, half, half}, periodic);
+    speeds.measure(strips, uneven, 0.02);
     std::vector<double> out;
     for (std::uint32_t s = 0; s < kStrips; ++s) out.push_back(speeds.at(s));
     return out;
@@ -64,8 +67,11 @@ class StripSpeedsTest : public testing::Test {
   MemoryMeter memory;
   WorkerPool pool{1};
   BodyStore bodies{memory};
+  Lattice lattice;
+  StaticShapes shapes{memory, lattice};
+  const kernels::KernelTable kernels = kernels_of(best_isa());
   std::vector<Strip> strips;
-  StripSpeeds speeds;
+  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool}};
 };
 
 TEST_F(StripSpeedsTest, ACommonFallIsNoSpeed) {

@@ -19,22 +19,22 @@ void BodyMover::each_column(bool radii, const Each& each) {
 }
 
 template <bool kRadii, bool kTurns>
-void BodyMover::gather(const BodyStore& b, const std::uint32_t* from, std::size_t begin, std::size_t end) {
+void BodyMover::gather(const std::uint32_t* from, std::size_t begin, std::size_t end) {
   for (std::size_t to = begin; to < end; ++to) {
     const std::size_t i = from[to];
     const auto copy2 = [&](auto* target, const auto* source) {
       target[2 * to] = source[2 * i];
       target[2 * to + 1] = source[2 * i + 1];
     };
-    copy2(pos_.data(), b.pos.data());
-    copy2(vel_.data(), b.vel.data());
-    copy2(disp_.data(), b.disp.data());
-    id_[to] = b.id[i];
-    reach_[to] = b.reach[i];
-    if constexpr (kRadii) radius_[to] = b.radius[i];
+    copy2(pos_.data(), b_.pos.data());
+    copy2(vel_.data(), b_.vel.data());
+    copy2(disp_.data(), b_.disp.data());
+    id_[to] = b_.id[i];
+    reach_[to] = b_.reach[i];
+    if constexpr (kRadii) radius_[to] = b_.radius[i];
     if constexpr (kTurns) {
-      rim_speed_[to] = b.rim_speed[i];
-      angle_[to] = b.angle[i];
+      rim_speed_[to] = b_.rim_speed[i];
+      angle_[to] = b_.angle[i];
     }
   }
 }
@@ -48,9 +48,9 @@ void BodyMover::move(const std::uint32_t* from, bool mixed_radii, std::size_t be
   const auto gather = mixed_radii ? turns ? &BodyMover::gather<true, true> : &BodyMover::gather<true, false>
                       : turns ? &BodyMover::gather<false, true>
                                   : &BodyMover::gather<false, false>;
-  pool_.run((end - begin + kPiece - 1) / kPiece, [&](std::size_t piece) {
+  s_.pool.run((end - begin + kPiece - 1) / kPiece, [&](std::size_t piece) {
     const std::size_t first = begin + piece * kPiece;
-    (this->*gather)(b_, from, first, std::min(end, first + kPiece));
+    (this->*gather)(from, first, std::min(end, first + kPiece));
   });
 }
 

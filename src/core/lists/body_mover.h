@@ -7,7 +7,7 @@ namespace psim {
 
 class BodyMover {
  public:
-  explicit BodyMover(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
+  explicit BodyMover(const Surroundings& s) : s_(s), b_(s.bodies) {}
 
   static constexpr std::size_t kPiece = 4096;  ///< bodies, a multiple of the block
 
@@ -16,11 +16,7 @@ class BodyMover {
   /// The columns change. `count` bodies are left, the others were dead.
   void finish(bool mixed_radii, std::uint32_t count);
 
-  void spare(std::size_t slots) {
-    pos_.reserve(2 * slots);
-    vel_.reserve(2 * slots);
-    disp_.reserve(2 * slots);
-  }
+  void spare(std::size_t slots) { keep_if(true, 2 * slots, pos_, vel_, disp_); }
   /// Gives back the other halves of radii or rotation if they are not needed any more.
   void forget(bool radii, bool rotation) {
     if (radii) radius_.release();
@@ -33,15 +29,14 @@ class BodyMover {
   template <class Each>
   void each_column(bool radii, const Each& each);
   template <bool kRadii, bool kTurns>
-  void gather(const BodyStore& b, const std::uint32_t* from, std::size_t begin, std::size_t end);
+  void gather(const std::uint32_t* from, std::size_t begin, std::size_t end);
 
+  const Surroundings s_;
   BodyStore& b_;
-  WorkerPool& pool_;
-  MemoryMeter& meter_;
-  Column<std::int32_t> pos_{meter_};
-  Column<float> vel_{meter_}, disp_{meter_}, radius_{meter_}, reach_{meter_}, rim_speed_{meter_};
-  Column<std::uint32_t> id_{meter_};
-  Column<double> angle_{meter_};
+  Column<std::int32_t> pos_{s_.memory};
+  Column<float> vel_{s_.memory}, disp_{s_.memory}, radius_{s_.memory}, reach_{s_.memory}, rim_speed_{s_.memory};
+  Column<std::uint32_t> id_{s_.memory};
+  Column<double> angle_{s_.memory};
 };
 
 }  // namespace psim

@@ -219,16 +219,13 @@ double BroadCells::area_about(double radius, double bounds) const {
 // Samples the cells around every n-th body.
 double BroadCells::sample_density() const {
   const std::uint32_t bodies = large_begin(), stride = std::max(1u, bodies / 2048), row = grid_.view.stride;
-  const std::uint32_t* const start = sort_.start();
   double sum = 0, samples = 0;
   for (std::uint32_t i = 0; i < bodies; i += stride, samples += 1) {
     const std::uint32_t key = keys_[i];
     const std::uint32_t low = key < row ? key : key - row;
     const std::uint32_t high = key / row + 1 < static_cast<std::uint32_t>(grid_.view.rows) ? key + row : key;
     double found = 0, rows = 0;
-    for (std::uint32_t k = low; k <= high; k += row, rows += 1) {
-      found += start[k + 2] - start[static_cast<std::ptrdiff_t>(k) - 1];
-    }
+    for (std::uint32_t k = low; k <= high; k += row, rows += 1) found += sort_.in_three(k);
     sum += found / rows;
   }
   return samples > 0 ? sum / samples / (3 * grid_.cell[0] * grid_.cell[1]) : 0;

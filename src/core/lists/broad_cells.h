@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "bodies/surroundings.h"
 #include "lists/body_mover.h"
@@ -50,9 +51,8 @@ class BroadCells {
   /// Measures how dense the sorted bodies lie, for the next build.
   void note_density();
 
-  /// By slot: the slot that the body had before the last sort, which left `sorted` bodies.
-  const std::uint32_t* from() const { return from_.data(); }
-  std::uint32_t sorted() const { return sorted_; }
+  /// By slot: the slot that the body had before the last sort.
+  std::span<const std::uint32_t> from() const { return {from_.data(), sorted_}; }
   /// First slot of the bodies that are too large for the cells.
   std::uint32_t large_begin() const { return counted_.small; }
   /// The largest reach in the cells, m.
@@ -75,10 +75,8 @@ class BroadCells {
   const CellList& list() const { return list_; }
   /// Number of cells of the grid.
   std::uint64_t cell_count() const { return listed_ ? 0 : grid_.keys; }
-  /// Area of the bodies at the last build, m^2: their box, or, where cells are listed, the area that they would
-  /// fill at the density around them. 0 before the first build.
-  double area() const { return area_; }
-  /// The same, also before the first build: then `bounds`, m^2, or in a far larger world an estimate from the
+  /// Area of the bodies at the last build, m^2: their box, or, where cells are listed, the area that they would fill at
+  /// the density around them. Before the first build: `bounds`, m^2, or in a far larger world an estimate from the
   /// neighbourhood of some bodies of mean radius `radius`.
   double area_about(double radius, double bounds) const;
   /// Mean number of bodies that a body is compared with.

@@ -13,11 +13,11 @@ constexpr std::uint32_t kRun = 32;  // bodies of which it is asked at once wheth
 
 }  // namespace
 
-void NearSearch::begin(const PairTable& table, bool fixed) {
+void NearSearch::begin(const PairTable& table) {
   pieces_.clear();
   for (std::uint32_t s = 0; s < table.strips.size(); ++s) {
     Piece piece{s, table.strips[s].body_begin, table.strips[s].body_end};
-    for (; fixed && piece.end - piece.begin > kRun; piece.begin += kRun) {
+    for (; s_.statics.any() && piece.end - piece.begin > kRun; piece.begin += kRun) {
       pieces_.push_back({s, piece.begin, piece.begin + kRun});
     }
     pieces_.push_back(piece);

@@ -18,8 +18,8 @@ class NearSearch {
   struct Piece {
     std::uint32_t strip = 0, begin = 0, end = 0;  // bodies
   };
-  /// Cuts the pieces. `fixed`: there are fixed shapes.
-  void begin(const PairTable& table, bool fixed);
+  /// Cuts the pieces.
+  void begin(const PairTable& table);
   /// Finds the walls and fixed shapes near the bodies of pieces [begin, end), and links the bodies of strips that are
   /// complete. True with the last.
   bool run(PairTable& table, std::size_t begin, std::size_t end);

@@ -10,25 +10,12 @@ namespace psim {
 
 using kernels::kBlock;
 
-BroadPhase::BroadPhase(const Surroundings& s)
-    : s_(s),
-      cells_(s),
-      search_(s, cells_),
-      near_(s, params_, cells_),
-      picked_owner_(s.memory),
-      picked_other_(s.memory) {}
-
 bool BroadPhase::lists_serve(float time) const {
-  BodyStore& b = s_.bodies;
-  kernels::StreamParams p;
-  p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
-  p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  const auto beyond = beyond_margins(time);
   std::atomic<bool> serve{true};
-  run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
+  run_stream(s_.bodies.blocks(), s_.pool, [&](BlockRange r) {
     if (!serve.load(std::memory_order_relaxed)) return;  // another task already found that the lists do not serve
-    const float age =
-        s_.kernels.list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p, time, r.begin, r.end);
-    if (!(age <= 0)) serve.store(false, std::memory_order_relaxed);
+    if (!(beyond(r.begin, r.end) <= 0)) serve.store(false, std::memory_order_relaxed);
   });
   return serve.load();
 }
@@ -38,7 +25,6 @@ void BroadPhase::measure(const BroadPhaseParams& p) {
   BodyStore& b = s_.bodies;
   params_ = p;
   s_.statics.build_grid();
-  fixed_ = s_.statics.any();
   b.reach.reserve(kernels::round_up_block(b.count));
   b.built.reserve(2 * kernels::round_up_block(b.count));
   BodyExtent all;
@@ -104,8 +90,6 @@ void BroadPhase::open_lists(PairTable& table, double pairs_a_body, double growth
   search_.begin(table, pairs_a_body, growth);
 }
 
-// Begins a table whose strips are cut: each gets a list of contacts with fixed shapes, with room for the usual few so
-// that warm steps do not allocate, and no body is linked yet, or all are.
 void BroadPhase::begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const {
   table.body_count = bodies;
   table.renewed_begin = PairTable::kNoneRenewed;
@@ -119,7 +103,7 @@ void BroadPhase::begin_table(PairTable& table, std::uint32_t bodies, bool link_a
 }
 
 void BroadPhase::search(PairTable& table, std::size_t begin, std::size_t end) {
-  if (search_.run(table, begin, end)) near_.begin(table, fixed_);
+  if (search_.run(table, begin, end)) near_.begin(table);
 }
 
 void BroadPhase::find_near(PairTable& table, std::size_t begin, std::size_t end) {
@@ -143,66 +127,8 @@ void BroadPhase::find_lists(PairTable& table) {
 }
 
 void BroadPhase::build_again(PairTable& table) {
-  fixed_ = s_.statics.any();
   move_again(table);
   find_lists(table);
-}
-
-void BroadPhase::select(float time, const std::vector<float>& slack, bool link_all, const PairTable& candidates,
-                        PairTable& table, std::size_t begin, std::size_t end) {
-  if (begin == 0) {
-    picked_owner_.reserve(candidates.owner.capacity());
-    picked_other_.reserve(candidates.other.capacity());
-    table.large_begin = candidates.large_begin;
-    table.strips.assign(candidates.strips.begin(), candidates.strips.end());
-    begin_table(table, candidates.body_count, link_all);
-  }
-  const kernels::BodyView view = s_.bodies.view();
-  kernels::PairSelection selection;
-  selection.owner = candidates.owner.data();
-  selection.other = candidates.other.data();
-  selection.radius = s_.bodies.radius.data();
-  selection.pitch_x = static_cast<float>(s_.lattice.pitch_x());
-  selection.pitch_y = static_cast<float>(s_.lattice.pitch_y());
-  selection.time = time;
-  s_.pool.run(end - begin, [&](std::size_t n) {
-    Strip& s = table.strips[begin + n];
-    kernels::PairSelection mine = selection;
-    mine.slack = slack[begin + n];
-    mine.out_owner = picked_owner_.data() + s.pair_begin;
-    mine.out_other = picked_other_.data() + s.pair_begin;
-    s.pair_end = s.pair_begin + s_.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);
-  });
-  if (end != table.strips.size()) return;
-  std::uint32_t total = 0;
-  for (Strip& s : table.strips) {  // candidates that are not selected take no room
-    const std::uint32_t n = s.pair_end - s.pair_begin;
-    s.pair_begin = total;
-    s.pair_end = total += n;
-  }
-  table.owner.reserve_loosely(total);
-  table.other.reserve_loosely(total);
-  table.pair_room = total;
-}
-
-void BroadPhase::pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end) {
-  s_.pool.run(end - begin, [&](std::size_t n) {
-    const std::size_t index = begin + n;
-    const Strip& s = table.strips[index];
-    const std::uint32_t from = candidates.strips[index].pair_begin;
-    std::copy_n(picked_owner_.data() + from, s.pair_end - s.pair_begin, table.owner.data() + s.pair_begin);
-    std::copy_n(picked_other_.data() + from, s.pair_end - s.pair_begin, table.other.data() + s.pair_begin);
-    // Where the pairs of each body begin; a body without pairs begins where the next one does.
-    std::uint32_t i = s.body_begin;
-    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-      for (const std::uint32_t owner = table.owner[p]; i <= owner; ++i) table.first[i] = p;
-    }
-    for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
-    table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
-                                        candidates.static_contacts[index].end());
-    link_strip(table, index, s_.bodies.linked.data());
-  });
-  if (end == table.strips.size()) table.mark_strips();
 }
 
 }  // namespace psim

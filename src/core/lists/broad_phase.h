@@ -29,9 +29,19 @@ class BroadPhase {
   /// Below this number of bodies, building lists is so cheap that they need not last.
   static constexpr std::uint32_t kSmallWorld = 512;
 
-  explicit BroadPhase(const Surroundings& s);
+  explicit BroadPhase(const Surroundings& s) : s_(s) {}
 
-  /// True if the lists can serve `time` seconds more. Padding slots are asked, too.
+  /// Returns a function that tells how far, m, some body of blocks [begin, end) would go beyond its margin within `time`
+  /// seconds more; 0 or less: none does. Padding slots are asked, too.
+  auto beyond_margins(float time) const {
+    kernels::StreamParams p;
+    p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
+    p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+    return [=, &b = s_.bodies, &k = s_.kernels, view = s_.bodies.view()](std::uint32_t begin, std::uint32_t end) {
+      return k.list_age(view, b.built.data(), b.radius.data(), b.reach.data(), p, time, begin, end);
+    };
+  }
+  /// True if the lists can serve `time` seconds more.
   bool lists_serve(float time) const;
 
   /// New lists, in parts, since a step may be spread over frames. The parts in order:
@@ -64,37 +74,25 @@ class BroadPhase {
   BodyMover& mover() { return cells_.mover(); }
   /// The margin of the last build.
   const kernels::ReachParams& margin() const { return params_.margin; }
-  const Lattice& lattice() const { return s_.lattice; }
 
-  /// Makes room for `pairs` candidate pairs, for the cells of `bodies` bodies, and for moving `all` slots.
-  void spare(std::size_t bodies, std::size_t all, std::size_t pairs) {
-    picked_owner_.reserve(pairs);
-    picked_other_.reserve(pairs);
-    cells_.spare(bodies, all);
-  }
-
-  /// Selects from the candidates of strips [begin, end) the pairs that can meet within `time` at their present
-  /// relative velocity u: gap < |u| time + slack of the strip. Fills `table` and sets bodies.linked. O(candidates).
-  void select(float time, const std::vector<float>& slack, bool link_all, const PairTable& candidates, PairTable& table,
-              std::size_t begin, std::size_t end);
-  /// Packs the selected pairs side by side, after all strips were selected.
-  void pack(const PairTable& candidates, PairTable& table, std::size_t begin, std::size_t end);
+  /// Makes room for the cells of `bodies` bodies, and for moving `all` slots.
+  void spare(std::size_t bodies, std::size_t all) { cells_.spare(bodies, all); }
+  /// Begins a table whose strips are cut: each gets a list of contacts with fixed shapes, with room for the usual few so
+  /// that warm steps do not allocate, and no body is linked yet, or all are.
+  void begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const;
 
   SlotOrigin origin{cells_};
 
  private:
   void place(float ahead, BlockRange blocks) const;
   void open_lists(PairTable& table, double pairs_a_body, double growth);
-  void begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const;
 
   const Surroundings s_;
   BroadPhaseParams params_;  // of the present build
-  BroadCells cells_;
-  PairSearch search_;
-  NearSearch near_;
-  bool fixed_ = false;                                 // whether there are fixed shapes
-  float pad_reach_ = 0, next_pad_reach_ = 0;           // m: reach of the padding slots, in these lists and in the next
-  Column<std::uint32_t> picked_owner_, picked_other_;  // selected pairs, before they are packed
+  BroadCells cells_{s_};
+  PairSearch search_{s_, cells_};
+  NearSearch near_{s_, params_, cells_};
+  float pad_reach_ = 0, next_pad_reach_ = 0;  // m: reach of the padding slots, in these lists and in the next
 };
 
 }  // namespace psim

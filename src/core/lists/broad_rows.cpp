@@ -144,6 +144,8 @@ bool BroadCells::find_at_seam(std::uint32_t cell, kernels::PairList& list) const
 }
 
 bool BroadCells::find_around(std::uint32_t i, kernels::PairList& list) const {
+  if (list.count + kBlock > list.capacity) return false;
+  if (large_begin() == 0) return true;
   const kernels::PairRow v = view();
   const std::int32_t* const at = v.pos + 2 * std::size_t{i};
   const double reach = static_cast<double>(v.reach[i]) + static_cast<double>(most_);

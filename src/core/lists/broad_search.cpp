@@ -91,18 +91,17 @@ bool PairSearch::search(std::size_t n, PairTable& table) {
   Strip& s = job(n, table);
   kernels::PairList list{table.owner.data(), table.other.data(), table.first.data(), s.pair_begin, s.pair_end};
   const bool strip = n + 1 < table.strips.size();
-  if (!(strip ? cells_.find_pairs(s, list) : search_large(s, table.large_begin, list))) return false;
+  if (!(strip ? cells_.find_pairs(s, list) : search_large(s, list))) return false;
   s.pair_end = list.count;
   return true;
 }
 
 // Compares some of the large bodies with the bodies in the cells under their box, and with the large bodies after them.
-bool PairSearch::search_large(const Strip& piece, std::uint32_t large_begin, kernels::PairList& list) const {
+bool PairSearch::search_large(const Strip& piece, kernels::PairList& list) const {
   const kernels::KernelTable& k = s_.kernels;
   for (std::uint32_t i = piece.body_begin; i < piece.body_end; ++i) {
     list.first[i] = list.count;
-    if (list.count + kBlock > list.capacity) return false;
-    if (large_begin != 0 && !cells_.find_around(i, list)) return false;
+    if (!cells_.find_around(i, list)) return false;
     if (!(large_cells_.any() ? large_cells_.find(i, k, list)
                              : k.find_near(cells_.view(), i, i + 1, s_.bodies.count, list))) {
       return false;
@@ -111,12 +110,11 @@ bool PairSearch::search_large(const Strip& piece, std::uint32_t large_begin, ker
   return true;
 }
 
-bool PairSearch::around(std::uint32_t i, std::uint32_t large_begin, kernels::PairList& list) const {
+bool PairSearch::around(std::uint32_t i, kernels::PairList& list) const {
   const BodyStore& b = s_.bodies;
-  if (list.count + kBlock > list.capacity) return false;
-  if (large_begin != 0 && !cells_.find_around(i, list)) return false;
+  if (!cells_.find_around(i, list)) return false;
   if (large_cells_.any()) return large_cells_.around(b.built.data() + 2 * std::size_t{i}, b.reach[i], list);
-  return s_.kernels.find_near(cells_.view(), i, large_begin, b.count, list);
+  return s_.kernels.find_near(cells_.view(), i, cells_.large_begin(), b.count, list);
 }
 
 // Moves the pairs of the large bodies' pieces side by side.

@@ -33,7 +33,7 @@ class PairSearch {
 
   /// Appends the bodies within reach of a body at `built`, from the cells of the last build and from the large
   /// bodies; the body itself may be among them. False if the list is full.
-  bool around(std::uint32_t body, std::uint32_t large_begin, kernels::PairList& list) const;
+  bool around(std::uint32_t body, kernels::PairList& list) const;
 
  private:
   friend class BroadPhase;  // describes it for saved states
@@ -45,7 +45,7 @@ class PairSearch {
   double expected(std::size_t job, std::size_t strips) const;
   void give_room(PairTable& table, bool first);
   bool search(std::size_t n, PairTable& table);
-  bool search_large(const Strip& piece, std::uint32_t large_begin, kernels::PairList& list) const;
+  bool search_large(const Strip& piece, kernels::PairList& list) const;
   void join_large(PairTable& table);
   void note_pairs(const PairTable& table);
 

@@ -115,16 +115,16 @@ void CellList::name_bodies(float large, Chunk& chunk) {
 // counts become places (by digit, then by chunk), each chunk moves its own.
 void CellList::sort_by_digit(int shift, int bits) {
   const std::size_t digits = std::size_t{1} << bits;
-  const std::uint64_t* const from = spare_name_.data();
-  std::uint64_t* const to = name_.data();
-  pool_.run(chunks_.size(), [&](std::size_t c) {
-    std::uint32_t* const count = counts_.data() + c * digits;
+  const auto each_name = [&](const Chunk& chunk, const auto& each) {  // each(digit, name)
     const std::uint64_t mask = digits - 1;
     const int low = shift;
+    const std::uint64_t* const end = spare_name_.data() + chunk.end;
+    for (const std::uint64_t* p = spare_name_.data() + chunk.begin; p != end; ++p) each((*p >> low) & mask, *p);
+  };
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
+    std::uint32_t* const count = counts_.data() + c * digits;
     std::fill(count, count + digits, 0u);
-    for (const std::uint64_t* p = from + chunks_[c].begin; p != from + chunks_[c].end; ++p) {
-      ++count[(*p >> low) & mask];
-    }
+    each_name(chunks_[c], [=](std::uint64_t digit, std::uint64_t) { ++count[digit]; });
   });
   std::uint32_t place = 0;
   for (std::size_t d = 0; d < digits; ++d) {
@@ -132,14 +132,10 @@ void CellList::sort_by_digit(int shift, int bits) {
       place += std::exchange(counts_[c * digits + d], place);
     }
   }
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     std::uint32_t* const next = counts_.data() + c * digits;
-    std::uint64_t* const out = to;
-    const std::uint64_t mask = digits - 1;
-    const int low = shift;
-    for (const std::uint64_t* p = from + chunks_[c].begin; p != from + chunks_[c].end; ++p) {
-      out[next[(*p >> low) & mask]++] = *p;
-    }
+    std::uint64_t* const out = name_.data();
+    each_name(chunks_[c], [=](std::uint64_t digit, std::uint64_t name) { out[next[digit]++] = name; });
   });
   name_.swap(spare_name_);
 }
@@ -170,7 +166,7 @@ void CellList::find_moved(const std::uint32_t* keys, std::size_t index) {
 // Puts the names in order by merging, if most bodies are in the same cell as at
 // the last sort: those are in order already.
 bool CellList::merge_moved(float large, const std::uint32_t* keys) {
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     name_bodies(large, chunks_[c]);
     find_moved(keys, c);
   });
@@ -190,7 +186,7 @@ bool CellList::merge_moved(float large, const std::uint32_t* keys) {
     c->moved = static_cast<std::uint32_t>(end - first);
     end = first;
   }
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     const std::uint64_t* m = moved;
     std::uint64_t* out = name_.data();
     for (std::size_t k = 0; k < c; ++k) {
@@ -222,7 +218,7 @@ SortCount CellList::sort(float large, std::uint32_t* order, std::uint32_t* keys)
     const int passes = (wanted + kDigitBits - 1) / kDigitBits;
     const int bits = (wanted + passes - 1) / passes;
     counts_.reserve(chunks_.size() << kDigitBits);
-    pool_.run(chunks_.size(), [&](std::size_t c) { name_bodies(large, chunks_[c]); });
+    s_.pool.run(chunks_.size(), [&](std::size_t c) { name_bodies(large, chunks_[c]); });
     for (int k = 0; k < passes; ++k) sort_by_digit(slot_bits_ + k * bits, bits);
     name_.swap(spare_name_);
   }
@@ -238,7 +234,7 @@ SortCount CellList::sort(float large, std::uint32_t* order, std::uint32_t* keys)
   list_cells(out.small, order, keys);
   sorted_ = out.small;
   stays_ = sorted_ != 0;
-  pool_.run((cells_ + kTaskCells - 1) / kTaskCells, [&](std::size_t t) {
+  s_.pool.run((cells_ + kTaskCells - 1) / kTaskCells, [&](std::size_t t) {
     const auto begin = static_cast<std::uint32_t>(t) * kTaskCells;
     find_neighbours(begin, std::min(cells_, begin + kTaskCells));
   });
@@ -265,11 +261,11 @@ void CellList::list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint3
     return cells;
   };
   if (chunks_.size() > 1) {
-    pool_.run(chunks_.size(), [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
+    s_.pool.run(chunks_.size(), [&](std::size_t c) { chunks_[c].cells = count(chunks_[c]); });
   }
   cells_ = 0;
   for (Chunk& c : chunks_) cells_ += std::exchange(c.cells, cells_);
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     Chunk& chunk = chunks_[c];
     std::uint64_t* const name = spare_name_.data();
     std::uint32_t* const first = start_.data() + 1;

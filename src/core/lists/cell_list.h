@@ -38,7 +38,7 @@ class CellList {
   /// For saved states. `used`: bodies lie in cells that are laid.
   void describe(class Archive& a, bool periodic, bool used);
 
-  explicit CellList(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
+  explicit CellList(const Surroundings& s) : s_(s), b_(s.bodies) {}
 
   /// Chooses cells at least `edge` lattice steps wide for the box {x low, y low,
   /// x high, y high} of `bodies` bodies, or for the whole of a periodic world.
@@ -120,19 +120,18 @@ class CellList {
   void list_cells(std::uint32_t bodies, std::uint32_t* order, std::uint32_t* keys);
   void find_neighbours(std::uint32_t begin, std::uint32_t end);
 
+  const Surroundings s_;
   const BodyStore& b_;
-  WorkerPool& pool_;
-  MemoryMeter& meter_;
   // During a sort: a name for each body, with its slot in the low bits. Afterwards: the names of the cells.
-  Column<std::uint64_t> name_{meter_}, spare_name_{meter_};
+  Column<std::uint64_t> name_{s_.memory}, spare_name_{s_.memory};
   int slot_bits_ = 0;
-  Column<std::uint64_t> moved_{meter_};   // names of the bodies that went to another cell
-  std::uint32_t moved_room_ = 0;          // number of them that fit into the room of a chunk
-  std::uint32_t sorted_ = 0;              // number of bodies in the last sort; 0: its keys are gone
-  bool stays_ = false;                    // the cells kept their places
-  int patience_ = 0;                      // sorts to go before moved bodies are looked for again
-  Column<std::uint32_t> counts_{meter_};  // by chunk and digit
-  Column<std::uint32_t> start_{meter_};
+  Column<std::uint64_t> moved_{s_.memory};   // names of the bodies that went to another cell
+  std::uint32_t moved_room_ = 0;             // number of them that fit into the room of a chunk
+  std::uint32_t sorted_ = 0;                 // number of bodies in the last sort; 0: its keys are gone
+  bool stays_ = false;                       // the cells kept their places
+  int patience_ = 0;                         // sorts to go before moved bodies are looked for again
+  Column<std::uint32_t> counts_{s_.memory};  // by chunk and digit
+  Column<std::uint32_t> start_{s_.memory};
   std::vector<Chunk> chunks_;
   CellAxis axis_[2];
   int row_axis_ = 1;

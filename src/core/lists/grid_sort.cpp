@@ -19,7 +19,7 @@ constexpr std::uint32_t kRangeCells = 16384;     // cells a prefix task
 
 void GridSort::find_keys(const Grid& grid, float large, Chunk& chunk) {
   const std::uint32_t blocks_end = (chunk.end + kBlock - 1) / kBlock;
-  k_.cell_keys(b_.built.data(), grid.view, key_.data(), chunk.begin / kBlock, blocks_end);
+  s_.kernels.cell_keys(b_.built.data(), grid.view, key_.data(), chunk.begin / kBlock, blocks_end);
   std::uint32_t low = 0xFFFFFFFFu, high = 0;
   const auto widen = [&](std::uint32_t key) {
     low = std::min(low, key);
@@ -49,7 +49,7 @@ void GridSort::find_keys(const Grid& grid, float large, Chunk& chunk) {
 std::size_t GridSort::find_windows(const Grid& grid, float large) {
   const std::uint32_t n = b_.count;
   chunks_.resize((n + kSortTaskBodies - 1) / kSortTaskBodies);
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     chunks_[c].begin = static_cast<std::uint32_t>(c) * kSortTaskBodies;
     chunks_[c].end = std::min(n, chunks_[c].begin + kSortTaskBodies);
     find_keys(grid, large, chunks_[c]);
@@ -75,7 +75,7 @@ void GridSort::place_cells(std::uint32_t keys) {
   const std::size_t ranges = (keys + kRangeCells - 1) / kRangeCells;
   range_sum_.resize(ranges);
   const auto run = [&](const auto& each) {  // each(range, its cells)
-    pool_.run(ranges, [&](std::size_t r) {
+    s_.pool.run(ranges, [&](std::size_t r) {
       const auto low = static_cast<std::uint32_t>(r * kRangeCells);
       each(r, low, std::min(keys - low, kRangeCells) + low);
     });
@@ -112,7 +112,7 @@ void GridSort::count(const Grid& grid, float large) {
   key_.reserve(kernels::round_up_block(b_.count));
   start_.reserve_loosely(std::size_t{grid.keys} + 2);
   counts_.reserve_loosely(find_windows(grid, large));
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     const Chunk chunk = chunks_[c];
     std::uint32_t* const counts = counts_.data() + chunk.counts;
     std::fill_n(counts, chunk.high - chunk.low, 0u);
@@ -130,10 +130,7 @@ double GridSort::neighbours(const Grid& grid) const {
   for (std::uint32_t i = stride / 2; i < b_.count; i += stride) {
     const std::uint32_t key = key_[i];
     if (key >= kLargeKey) continue;
-    const std::uint32_t* const here = start() + key;
-    sum += here[2] - here[-1];
-    if (key >= row) sum += (here - row)[2] - (here - row)[-1];
-    if (key + row + 2 < grid.keys) sum += here[row + 2] - here[row - 1];
+    sum += in_three(key) + (key >= row ? in_three(key - row) : 0) + in_three(key + row);
     samples += 1;
   }
   return samples > 0 ? sum / samples : 0;
@@ -142,7 +139,7 @@ double GridSort::neighbours(const Grid& grid) const {
 SortCount GridSort::order(std::uint32_t* from, std::uint32_t* keys) {
   if (chunks_.empty()) return {};
   const std::uint32_t small = chunks_.front().large, living = chunks_.front().dead;
-  pool_.run(chunks_.size(), [&](std::size_t c) {
+  s_.pool.run(chunks_.size(), [&](std::size_t c) {
     Chunk chunk = chunks_[c];
     std::uint32_t* const counts = counts_.data() + chunk.counts;
     for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {

@@ -27,8 +27,7 @@ struct Grid {
 
 class GridSort {
  public:
-  explicit GridSort(const Surroundings& s)
-      : b_(s.bodies), k_(s.kernels), pool_(s.pool), key_(s.memory), start_(s.memory), counts_(s.memory) {}
+  explicit GridSort(const Surroundings& s) : s_(s), b_(s.bodies) {}
 
   /// Finds the cell of every body, and where each cell's bodies will lie. A body whose reach exceeds `large`, m, is in
   /// no cell.
@@ -36,6 +35,8 @@ class GridSort {
   /// Mean number of bodies in a body's cell and the eight cells around it, from a sample of about 100 bodies.
   /// Call between count() and order().
   double neighbours(const Grid& grid) const;
+  /// Number of bodies in a cell and in the cells to its west and its east. Guards stand above the last row.
+  std::uint32_t in_three(std::uint32_t key) const { return (start() + key)[2] - (start() + key)[-1]; }
   /// Call once after count(). Bodies in cells come first, then large and dead ones: from[k] becomes the slot that comes
   /// k-th, keys[k] its cell.
   SortCount order(std::uint32_t* from, std::uint32_t* keys);
@@ -61,10 +62,9 @@ class GridSort {
   std::size_t find_windows(const Grid& grid, float large);
   void place_cells(std::uint32_t keys);
 
-  BodyStore& b_;
-  const kernels::KernelTable& k_;
-  WorkerPool& pool_;
-  Column<std::uint32_t> key_, start_, counts_;
+  const Surroundings s_;
+  const BodyStore& b_;
+  Column<std::uint32_t> key_{s_.memory}, start_{s_.memory}, counts_{s_.memory};
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> range_sum_;
 };

@@ -16,6 +16,12 @@ constexpr double kRowTests = 24;  // the cost of a row of cells beside its candi
 
 std::size_t exponent(float reach) { return std::bit_cast<std::uint32_t>(reach) >> 23 & 0xFF; }
 
+// Sorts the slots at the end of a list and takes each once, because rows may share buckets.
+void take_once(std::uint32_t* begin, std::uint32_t* end, kernels::PairList& list) {
+  sort_keys(begin, end);
+  list.count = static_cast<std::uint32_t>(std::unique(begin, end) - list.other);
+}
+
 }  // namespace
 
 // A level for each exponent that a reach has, in ascending order.
@@ -61,9 +67,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
   make_levels(reach, begin, end);
   const std::size_t bucket = std::size_t{levels_.back().bucket} + levels_.back().mask + 1;
   at_.reserve(2 * n);
-  reach_.reserve(n);
-  slot_.reserve(n);
-  place_.reserve(n);
+  keep_if(true, n, reach_, slot_, place_);
   start_.reserve(bucket + 1);
   std::fill_n(start_.data(), bucket + 1, 0u);
   // Count the bodies of each bucket; then each start holds the end of its bucket and goes down as bodies come.
@@ -146,9 +150,7 @@ bool LargeCells::find(std::uint32_t i, const kernels::KernelTable& k, kernels::P
     const std::uint32_t slot = slot_[*p];
     if (slot > i) *end++ = slot;
   }
-  sort_keys(begin, end);
-  end = std::unique(begin, end);  // buckets may be shared by rows
-  list.count = static_cast<std::uint32_t>(end - list.other);
+  take_once(begin, end, list);
   std::fill(list.owner + from, list.owner + list.count, i);
   return true;
 }
@@ -170,9 +172,7 @@ bool LargeCells::around(const std::int32_t* at, float reach, kernels::PairList& 
     }
   });
   if (end == last) return false;
-  sort_keys(begin, end);
-  end = std::unique(begin, end);  // buckets may be shared by rows
-  list.count = static_cast<std::uint32_t>(end - list.other);
+  take_once(begin, end, list);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// How new neighbour lists are made, each choice by predicted cost (docs/step.md).
+// How new neighbour lists are made, each choice by predicted cost, and which candidates a step takes (docs/step.md).
 #include "lists/neighbour_lists.h"
 
 #include <algorithm>
@@ -78,16 +78,17 @@ double impact_slack(const ListSettings& world, double speed, double close, doubl
 void plan_flight(const NeighbourLists& lists, const ListSettings& world, const Sample& s, double dt, ListPlan& out) {
   constexpr double kBuild = 25, kTest = 0.25, kSelect = 5;  // ns, measured (docs/performance.md)
   const WorldDesc& desc = *world.desc;
+  const std::uint32_t count = lists.surroundings.bodies.count;
   BroadPhaseParams& p = out.broad;
   const double r = s.radius;
   const double frame = kMarginFrames * dt * std::sqrt(s.square);  // m a frame, with reserve
   const double area =
       lists.broad.cells().area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
-  const double density = std::fmax(lists.bodies.count / area, lists.broad.cells().density());
+  const double density = std::fmax(count / area, lists.broad.cells().density());
   // Without restitution impacts only slow bodies down.
   if (world.restitution) {
-    out.made.crowding = std::clamp(3 * lists.bodies.count / area * 3.14159 * r * r, 0.1, 1.0);
+    out.made.crowding = std::clamp(3 * count / area * 3.14159 * r * r, 0.1, 1.0);
   }
   out.mode = ListMode::one_step;
   // Candidates of a body up to `outer` away: hard discs leave a distance of 2 r around it empty, but where they are
@@ -96,7 +97,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
     return std::fmax(1.5708 * density * (outer * outer - 4 * r * r), 1.5708 * density * outer * outer - 0.5);
   };
   const auto build = [&](double reach) {
-    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / lists.bodies.count));
+    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / count));
     return kBuild + kTest * 4.5 * density * edge * edge;
   };
   const double half = kMarginFrames * dt / 2;
@@ -125,7 +126,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
 
 ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
-  const BodyStore& bodies = lists.bodies;
+  const BodyStore& bodies = lists.surroundings.bodies;
   const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius));
   const double r = s.radius;
   ListPlan out;
@@ -175,7 +176,7 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = world.mixed_radii;
   p.link_all = world.link_all;
-  const Vec2 c = broad.lattice().centre();
+  const Vec2 c = surroundings.lattice.centre();
   p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y};
   renewal.forget();
   broad.measure(p);
@@ -192,16 +193,59 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
   constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
   if (begin == 0) {
     std::swap(table, old_table);
-    const bool periodic = world.desc->boundary == Boundary::periodic;
-    speeds.measure(bodies, candidates.strips, {world.uneven, periodic, broad.lattice().pitch_y(), kMarginFrames * dt},
-                   pool);
-    slack.resize(candidates.strips.size());
+    speeds.measure(candidates.strips, world.uneven, kMarginFrames * dt);
+    keep_if(true, candidates.owner.capacity(), picked_owner, picked_other);
+    table.large_begin = candidates.large_begin;
+    table.strips.assign(candidates.strips.begin(), candidates.strips.end());
+    broad.begin_table(table, candidates.body_count, world.link_all);
   }
-  for (std::size_t s = begin; s < end; ++s) {
-    const double speed = std::fmin(made.speed, kReserve * speeds.at(s));
-    slack[s] = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+  const kernels::BodyView view = surroundings.bodies.view();
+  kernels::PairSelection selection;
+  selection.owner = candidates.owner.data();
+  selection.other = candidates.other.data();
+  selection.radius = surroundings.bodies.radius.data();
+  selection.pitch_x = static_cast<float>(surroundings.lattice.pitch_x());
+  selection.pitch_y = static_cast<float>(surroundings.lattice.pitch_y());
+  selection.time = static_cast<float>(kMarginFrames * dt);
+  surroundings.pool.run(end - begin, [&](std::size_t n) {
+    Strip& s = table.strips[begin + n];
+    kernels::PairSelection mine = selection;
+    const double speed = std::fmin(made.speed, kReserve * speeds.at(begin + n));
+    mine.slack = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+    mine.out_owner = picked_owner.data() + s.pair_begin;
+    mine.out_other = picked_other.data() + s.pair_begin;
+    s.pair_end = s.pair_begin + surroundings.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);
+  });
+  if (end != table.strips.size()) return;
+  std::uint32_t total = 0;
+  for (Strip& s : table.strips) {  // candidates that are not selected take no room
+    const std::uint32_t n = s.pair_end - s.pair_begin;
+    s.pair_begin = total;
+    s.pair_end = total += n;
   }
-  broad.select(static_cast<float>(kMarginFrames * dt), slack, world.link_all, candidates, table, begin, end);
+  table.owner.reserve_loosely(total);
+  table.other.reserve_loosely(total);
+  table.pair_room = total;
+}
+
+void NeighbourLists::pack(std::size_t begin, std::size_t end) {
+  surroundings.pool.run(end - begin, [&](std::size_t n) {
+    const std::size_t index = begin + n;
+    const Strip& s = table.strips[index];
+    const std::uint32_t from = candidates.strips[index].pair_begin;
+    std::copy_n(picked_owner.data() + from, s.pair_end - s.pair_begin, table.owner.data() + s.pair_begin);
+    std::copy_n(picked_other.data() + from, s.pair_end - s.pair_begin, table.other.data() + s.pair_begin);
+    // Where the pairs of each body begin; a body without pairs begins where the next one does.
+    std::uint32_t i = s.body_begin;
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+      for (const std::uint32_t owner = table.owner[p]; i <= owner; ++i) table.first[i] = p;
+    }
+    for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
+    table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
+                                        candidates.static_contacts[index].end());
+    link_strip(table, index, surroundings.bodies.linked.data());
+  });
+  if (end == table.strips.size()) table.mark_strips();
 }
 
 }  // namespace psim

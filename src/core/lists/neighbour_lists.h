@@ -52,14 +52,7 @@ struct ListNumbers {
 };
 
 struct NeighbourLists {
-  explicit NeighbourLists(const Surroundings& s)
-      : bodies(s.bodies),
-        pool(s.pool),
-        broad(s),
-        renewal(s, broad),
-        table(s.memory),
-        old_table(s.memory),
-        candidates(s.memory) {}
+  explicit NeighbourLists(const Surroundings& s) : surroundings(s) {}
 
   /// Whether each step selects its pairs from the candidates.
   bool selects() const { return mode != ListMode::persistent; }
@@ -76,23 +69,26 @@ struct NeighbourLists {
   /// Moves [begin, end) of the bodies' moves to cell order. True with the last: then they lie in the new order, and
   /// persistent lists have begun a new table.
   bool move(std::size_t begin, std::size_t end);
-  /// Selects the pairs that can meet within dt seconds, of strips [begin, end) of the candidates, into a new table.
+  /// Selects from the candidates of strips [begin, end) the pairs that can meet within dt seconds at their present
+  /// relative velocity u, into a new table: gap < |u| time + slack of the strip. Sets bodies.linked. O(candidates).
   /// No slack is more than what speeds all over the world ask for; it is less where all move alike
   /// (docs/decisions/013-slack-by-strip.md).
   void select(const ListSettings& world, double dt, std::size_t begin, std::size_t end);
+  /// Packs the selected pairs of strips [begin, end) side by side, after all strips were selected.
+  void pack(std::size_t begin, std::size_t end);
   /// Whether lists can be made anew for a few bodies alone.
   bool may_renew() const {
-    return !selects() && bodies.count >= BroadPhase::kSmallWorld && bodies.count == table.body_count;
+    const std::uint32_t bodies = surroundings.bodies.count;
+    return !selects() && bodies >= BroadPhase::kSmallWorld && bodies == table.body_count;
   }
-  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + slack.capacity() * sizeof(float); }
+  std::size_t bytes() const { return renewal.bytes() + speeds.bytes(); }
 
-  BodyStore& bodies;
-  WorkerPool& pool;
-  BroadPhase broad;
-  ListRenewal renewal;
-  StripSpeeds speeds;
-  std::vector<float> slack;  ///< m, by strip: how far impacts within a step may move a body
-  PairTable table, old_table, candidates;
+  const Surroundings surroundings;
+  BroadPhase broad{surroundings};
+  ListRenewal renewal{surroundings, broad};
+  StripSpeeds speeds{surroundings};
+  Column<std::uint32_t> picked_owner{surroundings.memory}, picked_other{surroundings.memory};  ///< not yet packed
+  PairTable table{surroundings.memory}, old_table{surroundings.memory}, candidates{surroundings.memory};
   ListMode mode = ListMode::persistent;
   bool stale = true;  ///< new lists must be made before the next step
   ListNumbers made;

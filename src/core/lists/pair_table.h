@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <ranges>
+#include <utility>
 #include <vector>
 
 #include "base/column.h"
@@ -69,9 +70,7 @@ struct PairTable {
   /// Makes room for `pairs` pairs, gaps included.
   void spare(std::size_t bodies, std::size_t pairs) {
     first.reserve(bodies + 1);
-    owner.reserve(pairs);
-    other.reserve(pairs);
-    contact.reserve(pairs);
+    keep_if(true, pairs, owner, other, contact);
   }
 
   /// Whether any(k) holds for a strip k whose contacts may share a body with those of `strip`: the strip itself, its
@@ -109,11 +108,10 @@ struct PairTable {
   }
   /// The same among the pairs of the last build.
   std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {
-    for (std::uint32_t p = pairs_of_begin(a), end = pairs_of_end(a); p < end; ++p) {
-      if (other[p] == b) return p;
-    }
-    for (std::uint32_t p = pairs_of_begin(b), end = pairs_of_end(b); p < end; ++p) {
-      if (other[p] == a) return p;
+    for (const auto& [one, partner] : {std::pair{a, b}, std::pair{b, a}}) {
+      for (std::uint32_t p = pairs_of_begin(one), end = pairs_of_end(one); p < end; ++p) {
+        if (other[p] == partner) return p;
+      }
     }
     return kNoPair;
   }

@@ -21,25 +21,20 @@ constexpr std::size_t kPairsABody = 8;  // most pairs a renewed body, on average
 
 bool ListRenewal::find(float time) {
   const std::uint32_t most = b_.count / kShare;
-  const kernels::BodyView view = b_.view();
-  kernels::StreamParams p;
-  p.pitch_x = static_cast<float>(lattice_.pitch_x());
-  p.pitch_y = static_cast<float>(lattice_.pitch_y());
+  const auto beyond = broad_.beyond_margins(time);
+  const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
   std::atomic<std::uint32_t> count{0};
   const auto too_many = [&] { return count.load(std::memory_order_relaxed) > most; };
   found_.resize(most);
-  run_stream(b_.blocks(), pool_, [&](BlockRange r) {
-    const auto age = [&](std::uint32_t begin, std::uint32_t end) {
-      return k_.list_age(view, b_.built.data(), b_.radius.data(), b_.reach.data(), p, time, begin, end);
-    };
-    if (too_many() || age(r.begin, r.end) <= 0) return;
+  run_stream(b_.blocks(), s_.pool, [&](BlockRange r) {
+    if (too_many() || beyond(r.begin, r.end) <= 0) return;
     for (std::uint32_t block = r.begin; block < r.end && !too_many(); ++block) {
-      if (age(block, block + 1) <= 0) continue;
+      if (beyond(block, block + 1) <= 0) continue;
       for (std::uint32_t slot = block * kBlock; slot < std::min(b_.count, (block + 1) * kBlock); ++slot) {
         // The same arithmetic as in the list_age kernel.
         const std::size_t i = slot;
-        const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * p.pitch_x;
-        const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * p.pitch_y;
+        const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * px;
+        const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * py;
         const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
         const float next = std::sqrt(u * u + v * v) * time;
         if (!(std::sqrt(x * x + y * y) + next - (b_.reach[i] - b_.radius[i]) > 0)) continue;
@@ -105,7 +100,7 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
   kernels::PairList list;
   for (;;) {
     list = {s.owner.data(), s.other.data(), nullptr, 0, static_cast<std::uint32_t>(s.owner.size())};
-    if (broad_.pairs().around(slot, table.large_begin, list)) break;
+    if (broad_.pairs().around(slot, list)) break;
     s.owner.resize(2 * s.owner.size());
     s.other.resize(s.owner.size());
   }
@@ -113,10 +108,9 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
     if (mark_[list.other[n]] == kListed) keep(list.other[n]);
   }
   // Renewed bodies need not lie in their cells any more: they are searched along one axis.
-  const std::size_t axis = broad_.cells().wide() ? 0 : 1;
-  const auto px = static_cast<float>(lattice_.pitch_x()), py = static_cast<float>(lattice_.pitch_y());
+  const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
   const double reach = static_cast<double>(b_.reach[slot]) + static_cast<double>(most_);
-  const double steps = reach * 1.0001 / (axis == 0 ? lattice_.pitch_x() : lattice_.pitch_y()) + 2;
+  const double steps = reach * 1.0001 / (broad_.cells().wide() ? s_.lattice.pitch_x() : s_.lattice.pitch_y()) + 2;
   const auto meet = [&](std::uint32_t other) {
     const std::size_t i = slot, j = other;
     if (i == j || (mark_[j] == kFound && j < i)) return;
@@ -131,7 +125,7 @@ void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s)
   };
   if (steps >= 0x1p31) return along(0, 0xFFFFFFFFu);
   const auto half = static_cast<std::uint32_t>(steps);
-  const auto mid = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
+  const std::uint32_t mid = along_axis(slot);
   if (mid - half <= mid + half) return along(mid - half, mid + half);
   along(0, mid + half);  // coordinates wrap around
   along(mid - half, 0xFFFFFFFFu);
@@ -186,19 +180,17 @@ void ListRenewal::put_statics(PairTable& table) {
 }
 
 void ListRenewal::search_all(const PairTable& table) {
-  const std::size_t axis = broad_.cells().wide() ? 0 : 1;
   std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
   const auto before = static_cast<std::ptrdiff_t>(places_.size());
   for (const std::uint32_t slot : found_) {
-    const auto along = static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + axis]);
-    places_.push_back(std::uint64_t{along} << 32 | slot);
+    places_.push_back(std::uint64_t{along_axis(slot)} << 32 | slot);
     most_ = std::max(most_, b_.reach[slot]);
   }
   sort_keys(places_.begin() + before, places_.end());
   std::inplace_merge(places_.begin(), places_.begin() + before, places_.end());
   const std::size_t jobs = (found_.size() + kJob - 1) / kJob;
   for (Scratch& s : scratch_) s.pairs.clear();
-  pool_.run(jobs, [&](std::size_t job) {
+  s_.pool.run(jobs, [&](std::size_t job) {
     for (std::size_t n = job * kJob; n < std::min(found_.size(), (job + 1) * kJob); ++n) {
       search(table, found_[n], scratch_[job]);
     }

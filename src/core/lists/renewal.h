@@ -21,8 +21,7 @@ class ListRenewal {
  public:
   void describe(class Archive& a, std::size_t slots);  ///< for saved states
 
-  ListRenewal(const Surroundings& s, const BroadPhase& broad)
-      : b_(s.bodies), lattice_(s.lattice), k_(s.kernels), pool_(s.pool), broad_(broad), mark_(s.memory) {}
+  ListRenewal(const Surroundings& s, const BroadPhase& broad) : s_(s), b_(s.bodies), broad_(broad) {}
 
   /// At most one body in kShare is renewed; if more need it, all lists are made again. The pairs of renewed bodies
   /// are a single job of every pass.
@@ -31,13 +30,12 @@ class ListRenewal {
   /// Finds the bodies whose margin does not last for `time` seconds more. False if too many bodies are renewed, those
   /// of before included. O(bodies).
   bool find(float time);
+  /// Finds them again if velocities may have changed since.
+  bool find_again() { return known_ || find(time_); }
   bool any() const { return known_ && !found_.empty(); }
   std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }
   /// Discards what find() found, because velocities may have changed.
   void doubt() { known_ = false; }
-  /// The time of the last find(), s, and whether its result still counts.
-  float time() const { return time_; }
-  bool known() const { return known_; }
 
   /// Searches around the bodies that find() found, with margins of skin + |v| `margin.time`, and fills pairs() and
   /// near(). False if a pair has one body that is much heavier than the other: then all lists must be made again.
@@ -87,21 +85,23 @@ class ListRenewal {
     const std::size_t i = slot;
     return {slot, b_.built[2 * i], b_.built[2 * i + 1], b_.reach[i]};
   }
+  // The place along the longer side of the bodies' box.
+  std::uint32_t along_axis(std::uint32_t slot) const {
+    return static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + (broad_.cells().wide() ? 0 : 1)]);
+  }
   void place(const Renewed& at);
   void search(const PairTable& table, std::uint32_t slot, Scratch& s) const;
   void search_all(const PairTable& table);
   void put_pairs(PairTable& table) const;
   void put_statics(PairTable& table);
 
+  const Surroundings s_;
   BodyStore& b_;
-  const Lattice& lattice_;
-  const kernels::KernelTable& k_;
-  WorkerPool& pool_;
   const BroadPhase& broad_;
   std::vector<std::uint32_t> found_;          // slots, ascending
   std::vector<Renewed> renewed_;              // by slot, ascending
   std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build
-  Column<std::uint8_t> mark_;                 // by slot
+  Column<std::uint8_t> mark_{s_.memory};      // by slot
   std::vector<std::uint64_t> places_;         // of renewed bodies: place along the longer side << 32 | slot, ascending
   std::vector<std::uint64_t> pairs_, fresh_;  // as pair_key, ascending
   std::vector<Scratch> scratch_;              // by job

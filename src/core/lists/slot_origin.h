@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lists/broad_cells.h"
@@ -13,10 +14,8 @@ class SlotOrigin {
   explicit SlotOrigin(const BroadCells& cells) : cells_(cells) {}
 
   /// By slot: the slot that the body had then.
-  const std::uint32_t* slots() const { return moved_on() ? chain_.data() : cells_.from(); }
-  void copy(std::vector<std::uint32_t>& to) const {
-    to.assign(slots(), slots() + (moved_on() ? chain_.size() : cells_.sorted()));
-  }
+  std::span<const std::uint32_t> slots() const { return moved_on() ? std::span(chain_) : cells_.from(); }
+  void copy(std::vector<std::uint32_t>& to) const { to.assign(slots().begin(), slots().end()); }
   /// Whether lists were thrown away after a sort since contacts were laid out.
   bool moved_on() const { return !chain_.empty(); }
 
@@ -31,7 +30,7 @@ class SlotOrigin {
   /// Call when bodies were sorted.
   void follow() {
     if (!moved_on()) return;
-    std::vector<std::uint32_t> next(cells_.from(), cells_.from() + cells_.sorted());
+    std::vector<std::uint32_t> next(cells_.from().begin(), cells_.from().end());
     for (std::uint32_t& slot : next) slot = slot < chain_.size() ? chain_[slot] : kNoSlot;
     chain_.swap(next);
   }

@@ -55,16 +55,18 @@ void StripSpeeds::Stir::look(const BodyStore& b, const Strip& strip, bool uneven
 
 // Adds each large body to the strips that it may touch within the time. From here on `low` is the lowest row of a strip
 // and all after it, `high` the highest of it and all before.
-void StripSpeeds::place_large(const BodyStore& b, const Strip& large, const Settings& settings) {
+void StripSpeeds::place_large(const Strip& large, double time) {
+  const BodyStore& b = s_.bodies;
   for (std::size_t s = 1; s < stirs_.size(); ++s) stirs_[s].high = std::max(stirs_[s].high, stirs_[s - 1].high);
   for (std::size_t s = stirs_.size() - 1; s-- > 0;) stirs_[s].low = std::min(stirs_[s].low, stirs_[s + 1].low);
   constexpr std::int64_t kRound = std::int64_t{1} << 32;  // lattice steps around a periodic world
-  const std::int64_t copies = settings.periodic ? kRound : 0;
+  const std::int64_t copies = s_.lattice.wraps() ? kRound : 0;
   for (std::uint32_t i = large.body_begin; i < large.body_end; ++i) {
     if (b.id[i] == kNoSlot) continue;
     const Vec2 v = b.velocity(i);
-    const double far = static_cast<double>(b.radius[i]) + std::fabs(v.y) * settings.time;
-    const auto reach = static_cast<std::int64_t>(std::fmin(far / settings.pitch_y, static_cast<double>(kRound))) + 1;
+    const double far = static_cast<double>(b.radius[i]) + std::fabs(v.y) * time;
+    const auto reach =
+        static_cast<std::int64_t>(std::fmin(far / s_.lattice.pitch_y(), static_cast<double>(kRound))) + 1;
     for (std::int64_t round = -copies; round <= copies; round += kRound) {
       const std::int64_t at = b.pos[2 * std::size_t{i} + 1] + round;
       const auto end = std::ranges::upper_bound(stirs_, at + reach, {}, &Stir::low);
@@ -73,12 +75,11 @@ void StripSpeeds::place_large(const BodyStore& b, const Strip& large, const Sett
   }
 }
 
-void StripSpeeds::measure(const BodyStore& b, const std::vector<Strip>& strips, const Settings& settings,
-                          WorkerPool& pool) {
+void StripSpeeds::measure(const std::vector<Strip>& strips, bool uneven, double time) {
   const std::size_t grid = strips.size() - 1;
   stirs_.resize(grid);
-  pool.run(grid, [&](std::size_t s) { stirs_[s].look(b, strips[s], settings.uneven); });
-  if (settings.uneven && grid != 0) place_large(b, strips[grid], settings);
+  s_.pool.run(grid, [&](std::size_t s) { stirs_[s].look(s_.bodies, strips[s], uneven); });
+  if (uneven && grid != 0) place_large(strips[grid], time);
   speed_.resize(strips.size());
   for (std::size_t s = 0; s < grid; ++s) {
     Stir about = stirs_[s];
@@ -87,8 +88,8 @@ void StripSpeeds::measure(const BodyStore& b, const std::vector<Strip>& strips, 
       about.masses.add(stirs_[other].masses);
       about.heavy.add(stirs_[other].heavy);
     };
-    if (s != 0 || settings.periodic) join(s == 0 ? grid - 1 : s - 1);
-    if (s + 1 != grid || settings.periodic) join(s + 1 == grid ? 0 : s + 1);
+    if (s != 0 || s_.lattice.wraps()) join(s == 0 ? grid - 1 : s - 1);
+    if (s + 1 != grid || s_.lattice.wraps()) join(s + 1 == grid ? 0 : s + 1);
     const Vec2 common = about.bodies.mean();
     speed_[s] = std::fmax(about.bodies.spread(about.masses.weight > 0 ? about.masses.mean() : common),
                           about.heavy.farthest(common));

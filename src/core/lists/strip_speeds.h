@@ -6,23 +6,18 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/worker_pool.h"
-#include "bodies/body_store.h"
+#include "bodies/surroundings.h"
 #include "lists/pair_table.h"
 
 namespace psim {
 
 class StripSpeeds {
  public:
-  struct Settings {
-    bool uneven = false;    ///< a heavy body may throw light ones: masses count
-    bool periodic = false;  ///< the last strip meets the first
-    double pitch_y = 1;     ///< m a lattice step
-    double time = 0;        ///< s: length of the step, in which large bodies may reach other strips
-  };
+  explicit StripSpeeds(const Surroundings& s) : s_(s) {}
 
-  /// Samples about 64 bodies of each strip, or all of them where masses differ, and every large body. O(bodies).
-  void measure(const BodyStore& bodies, const std::vector<Strip>& strips, const Settings& settings, WorkerPool& pool);
+  /// Samples about 64 bodies of each strip, or, where masses differ (`uneven`: a heavy body may throw light ones), all of
+  /// them and every large body, which may reach other strips within `time` seconds. O(bodies).
+  void measure(const std::vector<Strip>& strips, bool uneven, double time);
 
   /// The speed of a strip and its neighbours, m/s: the r.m.s. speed about their mean velocity (where masses differ,
   /// about that of their centre of mass), or the speed of the fastest large body there if it is larger. Infinite for
@@ -57,8 +52,9 @@ class StripSpeeds {
     void look(const BodyStore& bodies, const Strip& strip, bool uneven);
   };
 
-  void place_large(const BodyStore& bodies, const Strip& large, const Settings& settings);
+  void place_large(const Strip& large, double time);
 
+  const Surroundings s_;
   std::vector<Stir> stirs_;
   std::vector<double> speed_;
 };

@@ -27,7 +27,6 @@ struct SleepSource {
   const PairTable& table;
   Contacts& contacts;
   JointStore& joints;
-  WorkerPool& pool;
   bool contacts_stand = true;   ///< table, contacts and slots belong together; else no contact is known
   bool with_manifolds = false;  ///< some contacts are manifolds
   bool per_mass = false;        ///< impulses of discs are divided by the mass, which is the same for all

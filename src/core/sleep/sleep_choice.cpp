@@ -24,7 +24,7 @@ bool rests_creeping(std::uint8_t state) {
 
 // Whether a body neither moves nor turns.
 bool is_still(const BodyStore& b, std::size_t slot) {
-  return b.vel[2 * slot] == 0 && b.vel[2 * slot + 1] == 0 && (b.rim_speed.empty() || b.rim_speed[slot] == 0);
+  return b.vel[2 * slot] == 0 && b.vel[2 * slot + 1] == 0 && b.rim_speed_of(slot) == 0;
 }
 
 // Returns a function that tells the marks of a body that has stayed where it is for long enough, else 0.

@@ -70,13 +70,9 @@ void each_disc_contact(const SleepSource& source, std::size_t strip, const Each&
   }
 }
 
-struct EveryStrip {
-  bool operator()(std::size_t) const { return true; }
-};
-
 /// Calls each(contact) for the contacts of the present lists, in strips for which wanted(strip) is true. While a step
 /// that is spread over frames makes new lists there are none.
-template <class Each, class Wanted = EveryStrip>
+template <class Each, class Wanted = decltype([](std::size_t) { return true; })>
 void each_contact(const SleepSource& source, const Each& each, const Wanted& wanted = {}) {
   if (!source.contacts_stand) return;
   const BodyStore& bodies = source.population.bodies;

@@ -64,16 +64,16 @@ bool Sleepers::watch() {
   watching_ = !list.empty() || anyone_slow();
   if (!watching_) return false;
   watched_.reserve(b.id_count);
-  run_stream(b.blocks(), pool_, [&](BlockRange r) {
+  run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count);
     const BodyProperties* last = nullptr;  // many bodies in a row have the same properties
-    std::array<Ball, 2> balls{Ball(BodyProperties{}, lattice_, false), Ball(BodyProperties{}, lattice_, true)};
+    std::array<Ball, 2> balls{Ball({}, s_.lattice, false), Ball({}, s_.lattice, true)};
     for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < end; ++i) {
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
       if (last != &properties) {
         last = &properties;
-        balls = {Ball(properties, lattice_, false), Ball(properties, lattice_, true)};
+        balls = {Ball(properties, s_.lattice, false), Ball(properties, s_.lattice, true)};
       }
       Watched& rest = watched_[b.id[i]];
       for (const Ball& ball : balls) {
@@ -108,14 +108,14 @@ std::uint32_t Sleepers::needed(double dt, bool creeps) {
 
 void Sleepers::mark_woken(std::uint32_t id, const LatticePoint& at) {
   watched_.reserve(std::size_t{id} + 1);
-  for (const bool wide : {false, true}) Ball(b_.properties(id), lattice_, wide).put(watched_[id], at.x, at.y, 1);
+  for (const bool wide : {false, true}) Ball(b_.properties(id), s_.lattice, wide).put(watched_[id], at.x, at.y, 1);
 }
 
 bool Sleepers::moves(std::size_t slot, bool creeps) const {
   const std::uint32_t id = b_.id[slot];
   const BodyProperties& properties = b_.properties(id);
   const bool wide = creeps || properties.friction > 0;
-  return calm(id, wide) == 0 || Ball(properties, lattice_, wide).left(b_, slot, watched_[id]);
+  return calm(id, wide) == 0 || Ball(properties, s_.lattice, wide).left(b_, slot, watched_[id]);
 }
 
 void Sleepers::tidy() {

@@ -52,8 +52,7 @@ struct Waking {
 
 class Sleepers {
  public:
-  explicit Sleepers(const Surroundings& s)
-      : state(s.memory), b_(s.bodies), lattice_(s.lattice), pool_(s.pool), watched_(s.memory) {}
+  explicit Sleepers(const Surroundings& s) : state(s.memory), s_(s), b_(s.bodies), watched_(s.memory) {}
 
   static constexpr std::uint64_t kWatchFrames = 8;
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
@@ -135,9 +134,8 @@ class Sleepers {
     std::uint16_t x[2] = {}, y[2] = {};
     std::uint8_t calm[2] = {};  // watches that the body has stayed
   };
+  const Surroundings s_;
   const BodyStore& b_;
-  const Lattice& lattice_;
-  WorkerPool& pool_;
   Column<Watched> watched_;  // by id
   std::vector<Touch> kept_;  // scratch of tidy
   bool watching_ = false;

@@ -19,6 +19,7 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   BroadCells& c = cells_;
   PairSearch& s = search_;
   Grid& grid = c.grid_;
+  bool fixed = s_.statics.any();  // kept in the format, but known from the fixed shapes
   kernels::GridView& g = grid.view;
   a.refuse_nan(true);
   values(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.sample, p.growth,
@@ -26,7 +27,7 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   values(a, c.extent_.most, c.extent_.box, c.sorted_);
   values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
   values(a, grid.cell, grid.periodic, grid.keys, c.listed_, c.large_, c.most_, c.box_, c.area_, c.density_, pad_reach_,
-         next_pad_reach_, s.pairs_a_large_, near_.pairs_, c.tests_, fixed_);
+         next_pad_reach_, s.pairs_a_large_, near_.pairs_, c.tests_, fixed);
   for (std::vector<double>* guess : {&s.pairs_a_body_, &s.pairs_a_piece_, &near_.near_a_body_}) {
     a.packed(*guess);
     if (a.loading()) {

@@ -61,7 +61,7 @@ void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
 void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   ListRenewal& renewal = lists.renewal;
-  if (!renewal.known()) lists.stale = !renewal.find(renewal.time());
+  lists.stale = !renewal.find_again();
   const std::uint32_t found = renewal.count();
   if (!lists.stale) {
     c.contacts.discs.lift(lists.table);
@@ -85,7 +85,7 @@ void count(StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.
 
 void move(StepContext& c, const Span&, StepReport&, PieceRange p) {
   if (!c.neighbours.move(p.begin, p.end)) return;
-  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.cells().from(), c.pool);
+  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.cells().from().data(), c.pool);
   c.progress.lists = ListState::sorted;
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
 }
@@ -105,9 +105,7 @@ void select(StepContext& c, const Span& span, StepReport&, PieceRange p) {
   c.neighbours.select(list_settings(c, span), span.step, p.begin, p.end);
 }
 
-void pack(StepContext& c, const Span&, StepReport&, PieceRange p) {
-  c.neighbours.broad.pack(c.neighbours.candidates, c.neighbours.table, p.begin, p.end);
-}
+void pack(StepContext& c, const Span&, StepReport&, PieceRange p) { c.neighbours.pack(p.begin, p.end); }
 
 void group(StepContext& c, const Span&, StepReport&, PieceRange) {
   Contacts& contacts = c.contacts;
@@ -156,7 +154,7 @@ void colour(StepContext& c, const Span&, StepReport&, PieceRange p) {
 
 void lay_out(StepContext& c, const Span&, StepReport&, PieceRange p) {
   NeighbourLists& lists = c.neighbours;
-  const std::uint32_t* const from = lists.stale ? lists.broad.origin.slots() : nullptr;
+  const std::uint32_t* const from = lists.stale ? lists.broad.origin.slots().data() : nullptr;
   c.contacts.discs.lay_out(lists.table, lists.old_table, from, c.sleep.sleepers.recent, p.begin, p.end);
   if (p.end != lists.table.strips.size()) return;
   if (lists.stale) c.dynamics.forces_stale = true;
