@@ -77,9 +77,13 @@ class Lattice {
   /// A place, m from the centre of the lattice.
   Vec2 from_centre(const LatticePoint& p) const { return metres(p.x, p.y) + Vec2{p.dx, p.dy}; }
   Vec2 to_world(const LatticePoint& p) const { return centre_ + from_centre(p); }
-  /// The vector from one place to another, m. The difference of the lattice points is exact.
+  /// The vector from one lattice point to another without their offsets, m. The difference is exact.
+  Vec2 steps(const LatticePoint& from, const LatticePoint& to) const {
+    return metres(wrap_sub(to.x, from.x), wrap_sub(to.y, from.y));
+  }
+  /// The vector from one place to another, m.
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
-    return metres(wrap_sub(to.x, from.x), wrap_sub(to.y, from.y)) + (Vec2{to.dx, to.dy} - Vec2{from.dx, from.dy});
+    return steps(from, to) + (Vec2{to.dx, to.dy} - Vec2{from.dx, from.dy});
   }
 
   /// Cuts the line from p to q at the edges of the lattice, so that its ends are not clamped one by one

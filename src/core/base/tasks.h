@@ -13,17 +13,13 @@ struct BlockRange {
 
 inline constexpr std::uint32_t kTaskBlocks = 256;  // 2048 bodies, which take some microseconds
 
-inline std::size_t stream_tasks(std::uint32_t blocks) { return (blocks + kTaskBlocks - 1) / kTaskBlocks; }
-
-inline BlockRange stream_range(std::size_t task, std::uint32_t blocks) {
-  const auto begin = static_cast<std::uint32_t>(task) * kTaskBlocks;
-  return {begin, std::min(blocks, begin + kTaskBlocks)};
-}
-
 /// Runs each(range) over the ranges of `blocks` blocks.
 template <class Pool, class Each>
 void run_stream(std::uint32_t blocks, Pool& pool, const Each& each) {
-  pool.run(stream_tasks(blocks), [&](std::size_t task) { each(stream_range(task, blocks)); });
+  pool.run((blocks + kTaskBlocks - 1) / kTaskBlocks, [&](std::size_t task) {
+    const auto begin = static_cast<std::uint32_t>(task) * kTaskBlocks;
+    each(BlockRange{begin, std::min(blocks, begin + kTaskBlocks)});
+  });
 }
 
 /// Runs each(strip) over strips in three phases: even strips, odd strips, then the last strip, the group of large

@@ -281,7 +281,7 @@ class ContactFinder {
   const Sleepers& sleepers_ = world_.sleep.sleepers;
   ContactList& list_;
   const ContactWriter writer_{world_};
-  const bool rough_ = contacts_.rough();
+  const bool rough_ = contacts_.model().rough();
   const double times_ = last_.substeps * last_.disc_mass;  // turns the impulses of discs into N s
   const bool valid_ = world_.contacts.impulses_valid && bodies_.count != 0 && table_.body_count != 0;
   const std::size_t strips_ = valid_ ? table_.strips.size() : 0;  // that have contacts

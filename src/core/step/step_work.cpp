@@ -7,7 +7,6 @@
 namespace psim {
 
 StepContext::StepContext(const WorldDesc& d, const RunOptions& o) : desc(d), options(o) {
-  pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
   take_traits(d, population.traits);
