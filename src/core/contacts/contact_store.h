@@ -80,8 +80,7 @@ class ContactStore {
   /// Blocks that the additional sweeps of a pass go through, summed over the sweeps.
   std::uint64_t loaded_blocks() const { return loaded_blocks_; }
   std::uint32_t colours() const { return colours_; }
-  static constexpr std::uint32_t kMostColours = ContactClass::kColours;
-  /// The colour of a pair of the table that was laid out last. kMostColours or more: the pair is solved by itself.
+  /// The colour of a pair of the table that was laid out last. ContactClass::kColours or more: it is solved by itself.
   std::uint32_t colour_of_pair(std::uint32_t pair) const { return colour_[pair]; }
   /// The colour of a contact with a fixed shape, the sequence-th of its body in the strip.
   static std::uint32_t colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence);

@@ -176,8 +176,8 @@ class StaticGeometry {
   // The distance from a point, relative to the centre of the body, to a segment.
   double distance_to(const StaticPair& pair, Vec2 point) const {
     const StaticShape& s = statics_[pair.shape];
-    const Vec2 offset{static_cast<double>(s.p.dx), static_cast<double>(s.p.dy)};
-    const Vec2 a = point + lattice_.steps(s.p, centre_of(pair)) - offset, u = lattice_.way(s.p, s.q);
+    const Vec2 u = lattice_.way(s.p, s.q);
+    const Vec2 a = point + lattice_.steps(s.p, centre_of(pair)) - Vec2{s.p.dx, s.p.dy};
     return length_of(a - std::fmin(std::fmax(dot(a, u) / dot(u, u), 0), 1) * u);
   }
 

@@ -48,10 +48,7 @@ class SolverBodies {
 
   /// Gives the columns of rotation or of impact times back where they are not wanted any more.
   void forget(bool rotation, bool impacts) {
-    if (rotation) {
-      rim_speed_.release();
-      rim_speed0_.release();
-    }
+    if (rotation) give_back(rim_speed_, rim_speed0_);
     if (impacts) event_time_.release();
   }
   std::size_t rotation_bytes() const { return rim_speed_.bytes() + rim_speed0_.bytes(); }

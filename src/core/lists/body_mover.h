@@ -24,9 +24,7 @@ class BodyMover {
   /// Gives back the other halves of radii or rotation if they are not needed any more.
   void forget(bool radii, bool rotation) {
     if (radii) radius_.release();
-    if (!rotation) return;
-    rim_speed_.release();
-    angle_.release();
+    if (rotation) give_back(rim_speed_, angle_);
   }
   std::size_t radii_bytes() const { return radius_.bytes(); }
   std::size_t rotation_bytes() const { return rim_speed_.bytes() + angle_.bytes(); }

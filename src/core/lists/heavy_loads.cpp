@@ -196,9 +196,7 @@ void HeavyLoads::end(bool any) {
 
 void HeavyLoads::release() {
   forget();
-  inv_mass_.release();
-  level_.release();
-  for (std::vector<std::uint8_t>* marks : {&active_, &next_}) std::vector<std::uint8_t>().swap(*marks);
+  give_back(inv_mass_, level_, active_, next_);
 }
 
 }  // namespace psim

@@ -90,11 +90,7 @@ void LargeCells::build(const std::int32_t* at, const float* reach, std::uint32_t
 
 void LargeCells::release() {
   levels_.clear();
-  at_.release();
-  reach_.release();
-  slot_.release();
-  place_.release();
-  start_.release();
+  give_back(at_, reach_, slot_, place_, start_);
 }
 
 double LargeCells::tests() const {

@@ -172,11 +172,7 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_,
-            special_, stale_, shaped_);
-  kind_.release();
-  rotor_.release();
-  inner_.release();
-  used_.release();
+            special_, stale_, shaped_, kind_, rotor_, inner_, used_);
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {

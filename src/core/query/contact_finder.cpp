@@ -66,7 +66,7 @@ class StripColours {
 
  private:
   static std::uint32_t numbered(std::uint32_t colour, std::uint32_t first) {
-    return colour < ContactStore::kMostColours ? first + colour : kNoColour;
+    return colour < ContactClass::kColours ? first + colour : kNoColour;
   }
 
   const bool laid_;

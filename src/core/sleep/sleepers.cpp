@@ -133,11 +133,8 @@ void Sleepers::tidy() {
 }
 
 void Sleepers::release() {
-  const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
-  drop(list, touches, queue, found, roots, pieces, kept_);
+  give_back(list, touches, queue, found, roots, pieces, kept_, watched_, state);
   if (recent.empty()) recent = TouchMemory();
-  watched_.release();
-  state.release();
   watching_ = false;
   room_of_ = 0;
 }

@@ -30,10 +30,8 @@ SleepSource StepContext::sleep_source() {
 namespace {
 
 void begin_again(StepContext& c) {
-  c.progress.part = 0;
-  c.progress.at = 0;
-  c.progress.lists = ListState::kept;
-  c.progress.contacts = ContactState::kept;
+  StepProgress& now = c.progress;
+  now = {.spread = now.spread, .waits = now.waits, .spoiled = now.spoiled, .horizon = now.horizon};
   c.done_so_far.clear();
 }
 
