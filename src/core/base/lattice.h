@@ -50,7 +50,11 @@ class Lattice {
   double pitch_y() const { return pitch_y_; }
 
   /// The lattice place of a world position (clamped to the lattice where it does not wrap).
-  LatticePoint to_lattice(Vec2 p) const { return moved({}, p - centre_); }
+  LatticePoint to_lattice(Vec2 p) const {
+    const auto finite = [](double d) { return std::fmin(std::fmax(d, -0x1p100), 0x1p100); };  // as a float
+    return moved({}, {finite(p.x - centre_.x), finite(p.y - centre_.y)});
+  }
+
   /// The lattice place of `place` + `arm`. The arm is added on the lattice, so that a scene that is moved
   /// by whole steps has the same bits.
   LatticePoint to_lattice(Vec2 place, Vec2 arm) const { return moved(to_lattice(place), arm); }
@@ -102,8 +106,7 @@ class Lattice {
     return p;
   }
   void move(std::int32_t& k, float& rest, double way, double pitch) const {
-    const double all = rest + std::fmin(std::fmax(way, -0x1p100), 0x1p100);  // finite as a float
-    const double steps = std::nearbyint(all / pitch), to = clamped(k + steps);
+    const double all = rest + way, steps = std::nearbyint(all / pitch), to = clamped(k + steps);
     rest = static_cast<float>(all - (wraps_ ? steps : to - k) * pitch);
     k = step_of(to);
   }
