@@ -100,8 +100,9 @@ std::uint32_t Continuous::stop(const Contacts& contacts, const PairTable& table,
                                const std::vector<std::uint32_t>& bullets, bool filters) {
   const BodyStore& b = contacts.surroundings.bodies;
   const std::vector<std::uint32_t>& slots = contacts.manifolds.shaped();
-  const std::size_t jobs = contacts.surroundings.statics.any() ? (slots.size() + kTask - 1) / kTask : 0;
-  jobs_.resize(std::max(jobs_.size(), jobs));
+  const std::size_t tasks = (slots.size() + kTask - 1) / kTask;
+  const std::size_t jobs = contacts.surroundings.statics.any() ? tasks : 0;
+  jobs_.resize(std::max(jobs_.size(), tasks));
   contacts.surroundings.pool.run(jobs, [&](std::size_t n) {
     Job& job = jobs_[n];
     job.fast = job.looks = job.cut = 0;

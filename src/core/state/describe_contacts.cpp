@@ -260,8 +260,11 @@ void JointStore::describe(Archive& a) {
     for (std::uint32_t k = 0; k < joints_.size(); ++k) {
       if (joints_[k].alive) enter(k);
     }
-    stale_ = !laid || !a.ok();
-    if (!stale_) lay_out();
+    stale_ = true;  // what follows from the joints is found anew
+    if (laid && a.ok()) {
+      lay_out();
+      stale_ = false;
+    }
   }
   for (std::uint32_t k = 0; k < kLists && laid; ++k) {
     JointLists::visit(lists_, k, [&](auto& blocks) {
