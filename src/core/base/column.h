@@ -21,6 +21,19 @@ struct MemoryMeter {
   std::uint64_t growths = 0;
 };
 
+/// Empties lists and columns and gives their memory back.
+template <class... Lists>
+void give_back(Lists&... lists) {
+  const auto drop = []<class List>(List& list) {
+    if constexpr (requires { list.release(); }) {
+      list.release();
+    } else {
+      list = List();
+    }
+  };
+  (drop(lists), ...);
+}
+
 template <class T>
 class Column {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -92,19 +105,6 @@ class Column {
 template <class... Vectors>
 std::size_t bytes_of(const Vectors&... vectors) {
   return (std::size_t{0} + ... + (vectors.capacity() * sizeof vectors[0]));
-}
-
-/// Empties vectors and columns and gives their memory back.
-template <class... Lists>
-void give_back(Lists&... lists) {
-  const auto one = []<class List>(List& list) {
-    if constexpr (requires { list.release(); }) {
-      list.release();
-    } else {
-      List().swap(list);
-    }
-  };
-  (one(lists), ...);
 }
 
 /// Makes room for n values in columns that are wanted; the others give their memory back.

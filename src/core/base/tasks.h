@@ -13,12 +13,22 @@ struct BlockRange {
 
 inline constexpr std::uint32_t kTaskBlocks = 256;  // 2048 bodies, which take some microseconds
 
+inline std::size_t jobs_for(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
+
 /// Runs each(range) over the ranges of `blocks` blocks.
 template <class Pool, class Each>
 void run_stream(std::uint32_t blocks, Pool& pool, const Each& each) {
-  pool.run((blocks + kTaskBlocks - 1) / kTaskBlocks, [&](std::size_t task) {
+  pool.run(jobs_for(blocks, kTaskBlocks), [&](std::size_t task) {
     const auto begin = static_cast<std::uint32_t>(task) * kTaskBlocks;
     each(BlockRange{begin, std::min(blocks, begin + kTaskBlocks)});
+  });
+}
+
+/// Runs each(k, job) for every k below n, in jobs of `size`.
+template <class Pool, class Each>
+void run_each(std::size_t n, std::size_t size, Pool& pool, const Each& each) {
+  pool.run(jobs_for(n, size), [&](std::size_t job) {
+    for (std::size_t k = job * size, end = std::min(n, k + size); k < end; ++k) each(k, job);
   });
 }
 

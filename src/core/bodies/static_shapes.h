@@ -52,6 +52,18 @@ inline constexpr std::uint32_t kWallTop = 0xFFFFFFF3u;
 /// The four walls as lattice coordinates.
 struct Walls {
   LatticePoint low, high;
+
+  struct Face {
+    float nx = 0, ny = 0;  ///< into the world
+    double height = 0;     ///< m: of the place over the wall
+  };
+  /// A wall as it is seen from a place.
+  Face face(std::uint32_t wall, const LatticePoint& at, const Lattice& lattice) const {
+    const bool far = wall == kWallRight || wall == kWallTop, upright = wall == kWallLeft || wall == kWallRight;
+    const Vec2 way = lattice.way(far ? high : low, at);
+    const float sign = far ? -1 : 1;
+    return {upright ? sign : 0, upright ? 0 : sign, sign * (upright ? way.x : way.y)};
+  }
 };
 
 /// A static body. Its shapes lie in StaticShapes, in a run that starts with `first_shape`.

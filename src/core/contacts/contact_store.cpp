@@ -217,8 +217,7 @@ void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, 
     fixed.ny[at] = known ? fixed.old_ny[before] : 0;
     if (known || recent.empty()) return;
     const bool asleep = !wall && s_.statics[pair.shape].asleep;
-    recall(recent, asleep ? TouchKey::bodies(id, s_.statics[pair.shape].owner) : TouchKey::fixed(id, pair.shape), id,
-           fixed, at);
+    recall(recent, asleep ? pair_key(id, s_.statics[pair.shape].owner) : fixed_key(id, pair.shape), id, fixed, at);
   });
 }
 
@@ -276,7 +275,7 @@ void ContactStore::lay_out(PairTable& table, const PairTable& old, const std::ui
       pairs.carry(model_, at, before);
       if (before != ContactLanes::kNoLane || recent.empty()) return;
       const std::uint32_t id = s_.bodies.id[i];
-      recall(recent, TouchKey::bodies(id, s_.bodies.id[j]), id, pairs, at);
+      recall(recent, pair_key(id, s_.bodies.id[j]), id, pairs, at);
     });
     lay_out_statics(table, recent, begin + n,
                     [&](const StaticPair& pair) { return find_static(old, was(pair.body), pair.shape); });

@@ -34,7 +34,7 @@ class ContactStore {
   }
   const ContactModel& model() const { return model_; }
 
-  ContactStore(const Surroundings& s, const Material& wall, const SolverBodies& numbers, const HeavyLoads& loads)
+  ContactStore(const Surroundings& s, const Material& wall, SolverBodies& numbers, const HeavyLoads& loads)
       : pairs(s.memory), fixed(s.memory), s_(s), wall_(wall), numbers_(numbers), loads_(loads) {}
 
   /// A layout in parts, since a step may be spread over frames: begin(), then colour() and lay_out(), each for strips
@@ -68,6 +68,12 @@ class ContactStore {
     laying_ = false;
   }
   void give_up() { laying_ = false; }  ///< the impulses that are in place count
+
+  /// The narrow phase of discs, at the start of a step: fills nx and ny and gap of every lane, and base and refresh of
+  /// static contacts, from lattice positions. `refresh` is the sideways motion, m, after which a normal is computed anew
+  /// within the step. A kernel computes pairs of discs; contacts with walls, segments and fixed discs are computed one
+  /// by one. O(candidates).
+  void find_gaps(const Walls& walls, float refresh, const PairTable& table);
 
   /// Makes room for so many contacts, which are laid out later.
   void spare(std::size_t pair_lanes, std::size_t static_lanes) {
@@ -106,7 +112,7 @@ class ContactStore {
 
   const Surroundings s_;
   const Material& wall_;
-  const SolverBodies& numbers_;
+  SolverBodies& numbers_;
   const HeavyLoads& loads_;
 
   ContactModel model_;
@@ -118,12 +124,5 @@ class ContactStore {
   std::vector<PairImpulse> lifted_;  // of the last strip
   bool laying_ = false;              // the impulses of the last step are in the old columns
 };
-
-/// The narrow phase of discs, at the start of a step: fills nx and ny and gap of every lane of `contacts`, and base and
-/// refresh of static contacts, from lattice positions. `refresh` is the sideways motion, m, after which a normal is
-/// computed anew within the step. A kernel computes pairs of discs; contacts with walls, segments and fixed discs are
-/// computed one by one. O(candidates).
-void narrow_phase(const Surroundings& s, SolverBodies& solved, const Walls& walls, float refresh,
-                  const PairTable& table, ContactStore& contacts);
 
 }  // namespace psim

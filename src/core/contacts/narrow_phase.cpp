@@ -30,11 +30,8 @@ class StaticGeometry {
       if (s.asleep) yield(pair, s);
       return;
     }
-    const bool high = pair.shape == kWallRight || pair.shape == kWallTop;
-    const Vec2 way = lattice_.way(high ? walls_.high : walls_.low, centre_of(pair));
-    const bool upright = pair.shape == kWallLeft || pair.shape == kWallRight;
-    const float sign = high ? -1 : 1;
-    face(pair, upright ? sign : 0, upright ? 0 : sign, sign * static_cast<float>(upright ? way.x : way.y) - r);
+    const Walls::Face wall = walls_.face(pair.shape, centre_of(pair), lattice_);
+    face(pair, wall.nx, wall.ny, static_cast<float>(wall.height) - r);
   }
 
   // Makes the contact as soft as it was when both sides moved. Both bodies are at rest, so that the normal lasts.
@@ -192,18 +189,17 @@ class StaticGeometry {
 
 }  // namespace
 
-void narrow_phase(const Surroundings& s, SolverBodies& solved, const Walls& walls, float refresh,
-                  const PairTable& table, ContactStore& contacts) {
-  solved.load();
-  const kernels::BodyView bodies = solved.view();
-  const kernels::ContactView pairs = contacts.pairs.view();
+void ContactStore::find_gaps(const Walls& walls, float refresh, const PairTable& table) {
+  numbers_.load();
+  const kernels::BodyView bodies = numbers_.view();
+  const kernels::ContactView lanes = pairs.view();
   kernels::ContactParams p;
-  p.pitch_x = static_cast<float>(s.lattice.pitch_x());
-  p.pitch_y = static_cast<float>(s.lattice.pitch_y());
-  s.pool.run(table.strips.size(), [&](std::size_t index) {
+  p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
+  p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  s_.pool.run(table.strips.size(), [&](std::size_t index) {
     const ContactBlocks& blocks = table.strips[index].blocks;
-    if (blocks.begin != blocks.end) s.kernels.prepare(bodies, pairs, p, blocks.begin, blocks.end);
-    StaticGeometry geometry(s, walls, refresh, contacts.fixed);
+    if (blocks.begin != blocks.end) s_.kernels.prepare(bodies, lanes, p, blocks.begin, blocks.end);
+    StaticGeometry geometry(s_, walls, refresh, fixed);
     std::span<const StaticPair> list = table.static_contacts[index];
     while (!list.empty()) {
       std::size_t of_body = 1;

@@ -11,15 +11,10 @@
 
 namespace psim {
 
-/// Names a contact by its sides: two bodies, or a body and a piece of fixed geometry.
-struct TouchKey {
-  static std::uint64_t bodies(std::uint32_t a, std::uint32_t b) {
-    return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
-  }
-  static std::uint64_t fixed(std::uint32_t body, std::uint32_t shape) {
-    return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
-  }
-};
+/// Names the contact of a body and a piece of fixed geometry. That of two bodies has the pair_key() of their ids.
+inline std::uint64_t fixed_key(std::uint32_t body, std::uint32_t shape) {
+  return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
+}
 
 /// What one contact carried. Shapes that touch along an edge have two points, in their order along the edge.
 struct Touch {

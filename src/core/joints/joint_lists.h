@@ -4,11 +4,10 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <tuple>
-#include <type_traits>
 #include <vector>
 
+#include "base/column.h"
 #include "joint_views.h"
 
 namespace psim {
@@ -57,16 +56,12 @@ class JointLists {
   }
   /// Replaces the blocks of a list by empty ones.
   void assign(std::uint32_t list, std::size_t count) {
-    visit(*this, list, [count](auto& all) {
-      using Block = typename std::remove_reference_t<decltype(all)>::value_type;
-      all.resize(count);
-      if (count != 0) std::memset(static_cast<void*>(all.data()), 0, count * sizeof(Block));
-    });
+    visit(*this, list, [count](auto& all) { all.assign(count, {}); });
   }
   std::size_t bytes() const {
     std::size_t sum = 0;
     for (std::uint32_t list = 0; list < kCount; ++list) {
-      visit(*this, list, [&](const auto& all) { sum += all.capacity() * sizeof(all[0]); });
+      visit(*this, list, [&](const auto& all) { sum += bytes_of(all); });
     }
     return sum;
   }

@@ -148,28 +148,25 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
   const BodyStore& b = s_.bodies;
   members_.resize(bodies_.size());
   constexpr std::size_t kEach = 512;
-  s_.pool.run((members_.size() + kEach - 1) / kEach, [&](std::size_t job) {
-    for (std::size_t n = job * kEach; n < std::min(members_.size(), (job + 1) * kEach); ++n) {
-      JointMember& m = members_[n];
-      const std::uint32_t id = bodies_[n], slot = b.info[id].slot;
-      const BodyKind& kind = b.kind(id);
-      m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
-      if (b.info[id].place == Place::moving) {
-        m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
-        m.angle = b.angle[slot];
-        m.centre = {static_cast<double>(kind.centre_x), static_cast<double>(kind.centre_y)};
-        m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
-        m.number = numbers.number(slot);
-      } else {
-        const FixedBody& f = fixed[slot];
-        m.at = s_.lattice.to_lattice({f.x, f.y});
-        m.angle = f.angle;
-        m.centre = {};
-        m.inverse_radius = 1;
-        m.number = numbers.dummies();
-      }
-      m.turn = sine_cosine(m.angle);
+  run_each(members_.size(), kEach, s_.pool, [&](std::size_t n, std::size_t) {
+    const std::uint32_t id = bodies_[n], slot = b.info[id].slot;
+    const BodyKind& kind = b.kind(id);
+    JointMember m;
+    m.number = numbers.dummies();
+    m.rim_gain = b.properties(id).rim_gain;
+    if (b.info[id].place == Place::moving) {
+      m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
+      m.angle = b.angle[slot];
+      m.centre = {kind.centre_x, kind.centre_y};
+      m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
+      m.number = numbers.number(slot);
+    } else {
+      const FixedBody& f = fixed[slot];
+      m.at = s_.lattice.to_lattice({f.x, f.y});
+      m.angle = f.angle;
     }
+    m.turn = sine_cosine(m.angle);
+    members_[n] = m;
   });
 }
 

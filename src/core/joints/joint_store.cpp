@@ -3,7 +3,6 @@
 #include "base/sort_keys.h"
 
 #include <algorithm>
-#include <type_traits>
 
 namespace psim {
 
@@ -82,19 +81,16 @@ bool JointStore::remove(JointId id) {
 }
 
 std::size_t JointStore::bytes() const {
-  const auto of = [](const auto&... v) { return ((v.capacity() * sizeof(v[0])) + ...); };
-  std::size_t sum = of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_, shares_.ranges,
-                       shares_.jobs, marks_) +
+  std::size_t sum = bytes_of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_,
+                             shares_.ranges, shares_.jobs, marks_) +
                     lists_.bytes();
-  for (const auto& lanes : lanes_) sum += of(lanes);
+  for (const auto& lanes : lanes_) sum += bytes_of(lanes);
   return sum;
 }
 
 void JointStore::release_blocks() {
-  const auto drop = [](auto&... lists) { ((lists = std::remove_reference_t<decltype(lists)>()), ...); };
-  drop(first_, bodies_, members_, lists_, jobs_, phases_, shares_, marks_);
-  for (auto& lanes : lanes_) drop(lanes);
-  for (Column<float>* c : {&share_vel_, &share_rim_speed_, &push_vel_, &push_rim_speed_}) c->release();
+  give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_, share_vel_, share_rim_speed_,
+            push_vel_, push_rim_speed_);
   stale_ = true;
 }
 
@@ -156,10 +152,8 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
   if (j.lane == kNoSlot || !(h_ > 0)) return;
   JointLists::visit_lane(lists_, j.list(), j.lane, [&](const auto& b, std::uint32_t k) {
     double l[JointLists::kImpulses] = {};
-    JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = static_cast<double>(impulse); });
-    const auto along = [&](float x, float y, double f) {
-      return f * Vec2{static_cast<double>(x), static_cast<double>(y)};
-    };
+    JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = impulse; });
+    const auto along = [](float x, float y, double f) { return f * Vec2{x, y}; };
     if constexpr (requires { b.nx; }) {
       force = along(b.nx[k], b.ny[k], l[0]);
     } else if constexpr (requires { b.ux; }) {

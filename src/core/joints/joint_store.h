@@ -213,7 +213,7 @@ class JointStore {
   std::vector<std::uint32_t> bodies_;  // ids, ascending
   std::vector<JointMember> members_;   // in the order of bodies_
   JointLists lists_;
-  std::vector<std::uint32_t> lanes_[kLists];  // by lane: the joint, or kNoSlot
+  std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, or kNoSlot
   Jobs jobs_;
   std::vector<BlockRange> phases_;  // in jobs_
   Jobs shares_;                     // blocks of bodies that have joints; all are of list 0

@@ -44,7 +44,7 @@ auto contacts_of(List& list, std::uint32_t body) {
   return std::ranges::equal_range(list, body, {}, &StaticPair::body);
 }
 
-/// Names a pair whichever way round it is told: the lower slot, then the higher one.
+/// Names a pair whichever way round it is told: the lower slot or id, then the higher one.
 inline std::uint64_t pair_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }

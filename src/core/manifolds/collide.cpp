@@ -266,7 +266,7 @@ inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rot
   if (radius + margin < distance) return m;
   int corner = hull.count == 1 ? 0 : -1;
   if (hull.count > 1) {
-    const int next = edge + 1 < hull.count ? edge + 1 : 0;
+    const int next = hull.next(edge);
     const Vec first = from(edge), last = from(next);
     n = normal(edge);
     // Both ends are used alike, so that a mirrored hull gives mirrored bits.

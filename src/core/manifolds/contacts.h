@@ -13,28 +13,17 @@
 namespace psim {
 
 struct Contacts {
-  Contacts(const Surroundings& s, const Material& wall)
-      : surroundings(s),
-        solved(s),
-        loads(s.memory),
-        discs(s, wall, solved, loads),
-        manifolds(s),
-        stacks(s, manifolds) {}
-
-  /// Normals and gaps of the contacts of discs.
-  void find_gaps(const Walls& walls, float refresh, const PairTable& table) {
-    narrow_phase(surroundings, solved, walls, refresh, table, discs);
-  }
+  Contacts(const Surroundings& s, const Material& wall) : surroundings(s), discs(s, wall, solved, loads) {}
 
   const Surroundings surroundings;
-  SolverBodies solved;                   ///< the bodies that the solver works on
-  HeavyLoads loads;                      ///< bodies that carry much heavier ones
-  ContactStore discs;                    ///< contacts of discs with discs and with fixed shapes
-  Manifolds manifolds;                   ///< contacts of all other shapes
-  Stacks stacks;                         ///< bodies that stand on each other one by one
-  bool kept = false;                     ///< the contacts of this step are those of the last one
-  bool impulses_valid = false;           ///< the table's impulses belong to the present plan's contact model
-  bool bare = false;                     ///< a state came back: contacts have impulses, but no geometry or colours
+  SolverBodies solved{surroundings};       ///< the bodies that the solver works on
+  HeavyLoads loads{surroundings.memory};   ///< bodies that carry much heavier ones
+  ContactStore discs;                      ///< contacts of discs with discs and with fixed shapes
+  Manifolds manifolds{surroundings};       ///< contacts of all other shapes
+  Stacks stacks{surroundings, manifolds};  ///< bodies that stand on each other one by one
+  bool kept = false;                       ///< the contacts of this step are those of the last one
+  bool impulses_valid = false;             ///< the table's impulses belong to the present plan's contact model
+  bool bare = false;                       ///< a state came back: contacts have impulses, but no geometry or colours
   std::array<float, 4> softness_laid{};  ///< compliance and rate in the lanes of manifolds, alone and under heavy loads
 };
 

@@ -29,8 +29,6 @@ constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stan
 constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
 
-Vec2 vertex(const Hull& hull, int k) { return {hull.x[k], hull.y[k]}; }
-
 // Gives recalled impulses to the points of the manifold that was found.
 void take_recalled(ManifoldPair& pair) {
   const Manifold& m = pair.manifold;
@@ -155,14 +153,9 @@ struct Manifolds::Look {
     pair.round_a = 0;
     if (pair.of_wall()) {
       ++looks.alone;
-      const Vec2 low = lattice.way(params.walls.low, now.at), high = lattice.way(params.walls.high, now.at);
-      const auto meet = [&](float nx, float ny, double offset) {
-        take(pair, now, meet_plane(hull_b, now.qb, nx, ny, static_cast<float>(offset), margin), nullptr, hull_b);
-      };
-      if (pair.shape == kWallLeft) return meet(1, 0, low.x);
-      if (pair.shape == kWallRight) return meet(-1, 0, -high.x);
-      if (pair.shape == kWallBottom) return meet(0, 1, low.y);
-      return meet(0, -1, -high.y);
+      const auto [nx, ny, height] = params.walls.face(pair.shape, now.at, lattice);
+      const Manifold found = meet_plane(hull_b, now.qb, nx, ny, static_cast<float>(height), margin);
+      return take(pair, now, found, nullptr, hull_b);
     }
     Vec2 way;
     if (pair.of_piece()) {
@@ -244,7 +237,7 @@ struct Manifolds::Look {
   // body meets the face of the segment, never its end: a normal that leans towards such an end is wrong.
   // `face` becomes the normal of the face on the side of the body. The piece is relative to the centre of the body.
   bool end_on(const ManifoldPair& pair, const Hull& piece, const Manifold& m, Vec2& face) const {
-    const Vec2 p = vertex(piece, 0), u = vertex(piece, 1) - p;
+    const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
     const double length = length_of(u);
     face = {-u.y / length, u.x / length};
     const double side = dot(p, face) > 0 ? -1 : 1;
@@ -264,7 +257,7 @@ struct Manifolds::Look {
     Manifold& m = pair.manifold;
     Vec2 normal;
     if (m.count == 0 || piece.count != 2 || !end_on(pair, piece, m, normal)) return;
-    const Vec2 p = vertex(piece, 0), u = vertex(piece, 1) - p;
+    const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
     const auto offset = static_cast<float>(-dot(p, normal));
     m = meet_plane(hull, q, static_cast<float>(normal.x), static_cast<float>(normal.y), offset - piece.radius, margin);
     const int found = std::exchange(m.count, 0);

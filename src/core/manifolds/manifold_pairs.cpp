@@ -9,8 +9,7 @@ namespace {
 // Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
 void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, ManifoldPair& pair) {
   const bool ground = pair.of_piece() && !pair.of_sleeper(statics);
-  const Touch* touch =
-      recent.find(ground ? TouchKey::fixed(pair.id_b, pair.shape) : TouchKey::bodies(pair.id_a, pair.id_b));
+  const Touch* touch = recent.find(ground ? fixed_key(pair.id_b, pair.shape) : pair_key(pair.id_a, pair.id_b));
   if (touch == nullptr) return;
   pair.recalled = static_cast<std::uint8_t>(touch->points);
   // If the other side was a sleeping shape, a disc had this contact in the lists of discs.
@@ -277,7 +276,7 @@ constexpr std::uint64_t kFixedPieces = std::uint64_t{1} << 63;
 
 std::uint64_t rank(const PairName& p) {
   if (p.of_piece()) return kFixedPieces | p.b;
-  return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
+  return pair_key(p.a, p.b);
 }
 
 }  // namespace

@@ -5,14 +5,10 @@
 
 #include "base/rotor.h"
 #include "base/sort_keys.h"
+#include "base/tasks.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
-namespace {
-
-constexpr float kThin = 0.2f;  // the inner radius counts as at least this share of the reach
-
-}  // namespace
 
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
@@ -52,16 +48,14 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   if (begin == 0) {
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
-    constexpr std::size_t kBodies = 1024;  // in a task
-    s_.pool.run((shaped_.size() + kBodies - 1) / kBodies, [&](std::size_t t) {
-      const std::size_t last = std::min(shaped_.size(), (t + 1) * kBodies);
-      for (std::size_t n = t * kBodies; n < last; ++n) {
-        const std::size_t i = shaped_[n];
-        const Rotor q = rotor_of(s_.bodies.angle[i]);
-        rotor_[2 * i] = q.c;
-        rotor_[2 * i + 1] = q.s;
-        inner_[i] = std::max(kThin * s_.bodies.radius[i], s_.bodies.kind(s_.bodies.id[i]).inner);
-      }
+    constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
+    constexpr std::size_t kBodies = 1024;  // a job
+    run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
+      const std::size_t i = shaped_[n];
+      const Rotor q = rotor_of(s_.bodies.angle[i]);
+      rotor_[2 * i] = q.c;
+      rotor_[2 * i + 1] = q.s;
+      inner_[i] = std::max(kThin * s_.bodies.radius[i], s_.bodies.kind(s_.bodies.id[i]).inner);
     });
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };

@@ -145,8 +145,7 @@ class Manifolds {
  public:
   void describe(class Archive& a, const ManifoldsAround& around);  ///< for saved states
 
-  explicit Manifolds(const Surroundings& s)
-      : s_(s), kind_(s.memory), rotor_(s.memory), inner_(s.memory), used_(s.memory) {}
+  explicit Manifolds(const Surroundings& s) : s_(s) {}
 
   /// The blocks of a strip.
   struct StripBlocks {
@@ -330,13 +329,13 @@ class Manifolds {
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
   std::vector<StripBlocks> strips_;
-  std::vector<std::uint8_t> special_;  // by strip: some of its bodies are no plain discs
-  std::vector<std::uint8_t> stale_;    // by strip: its blocks have other pairs
-  Column<std::uint8_t> kind_;          // by slot
-  Column<float> rotor_;                // by slot, records
-  Column<float> inner_;                // by slot: m, the inner radius in this step
-  Column<std::uint32_t> used_;         // by slot: the colours that are taken
-  std::vector<std::uint32_t> shaped_;  // slots of bodies that are not discs
+  std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
+  std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs
+  Column<std::uint8_t> kind_{s_.memory};   // by slot
+  Column<float> rotor_{s_.memory};         // by slot, records
+  Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
+  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken
+  std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   Totals totals_;
   Looks looks_;                  // of the last refresh
   std::uint64_t new_pairs_ = 0;  // since then

@@ -89,10 +89,7 @@ class Stacks {
   /// Solves every stack directly: softly, with overlaps pushed out (`soft`), or rigidly.
   void solve(const kernels::BodyView& bodies, const kernels::ContactParams& p, double gravity, bool soft);
 
-  std::size_t bytes() const {
-    return (links_.capacity() + run_.capacity()) * sizeof(StackLink) + stacks_.capacity() * sizeof(Stack) +
-           standing_.capacity() * sizeof(Standing);
-  }
+  std::size_t bytes() const { return bytes_of(standing_, run_, links_, stacks_); }
 
  private:
   static constexpr std::uint32_t kNone = ManifoldPair::kNone;

@@ -32,10 +32,9 @@ RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, dou
   Vec2 normal;
   double deepest = -1e300;  // the largest height of the start over the line of an edge
   double nearest2 = 1e300;  // squared distance of the start from the outline of the core
-  const auto vertex = [&](int k) { return Vec2{hull.x[k], hull.y[k]}; };
   const int edges = hull.count > 1 ? hull.count : 0;
   for (int k = 0; k < edges; ++k) {
-    const Vec2 p = vertex(k), e = vertex(k + 1 < hull.count ? k + 1 : 0) - p;
+    const Vec2 p = hull.vertex(k), e = hull.vertex(hull.next(k)) - p;
     const double span2 = dot(e, e), span = std::sqrt(span2);
     const Vec2 n = span > 0 ? Vec2{e.y / span, -e.x / span} : Vec2{};
     const double height = dot(n, start - p);
@@ -55,7 +54,7 @@ RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, dou
     }
   }
   for (int k = 0; k < hull.count; ++k) {
-    const Vec2 v = vertex(k) - start;
+    const Vec2 v = hull.vertex(k) - start;
     nearest2 = std::fmin(nearest2, dot(v, v));
     if (!moves || !(radius > 0)) continue;
     const double fraction = enter_circle(v.x, v.y, radius, way.x, way.y);

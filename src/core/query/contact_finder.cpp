@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/sort_keys.h"
+#include "base/tasks.h"
 #include "query/contact_list.h"
 #include "query/contact_writer.h"
 
@@ -82,13 +83,14 @@ class ContactFinder {
 
   /// The contacts, in order.
   std::span<const Contact> find() {
-    const std::size_t jobs = (sleepers_.list.size() + kSleepers - 1) / kSleepers;
+    const std::size_t jobs = jobs_for(sleepers_.list.size(), kSleepers);
     list_.found.resize(std::max(list_.found.size(), strips_ + jobs + 1));
     for (std::vector<Contact>& some : list_.found) some.clear();
     world_.pool.run(strips_, [&](std::size_t strip) { find_listed(strip); });
     if (jobs != 0 || !sleepers_.recent.empty()) {
       bodies_.find_slots();
-      world_.pool.run(jobs, [&](std::size_t job) { find_kept(job, list_.found[strips_ + job]); });
+      run_each(sleepers_.list.size(), kSleepers, world_.pool,
+               [&](std::size_t k, std::size_t job) { find_kept(sleepers_.list[k], list_.found[strips_ + job]); });
       find_recent(list_.found[strips_ + jobs]);
     }
     return in_order();
@@ -98,6 +100,9 @@ class ContactFinder {
   std::uint32_t id_at(std::uint32_t slot) const { return slot == kNoSlot ? kNoSlot : bodies_.id[slot]; }
   std::uint32_t id_of(std::uint32_t slot_of_lists) const { return id_at(list_.slot(slot_of_lists)); }
 
+  ContactWriter::Load load_of(const ContactLanes& c, std::uint32_t lane) const {
+    return {times_, c.impulse[lane], rough_ ? c.friction[lane] : 0};
+  }
   bool counts(float impulse) const { return last_.begun ? impulse > 0 : closed(impulse); }
 
   void put(std::size_t strip, Contact contact, std::uint32_t colour) {
@@ -132,10 +137,8 @@ class ContactFinder {
       const LatticePoint at = bodies_.point(i);
       const double r = wide(bodies_.radius[i]);
       const Vec2 way = world_.lattice.way(at, bodies_.point(j));
-      put(strip,
-          writer_.of_disc(
-              bodies_.id[i], bodies_.id[j], at, r, ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal),
-              ContactWriter::load(times_, contacts_.pairs.impulse[lane], rough_ ? contacts_.pairs.friction[lane] : 0)),
+      const ContactWriter::Meeting m = ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal);
+      put(strip, writer_.of_disc(bodies_.id[i], bodies_.id[j], at, r, m, load_of(contacts_.pairs, lane)),
           colours.of_pair(p));
     }
   }
@@ -152,10 +155,8 @@ class ContactFinder {
       const LatticePoint at = bodies_.point(slot);
       const double r = wide(bodies_.radius[slot]);
       const Vec2 normal{wide(contacts_.fixed.nx[lane]), wide(contacts_.fixed.ny[lane])};
-      put(strip,
-          writer_.of_disc(
-              writer_.owner(pair.shape), id, at, -r, writer_.fixed(at, r, pair.shape, normal),
-              ContactWriter::load(times_, contacts_.fixed.impulse[lane], rough_ ? contacts_.fixed.friction[lane] : 0)),
+      const ContactWriter::Meeting m = writer_.fixed(at, r, pair.shape, normal);
+      put(strip, writer_.of_disc(writer_.owner(pair.shape), id, at, -r, m, load_of(contacts_.fixed, lane)),
           colours.of_static(table_.strips[strip], pair, sequence));
     }
   }
@@ -182,9 +183,8 @@ class ContactFinder {
       if (laid ? !closed(impulse) : !(impulse > 0)) continue;
       Vec2 point;
       const ContactWriter::Meeting m = writer_.manifold(pair, list_.slot(pair.a), list_.slot(pair.b), k, point);
-      put(strip,
-          writer_.contact(pair.id_a, pair.id_b, point, m, ContactWriter::load(last_.substeps, impulse, friction)),
-          colours.of_manifold(pair));
+      const ContactWriter::Load load{static_cast<double>(last_.substeps), impulse, friction};
+      put(strip, writer_.contact(pair.id_a, pair.id_b, point, m, load), colours.of_manifold(pair));
     }
   }
 
@@ -204,12 +204,10 @@ class ContactFinder {
     return std::span(sleepers_.touches).subspan(s.first_touch, s.touches);
   }
 
-  // Contacts among bodies that lie still.
-  void find_kept(std::size_t job, std::vector<Contact>& out) const {
-    for (std::size_t k = job * kSleepers; k < std::min(sleepers_.list.size(), (job + 1) * kSleepers); ++k) {
-      for (const Touch& touch : touches_of(sleepers_.list[k])) {
-        if (tells(sleepers_.list[k].id, touch)) writer_.keep(touch, out);
-      }
+  // Contacts of a sleeper with bodies that lie still.
+  void find_kept(const Sleeper& sleeper, std::vector<Contact>& out) const {
+    for (const Touch& touch : touches_of(sleeper)) {
+      if (tells(sleeper.id, touch)) writer_.keep(touch, out);
     }
   }
 
@@ -239,11 +237,8 @@ class ContactFinder {
     sort_refs();
     std::vector<Contact>& out = list_.out;
     out.resize(list_.refs.size());
-    world_.pool.run((out.size() + kSorted - 1) / kSorted, [&](std::size_t job) {
-      for (std::size_t n = job * kSorted; n < std::min(out.size(), (job + 1) * kSorted); ++n) {
-        out[n] = list_.found[list_.refs[n].list][list_.refs[n].at];
-      }
-    });
+    run_each(out.size(), kSorted, world_.pool,
+             [&](std::size_t n, std::size_t) { out[n] = list_.found[list_.refs[n].list][list_.refs[n].at]; });
     for (auto first = out.begin(); first != out.end();) {
       const auto last = std::find_if(first, out.end(), [&](const Contact& c) { return !same_pair(c, *first); });
       // Total order: all members that contacts of a pair can differ in.

@@ -43,8 +43,8 @@ struct ContactList {
   std::vector<std::uint32_t> strips;  ///< of World::strips, by id
 
   std::size_t bytes() const {
-    std::size_t sum = capacity_bytes(now, refs, sorted, count, out, strips);
-    for (const std::vector<Contact>& some : found) sum += capacity_bytes(some);
+    std::size_t sum = bytes_of(now, refs, sorted, count, out, strips);
+    for (const std::vector<Contact>& some : found) sum += bytes_of(some);
     return sum;
   }
 };

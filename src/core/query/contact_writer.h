@@ -22,13 +22,11 @@ class ContactWriter {
     double gap = 0;
   };
 
-  /// What a contact carried, N s. `times` turns the impulses of a lane or a touch into N s.
+  /// What a contact carried. `times` turns the impulses of a lane or a touch into N s.
   struct Load {
-    double impulse = 0, friction = 0;
+    double times = 1;
+    float impulse = 0, friction = 0;
   };
-  static Load load(double times, float impulse, float friction) {
-    return {times * wide(impulse), times * wide(friction)};
-  }
 
   explicit ContactWriter(const Observed& world) : world_(world) {}
 
@@ -40,8 +38,8 @@ class ContactWriter {
     c.point = point;
     c.normal = (first < second ? 1.0 : -1.0) * m.normal;
     c.separation = m.gap;
-    c.impulse = load.impulse + 0.0;  // -0 becomes 0
-    c.friction = load.friction;
+    c.impulse = load.times * wide(load.impulse) + 0.0;  // -0 becomes 0
+    c.friction = load.times * wide(load.friction);
     return c;
   }
 
@@ -64,10 +62,8 @@ class ContactWriter {
   Meeting fixed(const LatticePoint& at, double r, std::uint32_t shape, Vec2 normal) const {
     const Lattice& lattice = world_.lattice;
     if (shape >= kWallLeft) {
-      const Vec2 low = lattice.way(world_.walls.low, at), high = lattice.way(world_.walls.high, at);
-      const Meeting walls[] = {
-          {{1, 0}, low.x - r}, {{-1, 0}, -high.x - r}, {{0, 1}, low.y - r}, {{0, -1}, -high.y - r}};
-      return walls[shape - kWallLeft];
+      const auto [nx, ny, height] = world_.walls.face(shape, at, lattice);
+      return {{nx, ny}, height - r};
     }
     const StaticShape& s = statics_[shape];
     const Vec2 a = lattice.way(s.p, at);
@@ -163,8 +159,8 @@ class ContactWriter {
     const double margin = std::fmin(sa.margin, sb.margin);
     if (sa.hulls == nullptr && sb.hulls == nullptr) {
       const Meeting m = discs(to, sa.radius + sb.radius, {0, 1});
-      const Load carried = load(factor, touch.impulse[0], touch.friction[0]);
-      if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, carried));
+      const Load load{factor, touch.impulse[0], touch.friction[0]};
+      if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, load));
       return;
     }
     Manifold best;
@@ -185,8 +181,8 @@ class ContactWriter {
     const double factor = times(touch, id);
     if (s.hulls == nullptr) {
       const Meeting m = fixed(s.at, s.radius, shape, {});
-      const Load carried = load(factor, touch.impulse[0], touch.friction[0]);
-      if (m.gap <= s.margin) out.push_back(of_disc(owner(shape), id, s.at, -s.radius, m, carried));
+      const Load load{factor, touch.impulse[0], touch.friction[0]};
+      if (m.gap <= s.margin) out.push_back(of_disc(owner(shape), id, s.at, -s.radius, m, load));
       return;
     }
     const auto margin = static_cast<float>(s.margin);
@@ -219,8 +215,7 @@ class ContactWriter {
       }
       const ManifoldPoint& p = m.point[k];
       const Vec2 arm{wide(of_a ? p.ax : p.bx), wide(of_a ? p.ay : p.by)};
-      out.push_back(
-          contact(a, b, centre + arm, {{wide(m.nx), wide(m.ny)}, wide(p.gap)}, load(times, impulse, friction)));
+      out.push_back(contact(a, b, centre + arm, {{m.nx, m.ny}, p.gap}, {times, impulse, friction}));
     }
   }
 

@@ -57,11 +57,10 @@ void EventList::set_options(const EventOptions& options) {
   clear();
   if (!options.contacts) {
     build_ = 0;
-    for (Keys* keys : {&lane_key_, &rest_found_, &rest_, &slept_, &paired_, &toggled_}) *keys = {};
-    touching_ = {};
+    give_back(lane_key_, touching_, paired_, toggled_, rest_found_, rest_, slept_);
   }
-  if (!options.sensors) sensed_ = {};
-  if (!options.hits) hits_ = {};
+  if (!options.sensors) give_back(sensed_);
+  if (!options.hits) give_back(hits_);
 }
 
 void EventList::clear() {
@@ -152,7 +151,7 @@ void EventList::renew_lanes(const Observed& world, std::uint32_t blocks) {
     for (std::uint32_t p = table.strips[strip].pair_begin; p < table.strips[strip].pair_end; ++p) {
       const std::uint32_t i = b.id[table.owner[p]], j = b.id[table.other[p]];
       if (i == kNoSlot || j == kNoSlot) continue;  // a body left in this step
-      if (world.tells_of(i, j)) lane_key_[table.contact[p]] = TouchKey::bodies(i, j);
+      if (world.tells_of(i, j)) lane_key_[table.contact[p]] = pair_key(i, j);
     }
   });
   now_.clear();
@@ -179,14 +178,14 @@ void EventList::compare_rest(const Observed& world) {
       for (const StaticPair& pair : world.table.static_contacts[s]) {
         if (pair.shape >= kWallLeft || !closed(c.fixed.impulse[pair.contact])) continue;
         const std::uint32_t id = b.id[pair.body];
-        if (id != kNoSlot && world.tells_of(id)) now_.push_back(TouchKey::bodies(id, world.statics[pair.shape].owner));
+        if (id != kNoSlot && world.tells_of(id)) now_.push_back(pair_key(id, world.statics[pair.shape].owner));
       }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
       for (const std::uint32_t k : manifolds.strip(s).active) {
         const ManifoldPair& pair = manifolds.pairs()[k];
         if (pair.id_a == ManifoldPair::kNone || !manifolds.closed(s, pair)) continue;
-        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(TouchKey::bodies(pair.id_a, pair.id_b));
+        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(pair_key(pair.id_a, pair.id_b));
       }
     }
   }
@@ -271,8 +270,8 @@ void EventList::collect(const Observed& world, const QueryIndex& index) {
 }
 
 std::size_t EventList::bytes() const {
-  return capacity_bytes(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_,
-                        toggled_, count_, touching_, begin_, end_) +
+  return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_, toggled_,
+                  count_, touching_, begin_, end_) +
          hits_.bytes();
 }
 

@@ -41,7 +41,7 @@ class HitList {
   void collect(const Observed& world);
 
   std::vector<HitEvent> hits;
-  std::size_t bytes() const { return capacity_bytes(answered_, hits); }
+  std::size_t bytes() const { return bytes_of(answered_, hits); }
 
  private:
   std::vector<std::vector<Candidate>> found_;  // by strip; then those of shapes

@@ -17,12 +17,6 @@ inline double wide(float v) { return static_cast<double>(v); }
 /// Whether a contact touched at the end of the step: an impulse of -0 marks an open one.
 inline bool closed(float impulse) { return !std::signbit(impulse); }
 
-/// The memory of lists.
-template <class... List>
-std::size_t capacity_bytes(const List&... lists) {
-  return ((lists.capacity() * sizeof(lists[0])) + ...);
-}
-
 struct Observed {
   const WorldDesc& desc;
   const Lattice& lattice;
@@ -59,8 +53,6 @@ struct Observed {
     const Sleeper& sleeper = sleep.sleepers.list[info.slot];
     return {sleeper.at, sleeper.angle};
   }
-  /// m, from the centre of the lattice.
-  Vec2 from_centre(const LatticePoint& p) const { return lattice.from_centre(p); }
 };
 
 }  // namespace psim

@@ -109,9 +109,4 @@ void QueryGrid::build() {
   start_.pop_back();
 }
 
-std::size_t QueryGrid::bytes() const {
-  return (items_.capacity() + sorted_.capacity()) * sizeof(QueryItem) +
-         (start_.capacity() + key_.capacity()) * sizeof(std::uint32_t);
-}
-
 }  // namespace psim

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "base/column.h"
 #include "base/rotor.h"
 
 namespace psim {
@@ -39,7 +40,7 @@ class QueryGrid {
   void build();
 
   const std::vector<QueryItem>& items() const { return sorted_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const { return bytes_of(items_, sorted_, levels_, start_, key_, sample_); }
 
   /// Calls each(item, shift) for all items that may reach into the box, and for others. In a periodic world an item has
   /// copies; `shift` leads from the item to the copy that is meant.

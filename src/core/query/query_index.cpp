@@ -6,18 +6,19 @@ namespace psim {
 namespace {
 
 // Puts the pieces of bodies into a grid.
-class Filler {
- public:
-  Filler(const Observed& world, QueryIndex::Part& part) : world_(world), part_(part) {}
+struct Filler {
+  const Observed& world;
+  QueryIndex::Part& part;
+  const Lattice& lattice = world.lattice;
 
   void moving() {
-    const BodyStore& b = world_.bodies;
-    const std::vector<BodyState>& frozen = world_.population.frozen;
+    const BodyStore& b = world.bodies;
+    const std::vector<BodyState>& frozen = world.population.frozen;
     begin(b.count + frozen.size());
     for (std::size_t i = 0; i < b.count; ++i) {
       if (b.id[i] == kNoSlot) continue;
-      const Vec2 at = world_.from_centre(b.point(i));
-      if (world_.population.traits.cornered == 0) {
+      const Vec2 at = lattice.from_centre(b.point(i));
+      if (world.population.traits.cornered == 0) {
         disc(b.id[i], at, b.radius[i]);
       } else {
         body(b.id[i], at, b.angle_of(i));
@@ -25,41 +26,40 @@ class Filler {
     }
     for (const BodyState& s : frozen) {
       const double angle = std::isfinite(s.angle) ? s.angle : 0;
-      const Vec2 at = Vec2{s.x, s.y} - world_.lattice.centre();
+      const Vec2 at = Vec2{s.x, s.y} - lattice.centre();
       body(s.id.index, at + arm_of(b.kind(s.id.index), angle), angle);
     }
   }
 
   void sleeping() {
-    begin(world_.sleep.sleepers.list.size());
-    for (const Sleeper& s : world_.sleep.sleepers.list) body(s.id, world_.from_centre(s.at), s.angle);
+    begin(world.sleep.sleepers.list.size());
+    for (const Sleeper& s : world.sleep.sleepers.list) body(s.id, lattice.from_centre(s.at), s.angle);
   }
 
   // Static bodies, and sensors that do not move, which have no static shapes.
   void fixed() {
-    const StaticShapes& statics = world_.statics;
+    const StaticShapes& statics = world.statics;
     begin(statics.size());
     for (std::uint32_t k = 0; k < statics.size(); ++k) {
       if (statics[k].alive && !statics[k].face && !statics[k].asleep) shape(statics[k], k);
     }
-    const Vec2 centre = world_.lattice.centre();
-    for (const FixedBody& f : world_.population.fixed) {
-      if (world_.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - centre, f.angle);
+    for (const FixedBody& f : world.population.fixed) {
+      if (world.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - lattice.centre(), f.angle);
     }
   }
 
  private:
   void begin(std::size_t room) {
-    part_.grid.begin(world_.period(), room);
-    part_.pieces.clear();
+    part.grid.begin(world.period(), room);
+    part.pieces.clear();
   }
 
-  void disc(std::uint32_t id, Vec2 at, float radius) { part_.grid.add({at, radius, id, QueryIndex::kDisc}); }
+  void disc(std::uint32_t id, Vec2 at, float radius) { part.grid.add({at, radius, id, QueryIndex::kDisc}); }
 
   // Adds a body about its centre.
   void body(std::uint32_t id, Vec2 at, double angle) {
-    const BodyProperties& properties = world_.bodies.properties(id);
-    const BodyKind& kind = world_.bodies.kinds[properties.kind];
+    const BodyProperties& properties = world.bodies.properties(id);
+    const BodyKind& kind = world.bodies.kinds[properties.kind];
     if (kind.hull_count == 0) return disc(id, at, properties.radius);
     const SineCosine turn = sine_cosine(angle);
     for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
@@ -68,30 +68,27 @@ class Filler {
   }
 
   void shape(const StaticShape& s, std::uint32_t number) {
-    const Vec2 p = world_.from_centre(s.p);
+    const Vec2 p = lattice.from_centre(s.p);
     if (s.whole) return piece(s.owner, {.way = {1, 0}, .hull = number, .kind = QueryPiece::kWholeStatic}, p);
     if (!s.segment) return disc(s.owner, p, s.radius);
-    Vec2 way = world_.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
-    way = way - Vec2{wide(s.p.dx), wide(s.p.dy)};
+    Vec2 way = lattice.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
+    way = way - Vec2{s.p.dx, s.p.dy};
     piece(s.owner, {.way = way, .radius = s.radius, .kind = QueryPiece::kSegment}, p);
   }
 
   // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
   void piece(std::uint32_t id, const QueryPiece& piece, Vec2 at) {
-    QueryItem item{at, 0, id, static_cast<std::uint32_t>(part_.pieces.size())};
-    part_.pieces.push_back(piece);
-    const Outline o = QueryIndex::outline(world_, part_, item, {});
+    QueryItem item{at, 0, id, static_cast<std::uint32_t>(part.pieces.size())};
+    part.pieces.push_back(piece);
+    const Outline o = QueryIndex::outline(world, part, item, {});
     const Vec2 middle = box_of(o).middle();
     double reach = 0;
     for (std::int32_t k = 0; k < o.count; ++k) reach = std::fmax(reach, length_of(o.v[k] - middle));
-    part_.pieces.back().at = -1 * middle;
+    part.pieces.back().at = -1 * middle;
     item.at = at + middle;
     item.radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));
-    part_.grid.add(item);
+    part.grid.add(item);
   }
-
-  const Observed& world_;
-  QueryIndex::Part& part_;
 };
 
 }  // namespace
@@ -111,7 +108,7 @@ const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
   if (ready_[who].load(std::memory_order_acquire)) return parts_[who];
   const std::lock_guard<std::mutex> lock(making_);
   if (!ready_[who].load(std::memory_order_relaxed)) {
-    (Filler(world, parts_[who]).*kFill[who])();
+    (Filler{world, parts_[who]}.*kFill[who])();
     parts_[who].grid.build();
     ready_[who].store(true, std::memory_order_release);
   }
@@ -121,7 +118,7 @@ const QueryIndex::Part& QueryIndex::part(const Observed& world, Who who) const {
 std::size_t QueryIndex::bytes() const {
   const std::lock_guard<std::mutex> lock(making_);
   std::size_t sum = 0;
-  for (const Part& part : parts_) sum += part.grid.bytes() + capacity_bytes(part.pieces);
+  for (const Part& part : parts_) sum += part.grid.bytes() + bytes_of(part.pieces);
   return sum;
 }
 

@@ -61,9 +61,7 @@ Outline outline_of(const Hull& hull, SineCosine turn, Vec2 at) {
   Outline out;
   out.count = hull.count;
   out.radius = static_cast<double>(hull.radius);
-  for (int k = 0; k < hull.count; ++k) {
-    out.v[k] = at + turned(turn, {static_cast<double>(hull.x[k]), static_cast<double>(hull.y[k])});
-  }
+  for (int k = 0; k < hull.count; ++k) out.v[k] = at + turned(turn, hull.vertex(k));
   return out;
 }
 

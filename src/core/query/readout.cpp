@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/sort_keys.h"
+#include "base/tasks.h"
 #include "solver/forces.h"
 
 namespace psim {
@@ -110,7 +111,7 @@ Publisher::Row Publisher::row_of(std::uint32_t id, const Observed& world) {
   if (info.place == Place::fixed) return still(world.population.fixed[info.slot]);
   if (info.place == Place::frozen) return still(world.population.frozen[info.slot]);
   const auto [place, angle] = world.stand(id);
-  const Vec2 at = world.from_centre(place) - arm_of(b.kind(id), angle);
+  const Vec2 at = world.lattice.from_centre(place) - arm_of(b.kind(id), angle);
   Row row{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(angle), 0};
   if (info.place == Place::moving) {
     const float* v = &b.vel[2 * std::size_t{info.slot}];
@@ -145,21 +146,19 @@ void Publisher::publish(const Observed& world, std::uint64_t frame) {
     if (b.info[id].place != Place::none) s.id[row++] = id;
   }
   const auto period_x = static_cast<float>(world.period().x), period_y = static_cast<float>(world.period().y);
-  constexpr std::size_t kRows = 8192;
-  world.pool.run((n + kRows - 1) / kRows, [&](std::size_t task) {
-    for (std::size_t r = task * kRows; r < std::min(n, (task + 1) * kRows); ++r) {
-      const std::uint32_t id = s.id[r];
-      const Row now = row_of(id, world), before = std::exchange(last_[id], now);
-      s.x[r] = now.x;
-      s.y[r] = now.y;
-      s.x_prev[r] = near_to(now.x, before.x, period_x);
-      s.y_prev[r] = near_to(now.y, before.y, period_y);
-      s.angle[r] = now.angle;
-      s.angle_prev[r] = before.angle;
-      s.radius[r] = b.property_table[b.info[id].properties].radius;
-      s.speed[r] = now.speed;
-      s.asleep[r] = b.info[id].place == Place::asleep;
-    }
+  constexpr std::size_t kRows = 8192;  // a job
+  run_each(n, kRows, world.pool, [&](std::size_t r, std::size_t) {
+    const std::uint32_t id = s.id[r];
+    const Row now = row_of(id, world), before = std::exchange(last_[id], now);
+    s.x[r] = now.x;
+    s.y[r] = now.y;
+    s.x_prev[r] = near_to(now.x, before.x, period_x);
+    s.y_prev[r] = near_to(now.y, before.y, period_y);
+    s.angle[r] = now.angle;
+    s.angle_prev[r] = before.angle;
+    s.radius[r] = b.properties(id).radius;
+    s.speed[r] = now.speed;
+    s.asleep[r] = b.info[id].place == Place::asleep;
   });
   back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & 3u;
 }
@@ -175,14 +174,14 @@ const Snapshot* Publisher::latest() {
 }
 
 void Publisher::release() {
-  last_ = std::vector<Row>();
+  give_back(last_);
   frames_[back_] = {};
   back_ = middle_.exchange(back_, std::memory_order_acq_rel) & 3u;  // there is nothing fresh for the reader
   frames_[back_] = {};
 }
 
 std::size_t Publisher::bytes() const {
-  std::size_t sum = capacity_bytes(last_);
+  std::size_t sum = bytes_of(last_);
   for (const Snapshot& s : frames_) sum += s.id.capacity() * 4 + s.x.capacity() * (4 * 8 + 1);
   return sum;
 }

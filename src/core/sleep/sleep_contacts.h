@@ -117,11 +117,11 @@ void each_stack(const SleepSource& source, const Wanted& wanted, const Each& eac
 
 inline std::uint64_t key_of(const SleepContact& contact, const BodyStore& b, const StaticShapes& statics) {
   const std::uint32_t id = b.id[contact.b];
-  if (contact.a != kNoSlot) return TouchKey::bodies(b.id[contact.a], id);
+  if (contact.a != kNoSlot) return pair_key(b.id[contact.a], id);
   if (contact.shape < kWallLeft && statics[contact.shape].asleep) {
-    return TouchKey::bodies(statics[contact.shape].owner, id);
+    return pair_key(statics[contact.shape].owner, id);
   }
-  return TouchKey::fixed(id, contact.shape);
+  return fixed_key(id, contact.shape);
 }
 
 }  // namespace psim

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
 namespace psim {
 
@@ -134,7 +133,7 @@ void Sleepers::tidy() {
 
 void Sleepers::release() {
   give_back(list, touches, queue, found, roots, pieces, kept_, watched_, state);
-  if (recent.empty()) recent = TouchMemory();
+  if (recent.empty()) give_back(recent);
   watching_ = false;
   room_of_ = 0;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/rotor.h"
+#include "base/tasks.h"
 
 namespace psim {
 namespace {
@@ -100,28 +101,25 @@ std::uint32_t Continuous::stop(const Contacts& contacts, const PairTable& table,
                                const std::vector<std::uint32_t>& bullets, bool filters) {
   const BodyStore& b = contacts.surroundings.bodies;
   const std::vector<std::uint32_t>& slots = contacts.manifolds.shaped();
-  const std::size_t tasks = (slots.size() + kTask - 1) / kTask;
-  const std::size_t jobs = contacts.surroundings.statics.any() ? tasks : 0;
-  jobs_.resize(std::max(jobs_.size(), tasks));
-  contacts.surroundings.pool.run(jobs, [&](std::size_t n) {
+  const std::size_t shapes = contacts.surroundings.statics.any() ? slots.size() : 0;
+  jobs_.resize(std::max(jobs_.size(), jobs_for(slots.size(), kTask)));
+  for (Job& job : jobs_) job.fast = job.looks = job.cut = 0;
+  run_each(shapes, kTask, contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
     Job& job = jobs_[n];
-    job.fast = job.looks = job.cut = 0;
-    for (std::size_t k = n * kTask; k < std::min(slots.size(), (n + 1) * kTask); ++k) {
-      const std::uint32_t i = slots[k];
-      if (b.id[i] == kNoSlot || b.linked[i] == 0) continue;
-      const BodyKind& kind = b.kind(b.id[i]);
-      const bool dynamic = b.properties(b.id[i]).type == BodyType::dynamic_body;
-      if (kind.sensor || !dynamic || !is_fast(b, i, kind.inner)) continue;
-      const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
-      job.near.clear();
-      stop_at_fixed(contacts, filters, i, job.near);
-      ++job.fast;
-      job.looks += static_cast<std::uint32_t>(job.near.size());
-      if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++job.cut;
-    }
+    const std::uint32_t i = slots[k];
+    if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
+    const BodyKind& kind = b.kind(b.id[i]);
+    const bool dynamic = b.properties(b.id[i]).type == BodyType::dynamic_body;
+    if (kind.sensor || !dynamic || !is_fast(b, i, kind.inner)) return;
+    const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
+    job.near.clear();
+    stop_at_fixed(contacts, filters, i, job.near);
+    ++job.fast;
+    job.looks += static_cast<std::uint32_t>(job.near.size());
+    if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++job.cut;
   });
   Job sum;
-  for (const Job& job : std::span(jobs_).first(jobs)) {
+  for (const Job& job : jobs_) {
     sum.fast += job.fast;
     sum.looks += job.looks;
     sum.cut += job.cut;

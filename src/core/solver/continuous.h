@@ -28,13 +28,10 @@ class Continuous {
   /// The number of bodies whose ways the last stop() looked at.
   std::uint32_t fast() const { return fast_count_; }
 
-  void release() {
-    jobs_ = std::vector<Job>();
-    fast_ = std::vector<std::uint8_t>();
-  }
+  void release() { give_back(jobs_, fast_); }
   std::size_t bytes() const {
-    std::size_t sum = jobs_.capacity() * sizeof(Job) + fast_.capacity();
-    for (const Job& job : jobs_) sum += job.near.capacity() * sizeof(job.near[0]);
+    std::size_t sum = bytes_of(jobs_, fast_);
+    for (const Job& job : jobs_) sum += bytes_of(job.near);
     return sum;
   }
 

@@ -135,23 +135,22 @@ void move_remainders(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) 
 double Forces::potential(Vec2 p) const {
   double sum = 0;
   for (const Field& f : world_.fields) {
-    const auto* well = std::get_if<WellField>(&f);
-    if (well == nullptr) continue;
-    const WellField& w = *well;
-    const double dx = w.position.x - p.x, dy = w.position.y - p.y;
-    const auto at = [&](double d2) {
-      const double s = d2 + w.softening * w.softening;
+    const auto* w = std::get_if<WellField>(&f);
+    if (w == nullptr) continue;
+    const auto at = [w](double d2) {
+      const double s = d2 + w->softening * w->softening;
       if (!(s > 0)) return 0.0;
-      if (w.exponent == 1) return w.strength * std::log(s) / 2;
-      const double half = (w.exponent - 1) / 2;
+      if (w->exponent == 1) return w->strength * std::log(s) / 2;
+      const double half = (w->exponent - 1) / 2;
       const double power = half >= 0 ? 1 / deterministic_power(s, half) : deterministic_power(s, -half);
-      return -w.strength * power / (w.exponent - 1);
+      return -w->strength * power / (w->exponent - 1);
     };
-    const double d2 = dx * dx + dy * dy;
-    if (w.range > 0) {
-      if (d2 < w.range * w.range) sum += at(d2) - at(w.range * w.range);
-    } else {
+    const Vec2 way = w->position - p;
+    const double d2 = dot(way, way), range2 = w->range * w->range;
+    if (!(w->range > 0)) {
       sum += at(d2);
+    } else if (d2 < range2) {
+      sum += at(d2) - at(range2);
     }
   }
   return sum;

@@ -74,11 +74,7 @@ class Solver {
   /// The memory for impacts alone, which forget_impacts gives back; and all memory.
   std::size_t impact_bytes() const { return bytes_of(touched_, pressing_, last_sweep_); }
   std::size_t bytes() const { return impact_bytes() + bytes_of(loaded_, kinematic_at_, sums_); }
-  void forget_impacts() {
-    touched_ = std::vector<std::uint8_t>();
-    pressing_ = std::vector<std::uint8_t>();
-    last_sweep_ = std::vector<int>();
-  }
+  void forget_impacts() { give_back(touched_, pressing_, last_sweep_); }
 
  private:
   class Run;
@@ -87,7 +83,6 @@ class Solver {
     std::uint64_t closed = 0;  // contacts with an impulse
   };
 
-  static std::size_t bytes_of(const auto&... vectors) { return ((vectors.capacity() * sizeof(vectors[0])) + ...); }
   void find_loaded(const PairTable& table);
   void touch_resting(const SolverInput& in);
   void mark_impacts(const SolverInput& in);

@@ -300,7 +300,7 @@ void describe_touches(Archive& a, std::vector<NamedTouch>& named, std::uint32_t 
   if (!a.loading()) return;
   for (const NamedTouch& n : named) {
     a.require((n.fixed || n.other < ids) && n.touch->points <= 2);
-    n.touch->key = n.fixed ? TouchKey::fixed(n.own, n.other) : TouchKey::bodies(n.own, n.other);
+    n.touch->key = n.fixed ? fixed_key(n.own, n.other) : pair_key(n.own, n.other);
   }
 }
 
