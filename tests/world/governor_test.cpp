@@ -95,7 +95,7 @@ TEST(Governor, FewSweepsMakeUpForMoreFrames) {
 }
 
 TEST(Governor, ListsServeNoFewerFramesTheLessThereIsOfThem) {
-  int last = Governor::kMostFrames;
+  int last = StepDetail::kMostFrames;
   for (double ms = 0.3; ms < 10; ms *= 1.05) {
     const Governor governor = with_budget(ms);
     const int horizon = governor.horizon(heap_work(), 64);

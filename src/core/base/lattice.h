@@ -51,35 +51,26 @@ class Lattice {
 
   /// The lattice place of a world position (clamped to the lattice where it does not wrap).
   LatticePoint to_lattice(Vec2 p) const {
-    LatticePoint out;
-    axis(p.x - centre_.x, pitch_x_, out.x, out.dx);
-    axis(p.y - centre_.y, pitch_y_, out.y, out.dy);
-    return out;
+    const auto finite = [](double d) { return std::fmin(std::fmax(d, -0x1p100), 0x1p100); };  // as a float
+    return moved({}, {finite(p.x - centre_.x), finite(p.y - centre_.y)});
   }
 
   /// The lattice place of `place` + `arm`. The arm is added on the lattice, so that a scene that is moved
   /// by whole steps has the same bits.
-  LatticePoint to_lattice(Vec2 place, Vec2 arm) const {
-    if (arm.x == 0 && arm.y == 0) return to_lattice(place);
-    LatticePoint p = to_lattice(place);
-    const auto add = [&](std::int32_t& k, float& rest, double way, double pitch) {
-      const double all = rest + way, steps = clamped(k + std::nearbyint(all / pitch));
-      rest = static_cast<float>(all - (steps - k) * pitch);
-      k = step_of(steps);
-    };
-    add(p.x, p.dx, arm.x, pitch_x_);
-    add(p.y, p.dy, arm.y, pitch_y_);
-    return p;
-  }
+  LatticePoint to_lattice(Vec2 place, Vec2 arm) const { return moved(to_lattice(place), arm); }
 
   /// So many lattice steps, m.
   Vec2 metres(std::int32_t x, std::int32_t y) const { return {x * pitch_x_, y * pitch_y_}; }
   /// A place, m from the centre of the lattice.
   Vec2 from_centre(const LatticePoint& p) const { return metres(p.x, p.y) + Vec2{p.dx, p.dy}; }
   Vec2 to_world(const LatticePoint& p) const { return centre_ + from_centre(p); }
-  /// The vector from one place to another, m. The difference of the lattice points is exact.
+  /// The vector from one lattice point to another without their offsets, m. The difference is exact.
+  Vec2 steps(const LatticePoint& from, const LatticePoint& to) const {
+    return metres(wrap_sub(to.x, from.x), wrap_sub(to.y, from.y));
+  }
+  /// The vector from one place to another, m.
   Vec2 way(const LatticePoint& from, const LatticePoint& to) const {
-    return metres(wrap_sub(to.x, from.x), wrap_sub(to.y, from.y)) + (Vec2{to.dx, to.dy} - Vec2{from.dx, from.dy});
+    return steps(from, to) + (Vec2{to.dx, to.dy} - Vec2{from.dx, from.dy});
   }
 
   /// Cuts the line from p to q at the edges of the lattice, so that its ends are not clamped one by one
@@ -108,11 +99,16 @@ class Lattice {
   bool wraps() const { return wraps_; }  ///< periodic world
 
  private:
-  void axis(double d, double pitch, std::int32_t& k, float& rest) const {
-    d = std::fmin(std::fmax(d, -0x1p100), 0x1p100);  // the remainder must be finite as a float
-    const double steps = std::nearbyint(d / pitch), kept = clamped(steps);
-    rest = static_cast<float>(d - (wraps_ ? steps : kept) * pitch);
-    k = step_of(kept);
+  LatticePoint moved(LatticePoint p, Vec2 way) const {
+    if (way.x == 0 && way.y == 0) return p;
+    move(p.x, p.dx, way.x, pitch_x_);
+    move(p.y, p.dy, way.y, pitch_y_);
+    return p;
+  }
+  void move(std::int32_t& k, float& rest, double way, double pitch) const {
+    const double all = rest + way, steps = std::nearbyint(all / pitch), to = clamped(k + steps);
+    rest = static_cast<float>(all - (wraps_ ? steps : to - k) * pitch);
+    k = step_of(to);
   }
   double clamped(double steps) const {
     const double limit = wraps_ ? 0x1p62 : 0x1p30;

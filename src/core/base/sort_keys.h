@@ -1,4 +1,4 @@
-// Sorts integers. std::sort leaves open in which order equal elements come out, so that bits could depend on the
+// Sorts and mixes integers. std::sort leaves open in which order equal elements come out, so that bits could depend on the
 // standard library; equal integers are alike. Other sorts in the engine say by what their order is total (tools/rooms).
 #pragma once
 
@@ -14,6 +14,13 @@ namespace psim {
 template <std::random_access_iterator Iterator>
 requires std::integral<std::iter_value_t<Iterator>>
 void sort_keys(Iterator begin, Iterator end) { std::sort(begin, end); }
+
+/// Spreads a key over all 64 bits (the last step of SplitMix64; Steele, Lea, Flood 2014).
+inline std::uint64_t mixed(std::uint64_t key) {
+  key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
+  key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
+  return key ^ (key >> 31);
+}
 
 /// Sorts by `less`, which goes by first_of(element) first, a number below `ids`. Where there are many elements, they
 /// are counted by their first number. Equal elements keep their order.

@@ -13,20 +13,17 @@ struct BlockRange {
 
 inline constexpr std::uint32_t kTaskBlocks = 256;  // 2048 bodies, which take some microseconds
 
-inline std::size_t stream_tasks(std::uint32_t blocks) { return (blocks + kTaskBlocks - 1) / kTaskBlocks; }
-
-inline BlockRange stream_range(std::size_t task, std::uint32_t blocks) {
-  const auto begin = static_cast<std::uint32_t>(task) * kTaskBlocks;
-  return {begin, std::min(blocks, begin + kTaskBlocks)};
-}
+inline std::size_t jobs_for(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
 
 /// Runs each(range) over the ranges of `blocks` blocks.
 template <class Pool, class Each>
 void run_stream(std::uint32_t blocks, Pool& pool, const Each& each) {
-  pool.run(stream_tasks(blocks), [&](std::size_t task) { each(stream_range(task, blocks)); });
+  pool.run(jobs_for(blocks, kTaskBlocks), [&](std::size_t task) {
+    const auto begin = static_cast<std::uint32_t>(task) * kTaskBlocks;
+    each(BlockRange{begin, std::min(blocks, begin + kTaskBlocks)});
+  });
 }
 
-inline std::size_t jobs_for(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
 /// Runs each(k, job) for every k below n, in jobs of `size`.
 template <class Pool, class Each>
 void run_each(std::size_t n, std::size_t size, Pool& pool, const Each& each) {

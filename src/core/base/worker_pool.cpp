@@ -11,8 +11,9 @@ constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
 
 }  // namespace
 
-WorkerPool::WorkerPool(int threads)
+WorkerPool::WorkerPool(int threads, Tracer* tracer)
     : threads_(static_cast<std::size_t>(threads)),
+      tracer_(tracer),
       crowded_(threads_ > std::thread::hardware_concurrency()),
       shares_(std::make_unique<Share[]>(threads_)) {
   for (std::size_t i = 1; i < threads_; ++i) {

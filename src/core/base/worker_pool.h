@@ -28,14 +28,13 @@ class WorkerPool {
   using Call = void (*)(const void* context, std::size_t i);
 
  public:
-  explicit WorkerPool(int threads);
+  explicit WorkerPool(int threads, Tracer* tracer = nullptr);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return static_cast<int>(threads_); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
-  void set_tracer(Tracer* tracer) { tracer_ = tracer; }
 
   /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
   class Awake {
@@ -79,10 +78,10 @@ class WorkerPool {
   void wait_a_moment(int spins) const;
 
   std::size_t threads_;
+  Tracer* tracer_;
   bool crowded_;   // there are more threads than cores, so waiting yields the core
   int awake_ = 0;  // how many Awake there are
   JobSystem host_;
-  Tracer* tracer_ = nullptr;
   std::unique_ptr<Share[]> shares_;
   std::atomic<Call> call_{nullptr};
   std::atomic<const void*> context_{nullptr};

@@ -27,12 +27,6 @@ std::string check_mass(double given, double mass) {
   return {};
 }
 
-// The same of a disc. Floats square the radius.
-std::string check_disc(double radius, double mass, const Material& m) {
-  if (!(radius >= 1e-9 && radius <= 1e9)) return "radius must lie between 1e-9 and 1e9 m";
-  return check_mass(mass, disc_mass(radius, mass, m));
-}
-
 }  // namespace
 
 std::string check(const BodyDesc& d, const Bounds& bounds) {
@@ -42,8 +36,11 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   if (!finite(d.gravity_scale)) return "gravity scale must be finite";
   if (!contains(bounds, d.position)) return "position must lie inside the world's bounds";
   if (d.sensor && d.type == BodyType::dynamic_body) return "a sensor is static or kinematic";
-  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) return check_disc(disc->radius, d.mass, d.material);
-  return {};
+  const auto* disc = std::get_if<DiscShape>(&d.shape);
+  if (disc == nullptr) return {};
+  // Floats square the radius.
+  if (!(disc->radius >= 1e-9 && disc->radius <= 1e9)) return "radius must lie between 1e-9 and 1e9 m";
+  return check_mass(d.mass, disc_mass(disc->radius, d.mass, d.material));
 }
 
 std::string check(const DiscBatch& batch, const Bounds& bounds) {

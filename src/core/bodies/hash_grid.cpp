@@ -5,14 +5,10 @@
 #include <iterator>
 #include <utility>
 
+#include "base/sort_keys.h"
+
 namespace psim {
 namespace {
-
-std::uint64_t mixed(std::uint64_t key) {  // the last step of SplitMix64
-  key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
-  key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
-  return key ^ (key >> 31);
-}
 
 std::uint64_t cell_of(int level, std::uint64_t x, std::uint64_t y) {
   return static_cast<std::uint64_t>(level) << 58 | x << 29 | y;

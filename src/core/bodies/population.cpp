@@ -29,10 +29,6 @@ std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
 
 // Makes the pieces of a static body. One line that says what is wrong with its shape, or nothing.
 std::string cut_into_pieces(const BodyDesc& d, Pieces pieces) {
-  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
-    pieces.disc({}, static_cast<float>(disc->radius));
-    return {};
-  }
   if (const auto* line = std::get_if<SegmentShape>(&d.shape)) return cut_chain({{line->p1, line->p2}, false}, pieces);
   if (const auto* chain = std::get_if<ChainShape>(&d.shape)) return cut_chain(*chain, pieces);
   HullSet hulls;

@@ -79,10 +79,9 @@ std::uint32_t Quarantine::remove_escaped(const Population& population, const Bou
 // A disc that met more impacts in a substep than the sweeps settle may come out behind a wall. It is put back to where
 // it touches the wall from inside, and its speed is reversed. Kinematic bodies pass through walls; they stop only
 // where the lattice ends.
-bool Quarantine::bring_back(Population& population, const Lattice& lattice, const WorldDesc& desc) {
+void Quarantine::bring_back(Population& population, const Lattice& lattice, const WorldDesc& desc) {
   BodyStore& bodies = population.bodies;
   const Bounds& b = desc.bounds;
-  bool any = false;
   for (std::size_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const BodyProperties& properties = bodies.properties(bodies.id[i]);
@@ -102,11 +101,8 @@ bool Quarantine::bring_back(Population& population, const Lattice& lattice, cons
     Vec2 at = lattice.to_world(bodies.point(i));
     const bool was_beside = back(at.x, bodies.vel[2 * i], b.xmin, b.xmax);
     const bool was_beyond = back(at.y, bodies.vel[2 * i + 1], b.ymin, b.ymax);
-    if (!was_beside && !was_beyond) continue;
-    bodies.put_point(i, lattice.to_lattice(at));
-    any = true;
+    if (was_beside || was_beyond) bodies.put_point(i, lattice.to_lattice(at));
   }
-  return any;
 }
 
 }  // namespace psim

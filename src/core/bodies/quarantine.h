@@ -28,8 +28,8 @@ class Quarantine {
   std::uint32_t settle(Population& population, const Lattice& lattice, double dt, const Freeze& freeze);
   /// Open worlds: removes the bodies whose centre left the bounds. Returns how many.
   std::uint32_t remove_escaped(const Population& population, const Bounds& bounds, const Remove& remove);
-  /// Walled worlds: puts bodies back that came out behind a wall. Returns whether there were any.
-  static bool bring_back(Population& population, const Lattice& lattice, const WorldDesc& desc);
+  /// Walled worlds: puts bodies back that came out behind a wall.
+  static void bring_back(Population& population, const Lattice& lattice, const WorldDesc& desc);
   /// Whether all centres of the blocks lie within the walls, to a lattice step.
   static bool walls_hold(const BodyStore& bodies, const Walls& walls, const kernels::KernelTable& kernels,
                          BlockRange blocks);

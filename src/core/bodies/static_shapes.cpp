@@ -293,8 +293,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
     find_in(sleepers_);
     // As seen from the body: in a periodic world one may lie beyond the seam.
     drop(standing, [&](const StaticShape& s) {
-      const Vec2 a = lattice_->metres(wrap_sub(s.p.x, x), wrap_sub(s.p.y, y));
-      const Vec2 b = s.segment ? a + lattice_->metres(wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y)) : a;
+      const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
       const double far = r + 2 * px + 2 * py + size_of(s);
       return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
              std::fmax(a.y, b.y) < -far;

@@ -41,6 +41,17 @@ std::uint32_t class_of_static(const Strip& s, bool loaded, std::uint32_t sequenc
   return c < end ? c : loaded ? Class::kLoadedOverflow : Class::kOverflow;
 }
 
+// Calls each(contact, its class) for the static contacts of a strip.
+template <class List, class Each>
+void each_static(const Strip& s, List& list, const HeavyLoads& loads, const Each& each) {
+  std::uint32_t last = kNoSlot, sequence = 0;
+  for (auto& pair : list) {
+    sequence = pair.body == last ? sequence + 1 : 0;
+    last = pair.body;
+    each(pair, class_of_static(s, s.loaded && loads.at(pair.body), sequence));
+  }
+}
+
 // Where the lanes of a strip lie: the colours of ordinary contacts, their overflow, then the same for contacts under
 // heavy loads. Each contact of the overflow has a block of its own.
 class Layout {
@@ -114,17 +125,6 @@ void ContactStore::colour_strip(PairTable& table, std::size_t index) {
   }
 }
 
-// Calls each(contact, its class) for the static contacts of a strip.
-template <class List, class Each>
-void ContactStore::each_static(const Strip& s, List& list, const Each& each) const {
-  std::uint32_t last = kNoSlot, sequence = 0;
-  for (auto& pair : list) {
-    sequence = pair.body == last ? sequence + 1 : 0;
-    last = pair.body;
-    each(pair, class_of_static(s, s.loaded && loads_.at(pair.body), sequence));
-  }
-}
-
 std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence) {
   const bool loaded = s.loaded && static_pair.contact / kBlock >= s.static_blocks.loaded;
   return class_of_static(s, loaded, sequence);
@@ -157,20 +157,21 @@ void ContactStore::recall(const TouchMemory& recent, std::uint64_t key, std::uin
   if (touch == nullptr) return;
   const float unit = touch->times(!model_.massed(), s_.bodies.properties(id).mass);
   lanes.impulse[lane] = unit * touch->impulse[0];
-  if (rough()) lanes.friction[lane] = unit * touch->friction[0];
+  if (model_.rough()) lanes.friction[lane] = unit * touch->friction[0];
 }
 
 void ContactStore::lift(const PairTable& table) {
   const Strip& s = table.strips.back();
   lifted_.clear();
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const std::uint32_t at = table.contact[p];
-    lifted_.push_back({table.owner[p], table.other[p], pairs.impulse[at], rough() ? pairs.friction[at] : 0.0f});
-  }
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) lifted_.push_back(impulse_of(table, p));
 }
 
-// The pairs that the strip kept come first, as before; then come those of renewed bodies in order.
-void ContactStore::lay_out_renewed(PairTable& table) {
+void ContactStore::renew(bool static_contacts, PairTable& table) {
+  colour_.reserve_loosely(table.pair_room);
+  colour_strip(table, table.strips.size() - 1);
+  if (static_contacts) fixed.swap_impulses();
+  place_strips(table);
+  // The pairs that the strip kept come first, as before; then come those of renewed bodies in order.
   auto before = lifted_.cbegin();
   lay_out_pairs(table, table.strips.size() - 1, [&](std::uint32_t p, std::uint32_t at) {
     const std::uint32_t i = table.owner[p], j = table.other[p];
@@ -181,14 +182,6 @@ void ContactStore::lay_out_renewed(PairTable& table) {
     pairs.put(model_, at, before->impulse, before->friction);
     ++before;
   });
-}
-
-void ContactStore::renew(bool static_contacts, PairTable& table) {
-  colour_.reserve_loosely(table.pair_room);
-  colour_strip(table, table.strips.size() - 1);
-  if (static_contacts) fixed.swap_impulses();
-  place_strips(table);
-  lay_out_renewed(table);
   if (static_contacts) {
     const TouchMemory none;
     s_.pool.run(table.strips.size(), [&](std::size_t strip) {
@@ -208,7 +201,7 @@ void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, 
   const Class::Counts& counts = fixed.counts[index];
   Layout lanes(counts, s.static_blocks.begin, s.loaded);
   lanes.each_empty(counts, [&](std::uint32_t lane) { fixed.pad(model_, lane, numbers_.dummies_of(index)); });
-  each_static(s, list, [&](StaticPair& pair, std::uint32_t c) {
+  each_static(s, list, loads_, [&](StaticPair& pair, std::uint32_t c) {
     const std::uint32_t before = lane_before(pair), at = lanes.take(c), id = s_.bodies.id[pair.body];
     const bool known = before != ContactLanes::kNoLane, wall = pair.shape >= kWallLeft;
     pair.contact = at;
@@ -250,7 +243,7 @@ void ContactStore::place_strips(PairTable& table) {
     Strip& s = table.strips[k];
     Class::Counts& static_counts = fixed.counts[k];
     static_counts.fill(0);
-    each_static(s, table.static_contacts[k], [&](const StaticPair&, std::uint32_t c) { ++static_counts[c]; });
+    each_static(s, table.static_contacts[k], loads_, [&](const StaticPair&, std::uint32_t c) { ++static_counts[c]; });
     s.blocks = Layout(pairs.counts[k], pairs.blocks, s.loaded).blocks;
     s.static_blocks = Layout(static_counts, fixed.blocks, s.loaded).blocks;
     pairs.blocks = s.blocks.end;

@@ -19,6 +19,12 @@
 
 namespace psim {
 
+/// A pair of a table, by its slots, and what its contact carries.
+struct PairImpulse {
+  std::uint32_t owner = 0, other = 0;
+  float impulse = 0, friction = 0;
+};
+
 class ContactStore {
  public:
   /// For saved states. Their impulses are saved by pair (state/saved_contacts.h).
@@ -45,6 +51,10 @@ class ContactStore {
   /// fixed shapes are laid out, too; StaticPair::contact is the lane that each had. All other contacts stay. O(pairs of
   /// the strip + strips + static contacts).
   void lift(const PairTable& table);
+  PairImpulse impulse_of(const PairTable& table, std::uint32_t pair) const {
+    const std::uint32_t at = table.contact[pair];
+    return {table.owner[pair], table.other[pair], pairs.impulse[at], model_.rough() ? pairs.friction[at] : 0.0f};
+  }
   void renew(bool static_contacts, PairTable& table);
   /// Swaps the impulses of the old table and of the new one, as far as it is laid out. Both exist until accept() or
   /// give_up().
@@ -76,13 +86,10 @@ class ContactStore {
   /// Blocks that the additional sweeps of a pass go through, summed over the sweeps.
   std::uint64_t loaded_blocks() const { return loaded_blocks_; }
   std::uint32_t colours() const { return colours_; }
-  static constexpr std::uint32_t kMostColours = ContactClass::kColours;
-  /// The colour of a pair of the table that was laid out last. kMostColours or more: the pair is solved by itself.
+  /// The colour of a pair of the table that was laid out last. ContactClass::kColours or more: it is solved by itself.
   std::uint32_t colour_of_pair(std::uint32_t pair) const { return colour_[pair]; }
   /// The colour of a contact with a fixed shape, the sequence-th of its body in the strip.
   static std::uint32_t colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence);
-  /// Whether contacts have friction.
-  bool rough() const { return model_.rough(); }
   /// How often the lanes were laid out. While the number stays the same, so do the lanes.
   std::uint64_t builds() const { return builds_; }
   void set_builds(std::uint64_t builds) { builds_ = builds; }
@@ -93,14 +100,11 @@ class ContactStore {
  private:
   void colour_strip(PairTable& table, std::size_t strip);
   void place_strips(PairTable& table);
-  void lay_out_renewed(PairTable& table);
   template <class Each>
   void lay_out_pairs(PairTable& table, std::size_t strip, const Each& each);
   template <class Before>
   void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const Before& before);
   void recall(const TouchMemory& recent, std::uint64_t key, std::uint32_t id, ContactLanes& lanes, std::size_t lane);
-  template <class List, class Each>
-  void each_static(const Strip& s, List& list, const Each& each) const;
   void make_room(std::size_t pair_lanes, std::size_t static_lanes) {
     pairs.make_room(model_, pair_lanes);
     fixed.make_room(model_, static_lanes);
@@ -117,12 +121,8 @@ class ContactStore {
   Column<std::uint8_t> colour_{s_.memory};  // by pair
   std::uint32_t colours_ = 0;
   std::uint64_t loaded_blocks_ = 0, builds_ = 0;
-  struct Lifted {  // the impulses of a pair of the last strip
-    std::uint32_t owner = 0, other = 0;
-    float impulse = 0, friction = 0;
-  };
-  std::vector<Lifted> lifted_;
-  bool laying_ = false;  // the impulses of the last step are in the old columns
+  std::vector<PairImpulse> lifted_;  // of the last strip
+  bool laying_ = false;              // the impulses of the last step are in the old columns
 };
 
 }  // namespace psim

@@ -44,7 +44,7 @@ class StaticGeometry {
   }
 
   void standing(const StaticPair& pair, const StaticShape& s, float r) {
-    const Vec2 a = from_start(pair, s);
+    const Vec2 a = lattice_.way(s.p, centre_of(pair));
     if (!s.segment) return round(pair, a, s.radius, r);
     const Vec2 u = lattice_.way(s.p, s.q);
     const double uu = dot(u, u), along = dot(a, u);
@@ -115,9 +115,9 @@ class StaticGeometry {
   // Whether a segment rises from another one, seen from the side of the body.
   bool rises(const StaticPair& pair, const StaticPair& from) const {
     const StaticShape &s = statics_[pair.shape], &o = statics_[from.shape];
-    const Vec2 u = steps(o.p, o.q);
+    const Vec2 u = lattice_.steps(o.p, o.q);
     const double side = outside(from) > 0 ? 1 : -1, least = 1e-3 * dot(u, u);
-    const auto height = [&](const LatticePoint& p) { return side * cross(steps(o.p, p), u); };
+    const auto height = [&](const LatticePoint& p) { return side * cross(lattice_.steps(o.p, p), u); };
     return height(s.p) > least || height(s.q) > least;
   }
 
@@ -134,9 +134,8 @@ class StaticGeometry {
       const double mine = outside(list[k]);
       if (!(mine < 0)) continue;
       for (std::size_t o = 0; o < list.size(); ++o) {
-        if (o == k || !is_face(list[o]) || statics_[list[o].shape].owner != statics_[list[k].shape].owner) {
-          continue;
-        }
+        if (o == k || !is_face(list[o])) continue;
+        if (statics_[list[o].shape].owner != statics_[list[k].shape].owner) continue;
         const double other = outside(list[o]);
         if (other < mine || (other == mine && o > k)) continue;
         drop(list[k].contact);
@@ -152,18 +151,10 @@ class StaticGeometry {
     return {b_.pos[2 * i], b_.pos[2 * i + 1], 0, 0};
   }
 
-  // The vector from the start of a shape to the lattice point of the body, m.
-  Vec2 from_start(const StaticPair& pair, const StaticShape& s) const { return lattice_.way(s.p, centre_of(pair)); }
-
-  // The vector from one lattice point to another without their offsets, m.
-  Vec2 steps(const LatticePoint& from, const LatticePoint& to) const {
-    return {wrap_sub(to.x, from.x) * lattice_.pitch_x(), wrap_sub(to.y, from.y) * lattice_.pitch_y()};
-  }
-
   // How far the centre of a body lies outside of the line of an edge, m.
   double outside(const StaticPair& pair) const {
     const StaticShape& s = statics_[pair.shape];
-    const Vec2 a = from_start(pair, s), u = lattice_.way(s.p, s.q);
+    const Vec2 a = lattice_.way(s.p, centre_of(pair)), u = lattice_.way(s.p, s.q);
     return cross(a, u) / length_of(u);
   }
 
@@ -182,8 +173,8 @@ class StaticGeometry {
   // The distance from a point, relative to the centre of the body, to a segment.
   double distance_to(const StaticPair& pair, Vec2 point) const {
     const StaticShape& s = statics_[pair.shape];
-    const Vec2 offset{static_cast<double>(s.p.dx), static_cast<double>(s.p.dy)};
-    const Vec2 a = point + steps(s.p, centre_of(pair)) - offset, u = lattice_.way(s.p, s.q);
+    const Vec2 u = lattice_.way(s.p, s.q);
+    const Vec2 a = point + lattice_.steps(s.p, centre_of(pair)) - Vec2{s.p.dx, s.p.dy};
     return length_of(a - std::fmin(std::fmax(dot(a, u) / dot(u, u), 0), 1) * u);
   }
 

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/sort_keys.h"
+
 namespace psim {
 namespace {
-
-std::size_t mixed(std::uint64_t key) {
-  key = (key ^ (key >> 30)) * 0xBF58476D1CE4E5B9u;
-  key = (key ^ (key >> 27)) * 0x94D049BB133111EBu;
-  return static_cast<std::size_t>(key ^ (key >> 31));
-}
 
 std::size_t size_for(std::size_t touches) { return std::bit_ceil(std::max<std::size_t>(64, 4 * touches)); }
 

@@ -248,8 +248,7 @@ struct Manifolds::Look {
     const StaticShape* beyond = statics.chain_neighbour(pair.shape, lean > 0);
     if (beyond == nullptr) return false;
     // The normal of the neighbour on the same side leans away from this segment if the corner is convex.
-    const Vec2 w{wrap_sub(beyond->q.x, beyond->p.x) * lattice.pitch_x(),
-                 wrap_sub(beyond->q.y, beyond->p.y) * lattice.pitch_y()};
+    const Vec2 w = lattice.steps(beyond->p, beyond->q);
     const double far = length_of(w);
     return dot({-w.y / far * side, w.x / far * side}, u) / length * (lean > 0 ? 1 : -1) <= 1e-3;
   }

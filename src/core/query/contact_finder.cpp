@@ -67,7 +67,7 @@ class StripColours {
 
  private:
   static std::uint32_t numbered(std::uint32_t colour, std::uint32_t first) {
-    return colour < ContactStore::kMostColours ? first + colour : kNoColour;
+    return colour < ContactClass::kColours ? first + colour : kNoColour;
   }
 
   const bool laid_;
@@ -276,7 +276,7 @@ class ContactFinder {
   const Sleepers& sleepers_ = world_.sleep.sleepers;
   ContactList& list_;
   const ContactWriter writer_{world_};
-  const bool rough_ = contacts_.rough();
+  const bool rough_ = contacts_.model().rough();
   const double times_ = last_.substeps * last_.disc_mass;  // turns the impulses of discs into N s
   const bool valid_ = world_.contacts.impulses_valid && bodies_.count != 0 && table_.body_count != 0;
   const std::size_t strips_ = valid_ ? table_.strips.size() : 0;  // that have contacts

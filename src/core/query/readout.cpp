@@ -5,19 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "solver/forces.h"
 
 namespace psim {
 namespace {
 
-// Mixes 64 bits into a running hash (constants of SplitMix64; Steele, Lea, Flood 2014).
-std::uint64_t mix(std::uint64_t hash, std::uint64_t value) {
-  std::uint64_t z = hash * 0x9E3779B97F4A7C15u + value;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
-}
+// Mixes 64 bits into a running hash.
+std::uint64_t mix(std::uint64_t hash, std::uint64_t value) { return mixed(hash * 0x9E3779B97F4A7C15u + value); }
 
 // Adding zero makes -0 the same as 0.
 std::uint64_t bits(float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); }

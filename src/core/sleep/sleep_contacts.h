@@ -44,7 +44,7 @@ void each_disc_contact(const SleepSource& source, std::size_t strip, const Each&
   const BodyStore& bodies = source.population.bodies;
   const PairTable& table = source.table;
   const ContactStore& discs = source.contacts.discs;
-  const bool rough = discs.rough();
+  const bool rough = discs.model().rough();
   SleepContact contact;
   contact.touch.per_mass = source.per_mass;
   const auto tell = [&](std::size_t lane, const auto& gap, const auto& impulse, const auto& friction) {

@@ -21,18 +21,13 @@ std::uint32_t rings_of(float speed, float mass, float hit_mass) {
   return n;
 }
 
-// The way between two lattice points, m, without their offsets.
-Vec2 way_between(const Lattice& lattice, const LatticePoint& from, const LatticePoint& to) {
-  return {wrap_sub(to.x, from.x) * lattice.pitch_x(), wrap_sub(to.y, from.y) * lattice.pitch_y()};
-}
-
 // Whether a disc at `at` with radius `reach` touches a fixed shape.
 bool touches(const LatticePoint& at, double reach, const StaticShape& shape, const StaticShapes& statics,
              const Lattice& lattice) {
-  Vec2 way = way_between(lattice, shape.p, at);
+  Vec2 way = lattice.steps(shape.p, at);
   double round = static_cast<double>(shape.radius);
   if (shape.segment) {
-    const Vec2 along = way_between(lattice, shape.p, shape.q);
+    const Vec2 along = lattice.steps(shape.p, shape.q);
     way = way - std::fmin(std::fmax(dot(way, along) / dot(along, along), 0), 1) * along;
   } else if (shape.whole) {
     round = static_cast<double>(statics.hull(shape).reach);
@@ -91,7 +86,7 @@ void ask_neighbours(const SleepSource& source, Sleepers& sleepers, const Sleeper
   if (sleepers.queue.size() > Sleepers::kMostAbove) return;
   const Vec2 g = source.gravity;
   each_sleeper_near(source, sleepers, woken.at, reach, [&](std::uint32_t id) {
-    const Vec2 way = way_between(source.lattice, woken.at, sleepers.list[bodies.info[id].slot].at);
+    const Vec2 way = source.lattice.steps(woken.at, sleepers.list[bodies.info[id].slot].at);
     const bool below = dot(way, g) > 0.1 * length_of(g) * static_cast<double>(reach);
     if (!below) sleepers.queue.push_back({id, Waking::kAbove});
   });
@@ -133,7 +128,7 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
     float gap = contact.gap;
     const float speed = population.speed_of(i), way = speed * frame_s;
     if (!shape.segment && !shape.whole) {
-      const Vec2 between = way_between(source.lattice, shape.p, bodies.point(i));
+      const Vec2 between = source.lattice.steps(shape.p, bodies.point(i));
       const auto x = static_cast<float>(between.x), y = static_cast<float>(between.y);
       gap = std::sqrt(x * x + y * y) - bodies.radius[i] - shape.radius;
     } else {

@@ -13,7 +13,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   strip_statics_.resize(table.strips.size());
   owned_.resize(table.body_count);
   if (!any) return;
-  const bool rough = contacts.rough();
+  const bool rough = contacts.model().rough();
   const auto take = [&](int first, int last, std::uint32_t lane) {
     for (int k = first; k < last; ++k) {
       if (rough || !is_friction(k)) carried_[k].push_back(column(contacts, k)[lane]);
@@ -39,9 +39,7 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
   }
   if (!named || table.strips.empty()) return;
   for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
-    const std::uint32_t lane = table.contact[p];
-    renewed_.push_back(
-        {table.owner[p], table.other[p], contacts.pairs.impulse[lane], rough ? contacts.pairs.friction[lane] : 0.0f});
+    renewed_.push_back(contacts.impulse_of(table, p));
   }
 }
 
@@ -61,13 +59,13 @@ void SavedContacts::describe(Archive& a, const PairTable& table, const StaticSha
   a.packed(other_, table.body_count);
   a.packed(s_body_, table.body_count);
   a.packed(s_shape_);
-  a.list(renewed_, [&](Renewed& pair) {
+  a.list(renewed_, [&](PairImpulse& pair) {
     a.index(table.body_count, pair.owner, pair.other);
     values(a, pair.impulse, pair.friction);
     a.require(pair.owner < pair.other);
   });
   if (!a.loading()) return;
-  const auto name = [](const Renewed& pair) { return std::pair(pair.owner, pair.other); };
+  const auto name = [](const PairImpulse& pair) { return std::pair(pair.owner, pair.other); };
   a.require(std::ranges::is_sorted(renewed_, {}, name) && (renewed_.empty() || table.body_count != 0));
   for (const std::uint32_t shape : s_shape_) {
     a.require(shape < statics.size() || (shape >= kWallLeft && shape <= kWallTop));
@@ -84,7 +82,7 @@ void SavedContacts::describe(Archive& a, const PairTable& table, const StaticSha
 
 void SavedContacts::make_table(PairTable& table, ContactStore& c) const {
   const std::size_t all = carried_[kImpulse].size() + renewed_.size();
-  const bool rough = c.rough();
+  const bool rough = c.model().rough();
   table.spare(table.body_count, all + 1);
   table.pair_room = static_cast<std::uint32_t>(all);
   table.renewed_begin = PairTable::kNoneRenewed;
@@ -116,7 +114,7 @@ void SavedContacts::make_table(PairTable& table, ContactStore& c) const {
   table.mark_strips();
   if (renewed_.empty()) return;
   table.renewed_begin = p;  // behind those of the strips
-  for (const Renewed& pair : renewed_) {
+  for (const PairImpulse& pair : renewed_) {
     table.owner[p] = pair.owner;
     table.other[p] = pair.other;
     c.pairs.impulse[p] = pair.impulse;
@@ -130,7 +128,7 @@ bool SavedContacts::put_back(const PairTable& table, ContactStore& c) const {
   if (strip_pairs_.size() != table.strips.size() || strip_statics_.size() != table.strips.size()) return false;
   const auto put = [&](int first, int last, std::size_t from, std::uint32_t lane) {
     for (int k = first; k < last; ++k) {
-      if (!empty(k) && (c.rough() || !is_friction(k))) column(c, k)[lane] = carried_[k][from];
+      if (!empty(k) && (c.model().rough() || !is_friction(k))) column(c, k)[lane] = carried_[k][from];
     }
   };
   std::size_t pair = 0, fixed = 0;

@@ -26,10 +26,6 @@ class SavedContacts {
   bool put_back(const PairTable& table, ContactStore& contacts) const;
 
  private:
-  struct Renewed {  // a pair that is no strip's (renewal.h)
-    std::uint32_t owner = 0, other = 0;
-    float impulse = 0, friction = 0;
-  };
   // What contacts carry, and where it lies in their store: by pair, and from kStatic on by static contact. There is no
   // friction where nothing rubs, and gaps only if they are asked for.
   enum Carried { kImpulse, kFriction, kStatic, kStaticFriction, kNormalX, kNormalY, kGap, kColumns };
@@ -46,7 +42,7 @@ class SavedContacts {
   std::vector<float> carried_[kColumns];
   std::vector<std::uint32_t> owned_, other_;  // names: by body, by pair
   std::vector<std::uint32_t> s_body_, s_shape_;
-  std::vector<Renewed> renewed_;
+  std::vector<PairImpulse> renewed_;  // of pairs that are no strip's (renewal.h)
 };
 
 }  // namespace psim

@@ -90,14 +90,14 @@ Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::fun
   };
   Lists best{1, all(w, 1)};
   if (best.a_frame <= room) return best;
-  for (int frames = 2; frames <= Governor::kMostFrames; ++frames) {
+  for (int frames = 2; frames <= StepDetail::kMostFrames; ++frames) {
     const WorkCounts then = growth ? grown(w, growth(frames)) : w;
     if (fitting(costs, then, room, most) < frames) break;  // no substep is longer than a frame
     const double a_frame = all(then, frames) / frames;
     if (a_frame < kWorthIt * best.a_frame) best = {frames, a_frame};
     if (a_frame > room) continue;
     const WorkCounts later = growth ? grown(w, growth(frames + 1)) : w;
-    const bool spare = frames < Governor::kMostFrames && fitting(costs, later, room, most) > frames;
+    const bool spare = frames < StepDetail::kMostFrames && fitting(costs, later, room, most) > frames;
     return {frames + (spare ? 1 : 0), a_frame};  // one to spare: counts change
   }
   return best;

@@ -19,8 +19,6 @@ struct StepReport;
 
 class Governor {
  public:
-  /// Frames that a step makes up for at most.
-  static constexpr int kMostFrames = StepDetail::kMostFrames;
   /// Sweeps over impacts in a substep that has no time for as many as it takes.
   static constexpr int kFewSweeps = 1;
 

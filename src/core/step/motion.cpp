@@ -40,10 +40,6 @@ void prepare_forces(StepContext& c, StepReport& report) {
   dynamics.forces_stale = false;
 }
 
-bool no_contact_of_discs(const StepContext& c) {
-  return c.contacts.discs.pairs.blocks + c.contacts.discs.fixed.blocks == 0;
-}
-
 SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) {
   SolverParams p;
   p.dt = dt;
@@ -120,7 +116,7 @@ void lay_out_manifolds(StepContext& c, double dt) {
 
 void prepare_contacts(StepContext& c, double dt) {
   if (c.plan.manifolds) lay_out_manifolds(c, dt);
-  if (no_contact_of_discs(c)) {
+  if (c.contacts.discs.pass_blocks() == 0) {
     c.ledger.skip(Skip::narrow_phase, !c.contacts.manifolds.any());
     c.contacts.solved.load();  // bodies may be linked by pairs that must not collide
     return;
@@ -135,7 +131,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
   prepare_forces(c, report);
   const StageTimer timer(report, c.tracer, Stage::solver);
   note_skips(c);
-  if (no_contact_of_discs(c) && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
+  if (c.contacts.discs.pass_blocks() == 0 && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
       c.joints.empty()) {
     c.ledger.skip(Skip::solver);
     c.dynamics.solver.pass();
@@ -161,8 +157,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const auto substeps = static_cast<std::uint64_t>(p.substeps);
-  const std::uint64_t blocks =
-      std::uint64_t{contacts.discs.pairs.blocks} + contacts.discs.fixed.blocks + contacts.manifolds.totals().blocks;
+  const std::uint64_t blocks = contacts.discs.pass_blocks() + contacts.manifolds.totals().blocks;
   lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
   if (c.kernels.width == 1) return;
   // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.

@@ -80,7 +80,7 @@ struct StepContext {
   kernels::KernelTable kernels = kernels_of(options.isa);
   MemoryMeter memory;
   Tracer tracer;
-  WorkerPool pool{options.threads};
+  WorkerPool pool{options.threads, &tracer};
   Ledger ledger;
   Governor governor;
   // Who is there.

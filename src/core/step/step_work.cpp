@@ -7,7 +7,6 @@
 namespace psim {
 
 StepContext::StepContext(const WorldDesc& d, const RunOptions& o) : desc(d), options(o) {
-  pool.set_tracer(&tracer);
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
   take_traits(d, population.traits);
@@ -32,10 +31,8 @@ SleepSource StepContext::sleep_source() {
 namespace {
 
 void begin_again(StepContext& c) {
-  c.progress.part = 0;
-  c.progress.at = 0;
-  c.progress.lists = ListState::kept;
-  c.progress.contacts = ContactState::kept;
+  StepProgress& now = c.progress;
+  now = {.spread = now.spread, .waits = now.waits, .spoiled = now.spoiled, .horizon = now.horizon};
   c.done_so_far.clear();
 }
 

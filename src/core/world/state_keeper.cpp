@@ -34,6 +34,12 @@ static auto fields(Plan& p) {
 
 namespace {
 
+// A state begins with the description of its world, which is read first.
+struct StateLoader : Loader {
+  explicit StateLoader(std::span<const std::byte> state) : Loader(state) { values(*this, desc); }
+  WorldDesc desc;
+};
+
 class StateKeeper {
  public:
   explicit StateKeeper(Owners& world) : w_(world) {}
@@ -60,10 +66,10 @@ class StateKeeper {
     turn_back(w_);
   }
 
-  /// Reads what follows the description of the world. What is wrong is told to the loader; the world is of no use then.
-  void load(Loader& loader, const WorldDesc& desc) {
+  /// Reads the rest of a state. What is wrong is told to the loader; the world is of no use then.
+  void load(StateLoader& loader) {
     const WorkerPool::Awake awake(w_.pool);
-    w_.desc = desc;
+    w_.desc = loader.desc;
     const bool snapshots = w_.population.traits.snapshots;
     lists_.table.body_count = lists_.old_table.body_count = 0;
     lists_.table.strips.clear();
@@ -267,10 +273,8 @@ void save(Owners& w, std::vector<std::byte>& out) { StateKeeper(w.settled()).sav
 
 void go_back(Owners& w, std::span<const std::byte> state) {
   const FloatSettings settings;
-  Loader loader(state);
-  WorldDesc read;
-  values(loader, read);
-  StateKeeper(w).load(loader, read);
+  StateLoader loader(state);
+  StateKeeper(w).load(loader);
   PSIM_ASSERT(loader.ok());
 }
 
@@ -279,9 +283,8 @@ void World::save(std::vector<std::byte>& out) { psim::save(*impl_, out); }
 bool World::restore(std::span<const std::byte> state, std::string& error) {
   Owners& w = *impl_;
   const FloatSettings settings;  // as in a step: what is made here is what a step would make
-  Loader loader(state);
-  WorldDesc read;
-  values(loader, read);
+  StateLoader loader(state);
+  WorldDesc& read = loader.desc;
   error = loader.error();
   const bool fits = fields(read.bounds) == fields(w.desc.bounds) && read.boundary == w.desc.boundary;
   if (error.empty() && !fits) error = "the saved world has other bounds or another boundary";
@@ -289,7 +292,7 @@ bool World::restore(std::span<const std::byte> state, std::string& error) {
   if (!error.empty()) return false;
   std::vector<std::byte> before;
   psim::save(w, before);
-  StateKeeper(w).load(loader, read);
+  StateKeeper(w).load(loader);
   error = loader.error();
   if (!error.empty()) go_back(w, before);
   return error.empty();
@@ -297,12 +300,10 @@ bool World::restore(std::span<const std::byte> state, std::string& error) {
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options,
                                          std::string& error) {
-  Loader loader(state);
-  WorldDesc desc;
-  values(loader, desc);
+  StateLoader loader(state);
   error = loader.error();
   if (!error.empty()) return nullptr;
-  auto world = create(desc, options, error);
+  auto world = create(loader.desc, options, error);
   if (!world || !world->restore(state, error)) return nullptr;
   return world;
 }

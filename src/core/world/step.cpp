@@ -86,8 +86,8 @@ void move(Owners& w, double dt, StepReport& report) {
   if (!moved.inside && w.desc.boundary == Boundary::open) {
     const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };
     report.escaped += w.quarantine.remove_escaped(w.population, w.desc.bounds, remove);
-  } else if (!moved.inside && Quarantine::bring_back(w.population, w.lattice, w.desc)) {
-    w.dynamics.forces_stale = true;
+  } else if (!moved.inside) {
+    Quarantine::bring_back(w.population, w.lattice, w.desc);
   }
   if (w.ledger.surveys()) survey_lanes(w, report.rebuilt);
 }

@@ -101,7 +101,7 @@ bool World::set_gravity(Vec2 gravity) {
   w.desc.gravity = gravity;
   take_traits(w.desc, w.population.traits);
   w.dynamics.forces.reset();
-  w.plan_stale = w.dynamics.forces_stale = true;
+  w.plan_stale = true;
   w.note_sleep(w.sleep.wake_all(w.sleep_source()));
   return true;
 }

@@ -152,7 +152,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   if (angle != 0) let_turn(w);
   w.population.place(id.index, position, angle);
   spoil_work(w);
-  w.dynamics.forces_stale = w.observers.placed = true;
+  w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
   return true;
 }
@@ -162,7 +162,6 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     if (!finite(velocity) || !finite(angular_velocity)) return false;
     if (angular_velocity != 0) let_turn(*impl_);
     impl_->population.set_velocity(id.index, velocity, angular_velocity);
-    impl_->dynamics.forces_stale = true;
     return true;
   });
 }
@@ -175,7 +174,6 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
     const Vec2 v = Vec2{now.vx, now.vy} + wm * impulse;
     if (!finite(v)) return false;
     population.bodies.put_velocity(slot, population.capped(v));
-    impl_->dynamics.forces_stale = true;
     return true;
   });
 }

@@ -75,10 +75,7 @@ void apply_plan(Owners& w) {
     bodies.acc.release();
   }
   bodies.keep_remainders(plan.fields, plan.fields && plan.integrator != Integrator::verlet);
-  if (!plan.fields) {
-    bodies.drift_correction.release();
-    bodies.spare.release();
-  }
+  if (!plan.fields) give_back(bodies.drift_correction, bodies.spare);
   if (!plan.turns) bodies.keep_turns(false);
   w.statics.find_whole(plan.manifolds);
   if (!w.sorts_out()) w.contacts.manifolds.release();
