@@ -54,7 +54,7 @@ class Population {
     return id.index < bodies.id_count && bodies.info[id.index].place != Place::none &&
            bodies.info[id.index].generation == id.generation;
   }
-  /// What a body is, without where it is and how fast.
+  /// The id, type and radius of a body. Its place and its motion stay 0.
   BodyState bare_state(std::uint32_t id) const;
   /// The state of a body that does not sleep.
   BodyState state_of(std::uint32_t id) const;

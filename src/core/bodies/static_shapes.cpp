@@ -291,7 +291,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   if (!sleepers_.empty()) {
     const auto standing = static_cast<std::ptrdiff_t>(out.size());
     find_in(sleepers_);
-    // As seen from the body: in a periodic world one may lie beyond the seam.
+    // Sleepers beyond the reach are dropped. Ways are measured from the body, so that they cross a periodic seam.
     drop(standing, [&](const StaticShape& s) {
       const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
       const double far = r + 2 * px + 2 * py + size_of(s);

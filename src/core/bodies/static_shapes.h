@@ -80,7 +80,8 @@ class StaticShapes {
 
   /// For saved states (describe_bodies.cpp); behind the bodies. Those that are read wait for the sleepers.
   void describe(class Archive& a, const BodyStore& bodies);
-  /// Of a state that is read: whether these are the pieces of one who sleeps. `lone`: that of a plain disc, laid here.
+  /// Used when a saved state is read: returns whether these pieces are those of a sleeping body. The piece of a plain
+  /// disc, `lone`, is not in the state and is put in place here.
   bool lay_sleeper(std::uint32_t owner, std::uint32_t first, std::uint32_t pieces, const StaticShape* lone);
   /// The grids, once all are there. False if not as many pieces sleep.
   bool make_grids(std::size_t asleep);

@@ -14,7 +14,7 @@
 
 namespace psim {
 
-/// What the broad phase must know of the world.
+/// The settings of a build of the lists that come from the world.
 struct BroadPhaseParams {
   kernels::ReachParams margin;
   float ahead = 0;      ///< s: the search uses the positions that bodies will have after this time
@@ -105,7 +105,7 @@ class BroadCells {
   double waste(double density) const;
   double sample_density() const;
   double cell_area() const;
-  /// Of the bodies' box, lattice steps.
+  /// The length of the box around all bodies along an axis, in lattice steps.
   double length(int axis) const { return static_cast<double>(extent_.box[axis + 2]) - extent_.box[axis]; }
   kernels::PairRow row_view(std::uint32_t row) const;
   bool find_listed(const Strip& strip, kernels::PairList& list) const;
