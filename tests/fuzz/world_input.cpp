@@ -136,7 +136,8 @@ void Session::replace_last() {
     w->set_governor(governor_);
     w->enable_snapshots(snapshots_);
   } else {
-    require(w->restore(state, error), "restore: the state just saved: " + error);
+    const bool restored = w->restore(state, error);
+    require(restored, "restore: the state just saved: " + error);
   }
   require(w->state_hash() == hash, "restore: the hash of the state just saved");
 }

@@ -43,7 +43,6 @@ void JointStore::part(const kernels::BodyView& view) {
 }
 
 void JointStore::warm(const kernels::BodyView& view, float factor) {
-  if (empty()) return;
   shares_.run(s_.pool, [&](const ListRange& r) {
     clear(share().vel, share().rim_speed, r.begin, r.end);
     s_.kernels.part_joints(view, share(), r.begin, r.end);
@@ -54,7 +53,6 @@ void JointStore::warm(const kernels::BodyView& view, float factor) {
 }
 
 void JointStore::solve(const kernels::BodyView& view) {
-  if (empty()) return;
   if (!parted_) part(view);
   parted_ = false;
   sweep_all(view, s_.kernels.solve_joints, false);
@@ -69,12 +67,10 @@ void JointStore::solve(const kernels::BodyView& view) {
 }
 
 void JointStore::hold(const kernels::BodyView& view, float sign) {
-  if (empty()) return;
   shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.hold_joints(view, share(), sign, r.begin, r.end); });
 }
 
 void JointStore::relax(const kernels::BodyView& view) {
-  if (empty()) return;
   part(view);
   sweep_all(view, s_.kernels.relax_joints, true);
   part(view);

@@ -127,10 +127,10 @@ void Solver::Run::substep(bool first_of_step) {
   if (first) warm(first_of_step);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
-  joints.hold(view_, 1);
+  if (joined_) joints.hold(view_, 1);
   drift();
   if (!kinematics.empty()) carry_kinematics();
-  joints.hold(view_, -1);
+  if (joined_) joints.hold(view_, -1);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
   relax();
   if (bounce_) spend();
@@ -180,7 +180,7 @@ void Solver::Run::warm(bool first_of_step) {
     s_.kernels.warm_manifolds[fixed](view_, blocks, p.warm, begin, end);
   };
   once(p, s_.kernels.warm, s_.kernels.warm_static, warm_blocks);
-  joints.warm(view_, p.warm);
+  if (joined_) joints.warm(view_, p.warm);
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
@@ -222,12 +222,12 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
 }
 
 void Solver::Run::solve() {
-  joints.solve(view_);
+  if (joined_) joints.solve(view_);
   pass(s_.kernels.solve, s_.kernels.solve_static, s_.kernels.solve_manifolds, 0);
 }
 
 void Solver::Run::relax() {
-  joints.relax(view_);
+  if (joined_) joints.relax(view_);
   pass(s_.kernels.relax, s_.kernels.relax_static, s_.kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 

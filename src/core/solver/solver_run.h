@@ -109,6 +109,7 @@ class Solver::Run : SolverInput {
 
   Solver& solver_;
   const SolverParams& params_;
+  const bool joined_ = !joints.empty();
   const Surroundings& s_ = contacts.surroundings;
   const kernels::BodyView view_ = contacts.solved.view();
   const kernels::ContactView pairs_ = contacts.discs.pairs.view();

@@ -21,6 +21,8 @@ struct Owners : StepContext {
   Quarantine quarantine;
   Observers observers;
   bool plan_stale = true;             // traits changed since the plan was made
+  Plan applied;                       // the plan that the arrays were made for
+  bool sorted_out = false;            // whether manifolds had something then
   std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
 
   Observed observed() { return {desc, lattice, walls, population, sleep, neighbours.table, contacts, pool}; }

@@ -64,7 +64,7 @@ void replan(Owners& w) {
 void apply_plan(Owners& w) {
   const Plan& plan = w.plan;
   BodyStore& bodies = w.bodies;
-  Sleepers& sleepers = w.sleep.sleepers;
+  const auto left = [&](bool Plan::*what) { return w.applied.*what && !(plan.*what); };
   bodies.keep_rotation(plan.rotation);
   w.neighbours.broad.mover().forget(!plan.radii, !plan.rotation);
   w.contacts.solved.forget(!plan.rotation, !plan.restitution);
@@ -78,22 +78,25 @@ void apply_plan(Owners& w) {
   if (!plan.fields) give_back(bodies.drift_correction, bodies.spare);
   if (!plan.turns) bodies.keep_turns(false);
   w.statics.find_whole(plan.manifolds);
-  if (!w.sorts_out()) w.contacts.manifolds.release();
-  if (!plan.manifolds) w.contacts.stacks.release();
-  if (!plan.manifolds) bodies.hulls.give_back();
-  if (!plan.joints) w.joints.release_blocks();
-  if (!plan.continuous) w.dynamics.continuous.release();
-  if (!plan.loads) w.contacts.loads.release();
-  // Waking takes a little memory where nobody may sleep, too. It stays: a step in which bodies go allocates nothing.
-  if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
-  if (!plan.publish) w.observers.publisher.release();
-  if (!plan.events && !w.observers.events.on()) w.observers.events = EventList();
+  if (w.sorted_out && !w.sorts_out()) w.contacts.manifolds.release();
+  w.sorted_out = w.sorts_out();
+  if (left(&Plan::manifolds)) {
+    w.contacts.stacks.release();
+    bodies.hulls.give_back();
+  }
+  if (left(&Plan::joints)) w.joints.release_blocks();
+  if (left(&Plan::continuous)) w.dynamics.continuous.release();
+  if (left(&Plan::loads)) w.contacts.loads.release();
+  if (left(&Plan::sleep) && w.sleep.sleepers.empty()) w.sleep.sleepers.release();
+  if (left(&Plan::publish)) w.observers.publisher.release();
+  if (left(&Plan::events)) w.observers.events = EventList();
   if (!plan.scales) bodies.pull.release();
   if (!plan.restitution) {
     bodies.event_time.release();
     w.dynamics.solver.forget_impacts();
   }
   w.dynamics.forces_stale = true;
+  w.applied = plan;
 }
 
 std::vector<PlanEntry> World::plan() const {
