@@ -351,5 +351,19 @@ TEST(Hardening, AfterATimeStepTooShortForADoubleWorldsAreSavedAndRestored) {
   }
 }
 
+// The traits of a world were judged outside of a step, where 1e-320 is more than 0, and again at a restore, where it is
+// not: the state was refused as damaged.
+TEST(Hardening, AWallWithAFrictionOf1em320IsSavedAndRestored) {
+  WorldDesc desc = walled({-20, -20, 20, 20});
+  desc.wall.friction = desc.wall.restitution = desc.linear_damping = 1e-320;
+  auto world = make(desc);
+  add(*world, disc({0, 1}));
+  run(*world, 2);
+  std::vector<std::byte> state;
+  world->save(state);
+  std::string error;
+  EXPECT_TRUE(world->restore(state, error)) << error;
+}
+
 }  // namespace
 }  // namespace psim::test
