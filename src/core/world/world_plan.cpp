@@ -87,7 +87,9 @@ void apply_plan(Owners& w) {
   if (left(&Plan::joints)) w.joints.release_blocks();
   if (left(&Plan::continuous)) w.dynamics.continuous.release();
   if (left(&Plan::loads)) w.contacts.loads.release();
-  if (left(&Plan::sleep) && w.sleep.sleepers.empty()) w.sleep.sleepers.release();
+  // Sleepers may outlast the plan that let them sleep: their columns go once the last one is awake.
+  Sleepers& sleepers = w.sleep.sleepers;
+  if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
   if (left(&Plan::publish)) w.observers.publisher.release();
   if (left(&Plan::events)) w.observers.events = EventList();
   if (!plan.scales) bodies.pull.release();
