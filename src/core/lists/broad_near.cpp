@@ -35,9 +35,10 @@ bool NearSearch::run(PairTable& table, std::size_t begin, std::size_t end) {
   const std::span<const Piece> pieces = std::span(pieces_).subspan(begin, end - begin);
   const std::size_t first = pieces.front().strip;
   s_.pool.run(pieces.back().strip + 1 - first, [&](std::size_t n) {
-    for (const Piece& piece : std::ranges::equal_range(pieces, first + n, {}, &Piece::strip)) {
-      search(piece, table);
-      if (piece.end == table.strips[first + n].body_end) link_strip(table, first + n, s_.bodies.linked.data());
+    auto piece = std::ranges::lower_bound(pieces, first + n, {}, &Piece::strip);
+    for (; piece != pieces.end() && piece->strip == first + n; ++piece) {
+      search(*piece, table);
+      if (piece->end == table.strips[first + n].body_end) link_strip(table, first + n, s_.bodies.linked.data());
     }
   });
   if (end != pieces_.size()) return false;

@@ -85,7 +85,7 @@ class CellList {
       for (std::uint32_t c = find(r.first, 0); c < cells_;) {
         const std::uint64_t here = row(c);
         if (here >= r.end) break;
-        for (int k = 0; k < 2; ++k) {
+        for (std::size_t k = 0; k < 2; ++k) {
           if (columns[k].size() == 0) continue;
           const std::uint32_t begin = find(here, columns[k].first, c + offset[k]);
           offset[k] = begin - c;

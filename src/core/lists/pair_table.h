@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -42,7 +41,8 @@ struct StaticPair {
 /// The contacts of a body with fixed shapes in the list of its strip: the first one, and past the last one.
 template <class List>
 auto contacts_of(List& list, std::uint32_t body) {
-  return std::ranges::equal_range(list, body, {}, &StaticPair::body);
+  return std::pair(std::ranges::lower_bound(list, body, {}, &StaticPair::body),
+                   std::ranges::upper_bound(list, body, {}, &StaticPair::body));
 }
 
 /// Names a pair whichever way round it is told: the lower slot or id, then the higher one.
@@ -81,7 +81,10 @@ struct PairTable {
     const std::size_t large = strips.size() - 1;
     if (any(strip) || any(large)) return true;
     if (strip != large) return any(strip == 0 ? large - 1 : strip - 1) || any(strip + 1 == large ? 0 : strip + 1);
-    return std::ranges::any_of(std::views::iota(std::size_t{0}, large), any);
+    for (std::size_t k = 0; k < large; ++k) {
+      if (any(k)) return true;
+    }
+    return false;
   }
 
   /// Completes `first`: its end, and the marks of the strips' first bodies.
@@ -102,9 +105,12 @@ struct PairTable {
     const std::uint32_t pair = find_listed(a, b);
     if (pair != kNoPair || renewed_begin == kNoneRenewed) return pair;
     const std::uint64_t key = pair_key(a, b);
-    const auto renewed = std::views::iota(renewed_begin, strips.back().pair_end);
-    const auto at = std::ranges::lower_bound(renewed, key, {}, [&](std::uint32_t p) { return key_of(p); });
-    return at != renewed.end() && key_of(*at) == key ? *at : kNoPair;
+    std::uint32_t begin = renewed_begin, end = strips.back().pair_end;
+    while (begin < end) {  // to the first pair whose key is not below
+      const std::uint32_t middle = begin + (end - begin) / 2;
+      (key_of(middle) < key ? begin : end) = key_of(middle) < key ? middle + 1 : middle;
+    }
+    return begin != strips.back().pair_end && key_of(begin) == key ? begin : kNoPair;
   }
   /// The same among the pairs of the last build.
   std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {

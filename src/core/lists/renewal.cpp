@@ -165,7 +165,8 @@ void ListRenewal::put_statics(PairTable& table) {
   statics_changed_ = false;
   for (const std::uint32_t slot : found_) {
     std::vector<StaticPair>& list = table.static_contacts[table.strip_of(slot)];
-    const auto mine = contacts_of(near_, slot);
+    const auto [first, last] = contacts_of(near_, slot);
+    const std::span<StaticPair> mine(first, last);
     const auto [begin, end] = contacts_of(list, slot);
     bool same = end - begin == std::ssize(mine);
     for (StaticPair& pair : mine) {

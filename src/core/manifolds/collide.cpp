@@ -173,9 +173,10 @@ inline void deepest_point(const Pair& p, const Edges& e, const Clip& c, Vec outw
   one_point(p, outward, on_b, depth, feature_of<OneLane>(of_b ? 1 : 0, e.edge, number(deepest)), m);
 }
 
+// Two hulls in the frame of A, with the origin at B's centre.
 template <int kA, int kB>
-inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin, float preference) {
-  Pair p;
+[[gnu::always_inline]] inline void place_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin,
+                                               Pair& p) {
   p.frame = {qa.c, qa.s};
   p.d = d;
   p.margin = margin;
@@ -198,7 +199,12 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
     p.b.nx[k] = q.c * b.nx[k] - q.s * b.ny[k];
     p.b.ny[k] = q.s * b.nx[k] + q.c * b.ny[k];
   }
+}
 
+template <int kA, int kB>
+inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin, float preference) {
+  Pair p;
+  place_cores<kA, kB>(a, qa, b, qb, d, margin, p);
   Manifold m;
   const float reach = a.radius + b.radius + margin;
   const Axis of_a = best_axis<kA, kB>(p.a, p.b);
@@ -217,10 +223,10 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
     return use_b ? edges_of<kA>(p.b, of_b.edge, p.a, true) : edges_of<kB>(p.a, of_a.edge, p.b, false);
   };
   Edges e = edges(of_b.separation > of_a.separation + preference * p.size.v);
-  Clip c = kernels::clip_edge<OneLane>(e, number(e.use_b ? na : nb));
+  Clip c = kernels::clip_edge<OneLane>(e, number(e.use_b ? p.a.count : p.b.count));
   if (!e.use_b && of_b.separation > of_a.separation && !nearest_is_on(c)) {
     e = edges(true);
-    c = kernels::clip_edge<OneLane>(e, number(na));
+    c = kernels::clip_edge<OneLane>(e, number(p.a.count));
   }
   Vec normal = e.use_b ? -e.normal : e.normal;
   Point point[2];

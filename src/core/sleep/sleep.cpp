@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <span>
 
 #include "bodies/static_pieces.h"
@@ -28,8 +27,9 @@ void keep_touches(const SleepSource& source, Sleepers& sleepers, std::size_t fir
   const PairTable& table = source.table;
   const auto chosen = [&](std::uint32_t slot) { return slot != kNoSlot && sleepers.chosen(slot); };
   const auto any_in = [&](std::size_t strip) {
-    const auto slots = std::views::iota(table.strips[strip].body_begin, table.strips[strip].body_end);
-    return std::ranges::any_of(slots, chosen);
+    std::uint32_t slot = table.strips[strip].body_begin;
+    while (slot != table.strips[strip].body_end && !chosen(slot)) ++slot;
+    return slot != table.strips[strip].body_end;
   };
   const bool any_large = !table.strips.empty() && any_in(table.strips.size() - 1);  // every strip may touch these
   const auto theirs = [&](std::size_t strip) { return any_large || table.any_beside(strip, any_in); };

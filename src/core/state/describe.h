@@ -66,6 +66,17 @@ inline void one_value(Archive& a, BodyProperties& s) {
             s.restitution <= 1 && s.friction >= 0);
 }
 
+/// What a function makes of the elements of a list.
+template <class List, class To>
+struct Mapped {
+  List& list;
+  To to;
+  std::size_t size() const { return list.size(); }
+  decltype(auto) operator[](std::size_t k) const { return std::invoke(to, list[k]); }
+};
+template <class List, class To>
+Mapped(List&, To) -> Mapped<List, To>;
+
 /// Members of the structs in a range, each as a column.
 template <class Range, class... Member>
 void columns(Archive& a, Range&& structs, Member... member) {

@@ -1,6 +1,5 @@
 // Who is there: the tables of what bodies share, bodies by id, the columns of those that move, the lists of those that
 // do not, fixed geometry, and the bodies that sleep, which are part of it meanwhile.
-#include <ranges>
 #include <span>
 
 #include "sleep/sleepers.h"
@@ -213,9 +212,9 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
       told.push_back(k);
     }
   }
-  const auto shapes = std::views::transform(told, [&](std::uint32_t k) -> S& { return statics_[k]; });
-  lattice_points(a, std::views::transform(shapes, &S::p));
-  lattice_points(a, std::views::transform(shapes, &S::q));
+  const Mapped shapes{told, [&](std::uint32_t k) -> S& { return statics_[k]; }};
+  lattice_points(a, Mapped{shapes, &S::p});
+  lattice_points(a, Mapped{shapes, &S::q});
   columns(a, shapes, &S::radius, &S::restitution, &S::friction, &S::owner, &S::hull);
   for (auto& runs : runs_) a.packed(runs, std::uint64_t{count_} + 1);
   a.list(left_, [&](auto& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
@@ -290,7 +289,7 @@ void describe_touches(Archive& a, std::vector<NamedTouch>& named, std::uint32_t 
     n.other = n.fixed || t.first() == n.own ? t.second() : t.first();
   }
   columns(a, named, &NamedTouch::other, &NamedTouch::fixed);
-  const auto touches = std::views::transform(named, [](const NamedTouch& n) -> Touch& { return *n.touch; });
+  const Mapped touches{named, [](const NamedTouch& n) -> Touch& { return *n.touch; }};
   for (const int point : {0, 1}) {
     columns(
         a, touches, [&](Touch& t) -> float& { return t.impulse[point]; },
@@ -307,8 +306,8 @@ void describe_touches(Archive& a, std::vector<NamedTouch>& named, std::uint32_t 
 void describe_recent(Archive& a, TouchMemory& memory, std::uint32_t ids) {
   std::vector<Touch> touches;
   if (!a.loading()) touches = memory.all();
-  std::vector<std::uint32_t> own;
-  for (const Touch& t : touches) own.push_back(t.first());
+  std::vector<std::uint32_t> own(touches.size());
+  std::ranges::transform(touches, own.begin(), &Touch::first);
   a.packed(own, ids);
   touches.resize(own.size());
   std::vector<NamedTouch> named;
@@ -347,7 +346,7 @@ void Sleepers::describe(Archive& a, BodyStore& bodies, StaticShapes& statics) {
   values(a, woke, changed, watching_);
   if (a.loading()) list.assign(count_of(bodies, Place::asleep), Sleeper{});
   using S = Sleeper;
-  lattice_points(a, std::views::transform(list, &S::at));
+  lattice_points(a, Mapped{list, &S::at});
   columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::depth, &S::group, &S::creeps);
   if (a.loading()) put_sleepers(a, *this, bodies, statics);
   std::vector<NamedTouch> told;  // those of no sleeper are left out

@@ -304,7 +304,7 @@ double whole_loads(const UnitCosts& ns, const WorkCounts& w) {
   return (w.has.loads ? ns.load * w.lists.visits : 0) * n(w.contacts);
 }
 
-template <double kShare>
+template <const double& kShare>
 double whole_group(const UnitCosts& ns, const WorkCounts& w) {
   return kShare * ns.group * n(w.manifolds.pairs);
 }

@@ -5,7 +5,6 @@
 // the same code in the same order, so that every pair gets its impulse back and every colour is the same. A step that a
 // governor spread over frames is saved as a list of what was done of it, and done again as far. A state is read into
 // the world itself, which is saved before: if the state proves unsound, the world goes back to what it was.
-#include <ranges>
 #include <utility>
 
 #include "base/invariant.h"
@@ -246,7 +245,7 @@ class StateKeeper {
       std::swap(bodies.vel[2 * slot + 1], push.before.vy);
       if (!bodies.rim_speed.empty()) std::swap(bodies.rim_speed[slot], push.before.rim_speed);
     };
-    for (WorkDone& done : std::views::reverse(w_.done_so_far)) swap_motion(done);
+    std::for_each(w_.done_so_far.rbegin(), w_.done_so_far.rend(), swap_motion);
     StepReport ignored;
     for (WorkDone& done : w_.done_so_far) {
       swap_motion(done);
