@@ -51,6 +51,7 @@ psim_install() {
     as_root=(sudo)
   fi
   psim_say "installing ${missing[*]}"
+  psim_new_packages=1  # a build that was configured without them looks for them again
   local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get
              -o DPkg::Lock::Timeout=600 -y -qq)
   # With fresh package lists the first install succeeds; without any, or with stale ones, it
@@ -81,7 +82,7 @@ psim_build() {
       exec 9>"build/.lock"
       flock 9
     fi
-    if [[ -n ${PSIM_CONFIGURE_ARGS:-} ]] || ! psim_is_configured "$preset"; then
+    if [[ -n ${PSIM_CONFIGURE_ARGS:-}${psim_new_packages:-} ]] || ! psim_is_configured "$preset"; then
       if [[ -f $dir/CMakeCache.txt ]] &&
          ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$psim_root" "$dir/CMakeCache.txt"; then
         rm -rf "$dir"  # copied or moved from elsewhere: its paths point there
