@@ -272,7 +272,8 @@ class Archive {
     if (!ok()) width = 0;
     transfer(above, count * width);
     if (!loading_) return;
-    const Bits mask = width == 0 ? 0 : static_cast<Bits>(static_cast<Bits>(~Bits{0}) >> 8 * (sizeof(Bits) - width));
+    Bits mask = 0;  // of the bytes that were written
+    if (width != 0) mask = static_cast<Bits>(static_cast<Bits>(~Bits{0}) >> 8 * (sizeof(Bits) - width));
     for (std::size_t k = 0; k < count; ++k) {
       Bits number = 0;
       std::memcpy(&number, above + k * width, sizeof number);
