@@ -151,7 +151,8 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
   run_each(members_.size(), kEach, s_.pool, [&](std::size_t n, std::size_t) {
     const std::uint32_t id = bodies_[n], slot = b.info[id].slot;
     const BodyKind& kind = b.kind(id);
-    JointMember m;
+    JointMember& m = members_[n];  // in place: a copy would wait for what was just written
+    m = {};
     m.number = numbers.dummies();
     m.rim_gain = b.properties(id).rim_gain;
     if (b.info[id].place == Place::moving) {
@@ -166,7 +167,6 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
       m.angle = f.angle;
     }
     m.turn = sine_cosine(m.angle);
-    members_[n] = m;
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "base/rotor.h"
@@ -37,14 +38,14 @@ void cut(BodyStore& b, std::size_t i, float share) {
 struct Swept {
   Swept(const BodyStore& b, std::size_t i)
       : kind(b.kind(b.id[i])),
-        disc(disc_hull(b.radius[i])),
-        hulls(kind.hull_count != 0 ? &b.hulls[kind.first_hull] : &disc, std::max(1u, kind.hull_count)),
+        hulls(kind.hull_count != 0 ? &b.hulls[kind.first_hull] : &disc.emplace(disc_hull(b.radius[i])),
+              std::max(1u, kind.hull_count)),
         inner(kind.hull_count != 0 ? kind.inner : b.radius[i]),
         swing(b.angle_change.empty() ? 0.0 : static_cast<double>(b.angle_change[i])),
         angle(b.angle_of(i) - swing) {}
 
   const BodyKind& kind;
-  const Hull disc;
+  std::optional<Hull> disc;  // made for a disc alone
   const std::span<const Hull> hulls;
   const float inner;          // m: to the nearest point of the surface
   const double swing, angle;  // rad: in the step, and at its start
@@ -53,7 +54,6 @@ struct Swept {
 // Appends the fixed shapes near the way of a body, and cuts the way at the first of them.
 void stop_at_fixed(const Contacts& contacts, bool filters, std::uint32_t i, std::vector<std::uint32_t>& near) {
   const auto& [memory, lattice, b, statics, kernels, pool] = contacts.surroundings;
-  const Swept mine(b, i);
   const float mx = b.disp[2 * i], my = b.disp[2 * i + 1];
   // Bounded, since a body thrown out of the world may have moved by any amount.
   const auto half = [](float way, double pitch) {
@@ -63,6 +63,8 @@ void stop_at_fixed(const Contacts& contacts, bool filters, std::uint32_t i, std:
   const float reach = b.radius[i] + 0.5f * std::sqrt(mx * mx + my * my);
   statics.near(wrap_add(b.pos[2 * i], half(mx, lattice.pitch_x())),
                wrap_add(b.pos[2 * i + 1], half(my, lattice.pitch_y())), reach, near);
+  if (near.empty()) return;
+  const Swept mine(b, i);
   float first = 1;
   for (const std::uint32_t k : near) {
     const StaticShape& s = statics[k];
