@@ -57,6 +57,9 @@ class BroadCells {
   std::uint32_t large_begin() const { return counted_.small; }
   /// The largest reach in the cells, m.
   float most() const { return most_; }
+  /// Whether the bodies [begin, end) lie in one row of the grid whose cells, from the first body's to the last one's, are
+  /// within `inner`. Bounds are relative to the lattice's centre, m.
+  bool surely_within(std::uint32_t begin, std::uint32_t end, const Bounds& inner) const;
 
   /// Cuts the rows into strips of about equal numbers of bodies. O(rows); with listed cells O(strips log cells).
   void cut_strips(PairTable& table) const;

@@ -93,11 +93,13 @@ bool NearSearch::nothing_near(std::uint32_t begin, std::uint32_t end) const {
   using kernels::kBlock;
   const BodyStore& b = s_.bodies;
   const BroadPhaseParams& p = params_;
+  const bool walls_only = !s_.statics.any() && end <= cells_.large_begin();
+  const float most = walls_only ? cells_.most() : *std::max_element(b.reach.data() + begin, b.reach.data() + end);
+  const double reach = static_cast<double>(most) + common_way();
+  const Bounds inner{p.bounds.xmin + reach, p.bounds.ymin + reach, p.bounds.xmax - reach, p.bounds.ymax - reach};
+  if (walls_only && cells_.surely_within(begin, end, inner)) return true;
   BodyExtent of;
   s_.kernels.extent(b.built.data(), of.box, begin / kBlock, (end + kBlock - 1) / kBlock);
-  const bool alike = end <= cells_.large_begin() && !s_.statics.any();
-  of.most = alike ? cells_.most() : *std::max_element(b.reach.data() + begin, b.reach.data() + end);
-  const double reach = static_cast<double>(of.most) + common_way();
   const double px = s_.lattice.pitch_x(), py = s_.lattice.pitch_y();
   const double xmin = of.box[0] * px, xmax = of.box[2] * px, ymin = of.box[1] * py, ymax = of.box[3] * py;
   if (p.walls && (xmin - reach < p.bounds.xmin || xmax + reach > p.bounds.xmax || ymin - reach < p.bounds.ymin ||

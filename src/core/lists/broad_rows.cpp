@@ -92,6 +92,22 @@ kernels::PairRow BroadCells::row_view(std::uint32_t row) const {
   return v;
 }
 
+bool BroadCells::surely_within(std::uint32_t begin, std::uint32_t end, const Bounds& inner) const {
+  if (listed_ || end > large_begin()) return false;
+  const kernels::GridView& g = grid_.view;
+  const std::uint32_t first = keys_[begin], last = keys_[end - 1], row = first / g.stride;
+  if (last / g.stride != row) return false;
+  constexpr double kRounded = 0.25;  // cells: the cell of a body is found in float
+  const auto x = [&](double column) {
+    return g.mid_x * s_.lattice.pitch_x() + (column - static_cast<double>(g.offset_x)) * grid_.cell[0];
+  };
+  const auto y = [&](double line) {
+    return g.mid_y * s_.lattice.pitch_y() + (line - static_cast<double>(g.offset_y)) * grid_.cell[1];
+  };
+  return x(first % g.stride - kRounded) >= inner.xmin && x(last % g.stride + 1 + kRounded) <= inner.xmax &&
+         y(row - kRounded) >= inner.ymin && y(row + 1 + kRounded) <= inner.ymax;
+}
+
 bool BroadCells::find_pairs(const Strip& s, kernels::PairList& list) const {
   if (listed_) return find_listed(s, list);
   const std::uint32_t* const start = sort_.start();
