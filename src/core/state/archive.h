@@ -248,11 +248,19 @@ class Archive {
     v = 0;
     require(false);
   }
+  // Calls go with a width in bytes as a constant, so that loops over numbers of it are unrolled.
+  template <class Bits, class Go>
+  static void with_width(std::uint8_t width, const Go& go) {
+    [&]<std::size_t... k>(std::index_sequence<k...>) {
+      ((width == k ? go(std::integral_constant<std::size_t, k>()) : void()), ...);
+    }
+    (std::make_index_sequence<sizeof(Bits) + 1>());
+  }
   template <class Bits>
   void packed_run(Bits* numbers, std::size_t count) {
     std::uint8_t width = 0;
     Bits least = 0;
-    std::byte above[(kPackedRun + 1) * sizeof(Bits)] = {};  // a number is copied whole, beyond its width
+    std::byte above[kPackedRun * sizeof(Bits)];
     if (!loading_) {
       Bits most = 0;
       least = std::numeric_limits<Bits>::max();
@@ -261,10 +269,12 @@ class Archive {
         most = std::max(most, numbers[k]);
       }
       width = static_cast<std::uint8_t>((std::bit_width(static_cast<Bits>(most - least)) + 7) / 8);
-      for (std::size_t k = 0; k < count; ++k) {
-        const auto number = static_cast<Bits>(numbers[k] - least);
-        std::memcpy(above + k * width, &number, sizeof number);
-      }
+      with_width<Bits>(width, [&](auto bytes) {
+        for (std::size_t k = 0; k < count; ++k) {
+          const auto number = static_cast<Bits>(numbers[k] - least);
+          std::memcpy(above + k * bytes, &number, bytes);
+        }
+      });
     }
     value(width);
     value(least);
@@ -272,13 +282,13 @@ class Archive {
     if (!ok()) width = 0;
     transfer(above, count * width);
     if (!loading_) return;
-    Bits mask = 0;  // of the bytes that were written
-    if (width != 0) mask = static_cast<Bits>(static_cast<Bits>(~Bits{0}) >> 8 * (sizeof(Bits) - width));
-    for (std::size_t k = 0; k < count; ++k) {
-      Bits number = 0;
-      std::memcpy(&number, above + k * width, sizeof number);
-      numbers[k] = static_cast<Bits>(least + (number & mask));
-    }
+    with_width<Bits>(width, [&](auto bytes) {
+      for (std::size_t k = 0; k < count; ++k) {
+        Bits number = 0;
+        std::memcpy(&number, above + k * bytes, bytes);
+        numbers[k] = static_cast<Bits>(least + number);
+      }
+    });
   }
 
  protected:

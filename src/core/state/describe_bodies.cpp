@@ -350,6 +350,7 @@ void Sleepers::describe(Archive& a, BodyStore& bodies, StaticShapes& statics) {
   columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::depth, &S::group, &S::creeps);
   if (a.loading()) put_sleepers(a, *this, bodies, statics);
   std::vector<NamedTouch> told;  // those of no sleeper are left out
+  told.reserve(touches.size());
   for (const Sleeper& s : list) {
     for (std::uint32_t k = 0; k < s.touches; ++k) told.push_back({&touches[s.first_touch + k], s.id});
   }
