@@ -66,7 +66,7 @@ class Solver {
   /// The number of contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }
   /// The step has no contacts, so that the solver does not run.
-  void pass() { closed_ = 0; }
+  void skip() { closed_ = 0; }
   /// The mean number of sweeps over impacts that a substep needed in the last run with restitution. If the sweeps were
   /// limited, it is the number of the runs before, which slowly fades.
   double sweeps() const { return sweeps_; }
@@ -88,7 +88,7 @@ class Solver {
   void mark_impacts(const SolverInput& in);
   void sum_up(const SolverInput& in, int substeps);
 
-  std::vector<std::uint8_t> touched_;        // by slot: the body has a contact
+  std::vector<std::uint8_t> touched_;        // by number of a body: it has a contact that presses
   std::vector<std::uint8_t> pressing_;       // by strip: some of its contacts press
   std::vector<int> last_sweep_;              // by strip: the last sweep over impacts in which it had an event, or -1
   std::vector<std::uint32_t> loaded_;        // strips with contacts under heavy loads

@@ -114,7 +114,7 @@ void lay_out_manifolds(StepContext& c, double dt) {
   c.contacts.stacks.place();
 }
 
-void prepare_contacts(StepContext& c, double dt) {
+void narrow_phase(StepContext& c, double dt) {
   if (c.plan.manifolds) lay_out_manifolds(c, dt);
   if (c.contacts.discs.pass_blocks() == 0) {
     c.ledger.skip(Skip::narrow_phase, !c.contacts.manifolds.any());
@@ -134,7 +134,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
   if (c.contacts.discs.pass_blocks() == 0 && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
       c.joints.empty()) {
     c.ledger.skip(Skip::solver);
-    c.dynamics.solver.pass();
+    c.dynamics.solver.skip();
     return;
   }
   const SolverParams p = solver_params(c, dt, report.detail);

@@ -7,8 +7,8 @@ namespace psim {
 
 /// Colours and blocks of the manifolds that were found, for a step of dt seconds. O(touching pairs).
 void lay_out_manifolds(StepContext& c, double dt);
-/// The same, and the normals and gaps of the contacts of discs. O(contacts).
-void prepare_contacts(StepContext& c, double dt);
+/// The narrow phase of all contacts: lay_out_manifolds(), then normals and gaps of the contacts of discs. O(contacts).
+void narrow_phase(StepContext& c, double dt);
 
 /// What move_bodies() saw on its way.
 struct Moved {

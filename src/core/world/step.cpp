@@ -62,7 +62,7 @@ void finish_contacts(Owners& w, double dt, const Span& span, StepReport& report)
   w.contacts.kept = !w.progress.lays_out();
   accept_work(w);
   const StageTimer timer(report, w.tracer, Stage::narrow_phase);
-  prepare_contacts(w, dt);
+  narrow_phase(w, dt);
 }
 
 // Finds the contacts of a step of dt seconds. False if bodies woke that would be met and there is no time to look for

@@ -1,4 +1,5 @@
-// All that a world holds: what steps work on (step/step_context.h), who looks at it, and what is to be put right.
+// All that a world holds: what steps work on (step/step_context.h), who looks at it, and what Quarantine puts right.
+// The functions of this room take Owners, since World::Impl is private to World.
 #pragma once
 
 #include <string>
