@@ -86,7 +86,7 @@ if(TARGET psim_scene)
   add_executable(golden tests/golden/main.cpp)
   psim_target_defaults(golden)
   target_link_libraries(golden PRIVATE psim_scene)
-  foreach(_isa scalar sse avx2)
+  foreach(_isa IN LISTS _isa_names)
     foreach(_threads 1 2 3)
       add_test(NAME Golden.${_isa}.${_threads}
         COMMAND golden check "${PROJECT_SOURCE_DIR}/tests/golden/small.csv" --isa ${_isa} --threads ${_threads})

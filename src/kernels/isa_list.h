@@ -2,15 +2,14 @@
 // the files to build and their flags, tools/asm-inspect the objects to look at; both read the rows as text, one line
 // a row. The enum Isa of psim/isa.h and psim_isa of the C interface have an entry for each row, in the same order.
 //
-// A new instruction set is a row here, lanes_<unit>.h, kernels_<unit>.cpp, an entry in both enums, and in
-// src/core/base/machine.cpp the question whether the CPU has it.
+// A new instruction set is a row here and what docs/kernels.md lists under "A new ISA".
 #pragma once
 
 #include "kernel_table.h"
 
 namespace psim::kernels {
 
-/// What a CPU must have to run a variant.
+/// What a CPU must have to run a variant; cpu_has() of src/core/base/machine.cpp asks for it.
 enum class CpuNeed { nothing, sse41, avx2 };
 
 struct IsaRow {

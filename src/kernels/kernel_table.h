@@ -12,64 +12,64 @@
 
 namespace psim::kernels {
 
-using Range = std::uint32_t;  // first or past-last block
+using Block = std::uint32_t;  // the number of a block: the first one, or the one past the last
 
 struct KernelTable {
   std::uint32_t width;  // lanes of a register
   // Streams over bodies (stream_kernel.h).
-  void (*kick_first)(const BodyView&, const StreamParams&, Range, Range);
-  void (*kick_again)(const BodyView&, const StreamParams&, Range, Range);
-  void (*drift)(const BodyView&, const StreamParams&, Range, Range);
-  bool (*integrate)(const BodyView&, const StreamParams&, Range, Range);
+  void (*kick_first)(const BodyView&, const StreamParams&, Block, Block);
+  void (*kick_again)(const BodyView&, const StreamParams&, Block, Block);
+  void (*drift)(const BodyView&, const StreamParams&, Block, Block);
+  bool (*integrate)(const BodyView&, const StreamParams&, Block, Block);
   float (*list_age)(const BodyView&, const std::int32_t* built, const float* radius, const float* reach,
-                    const StreamParams&, float reach_time, Range, Range);
-  void (*look_ahead)(const BodyView&, const StreamParams&, float ahead, std::int32_t* place, Range, Range);
-  float (*reaches)(const BodyView&, const float* radius, const ReachParams&, float* reach, Range, Range);
-  void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Range, Range);
-  void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Range, Range);
+                    const StreamParams&, float reach_time, Block, Block);
+  void (*look_ahead)(const BodyView&, const StreamParams&, float ahead, std::int32_t* place, Block, Block);
+  float (*reaches)(const BodyView&, const float* radius, const ReachParams&, float* reach, Block, Block);
+  void (*extent)(const std::int32_t* pos, std::int32_t low_high[4], Block, Block);
+  void (*cell_keys)(const std::int32_t* pos, const GridView&, std::uint32_t* key, Block, Block);
   // Smooth forces (field_kernel.h), by whether there is drag: quadratic for accelerate, any for
   // advance.
-  void (*accelerate[2])(const BodyView&, const FieldParams&, Range, Range);
-  void (*advance[kMethods][2])(const BodyView&, const FieldParams&, Range, Range);
-  void (*drift_corrected)(const BodyView&, const FieldParams&, Range, Range);
+  void (*accelerate[2])(const BodyView&, const FieldParams&, Block, Block);
+  void (*advance[kMethods][2])(const BodyView&, const FieldParams&, Block, Block);
+  void (*drift_corrected)(const BodyView&, const FieldParams&, Block, Block);
   // Pair search (pair_kernel.h): bodies, not blocks.
   bool (*find_pairs)(const PairRow&, std::uint32_t begin, std::uint32_t end, PairList&);
   bool (*find_near)(const PairRow&, std::uint32_t i, std::uint32_t j0, std::uint32_t j1, PairList&);
   std::uint32_t (*select_pairs)(const BodyView&, const PairSelection&, std::uint32_t begin, std::uint32_t end);
   // Contacts (contact_kernel.h, static_contact_kernel.h, impact_kernel.h), by model, and by restitution and sweep.
-  void (*prepare)(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*warm[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*solve[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*relax[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  void (*spend[kModels])(const BodyView&, const ContactView&, const ContactParams&, Range, Range);
-  bool (*sweep[kModels][kSweeps])(const BodyView&, const ContactView&, const ContactParams&, Range, Range,
+  void (*prepare)(const BodyView&, const ContactView&, const ContactParams&, Block, Block);
+  void (*warm[kModels])(const BodyView&, const ContactView&, const ContactParams&, Block, Block);
+  void (*solve[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Block, Block);
+  void (*relax[kModels][kBounces])(const BodyView&, const ContactView&, const ContactParams&, Block, Block);
+  void (*spend[kModels])(const BodyView&, const ContactView&, const ContactParams&, Block, Block);
+  bool (*sweep[kModels][kSweeps])(const BodyView&, const ContactView&, const ContactParams&, Block, Block,
                                   double* virial);
-  void (*warm_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
-  void (*solve_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Range,
-                                          Range);
-  void (*relax_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Range,
-                                          Range);
-  void (*spend_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range);
-  bool (*sweep_static[kModels][kSweeps])(const BodyView&, const StaticContactView&, const ContactParams&, Range, Range,
+  void (*warm_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Block, Block);
+  void (*solve_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Block,
+                                          Block);
+  void (*relax_static[kModels][kBounces])(const BodyView&, const StaticContactView&, const ContactParams&, Block,
+                                          Block);
+  void (*spend_static[kModels])(const BodyView&, const StaticContactView&, const ContactParams&, Block, Block);
+  bool (*sweep_static[kModels][kSweeps])(const BodyView&, const StaticContactView&, const ContactParams&, Block, Block,
                                          double* virial);
   // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax also by restitution and by whether the sweep
   // is an inner one.
-  void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Range, Range);
-  void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
-  void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Range, Range);
-  void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Range, Range);
-  void (*turn_bodies)(const BodyView&, const float* radius, float h, Range, Range);
+  void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Block, Block);
+  void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
+  void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
+  void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Block, Block);
+  void (*turn_bodies)(const BodyView&, const float* radius, float h, Block, Block);
   // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.
-  using Collide = void (*)(HullPairs*, Range, Range);
+  using Collide = void (*)(HullPairs*, Block, Block);
   Collide collide[2][3];
   // Joints (joint_*_kernel.h), by kind and whether A is fixed.
-  using JointPass = void (*)(const BodyView&, JointBlocks, const JointParams&, Range, Range);
+  using JointPass = void (*)(const BodyView&, JointBlocks, const JointParams&, Block, Block);
   JointPass warm_joints[kJointKinds][2];
   JointPass solve_joints[kJointKinds][2];
   JointPass relax_joints[kJointKinds][2];
   JointPass push_joints[kJointKinds][2];
-  void (*part_joints)(const BodyView&, const JointShare&, Range, Range);
-  void (*hold_joints)(const BodyView&, const JointShare&, float sign, Range, Range);
+  void (*part_joints)(const BodyView&, const JointShare&, Block, Block);
+  void (*hold_joints)(const BodyView&, const JointShare&, float sign, Block, Block);
 };
 
 extern const KernelTable kScalarKernels;

@@ -17,7 +17,7 @@ struct KernelTable;
 /// Whether this CPU can run the kernels that need it. Never true of an instruction set that the build lacks.
 bool cpu_has(kernels::CpuNeed need);
 
-/// The kernel table of an ISA. The caller has checked isa_available.
+/// The kernel table of an ISA (isa.cpp). The caller has checked isa_available.
 const kernels::KernelTable& kernels_of(Isa isa);
 
 /// A hint to the CPU that the thread waits in a loop.
