@@ -50,8 +50,8 @@ struct ContactLanes {
     impulse[lane] = normal_impulse > 0 ? normal_impulse : 0.0f;  // open contacts have an impulse of -0
     if (model.rough()) friction[lane] = tangent_impulse;
   }
-  /// Takes the impulses over from a lane of the last layout, or none.
   static constexpr std::uint32_t kNoLane = 0xFFFFFFFFu;
+  /// Takes the impulses over from a lane of the last layout; kNoLane: the contact begins without any.
   void carry(ContactModel model, std::size_t lane, std::uint32_t before) {
     if (before == kNoLane) return put(model, lane, 0, 0);
     put(model, lane, old_impulse[before], model.rough() ? old_friction[before] : 0);
@@ -83,7 +83,7 @@ struct PairLanes : ContactLanes {
 struct StaticLanes : ContactLanes {
   explicit StaticLanes(MemoryMeter& memory) : ContactLanes(1, memory) {}
   void make_room(ContactModel model, std::size_t lanes);
-  void swap_impulses();
+  void swap_impulses();  ///< and normals: the narrow phase keeps a pressed contact on its side of a segment
   void pad(ContactModel model, std::size_t lane, std::uint32_t dummy);
   kernels::StaticContactView view();
 

@@ -138,12 +138,12 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
   const Class::Counts& counts = pairs.counts[index];
   const auto side = [&](std::uint32_t slot) -> auto& { return alike_ != nullptr ? *alike_ : b.properties(b.id[slot]); };
   Layout lanes(counts, s.blocks.begin, s.loaded);
-  lanes.each_empty(counts, [&](std::uint32_t lane) { pairs.pad(model_, lane, numbers_.dummies_of(index)); });
+  lanes.each_empty(counts, [&](std::uint32_t lane) { pairs.pad(model_, lane, solved_.dummies_of(index)); });
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     const std::uint32_t i = table.owner[p], j = table.other[p], at = lanes.take(colour_[p]);
     table.contact[p] = at;
-    pairs.body[2 * std::size_t{at}] = numbers_.number(i);
-    pairs.body[2 * std::size_t{at} + 1] = numbers_.number(j);
+    pairs.body[2 * std::size_t{at}] = solved_.number(i);
+    pairs.body[2 * std::size_t{at} + 1] = solved_.number(j);
     pairs.rsum[at] = b.radius[i] + b.radius[j];
     if (model_.massed() || model_.bounce) pairs.fill(model_, at, side(i), side(j));
     each(p, at);
@@ -191,21 +191,21 @@ void ContactStore::renew(bool static_contacts, PairTable& table) {
   ++builds_;
 }
 
-// before(pair) gives the lane that a static contact had, or kNoLane.
-template <class Before>
+// lane_before(pair) gives the lane that a static contact had, or kNoLane.
+template <class LaneBefore>
 void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t index,
-                                   const Before& lane_before) {
+                                   const LaneBefore& lane_before) {
   std::vector<StaticPair>& list = table.static_contacts[index];
   if (list.empty()) return;
   const Strip& s = table.strips[index];
   const Class::Counts& counts = fixed.counts[index];
   Layout lanes(counts, s.static_blocks.begin, s.loaded);
-  lanes.each_empty(counts, [&](std::uint32_t lane) { fixed.pad(model_, lane, numbers_.dummies_of(index)); });
+  lanes.each_empty(counts, [&](std::uint32_t lane) { fixed.pad(model_, lane, solved_.dummies_of(index)); });
   each_static(s, list, loads_, [&](StaticPair& pair, std::uint32_t c) {
     const std::uint32_t before = lane_before(pair), at = lanes.take(c), id = s_.bodies.id[pair.body];
     const bool known = before != ContactLanes::kNoLane, wall = pair.shape >= kWallLeft;
     pair.contact = at;
-    fixed.body[at] = numbers_.number(pair.body);
+    fixed.body[at] = solved_.number(pair.body);
     fixed.shape[at] = pair.shape;
     BodyProperties side;  // without inverse mass
     side.restitution = wall ? static_cast<float>(wall_.restitution) : s_.statics[pair.shape].restitution;

@@ -34,8 +34,8 @@ class ContactStore {
   }
   const ContactModel& model() const { return model_; }
 
-  ContactStore(const Surroundings& s, const Material& wall, SolverBodies& numbers, const HeavyLoads& loads)
-      : pairs(s.memory), fixed(s.memory), s_(s), wall_(wall), numbers_(numbers), loads_(loads) {}
+  ContactStore(const Surroundings& s, const Material& wall, SolverBodies& solved, const HeavyLoads& loads)
+      : pairs(s.memory), fixed(s.memory), s_(s), wall_(wall), solved_(solved), loads_(loads) {}
 
   /// A layout in parts, since a step may be spread over frames: begin(), then colour() and lay_out(), each for strips
   /// [begin, end) from the first strip to the last; accept() ends it. Impulses are carried over from the `old` table;
@@ -102,8 +102,8 @@ class ContactStore {
   void place_strips(PairTable& table);
   template <class Each>
   void lay_out_pairs(PairTable& table, std::size_t strip, const Each& each);
-  template <class Before>
-  void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const Before& before);
+  template <class LaneBefore>
+  void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const LaneBefore& lane_before);
   void recall(const TouchMemory& recent, std::uint64_t key, std::uint32_t id, ContactLanes& lanes, std::size_t lane);
   void make_room(std::size_t pair_lanes, std::size_t static_lanes) {
     pairs.make_room(model_, pair_lanes);
@@ -112,7 +112,7 @@ class ContactStore {
 
   const Surroundings s_;
   const Material& wall_;
-  SolverBodies& numbers_;
+  SolverBodies& solved_;
   const HeavyLoads& loads_;
 
   ContactModel model_;

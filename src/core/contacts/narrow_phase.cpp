@@ -1,3 +1,5 @@
+// The narrow phase of discs (ContactStore::find_gaps): a kernel computes pairs of discs, StaticGeometry the contacts
+// with walls, segments and fixed discs, one by one in double precision.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -190,8 +192,8 @@ class StaticGeometry {
 }  // namespace
 
 void ContactStore::find_gaps(const Walls& walls, float refresh, const PairTable& table) {
-  numbers_.load();
-  const kernels::BodyView bodies = numbers_.view();
+  solved_.load();
+  const kernels::BodyView bodies = solved_.view();
   const kernels::ContactView lanes = pairs.view();
   kernels::ContactParams p;
   p.pitch_x = static_cast<float>(s_.lattice.pitch_x());

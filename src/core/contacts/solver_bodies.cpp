@@ -11,8 +11,8 @@ namespace psim {
 
 using kernels::kBlock;
 
-// If more than 0.6 of all bodies are linked, copying them costs more than it saves. Each way has columns of its own, so
-// that the present one is kept for a while.
+// If more than 0.6 of all bodies are linked, copying them costs more than it saves. Copies begin below one share of
+// linked bodies and end above another one, because each change makes room in other columns.
 constexpr double kCompactBelow = 0.5, kCompactUntil = 0.75;
 constexpr std::size_t kAhead = 24;  // a copy prefetches the body that comes so many bodies later
 

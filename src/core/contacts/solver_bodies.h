@@ -21,8 +21,8 @@ class SolverBodies {
   explicit SolverBodies(const Surroundings& s) : b_(s.bodies), pool_(s.pool), meter_(s.memory) {}
 
   /// Chooses the bodies for the lists of `table`: copies of the linked ones, numbered in the order of their slots, if
-  /// `compact` and there are few enough; else all bodies as they stand. `extra` records beyond them stay at rest for
-  /// padding lanes.
+  /// `compact` and there are few enough; else all bodies as they stand. Two records a strip beyond them stay at rest,
+  /// for padding lanes.
   void choose(const PairTable& table, bool compact, bool impacts);
 
   /// Makes room for copies of so many bodies.

@@ -144,7 +144,7 @@ Vec2 axis_of(const JointDesc& d, bool swapped) {
 
 }  // namespace
 
-void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverBodies& numbers) {
+void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved) {
   const BodyStore& b = s_.bodies;
   members_.resize(bodies_.size());
   constexpr std::size_t kEach = 512;
@@ -153,14 +153,14 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
     const BodyKind& kind = b.kind(id);
     JointMember& m = members_[n];  // in place: a copy would wait for what was just written
     m = {};
-    m.number = numbers.dummies();
+    m.number = solved.dummies();
     m.rim_gain = b.properties(id).rim_gain;
     if (b.info[id].place == Place::moving) {
       m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
       m.angle = b.angle[slot];
       m.centre = {kind.centre_x, kind.centre_y};
       m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
-      m.number = numbers.number(slot);
+      m.number = solved.number(slot);
     } else {
       const FixedBody& f = fixed[slot];
       m.at = s_.lattice.to_lattice({f.x, f.y});
@@ -171,11 +171,11 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
 }
 
 // Finds the blocks of bodies that have joints. What the joints did is summed for these alone.
-void JointStore::find_shares(const SolverBodies& numbers) {
-  const std::uint32_t body_blocks = numbers.blocks();
+void JointStore::find_shares(const SolverBodies& solved) {
+  const std::uint32_t body_blocks = solved.blocks();
   marks_.assign(body_blocks, 0);
   for (const JointMember& m : members_) {
-    if (m.number < numbers.dummies()) marks_[m.number / kBlock] = 1;
+    if (m.number < solved.dummies()) marks_[m.number / kBlock] = 1;
   }
   shares_.clear();
   std::vector<ListRange>& ranges = shares_.ranges;
@@ -249,7 +249,7 @@ int JointStore::sweeps() const {
   return blocks <= kFew ? kMostSweeps : blocks <= kMany ? kMostSweeps / 2 : kLeastSweeps;
 }
 
-void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& numbers, double h) {
+void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h) {
   if (empty()) return;
   s_.bodies.find_slots();
   if (stale_) lay_out();
@@ -258,9 +258,9 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   params_.h = narrow(h);
   params_.inv_h = narrow(1 / h);
   params_.rate = narrow(kBias / h);
-  find_members(fixed, numbers);
-  find_shares(numbers);
-  const std::uint32_t padding = numbers.dummies() + 1;
+  find_members(fixed, solved);
+  find_shares(solved);
+  const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
       const std::uint32_t joint = lanes_[r.list][lane];

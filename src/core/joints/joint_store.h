@@ -110,7 +110,7 @@ class JointStore {
   bool any_exclusions() const { return exclusions_ != 0; }
 
   /// Prepares the blocks for a frame with substeps of h seconds.
-  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& numbers, double h);
+  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h);
 
   void warm(const kernels::BodyView& view, float factor);
   void solve(const kernels::BodyView& view);
@@ -188,8 +188,8 @@ class JointStore {
     return sum;
   }
   int sweeps() const;
-  void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& numbers);
-  void find_shares(const SolverBodies& numbers);
+  void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
+  void find_shares(const SolverBodies& solved);
   template <class Block>
   void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;
   template <class Pass>

@@ -117,7 +117,7 @@ void NearSearch::search(const Piece& piece, PairTable& table) const {
   for (std::uint32_t begin = piece.begin; begin < piece.end; begin += kRun) {
     const std::uint32_t end = std::min(begin + kRun, piece.end);
     if (nothing_near(begin, end)) continue;
-    for (std::uint32_t i = begin; i < end; ++i) near_body(i, table.found[piece.strip], out);
+    for (std::uint32_t i = begin; i < end; ++i) near_body(i, table.near_scratch[piece.strip], out);
   }
 }
 

@@ -96,7 +96,7 @@ void BroadPhase::begin_table(PairTable& table, std::uint32_t bodies, bool link_a
   table.first.reserve(std::size_t{bodies} + 1);
   const std::size_t before = table.static_contacts.size(), strips = std::max(before, table.strips.size());
   table.static_contacts.resize(strips);
-  table.found.resize(strips);
+  table.near_scratch.resize(strips);
   for (std::size_t s = before; s < strips; ++s) table.static_contacts[s].reserve(64);
   std::fill_n(s_.bodies.linked.data(), kernels::round_up_block(s_.bodies.count),
               static_cast<std::uint8_t>(link_all ? 0xFF : 0));

@@ -13,8 +13,8 @@ namespace {
 // Margin around bodies in the lists, as a share of the radius: a tenth suits piles (docs/performance.md).
 constexpr double kSkinOfRadius = 0.1;
 // A body is at rest if it goes less than kAtRest of the skin in a frame. Where no more than kFewMoving of all bodies
-// are faster, lists have room for kRestFrames frames.
-constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRestFrames = 8;
+// are faster, lists have room for kRoomFrames frames.
+constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRoomFrames = 8;
 
 struct ListPlan {
   ListMode mode = ListMode::persistent;
@@ -150,7 +150,7 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
   } else if (bodies.count >= BroadPhase::kSmallWorld &&
              share_above(bodies, kAtRest * kSkinOfRadius * r / (kMarginFrames * dt)) <= kFewMoving) {
     // What is fast among many at rest gets room for several frames, which costs the others little.
-    out.broad.margin.time *= static_cast<float>(kRestFrames);
+    out.broad.margin.time *= static_cast<float>(kRoomFrames);
   }
   return out;
 }

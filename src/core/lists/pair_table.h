@@ -59,13 +59,13 @@ struct PairTable {
   Column<std::uint32_t> contact;  ///< by pair: 8 block + lane
   std::vector<Strip> strips;      ///< the last is the group of large bodies
   std::vector<std::vector<StaticPair>> static_contacts;  ///< by strip, by body
-  std::vector<std::vector<std::uint32_t>> found;         ///< by strip: scratch of the search for fixed shapes
+  std::vector<std::vector<std::uint32_t>> near_scratch;  ///< by strip: of the search for fixed shapes
   std::uint32_t body_count = 0;
   std::uint32_t large_begin = 0;
   std::uint32_t pair_room = 0;                 ///< number of pairs with the gaps between strips
   std::uint32_t renewed_begin = kNoneRenewed;  ///< first pair of renewed bodies; the last strip's end ends them
 
-  static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu;
+  static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu, kNoPair = 0xFFFFFFFFu;
 
   /// Makes room for `pairs` pairs, gaps included.
   void spare(std::size_t bodies, std::size_t pairs) {
@@ -100,7 +100,6 @@ struct PairTable {
     return (next & kStripStart) != 0 ? std::min(strips[strip_of(body)].pair_end, renewed_begin) : next;
   }
   /// The index of pair (a, b), whichever body owns it, or kNoPair. O(log strips + log renewed pairs).
-  static constexpr std::uint32_t kNoPair = 0xFFFFFFFFu;
   std::uint32_t find(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t pair = find_listed(a, b);
     if (pair != kNoPair || renewed_begin == kNoneRenewed) return pair;

@@ -80,7 +80,7 @@ class Stacks {
   /// Calls each(links) for every stack, with its links from the bottom up.
   template <class Each>
   void each_stack(const Each& each) const {
-    for (const Stack& c : stacks_) each(std::span(links_).subspan(c.first, c.count));
+    for (const Stack& s : stacks_) each(std::span(links_).subspan(s.first, s.count));
   }
 
   /// Reads the lanes where the pairs were laid out.

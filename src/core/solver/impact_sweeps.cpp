@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSlices = 20;  // a substep has so many slices for each impact of a body
 constexpr int kMostSlices = 4;
-constexpr int kSweeps = 6;  // most impact sweeps in a substep; usually the third finds nothing
-// Factor on the number of sweeps in a substep that may not take as many as it needs.
+constexpr int kImpactSweeps = 6;  // most in a substep without slices; usually the third finds nothing
+// Factor by which the known number of sweeps fades with each substep that may not take as many as it needs.
 constexpr double kForgetting = 31.0 / 32;
 
 // The acceleration that presses resting bodies together, m/s^2: gravity or, with fields, the mean acceleration of the
@@ -34,7 +34,7 @@ double pressing(const BodyStore& b, double gravity) {
 
 void Solver::Run::set_sweeps() {
   sweeps_.slices = 1 + static_cast<int>(std::fmin(kSlices * params_.impacts, kMostSlices - 1));
-  sweeps_.most = kSweeps + sweeps_.slices - 1;
+  sweeps_.most = kImpactSweeps + sweeps_.slices - 1;
   sweeps_.limited = params_.most_sweeps != 0 && params_.most_sweeps < sweeps_.most;
   if (!sweeps_.limited) return;
   sweeps_.most = params_.most_sweeps;

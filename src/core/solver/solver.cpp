@@ -29,7 +29,7 @@ constexpr double kManifoldDamping = 10;
 constexpr double kLoadedManifoldStiffness = 0.9;
 constexpr double kBouncingStiffness = 0.16;  // contacts with restitution have no half-reactions
 // Stacks are solved exactly: their contacts are stiff, but overlaps are pushed out gently.
-constexpr double kColumnStiffness = 0.34, kFixedColumnStiffness = 4, kColumnPush = 0.1;
+constexpr double kStackStiffness = 0.34, kFixedStackStiffness = 4, kStackPush = 0.1;
 constexpr double kPush = 3;  // m/s: the fastest push-out
 
 void set_soft(ContactParams& p, double h, double frequency, double damping) {
@@ -311,8 +311,8 @@ void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p
     set(times * kManifoldStiffness, p.plain[fixed]);
     set(times * kLoadedManifoldStiffness, p.plain[2 + fixed]);
     set(times * kBouncingStiffness, p.bouncing[fixed]);
-    set(fixed != 0 ? kFixedColumnStiffness : kColumnStiffness, p.in_stacks[fixed]);
-    p.in_stacks[fixed].rate = std::min(p.in_stacks[fixed].rate, static_cast<float>(kColumnPush / h));
+    set(fixed != 0 ? kFixedStackStiffness : kStackStiffness, p.in_stacks[fixed]);
+    p.in_stacks[fixed].rate = std::min(p.in_stacks[fixed].rate, static_cast<float>(kStackPush / h));
   }
 }
 

@@ -125,7 +125,7 @@ class Solver::Run : SolverInput {
     ContactParams pair, fixed;
   };
   OfDiscs discs_, loaded_;  // `loaded_`: under heavy loads
-  int loaded_sweeps_;       // of a pass
+  int loaded_sweeps_;       // number of sweeps over contacts under heavy loads in a pass
   struct {
     int slices = 1, most = 0;
     bool limited = false;  // the number of sweeps is limited

@@ -87,7 +87,7 @@ void SavedContacts::make_table(PairTable& table, ContactStore& c) const {
   table.pair_room = static_cast<std::uint32_t>(all);
   table.renewed_begin = PairTable::kNoneRenewed;
   table.static_contacts.resize(std::max(table.static_contacts.size(), table.strips.size()));
-  table.found.resize(table.static_contacts.size());
+  table.near_scratch.resize(table.static_contacts.size());
   c.pairs.gap.reserve(all + 1);
   for (int k = 0; k < kColumns; ++k) {
     if (is_friction(k) && !rough) continue;

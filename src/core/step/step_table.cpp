@@ -33,10 +33,10 @@ void link_bodies(StepContext& c) {
   for (const std::uint32_t id : c.joints.bodies()) link(id);
 }
 
-// Each does some of the pieces of its part, in order.
+// A function for each part, which does some of the pieces of that part, in order.
 namespace run {
 
-// Finds out whether there must be new lists.
+// Finds out whether the lists serve this step, some bodies must be renewed, or all lists must be made anew.
 void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   if (c.sleep.sleepers.woke) c.sleep.keep_touches_of_woken(c.sleep_source(), c.contacts.impulses_valid);
@@ -176,7 +176,7 @@ void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
 
 // ---- when a part applies
 bool always(const StepContext&) { return true; }
-bool lists_mended(const StepContext& c) {
+bool lists_renewed(const StepContext& c) {
   return !c.neighbours.stale && !c.neighbours.selects() && c.neighbours.renewal.any();
 }
 bool lists_made(const StepContext& c) { return c.neighbours.stale; }
@@ -353,7 +353,7 @@ constexpr StepPart kParts[] = {
     {"check", kLists, "do the lists serve?", "one",
      always, one, run::check, piece_check, whole_check},
     {"renew", kLists, "persistent lists: those of bodies that used up their margin", "one",
-     lists_mended, one, run::renew, piece_renew, nothing},
+     lists_renewed, one, run::renew, piece_renew, nothing},
     {"measure", kLists, "how new lists are made, how far bodies reach", "one",
      lists_made, one, run::measure, piece_measure, whole_measure},
     {"count", kLists, "the cells of bodies", "one",
