@@ -1,4 +1,4 @@
-// Passes over contacts between two bodies: prepare, warm start, solve, relax. Blocks of 8 contacts;
+// Passes over contacts between two bodies: prepare, warm start, solve, relax, spend. Blocks of 8 contacts;
 // within a colour no body occurs twice, so lanes never meet.
 //
 // Notation (A, B bodies, n from A to B, w inverse mass, m = 1/(wA+wB), l stored impulse, h substep):

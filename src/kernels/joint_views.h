@@ -98,7 +98,7 @@ struct alignas(kAlign) SlideBlock : JointBodies {
 struct JointParams {
   float h = 0;
   float inv_h = 0;
-  float rate = 0;      ///< 1/s: a position error asks for this times it as velocity
+  float rate = 0;      ///< 1/s: velocity that corrects a position error, over the error
   float warm = 1;      ///< factor on stored impulses
   bool again = false;  ///< not the first sweep of the pass
 };
@@ -106,8 +106,8 @@ struct JointParams {
 /// Blocks of one kind.
 using JointBlocks = void*;
 
-/// What joints have done to the bodies in this substep (between `part_joints`: the rest of their
-/// velocities).
+/// What joints have done to the bodies in this substep. Between the two calls of `part_joints` around a
+/// pass it is the rest of their velocities.
 struct JointShare {
   float* vel = nullptr;             ///< m/s records
   float* rim_speed = nullptr;       ///< m/s

@@ -24,6 +24,7 @@ template <class L>
   return eight != 0;
 }
 
+/// The acceleration of a kick: the same for all bodies; a body's own; that, with remainders kept.
 enum class Kick { uniform, own, field };
 
 template <class L, Kick kKick>

@@ -66,6 +66,7 @@ constexpr KernelTable table_of() {
                         relax_statics<L, massed, inner>},
                        {relax_statics<L, rough, none>, relax_statics<L, rough, edge>, relax_statics<L, rough, inner>}},
       .spend_static = {spend_statics<L, plain>, spend_statics<L, massed>, spend_statics<L, rough>},
+      // Sweeps over contacts with fixed shapes ask every lane each time, so that `sliced` is `later`.
       .sweep_static = {{sweep_statics<L, plain, first>, sweep_statics<L, plain, later>, sweep_statics<L, plain, later>},
                        {sweep_statics<L, massed, first>, sweep_statics<L, massed, later>,
                         sweep_statics<L, massed, later>},

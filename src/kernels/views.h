@@ -1,6 +1,7 @@
 // What kernels see: plain pointers, counts and constants. No world, no thread, no allocator.
 // "Record" columns hold {x, y} pairs, 8 bytes a body: a contact touches few lines that way
-// (docs/kernels.md has the measured alternatives). Slots are body places in cell order.
+// (docs/kernels.md has the measured alternatives). A slot is the place of a body in the columns of a
+// BodyView.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ struct StreamParams {
   float kick_x = 0;  ///< m/s, uniform gravity x h
   float kick_y = 0;
   float damp = 1;            ///< exp(-c h)
-  float damp_remainder = 0;  ///< and what rounding took from it: for kicks that keep remainders
+  float damp_remainder = 0;  ///< what rounding took from `damp`: for kicks that keep remainders
   float smooth_limit2 = 0;   ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
   float coast = 0;           ///< s; closed form of a free body over a frame: d += coast v + fall
   float drop = 0;            ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
@@ -171,7 +172,7 @@ struct ContactView {
   const float* qb = nullptr;
   // Restitution:
   const float* e = nullptr;  ///< coefficient
-  float* impact = nullptr;   ///< sign bit set: settled by a time-of-impact sweep this substep
+  float* impact = nullptr;   ///< +1: not for impact sweeps, +0: pending, -0: a sweep of this substep settled it
   float* start = nullptr;    ///< impulse at the start of the substep
 };
 

@@ -2,10 +2,11 @@
 // whenever the lists are made anew; ids are stable.
 //
 //   by id    BodyInfo: the slot, and the entry in the table of properties (mass, radius, material)
-//   by slot  pos, vel, disp (records), id, radius, rim_speed, angle    the sort moves them together
-//            vel_remainder, disp_remainder                             moved after the sort; only with fields
-//            vel0, acc, drift_correction, pull, event_time, linked     scratch of one step, not moved
-//            arm_change, angle_change                                  scratch of one frame; only with shapes or joints
+//   by slot  pos, vel, disp (records), id, radius, reach, rim_speed, angle     the sort moves them together
+//            vel_remainder, disp_remainder                                    moved after the sort; only with fields
+//            built, linked                                                    written whenever lists are made
+//            vel0, rim_speed0, acc, drift_correction, pull, event_time        scratch of one step, not moved
+//            arm_change, angle_change                                         the same; only with shapes or joints
 #pragma once
 
 #include <algorithm>

@@ -6,6 +6,7 @@
 // are told of a change: the world does that.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -33,9 +33,9 @@ class JointLists {
   static void visit_lane(Self& self, std::uint32_t list, std::uint32_t lane, const Each& each) {
     visit(self, list, [&](auto& all) { each(all[lane / kernels::kBlock], lane % kernels::kBlock); });
   }
+  static constexpr int kImpulses = 4;
   /// Calls each(i, impulse) for the stored impulses of a lane of a block: those of the anchors, then that of the angle,
   /// then those of the drive. There are at most kImpulses.
-  static constexpr int kImpulses = 4;
   template <class Block, class Each>
   static void each_impulse(Block& b, std::uint32_t lane, const Each& each) {
     int i = 0;

@@ -1,8 +1,9 @@
 // Joints by id: the host adds, removes and reads them.
 #include "joints/joint_store.h"
-#include "base/sort_keys.h"
 
 #include <algorithm>
+
+#include "base/sort_keys.h"
 
 namespace psim {
 

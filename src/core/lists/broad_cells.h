@@ -44,9 +44,9 @@ class BroadCells {
   void count(const BroadPhaseParams& params);
   /// The same with the cells as they are.
   void count_again();
+  std::size_t moves() const { return (counted_.all() + BodyMover::kPiece - 1) / BodyMover::kPiece; }
   /// Moves the bodies to their next slots, in moves() pieces, in order, and drops dead ones. The columns change with the
   /// last piece, which returns true.
-  std::size_t moves() const { return (counted_.all() + BodyMover::kPiece - 1) / BodyMover::kPiece; }
   bool move(bool mixed_radii, std::size_t begin, std::size_t end);
   /// Measures how dense the sorted bodies lie, for the next build.
   void note_density();

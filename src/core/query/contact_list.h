@@ -36,7 +36,7 @@ struct ContactList {
     std::uint32_t a = 0, b = 0;      ///< ids, a < b
     std::uint32_t list = 0, at = 0;  ///< in `found`
   };
-  std::vector<std::vector<Contact>> found;  ///< by strip; then what some sleepers each keep; then what was kept of late
+  std::vector<std::vector<Contact>> found;  ///< by strip; then by job of sleepers; then those of Sleepers::recent
   std::vector<Ref> refs, sorted;
   std::vector<std::uint32_t> count;  ///< by a
   std::vector<Contact> out;
@@ -49,7 +49,7 @@ struct ContactList {
   }
 };
 
-/// What contacts are told by, beside their lists. While the work for the next step is under way (`begun`), an open
+/// What find_contacts() must know of the last step. While the work for the next step is under way (`begun`), an open
 /// contact and one that overlaps without an impulse look alike, and bodies may lie in other slots than the lists say
 /// (ContactList::slot).
 struct LastStep {

@@ -1,8 +1,8 @@
 // Hits: contacts whose bodies approach fast before the solver, and that an impulse answers.
 //
-// A disc's normal is that of the moment at which it will touch, as it goes, so that oblique hits are
-// told with the speed that counts. A contact is answered if it is closed at the end of the step; or if the
-// bodies would have met within the step and at least half of the approach is gone (an impact in its midst).
+// The normal of a disc is that of the moment at which it will touch at its present velocity, so that an oblique hit has
+// the speed along the normal of that moment. A contact is answered if it is closed at the end of the step; or if the
+// bodies would have met within the step and at least half of the approach is gone: the impact was over before its end.
 #include <algorithm>
 #include <cmath>
 #include <iterator>

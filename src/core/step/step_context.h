@@ -58,8 +58,8 @@ struct Span {
   double frame = 0, step = 0;
 };
 
-/// What a step under way over frames consists of so far, in order: work up to a piece of a part, and bodies that the
-/// host pushed in between. Done again, it comes out the same: saved states hold it.
+/// One entry of the work that was done for a step so far, which may take several frames: all work up to a piece of a
+/// part, or a body that the host pushed in between. A saved state holds the list, and its work is done again from it.
 struct WorkDone {
   std::uint32_t part = 0, at = 0;  ///< part: row of the step table (step/step_table.h)
   double span = 0;                 ///< s: that the work was for; 0: a push
@@ -68,7 +68,7 @@ struct WorkDone {
 };
 
 struct StepContext {
-  StepContext(const WorldDesc& d, const RunOptions& o);
+  StepContext(const WorldDesc& d, const RunOptions& o);  // step_work.cpp has the members that are not inline
 
   // The world as it is described, and what follows from that.
   WorldDesc desc;

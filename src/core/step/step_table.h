@@ -48,6 +48,8 @@ std::uint8_t part_named(std::string_view name);
 /// The first row from `row` on that applies.
 std::uint8_t next_part(const StepContext& c, std::uint8_t row);
 
+// ---- step_work.cpp: doing the parts
+
 /// Does the pieces of the present part up to the `end`-th; after its last one the next part is the present one.
 void run_part(StepContext& c, const Span& span, StepReport& report, std::size_t end);
 /// Does so many pieces, or all that is left.

@@ -76,7 +76,7 @@ bool add_placed(World& world, const GroupDesc& group, const PlacedGroup& placed,
   const std::size_t n = placed.x.size();
   for (std::size_t first = 0, last = 0; first < n; first = last) {
     const bool pinned = is_pinned(group, first);
-    // Without pins a single batch.
+    // A group without pins is a single batch.
     const bool pins = group.links && group.links->pin != Pin::none;
     last = pins ? first + 1 : n;
     while (last < n && is_pinned(group, last) == pinned) ++last;
