@@ -33,7 +33,19 @@ void JointStore::save_impulses() {
   });
 }
 
-// Joints get the first free colour in the order of their ids, and are sorted by colour, then by kind. Within a colour
+void JointStore::find_articulations() {
+  std::vector<Articulations::Candidate> candidates;
+  for (std::uint32_t i = 0; i < joints_.size(); ++i) {
+    const Joint& j = joints_[i];
+    if (!j.alive || j.dormant) continue;
+    candidates.push_back({i, {j.body[0], j.body[1]}, {!j.held, true}, j.kind});
+  }
+  articulations_.lay_out(candidates);
+  const std::span<const Articulations::Joint> all = articulations_.joints();
+  for (std::uint32_t n = 0; n < all.size(); ++n) joints_[all[n].joint].articulated = n;
+}
+
+// Joints that no articulation solves get the first free colour in the order of their ids, and are sorted by colour, then by kind. Within a colour
 // no two lanes share a dynamic body; after the last colour blocks hold one lane each.
 void JointStore::lay_out() {
   save_impulses();
@@ -41,16 +53,20 @@ void JointStore::lay_out() {
   const auto member = [&](std::uint32_t id) {
     return static_cast<std::uint32_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
   };
+  for (Joint& j : joints_) {
+    j.lane = j.articulated = kNoSlot;
+    if (!j.alive || j.dormant) continue;
+    j.body[0] = member(j.swapped ? j.desc.b.index : j.desc.a.index);
+    j.body[1] = member(j.swapped ? j.desc.a.index : j.desc.b.index);
+  }
+  find_articulations();
+  swept_.assign(ids.size(), 0);
   std::vector<std::uint32_t> used(ids.size(), 0);
   std::vector<std::uint32_t> of_class[kColours + 1];
   for (std::uint32_t i = 0; i < joints_.size(); ++i) {
     Joint& j = joints_[i];
-    if (!j.alive || j.dormant) {
-      j.lane = kNoSlot;
-      continue;
-    }
-    j.body[0] = member(j.swapped ? j.desc.b.index : j.desc.a.index);
-    j.body[1] = member(j.swapped ? j.desc.a.index : j.desc.b.index);
+    if (!j.alive || j.dormant || j.articulated != kNoSlot) continue;
+    swept_[j.body[0]] = swept_[j.body[1]] = 1;
     const std::uint32_t taken = used[j.body[1]] | (j.held ? 0 : used[j.body[0]]);
     const std::uint32_t colour = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kColours);
     if (colour < kColours) {

@@ -52,7 +52,7 @@ void JointStore::warm(const kernels::BodyView& view, float factor) {
   sweep(view, s_.kernels.warm_joints, params_, false);
 }
 
-void JointStore::solve(const kernels::BodyView& view) {
+void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_limit2) {
   if (!parted_) part(view);
   parted_ = false;
   sweep_all(view, s_.kernels.solve_joints, false);
@@ -64,6 +64,7 @@ void JointStore::solve(const kernels::BodyView& view) {
   pushed.vel = share().push;
   pushed.rim_speed = share().push_rim_speed;
   for (int n = 0; n < sweeps() / 2; ++n) sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0);
+  articulations_.solve(view, static_cast<double>(drift), static_cast<double>(smooth_limit2), s_.pool);
 }
 
 void JointStore::hold(const kernels::BodyView& view, float sign) {
@@ -74,6 +75,7 @@ void JointStore::relax(const kernels::BodyView& view) {
   part(view);
   sweep_all(view, s_.kernels.relax_joints, true);
   part(view);
+  articulations_.finish(view, s_.bodies.angle.data(), s_.pool);
 }
 
 }  // namespace psim

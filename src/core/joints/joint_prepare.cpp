@@ -82,24 +82,21 @@ SpringRow spring_row(double stiffness, double damping, double mass, double h) {
 }
 
 // The effective mass of pulling the anchors apart, kg, along the line `apart` from one to the other.
-double line_mass(const JointBodies& b, std::uint32_t k, const JointMember& ma, const JointMember& mb, Vec2 arm_a,
-                 Vec2 arm_b, Vec2 apart) {
+double line_mass(const JointMember& ma, const JointMember& mb, Vec2 arm_a, Vec2 arm_b, Vec2 apart) {
   const double far = length_of(apart);
   const Vec2 n = far > 0 ? Vec2{apart.x / far, apart.y / far} : Vec2{0, 1};
-  const auto part = [&](float w, float g, double s, double inverse) {
-    return static_cast<double>(w) + static_cast<double>(g) * s * s * inverse * inverse;
+  const auto part = [](const JointMember& m, double s) {
+    return m.inverse_mass + m.rim_gain * s * s * m.inverse_radius * m.inverse_radius;
   };
-  return 1 / (part(b.wa[k], b.ga[k], cross(arm_a, n), ma.inverse_radius) +
-              part(b.wb[k], b.gb[k], cross(arm_b, n), mb.inverse_radius));
+  return 1 / (part(ma, cross(arm_a, n)) + part(mb, cross(arm_b, n)));
 }
 
 // The effective mass of turning B against A while their anchors stay together, kg m^2: the entry of the angle in the
 // inverse of the matrix of three rows.
-double pinned_inertia(const JointBodies& b, std::uint32_t k, const JointMember& ma, const JointMember& mb, Vec2 a,
-                      Vec2 c) {
+double pinned_inertia(const JointMember& ma, const JointMember& mb, Vec2 a, Vec2 c) {
   const double ia = ma.rim_gain * ma.inverse_radius * ma.inverse_radius;
   const double ib = mb.rim_gain * mb.inverse_radius * mb.inverse_radius;
-  const double w = static_cast<double>(b.wa[k]) + static_cast<double>(b.wb[k]);
+  const double w = ma.inverse_mass + mb.inverse_mass;
   const double k11 = w + ia * a.y * a.y + ib * c.y * c.y, k22 = w + ia * a.x * a.x + ib * c.x * c.x;
   const double k12 = -ia * a.x * a.y - ib * c.x * c.y;
   const double cx = -ia * a.y - ib * c.y, cy = ia * a.x + ib * c.x;
@@ -154,7 +151,8 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
     JointMember& m = members_[n];  // in place: a copy would wait for what was just written
     m = {};
     m.number = solved.dummies();
-    m.rim_gain = b.properties(id).rim_gain;
+    m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
+    m.inverse_mass = static_cast<double>(b.properties(id).inv_mass);
     if (b.info[id].place == Place::moving) {
       m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
       m.angle = b.angle[slot];
@@ -174,8 +172,9 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
 void JointStore::find_shares(const SolverBodies& solved) {
   const std::uint32_t body_blocks = solved.blocks();
   marks_.assign(body_blocks, 0);
-  for (const JointMember& m : members_) {
-    if (m.number < solved.dummies()) marks_[m.number / kBlock] = 1;
+  for (std::size_t n = 0; n < members_.size(); ++n) {
+    const std::uint32_t number = members_[n].number;
+    if (swept_[n] != 0 && number < solved.dummies()) marks_[number / kBlock] = 1;
   }
   shares_.clear();
   std::vector<ListRange>& ranges = shares_.ranges;
@@ -225,7 +224,7 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
   if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
     fill_line(at, k, d, apart);
-    if (joint.kind == JointKind::spring) fill_spring(at, k, d, line_mass(at, k, ma, mb, arm_a, arm_b, apart), h_);
+    if (joint.kind == JointKind::spring) fill_spring(at, k, d, line_mass(ma, mb, arm_a, arm_b, apart), h_);
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
     at.ux0[k] = narrow(u.x);
@@ -239,8 +238,55 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
   }
   if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
   if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {
-    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(at, k, ma, mb, arm_a, arm_b), h_);
+    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(ma, mb, arm_a, arm_b), h_);
   }
+}
+
+// Masses, anchors, springs and motors of the articulations.
+void JointStore::set_articulations() {
+  for (Articulations::Body& b : articulations_.bodies()) {
+    const JointMember& m = members_[b.id];
+    b.number = m.number;
+    b.slot = s_.bodies.info[bodies_[b.id]].slot;
+    b.inverse_mass = m.inverse_mass;
+    b.inverse_inertia = m.inverse_mass > 0 ? m.rim_gain * m.inverse_radius * m.inverse_radius : 0;
+    b.radius = 1 / m.inverse_radius;
+    b.angle = m.angle;
+  }
+  for (Articulations::Joint& to : articulations_.joints()) {
+    Joint& joint = joints_[to.joint];
+    const JointDesc& d = joint.desc;
+    const JointMember &ma = members_[joint.body[0]], &mb = members_[joint.body[1]];
+    const double sign = joint.swapped ? -1 : 1;
+    to.geometry = {.kind = joint.kind,
+                   .base = s_.lattice.way(ma.at, mb.at),
+                   .anchor = {(joint.swapped ? d.anchor_b : d.anchor_a) - ma.centre,
+                              (joint.swapped ? d.anchor_a : d.anchor_b) - mb.centre},
+                   .axis = axis_of(d, joint.swapped),
+                   .length = joint.kind == JointKind::slide ? 0 : d.length.value_or(0),
+                   .reference = sign * d.reference.value_or(0)};
+    to.impulse = joint.impulse;
+    to.gain = &joint.gain;
+    to.rope = d.type == JointType::rope;
+    const double none = 1e30, lower = d.lower.value_or(-none), upper = d.upper.value_or(none);
+    const bool flipped = joint.kind == JointKind::driven && joint.swapped;
+    to.lower = flipped ? -upper : lower;
+    to.upper = flipped ? -lower : upper;
+    if (lower == upper) (joint.kind == JointKind::slide ? to.geometry.length : to.geometry.reference) += to.lower;
+    to.motor_speed = (flipped ? -1 : 1) * d.motor_speed;
+    to.motor_most = std::fmin(d.motor_limit * h_, 1e30);
+    to.push = to.drag = 0;
+    const Vec2 arm_a = turned(ma.turn, to.geometry.anchor[0]), arm_b = turned(mb.turn, to.geometry.anchor[1]);
+    double mass = 0;
+    if (joint.kind == JointKind::spring) mass = line_mass(ma, mb, arm_a, arm_b, to.geometry.base + (arm_b - arm_a));
+    if (joint.kind == JointKind::weld && d.stiffness > 0) mass = pinned_inertia(ma, mb, arm_a, arm_b);
+    if (mass > 0) {
+      const SpringRow row = spring_row(d.stiffness, d.damping, mass, h_);
+      to.push = row.push;
+      to.drag = row.drag;
+    }
+  }
+  articulations_.prepare(h_);
 }
 
 // A pass sweeps as often as a frame can afford.
@@ -260,6 +306,7 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   params_.rate = narrow(kBias / h);
   find_members(fixed, solved);
   find_shares(solved);
+  if (!articulations_.empty()) set_articulations();
   const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {

@@ -36,7 +36,7 @@ void JointStore::enter(std::uint32_t index) {
   const auto dynamic = [&](BodyId id) { return s_.bodies.properties(id.index).inv_mass > 0; };
   j.swapped = !dynamic(j.desc.b);
   j.held = j.swapped || !dynamic(j.desc.a);
-  j.lane = kNoSlot;
+  j.lane = j.articulated = kNoSlot;
   const std::size_t most = std::max(j.desc.a.index, j.desc.b.index);
   if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
   for (const BodyId body : {j.desc.a, j.desc.b}) {
@@ -64,7 +64,7 @@ JointId JointStore::add(const JointDesc& d) {
 
 void JointStore::leave_lane(Joint& j) {
   if (j.lane != kNoSlot) lanes_[j.list()][j.lane] = kNoSlot;
-  j.lane = kNoSlot;
+  j.lane = j.articulated = kNoSlot;
   stale_ = true;
 }
 
@@ -83,8 +83,8 @@ bool JointStore::remove(JointId id) {
 
 std::size_t JointStore::bytes() const {
   std::size_t sum = bytes_of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_,
-                             shares_.ranges, shares_.jobs, marks_) +
-                    lists_.bytes();
+                             shares_.ranges, shares_.jobs, marks_, swept_) +
+                    lists_.bytes() + articulations_.bytes();
   for (const auto& lanes : lanes_) sum += bytes_of(lanes);
   return sum;
 }
@@ -92,6 +92,8 @@ std::size_t JointStore::bytes() const {
 void JointStore::release_blocks() {
   give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_, share_vel_, share_rim_speed_,
             push_vel_, push_rim_speed_);
+  give_back(swept_);
+  articulations_.release();
   stale_ = true;
 }
 
@@ -150,8 +152,10 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
   const Joint& j = joints_[id.index];
   force = {};
   torque = 0;
-  if (j.lane == kNoSlot || !(h_ > 0)) return;
-  JointLists::visit_lane(lists_, j.list(), j.lane, [&](const auto& b, std::uint32_t k) {
+  if (!(h_ > 0)) return;
+  const double per_h = (j.swapped ? -1 : 1) / h_;
+  if (j.articulated != kNoSlot) articulations_.sum_of(j.articulated, force, torque);
+  const auto of_lane = [&](const auto& b, std::uint32_t k) {
     double l[JointLists::kImpulses] = {};
     JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = impulse; });
     const auto along = [](float x, float y, double f) { return f * Vec2{x, y}; };
@@ -164,8 +168,8 @@ void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
       force = {l[0], l[1]};
       torque = l[2] + l[3];
     }
-  });
-  const double per_h = (j.swapped ? -1 : 1) / h_;
+  };
+  if (j.lane != kNoSlot) JointLists::visit_lane(lists_, j.list(), j.lane, of_lane);
   force = per_h * force;
   torque *= per_h;
 }

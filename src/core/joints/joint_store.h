@@ -20,6 +20,7 @@
 #include "bodies/surroundings.h"
 #include "contacts/solver_bodies.h"
 #include "joint_views.h"
+#include "joints/articulations.h"
 #include "joints/joint_lists.h"
 #include "psim/joint.h"
 
@@ -33,6 +34,7 @@ struct JointMember {
   SineCosine turn;
   Vec2 centre;  ///< m: the centre of mass in the frame of the body
   double inverse_radius = 1, rim_gain = 0;
+  double inverse_mass = 0;  ///< 1/kg; 0: it is not dynamic
 };
 
 class JointStore {
@@ -113,7 +115,8 @@ class JointStore {
   void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h);
 
   void warm(const kernels::BodyView& view, float factor);
-  void solve(const kernels::BodyView& view);
+  /// `drift` and `smooth_limit2` as Articulations::solve has them.
+  void solve(const kernels::BodyView& view, float drift, float smooth_limit2);
   void hold(const kernels::BodyView& view, float sign);
   void relax(const kernels::BodyView& view);
 
@@ -131,8 +134,10 @@ class JointStore {
     bool dormant = false;  ///< one of its bodies sleeps, and the other one sleeps, too, or is not dynamic
     kernels::JointKind kind = kernels::JointKind::rod;
     std::uint32_t lane = kNoSlot;               ///< 8 block + lane in its list
+    std::uint32_t articulated = kNoSlot;        ///< its number in the articulations, if it is in one
     std::uint32_t body[2] = {0, 0};             ///< numbers in members_ of the sides A and B
-    float impulse[JointLists::kImpulses] = {};  ///< kept while the blocks are made anew
+    float impulse[JointLists::kImpulses] = {};  ///< in articulations, or while the blocks are made anew
+    double gain = 0;                            ///< J: the account of an articulation
 
     std::uint32_t list() const { return JointLists::list_of(kind, held); }
     std::uint32_t other(std::uint32_t id) const { return desc.a.index == id ? desc.b.index : desc.a.index; }
@@ -179,6 +184,7 @@ class JointStore {
   template <class Each>
   void each_lane(const Each& each);
   void save_impulses();
+  void find_articulations();
   void lay_out();
   void add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane);
   std::uint32_t blocks_of(std::uint32_t list) const { return static_cast<std::uint32_t>(lanes_[list].size()) / kBlock; }
@@ -189,6 +195,7 @@ class JointStore {
   }
   int sweeps() const;
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
+  void set_articulations();
   void find_shares(const SolverBodies& solved);
   template <class Block>
   void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;
@@ -212,6 +219,8 @@ class JointStore {
   bool stale_ = true;                  // the blocks are not those of the joints
   std::vector<std::uint32_t> bodies_;  // ids, ascending
   std::vector<JointMember> members_;   // in the order of bodies_
+  Articulations articulations_;
+  std::vector<std::uint8_t> swept_;  // by member: whether it has joints in blocks
   JointLists lists_;
   std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, or kNoSlot
   Jobs jobs_;

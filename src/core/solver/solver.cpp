@@ -222,7 +222,7 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
 }
 
 void Solver::Run::solve() {
-  if (joined_) joints.solve(view_);
+  if (joined_) joints.solve(view_, drift_.h, drift_.smooth_limit2);
   pass(s_.kernels.solve, s_.kernels.solve_static, s_.kernels.solve_manifolds, 0);
 }
 

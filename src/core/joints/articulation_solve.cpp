@@ -1,0 +1,583 @@
+// The passes over articulations (docs/joints.md): RATTLE (Andersen 1983) with Newton steps, all in double precision.
+#include <algorithm>
+#include <cmath>
+
+#include "joints/articulations.h"
+
+namespace psim {
+namespace {
+
+constexpr int kMostSteps = 6;        // Newton steps in a substep
+constexpr int kMostChoices = 5;      // in how many of them limits may begin and cease to hold
+constexpr int kMostRounds = 4;       // the same after the drift
+constexpr double kExact = 2e-9;      // m or rad: an error below this is none
+constexpr double kMostError = 1e6;   // m or rad: beyond it steps lead nowhere
+constexpr double kConverged = 1e-6;  // m or rad: where Newton's steps miss by more, speeds alone are stopped
+constexpr int kMostPasses = 4;       // over the places after the drift
+constexpr double kSmall = 1e-7;      // m or rad: errors that stay
+constexpr double kPush = 10;         // m/s: errors go out of the places no faster
+constexpr double kAlike = 1e-9;      // softness, of a row's own: rows that ask for the same share their impulse
+constexpr double kMostTaken = 0.5;   // of the energy: what an account takes back in a substep
+
+Vec2 load(const float* records, std::size_t n) {
+  return {static_cast<double>(records[2 * n]), static_cast<double>(records[2 * n + 1])};
+}
+void change(float& to, double v) { to = static_cast<float>(static_cast<double>(to) + v); }
+void change(float* records, std::size_t n, Vec2 v) {
+  change(records[2 * n], v.x);
+  change(records[2 * n + 1], v.y);
+}
+
+}  // namespace
+
+// What is done to one articulation in a substep.
+class Articulations::Solve {
+ public:
+  Solve(Articulations& all, const Island& island, const kernels::BodyView& view)
+      : all_(all), island_(island), view_(view), h_(all.h_) {}
+
+  void solve(double drift, double smooth_limit2);
+  void finish(double* angle);
+
+ private:
+  template <class Each>
+  void for_rows(const Each& each) {
+    for (std::uint32_t r = island_.rows.begin; r < island_.rows.end; ++r) {
+      Row& row = all_.rows_[r];
+      each(row, all_.joints_[row.joint]);
+    }
+  }
+  template <class Each>
+  void for_bodies(const Each& each) {
+    for (std::uint32_t b = island_.bodies.begin; b < island_.bodies.end; ++b) each(all_.bodies_[b]);
+  }
+  template <class Each>
+  void for_joints(const Each& each) {
+    for (std::uint32_t n = island_.joints.begin; n < island_.joints.end; ++n) each(all_.joints_[n]);
+  }
+  const Body& side(const Joint& j, int side) const { return all_.bodies_[j.body[side]]; }
+  double speed(const JointRow& row, const Joint& j) const { return row.speed(side(j, 0).now, side(j, 1).now); }
+
+  void load_motion(Body& b) const;
+  void load_rows();
+  void find_rows_now();
+  bool choose(Row& row, const Joint& j) const;
+  double residual(const Row& row, const Joint& j) const;
+  double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
+  void assemble(bool across);
+  void eliminate();
+  void substitute();
+  template <class Impulse>
+  void push(bool at_start, const Impulse& impulse);
+  void move_on(double drift);
+  bool find_impulses(double drift, bool exact);
+  void store_velocities();
+  bool take_errors_out(double* angle);
+  void stop_errors();
+  void settle();
+  JointedMotion common_motion();
+  // The mean of a body's velocities before and after a push, less what the kick has in them.
+  static JointedMotion half_way(const Body& b) {
+    return {.velocity = 0.5 * (b.start.velocity + b.now.velocity) - b.idle,
+            .omega = 0.5 * (b.start.omega + b.now.omega) - b.idle_omega};
+  }
+
+  Articulations& all_;
+  const Island& island_;
+  const kernels::BodyView& view_;
+  const double h_;
+  double reach_ = 1;   // how far a change of velocity leads in the drift, of h
+  double gained_ = 0;  // J: since the substep began
+};
+
+void Articulations::Solve::load_motion(Body& b) const {
+  const std::size_t n = b.number;
+  b.now.at = load(view_.disp, n);
+  b.now.angle = b.angle + static_cast<double>(view_.angle_change[n]);
+  b.now.turn = sine_cosine(b.now.angle);
+  b.now.velocity = load(view_.vel, n);
+  b.now.omega = static_cast<double>(view_.rim_speed[n]) / b.radius;
+}
+
+// Impulses begin with half of those of the last substep.
+void Articulations::Solve::load_rows() {
+  for_joints([&](Joint& j) {
+    JointRow found[3];
+    find_rows(j.geometry, side(j, 0).now, side(j, 1).now, found);
+    const std::uint32_t rows = j.geometry.rows();
+    for (std::uint32_t k = 0; k < rows; ++k) {
+      Row& row = all_.rows_[j.first_row + k];
+      row.start = row.now = found[k];
+      const double before = 0.5 * static_cast<double>(j.impulse[k]);
+      row.impulse = before;
+      row.state = State::bound;
+      if (row.use == Use::pull && !(before < 0)) row.state = State::free;
+      if (row.use == Use::spring && !(j.drag > 0)) row.state = State::free;
+      if (row.use == Use::drive) {
+        if (before != 0) {
+          row.state = before > 0 ? State::low : State::high;
+        } else {
+          row.impulse = 0.5 * static_cast<double>(j.impulse[3]);
+          if (!(j.motor_most > 0)) row.state = State::free;
+        }
+      }
+      if (row.state == State::free) row.impulse = 0;
+      row.softness = row.use == Use::spring && j.drag > 0 ? 1 / j.drag : 0;
+    }
+  });
+}
+
+void Articulations::Solve::find_rows_now() {
+  for_joints([&](Joint& j) {
+    JointRow found[3];
+    find_rows(j.geometry, side(j, 0).now, side(j, 1).now, found);
+    for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) all_.rows_[j.first_row + k].now = found[k];
+  });
+}
+
+// Ropes pull or hang loose; a drive stands at a limit, or its motor runs. True if that changes. Nobody is brought back
+// who was beyond a limit already.
+bool Articulations::Solve::choose(Row& row, const Joint& j) const {
+  const State before = row.state;
+  const double error = row.now.error;
+  if (row.use == Use::pull) {
+    if (row.on() && row.impulse > 0) row.state = State::free;
+    if (!row.on() && error > std::fmax(row.start.error, 0) + kExact) row.state = State::bound;
+  } else if (row.use == Use::drive) {
+    const State motor = j.motor_most > 0 ? State::bound : State::free;
+    const double ahead = error - row.start.error - h_ * j.motor_speed;
+    if (error < std::fmin(j.lower, row.start.error) - kExact) {
+      row.state = State::low;
+      row.impulse = std::fmax(row.impulse, 0);
+    } else if (error > std::fmax(j.upper, row.start.error) + kExact) {
+      row.state = State::high;
+      row.impulse = std::fmin(row.impulse, 0);
+    } else if ((row.state == State::low && row.impulse < 0) || (row.state == State::high && row.impulse > 0)) {
+      row.state = motor;
+      row.impulse = 0;
+    } else if (row.state == State::bound && std::fabs(row.impulse) > j.motor_most) {
+      row.state = State::full;
+      row.impulse = std::copysign(j.motor_most, row.impulse);
+    } else if (row.state == State::full && ahead * row.impulse > kExact * std::fabs(row.impulse)) {
+      row.state = State::bound;  // it gives too much
+    }
+  }
+  if (row.state == State::free) row.impulse = 0;
+  return row.state != before;
+}
+
+double Articulations::Solve::residual(const Row& row, const Joint& j) const {
+  const double from = row.start.error, to = row.now.error;
+  if (!row.on()) return 0;
+  if (row.use == Use::pull) return to - std::fmax(from, 0);
+  if (row.use == Use::spring) return (to - from) + h_ * row.softness * (0.5 * j.push * from + row.impulse);
+  if (row.use == Use::drive) {
+    if (row.state == State::low) return to - std::fmin(j.lower, from);
+    if (row.state == State::high) return to - std::fmax(j.upper, from);
+    return to - from - h_ * j.motor_speed;
+  }
+  return to - from;
+}
+
+// What an impulse along b changes in the speed of a. `shared`: bit 2 i + k if body i of a's joint, which is j, is body k
+// of b's.
+double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const {
+  double sum = 0;
+  for (const int i : {0, 1}) {
+    const Body& body = side(j, i);
+    const double arm = i == 0 ? a.arm_a : a.arm_b;
+    for (const int k : {0, 1}) {
+      if ((shared >> (2 * i + k) & 1) == 0) continue;
+      const double both =
+          reach_ * body.inverse_mass * dot(a.n, b.n) + body.inverse_inertia * arm * (k == 0 ? b.arm_a : b.arm_b);
+      sum += i == k ? both : -both;
+    }
+  }
+  return sum;
+}
+
+// The matrix of the rows that are on: what impulses along the rows of the start, or of now, change in the rows of now.
+void Articulations::Solve::assemble(bool across) {
+  constexpr std::uint8_t kOwn = 0b1001;
+  const auto right = [across](const Row& row) -> const JointRow& { return across ? row.start : row.now; };
+  for_rows([&](Row& row, const Joint& j) {
+    const double own = couple(row.now, right(row), j, kOwn);
+    row.inverse = couple(right(row), right(row), j, kOwn) * (1 + kAlike) + row.softness;
+    row.diagonal = row.on() ? own + kAlike * row.inverse + row.softness : 1;
+    for (std::uint32_t e = row.entries.begin; e < row.entries.end; ++e) {
+      const Row& other = all_.rows_[all_.columns_[e]];
+      const std::uint8_t shared = all_.couplings_[e];
+      const bool any = row.on() && other.on() && shared != 0;
+      all_.upper_[e] = any ? couple(row.now, right(other), j, shared) : 0;
+      all_.lower_[e] = any ? couple(right(row), other.now, j, shared) : 0;
+    }
+  });
+}
+
+// Gauss without pivoting: the matrix is symmetric and positive, or near to such a one. Of a pivot that is not, the
+// row's own mass is left.
+void Articulations::Solve::eliminate() {
+  double* const upper = all_.upper_.data();
+  double* const lower = all_.lower_.data();
+  const std::uint32_t* const columns = all_.columns_.data();
+  for_rows([&](Row& row, const Joint&) {
+    constexpr double kSound = 0.25 * kAlike;
+    const bool sound = std::fabs(row.diagonal) > kSound * row.inverse;
+    row.inverse = row.on() ? 1 / (sound ? row.diagonal : row.inverse) : 1;
+    const std::uint32_t* target = all_.targets_.data() + row.first_target;
+    const std::uint32_t end = row.entries.end;
+    for (std::uint32_t e = row.entries.begin; e < end; ++e) lower[e] *= row.inverse;
+    for (std::uint32_t e = row.entries.begin; e < end; ++e) {
+      all_.rows_[columns[e]].diagonal -= lower[e] * upper[e];
+      for (std::uint32_t f = e + 1; f < end; ++f, ++target) {
+        upper[*target] -= lower[e] * upper[f];
+        lower[*target] -= lower[f] * upper[e];
+      }
+    }
+  });
+}
+
+// Solves for `wanted`.
+void Articulations::Solve::substitute() {
+  std::vector<Row>& rows = all_.rows_;
+  for_rows([&](Row& row, const Joint&) {
+    if (!row.on()) row.wanted = 0;
+    for (std::uint32_t e = row.entries.begin; e < row.entries.end; ++e) {
+      rows[all_.columns_[e]].wanted -= all_.lower_[e] * row.wanted;
+    }
+  });
+  for (std::uint32_t r = island_.rows.end; r-- > island_.rows.begin;) {
+    Row& row = rows[r];
+    double sum = row.wanted;
+    for (std::uint32_t e = row.entries.begin; e < row.entries.end; ++e)
+      sum -= all_.upper_[e] * rows[all_.columns_[e]].wanted;
+    row.wanted = row.on() ? sum * row.inverse : 0;
+  }
+}
+
+// Adds the impulses impulse(row, joint) to the velocities of now.
+template <class Impulse>
+void Articulations::Solve::push(bool at_start, const Impulse& impulse) {
+  for_rows([&](Row& row, const Joint& j) {
+    const double l = impulse(row, j);
+    if (l == 0) return;
+    const JointRow& along = at_start ? row.start : row.now;
+    Body& a = all_.bodies_[j.body[0]];
+    Body& b = all_.bodies_[j.body[1]];
+    a.now.velocity = a.now.velocity - a.inverse_mass * l * along.n;
+    a.now.omega -= a.inverse_inertia * l * along.arm_a;
+    b.now.velocity = b.now.velocity + b.inverse_mass * l * along.n;
+    b.now.omega += b.inverse_inertia * l * along.arm_b;
+  });
+}
+
+// From the start with the velocities of now.
+void Articulations::Solve::move_on(double drift) {
+  for_bodies([&](Body& b) {
+    b.now.at = b.start.at + drift * b.now.velocity;
+    b.now.angle = b.start.angle + h_ * b.now.omega;
+    b.now.turn = sine_cosine(b.now.angle);
+  });
+}
+
+// What joints did changes the velocity before the kick as well: the drift goes with all of it, and the next kick does
+// not repeat it.
+void Articulations::Solve::store_velocities() {
+  for_bodies([&](Body& b) {
+    if (b.inverse_mass == 0) return;
+    const Vec2 gain = b.now.velocity - b.start.velocity;
+    const double turn = (b.now.omega - b.start.omega) * b.radius;
+    change(view_.vel, b.number, gain);
+    change(view_.vel0, b.number, gain);
+    change(view_.rim_speed[b.number], turn);
+    change(view_.rim_speed0[b.number], turn);
+  });
+}
+
+// Looks for impulses with which the drift ends where the joints hold: along the rows of the start by Newton's method, as
+// RATTLE has it (`exact`). Where the substep does not resolve how rows turn under their load, that may not converge; then
+// each step goes along the rows of where the one before ended, which always does, and damps what is too fast.
+bool Articulations::Solve::find_impulses(double drift, bool exact) {
+  for_bodies([](Body& b) { b.now = b.start; });
+  if (!exact) for_rows([](Row& row, const Joint&) { row.impulse = 0; });
+  double least = 1e300;
+  for (int step = 0;; ++step) {
+    if (exact) {
+      for_bodies([](Body& b) { b.now = b.start; });
+      push(true, [](const Row& row, const Joint&) { return row.impulse; });
+    }
+    move_on(drift);
+    find_rows_now();
+    bool changed = false;
+    if (step < kMostChoices) for_rows([&](Row& row, const Joint& j) { changed = choose(row, j) || changed; });
+    double worst = 0;
+    for_rows([&](Row& row, const Joint& j) {
+      const double error = residual(row, j);
+      row.wanted = -error / h_;
+      worst = std::fabs(error) <= worst ? worst : std::fabs(error);  // NaN counts
+    });
+    if (worst <= kExact && !changed) return true;
+    if (step == kMostSteps || !(worst < kMostError) || (exact && step > 1 && worst > least)) return worst < kConverged;
+    if (!changed) least = std::fmin(least, worst);
+    assemble(exact);
+    eliminate();
+    substitute();
+    for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
+    if (!exact) push(false, [](const Row& row, const Joint&) { return row.wanted; });
+  }
+}
+
+void Articulations::Solve::solve(double drift, double smooth_limit2) {
+  reach_ = drift / h_;
+  for_bodies([&](Body& b) {
+    load_motion(b);
+    const Vec2 acceleration = view_.acc != nullptr ? load(view_.acc, b.number) : Vec2{};
+    b.kick = b.now.velocity - load(view_.vel0, b.number);
+    b.idle_omega = b.now.omega - static_cast<double>(view_.rim_speed0[b.number]) / b.radius;
+    const bool smooth = dot(b.kick, b.kick) <= smooth_limit2 + 4 * drift * drift * dot(acceleration, acceleration);
+    b.idle = (smooth ? 0.5 : 1) * b.kick;
+    b.now.velocity = b.now.velocity - (b.kick - b.idle);
+    b.start = b.now;
+  });
+  load_rows();
+  if (!find_impulses(drift, true)) find_impulses(drift, false);
+  store_velocities();
+  // Half of a spring's impulse follows after the drift; what it does by then is stored in the spring.
+  gained_ = 0;
+  for_rows([&](const Row& row, const Joint& j) {
+    if (row.use == Use::drive && row.state != State::low && row.state != State::high) return;
+    gained_ += row.impulse * row.start.speed(half_way(side(j, 0)), half_way(side(j, 1)));
+  });
+  all_.joints_[island_.joints.begin].gain_now = gained_;
+}
+
+// Places after the drift: what joints miss is taken out of them, along the rows, but no faster than kPush.
+bool Articulations::Solve::take_errors_out(double* angle) {
+  double worst = 0;
+  for_rows([&](Row& row, const Joint& j) {
+    const double error = row.now.error;
+    row.wanted = 0;
+    if (row.use == Use::keep) row.wanted = -error;
+    if (row.use == Use::pull) row.wanted = -std::fmax(error, 0);
+    if (row.state == State::low) row.wanted = std::fmax(j.lower - error, 0);
+    if (row.state == State::high) row.wanted = std::fmin(j.upper - error, 0);
+    worst = std::fmax(worst, std::fabs(row.wanted));
+  });
+  if (worst <= kSmall) return false;
+  assemble(false);
+  eliminate();
+  substitute();
+  for_bodies([](Body& b) { b.start = b.now; });
+  for_bodies([](Body& b) { b.now.velocity = {}, b.now.omega = 0; });
+  push(false, [](const Row& row, const Joint&) { return row.wanted; });
+  double most = 0;
+  for_bodies([&](const Body& b) {
+    most = std::fmax(most, std::fmax(length_of(b.now.velocity), std::fabs(b.now.omega) * b.radius));
+  });
+  const double share = most > kPush * h_ ? kPush * h_ / most : 1;
+  for_bodies([&](Body& b) {
+    const Vec2 way = share * b.now.velocity;
+    const double turn = share * b.now.omega;
+    b.now = b.start;
+    if (b.inverse_mass == 0) return;
+    gained_ -= dot(b.kick, way) / (h_ * b.inverse_mass);
+    b.now.at = b.now.at + way;
+    change(view_.disp, b.number, way);
+    if (turn == 0) return;
+    float& turned = view_.angle_change[b.number];
+    change(turned, turn);
+    const SineCosine q = sine_cosine(static_cast<double>(turned));
+    view_.arm_change[2 * std::size_t{b.number}] = static_cast<float>(b.radius * (q.cosine - 1));
+    view_.arm_change[2 * std::size_t{b.number} + 1] = static_cast<float>(b.radius * q.sine);
+    angle[b.slot] += turn;
+    b.now.angle += turn;
+    b.now.turn = sine_cosine(b.now.angle);
+  });
+  return share == 1;
+}
+
+// Finds impulses along the rows of now that take the speeds of errors out of the velocities. Ropes, limits and motors
+// that would have to push the wrong way, or too much, give way in another round.
+void Articulations::Solve::stop_errors() {
+  for (int round = 0;; ++round) {
+    assemble(false);
+    eliminate();
+    for_rows([&](Row& row, const Joint& j) {
+      const bool motor = row.use == Use::drive && row.state == State::bound;
+      row.wanted = (motor ? j.motor_speed : 0) - speed(row.now, j);
+    });
+    substitute();
+    if (round == kMostRounds) return;
+    bool sound = true;
+    for_rows([&](Row& row, const Joint& j) {
+      const double l = row.wanted;
+      const State before = row.state;
+      if (row.use == Use::pull && row.on() && l > 0) row.state = State::free;
+      if ((row.state == State::low && l < 0) || (row.state == State::high && l > 0)) row.state = State::free;
+      const bool motor = row.use == Use::drive && row.state == State::bound;
+      if (motor && std::fabs(row.impulse + l) > j.motor_most) row.state = State::full;
+      sound = sound && row.state == before;
+    });
+    if (sound) return;
+  }
+}
+
+void Articulations::Solve::finish(double* angle) {
+  gained_ = all_.joints_[island_.joints.begin].gain_now;
+  for_bodies([&](Body& b) {
+    load_motion(b);
+    b.start = b.now;
+  });
+  find_rows_now();
+  const auto add_gain = [&](const Row& row, const Joint& j, double l) {
+    gained_ += l * row.now.speed(half_way(side(j, 0)), half_way(side(j, 1)));
+  };
+  for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
+  const auto of_spring = [](const Row& row, const Joint&) {
+    return row.use == Use::spring && row.on() ? row.impulse : 0.0;
+  };
+  push(false, of_spring);
+  for_rows([&](Row& row, const Joint& j) {
+    if (of_spring(row, j) == 0) return;
+    add_gain(row, j, row.impulse);
+    const double from = row.start.error, to = row.now.error;
+    gained_ += 0.5 * (j.push / h_) * (to + from) * (to - from);
+    row.state = State::free;
+    row.impulse *= 2;
+  });
+  store_velocities();
+  for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
+  for_rows([&](Row& row, const Joint& j) {
+    if (row.use == Use::pull && row.now.error > 0) row.state = State::bound;
+    if (row.use == Use::drive && row.now.error < j.lower) row.state = State::low;
+    if (row.use == Use::drive && row.now.error > j.upper) row.state = State::high;
+  });
+  for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
+  stop_errors();
+  push(false, [](const Row& row, const Joint&) { return row.wanted; });
+  for_rows([&](Row& row, const Joint& j) {
+    const bool motor = row.use == Use::drive && row.state != State::low && row.state != State::high;
+    if (!motor) add_gain(row, j, row.wanted);
+    row.impulse += row.wanted;
+  });
+  settle();
+  store_velocities();
+  for_joints([&](Joint& j) {
+    for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) {
+      const Row& row = all_.rows_[j.first_row + k];
+      const bool motor = row.use == Use::drive && row.state != State::low && row.state != State::high;
+      j.impulse[k] = motor ? 0.0f : static_cast<float>(row.impulse);
+      if (row.use == Use::drive) j.impulse[3] = motor ? static_cast<float>(row.impulse) : 0.0f;
+    }
+  });
+}
+
+// Joints give no energy, though in steps they seem to, now more, now less. Once they gave more than they took since the
+// first step, what they gave goes out of the motion of the bodies against each other, or against what holds them.
+void Articulations::Solve::settle() {
+  double gain = 0;
+  for_joints([&](const Joint& j) { gain += *j.gain; });
+  double* const account = all_.joints_[island_.joints.begin].gain;
+  *account += gained_;
+  gain += gained_;
+  if (!(gain > 0)) return;
+  JointedMotion common;  // of all; `at` is the centre of mass
+  if (island_.held != kNone) {
+    common.velocity = all_.bodies_[island_.held].now.velocity;
+  } else {
+    common = common_motion();
+  }
+  double energy = 0;
+  const auto against = [&](const Body& b, Vec2& velocity, double& omega) {
+    const Vec2 arm = b.place + b.now.at - common.at;
+    velocity = b.now.velocity - common.velocity - common.omega * Vec2{-arm.y, arm.x};
+    omega = b.now.omega - common.omega;
+  };
+  Vec2 velocity;
+  double omega = 0;
+  for_bodies([&](const Body& b) {
+    if (b.inverse_mass == 0) return;
+    against(b, velocity, omega);
+    energy += 0.5 * dot(velocity, velocity) / b.inverse_mass;
+    if (b.inverse_inertia > 0) energy += 0.5 * omega * omega / b.inverse_inertia;
+  });
+  if (!(energy > 0)) return;
+  const double taken = std::fmin(gain, kMostTaken * energy), less = 1 - std::sqrt(1 - taken / energy);
+  for_bodies([&](Body& b) {
+    if (b.inverse_mass == 0) return;
+    against(b, velocity, omega);
+    b.now.velocity = b.now.velocity - less * velocity;
+    if (b.inverse_inertia > 0) b.now.omega -= less * omega;
+  });
+  *account -= taken;
+}
+
+// How the bodies of an articulation that nothing holds move as one.
+JointedMotion Articulations::Solve::common_motion() {
+  double mass = 0;
+  JointedMotion all;
+  for_bodies([&](const Body& b) {
+    const double m = 1 / b.inverse_mass;
+    mass += m;
+    all.at = all.at + m * (b.place + b.now.at);
+    all.velocity = all.velocity + m * b.now.velocity;
+  });
+  all.at = (1 / mass) * all.at;
+  all.velocity = (1 / mass) * all.velocity;
+  double spin = 0, inertia = 0;
+  for_bodies([&](const Body& b) {
+    const double m = 1 / b.inverse_mass, own = b.inverse_inertia > 0 ? 1 / b.inverse_inertia : 0;
+    const Vec2 arm = b.place + b.now.at - all.at;
+    spin += m * cross(arm, b.now.velocity - all.velocity) + own * b.now.omega;
+    inertia += m * dot(arm, arm) + own;
+  });
+  all.omega = inertia > 0 ? spin / inertia : 0;
+  return all;
+}
+
+// Bodies and joints were set for the frame.
+void Articulations::prepare(double h) {
+  h_ = h;
+  for (const Island& island : islands_) {
+    bodies_[island.bodies.begin].place = {};
+    for (std::uint32_t k = island.walk.begin; k < island.walk.end; ++k) {
+      const Joint& j = joints_[walk_[k] / 2];
+      const std::uint32_t to = walk_[k] & 1;
+      const double way = to == 1 ? 1 : -1;
+      bodies_[j.body[to]].place = bodies_[j.body[1 - to]].place + way * j.geometry.base;
+    }
+  }
+  for (Joint& j : joints_) {
+    using kernels::JointKind;
+    for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) {
+      Use& use = rows_[j.first_row + k].use;
+      use = Use::keep;
+      if (j.geometry.kind == JointKind::rod && j.rope) use = Use::pull;
+      if (j.geometry.kind == JointKind::spring) use = Use::spring;
+      if (j.geometry.kind == JointKind::weld && k == 2 && j.drag > 0) use = Use::spring;
+      const bool driven = j.geometry.kind == JointKind::driven || j.geometry.kind == JointKind::slide;
+      if (driven && k == 2 && j.lower != j.upper) use = Use::drive;
+    }
+  }
+}
+
+void Articulations::sum_of(std::uint32_t joint, Vec2& impulse, double& torque) const {
+  const Joint& j = joints_[joint];
+  for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) {
+    const JointRow& along = rows_[j.first_row + k].now;
+    const bool drive = rows_[j.first_row + k].use == Use::drive;
+    const double l = static_cast<double>(j.impulse[k]) + (drive ? static_cast<double>(j.impulse[3]) : 0);
+    impulse = impulse + l * along.n;
+    if (along.n.x == 0 && along.n.y == 0) torque += l;
+  }
+}
+
+void Articulations::solve(const kernels::BodyView& view, double drift, double smooth_limit2, WorkerPool& pool) {
+  pool.run(islands_.size(), [&](std::size_t n) { Solve(*this, islands_[n], view).solve(drift, smooth_limit2); });
+}
+
+void Articulations::finish(const kernels::BodyView& view, double* angle, WorkerPool& pool) {
+  pool.run(islands_.size(), [&](std::size_t n) { Solve(*this, islands_[n], view).finish(angle); });
+}
+
+}  // namespace psim
