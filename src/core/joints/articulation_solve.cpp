@@ -67,6 +67,7 @@ class Articulations::Solve {
   void assemble(bool across);
   void eliminate();
   void substitute();
+  void push_row(const JointRow& along, const Joint& j, double l);
   template <class Impulse>
   void push(bool at_start, const Impulse& impulse);
   void move_on(double drift);
@@ -155,9 +156,9 @@ bool Articulations::Solve::choose(Row& row, const Joint& j) const {
     } else if ((row.state == State::low && row.impulse < 0) || (row.state == State::high && row.impulse > 0)) {
       row.state = motor;
       row.impulse = 0;
-    } else if (row.state == State::bound && std::fabs(row.impulse) > j.motor_most) {
-      row.state = State::full;
-      row.impulse = std::copysign(j.motor_most, row.impulse);
+    } else if (row.state == State::bound && std::fabs(row.impulse) > 0.5 * j.motor_most) {
+      row.state = State::full;  // the other half follows after the drift
+      row.impulse = std::copysign(0.5 * j.motor_most, row.impulse);
     } else if (row.state == State::full && ahead * row.impulse > kExact * std::fabs(row.impulse)) {
       row.state = State::bound;  // it gives too much
     }
@@ -255,19 +256,22 @@ void Articulations::Solve::substitute() {
   }
 }
 
-// Adds the impulses impulse(row, joint) to the velocities of now.
+// Adds the impulse l to the velocities of now.
+void Articulations::Solve::push_row(const JointRow& along, const Joint& j, double l) {
+  Body& a = all_.bodies_[j.body[0]];
+  Body& b = all_.bodies_[j.body[1]];
+  a.now.velocity = a.now.velocity - a.inverse_mass * l * along.n;
+  a.now.omega -= a.inverse_inertia * l * along.arm_a;
+  b.now.velocity = b.now.velocity + b.inverse_mass * l * along.n;
+  b.now.omega += b.inverse_inertia * l * along.arm_b;
+}
+
+// Adds the impulses impulse(row, joint).
 template <class Impulse>
 void Articulations::Solve::push(bool at_start, const Impulse& impulse) {
   for_rows([&](Row& row, const Joint& j) {
     const double l = impulse(row, j);
-    if (l == 0) return;
-    const JointRow& along = at_start ? row.start : row.now;
-    Body& a = all_.bodies_[j.body[0]];
-    Body& b = all_.bodies_[j.body[1]];
-    a.now.velocity = a.now.velocity - a.inverse_mass * l * along.n;
-    a.now.omega -= a.inverse_inertia * l * along.arm_a;
-    b.now.velocity = b.now.velocity + b.inverse_mass * l * along.n;
-    b.now.omega += b.inverse_inertia * l * along.arm_b;
+    if (l != 0) push_row(at_start ? row.start : row.now, j, l);
   });
 }
 
@@ -415,7 +419,12 @@ void Articulations::Solve::stop_errors() {
       if (row.use == Use::pull && row.on() && l > 0) row.state = State::free;
       if ((row.state == State::low && l < 0) || (row.state == State::high && l > 0)) row.state = State::free;
       const bool motor = row.use == Use::drive && row.state == State::bound;
-      if (motor && std::fabs(row.impulse + l) > j.motor_most) row.state = State::full;
+      if (motor && std::fabs(row.impulse + l) > j.motor_most) {
+        row.state = State::full;
+        const double all = std::copysign(j.motor_most, row.impulse + l);
+        push_row(row.now, j, all - row.impulse);
+        row.impulse = all;
+      }
       sound = sound && row.state == before;
     });
     if (sound) return;
@@ -449,6 +458,7 @@ void Articulations::Solve::finish(double* angle) {
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   for_rows([&](Row& row, const Joint& j) {
     if (row.use == Use::pull && row.now.error > 0) row.state = State::bound;
+    if (row.state == State::full) row.state = State::bound;
     if (row.use == Use::drive && row.now.error < j.lower) row.state = State::low;
     if (row.use == Use::drive && row.now.error > j.upper) row.state = State::high;
   });
