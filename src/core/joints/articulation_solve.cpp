@@ -17,7 +17,8 @@ constexpr int kMostPasses = 4;       // over the places after the drift
 constexpr double kSmall = 1e-7;      // m or rad: errors that stay
 constexpr double kPush = 10;         // m/s: errors go out of the places no faster
 constexpr double kAlike = 1e-9;      // softness, of a row's own: rows that ask for the same share their impulse
-constexpr double kMostTaken = 0.5;   // of the energy: what an account takes back in a substep
+constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
+constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
 
 Vec2 load(const float* records, std::size_t n) {
   return {static_cast<double>(records[2 * n]), static_cast<double>(records[2 * n + 1])};
@@ -77,10 +78,12 @@ class Articulations::Solve {
   void stop_errors();
   void settle();
   JointedMotion common_motion();
-  // The mean of a body's velocities before and after a push, less what the kick has in them.
-  static JointedMotion half_way(const Body& b) {
-    return {.velocity = 0.5 * (b.start.velocity + b.now.velocity) - b.idle,
-            .omega = 0.5 * (b.start.omega + b.now.omega) - b.idle_omega};
+  double energy_within(const JointedMotion& common);
+  static JointedMotion against(const Body& b, const JointedMotion& common);
+  double half_work();
+  void push_wanted();
+  static JointedMotion without_kick(const Body& b) {
+    return {.velocity = b.now.velocity - b.idle, .omega = b.now.omega - b.idle_omega};
   }
 
   Articulations& all_;
@@ -298,6 +301,25 @@ void Articulations::Solve::store_velocities() {
   });
 }
 
+// Half of the work that the impulses `wanted` do at the velocities of now, without the kick: called before and after they
+// are pushed, it adds up to their work. Motors may work.
+double Articulations::Solve::half_work() {
+  double sum = 0;
+  for_rows([&](const Row& row, const Joint& j) {
+    if (row.use == Use::drive && row.state != State::low && row.state != State::high) return;
+    const Body &a = side(j, 0), &b = side(j, 1);
+    sum += 0.5 * row.wanted * row.now.speed(without_kick(a), without_kick(b));
+  });
+  return sum;
+}
+
+// Adds the impulses `wanted` along the rows of now.
+void Articulations::Solve::push_wanted() {
+  gained_ += half_work();
+  push(false, [](const Row& row, const Joint&) { return row.wanted; });
+  gained_ += half_work();
+}
+
 // Looks for impulses with which the drift ends where the joints hold: along the rows of the start by Newton's method, as
 // RATTLE has it (`exact`). Where the substep does not resolve how rows turn under their load, that may not converge; then
 // each step goes along the rows of where the one before ended, which always does, and damps what is too fast.
@@ -327,7 +349,8 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     eliminate();
     substitute();
     for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
-    if (!exact) push(false, [](const Row& row, const Joint&) { return row.wanted; });
+    if (exact) continue;
+    push_wanted();
   }
 }
 
@@ -344,14 +367,24 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
     b.start = b.now;
   });
   load_rows();
-  if (!find_impulses(drift, true)) find_impulses(drift, false);
-  store_velocities();
-  // Half of a spring's impulse follows after the drift; what it does by then is stored in the spring.
   gained_ = 0;
-  for_rows([&](const Row& row, const Joint& j) {
-    if (row.use == Use::drive && row.state != State::low && row.state != State::high) return;
-    gained_ += row.impulse * row.start.speed(half_way(side(j, 0)), half_way(side(j, 1)));
+  for_bodies([](Body& b) { b.now = b.start; });
+  double most = kMostGain * energy_within(common_motion());
+  for_bodies([&](const Body& b) {
+    if (b.inverse_mass > 0) most += 0.5 * dot(b.kick, b.kick) / b.inverse_mass;
   });
+  bool found = find_impulses(drift, true);
+  if (found) {
+    for_bodies([](Body& b) { b.now = b.start; });
+    for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
+    push_wanted();
+    found = gained_ <= most;  // the equations have other roots, far away
+  }
+  if (!found) {
+    gained_ = 0;
+    find_impulses(drift, false);
+  }
+  store_velocities();
   all_.joints_[island_.joints.begin].gain_now = gained_;
 }
 
@@ -438,23 +471,20 @@ void Articulations::Solve::finish(double* angle) {
     b.start = b.now;
   });
   find_rows_now();
-  const auto add_gain = [&](const Row& row, const Joint& j, double l) {
-    gained_ += l * row.now.speed(half_way(side(j, 0)), half_way(side(j, 1)));
-  };
   for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
-  const auto of_spring = [](const Row& row, const Joint&) {
-    return row.use == Use::spring && row.on() ? row.impulse : 0.0;
-  };
-  push(false, of_spring);
+  const auto works = [](const Row& row) { return row.use == Use::spring && row.on(); };
   for_rows([&](Row& row, const Joint& j) {
-    if (of_spring(row, j) == 0) return;
-    add_gain(row, j, row.impulse);
+    row.wanted = works(row) ? row.impulse : 0;
     const double from = row.start.error, to = row.now.error;
-    gained_ += 0.5 * (j.push / h_) * (to + from) * (to - from);
+    if (works(row)) gained_ += 0.5 * j.stiffness * (to + from) * (to - from);
+  });
+  push_wanted();
+  store_velocities();
+  for_rows([&](Row& row, const Joint&) {
+    if (!works(row)) return;
     row.state = State::free;
     row.impulse *= 2;
   });
-  store_velocities();
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   for_rows([&](Row& row, const Joint& j) {
     if (row.use == Use::pull && row.now.error > 0) row.state = State::bound;
@@ -464,12 +494,8 @@ void Articulations::Solve::finish(double* angle) {
   });
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
   stop_errors();
-  push(false, [](const Row& row, const Joint&) { return row.wanted; });
-  for_rows([&](Row& row, const Joint& j) {
-    const bool motor = row.use == Use::drive && row.state != State::low && row.state != State::high;
-    if (!motor) add_gain(row, j, row.wanted);
-    row.impulse += row.wanted;
-  });
+  push_wanted();
+  for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
   settle();
   store_velocities();
   for_joints([&](Joint& j) {
@@ -491,39 +517,40 @@ void Articulations::Solve::settle() {
   *account += gained_;
   gain += gained_;
   if (!(gain > 0)) return;
-  JointedMotion common;  // of all; `at` is the centre of mass
-  if (island_.held != kNone) {
-    common.velocity = all_.bodies_[island_.held].now.velocity;
-  } else {
-    common = common_motion();
-  }
-  double energy = 0;
-  const auto against = [&](const Body& b, Vec2& velocity, double& omega) {
-    const Vec2 arm = b.place + b.now.at - common.at;
-    velocity = b.now.velocity - common.velocity - common.omega * Vec2{-arm.y, arm.x};
-    omega = b.now.omega - common.omega;
-  };
-  Vec2 velocity;
-  double omega = 0;
-  for_bodies([&](const Body& b) {
-    if (b.inverse_mass == 0) return;
-    against(b, velocity, omega);
-    energy += 0.5 * dot(velocity, velocity) / b.inverse_mass;
-    if (b.inverse_inertia > 0) energy += 0.5 * omega * omega / b.inverse_inertia;
-  });
+  const JointedMotion common = common_motion();
+  const double energy = energy_within(common);
   if (!(energy > 0)) return;
   const double taken = std::fmin(gain, kMostTaken * energy), less = 1 - std::sqrt(1 - taken / energy);
   for_bodies([&](Body& b) {
     if (b.inverse_mass == 0) return;
-    against(b, velocity, omega);
-    b.now.velocity = b.now.velocity - less * velocity;
-    if (b.inverse_inertia > 0) b.now.omega -= less * omega;
+    const JointedMotion own = against(b, common);
+    b.now.velocity = b.now.velocity - less * own.velocity;
+    if (b.inverse_inertia > 0) b.now.omega -= less * own.omega;
   });
   *account -= taken;
 }
 
-// How the bodies of an articulation that nothing holds move as one.
+// The kinetic energy of the bodies against what holds them, or against each other.
+double Articulations::Solve::energy_within(const JointedMotion& common) {
+  double energy = 0;
+  for_bodies([&](const Body& b) {
+    if (b.inverse_mass == 0) return;
+    const JointedMotion own = against(b, common);
+    energy += 0.5 * dot(own.velocity, own.velocity) / b.inverse_mass;
+    if (b.inverse_inertia > 0) energy += 0.5 * own.omega * own.omega / b.inverse_inertia;
+  });
+  return energy;
+}
+
+JointedMotion Articulations::Solve::against(const Body& b, const JointedMotion& common) {
+  const Vec2 arm = b.place + b.now.at - common.at;
+  return {.velocity = b.now.velocity - common.velocity - common.omega * Vec2{-arm.y, arm.x},
+          .omega = b.now.omega - common.omega};
+}
+
+// How the bodies move as one: as what holds them, or as momentum and angular momentum tell. `at`: the centre of mass.
 JointedMotion Articulations::Solve::common_motion() {
+  if (island_.held != kNone) return {.velocity = all_.bodies_[island_.held].now.velocity};
   double mass = 0;
   JointedMotion all;
   for_bodies([&](const Body& b) {

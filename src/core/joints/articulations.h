@@ -50,7 +50,8 @@ class Articulations {
     bool rope = false;
     double lower = -1e30, upper = 1e30;      ///< of a drive: rad or m
     double motor_speed = 0, motor_most = 0;  ///< rad/s or m/s; N m s or N s a substep
-    double push = 0, drag = 0;               ///< of a spring: k' h and k' h^2 / 4 + c' h / 2
+    double stiffness = 0;                    ///< of a spring: N/m or N m/rad
+    double push = 0, drag = 0;               ///< k' h and k' h^2 / 4 + c' h / 2
     float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
     double* gain = nullptr;                  ///< J: what the joint gave to its bodies so far, less what was taken back
     double gain_now = 0;                     ///< J: in this substep

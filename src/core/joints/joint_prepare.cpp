@@ -275,6 +275,7 @@ void JointStore::set_articulations() {
     if (lower == upper) (joint.kind == JointKind::slide ? to.geometry.length : to.geometry.reference) += to.lower;
     to.motor_speed = (flipped ? -1 : 1) * d.motor_speed;
     to.motor_most = std::fmin(d.motor_limit * h_, 1e30);
+    to.stiffness = d.stiffness;
     to.push = to.drag = 0;
     const Vec2 arm_a = turned(ma.turn, to.geometry.anchor[0]), arm_b = turned(mb.turn, to.geometry.anchor[1]);
     double mass = 0;
