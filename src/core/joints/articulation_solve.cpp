@@ -10,13 +10,14 @@ namespace {
 constexpr int kMostSteps = 6;        // Newton steps in a substep
 constexpr int kMostChoices = 5;      // in how many of them limits may begin and cease to hold
 constexpr int kMostRounds = 4;       // the same after the drift
-constexpr double kExact = 2e-9;      // m or rad: an error below this is none
+constexpr double kExact = 3e-8;      // m or rad: an error below this is none
 constexpr double kMostError = 1e6;   // m or rad: beyond it steps lead nowhere
 constexpr double kConverged = 1e-6;  // m or rad: where Newton's steps miss by more, speeds alone are stopped
 constexpr int kMostPasses = 4;       // over the places after the drift
 constexpr double kSmall = 1e-7;      // m or rad: errors that stay
 constexpr double kPush = 10;         // m/s: errors go out of the places no faster
 constexpr double kAlike = 1e-9;      // softness, of a row's own: rows that ask for the same share their impulse
+constexpr double kSturdy = 1e-3;     // the same where steps must not lead far: in rows that hardly move anybody
 constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
 constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
 
@@ -65,13 +66,14 @@ class Articulations::Solve {
   bool choose(Row& row, const Joint& j) const;
   double residual(const Row& row, const Joint& j) const;
   double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
-  void assemble(bool across);
+  void assemble(bool across, double softness);
   void eliminate();
   void substitute();
   void push_row(const JointRow& along, const Joint& j, double l);
   template <class Impulse>
   void push(bool at_start, const Impulse& impulse);
   void move_on(double drift);
+  double begin_impulses();
   bool find_impulses(double drift, bool exact);
   void store_velocities();
   bool take_errors_out(double* angle);
@@ -103,30 +105,18 @@ void Articulations::Solve::load_motion(Body& b) const {
   b.now.omega = static_cast<double>(view_.rim_speed[n]) / b.radius;
 }
 
-// Impulses begin with half of those of the last substep.
+// Rows at the start. Ropes that pulled and drives that stood at a limit are taken to do so again.
 void Articulations::Solve::load_rows() {
-  for_joints([&](Joint& j) {
-    JointRow found[3];
-    find_rows(j.geometry, side(j, 0).now, side(j, 1).now, found);
-    const std::uint32_t rows = j.geometry.rows();
-    for (std::uint32_t k = 0; k < rows; ++k) {
-      Row& row = all_.rows_[j.first_row + k];
-      row.start = row.now = found[k];
-      const double before = 0.5 * static_cast<double>(j.impulse[k]);
-      row.impulse = before;
-      row.state = State::bound;
-      if (row.use == Use::pull && !(before < 0)) row.state = State::free;
-      if (row.use == Use::spring && !(j.drag > 0)) row.state = State::free;
-      if (row.use == Use::drive) {
-        if (before != 0) {
-          row.state = before > 0 ? State::low : State::high;
-        } else {
-          row.impulse = 0.5 * static_cast<double>(j.impulse[3]);
-          if (!(j.motor_most > 0)) row.state = State::free;
-        }
-      }
-      if (row.state == State::free) row.impulse = 0;
-      row.softness = row.use == Use::spring && j.drag > 0 ? 1 / j.drag : 0;
+  find_rows_now();
+  for_rows([&](Row& row, const Joint& j) {
+    row.start = row.now;
+    row.softness = row.use == Use::spring && j.drag > 0 ? 1 / j.drag : 0;
+    const float before = j.impulse[&row - &all_.rows_[j.first_row]];
+    row.state = State::bound;
+    if (row.use == Use::pull && !(before < 0)) row.state = State::free;
+    if (row.use == Use::spring && !(j.drag > 0)) row.state = State::free;
+    if (row.use == Use::drive) {
+      row.state = before > 0 ? State::low : before < 0 ? State::high : j.motor_most > 0 ? State::bound : State::free;
     }
   });
 }
@@ -201,13 +191,13 @@ double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const 
 }
 
 // The matrix of the rows that are on: what impulses along the rows of the start, or of now, change in the rows of now.
-void Articulations::Solve::assemble(bool across) {
+void Articulations::Solve::assemble(bool across, double softness) {
   constexpr std::uint8_t kOwn = 0b1001;
   const auto right = [across](const Row& row) -> const JointRow& { return across ? row.start : row.now; };
   for_rows([&](Row& row, const Joint& j) {
     const double own = couple(row.now, right(row), j, kOwn);
-    row.inverse = couple(right(row), right(row), j, kOwn) * (1 + kAlike) + row.softness;
-    row.diagonal = row.on() ? own + kAlike * row.inverse + row.softness : 1;
+    row.inverse = couple(right(row), right(row), j, kOwn) * (1 + softness) + row.softness;
+    row.diagonal = row.on() ? own + softness * row.inverse + row.softness : 1;
     for (std::uint32_t e = row.entries.begin; e < row.entries.end; ++e) {
       const Row& other = all_.rows_[all_.columns_[e]];
       const std::uint8_t shared = all_.couplings_[e];
@@ -325,7 +315,12 @@ void Articulations::Solve::push_wanted() {
 // each step goes along the rows of where the one before ended, which always does, and damps what is too fast.
 bool Articulations::Solve::find_impulses(double drift, bool exact) {
   for_bodies([](Body& b) { b.now = b.start; });
-  if (!exact) for_rows([](Row& row, const Joint&) { row.impulse = 0; });
+  if (!exact) {
+    for_rows([](Row& row, const Joint&) {
+      row.impulse = 0;
+      if (row.state == State::full) row.state = State::bound;
+    });
+  }
   double least = 1e300;
   for (int step = 0;; ++step) {
     if (exact) {
@@ -335,7 +330,13 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     move_on(drift);
     find_rows_now();
     bool changed = false;
-    if (step < kMostChoices) for_rows([&](Row& row, const Joint& j) { changed = choose(row, j) || changed; });
+    if (step < kMostChoices) {
+      for_rows([&](Row& row, const Joint& j) {
+        const double before = row.impulse;
+        changed = choose(row, j) || changed;
+        if (!exact && row.impulse != before) push_row(row.now, j, row.impulse - before);
+      });
+    }
     double worst = 0;
     for_rows([&](Row& row, const Joint& j) {
       const double error = residual(row, j);
@@ -345,7 +346,7 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     if (worst <= kExact && !changed) return true;
     if (step == kMostSteps || !(worst < kMostError) || (exact && step > 1 && worst > least)) return worst < kConverged;
     if (!changed) least = std::fmin(least, worst);
-    assemble(exact);
+    assemble(exact, exact ? kAlike : kSturdy);
     eliminate();
     substitute();
     for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
@@ -354,31 +355,55 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
   }
 }
 
+// The search begins with impulses that take the speeds of errors away at the start. Returns the energy of the motion
+// that they leave.
+double Articulations::Solve::begin_impulses() {
+  assemble(false, kAlike);
+  eliminate();
+  for_rows([&](Row& row, const Joint& j) {
+    const bool motor = row.use == Use::drive && row.state == State::bound;
+    row.wanted = row.use == Use::spring ? 0 : (motor ? j.motor_speed : 0) - speed(row.now, j);
+  });
+  substitute();
+  for_rows([](Row& row, const Joint&) { row.impulse = row.on() ? row.wanted : 0; });
+  push(false, [](const Row& row, const Joint&) { return row.wanted; });
+  for_bodies([](Body& b) { b.tangent = b.now.velocity, b.tangent_omega = b.now.omega; });
+  JointedMotion common = common_motion();
+  common.omega = 0;
+  return energy_within(common);
+}
+
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
   reach_ = drift / h_;
   for_bodies([&](Body& b) {
     load_motion(b);
     const Vec2 acceleration = view_.acc != nullptr ? load(view_.acc, b.number) : Vec2{};
     b.kick = b.now.velocity - load(view_.vel0, b.number);
-    b.idle_omega = b.now.omega - static_cast<double>(view_.rim_speed0[b.number]) / b.radius;
+    b.idle_omega = 0.5 * (b.now.omega - static_cast<double>(view_.rim_speed0[b.number]) / b.radius);
     const bool smooth = dot(b.kick, b.kick) <= smooth_limit2 + 4 * drift * drift * dot(acceleration, acceleration);
-    b.idle = (smooth ? 0.5 : 1) * b.kick;
-    b.now.velocity = b.now.velocity - (b.kick - b.idle);
+    b.idle = 0.5 * b.kick;
+    if (smooth) b.now.velocity = b.now.velocity - b.idle;
     b.start = b.now;
   });
   load_rows();
+  const double most = kMostGain * begin_impulses();
   gained_ = 0;
-  for_bodies([](Body& b) { b.now = b.start; });
-  double most = kMostGain * energy_within(common_motion());
-  for_bodies([&](const Body& b) {
-    if (b.inverse_mass > 0) most += 0.5 * dot(b.kick, b.kick) / b.inverse_mass;
-  });
   bool found = find_impulses(drift, true);
   if (found) {
-    for_bodies([](Body& b) { b.now = b.start; });
+    double apart = 0;  // the energy of the way from the velocities that `begin_impulses` found
+    for_bodies([&](const Body& b) {
+      if (b.inverse_mass == 0) return;
+      const Vec2 way = b.now.velocity - b.tangent;
+      const double turn = b.now.omega - b.tangent_omega;
+      apart += 0.5 * dot(way, way) / b.inverse_mass;
+      if (b.inverse_inertia > 0) apart += 0.5 * turn * turn / b.inverse_inertia;
+    });
+    found = apart <= most;  // the equations have other roots, far away
+  }
+  for_bodies([](Body& b) { b.now = b.start; });
+  if (found) {
     for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
     push_wanted();
-    found = gained_ <= most;  // the equations have other roots, far away
   }
   if (!found) {
     gained_ = 0;
@@ -401,7 +426,7 @@ bool Articulations::Solve::take_errors_out(double* angle) {
     worst = std::fmax(worst, std::fabs(row.wanted));
   });
   if (worst <= kSmall) return false;
-  assemble(false);
+  assemble(false, kSturdy);
   eliminate();
   substitute();
   for_bodies([](Body& b) { b.start = b.now; });
@@ -437,7 +462,7 @@ bool Articulations::Solve::take_errors_out(double* angle) {
 // that would have to push the wrong way, or too much, give way in another round.
 void Articulations::Solve::stop_errors() {
   for (int round = 0;; ++round) {
-    assemble(false);
+    assemble(false, kAlike);
     eliminate();
     for_rows([&](Row& row, const Joint& j) {
       const bool motor = row.use == Use::drive && row.state == State::bound;

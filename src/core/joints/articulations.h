@@ -38,9 +38,11 @@ class Articulations {
     Vec2 place{};                                  ///< m: at the frame's start, from the first body
     JointedMotion start{};                         ///< as the substep begins, with the velocities of the drift
     JointedMotion now{};
-    Vec2 kick{};            ///< m/s: by gravity and contacts, in this substep
-    Vec2 idle{};            ///< m/s: how much of it is in the velocities of the drift
-    double idle_omega = 0;  ///< rad/s: the same
+    Vec2 kick{};               ///< m/s: by gravity and contacts, in this substep
+    Vec2 tangent{};            ///< m/s: the motion that the rows of the start allow
+    double tangent_omega = 0;  ///< rad/s
+    Vec2 idle{};               ///< m/s: how much of it the account leaves out
+    double idle_omega = 0;     ///< rad/s: the same
   };
   struct Joint {
     JointGeometry geometry{};
