@@ -73,14 +73,20 @@ class Articulations::Solve {
   template <class Impulse>
   void push(bool at_start, const Impulse& impulse);
   void move_on(double drift);
-  double begin_impulses();
+  struct Change {
+    double square = 0, slope = 0;  // J
+  };
+  double begin_impulses(const JointedMotion& common);
+  Change from_tangent(const JointedMotion& common);
+  void stay_within(const JointedMotion& common);
   bool find_impulses(double drift, bool exact);
   void store_velocities();
   bool take_errors_out(double* angle);
   void stop_errors();
   void settle();
   JointedMotion common_motion();
-  double energy_within(const JointedMotion& common);
+  JointedMotion moving_with();
+  double energy_within(const JointedMotion& common, bool without_kick = false);
   static JointedMotion against(const Body& b, const JointedMotion& common);
   double half_work();
   void push_wanted();
@@ -357,7 +363,7 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
 
 // The search begins with impulses that take the speeds of errors away at the start. Returns the energy of the motion
 // that they leave.
-double Articulations::Solve::begin_impulses() {
+double Articulations::Solve::begin_impulses(const JointedMotion& common) {
   assemble(false, kAlike);
   eliminate();
   for_rows([&](Row& row, const Joint& j) {
@@ -365,12 +371,39 @@ double Articulations::Solve::begin_impulses() {
     row.wanted = row.use == Use::spring ? 0 : (motor ? j.motor_speed : 0) - speed(row.now, j);
   });
   substitute();
-  for_rows([](Row& row, const Joint&) { row.impulse = row.on() ? row.wanted : 0; });
+  for_rows([](Row& row, const Joint&) { row.tangent = row.impulse = row.on() ? row.wanted : 0; });
   push(false, [](const Row& row, const Joint&) { return row.wanted; });
   for_bodies([](Body& b) { b.tangent = b.now.velocity, b.tangent_omega = b.now.omega; });
-  JointedMotion common = common_motion();
-  common.omega = 0;
-  return energy_within(common);
+  return energy_within(common, false);
+}
+
+// How far the velocities of now are from those that begin_impulses() found: the energy of the difference, and what the
+// energy against `common` changes by along it, to first order.
+Articulations::Solve::Change Articulations::Solve::from_tangent(const JointedMotion& common) {
+  Change sum;
+  for_bodies([&](const Body& b) {
+    if (b.inverse_mass == 0) return;
+    const Vec2 way = b.now.velocity - b.tangent;
+    const double turn = b.now.omega - b.tangent_omega;
+    sum.square += 0.5 * dot(way, way) / b.inverse_mass;
+    sum.slope += dot(way, b.tangent - common.velocity) / b.inverse_mass;
+    if (b.inverse_inertia == 0) return;
+    sum.square += 0.5 * turn * turn / b.inverse_inertia;
+    sum.slope += turn * b.tangent_omega / b.inverse_inertia;
+  });
+  return sum;
+}
+
+// Goes from the velocities that begin_impulses() found towards those of now as far as the energy does not grow.
+void Articulations::Solve::stay_within(const JointedMotion& common) {
+  const Change change = from_tangent(common);
+  double share = 0;
+  if (change.slope < 0) share = change.square > -change.slope ? -change.slope / change.square : 1;
+  for_bodies([&](Body& b) {
+    b.now.velocity = b.tangent + share * (b.now.velocity - b.tangent);
+    b.now.omega = b.tangent_omega + share * (b.now.omega - b.tangent_omega);
+  });
+  for_rows([&](Row& row, const Joint&) { row.impulse = row.tangent + share * (row.impulse - row.tangent); });
 }
 
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
@@ -386,28 +419,20 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
     b.start = b.now;
   });
   load_rows();
-  const double most = kMostGain * begin_impulses();
+  const JointedMotion common = moving_with();
+  const double before = energy_within(common, true), allowed = begin_impulses(common);
   gained_ = 0;
   bool found = find_impulses(drift, true);
+  // The equations have other roots, far away.
+  found = found && from_tangent(common).square <= kMostGain * allowed;
   if (found) {
-    double apart = 0;  // the energy of the way from the velocities that `begin_impulses` found
-    for_bodies([&](const Body& b) {
-      if (b.inverse_mass == 0) return;
-      const Vec2 way = b.now.velocity - b.tangent;
-      const double turn = b.now.omega - b.tangent_omega;
-      apart += 0.5 * dot(way, way) / b.inverse_mass;
-      if (b.inverse_inertia > 0) apart += 0.5 * turn * turn / b.inverse_inertia;
-    });
-    found = apart <= most;  // the equations have other roots, far away
-  }
-  for_bodies([](Body& b) { b.now = b.start; });
-  if (found) {
+    for_bodies([](Body& b) { b.now = b.start; });
     for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
     push_wanted();
-  }
-  if (!found) {
-    gained_ = 0;
+  } else {
     find_impulses(drift, false);
+    stay_within(common);
+    gained_ = energy_within(common, true) - before;
   }
   store_velocities();
   all_.joints_[island_.joints.begin].gain_now = gained_;
@@ -555,12 +580,23 @@ void Articulations::Solve::settle() {
   *account -= taken;
 }
 
-// The kinetic energy of the bodies against what holds them, or against each other.
-double Articulations::Solve::energy_within(const JointedMotion& common) {
+// The same without turning.
+JointedMotion Articulations::Solve::moving_with() {
+  JointedMotion common = common_motion();
+  common.omega = 0;
+  return common;
+}
+
+// The kinetic energy of the bodies against a common motion. `without_kick`: less what the account leaves out.
+double Articulations::Solve::energy_within(const JointedMotion& common, bool without_kick) {
   double energy = 0;
   for_bodies([&](const Body& b) {
     if (b.inverse_mass == 0) return;
-    const JointedMotion own = against(b, common);
+    JointedMotion own = against(b, common);
+    if (without_kick) {
+      own.velocity = own.velocity - b.idle;
+      own.omega -= b.idle_omega;
+    }
     energy += 0.5 * dot(own.velocity, own.velocity) / b.inverse_mass;
     if (b.inverse_inertia > 0) energy += 0.5 * own.omega * own.omega / b.inverse_inertia;
   });

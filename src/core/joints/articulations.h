@@ -101,6 +101,7 @@ class Articulations {
     State state = State::bound;
     std::uint32_t joint = 0;
     double impulse = 0;   ///< of this substep
+    double tangent = 0;   ///< what the speeds at the start ask for
     double wanted = 0;    ///< of the equations: the right side, then the solution
     double softness = 0;  ///< of springs: 1 / drag
     double diagonal = 0, inverse = 0;
