@@ -42,6 +42,18 @@ std::vector<std::size_t> group(std::vector<Candidate>& all) {
   return begins;
 }
 
+// Ragdolls: few pins, most of them with limits. They lie on contacts and press on their limits, and sweeps over joints and
+// contacts in turn bring them to rest sooner.
+bool is_ragdoll(std::span<const Candidate> joints) {
+  constexpr std::size_t kMost = 32;
+  const auto pinned = [](const Candidate& c) {
+    return c.kind == kernels::JointKind::pin || c.kind == kernels::JointKind::driven;
+  };
+  const auto limited = std::count_if(joints.begin(), joints.end(), [](const Candidate& c) { return c.limited; });
+  return joints.size() <= kMost && 2 * static_cast<std::size_t>(limited) > joints.size() &&
+         std::all_of(joints.begin(), joints.end(), pinned);
+}
+
 }  // namespace
 
 // The order in which the joints of a group are eliminated: always one that is coupled with the fewest of those that are
@@ -129,17 +141,17 @@ void Articulations::lay_out(std::span<const Candidate> candidates) {
   for (std::size_t begin = 0, end = 0; begin < groups; begin = end) {
     while (end < groups && size(by_size[end]) == size(by_size[begin])) ++end;
     if (size(by_size[begin]) * (end - begin) * kRowWork > left) continue;
-    std::vector<Elimination> orders;
+    const auto joints = [&](std::size_t k) { return std::span(all).subspan(begins[by_size[k]], size(by_size[k])); };
+    std::vector<std::pair<std::size_t, Elimination>> orders;
     std::size_t work = 0;
     for (std::size_t k = begin; k < end && work <= left; ++k) {
-      orders.emplace_back(std::span(all).subspan(begins[by_size[k]], size(by_size[k])));
-      work += orders.back().work();
+      if (is_ragdoll(joints(k))) continue;
+      orders.emplace_back(k, joints(k));
+      work += orders.back().second.work();
     }
     if (work > left) continue;
     left -= work;
-    for (std::size_t k = begin; k < end; ++k) {
-      add(std::span(all).subspan(begins[by_size[k]], size(by_size[k])), orders[k - begin]);
-    }
+    for (const auto& [k, order] : orders) add(joints(k), order);
   }
   upper_.assign(columns_.size(), 0);
   lower_.assign(columns_.size(), 0);

@@ -19,6 +19,8 @@ constexpr double kPush = 10;         // m/s: errors go out of the places no fast
 constexpr double kAlike = 1e-9;      // softness, of a row's own: rows that ask for the same share their impulse
 constexpr double kSturdy = 1e-3;     // the same where steps must not lead far: in rows that hardly move anybody
 constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
+constexpr double kCalm = 0.15;     // m/s: mean speed below which a motion is damped where bodies may sleep
+constexpr double kCalming = 2;     // 1/s: by how much of its energy, at rest
 constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
 
 Vec2 load(const float* records, std::size_t n) {
@@ -562,22 +564,30 @@ void Articulations::Solve::finish(double* angle) {
 // first step, what they gave goes out of the motion of the bodies against each other, or against what holds them.
 void Articulations::Solve::settle() {
   double gain = 0;
-  for_joints([&](const Joint& j) { gain += *j.gain; });
-  double* const account = all_.joints_[island_.joints.begin].gain;
-  *account += gained_;
+  for_joints([&](const Joint& j) { gain += static_cast<double>(*j.gain); });
+  float& account = *all_.joints_[island_.joints.begin].gain;
+  change(account, gained_);
   gain += gained_;
-  if (!(gain > 0)) return;
+  if (!(gain > 0) && !all_.calm_) return;
   const JointedMotion common = common_motion();
   const double energy = energy_within(common);
   if (!(energy > 0)) return;
-  const double taken = std::fmin(gain, kMostTaken * energy), less = 1 - std::sqrt(1 - taken / energy);
+  double taken = std::fmax(std::fmin(gain, kMostTaken * energy), 0);
+  change(account, -taken);
+  if (all_.calm_) {
+    double mass = 0;
+    for_bodies([&](const Body& b) { mass += b.inverse_mass > 0 ? 1 / b.inverse_mass : 0; });
+    const double calm = 0.5 * mass * kCalm * kCalm;
+    if (energy < calm) taken += (energy - taken) * h_ * kCalming * (1 - energy / calm);
+  }
+  if (taken == 0) return;
+  const double less = 1 - std::sqrt(1 - taken / energy);
   for_bodies([&](Body& b) {
     if (b.inverse_mass == 0) return;
     const JointedMotion own = against(b, common);
     b.now.velocity = b.now.velocity - less * own.velocity;
     if (b.inverse_inertia > 0) b.now.omega -= less * own.omega;
   });
-  *account -= taken;
 }
 
 // The same without turning.
@@ -634,8 +644,9 @@ JointedMotion Articulations::Solve::common_motion() {
 }
 
 // Bodies and joints were set for the frame.
-void Articulations::prepare(double h) {
+void Articulations::prepare(double h, bool calm) {
   h_ = h;
+  calm_ = calm;
   for (const Island& island : islands_) {
     bodies_[island.bodies.begin].place = {};
     for (std::uint32_t k = island.walk.begin; k < island.walk.end; ++k) {

@@ -26,6 +26,7 @@ class Articulations {
   struct Candidate {
     std::uint32_t joint = 0, body[2] = {0, 0};
     bool dynamic[2] = {false, false};
+    bool limited = false;  ///< a pin with limits
     kernels::JointKind kind = kernels::JointKind::rod;
   };
   struct Body {
@@ -55,12 +56,13 @@ class Articulations {
     double stiffness = 0;                    ///< of a spring: N/m or N m/rad
     double push = 0, drag = 0;               ///< k' h and k' h^2 / 4 + c' h / 2
     float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
-    double* gain = nullptr;                  ///< J: what the joint gave to its bodies so far, less what was taken back
+    float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
     double gain_now = 0;                     ///< J: in this substep
   };
 
   void lay_out(std::span<const Candidate> candidates);
-  void prepare(double h);
+  /// `calm`: bodies may sleep.
+  void prepare(double h, bool calm);
   /// `drift`: the length of the drift, s. It goes by the mean velocity where the square of the change is at most
   /// `smooth_limit2`.
   void solve(const kernels::BodyView& view, double drift, double smooth_limit2, WorkerPool& pool);
@@ -119,7 +121,8 @@ class Articulations {
   void couple(const Island& island);
   void find_walk(Island& island);
 
-  double h_ = 0;
+  double h_ = 0;  // s: a substep
+  bool calm_ = false;
   std::vector<Island> islands_;
   std::vector<Body> bodies_;
   std::vector<Joint> joints_;            // in the order of elimination

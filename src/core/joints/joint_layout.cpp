@@ -38,7 +38,7 @@ void JointStore::find_articulations() {
   for (std::uint32_t i = 0; i < joints_.size(); ++i) {
     const Joint& j = joints_[i];
     if (!j.alive || j.dormant) continue;
-    candidates.push_back({i, {j.body[0], j.body[1]}, {!j.held, true}, j.kind});
+    candidates.push_back({i, {j.body[0], j.body[1]}, {!j.held, true}, j.desc.lower || j.desc.upper, j.kind});
   }
   articulations_.lay_out(candidates);
   const std::span<const Articulations::Joint> all = articulations_.joints();

@@ -243,7 +243,7 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
 }
 
 // Masses, anchors, springs and motors of the articulations.
-void JointStore::set_articulations() {
+void JointStore::set_articulations(bool calm) {
   for (Articulations::Body& b : articulations_.bodies()) {
     const JointMember& m = members_[b.id];
     b.number = m.number;
@@ -287,7 +287,7 @@ void JointStore::set_articulations() {
       to.drag = row.drag;
     }
   }
-  articulations_.prepare(h_);
+  articulations_.prepare(h_, calm);
 }
 
 // A pass sweeps as often as a frame can afford.
@@ -296,7 +296,7 @@ int JointStore::sweeps() const {
   return blocks <= kFew ? kMostSweeps : blocks <= kMany ? kMostSweeps / 2 : kLeastSweeps;
 }
 
-void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h) {
+void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, bool calm) {
   if (empty()) return;
   s_.bodies.find_slots();
   if (stale_) lay_out();
@@ -307,7 +307,7 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   params_.rate = narrow(kBias / h);
   find_members(fixed, solved);
   find_shares(solved);
-  if (!articulations_.empty()) set_articulations();
+  if (!articulations_.empty()) set_articulations(calm);
   const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {

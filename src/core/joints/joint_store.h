@@ -111,8 +111,8 @@ class JointStore {
   }
   bool any_exclusions() const { return exclusions_ != 0; }
 
-  /// Prepares the blocks for a frame with substeps of h seconds.
-  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h);
+  /// Prepares the blocks for a frame with substeps of h seconds. `calm`: bodies may sleep.
+  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, bool calm);
 
   void warm(const kernels::BodyView& view, float factor);
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
@@ -137,7 +137,7 @@ class JointStore {
     std::uint32_t articulated = kNoSlot;        ///< its number in the articulations, if it is in one
     std::uint32_t body[2] = {0, 0};             ///< numbers in members_ of the sides A and B
     float impulse[JointLists::kImpulses] = {};  ///< in articulations, or while the blocks are made anew
-    double gain = 0;                            ///< J: the account of an articulation
+    float gain = 0;                             ///< J: the account of an articulation
 
     std::uint32_t list() const { return JointLists::list_of(kind, held); }
     std::uint32_t other(std::uint32_t id) const { return desc.a.index == id ? desc.b.index : desc.a.index; }
@@ -195,7 +195,7 @@ class JointStore {
   }
   int sweeps() const;
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
-  void set_articulations();
+  void set_articulations(bool calm);
   void find_shares(const SolverBodies& solved);
   template <class Block>
   void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;

@@ -245,8 +245,7 @@ static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) 
 
 void JointStore::describe(Archive& a) {
   if (!a.loading()) save_impulses();
-  float spare = 0;  // the format has room for a fifth impulse
-  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, spare); });
+  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, j.gain); });
   describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
   bool laid = !stale_;
   values(a, laid, h_);
