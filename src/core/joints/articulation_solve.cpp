@@ -19,7 +19,7 @@ constexpr double kPush = 10;         // m/s: errors go out of the places no fast
 constexpr double kAlike = 1e-9;      // softness, of a row's own: rows that ask for the same share their impulse
 constexpr double kSturdy = 1e-3;     // the same where steps must not lead far: in rows that hardly move anybody
 constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
-constexpr double kCalm = 0.15;     // m/s: mean speed below which a motion is damped where bodies may sleep
+constexpr double kCalm = 0.02;     // m/s: mean speed below which a motion is damped where bodies may sleep
 constexpr double kCalming = 2;     // 1/s: by how much of its energy, at rest
 constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
 
@@ -84,7 +84,7 @@ class Articulations::Solve {
   bool find_impulses(double drift, bool exact);
   void store_velocities();
   bool take_errors_out(double* angle);
-  void stop_errors();
+  void stop_errors(double share);
   void settle();
   JointedMotion common_motion();
   JointedMotion moving_with();
@@ -366,14 +366,9 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
 // The search begins with impulses that take the speeds of errors away at the start. Returns the energy of the motion
 // that they leave.
 double Articulations::Solve::begin_impulses(const JointedMotion& common) {
-  assemble(false, kAlike);
-  eliminate();
-  for_rows([&](Row& row, const Joint& j) {
-    const bool motor = row.use == Use::drive && row.state == State::bound;
-    row.wanted = row.use == Use::spring ? 0 : (motor ? j.motor_speed : 0) - speed(row.now, j);
-  });
-  substitute();
-  for_rows([](Row& row, const Joint&) { row.tangent = row.impulse = row.on() ? row.wanted : 0; });
+  for_rows([](Row& row, const Joint&) { row.impulse = 0; });
+  stop_errors(0.5);
+  for_rows([](Row& row, const Joint&) { row.tangent = row.impulse += row.wanted; });
   push(false, [](const Row& row, const Joint&) { return row.wanted; });
   for_bodies([](Body& b) { b.tangent = b.now.velocity, b.tangent_omega = b.now.omega; });
   return energy_within(common, false);
@@ -485,15 +480,17 @@ bool Articulations::Solve::take_errors_out(double* angle) {
   return share == 1;
 }
 
-// Finds impulses along the rows of now that take the speeds of errors out of the velocities. Ropes, limits and motors
+// Finds impulses along the rows of now that take the speeds of errors out of the velocities, with springs and with a share
+// of what motors can. Ropes, limits and motors
 // that would have to push the wrong way, or too much, give way in another round.
-void Articulations::Solve::stop_errors() {
+void Articulations::Solve::stop_errors(double share) {
   for (int round = 0;; ++round) {
     assemble(false, kAlike);
     eliminate();
     for_rows([&](Row& row, const Joint& j) {
       const bool motor = row.use == Use::drive && row.state == State::bound;
       row.wanted = (motor ? j.motor_speed : 0) - speed(row.now, j);
+      if (row.use == Use::spring) row.wanted -= 0.5 * row.softness * j.push * row.now.error;
     });
     substitute();
     if (round == kMostRounds) return;
@@ -504,9 +501,9 @@ void Articulations::Solve::stop_errors() {
       if (row.use == Use::pull && row.on() && l > 0) row.state = State::free;
       if ((row.state == State::low && l < 0) || (row.state == State::high && l > 0)) row.state = State::free;
       const bool motor = row.use == Use::drive && row.state == State::bound;
-      if (motor && std::fabs(row.impulse + l) > j.motor_most) {
+      if (motor && std::fabs(row.impulse + l) > share * j.motor_most) {
         row.state = State::full;
-        const double all = std::copysign(j.motor_most, row.impulse + l);
+        const double all = std::copysign(share * j.motor_most, row.impulse + l);
         push_row(row.now, j, all - row.impulse);
         row.impulse = all;
       }
@@ -545,7 +542,7 @@ void Articulations::Solve::finish(double* angle) {
     if (row.use == Use::drive && row.now.error > j.upper) row.state = State::high;
   });
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
-  stop_errors();
+  stop_errors(1);
   push_wanted();
   for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
   settle();
@@ -667,17 +664,6 @@ void Articulations::prepare(double h, bool calm) {
       const bool driven = j.geometry.kind == JointKind::driven || j.geometry.kind == JointKind::slide;
       if (driven && k == 2 && j.lower != j.upper) use = Use::drive;
     }
-  }
-}
-
-void Articulations::sum_of(std::uint32_t joint, Vec2& impulse, double& torque) const {
-  const Joint& j = joints_[joint];
-  for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) {
-    const JointRow& along = rows_[j.first_row + k].now;
-    const bool drive = rows_[j.first_row + k].use == Use::drive;
-    const double l = static_cast<double>(j.impulse[k]) + (drive ? static_cast<double>(j.impulse[3]) : 0);
-    impulse = impulse + l * along.n;
-    if (along.n.x == 0 && along.n.y == 0) torque += l;
   }
 }
 

@@ -69,9 +69,6 @@ class Articulations {
   /// `angle`: by slot.
   void finish(const kernels::BodyView& view, double* angle, WorkerPool& pool);
 
-  /// Adds the impulse of a joint on its body B in the last substep, N s, and its torque, N m s.
-  void sum_of(std::uint32_t joint, Vec2& impulse, double& torque) const;
-
   std::span<Joint> joints() { return joints_; }
   std::span<const Joint> joints() const { return joints_; }
   std::span<Body> bodies() { return bodies_; }

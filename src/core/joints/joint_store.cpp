@@ -148,13 +148,27 @@ const std::vector<std::uint32_t>& JointStore::bodies() {
   return bodies_;
 }
 
-void JointStore::load_of(JointId id, Vec2& force, double& torque) const {
+void JointStore::load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& torque) const {
   const Joint& j = joints_[id.index];
   force = {};
   torque = 0;
   if (!(h_ > 0)) return;
-  const double per_h = (j.swapped ? -1 : 1) / h_;
-  if (j.articulated != kNoSlot) articulations_.sum_of(j.articulated, force, torque);
+  const double sign = j.swapped ? -1 : 1, per_h = sign / h_;
+  if (j.articulated != kNoSlot) {
+    double l[JointLists::kImpulses];
+    std::copy(std::begin(j.impulse), std::end(j.impulse), l);
+    if (j.kind == JointKind::rod || j.kind == JointKind::spring) {
+      const double far = length_of(line);
+      force = (far > 0 ? sign * l[0] / far : 0) * line;
+    } else if (j.kind == JointKind::slide) {
+      const Vec2 u = (sign / length_of(axis)) * axis;
+      force = (l[2] + l[3]) * u + l[0] * Vec2{-u.y, u.x};
+      torque = l[1];
+    } else {
+      force = {l[0], l[1]};
+      torque = l[2] + l[3];
+    }
+  }
   const auto of_lane = [&](const auto& b, std::uint32_t k) {
     double l[JointLists::kImpulses] = {};
     JointLists::each_impulse(b, k, [&](int i, float impulse) { l[i] = impulse; });

@@ -74,8 +74,9 @@ class JointStore {
     }
   }
 
-  /// The force and torque of a joint on body b in the last substep, N and N m. O(1).
-  void load_of(JointId id, Vec2& force, double& torque) const;
+  /// The force and torque of a joint on body b in the last substep, N and N m. `line`, `axis`: from its anchor a to b, and
+  /// the axis of a slide, in the world. O(1).
+  void load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& torque) const;
 
   /// Calls each(a, b) with the ids of the two bodies of every joint.
   template <class Each>

@@ -128,7 +128,7 @@ std::optional<JointState> World::joint(JointId id) const {
     default:
       s.value = length_of(way);
   }
-  impl_->joints.load_of(id, s.force, s.torque);
+  impl_->joints.load_of(id, way, turned(sine_cosine(a.angle), d.axis), s.force, s.torque);
   return s;
 }
 
