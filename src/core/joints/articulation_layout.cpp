@@ -61,7 +61,8 @@ bool is_ragdoll(std::span<const Candidate> joints) {
 class Articulations::Elimination {
  public:
   explicit Elimination(std::span<const Candidate> joints) : behind_(joints.size()) {
-    if (joints.size() > kMostJoints || !find_neighbours(joints)) return;
+    work_ = joints.size() > kMostJoints ? kMostWork + 1 : 0;
+    if (work_ > kMostWork || !find_neighbours(joints)) return;
     std::vector<std::uint8_t> done(joints.size());
     for (std::size_t n = 0; n < joints.size(); ++n) {
       std::uint32_t next = kNone;
