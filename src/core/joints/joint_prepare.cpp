@@ -249,7 +249,7 @@ void JointStore::set_articulations(bool calm) {
     b.number = m.number;
     b.slot = s_.bodies.info[bodies_[b.id]].slot;
     b.inverse_mass = m.inverse_mass;
-    b.inverse_inertia = m.inverse_mass > 0 ? m.rim_gain * m.inverse_radius * m.inverse_radius : 0;
+    b.inverse_inertia = 0;
     b.radius = 1 / m.inverse_radius;
     b.angle = m.angle;
   }
@@ -265,6 +265,14 @@ void JointStore::set_articulations(bool calm) {
                    .axis = axis_of(d, joint.swapped),
                    .length = joint.kind == JointKind::slide ? 0 : d.length.value_or(0),
                    .reference = sign * d.reference.value_or(0)};
+    // Bodies that joints hold at their centres alone do not turn with them.
+    const bool angle = joint.kind != JointKind::rod && joint.kind != JointKind::spring && joint.kind != JointKind::pin;
+    for (const int side : {0, 1}) {
+      const JointMember& m = side == 0 ? ma : mb;
+      const Vec2 anchor = to.geometry.anchor[side];
+      if (m.inverse_mass == 0 || (!angle && anchor.x == 0 && anchor.y == 0)) continue;
+      articulations_.bodies()[to.body[side]].inverse_inertia = m.rim_gain * m.inverse_radius * m.inverse_radius;
+    }
     to.impulse = joint.impulse;
     to.gain = &joint.gain;
     to.rope = d.type == JointType::rope;
