@@ -21,6 +21,7 @@ constexpr double kSturdy = 1e-3;     // the same where steps must not lead far: 
 constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
 constexpr double kCalm = 0.02;     // m/s: mean speed below which a motion is damped where bodies may sleep
 constexpr double kCalming = 2;     // 1/s: by how much of its energy, at rest
+constexpr double kCredit = 2;      // how much less than nothing an account may hold, of the energy of turning rows
 constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
 
 Vec2 load(const float* records, std::size_t n) {
@@ -37,7 +38,7 @@ void change(float* records, std::size_t n, Vec2 v) {
 // What is done to one articulation in a substep.
 class Articulations::Solve {
  public:
-  Solve(Articulations& all, const Island& island, const kernels::BodyView& view)
+  Solve(Articulations& all, Island& island, const kernels::BodyView& view)
       : all_(all), island_(island), view_(view), h_(all.h_) {}
 
   void solve(double drift, double smooth_limit2);
@@ -86,6 +87,7 @@ class Articulations::Solve {
   bool take_errors_out(double* angle);
   void stop_errors(double share);
   void settle();
+  double softened();
   JointedMotion common_motion();
   JointedMotion moving_with();
   double energy_within(const JointedMotion& common, bool without_kick = false);
@@ -97,7 +99,7 @@ class Articulations::Solve {
   }
 
   Articulations& all_;
-  const Island& island_;
+  Island& island_;
   const kernels::BodyView& view_;
   const double h_;
   double reach_ = 1;   // how far a change of velocity leads in the drift, of h
@@ -421,7 +423,8 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
   gained_ = 0;
   bool found = find_impulses(drift, true);
   // The equations have other roots, far away.
-  found = found && from_tangent(common).square <= kMostGain * allowed;
+  island_.apart = from_tangent(common).square;
+  found = found && island_.apart <= kMostGain * allowed;
   if (found) {
     for_bodies([](Body& b) { b.now = b.start; });
     for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
@@ -429,10 +432,11 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
   } else {
     find_impulses(drift, false);
     stay_within(common);
+    island_.apart = 0;
     gained_ = energy_within(common, true) - before;
   }
   store_velocities();
-  all_.joints_[island_.joints.begin].gain_now = gained_;
+  island_.gained = gained_;
 }
 
 // Places after the drift: what joints miss is taken out of them, along the rows, but no faster than kPush.
@@ -514,7 +518,7 @@ void Articulations::Solve::stop_errors(double share) {
 }
 
 void Articulations::Solve::finish(double* angle) {
-  gained_ = all_.joints_[island_.joints.begin].gain_now;
+  gained_ = island_.gained;
   for_bodies([&](Body& b) {
     load_motion(b);
     b.start = b.now;
@@ -565,6 +569,11 @@ void Articulations::Solve::settle() {
   float& account = *all_.joints_[island_.joints.begin].gain;
   change(account, gained_);
   gain += gained_;
+  const double least = -kCredit * island_.apart - softened();
+  if (gain < least) {  // what an impact took
+    change(account, least - gain);
+    gain = least;
+  }
   if (!(gain > 0) && !all_.calm_) return;
   const JointedMotion common = common_motion();
   const double energy = energy_within(common);
@@ -592,6 +601,15 @@ JointedMotion Articulations::Solve::moving_with() {
   JointedMotion common = common_motion();
   common.omega = 0;
   return common;
+}
+
+// How far the energy of springs swings within a period, for steps have their frequency with another stiffness.
+double Articulations::Solve::softened() {
+  double sum = 0;
+  for_rows([&](const Row& row, const Joint& j) {
+    if (row.use == Use::spring) sum += std::fabs(j.push / h_ - j.stiffness) * row.now.error * row.now.error;
+  });
+  return sum;
 }
 
 // The kinetic energy of the bodies against a common motion. `without_kick`: less what the account leaves out.

@@ -57,7 +57,6 @@ class Articulations {
     double push = 0, drag = 0;               ///< k' h and k' h^2 / 4 + c' h / 2
     float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
     float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
-    double gain_now = 0;                     ///< J: in this substep
   };
 
   void lay_out(std::span<const Candidate> candidates);
@@ -93,6 +92,8 @@ class Articulations {
   struct Island {
     Range bodies, joints, rows, walk;
     std::uint32_t held = kNone;  ///< a body that is not dynamic
+    double gained = 0;           ///< J: since the substep began
+    double apart = 0;            ///< J: of what turning rows did beyond the tangent motion
   };
   struct Row {
     JointRow start{}, now{};
