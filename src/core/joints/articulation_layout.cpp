@@ -8,7 +8,7 @@ namespace psim {
 namespace {
 
 // What a factorisation may take, in multiplications: of one articulation, and of all.
-constexpr std::size_t kMostWork = 300'000;
+constexpr std::size_t kMostWork = 100'000;
 constexpr std::uint32_t kMostJoints = 4096;  // of one articulation
 constexpr std::size_t kRowWork = 40;         // of a row besides its entries
 
@@ -95,7 +95,7 @@ class Articulations::Elimination {
         if (joints[k].dynamic[side]) ends.emplace_back(joints[k].body[side], k);
       }
     }
-    std::sort(ends.begin(), ends.end());
+    std::sort(ends.begin(), ends.end());  // a total order: no two pairs are alike
     for (std::size_t begin = 0, end = 0; begin < ends.size(); begin = end) {
       while (end < ends.size() && ends[end].first == ends[begin].first) ++end;
       work_ += (end - begin) * (end - begin);
@@ -108,7 +108,7 @@ class Articulations::Elimination {
     }
     work_ = 0;
     for (auto& list : behind_) {
-      std::sort(list.begin(), list.end());
+      std::sort(list.begin(), list.end());  // a total order: numbers
       list.erase(std::unique(list.begin(), list.end()), list.end());
     }
     return true;
@@ -137,6 +137,7 @@ void Articulations::lay_out(std::span<const Candidate> candidates) {
   const auto size = [&](std::size_t g) { return begins[g + 1] - begins[g]; };
   std::vector<std::size_t> by_size(groups);
   std::iota(by_size.begin(), by_size.end(), std::size_t{0});
+  // A total order: of one size in the order of the groups.
   std::stable_sort(by_size.begin(), by_size.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
   std::size_t left = kMostWork;
   for (std::size_t begin = 0, end = 0; begin < groups; begin = end) {
@@ -166,7 +167,7 @@ void Articulations::add(std::span<const Candidate> group, const Elimination& eli
   island.rows.begin = static_cast<std::uint32_t>(rows_.size());
   std::vector<std::uint32_t> ids;
   for (const Candidate& c : group) ids.insert(ids.end(), {c.body[0], c.body[1]});
-  std::sort(ids.begin(), ids.end());
+  std::sort(ids.begin(), ids.end());  // a total order: numbers
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   for (const std::uint32_t id : ids) bodies_.push_back({.id = id});
   const auto body_of = [&](std::uint32_t id) {
@@ -197,7 +198,7 @@ void Articulations::add(std::span<const Candidate> group, const Elimination& eli
   for (const std::uint32_t k : elimination.order()) {
     behind.clear();
     for (const std::uint32_t other : elimination.behind(k)) behind.push_back(place[other]);
-    std::sort(behind.begin(), behind.end());
+    std::sort(behind.begin(), behind.end());  // a total order: numbers
     const Joint& j = joints_[place[k]];
     const std::uint32_t end = j.first_row + j.geometry.rows();
     for (std::uint32_t r = j.first_row; r < end; ++r) {

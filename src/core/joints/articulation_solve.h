@@ -1,0 +1,102 @@
+// What is done to one articulation in a substep. For the files of articulations alone:
+//   articulation_equations.cpp  bodies and rows as they are, and the equations between impulses and the errors of rows
+//   articulation_solve.cpp      the impulses before the drift
+//   articulation_finish.cpp     places and velocities after the drift
+//   articulation_account.cpp    energy
+#pragma once
+
+#include <cstdint>
+
+#include "joints/articulations.h"
+
+namespace psim {
+
+class Articulations::Solve {
+ public:
+  static constexpr double kAlike = 1e-9;   // softness, of a row's own: rows that ask for the same share their impulse
+  static constexpr double kSturdy = 1e-3;  // the same where steps must not lead far: in rows that hardly move anybody
+
+  Solve(Articulations& all, Island& island, const kernels::BodyView& view)
+      : all_(all), island_(island), view_(view), h_(all.h_) {}
+
+  void solve(double drift, double smooth_limit2);
+  void finish(double* angle);
+
+ private:
+  template <class Each>
+  void for_rows(const Each& each) {
+    for (std::uint32_t r = island_.rows.begin; r < island_.rows.end; ++r) {
+      Row& row = all_.rows_[r];
+      each(row, all_.joints_[row.joint]);
+    }
+  }
+  template <class Each>
+  void for_bodies(const Each& each) {
+    for (std::uint32_t b = island_.bodies.begin; b < island_.bodies.end; ++b) each(all_.bodies_[b]);
+  }
+  template <class Each>
+  void for_joints(const Each& each) {
+    for (std::uint32_t n = island_.joints.begin; n < island_.joints.end; ++n) each(all_.joints_[n]);
+  }
+  const Body& side(const Joint& j, int side) const { return all_.bodies_[j.body[side]]; }
+  double speed(const JointRow& row, const Joint& j) const { return row.speed(side(j, 0).now, side(j, 1).now); }
+
+  void load_motion(Body& b) const;
+  void load_rows();
+  void find_rows_now();
+  bool choose(Row& row, const Joint& j) const;
+  double residual(const Row& row, const Joint& j) const;
+  double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
+  void assemble(bool across, double softness);
+  void eliminate();
+  void substitute();
+  void push_row(const JointRow& along, const Joint& j, double l);
+  // Adds the impulses impulse(row, joint) along the rows of the start or of now.
+  template <class Impulse>
+  void push(bool at_start, const Impulse& impulse) {
+    for_rows([&](Row& row, const Joint& j) {
+      const double l = impulse(row, j);
+      if (l != 0) push_row(at_start ? row.start : row.now, j, l);
+    });
+  }
+  void move_on(double drift);
+  struct Change {
+    double square = 0, slope = 0;  // J
+  };
+  double begin_impulses(const JointedMotion& common);
+  Change from_tangent(const JointedMotion& common);
+  void stay_within(const JointedMotion& common);
+  bool find_impulses(double drift, bool exact);
+  void store_velocities();
+  bool take_errors_out(double* angle);
+  void stop_errors(double share);
+  void settle();
+  double softened();
+  JointedMotion common_motion();
+  JointedMotion moving_with();
+  double energy_within(const JointedMotion& common, bool without_kick = false);
+  static JointedMotion against(const Body& b, const JointedMotion& common);
+  double half_work();
+  void push_wanted();
+  static JointedMotion without_kick(const Body& b) {
+    return {.velocity = b.now.velocity - b.idle, .omega = b.now.omega - b.idle_omega};
+  }
+
+  Articulations& all_;
+  Island& island_;
+  const kernels::BodyView& view_;
+  const double h_;
+  double reach_ = 1;   // how far a change of velocity leads in the drift, of h
+  double gained_ = 0;  // J: since the substep began
+};
+
+inline Vec2 load_record(const float* records, std::size_t n) {
+  return {static_cast<double>(records[2 * n]), static_cast<double>(records[2 * n + 1])};
+}
+inline void change(float& to, double v) { to = static_cast<float>(static_cast<double>(to) + v); }
+inline void change(float* records, std::size_t n, Vec2 v) {
+  change(records[2 * n], v.x);
+  change(records[2 * n + 1], v.y);
+}
+
+}  // namespace psim
