@@ -8,30 +8,71 @@
 namespace psim {
 namespace {
 
+constexpr double kSideways = 0.1;  // share of the radius: how far a disc may be pushed beyond its own motion in a step
+
+// A lane of a round end, which follow_edges() and not the solver turns.
+constexpr float kTurnedElsewhere = 1e29f;
+
+void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at) {
+  const bool round = contact.kind == EdgeContact::round, nothing = contact.kind == EdgeContact::nothing;
+  c.gap[at] = nothing ? kNoGap : static_cast<float>(contact.gap);
+  c.refresh[at] = round ? kTurnedElsewhere : std::numeric_limits<float>::infinity();
+  c.base_x[at] = static_cast<float>(contact.base.x);
+  c.base_y[at] = static_cast<float>(contact.base.y);
+  if (nothing) return;
+  c.nx[at] = static_cast<float>(contact.normal.x);
+  c.ny[at] = static_cast<float>(contact.normal.y);
+}
+
+// The contacts of one body with walls and fixed shapes. Edges of which one may take over from another within the step
+// are added to `loose`.
 class StaticGeometry {
  public:
-  StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, StaticLanes& c)
-      : b_(s.bodies), statics_(s.statics), lattice_(s.lattice), walls_(walls), c_(c), refresh_(refresh) {}
+  StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, double dt, StaticLanes& c,
+                 std::vector<LooseEdge>& loose)
+      : b_(s.bodies), statics_(s.statics), lattice_(s.lattice), walls_(walls), c_(c), loose_(loose), refresh_(refresh),
+        dt_(dt) {}
 
   /// Sees to all contacts of one body.
   void body(std::span<const StaticPair> list) {
-    corners_ = inside_ = 0;
+    edges_.clear();
+    bool inside = false;
     for (const StaticPair& pair : list) one(pair);
-    if (corners_ != 0 && list.size() > 1) drop_doubled_corners(list);
-    if (inside_ != 0) keep_nearest_faces(list);
+    for (Near& near : edges_) {
+      meet(near);
+      inside |= is_inside(near);
+    }
+    if (inside) keep_nearest_faces();
+    for (const Near& near : edges_) put(near);
+    for (const Near& near : edges_) {
+      if (dt_ > 0) hand_over(near);
+    }
   }
 
  private:
+  // An edge near the body. Vectors lead from the centre of the body.
+  struct Near {
+    const StaticPair& pair;
+    const StaticShape& shape;
+    Vec2 p, q;
+    Edge edge;
+    EdgeContact contact;
+    Vec2 old_normal;
+    bool loose = false;
+  };
+
   void one(const StaticPair& pair) {
     const float r = b_.radius[pair.body];
     if (pair.shape < kWallLeft) {
       const StaticShape& s = statics_[pair.shape];
-      standing(pair, s, r);
+      const Vec2 from_p = lattice_.way(s.p, centre_of(pair));
+      if (s.segment) return near(pair, s, from_p, r);
+      round(pair.contact, from_p, s.radius + r);
       if (s.asleep) yield(pair, s);
       return;
     }
     const Walls::Face wall = walls_.face(pair.shape, centre_of(pair), lattice_);
-    face(pair, wall.nx, wall.ny, static_cast<float>(wall.height) - r);
+    face(pair.contact, wall.nx, wall.ny, static_cast<float>(wall.height) - r, r);
   }
 
   // Makes the contact as soft as it was when both sides moved. Both bodies are at rest, so that the normal lasts.
@@ -43,138 +84,146 @@ class StaticGeometry {
     c_.refresh[at] = std::numeric_limits<float>::infinity();
   }
 
-  void standing(const StaticPair& pair, const StaticShape& s, float r) {
-    const Vec2 a = lattice_.way(s.p, centre_of(pair));
-    if (!s.segment) return round(pair, a, s.radius, r);
+  void near(const StaticPair& pair, const StaticShape& s, Vec2 from_p, float r) {
     const Vec2 u = lattice_.way(s.p, s.q);
-    const double uu = dot(u, u), along = dot(a, u);
-    if (along < 0 || along > uu) {
-      ++corners_;
-      return round(pair, along < 0 ? a : a - u, s.radius, r);
-    }
-    const double length = std::sqrt(uu);
-    const double side = cross(u, a) / length;  // left of p->q is positive
-    double sign = side < 0 || s.face ? -1 : 1;
-    if (s.face && side > 0) ++inside_;
+    const double length = length_of(u), side = cross(u, from_p);  // left of p->q is positive
+    Vec2 along = 1 / length * u;
+    const std::uint32_t at = pair.contact;
+    const Vec2 old{static_cast<double>(c_.nx[at]), static_cast<double>(c_.ny[at])};
+    bool right = side < 0 || s.face;
     // A disc that its neighbours press through a thin segment still counts on the side from which it came.
-    const std::uint32_t at = pair.contact;
-    if (c_.impulse[at] > 0 && !s.face) {
-      const double was = cross(u, {static_cast<double>(c_.nx[at]), static_cast<double>(c_.ny[at])});
-      if (was != 0) sign = was < 0 ? -1 : 1;
+    if (c_.impulse[at] > 0 && !s.face && cross(u, old) != 0) right = cross(u, old) < 0;
+    if (right) along = -1 * along;
+    Near& n = edges_.emplace_back(Near{pair, s, -1 * from_p, u - from_p, {}, {}, old});
+    n.edge = {along, cross(along, from_p), 0, 0, static_cast<double>(r + s.radius), {}, {}};
+    const double to_p = dot(along, n.p), to_q = dot(along, n.q);
+    n.edge.begin = std::fmin(to_p, to_q);
+    n.edge.end = std::fmax(to_p, to_q);
+  }
+
+  // Finds what the body meets of an edge.
+  void meet(Near& near) {
+    const std::size_t i = near.pair.body;
+    const Vec2 way = dt_ * b_.velocity(i);
+    const double room = kMarginFrames * length_of(way) + kSideways * near.edge.radius;
+    near.loose = near.edge.begin > -room || near.edge.end < room;
+    if (near.loose) {
+      const double far = room + near.edge.radius;
+      const auto corner = [&](double to, EdgeCorner& of, bool end) {
+        if (to * to + near.edge.height * near.edge.height < far * far) of = corner_of(near, end);
+      };
+      corner(near.edge.begin, near.edge.before, false);
+      corner(near.edge.end, near.edge.after, true);
     }
-    face(pair, static_cast<float>(-u.y / length * sign), static_cast<float>(u.x / length * sign),
-         static_cast<float>(side * sign) - (r + s.radius));
+    near.contact = meet_edge(near.edge, {}, way);
   }
 
-  void face(const StaticPair& pair, float nx, float ny, float gap) {
-    const std::uint32_t at = pair.contact;
-    c_.nx[at] = nx;
-    c_.ny[at] = ny;
-    c_.gap[at] = gap;
-    c_.base_x[at] = c_.base_y[at] = 0;
-    c_.rsum[at] = b_.radius[pair.body];
-    c_.refresh[at] = std::numeric_limits<float>::infinity();
-  }
-
-  void round(const StaticPair& pair, Vec2 base, float fixed, float r) {
-    const std::uint32_t at = pair.contact;
-    const double far = length_of(base);
-    c_.nx[at] = far > 0 ? static_cast<float>(base.x / far) : 0.0f;
-    c_.ny[at] = far > 0 ? static_cast<float>(base.y / far) : 1.0f;
-    c_.gap[at] = static_cast<float>(far) - (r + fixed);
-    c_.base_x[at] = static_cast<float>(base.x);
-    c_.base_y[at] = static_cast<float>(base.y);
-    c_.rsum[at] = r + fixed;
-    c_.refresh[at] = refresh_;
-  }
-
-  // If a disc meets the end of a segment, and this end lies on another segment that the disc meets, the other segment
-  // carries the disc, so that there is no bump at joints. Of two ends at one point the first counts.
-  void drop_doubled_corners(std::span<const StaticPair> list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      if (!is_corner(list[k])) continue;
-      const Vec2 corner = corner_of(list[k]);
-      for (std::size_t o = 0; o < list.size(); ++o) {
-        if (o == k || list[o].shape >= kWallLeft || !statics_[list[o].shape].segment) continue;
-        if (is_corner(list[o])) {  // the nearer end counts; of two at one point the first
-          const Vec2 other = corner_of(list[o]);
-          const double near = dot(other, other), mine = dot(corner, corner);
-          const bool one_point = std::fabs(near - mine) <= 1e-5 * mine;
-          if (one_point ? o > k : near > mine) continue;
-          if (o > k && rises(list[k], list[o])) continue;
-        }
-        if (distance_to(list[o], corner) <
-            1e-5 * static_cast<double>(b_.radius[list[k].body]) + 4 * lattice_.pitch_x()) {
-          drop(list[k].contact);
-          break;
-        }
+  // What lies beyond an end of an edge: of all edges there the one that rises most on the side of the body.
+  EdgeCorner corner_of(const Near& of, bool end) const {
+    const Vec2 out = end ? of.edge.along : -1 * of.edge.along, up{-of.edge.along.y, of.edge.along.x};
+    const Vec2 corner = (end ? of.edge.end : of.edge.begin) * of.edge.along - of.edge.height * up;
+    const double same = 1e-5 * of.edge.radius + 4 * lattice_.pitch_x();
+    EdgeCorner best;
+    double most = -3;
+    for (const Near& other : edges_) {
+      if (&other == &of || other.shape.radius != of.shape.radius || distance_to(other, corner) > same) continue;
+      for (const Vec2 far : {other.p, other.q}) {
+        const Vec2 way = far - corner;
+        const double length = length_of(way);
+        if (!(length > same)) continue;
+        const double cosine = dot(out, way) / length, sine = dot(up, way) / length;
+        // An edge of a polygon has one side, which must be that of the body.
+        const Vec2 outside{other.q.y - other.p.y, other.p.x - other.q.x}, left{-way.y, way.x};
+        if (other.shape.face && dot(outside, left) * (end ? 1 : -1) < 0) continue;
+        const bool back = cosine < -0.9999;
+        if (back && !(other.shape.face && of.shape.face)) continue;  // the same line again
+        const double rise = back ? 2 : sine > 0 ? 1 - cosine : cosine - 1;
+        if (rise <= most) continue;
+        most = rise;
+        best = {static_cast<float>(cosine), static_cast<float>(back ? 0 : sine), static_cast<float>(length),
+                &other < &of};
       }
     }
-  }
-
-  // Whether a segment rises from another one, seen from the side of the body.
-  bool rises(const StaticPair& pair, const StaticPair& from) const {
-    const StaticShape &s = statics_[pair.shape], &o = statics_[from.shape];
-    const Vec2 u = lattice_.steps(o.p, o.q);
-    const double side = outside(from) > 0 ? 1 : -1, least = 1e-3 * dot(u, u);
-    const auto height = [&](const LatticePoint& p) { return side * cross(lattice_.steps(o.p, p), u); };
-    return height(s.p) > least || height(s.q) > least;
-  }
-
-  // The vector from the centre of a body to the corner that it meets, m.
-  Vec2 corner_of(const StaticPair& pair) const {
-    return {-static_cast<double>(c_.base_x[pair.contact]), -static_cast<double>(c_.base_y[pair.contact])};
+    return best;
   }
 
   // Some edges of a polygon have the centre of a disc on their inner side. None of them counts if another edge has it
   // outside; else the nearest one counts, through which the disc leaves.
-  void keep_nearest_faces(std::span<const StaticPair> list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      if (!is_face(list[k])) continue;
-      const double mine = outside(list[k]);
-      if (!(mine < 0)) continue;
-      for (std::size_t o = 0; o < list.size(); ++o) {
-        if (o == k || !is_face(list[o])) continue;
-        if (statics_[list[o].shape].owner != statics_[list[k].shape].owner) continue;
-        const double other = outside(list[o]);
-        if (other < mine || (other == mine && o > k)) continue;
-        drop(list[k].contact);
+  void keep_nearest_faces() {
+    for (Near& near : edges_) {
+      if (!is_inside(near)) continue;
+      for (const Near& other : edges_) {
+        if (&other == &near || !other.shape.face || other.shape.owner != near.shape.owner) continue;
+        const double mine = near.edge.height, height = other.edge.height;
+        if (height < mine || (height == mine && &other > &near)) continue;
+        near.contact.kind = EdgeContact::nothing;
+        near.loose = false;
         break;
       }
     }
   }
 
-  bool is_face(const StaticPair& pair) const { return pair.shape < kWallLeft && statics_[pair.shape].face; }
+  static bool is_inside(const Near& near) {
+    return near.shape.face && near.edge.height < 0 && near.contact.kind == EdgeContact::face;
+  }
+
+  // Writes the contact with an edge into its lane.
+  void put(const Near& near) {
+    const std::uint32_t at = near.pair.contact;
+    c_.rsum[at] = static_cast<float>(near.edge.radius);
+    put_edge(near.contact, c_, at);
+    if (near.shape.asleep) return yield(near.pair, near.shape);
+    if (near.loose) loose_.push_back({at, near.edge});
+  }
+
+  // The load that an edge bore goes to the edge that the body came to.
+  void hand_over(const Near& from) {
+    const std::uint32_t at = from.pair.contact;
+    if (from.contact.kind != EdgeContact::nothing || !(c_.impulse[at] > 0)) return;
+    const Near* best = nullptr;
+    double most = 0.5;
+    for (const Near& near : edges_) {
+      const double likeness = dot(near.contact.normal, from.old_normal);
+      if (near.contact.kind == EdgeContact::nothing || likeness <= most) continue;
+      most = likeness;
+      best = &near;
+    }
+    const auto give = [&](Column<float>& of) {
+      if (best != nullptr) of[best->pair.contact] += of[at];
+      of[at] = 0;
+    };
+    if (best != nullptr && !(c_.impulse[best->pair.contact] > 0)) c_.impulse[best->pair.contact] = 0;  // it was open
+    give(c_.impulse);
+    if (!c_.friction.empty()) give(c_.friction);
+  }
+
+  void face(std::uint32_t at, float nx, float ny, float gap, float r) {
+    c_.nx[at] = nx;
+    c_.ny[at] = ny;
+    c_.gap[at] = gap;
+    c_.base_x[at] = c_.base_y[at] = 0;
+    c_.rsum[at] = r;
+    c_.refresh[at] = std::numeric_limits<float>::infinity();
+  }
+
+  void round(std::uint32_t at, Vec2 base, float radius) {
+    const double far = length_of(base);
+    c_.nx[at] = far > 0 ? static_cast<float>(base.x / far) : 0.0f;
+    c_.ny[at] = far > 0 ? static_cast<float>(base.y / far) : 1.0f;
+    c_.gap[at] = static_cast<float>(far) - radius;
+    c_.base_x[at] = static_cast<float>(base.x);
+    c_.base_y[at] = static_cast<float>(base.y);
+    c_.rsum[at] = radius;
+    c_.refresh[at] = refresh_;
+  }
 
   LatticePoint centre_of(const StaticPair& pair) const {
     const std::size_t i = pair.body;
     return {b_.pos[2 * i], b_.pos[2 * i + 1], 0, 0};
   }
 
-  // How far the centre of a body lies outside of the line of an edge, m.
-  double outside(const StaticPair& pair) const {
-    const StaticShape& s = statics_[pair.shape];
-    const Vec2 a = lattice_.way(s.p, centre_of(pair)), u = lattice_.way(s.p, s.q);
-    return cross(a, u) / length_of(u);
-  }
-
-  // Another contact counts in place of this one.
-  void drop(std::uint32_t at) {
-    c_.gap[at] = kNoGap;
-    c_.refresh[at] = std::numeric_limits<float>::infinity();
-    c_.impulse[at] = 0;
-  }
-
-  bool is_corner(const StaticPair& pair) const {
-    return pair.shape < kWallLeft && statics_[pair.shape].segment &&
-           (c_.base_x[pair.contact] != 0 || c_.base_y[pair.contact] != 0);
-  }
-
-  // The distance from a point, relative to the centre of the body, to a segment.
-  double distance_to(const StaticPair& pair, Vec2 point) const {
-    const StaticShape& s = statics_[pair.shape];
-    const Vec2 u = lattice_.way(s.p, s.q);
-    const Vec2 a = point + lattice_.steps(s.p, centre_of(pair)) - Vec2{s.p.dx, s.p.dy};
+  static double distance_to(const Near& edge, Vec2 point) {
+    const Vec2 u = edge.q - edge.p, a = point - edge.p;
     return length_of(a - std::fmin(std::fmax(dot(a, u) / dot(u, u), 0), 1) * u);
   }
 
@@ -183,29 +232,55 @@ class StaticGeometry {
   const Lattice& lattice_;
   const Walls& walls_;
   StaticLanes& c_;
+  std::vector<LooseEdge>& loose_;
+  std::vector<Near> edges_;
   float refresh_;
-  int corners_ = 0, inside_ = 0;
+  double dt_;
 };
 
 }  // namespace
 
-void ContactStore::find_gaps(const Walls& walls, float refresh, const PairTable& table) {
+void ContactStore::find_gaps(const Walls& walls, float refresh, double dt, const PairTable& table) {
   numbers_.load();
   const kernels::BodyView bodies = numbers_.view();
   const kernels::ContactView lanes = pairs.view();
   kernels::ContactParams p;
   p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
   p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
+  loose_.resize(table.strips.size());
   s_.pool.run(table.strips.size(), [&](std::size_t index) {
     const ContactBlocks& blocks = table.strips[index].blocks;
     if (blocks.begin != blocks.end) s_.kernels.prepare(bodies, lanes, p, blocks.begin, blocks.end);
-    StaticGeometry geometry(s_, walls, refresh, fixed);
+    loose_[index].clear();
+    StaticGeometry geometry(s_, walls, refresh, dt, fixed, loose_[index]);
     std::span<const StaticPair> list = table.static_contacts[index];
     while (!list.empty()) {
       std::size_t of_body = 1;
       while (of_body < list.size() && list[of_body].body == list[0].body) ++of_body;
       geometry.body(list.first(of_body));
       list = list.subspan(of_body);
+    }
+  });
+  any_loose_ = std::ranges::any_of(loose_, [](const auto& edges) { return !edges.empty(); });
+}
+
+// The impulses that the velocity holds turn with the normal.
+void ContactStore::follow_edges(const kernels::BodyView& bodies, double h) {
+  if (!any_loose_) return;
+  s_.pool.run(loose_.size(), [&](std::size_t index) {
+    for (const LooseEdge& loose : loose_[index]) {
+      const std::uint32_t at = loose.lane;
+      const std::size_t i = fixed.body[at];
+      float* const v = bodies.vel + 2 * i;
+      const Vec2 way{h * static_cast<double>(v[0]), h * static_cast<double>(v[1])};
+      const Vec2 moved = Vec2{bodies.disp[2 * i], bodies.disp[2 * i + 1]} + 0.5 * way;
+      const float was_x = fixed.nx[at], was_y = fixed.ny[at];
+      put_edge(meet_edge(loose.edge, moved, 2 * way), fixed, at);
+      const float turn_x = fixed.nx[at] - was_x, turn_y = fixed.ny[at] - was_y;
+      const float w = model_.massed() ? fixed.wb[at] : 1.0f, l = fixed.impulse[at];
+      const float t = model_.rough() ? fixed.friction[at] : 0.0f;
+      v[0] += w * (l * turn_x - t * turn_y);
+      v[1] += w * (l * turn_y + t * turn_x);
     }
   });
 }

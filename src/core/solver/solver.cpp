@@ -125,6 +125,7 @@ void Solver::Run::substep(bool first_of_step) {
   kick(first);
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
+  contacts.discs.follow_edges(view_, h_);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   if (joined_) joints.hold(view_, 1);
