@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/rotor.h"
 
@@ -49,6 +50,19 @@ EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way) {
   if (far > 0) contact.normal = 1 / far * now;
   contact.gap = far - edge.radius - dot(contact.normal, moved);
   return contact;
+}
+
+// The solver leaves the normal of a round end as it is: follow_edges() turns it.
+void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at) {
+  constexpr float kTurnedElsewhere = 1e29f;
+  const bool round = contact.kind == EdgeContact::round, nothing = contact.kind == EdgeContact::nothing;
+  c.gap[at] = nothing ? kNoGap : static_cast<float>(contact.gap);
+  c.refresh[at] = round ? kTurnedElsewhere : std::numeric_limits<float>::infinity();
+  c.base_x[at] = static_cast<float>(contact.base.x);
+  c.base_y[at] = static_cast<float>(contact.base.y);
+  if (nothing) return;
+  c.nx[at] = static_cast<float>(contact.normal.x);
+  c.ny[at] = static_cast<float>(contact.normal.y);
 }
 
 }  // namespace psim

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 
+#include "contacts/contact_lanes.h"
 #include "psim/types.h"
 
 namespace psim {
@@ -43,6 +44,9 @@ struct EdgeContact {
 
 /// What a disc meets that went by `moved` since the start of the step, and goes on by `way`.
 EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way);
+
+/// Writes a contact into its lane.
+void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at);
 
 /// An edge whose contact may change within the step.
 struct LooseEdge {

@@ -10,20 +10,6 @@ namespace {
 
 constexpr double kSideways = 0.1;  // share of the radius: how far a disc may be pushed beyond its own motion in a step
 
-// A lane of a round end, which follow_edges() and not the solver turns.
-constexpr float kTurnedElsewhere = 1e29f;
-
-void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at) {
-  const bool round = contact.kind == EdgeContact::round, nothing = contact.kind == EdgeContact::nothing;
-  c.gap[at] = nothing ? kNoGap : static_cast<float>(contact.gap);
-  c.refresh[at] = round ? kTurnedElsewhere : std::numeric_limits<float>::infinity();
-  c.base_x[at] = static_cast<float>(contact.base.x);
-  c.base_y[at] = static_cast<float>(contact.base.y);
-  if (nothing) return;
-  c.nx[at] = static_cast<float>(contact.normal.x);
-  c.ny[at] = static_cast<float>(contact.normal.y);
-}
-
 // The contacts of one body with walls and fixed shapes. Edges of which one may take over from another within the step
 // are added to `loose`.
 class StaticGeometry {
@@ -262,27 +248,6 @@ void ContactStore::find_gaps(const Walls& walls, float refresh, double dt, const
     }
   });
   any_loose_ = std::ranges::any_of(loose_, [](const auto& edges) { return !edges.empty(); });
-}
-
-// The impulses that the velocity holds turn with the normal.
-void ContactStore::follow_edges(const kernels::BodyView& bodies, double h) {
-  if (!any_loose_) return;
-  s_.pool.run(loose_.size(), [&](std::size_t index) {
-    for (const LooseEdge& loose : loose_[index]) {
-      const std::uint32_t at = loose.lane;
-      const std::size_t i = fixed.body[at];
-      float* const v = bodies.vel + 2 * i;
-      const Vec2 way{h * static_cast<double>(v[0]), h * static_cast<double>(v[1])};
-      const Vec2 moved = Vec2{bodies.disp[2 * i], bodies.disp[2 * i + 1]} + 0.5 * way;
-      const float was_x = fixed.nx[at], was_y = fixed.ny[at];
-      put_edge(meet_edge(loose.edge, moved, 2 * way), fixed, at);
-      const float turn_x = fixed.nx[at] - was_x, turn_y = fixed.ny[at] - was_y;
-      const float w = model_.massed() ? fixed.wb[at] : 1.0f, l = fixed.impulse[at];
-      const float t = model_.rough() ? fixed.friction[at] : 0.0f;
-      v[0] += w * (l * turn_x - t * turn_y);
-      v[1] += w * (l * turn_y + t * turn_x);
-    }
-  });
 }
 
 }  // namespace psim
