@@ -10,6 +10,7 @@ namespace psim {
 namespace {
 
 constexpr double kSeam = 1e-4;  // share of the radius by which the parts of two edges overlap, so that no gap is between
+constexpr double kImpact = 0.02;  // share of the radius: a disc that falls further than that hits the face where it comes
 constexpr double kSunk = 0.01;  // share of the radius: a disc that carries a load lies this deep at most
 
 // What a disc meets beyond an end: `out` from it along the edge, at `height` over the line of the edge.
@@ -26,19 +27,19 @@ EdgeContact::Kind beyond(const EdgeCorner& corner, double out, double height, do
 
 }  // namespace
 
-EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way) {
+EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way, double middle) {
   const Vec2 up{-edge.along.y, edge.along.x};
-  const double at = dot(edge.along, moved), height = edge.height + dot(up, moved), gap = height - edge.radius;
-  const double out = std::fmax(edge.begin - at, at - edge.end);
   EdgeContact contact;
   contact.kind = EdgeContact::face;
-  if (out > 0) {
-    // The face counts if the disc comes down on it.
-    const double fall = -dot(up, way), share = gap > 0 && fall > gap ? gap / fall : 0;
-    const double foot = at + share * dot(edge.along, way);
-    if (share == 0 || foot < edge.begin || foot > edge.end) {
-      contact.kind = beyond(at > edge.end ? edge.after : edge.before, out, height, edge.radius, length_of(way));
-    }
+  const double before = edge.height + dot(up, moved) - edge.radius, fall = -dot(up, way);
+  const double share = before > 0 && fall > before && fall > kImpact * edge.radius ? before / fall : 0;
+  const double foot = dot(edge.along, moved) + share * dot(edge.along, way);
+  const bool comes_down = share > 0 && foot >= edge.begin && foot <= edge.end;
+  if (!comes_down) moved = moved + middle * way;
+  const double at = dot(edge.along, moved), height = edge.height + dot(up, moved);
+  const double out = std::fmax(edge.begin - at, at - edge.end);
+  if (out > 0 && !comes_down) {
+    contact.kind = beyond(at > edge.end ? edge.after : edge.before, out, height, edge.radius, length_of(way));
   }
   contact.normal = up;
   contact.gap = edge.height - edge.radius;

@@ -42,8 +42,9 @@ struct EdgeContact {
   Vec2 base;       ///< m: from the round end to the centre at the start of the step
 };
 
-/// What a disc meets that went by `moved` since the start of the step, and goes on by `way`.
-EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way);
+/// What a disc meets that went by `moved` since the start of the step, and goes on by `way`: the face, if it comes down on
+/// it, else what there is after the share `middle` of the way.
+EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way, double middle);
 
 /// Writes a contact into its lane.
 void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at);

@@ -57,8 +57,8 @@ class EdgeFollower {
   // An impulse that the velocity holds turns with the normal.
   void turn(const LooseEdge& loose) const {
     const std::uint32_t at = loose.lane;
-    const Vec2 way = h_ * record(b_.vel), was = normal_of(at);
-    put_edge(meet_edge(loose.edge, record(b_.disp) + 0.5 * way, 2 * way), c_, at);
+    const Vec2 was = normal_of(at);
+    put_edge(meet_edge(loose.edge, record(b_.disp), 2 * h_ * record(b_.vel), 0.25), c_, at);
     push(b_.vel, change_of(weight_of(at), normal_of(at) - was, c_.impulse[at], rubs(at)));
   }
 

@@ -101,7 +101,7 @@ class StaticGeometry {
       corner(near.edge.begin, near.edge.before, false);
       corner(near.edge.end, near.edge.after, true);
     }
-    near.contact = meet_edge(near.edge, {}, way);
+    near.contact = meet_edge(near.edge, {}, way, 0);
   }
 
   // What lies beyond an end of an edge: of all edges there the one that rises most on the side of the body.
@@ -126,7 +126,7 @@ class StaticGeometry {
         const double rise = back ? 2 : sine > 0 ? 1 - cosine : cosine - 1;
         if (rise <= most) continue;
         most = rise;
-        best = {static_cast<float>(cosine), static_cast<float>(back ? 0 : sine), static_cast<float>(length),
+        best = {static_cast<float>(cosine), static_cast<float>(back ? 1 : sine), static_cast<float>(length),
                 &other < &of};
       }
     }
