@@ -12,6 +12,9 @@
 
 #include <cstdint>
 
+#include <vector>
+
+#include "bodies/static_shapes.h"
 #include "contacts/contact_lanes.h"
 #include "psim/types.h"
 
@@ -49,10 +52,27 @@ EdgeContact meet_edge(const Edge& edge, Vec2 moved, Vec2 way, double middle);
 /// Writes a contact into its lane.
 void put_edge(const EdgeContact& contact, StaticLanes& c, std::uint32_t at);
 
+/// An edge near a disc. Vectors lead from the centre of the disc.
+struct NearEdge {
+  std::uint32_t lane = 0;
+  const StaticShape* shape = nullptr;
+  Vec2 p, q;
+  Edge edge;
+  EdgeContact contact;
+  Vec2 old_normal;
+  bool loose = false;
+};
+
 /// An edge whose contact may change within the step.
 struct LooseEdge {
   std::uint32_t lane = 0;
   Edge edge;
+};
+
+/// The edges of a strip, and those near one disc at a time.
+struct StripEdges {
+  std::vector<LooseEdge> loose;
+  std::vector<NearEdge> near;
 };
 
 }  // namespace psim

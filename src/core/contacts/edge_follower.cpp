@@ -185,10 +185,10 @@ class EdgeFollower {
 }  // namespace
 
 void ContactStore::follow_edges(const kernels::BodyView& bodies, double h) {
-  if (!any_loose_) return;
-  s_.pool.run(loose_.size(), [&](std::size_t index) {
+  if (!any_loose_ || pass_blocks() == 0) return;
+  s_.pool.run(edges_.size(), [&](std::size_t index) {
     EdgeFollower follower(fixed, model_, bodies, h);
-    std::span<const LooseEdge> list = loose_[index];
+    std::span<const LooseEdge> list = edges_[index].loose;
     while (!list.empty()) {
       const auto other = [&](const LooseEdge& edge) { return fixed.body[edge.lane] != fixed.body[list[0].lane]; };
       const auto of_body = static_cast<std::size_t>(std::ranges::find_if(list, other) - list.begin());

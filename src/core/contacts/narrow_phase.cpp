@@ -14,9 +14,15 @@ constexpr double kSideways = 0.1;  // share of the radius: how far a disc may be
 // are added to `loose`.
 class StaticGeometry {
  public:
-  StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, double dt, StaticLanes& c,
-                 std::vector<LooseEdge>& loose)
-      : b_(s.bodies), statics_(s.statics), lattice_(s.lattice), walls_(walls), c_(c), loose_(loose), refresh_(refresh),
+  StaticGeometry(const Surroundings& s, const Walls& walls, float refresh, double dt, StaticLanes& c, StripEdges& edges)
+      : b_(s.bodies),
+        statics_(s.statics),
+        lattice_(s.lattice),
+        walls_(walls),
+        c_(c),
+        edges_(edges.near),
+        loose_(edges.loose),
+        refresh_(refresh),
         dt_(dt) {}
 
   /// Sees to all contacts of one body.
@@ -24,29 +30,19 @@ class StaticGeometry {
     edges_.clear();
     bool inside = false;
     for (const StaticPair& pair : list) one(pair);
-    for (Near& near : edges_) {
-      meet(near);
+    const Vec2 way = dt_ * b_.velocity(list[0].body);
+    for (NearEdge& near : edges_) {
+      meet(near, way);
       inside |= is_inside(near);
     }
     if (inside) keep_nearest_faces();
-    for (const Near& near : edges_) put(near);
-    for (const Near& near : edges_) {
+    for (const NearEdge& near : edges_) put(near, list[0].body);
+    for (const NearEdge& near : edges_) {
       if (dt_ > 0) hand_over(near);
     }
   }
 
  private:
-  // An edge near the body. Vectors lead from the centre of the body.
-  struct Near {
-    const StaticPair& pair;
-    const StaticShape& shape;
-    Vec2 p, q;
-    Edge edge;
-    EdgeContact contact;
-    Vec2 old_normal;
-    bool loose = false;
-  };
-
   void one(const StaticPair& pair) {
     const float r = b_.radius[pair.body];
     if (pair.shape < kWallLeft) {
@@ -54,7 +50,7 @@ class StaticGeometry {
       const Vec2 from_p = lattice_.way(s.p, centre_of(pair));
       if (s.segment) return near(pair, s, from_p, r);
       round(pair.contact, from_p, s.radius + r);
-      if (s.asleep) yield(pair, s);
+      if (s.asleep) yield(pair.contact, pair.body, s);
       return;
     }
     const Walls::Face wall = walls_.face(pair.shape, centre_of(pair), lattice_);
@@ -62,10 +58,9 @@ class StaticGeometry {
   }
 
   // Makes the contact as soft as it was when both sides moved. Both bodies are at rest, so that the normal lasts.
-  void yield(const StaticPair& pair, const StaticShape& s) {
-    const std::uint32_t at = pair.contact;
+  void yield(std::uint32_t at, std::uint32_t body, const StaticShape& s) {
     if (c_.gap[at] < 0) {
-      c_.gap[at] *= yield_of_sleeper(b_.properties(s.owner).inv_mass, b_.properties(b_.id[pair.body]).inv_mass);
+      c_.gap[at] *= yield_of_sleeper(b_.properties(s.owner).inv_mass, b_.properties(b_.id[body]).inv_mass);
     }
     c_.refresh[at] = std::numeric_limits<float>::infinity();
   }
@@ -80,7 +75,7 @@ class StaticGeometry {
     // A disc that its neighbours press through a thin segment still counts on the side from which it came.
     if (c_.impulse[at] > 0 && !s.face && cross(u, old) != 0) right = cross(u, old) < 0;
     if (right) along = -1 * along;
-    Near& n = edges_.emplace_back(Near{pair, s, -1 * from_p, u - from_p, {}, {}, old});
+    NearEdge& n = edges_.emplace_back(NearEdge{at, &s, -1 * from_p, u - from_p, {}, {}, old});
     n.edge = {along, cross(along, from_p), 0, 0, static_cast<double>(r + s.radius), {}, {}};
     const double to_p = dot(along, n.p), to_q = dot(along, n.q);
     n.edge.begin = std::fmin(to_p, to_q);
@@ -88,9 +83,7 @@ class StaticGeometry {
   }
 
   // Finds what the body meets of an edge.
-  void meet(Near& near) {
-    const std::size_t i = near.pair.body;
-    const Vec2 way = dt_ * b_.velocity(i);
+  void meet(NearEdge& near, Vec2 way) {
     const double room = kMarginFrames * length_of(way) + kSideways * near.edge.radius;
     near.loose = near.edge.begin > -room || near.edge.end < room;
     if (near.loose) {
@@ -105,14 +98,14 @@ class StaticGeometry {
   }
 
   // What lies beyond an end of an edge: of all edges there the one that rises most on the side of the body.
-  EdgeCorner corner_of(const Near& of, bool end) const {
+  EdgeCorner corner_of(const NearEdge& of, bool end) const {
     const Vec2 out = end ? of.edge.along : -1 * of.edge.along, up{-of.edge.along.y, of.edge.along.x};
     const Vec2 corner = (end ? of.edge.end : of.edge.begin) * of.edge.along - of.edge.height * up;
     const double same = 1e-5 * of.edge.radius + 4 * lattice_.pitch_x();
     EdgeCorner best;
     double most = -3;
-    for (const Near& other : edges_) {
-      if (&other == &of || other.shape.radius != of.shape.radius || distance_to(other, corner) > same) continue;
+    for (const NearEdge& other : edges_) {
+      if (&other == &of || other.shape->radius != of.shape->radius || distance_to(other, corner) > same) continue;
       for (const Vec2 far : {other.p, other.q}) {
         const Vec2 way = far - corner;
         const double length = length_of(way);
@@ -120,9 +113,9 @@ class StaticGeometry {
         const double cosine = dot(out, way) / length, sine = dot(up, way) / length;
         // An edge of a polygon has one side, which must be that of the body.
         const Vec2 outside{other.q.y - other.p.y, other.p.x - other.q.x}, left{-way.y, way.x};
-        if (other.shape.face && dot(outside, left) * (end ? 1 : -1) < 0) continue;
+        if (other.shape->face && dot(outside, left) * (end ? 1 : -1) < 0) continue;
         const bool back = cosine < -0.9999;
-        if (back && !(other.shape.face && of.shape.face)) continue;  // the same line again
+        if (back && !(other.shape->face && of.shape->face)) continue;  // the same line again
         const double rise = back ? 2 : sine > 0 ? 1 - cosine : cosine - 1;
         if (rise <= most) continue;
         most = rise;
@@ -136,10 +129,10 @@ class StaticGeometry {
   // Some edges of a polygon have the centre of a disc on their inner side. None of them counts if another edge has it
   // outside; else the nearest one counts, through which the disc leaves.
   void keep_nearest_faces() {
-    for (Near& near : edges_) {
+    for (NearEdge& near : edges_) {
       if (!is_inside(near)) continue;
-      for (const Near& other : edges_) {
-        if (&other == &near || !other.shape.face || other.shape.owner != near.shape.owner) continue;
+      for (const NearEdge& other : edges_) {
+        if (&other == &near || !other.shape->face || other.shape->owner != near.shape->owner) continue;
         const double mine = near.edge.height, height = other.edge.height;
         if (height < mine || (height == mine && &other > &near)) continue;
         near.contact.kind = EdgeContact::nothing;
@@ -149,36 +142,36 @@ class StaticGeometry {
     }
   }
 
-  static bool is_inside(const Near& near) {
-    return near.shape.face && near.edge.height < 0 && near.contact.kind == EdgeContact::face;
+  static bool is_inside(const NearEdge& near) {
+    const bool far = near.edge.height < -near.edge.radius;  // the disc does not come round the corner in this step
+    return near.shape->face && near.edge.height < 0 && (far || near.contact.kind == EdgeContact::face);
   }
 
   // Writes the contact with an edge into its lane.
-  void put(const Near& near) {
-    const std::uint32_t at = near.pair.contact;
-    c_.rsum[at] = static_cast<float>(near.edge.radius);
-    put_edge(near.contact, c_, at);
-    if (near.shape.asleep) return yield(near.pair, near.shape);
-    if (near.loose) loose_.push_back({at, near.edge});
+  void put(const NearEdge& near, std::uint32_t body) {
+    c_.rsum[near.lane] = static_cast<float>(near.edge.radius);
+    put_edge(near.contact, c_, near.lane);
+    if (near.shape->asleep) return yield(near.lane, body, *near.shape);
+    if (near.loose) loose_.push_back({near.lane, near.edge});
   }
 
   // The load that an edge bore goes to the edge that the body came to.
-  void hand_over(const Near& from) {
-    const std::uint32_t at = from.pair.contact;
+  void hand_over(const NearEdge& from) {
+    const std::uint32_t at = from.lane;
     if (from.contact.kind != EdgeContact::nothing || !(c_.impulse[at] > 0)) return;
-    const Near* best = nullptr;
+    const NearEdge* best = nullptr;
     double most = 0.5;
-    for (const Near& near : edges_) {
+    for (const NearEdge& near : edges_) {
       const double likeness = dot(near.contact.normal, from.old_normal);
       if (near.contact.kind == EdgeContact::nothing || likeness <= most) continue;
       most = likeness;
       best = &near;
     }
     const auto give = [&](Column<float>& of) {
-      if (best != nullptr) of[best->pair.contact] += of[at];
+      if (best != nullptr) of[best->lane] += of[at];
       of[at] = 0;
     };
-    if (best != nullptr && !(c_.impulse[best->pair.contact] > 0)) c_.impulse[best->pair.contact] = 0;  // it was open
+    if (best != nullptr && !(c_.impulse[best->lane] > 0)) c_.impulse[best->lane] = 0;  // it was open
     give(c_.impulse);
     if (!c_.friction.empty()) give(c_.friction);
   }
@@ -208,7 +201,7 @@ class StaticGeometry {
     return {b_.pos[2 * i], b_.pos[2 * i + 1], 0, 0};
   }
 
-  static double distance_to(const Near& edge, Vec2 point) {
+  static double distance_to(const NearEdge& edge, Vec2 point) {
     const Vec2 u = edge.q - edge.p, a = point - edge.p;
     return length_of(a - std::fmin(std::fmax(dot(a, u) / dot(u, u), 0), 1) * u);
   }
@@ -218,8 +211,8 @@ class StaticGeometry {
   const Lattice& lattice_;
   const Walls& walls_;
   StaticLanes& c_;
+  std::vector<NearEdge>& edges_;
   std::vector<LooseEdge>& loose_;
-  std::vector<Near> edges_;
   float refresh_;
   double dt_;
 };
@@ -233,12 +226,12 @@ void ContactStore::find_gaps(const Walls& walls, float refresh, double dt, const
   kernels::ContactParams p;
   p.pitch_x = static_cast<float>(s_.lattice.pitch_x());
   p.pitch_y = static_cast<float>(s_.lattice.pitch_y());
-  loose_.resize(table.strips.size());
+  edges_.resize(table.strips.size());
   s_.pool.run(table.strips.size(), [&](std::size_t index) {
     const ContactBlocks& blocks = table.strips[index].blocks;
     if (blocks.begin != blocks.end) s_.kernels.prepare(bodies, lanes, p, blocks.begin, blocks.end);
-    loose_[index].clear();
-    StaticGeometry geometry(s_, walls, refresh, dt, fixed, loose_[index]);
+    edges_[index].loose.clear();
+    StaticGeometry geometry(s_, walls, refresh, dt, fixed, edges_[index]);
     std::span<const StaticPair> list = table.static_contacts[index];
     while (!list.empty()) {
       std::size_t of_body = 1;
@@ -247,7 +240,7 @@ void ContactStore::find_gaps(const Walls& walls, float refresh, double dt, const
       list = list.subspan(of_body);
     }
   });
-  any_loose_ = std::ranges::any_of(loose_, [](const auto& edges) { return !edges.empty(); });
+  any_loose_ = std::ranges::any_of(edges_, [](const StripEdges& of) { return !of.loose.empty(); });
 }
 
 }  // namespace psim

@@ -315,7 +315,17 @@ class Manifolds {
   void cut();
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
-  void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  template <class At>
+  void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
+  void list_fixed();
+  auto fixed_of(std::uint32_t slot) const {
+    const std::uint64_t first = std::uint64_t{slot} << 32;
+    return std::pair(std::ranges::lower_bound(fixed_, first),
+                     std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
+  }
+  float inner_of(std::size_t slot) const { return has_corners(slot) ? inner_[slot] : s_.bodies.radius[slot]; }
+  void see_ground(const ManifoldParams& params, std::size_t strip);
+  void see_all_ground(const ManifoldParams& params);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
@@ -328,6 +338,8 @@ class Manifolds {
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
+  std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
+  bool any_kinematic_ = false;                 // some fixed sides are kinematic
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs
