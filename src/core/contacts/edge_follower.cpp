@@ -22,6 +22,7 @@ class EdgeFollower {
   void body(std::span<const LooseEdge> edges) {
     edges_ = edges;
     i_ = c_.body[edges[0].lane];
+    if (!(weight_of(edges[0].lane) > 0)) return;  // nothing stops a kinematic disc
     for (const LooseEdge& edge : edges) turn(edge);
     for (const LooseEdge& edge : edges) {
       if (c_.impulse[edge.lane] > 0 && !is_there(edge.lane)) hand_over(edge.lane);

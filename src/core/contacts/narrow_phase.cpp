@@ -150,7 +150,12 @@ class StaticGeometry {
   // Writes the contact with an edge into its lane.
   void put(const NearEdge& near, std::uint32_t body) {
     c_.rsum[near.lane] = static_cast<float>(near.edge.radius);
+    const float nx = c_.nx[near.lane], ny = c_.ny[near.lane];
     put_edge(near.contact, c_, near.lane);
+    if (!(dt_ > 0)) {  // a look between two steps changes nothing for the next one
+      c_.nx[near.lane] = nx;
+      c_.ny[near.lane] = ny;
+    }
     if (near.shape->asleep) return yield(near.lane, body, *near.shape);
     if (near.loose) loose_.push_back({near.lane, near.edge});
   }

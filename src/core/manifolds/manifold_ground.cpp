@@ -14,6 +14,7 @@ namespace psim {
 namespace {
 
 constexpr double kUpright = 1e-3;  // cosine: a normal that leans less is that of a face
+constexpr double kSharp = 0.5;     // cosine of the turn at a corner in which a body may be stuck
 constexpr double kSame = 1e-4;     // share of the inner radius: points that are nearer than this are one
 
 Vec2 seen(Rotor q, Vec2 v) { return turned({q.s, q.c}, v); }
@@ -108,7 +109,7 @@ Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, con
   const EdgeCorner beyond = corner_at(pair, lean > 0 ? q : p, out, face, a.radius);
   if (!(beyond.length > 0)) return Meets::what_was_found;
   const double cosine = static_cast<double>(beyond.cos), sine = static_cast<double>(beyond.sin);
-  if (sine > -kUpright) return Meets::face;
+  if (sine > -kUpright) return cosine < kSharp ? Meets::what_was_found : Meets::face;  // driven into a corner
   // Between two segments that fall away from each other all normals are right; the others are those of the next one.
   return dot(n, cosine * out + sine * face) < kUpright ? Meets::what_was_found : Meets::nothing;
 }

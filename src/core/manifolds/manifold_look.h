@@ -250,9 +250,12 @@ struct Manifolds::Look {
       const Rotor back = rotor_of(-turned);
       m = collide(a, qa, hull, rotor_of(angle + turned), dx + share * mx, dy + share * my, inner);
       Vec2 face;
-      if (pair.fixed_a && m.count != 0 && a.count == 2 &&
-          at_segment(pair, a, qa, way, m, face) != Meets::what_was_found) {
-        m = now;  // or the face of the segment, if there is one
+      const bool at_end = pair.fixed_a && m.count != 0 && a.count == 2;
+      const Meets meets = at_end ? at_segment(pair, a, qa, way, m, face) : Meets::what_was_found;
+      if (meets == Meets::nothing) {
+        m.count = 0;
+      } else if (meets == Meets::face) {
+        m = now;  // with the face of the segment, if there is one
       } else {
         for (int k = 0; k < m.count; ++k) {
           ManifoldPoint& p = m.point[k];
