@@ -250,6 +250,16 @@ bool StaticShapes::beside(const StaticShape& s, Vec2 at, double reach) const {
   return std::fabs(cross(u, at - p)) > far * (std::fabs(u.x) + std::fabs(u.y));
 }
 
+bool StaticShapes::is_inside(const StaticShape& whole, const LatticePoint& at) const {
+  const Hull& hull = hulls_[whole.hull];
+  const Vec2 way = lattice_->steps(whole.p, at);
+  for (int k = 0; k < hull.count; ++k) {
+    const Vec2 normal{hull.nx[k], hull.ny[k]};
+    if (dot(normal, way - hull.vertex(k)) > 0) return false;
+  }
+  return true;
+}
+
 bool StaticShapes::surely_none(const Bounds& box) const {
   constexpr std::int64_t kMostRows = 64;
   if (!standing_.empty() || !sleepers_.empty()) return false;
@@ -270,10 +280,19 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   const auto from = static_cast<std::ptrdiff_t>(out.size());
   const Bounds square{m.x - r, m.y - r, m.x + r, m.y + r};
   const auto find_in = [&](const HashGrid& grid) { grid.near(x, y, steps_of(r / px + 1), steps_of(r / py + 1), out); };
-  // Drops those of the shapes found since `begin` that are not wanted or that the test names.
+  // Drops those of the shapes found since `begin` that are not wanted or that the test names. The edges of a polygon are
+  // all there if the place is inside.
   const auto drop = [&](std::ptrdiff_t begin, const auto& test) {
+    const auto end = static_cast<std::ptrdiff_t>(out.size());
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const std::uint32_t whole = out[static_cast<std::size_t>(k)];
+      const StaticShape& s = statics_[whole];
+      if (!s.whole || !is_inside(s, {x, y})) continue;
+      const auto edges = static_cast<std::uint32_t>(hulls_[s.hull].count);
+      for (std::uint32_t edge = whole - edges; edge < whole; ++edge) out.push_back(edge);
+    }
     const auto gone = [&](std::uint32_t i) { return (statics_[i].whole && !whole_wanted_) || test(statics_[i]); };
-    out.erase(std::remove_if(out.begin() + begin, out.end(), gone), out.end());
+    out.erase(std::remove_if(out.begin() + begin, out.begin() + end, gone), out.begin() + end);
   };
   const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {

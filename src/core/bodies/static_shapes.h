@@ -139,6 +139,7 @@ class StaticShapes {
     return {std::fmin(p.x, q.x) - r, std::fmin(p.y, q.y) - r, std::fmax(p.x, q.x) + r, std::fmax(p.y, q.y) + r};
   }
   bool beside(const StaticShape& s, Vec2 at, double reach) const;
+  bool is_inside(const StaticShape& whole, const LatticePoint& at) const;
 
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> statics_;
