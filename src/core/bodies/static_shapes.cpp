@@ -160,7 +160,7 @@ StaticShapes::Cells StaticShapes::cells_of(const StaticShape& s, std::int64_t ro
   const double slack = cell_ * 0.01, round = s.radius;
   const double y0 = origin_y_ + static_cast<double>(row) * cell_ - slack, y1 = y0 + cell_ * 1.02;
   const auto crossing = [&](double y) { return p.x + std::clamp((y - p.y) / (q.y - p.y), 0.0, 1.0) * (q.x - p.x); };
-  const double xa = crossing(y0), xb = crossing(y1);
+  const double xa = crossing(y0 - round), xb = crossing(y1 + round);
   return cells_of({std::fmin(xa, xb) - slack - round, y0, std::fmax(xa, xb) + slack + round, y1});
 }
 
