@@ -203,7 +203,7 @@ void StaticShapes::make_grid() {
   origin_y_ = all.ymin;
   cols_ = static_cast<std::int64_t>(width / cell_) + 1;
   rows_ = static_cast<std::int64_t>(height / cell_) + 1;
-  if (fill_cells(standing)) return;
+  if (!lattice_->wraps() && fill_cells(standing)) return;
   cols_ = rows_ = 0;
   for (const std::uint32_t i : standing) enter(standing_, i);
 }
@@ -288,16 +288,28 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
       const std::uint32_t whole = out[static_cast<std::size_t>(k)];
       const StaticShape& s = statics_[whole];
       if (!s.whole || !is_inside(s, {x, y})) continue;
-      const auto edges = static_cast<std::uint32_t>(hulls_[s.hull].count);
-      for (std::uint32_t edge = whole - edges; edge < whole; ++edge) out.push_back(edge);
+      for (std::uint32_t edge = whole; edge-- != 0 && statics_[edge].face && statics_[edge].owner == s.owner;) {
+        out.push_back(edge);
+      }
     }
     const auto gone = [&](std::uint32_t i) { return (statics_[i].whole && !whole_wanted_) || test(statics_[i]); };
     out.erase(std::remove_if(out.begin() + begin, out.begin() + end, gone), out.begin() + end);
   };
+  // Ways are measured from the place, so that they cross a periodic seam.
+  const auto beyond = [&](const StaticShape& s) {
+    const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
+    const double far = r + 2 * px + 2 * py + size_of(s);
+    return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
+           std::fmax(a.y, b.y) < -far;
+  };
   const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {
     find_in(standing_);
-    drop(from, [&](const StaticShape& s) { return apart(s) || beside(s, m, r); });
+    if (lattice_->wraps()) {
+      drop(from, beyond);
+    } else {
+      drop(from, [&](const StaticShape& s) { return apart(s) || beside(s, m, r); });
+    }
   } else if (meets_grid(square)) {
     const Cells cells = cells_of(square);
     for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
@@ -310,13 +322,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   if (!sleepers_.empty()) {
     const auto standing = static_cast<std::ptrdiff_t>(out.size());
     find_in(sleepers_);
-    // Sleepers beyond the reach are dropped. Ways are measured from the body, so that they cross a periodic seam.
-    drop(standing, [&](const StaticShape& s) {
-      const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
-      const double far = r + 2 * px + 2 * py + size_of(s);
-      return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
-             std::fmax(a.y, b.y) < -far;
-    });
+    drop(standing, beyond);
   }
   const auto first = out.begin() + from;
   if (out.end() - first < 2) return;
