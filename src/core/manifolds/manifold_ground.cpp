@@ -194,7 +194,7 @@ void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const
     if (pair.ghost) pair.active = false;
   }
   for (std::size_t k = 0; k < count; ++k) {
-    if (at(k).ahead && !at(k).ghost) look.foresee_fixed(at(k));
+    if (at(k).ahead && !at(k).ghost && !turns_fast(at(k), look.dt)) look.foresee_fixed(at(k));
   }
 }
 

@@ -126,6 +126,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   contacts.discs.follow_edges(view_, h_);
+  contacts.manifolds.follow_turning(view_, h_);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   if (joined_) joints.hold(view_, 1);
