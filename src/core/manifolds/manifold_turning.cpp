@@ -1,4 +1,5 @@
-// Contacts with kinematic bodies that turn fast: normal and points are found anew in every substep, for the middle of it.
+// Contacts with kinematic bodies that turn fast: normal and points are found anew in every substep, for the middle of it
+// before the solve pass, and for its end before the relax pass.
 // A manifold that stands still for a frame would let a body sink into an arm that turns by a part of a radian meanwhile.
 #include <cmath>
 #include <limits>
@@ -45,7 +46,7 @@ void Manifolds::list_turning(float dt) {
 }
 
 // The velocity of B holds the impulses of the points: they turn with the normal.
-void Manifolds::follow_turning(const kernels::BodyView& view, double h) {
+void Manifolds::follow_turning(const kernels::BodyView& view, double ahead) {
   const BodyStore& b = s_.bodies;
   for (const std::uint32_t k : turning_) {
     ManifoldPair& pair = pairs_[k];
@@ -53,36 +54,44 @@ void Manifolds::follow_turning(const kernels::BodyView& view, double h) {
     ManifoldBlock& c = strips_[strip_of(k)].blocks[pair.lane / kBlock];
     const std::uint32_t l = pair.lane % kBlock;
     const auto record = [](const float* column, std::size_t n) { return Vec2{column[2 * n], column[2 * n + 1]}; };
-    const auto half_turn = [&](std::size_t n) {
-      return h / 2 * static_cast<double>(view.rim_speed[n]) / static_cast<double>(b.radius[n]);
+    const auto turn_ahead = [&](std::size_t n) {
+      return ahead * static_cast<double>(view.rim_speed[n]) / static_cast<double>(b.radius[n]);
     };
     const Vec2 moved = record(view.disp, j) - record(view.disp, i), u = record(view.vel, j) - record(view.vel, i);
-    const Vec2 way = s_.lattice.steps(b.point(i), b.point(j)) + moved + h / 2 * u;
+    const Vec2 way = s_.lattice.steps(b.point(i), b.point(j)) + moved + ahead * u;
     std::optional<Hull> own_a, own_b;
     const auto hull_of = [&](std::size_t n, std::uint16_t part, std::optional<Hull>& own) -> const Hull& {
       return has_corners(n) ? b.hulls[b.kind(b.id[n]).first_hull + part] : own.emplace(disc_hull(b.radius[n]));
     };
-    const auto rotor_at = [&](std::size_t n) { return has_corners(n) ? rotor_of(b.angle[n] + half_turn(n)) : Rotor{}; };
+    const auto rotor_at = [&](std::size_t n) { return has_corners(n) ? rotor_of(b.angle[n] + turn_ahead(n)) : Rotor{}; };
     const Hull &hull_a = hull_of(i, pair.part_a, own_a), &hull_b = hull_of(j, pair.part_b, own_b);
     const Manifold m = collide(hull_a, rotor_at(i), hull_b, rotor_at(j), static_cast<float>(way.x),
                                static_cast<float>(way.y), std::numeric_limits<float>::infinity());
     if (m.count == 0) continue;
     const Push before = push_of(c, l);
     const Vec2 old{c.nx[l], c.ny[l]};
-    put_turned(pair, m, c, l, view, moved, u, h);
+    put_turned(pair, m, c, l, view, moved, u, ahead);
     const Push now = push_of(c, l);
     const Vec2 change = static_cast<double>(now.impulse) * Vec2{m.nx, m.ny} - static_cast<double>(before.impulse) * old;
-    view.vel[2 * j] += c.wb[l] * static_cast<float>(change.x);
-    view.vel[2 * j + 1] += c.wb[l] * static_cast<float>(change.y);
-    view.rim_speed[j] += c.gb[l] * (now.turn - before.turn);
+    const float x = c.wb[l] * static_cast<float>(change.x), y = c.wb[l] * static_cast<float>(change.y);
+    const float turn = c.gb[l] * (now.turn - before.turn);
+    if (ahead > 0) {  // what the kick repeated is to be along the new normal
+      view.vel[2 * j] += x;
+      view.vel[2 * j + 1] += y;
+      view.rim_speed[j] += turn;
+    } else {  // what was done is done, but the next kick shall repeat it along the new normal
+      view.vel0[2 * j] -= x;
+      view.vel0[2 * j + 1] -= y;
+      view.rim_speed0[j] -= turn;
+    }
     pair.manifold = m;
     pair.margin = -1;  // the hulls are looked at again in the next step
   }
 }
 
-// Writes a manifold of the middle of a substep into the lane of its pair. Impulses follow their points by feature.
+// Writes the manifold of a time that lies `ahead`, s, into the lane of its pair. Impulses follow their points by feature.
 void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, ManifoldBlock& c, std::uint32_t l,
-                           const kernels::BodyView& view, Vec2 moved, Vec2 u, double h) const {
+                           const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const {
   const BodyStore& b = s_.bodies;
   const std::size_t i = pair.a, j = pair.b;
   float impulse[2] = {}, friction[2] = {};
@@ -109,14 +118,14 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
     p.at[l] = across(from.ax, from.ay) / b.radius[i];
     p.bn[l] = along(from.bx, from.by) / b.radius[j];
     p.bt[l] = across(from.bx, from.by) / b.radius[j];
-    // The gap is such that the kernel finds the separation that is right in the middle of the substep.
+    // The gap is such that the kernel finds the separation that is right at that time.
     const float* const ta = view.arm_change + 2 * i;
     const float* const tb = view.arm_change + 2 * j;
     const float turned = tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
                          (ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
     const float speed = along(static_cast<float>(u.x), static_cast<float>(u.y)) + view.rim_speed[j] * p.bt[l] -
                         view.rim_speed[i] * p.at[l];
-    p.gap[l] = from.gap - 0.5f * static_cast<float>(h) * speed -
+    p.gap[l] = from.gap - static_cast<float>(ahead) * speed -
                along(static_cast<float>(moved.x), static_cast<float>(moved.y)) - turned;
   }
 }

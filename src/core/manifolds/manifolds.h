@@ -219,9 +219,8 @@ class Manifolds {
   void refresh(const ManifoldParams& params, std::size_t begin, std::size_t end);
   std::size_t look_pieces() const { return cuts_.size(); }
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
-  /// Finds the contacts with kinematic bodies that turn fast anew, before those of a substep of length `h`, s, are solved.
-  /// O(such contacts).
-  void follow_turning(const kernels::BodyView& view, double h);
+  /// Finds the contacts with kinematic bodies that turn fast anew, as they will be `ahead`, s, from now. O(such contacts).
+  void follow_turning(const kernels::BodyView& view, double ahead);
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
@@ -333,7 +332,7 @@ class Manifolds {
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,
-                  const kernels::BodyView& view, Vec2 moved, Vec2 u, double h) const;
+                  const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
   void order_by_approach(std::vector<std::uint32_t>& active) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
 
