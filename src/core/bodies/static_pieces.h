@@ -32,7 +32,8 @@ class Pieces {
     int parts = 1;
     if (lattice_.wraps()) {
       const Vec2 way = turned(turn_, q - p);
-      const double quarters = std::fmax(std::fabs(way.x) / lattice_.pitch_x(), std::fabs(way.y) / lattice_.pitch_y()) / 0x1p30;
+      const double quarters =
+          std::fmax(std::fabs(way.x) / lattice_.pitch_x(), std::fabs(way.y) / lattice_.pitch_y()) / 0x1p30;
       parts = static_cast<int>(std::fmin(std::fmax(std::ceil(quarters), 1.0), kMost));
     }
     for (int k = 0; k < parts; ++k) {

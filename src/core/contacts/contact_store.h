@@ -127,9 +127,9 @@ class ContactStore {
   std::uint32_t colours_ = 0;
   std::uint64_t loaded_blocks_ = 0, builds_ = 0;
   std::vector<PairImpulse> lifted_;  // of the last strip
-  std::vector<StripEdges> edges_;  // by strip: near discs, in this step
+  std::vector<StripEdges> edges_;    // by strip: near discs, in this step
   bool any_loose_ = false;
-  bool laying_ = false;              // the impulses of the last step are in the old columns
+  bool laying_ = false;  // the impulses of the last step are in the old columns
 };
 
 }  // namespace psim

@@ -9,8 +9,10 @@
 namespace psim {
 namespace {
 
-constexpr double kSeam = 1e-4;  // share of the radius by which the parts of two edges overlap, so that no gap is between
-constexpr double kImpact = 0.02;  // share of the radius: a disc that falls further than that hits the face where it comes
+constexpr double kSeam =
+    1e-4;  // share of the radius by which the parts of two edges overlap, so that no gap is between
+constexpr double kImpact =
+    0.02;                       // share of the radius: a disc that falls further than that hits the face where it comes
 constexpr double kSunk = 0.01;  // share of the radius: a disc that carries a load lies this deep at most
 
 // What a disc meets beyond an end: `out` from it along the edge, at `height` over the line of the edge.

@@ -22,17 +22,17 @@ namespace psim {
 
 /// What lies beyond an end of an edge: another edge, which starts there.
 struct EdgeCorner {
-  float cos = 0, sin = 0;  ///< its direction against that of this edge; sin > 0: it rises on the disc's side
-  float length = 0;        ///< m; 0: there is none
+  float cos = 0, sin = 0;      ///< its direction against that of this edge; sin > 0: it rises on the disc's side
+  float length = 0;            ///< m; 0: there is none
   bool other_has_end = false;  ///< the contact of the other edge has the round end
 };
 
 /// An edge as a disc sees it from its place at the start of the step.
 struct Edge {
-  Vec2 along;               ///< unit vector, with the disc on its left
-  double height = 0;        ///< m: of the centre over the line
+  Vec2 along;                 ///< unit vector, with the disc on its left
+  double height = 0;          ///< m: of the centre over the line
   double begin = 0, end = 0;  ///< m: the two ends, along the line from the foot of the centre
-  double radius = 0;        ///< m: of the disc, and around the edge
+  double radius = 0;          ///< m: of the disc, and around the edge
   EdgeCorner before, after;
 };
 

@@ -11,7 +11,7 @@
 namespace psim {
 namespace {
 
-constexpr int kMostHits = 16;        // of a disc in a substep
+constexpr int kMostHits = 16;       // of a disc in a substep
 constexpr double kTouching = 1e-4;  // share of the radius
 
 class EdgeFollower {
@@ -155,7 +155,8 @@ class EdgeFollower {
     const double weight = weight_of(to), l = -dot(n, v) / weight;
     double t = 0;
     if (model_.rough()) {
-      const double slip = cross(n, v) - static_cast<double>(b_.rim_speed[i_]), most = static_cast<double>(c_.mu[to]) * l;
+      const double slip = cross(n, v) - static_cast<double>(b_.rim_speed[i_]),
+                   most = static_cast<double>(c_.mu[to]) * l;
       t = std::fmin(std::fmax(-slip * static_cast<double>(c_.tmass[to]), -most), most);
       spin(to, t, t);
     }

@@ -21,7 +21,8 @@ inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this 
 inline constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
 inline constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 inline constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
-inline constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
+inline constexpr auto kAheadFrames =
+    static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
 
 // Gives recalled impulses to the points of the manifold that was found.
 void take_recalled(ManifoldPair& pair);
@@ -174,7 +175,8 @@ struct Manifolds::Look {
     const float margin = now.wanted + 2 * kLasting * now.inner;
     const Manifold old = pair.manifold;
     pair.manifold = found;
-    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0) fit_to_segment(pair, *a, hull_b, now, margin);
+    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0)
+      fit_to_segment(pair, *a, hull_b, now, margin);
     pair.base = now.at;
     pair.turn_a = now.qa;
     pair.turn_b = now.qb;

@@ -63,7 +63,9 @@ void Manifolds::follow_turning(const kernels::BodyView& view, double ahead) {
     const auto hull_of = [&](std::size_t n, std::uint16_t part, std::optional<Hull>& own) -> const Hull& {
       return has_corners(n) ? b.hulls[b.kind(b.id[n]).first_hull + part] : own.emplace(disc_hull(b.radius[n]));
     };
-    const auto rotor_at = [&](std::size_t n) { return has_corners(n) ? rotor_of(b.angle[n] + turn_ahead(n)) : Rotor{}; };
+    const auto rotor_at = [&](std::size_t n) {
+      return has_corners(n) ? rotor_of(b.angle[n] + turn_ahead(n)) : Rotor{};
+    };
     const Hull &hull_a = hull_of(i, pair.part_a, own_a), &hull_b = hull_of(j, pair.part_b, own_b);
     const Manifold m = collide(hull_a, rotor_at(i), hull_b, rotor_at(j), static_cast<float>(way.x),
                                static_cast<float>(way.y), std::numeric_limits<float>::infinity());
@@ -121,8 +123,8 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
     // The gap is such that the kernel finds the separation that is right at that time.
     const float* const ta = view.arm_change + 2 * i;
     const float* const tb = view.arm_change + 2 * j;
-    const float turned = tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
-                         (ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
+    const float turned =
+        tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] - (ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
     const float speed = along(static_cast<float>(u.x), static_cast<float>(u.y)) + view.rim_speed[j] * p.bt[l] -
                         view.rim_speed[i] * p.at[l];
     p.gap[l] = from.gap - static_cast<float>(ahead) * speed -

@@ -323,8 +323,7 @@ class Manifolds {
   void list_fixed();
   auto fixed_of(std::uint32_t slot) const {
     const std::uint64_t first = std::uint64_t{slot} << 32;
-    return std::pair(std::ranges::lower_bound(fixed_, first),
-                     std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
+    return std::pair(std::ranges::lower_bound(fixed_, first), std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
   }
   float inner_of(std::size_t slot) const { return has_corners(slot) ? inner_[slot] : s_.bodies.radius[slot]; }
   void see_ground(const ManifoldParams& params, std::size_t strip);
