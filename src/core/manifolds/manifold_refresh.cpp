@@ -40,7 +40,9 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
 // Of the fixed pieces that a body meets, those come last that it approaches most: whatever the order in which the ground
 // is listed, the sweeps go the same way.
 void Manifolds::order_by_approach(std::vector<std::uint32_t>& active) const {
-  const auto of_piece = [&](std::uint32_t k) { return pairs_[k].of_piece() && !pairs_[k].of_wall(); };
+  const auto of_piece = [&](std::uint32_t k) {
+    return pairs_[k].of_piece() && !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics);
+  };
   const auto approach = [&](std::uint32_t k) {
     const Manifold& m = pairs_[k].manifold;
     const float* const v = s_.bodies.vel.data() + 2 * std::size_t{pairs_[k].b};
