@@ -49,6 +49,13 @@ template <class L>
   return result;
 }
 
+/// The way to the nearest copy of a well. Adding and taking away 1.5 x 2^52 rounds to a whole number.
+template <class L>
+[[gnu::always_inline]] inline D<L> to_nearest(D<L> way, double period) {
+  const D<L> whole = 0x1.8p52;
+  return way - period * ((way * (1 / period) + whole) - whole);
+}
+
 /// Gravity and wells at a place.
 template <class L>
 [[gnu::always_inline]] inline VecD<L> pull_at(const FieldParams& p, D<L> pull, VecD<L> at) {
@@ -56,7 +63,8 @@ template <class L>
   VecD<L> a = {p.gravity_x * pull, p.gravity_y * pull};
   for (std::uint32_t n = 0; n < p.well_count; ++n) {
     const WellTerms& w = p.wells[n];
-    const VecD<L> d = VecD<L>{w.x, w.y} - at;
+    VecD<L> d = VecD<L>{w.x, w.y} - at;
+    if (p.period_x > 0) d = {to_nearest<L>(d.x, p.period_x), to_nearest<L>(d.y, p.period_y)};
     const auto d2 = norm2(d);
     const auto s = d2 + w.softening2;
     const auto acts = but_not(zero < s, w.range2 < d2);

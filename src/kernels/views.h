@@ -66,8 +66,9 @@ struct WellTerms {
 struct FieldParams {
   const WellTerms* wells = nullptr;
   std::uint32_t well_count = 0;
-  double h = 0;                     ///< s
-  double pitch_x = 0, pitch_y = 0;  ///< m a lattice step
+  double period_x = 0, period_y = 0;  ///< m, of a periodic world: the nearest copy of a well pulls; else 0
+  double h = 0;                       ///< s
+  double pitch_x = 0, pitch_y = 0;    ///< m a lattice step
   double gravity_x = 0, gravity_y = 0;
   double linear = 0;               ///< 1/s: linear drag and damping
   double quadratic = 0;            ///< 1/m

@@ -26,7 +26,23 @@ class Pieces {
     shape.radius = radius;
   }
 
+  /// In a world that wraps, a long segment is cut: of a way of half the world nobody can tell which way round it leads.
   void segment(Vec2 p, Vec2 q, float radius, bool face) {
+    constexpr double kMost = 4096;
+    int parts = 1;
+    if (lattice_.wraps()) {
+      const Vec2 way = turned(turn_, q - p);
+      const double quarters =
+          std::fmax(std::fabs(way.x) / lattice_.pitch_x(), std::fabs(way.y) / lattice_.pitch_y()) / 0x1p30;
+      parts = static_cast<int>(std::fmin(std::fmax(std::ceil(quarters), 1.0), kMost));
+    }
+    for (int k = 0; k < parts; ++k) {
+      const auto at = [&](int n) { return n == parts ? q : p + (1.0 * n / parts) * (q - p); };
+      part_of_segment(at(k), at(k + 1), radius, face);
+    }
+  }
+
+  void part_of_segment(Vec2 p, Vec2 q, float radius, bool face) {
     StaticShape& shape = list.emplace_back().shape;
     shape.segment = true;
     shape.face = face;

@@ -130,21 +130,6 @@ Hull StaticShapes::seen_from(std::uint32_t i, const LatticePoint& from, double s
   return hull;
 }
 
-const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) const {
-  const StaticShape& s = statics_[i];
-  const auto of_chain = [&](std::uint32_t k) {
-    return k < count_ && statics_[k].alive && statics_[k].owner == s.owner && statics_[k].segment && !statics_[k].face;
-  };
-  const auto goes_on = [&](const StaticShape& o) { return forward ? s.q == o.p : s.p == o.q; };
-  if (!of_chain(i)) return nullptr;
-  std::uint32_t k = forward ? i + 1 : i - 1;
-  if (!of_chain(k)) {  // a loop goes on from its last segment to its first
-    k = i;
-    while (of_chain(forward ? k - 1 : k + 1)) k = forward ? k - 1 : k + 1;
-  }
-  return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
-}
-
 StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
   const auto clamp = [](double c, std::int64_t n) {
     if (!(c > 0)) return std::int64_t{0};
@@ -160,7 +145,7 @@ StaticShapes::Cells StaticShapes::cells_of(const StaticShape& s, std::int64_t ro
   const double slack = cell_ * 0.01, round = s.radius;
   const double y0 = origin_y_ + static_cast<double>(row) * cell_ - slack, y1 = y0 + cell_ * 1.02;
   const auto crossing = [&](double y) { return p.x + std::clamp((y - p.y) / (q.y - p.y), 0.0, 1.0) * (q.x - p.x); };
-  const double xa = crossing(y0), xb = crossing(y1);
+  const double xa = crossing(y0 - round), xb = crossing(y1 + round);
   return cells_of({std::fmin(xa, xb) - slack - round, y0, std::fmax(xa, xb) + slack + round, y1});
 }
 
@@ -203,7 +188,7 @@ void StaticShapes::make_grid() {
   origin_y_ = all.ymin;
   cols_ = static_cast<std::int64_t>(width / cell_) + 1;
   rows_ = static_cast<std::int64_t>(height / cell_) + 1;
-  if (fill_cells(standing)) return;
+  if (!lattice_->wraps() && fill_cells(standing)) return;
   cols_ = rows_ = 0;
   for (const std::uint32_t i : standing) enter(standing_, i);
 }
@@ -250,6 +235,16 @@ bool StaticShapes::beside(const StaticShape& s, Vec2 at, double reach) const {
   return std::fabs(cross(u, at - p)) > far * (std::fabs(u.x) + std::fabs(u.y));
 }
 
+bool StaticShapes::is_inside(const StaticShape& whole, const LatticePoint& at) const {
+  const Hull& hull = hulls_[whole.hull];
+  const Vec2 way = lattice_->steps(whole.p, at);
+  for (int k = 0; k < hull.count; ++k) {
+    const Vec2 normal{hull.nx[k], hull.ny[k]};
+    if (dot(normal, way - hull.vertex(k)) > 0) return false;
+  }
+  return true;
+}
+
 bool StaticShapes::surely_none(const Bounds& box) const {
   constexpr std::int64_t kMostRows = 64;
   if (!standing_.empty() || !sleepers_.empty()) return false;
@@ -270,15 +265,36 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   const auto from = static_cast<std::ptrdiff_t>(out.size());
   const Bounds square{m.x - r, m.y - r, m.x + r, m.y + r};
   const auto find_in = [&](const HashGrid& grid) { grid.near(x, y, steps_of(r / px + 1), steps_of(r / py + 1), out); };
-  // Drops those of the shapes found since `begin` that are not wanted or that the test names.
+  // Drops those of the shapes found since `begin` that are not wanted or that the test names. The edges of a polygon are
+  // all there if the place is inside.
   const auto drop = [&](std::ptrdiff_t begin, const auto& test) {
+    const auto end = static_cast<std::ptrdiff_t>(out.size());
+    for (std::ptrdiff_t k = begin; k < end; ++k) {
+      const std::uint32_t whole = out[static_cast<std::size_t>(k)];
+      const StaticShape& s = statics_[whole];
+      if (!s.whole || !is_inside(s, {x, y})) continue;
+      for (std::uint32_t edge = whole; edge-- != 0 && statics_[edge].face && statics_[edge].owner == s.owner;) {
+        out.push_back(edge);
+      }
+    }
     const auto gone = [&](std::uint32_t i) { return (statics_[i].whole && !whole_wanted_) || test(statics_[i]); };
-    out.erase(std::remove_if(out.begin() + begin, out.end(), gone), out.end());
+    out.erase(std::remove_if(out.begin() + begin, out.begin() + end, gone), out.begin() + end);
+  };
+  // Ways are measured from the place, so that they cross a periodic seam.
+  const auto beyond = [&](const StaticShape& s) {
+    const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
+    const double far = r + 2 * px + 2 * py + size_of(s);
+    return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
+           std::fmax(a.y, b.y) < -far;
   };
   const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {
     find_in(standing_);
-    drop(from, [&](const StaticShape& s) { return apart(s) || beside(s, m, r); });
+    if (lattice_->wraps()) {
+      drop(from, beyond);
+    } else {
+      drop(from, [&](const StaticShape& s) { return apart(s) || beside(s, m, r); });
+    }
   } else if (meets_grid(square)) {
     const Cells cells = cells_of(square);
     for (std::int64_t row = cells.first_row; row <= cells.last_row; ++row) {
@@ -291,13 +307,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   if (!sleepers_.empty()) {
     const auto standing = static_cast<std::ptrdiff_t>(out.size());
     find_in(sleepers_);
-    // Sleepers beyond the reach are dropped. Ways are measured from the body, so that they cross a periodic seam.
-    drop(standing, [&](const StaticShape& s) {
-      const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
-      const double far = r + 2 * px + 2 * py + size_of(s);
-      return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
-             std::fmax(a.y, b.y) < -far;
-    });
+    drop(standing, beyond);
   }
   const auto first = out.begin() + from;
   if (out.end() - first < 2) return;

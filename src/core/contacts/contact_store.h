@@ -11,6 +11,7 @@
 
 #include "bodies/surroundings.h"
 #include "contacts/contact_lanes.h"
+#include "contacts/edge_contact.h"
 #include "contacts/solver_bodies.h"
 #include "contacts/touch_memory.h"
 #include "lists/heavy_loads.h"
@@ -73,7 +74,11 @@ class ContactStore {
   /// static contacts, from lattice positions. `refresh` is the sideways motion, m, after which a normal is computed anew
   /// within the step. A kernel computes pairs of discs; contacts with walls, segments and fixed discs are computed one
   /// by one. O(candidates).
-  void find_gaps(const Walls& walls, float refresh, const PairTable& table);
+  /// `dt` is the length of the step, s; 0: nothing is going to move.
+  void find_gaps(const Walls& walls, float refresh, double dt, const PairTable& table);
+  /// Looks again at the edges that discs come to or leave, before the contacts of a substep of length `h`, s, are solved.
+  /// O(edges of which another one may take over in the step).
+  void follow_edges(const kernels::BodyView& bodies, double h);
 
   /// Makes room for so many contacts, which are laid out later.
   void spare(std::size_t pair_lanes, std::size_t static_lanes) {
@@ -122,7 +127,9 @@ class ContactStore {
   std::uint32_t colours_ = 0;
   std::uint64_t loaded_blocks_ = 0, builds_ = 0;
   std::vector<PairImpulse> lifted_;  // of the last strip
-  bool laying_ = false;              // the impulses of the last step are in the old columns
+  std::vector<StripEdges> edges_;    // by strip: near discs, in this step
+  bool any_loose_ = false;
+  bool laying_ = false;  // the impulses of the last step are in the old columns
 };
 
 }  // namespace psim

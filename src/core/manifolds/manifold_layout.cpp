@@ -323,6 +323,7 @@ void Manifolds::lay_out(const HeavyLoads& loads, const ManifoldParams& params, s
     Layout{*this, loads, params, dummy, stale_[index], strips_[index]}.run();
   });
   laid_ = true;
+  list_turning(static_cast<float>(params.dt));
   totals_ = {};
   for (std::size_t s = 0; s < strip_count(); ++s) {
     const StripBlocks& strip = strips_[s];

@@ -13,15 +13,7 @@ namespace psim {
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   StripBlocks& strip = strips_[index];
-  const std::span<ManifoldPair> pairs(pairs_.data() + begin_[index], count_of(index));
-  for (std::size_t k = 0; k < pairs.size();) {
-    std::size_t end = k + 1;
-    if (pairs[k].of_piece()) {
-      while (end < pairs.size() && pairs[end].of_piece() && pairs[end].b == pairs[k].b) ++end;
-      see_fixed(params, pairs.subspan(k, end - k));
-    }
-    k = end;
-  }
+  if (!any_kinematic_) see_ground(params, index);
   const bool laid = stale_[index] == 0;
   bool stale = !laid;
   strip.ghosts.clear();
@@ -30,7 +22,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     const ManifoldPair& pair = pairs_[k];
     stale |= pair.active != (pair.lane != PairName::kNone);
-    if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
+    if (pair.ghost && pair.of_piece() && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (!pair.active) continue;
     strip.active.push_back(k);
     if (!laid) continue;
@@ -42,12 +34,39 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.changed || pair.was_stack != ManifoldPair::kNoStack) strip.rewrite.push_back(k);
   }
   stale_[index] = stale;
+  if (stale) order_by_approach(strip.active);
+}
+
+// Of the fixed pieces that a body meets, those come last that it approaches most: whatever the order in which the ground
+// is listed, the sweeps go the same way.
+void Manifolds::order_by_approach(std::vector<std::uint32_t>& active) const {
+  const auto of_piece = [&](std::uint32_t k) {
+    return pairs_[k].of_piece() && !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics);
+  };
+  const auto approach = [&](std::uint32_t k) {
+    const Manifold& m = pairs_[k].manifold;
+    const float* const v = s_.bodies.vel.data() + 2 * std::size_t{pairs_[k].b};
+    return -(m.nx * v[0] + m.ny * v[1]);
+  };
+  for (std::size_t k = 0; k + 1 < active.size(); ++k) {
+    if (!of_piece(active[k]) || !of_piece(active[k + 1]) || pairs_[active[k]].b != pairs_[active[k + 1]].b) continue;
+    std::size_t end = k + 2;
+    while (end < active.size() && of_piece(active[end]) && pairs_[active[end]].b == pairs_[active[k]].b) ++end;
+    // Total order: no index occurs twice.
+    std::sort(active.begin() + static_cast<std::ptrdiff_t>(k), active.begin() + static_cast<std::ptrdiff_t>(end),
+              [&](std::uint32_t a, std::uint32_t b) {
+                const float of_a = approach(a), of_b = approach(b);
+                return of_a != of_b ? of_a < of_b : a < b;
+              });
+    k = end - 1;
+  }
 }
 
 void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::size_t end) {
   if (begin == 0) {
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
+    list_fixed();
     constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
     constexpr std::size_t kBodies = 1024;  // a job
     run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
@@ -59,13 +78,19 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
     });
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };
-  const auto whole = [&](const Cut& c) { return c.begin == begin_[c.strip] && last_of_strip(c); };
+  const auto whole = [&](const Cut& c) { return !any_kinematic_ && c.begin == begin_[c.strip] && last_of_strip(c); };
   s_.pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
     c.looks = look(params, {pairs_.data() + c.begin, pairs_.data() + c.end});
     if (whole(c)) finish_strip(params, c.strip);
   });
-  for (std::size_t k = begin; k < end; ++k) {
+  if (any_kinematic_ && end == cuts_.size()) {
+    see_all_ground(params);
+    for (const Cut& c : cuts_) {
+      if (last_of_strip(c)) finish_strip(params, c.strip);
+    }
+  }
+  for (std::size_t k = begin; k < end && !any_kinematic_; ++k) {
     if (last_of_strip(cuts_[k]) && !whole(cuts_[k])) finish_strip(params, cuts_[k].strip);
   }
   if (end != cuts_.size()) return;

@@ -31,6 +31,7 @@
 #include "lists/pair_table.h"
 #include "manifolds/collide.h"
 #include "psim/desc.h"
+#include "views.h"
 
 namespace psim {
 
@@ -218,6 +219,8 @@ class Manifolds {
   void refresh(const ManifoldParams& params, std::size_t begin, std::size_t end);
   std::size_t look_pieces() const { return cuts_.size(); }
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
+  /// Finds the contacts with kinematic bodies that turn fast anew, as they will be `ahead`, s, from now. O(such contacts).
+  void follow_turning(const kernels::BodyView& view, double ahead);
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
@@ -315,7 +318,21 @@ class Manifolds {
   void cut();
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
-  void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  template <class At>
+  void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
+  void list_fixed();
+  auto fixed_of(std::uint32_t slot) const {
+    const std::uint64_t first = std::uint64_t{slot} << 32;
+    return std::pair(std::ranges::lower_bound(fixed_, first), std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
+  }
+  float inner_of(std::size_t slot) const { return has_corners(slot) ? inner_[slot] : s_.bodies.radius[slot]; }
+  void see_ground(const ManifoldParams& params, std::size_t strip);
+  void see_all_ground(const ManifoldParams& params);
+  bool turns_fast(const ManifoldPair& pair, float dt) const;
+  void list_turning(float dt);
+  void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,
+                  const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
+  void order_by_approach(std::vector<std::uint32_t>& active) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
@@ -328,6 +345,9 @@ class Manifolds {
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
+  std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
+  bool any_kinematic_ = false;                 // some fixed sides are kinematic
+  std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs

@@ -87,6 +87,10 @@ kernels::FieldParams Forces::params(double h) const {
   kernels::FieldParams p;
   p.wells = terms_.data();
   p.well_count = static_cast<std::uint32_t>(terms_.size());
+  if (lattice_.wraps()) {
+    p.period_x = 0x1p32 * lattice_.pitch_x();
+    p.period_y = 0x1p32 * lattice_.pitch_y();
+  }
   p.h = h;
   p.pitch_x = lattice_.pitch_x();
   p.pitch_y = lattice_.pitch_y();
@@ -145,7 +149,11 @@ double Forces::potential(Vec2 p) const {
       const double power = half >= 0 ? 1 / deterministic_power(s, half) : deterministic_power(s, -half);
       return -w->strength * power / (w->exponent - 1);
     };
-    const Vec2 way = w->position - p;
+    Vec2 way = w->position - p;
+    if (lattice_.wraps()) {  // to the nearest copy
+      const Vec2 period{0x1p32 * lattice_.pitch_x(), 0x1p32 * lattice_.pitch_y()};
+      way = way - Vec2{period.x * std::nearbyint(way.x / period.x), period.y * std::nearbyint(way.y / period.y)};
+    }
     const double d2 = dot(way, way), range2 = w->range * w->range;
     if (!(w->range > 0)) {
       sum += at(d2);

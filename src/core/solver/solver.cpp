@@ -125,6 +125,8 @@ void Solver::Run::substep(bool first_of_step) {
   kick(first);
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
+  contacts.discs.follow_edges(view_, h_);
+  contacts.manifolds.follow_turning(view_, h_ / 2);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   if (joined_) joints.hold(view_, 1);
@@ -132,6 +134,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.hold(view_, -1);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
+  contacts.manifolds.follow_turning(view_, 0);
   relax();
   if (bounce_) spend();
 }

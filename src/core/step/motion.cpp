@@ -121,7 +121,7 @@ void narrow_phase(StepContext& c, double dt) {
     c.contacts.solved.load();  // bodies may be linked by pairs that must not collide
     return;
   }
-  c.contacts.discs.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, c.neighbours.table);
+  c.contacts.discs.find_gaps(c.walls, kRefreshOfRadius * c.population.least_radius, dt, c.neighbours.table);
 }
 
 namespace {

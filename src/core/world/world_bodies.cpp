@@ -10,6 +10,13 @@
 namespace psim {
 namespace {
 
+// Sleepers see a body that moves, and a dynamic one that leans on them. A kinematic body may do neither.
+void wake_around_kinematic(Owners& w, std::uint32_t id) {
+  if (w.bodies.properties(id).type != BodyType::kinematic_body || w.bodies.kind(id).sensor) return;
+  w.bodies.find_slots();
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));
+}
+
 void body_came(Owners& w, std::uint32_t id) {
   spoil_work(w);
   w.plan_stale = w.observers.placed = true;
@@ -19,6 +26,7 @@ void body_came(Owners& w, std::uint32_t id) {
   } else {
     w.observers.queries.forget(QueryIndex::kMoving);
     w.sleep.sleepers.mark_moving(id);
+    wake_around_kinematic(w, id);
   }
 }
 
@@ -151,6 +159,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));  // what leaned on it where it was
   if (angle != 0) let_turn(w);
   w.population.place(id.index, position, angle);
+  wake_around_kinematic(w, id.index);
   spoil_work(w);
   w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);

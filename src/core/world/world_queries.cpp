@@ -60,7 +60,7 @@ Diagnostics World::diagnostics() const {
   if (w.neighbours.stale || !w.contacts_stand() || w.contacts.bare || w.ledger.frames == 0) return d;
   // The narrow phase over the present lists gives the present separations.
   ContactStore& discs = w.contacts.discs;
-  discs.find_gaps(w.walls, 0, w.neighbours.table);
+  discs.find_gaps(w.walls, 0, 0, w.neighbours.table);
   float deepest = w.contacts.manifolds.deepest();
   const auto look = [&](const Column<float>& gaps, std::size_t blocks) {
     for (std::size_t l = 0; l < blocks * kernels::kBlock; ++l) deepest = std::fmax(deepest, -gaps[l]);

@@ -1,0 +1,243 @@
+// Bodies on ground that has several pieces, static or kinematic: they slide over lines of segments, tiles and polygons as
+// over one piece.
+//
+//   segments   a body meets the end of a segment only where the other segments at this end leave room for the normal
+//   ghosts     a body that rests on one piece does not meet another one that lies wholly below the plane of this rest
+#include <algorithm>
+#include <cmath>
+
+#include "base/sort_keys.h"
+#include "base/tasks.h"
+#include "manifolds/manifold_look.h"
+
+namespace psim {
+namespace {
+
+constexpr double kUpright = 1e-3;  // cosine: a normal that leans less is that of a face
+constexpr double kSharp = 0.5;     // cosine of the turn at a corner in which a body may be stuck
+constexpr double kSame = 1e-4;     // share of the inner radius: points that are nearer than this are one
+
+Vec2 seen(Rotor q, Vec2 v) { return turned({q.s, q.c}, v); }
+
+}  // namespace
+
+// Calls each(name) for all other fixed pieces near the body of a pair.
+template <class Each>
+void Manifolds::Look::each_fixed(const ManifoldPair& pair, const Each& each) const {
+  const std::vector<ManifoldPair>& pairs = manifolds.pairs_;
+  const auto other = [&](const ManifoldPair& o) {
+    if (&o != &pair && !o.moved && !o.of_wall()) each(o);
+  };
+  if (manifolds.any_kinematic_) {
+    const auto [begin, end] = manifolds.fixed_of(pair.b);
+    for (auto k = begin; k != end; ++k) other(pairs[static_cast<std::uint32_t>(*k)]);
+    return;
+  }
+  const auto mine = [&](const ManifoldPair& o) { return o.of_piece() && o.b == pair.b; };
+  const ManifoldPair* first = &pair;
+  while (first != pairs.data() && mine(first[-1])) --first;
+  for (; first != pairs.data() + pairs.size() && mine(*first); ++first) other(*first);
+}
+
+// The hull of a fixed piece in world axes, from the centre of the body that it meets.
+Hull Manifolds::Look::seen_from_b(const PairName& pair) const {
+  const LatticePoint at = b.point(pair.b);
+  if (pair.of_piece()) {
+    const double size = static_cast<double>(b.radius[pair.b]) + static_cast<double>(statics[pair.shape].radius);
+    return statics.seen_from(pair.shape, at, 16 * size);
+  }
+  std::optional<Hull> disc;
+  Hull hull = hull_of(pair.a, pair.part_a, disc);
+  const Rotor q = manifolds.has_corners(pair.a) ? manifolds.rotor(pair.a) : Rotor{};
+  const Vec2 way = lattice.way(at, b.point(pair.a));
+  for (int k = 0; k < hull.count; ++k) hull.set_vertex(k, seen(q, hull.vertex(k)) + way);
+  finish_hull(hull);
+  return hull;
+}
+
+// What lies beyond the end of a segment, as for discs (edge_contact.h): of all edges there the one that rises most on the
+// side of the body. `out` leads along the segment and out at this end, `up` to the body.
+EdgeCorner Manifolds::Look::corner_at(const ManifoldPair& pair, Vec2 corner, Vec2 out, Vec2 up, float radius) const {
+  const double same = kSame * static_cast<double>(manifolds.inner_of(pair.b)) + 4 * lattice.pitch_x();
+  EdgeCorner best;
+  double most = -3;
+  const auto edge = [&](Vec2 p, Vec2 q, bool one_sided) {
+    const Vec2 u = q - p, a = corner - p;
+    const double share = std::fmin(std::fmax(dot(a, u) / dot(u, u), 0.0), 1.0);
+    if (length_of(a - share * u) > same) return;
+    for (const Vec2 far : {p, q}) {
+      const Vec2 way = far - corner;
+      const double length = length_of(way);
+      if (!(length > same)) continue;
+      const double cosine = dot(out, way) / length, sine = dot(up, way) / length;
+      if (cosine < -0.9999) continue;  // the same line again
+      // An edge of a polygon has one side, which must be that of the body.
+      const Vec2 outside{u.y, -u.x}, left{-way.y, way.x};
+      if (one_sided && dot(outside, left) * cross(out, up) < 0) continue;
+      const double rise = sine > 0 ? 1 - cosine : cosine - 1;
+      if (rise <= most) continue;
+      most = rise;
+      best = {static_cast<float>(cosine), static_cast<float>(sine), static_cast<float>(length), false};
+    }
+  };
+  each_fixed(pair, [&](const ManifoldPair& other) {
+    if (other.of_piece() && statics[other.shape].segment) {
+      const StaticShape& s = statics[other.shape];
+      if (s.radius == radius) edge(lattice.way(b.point(pair.b), s.p), lattice.way(b.point(pair.b), s.q), false);
+      return;
+    }
+    const Hull hull = seen_from_b(other);
+    if (hull.count < 2 || hull.radius != radius) return;
+    for (int k = 0; k < (hull.count == 2 ? 1 : hull.count); ++k) {
+      edge(hull.vertex(k), hull.vertex(hull.next(k)), hull.count > 2);
+    }
+  });
+  return best;
+}
+
+// `face` becomes the normal of the segment on the side of the body.
+Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way,
+                                                   const Manifold& m, Vec2& face) const {
+  const Vec2 p = seen(qa, a.vertex(0)) - way, q = seen(qa, a.vertex(1)) - way;  // from the centre of the body
+  const Vec2 along = 1 / length_of(q - p) * (q - p);
+  face = {-along.y, along.x};
+  if (dot(p, face) > 0) face = -1 * face;
+  const Vec2 n{m.nx, m.ny};
+  const double lean = dot(n, along);
+  if (std::fabs(lean) < kUpright && dot(n, face) > 0) return Meets::what_was_found;
+  const Vec2 out = lean > 0 ? along : -1 * along;
+  const EdgeCorner beyond = corner_at(pair, lean > 0 ? q : p, out, face, a.radius);
+  if (!(beyond.length > 0)) return Meets::what_was_found;
+  const double cosine = static_cast<double>(beyond.cos), sine = static_cast<double>(beyond.sin);
+  if (sine > -kUpright) return cosine < kSharp ? Meets::what_was_found : Meets::face;  // driven into a corner
+  // Between two segments that fall away from each other all normals are right; the others are those of the next one.
+  return dot(n, cosine * out + sine * face) < kUpright ? Meets::what_was_found : Meets::nothing;
+}
+
+// Makes of a manifold with the end of a segment that with its face, or none.
+void Manifolds::Look::fit_to_segment(ManifoldPair& pair, const Hull& a, const Hull& hull_b, const Stand& now,
+                                     float margin) const {
+  Manifold& m = pair.manifold;
+  const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
+  Vec2 face;
+  const Meets meets = at_segment(pair, a, now.qa, way, m, face);
+  if (meets == Meets::what_was_found) return;
+  m.count = 0;
+  if (meets == Meets::nothing) return;
+  const Vec2 p = seen(now.qa, a.vertex(0)) - way, u = seen(now.qa, a.vertex(1)) - way - p;
+  const auto offset = static_cast<float>(-dot(p, face));
+  m = meet_plane(hull_b, now.qb, static_cast<float>(face.x), static_cast<float>(face.y), offset - a.radius, margin);
+  const int found = std::exchange(m.count, 0);
+  for (int k = 0; k < found; ++k) {  // points that lie over the segment stay
+    ManifoldPoint point = m.point[k];
+    const double along = dot(Vec2{point.bx, point.by} - p, u) / dot(u, u);
+    if (along < 0 || along > 1 || point.gap < -hull_b.inner) continue;
+    point.ax = point.bx + static_cast<float>(way.x);
+    point.ay = point.by + static_cast<float>(way.y);
+    m.point[m.count++] = point;
+  }
+}
+
+// Makes the contact with a fixed piece that lies ahead.
+void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
+  const std::size_t j = pair.b;
+  std::optional<Hull> disc;
+  const Hull& hull = hull_of(j, pair.part_b, disc);
+  const auto fall = [&](double gravity) { return static_cast<float>(gravity * params.dt * params.dt / 2); };
+  float mx = b.vel[2 * j] * dt + fall(params.gravity.x), my = b.vel[2 * j + 1] * dt + fall(params.gravity.y);
+  const float inner = manifolds.has_corners(j) ? b.kind(b.id[j]).inner : b.radius[j];
+  if (pair.of_piece()) return foresee(pair, seen_from_b(pair), Rotor{}, hull, {}, mx, my, inner);
+  const std::size_t i = pair.a;
+  mx -= b.vel[2 * i] * dt;
+  my -= b.vel[2 * i + 1] * dt;
+  std::optional<Hull> own;
+  const Hull& a = hull_of(i, pair.part_a, own);
+  const Rotor q = manifolds.has_corners(i) ? manifolds.rotor(i) : Rotor{};
+  foresee(pair, a, q, hull, lattice.way(b.point(i), b.point(j)), mx, my, inner);
+}
+
+// Looks at all fixed pieces near one body. A body that rests on one piece cannot collide with
+// another piece that lies wholly below the plane on which it rests. A contact with such a piece comes from a corner
+// that sank a little, or from a normal that is kept from before, and is left out. So bodies slide over tiles and chains
+// without a bump.
+template <class At>
+void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const {
+  const Look look{*this, params};
+  const BodyStore& b = s_.bodies;
+  const std::uint32_t slot = at(0).b;
+  const float inner = has_corners(slot) ? b.kind(b.id[slot]).inner : b.radius[slot], near = kStep * inner;
+  for (std::size_t k = 0; k < count; ++k) {
+    ManifoldPair& pair = at(k);
+    if (pair.manifold.count == 0 || pair.moved || pair.of_wall()) continue;
+    const Manifold& m = pair.manifold;
+    Hull piece;
+    for (std::size_t o = 0; o < count && !pair.ghost; ++o) {
+      const ManifoldPair& other = at(o);
+      const Manifold& rest = other.manifold;
+      if (o == k || !other.active || other.ahead || rest.count == 0) continue;
+      int lowest = 0;
+      if (rest.count == 2 && other.gap[1] < other.gap[0]) lowest = 1;
+      if (other.gap[lowest] > near || m.nx * rest.nx + m.ny * rest.ny > kAlike) continue;
+      const ManifoldPoint& p = rest.point[lowest];
+      const float plane = rest.nx * p.bx + rest.ny * p.by + 0.5f * p.gap - other.gap[lowest];
+      const auto above = [&](float x, float y) { return rest.nx * x + rest.ny * y - plane; };
+      bool at_plane = true;
+      for (int n = 0; n < m.count && !pair.ahead; ++n) {
+        at_plane &= std::fabs(above(m.point[n].bx, m.point[n].by)) <= 2 * near;
+      }
+      if (!at_plane) continue;
+      if (piece.count == 0) piece = look.seen_from_b(pair);
+      float highest = above(piece.x[0], piece.y[0]);
+      for (int n = 1; n < piece.count; ++n) highest = std::fmax(highest, above(piece.x[n], piece.y[n]));
+      if (highest + piece.radius <= near) pair.ghost = true;
+    }
+    if (pair.ghost) pair.active = false;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (at(k).ahead && !at(k).ghost && !turns_fast(at(k), look.dt)) look.foresee_fixed(at(k));
+  }
+}
+
+// Looks at the fixed pieces near each body of a strip.
+void Manifolds::see_ground(const ManifoldParams& params, std::size_t index) {
+  const std::span<ManifoldPair> pairs(pairs_.data() + begin_[index], count_of(index));
+  for (std::size_t k = 0; k < pairs.size();) {
+    std::size_t end = k + 1;
+    if (pairs[k].of_piece()) {
+      while (end < pairs.size() && pairs[end].of_piece() && pairs[end].b == pairs[k].b) ++end;
+      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs[k + n]; });
+    }
+    k = end;
+  }
+}
+
+// The same where some fixed pieces are kinematic: the pairs of a body lie in several strips.
+void Manifolds::see_all_ground(const ManifoldParams& params) {
+  constexpr std::size_t kPairs = 256;  // in a job, which takes the bodies whose pairs begin there
+  const auto starts = [&](std::size_t k) { return k == 0 || fixed_[k] >> 32 != fixed_[k - 1] >> 32; };
+  s_.pool.run(jobs_for(fixed_.size(), kPairs), [&](std::size_t job) {
+    const std::size_t last = std::min(fixed_.size(), (job + 1) * kPairs);
+    for (std::size_t k = job * kPairs; k < last; ++k) {
+      if (!starts(k)) continue;
+      std::size_t end = k + 1;
+      while (end < fixed_.size() && !starts(end)) ++end;
+      see_fixed(params, end - k,
+                [&](std::size_t n) -> ManifoldPair& { return pairs_[static_cast<std::uint32_t>(fixed_[k + n])]; });
+    }
+  });
+}
+
+// Lists the fixed sides of all bodies, by body: those that are kinematic lie among the pairs of two bodies.
+void Manifolds::list_fixed() {
+  fixed_.clear();
+  const auto kinematic = [](const ManifoldPair& pair) { return pair.fixed_a && !pair.of_piece() && !pair.moved; };
+  any_kinematic_ = std::ranges::any_of(pairs_, kinematic);
+  if (!any_kinematic_) return;
+  for (const ManifoldPair& pair : pairs_) {
+    if (pair.moved || !pair.fixed_a) continue;
+    fixed_.push_back(std::uint64_t{pair.b} << 32 | static_cast<std::uint32_t>(&pair - pairs_.data()));
+  }
+  sort_keys(fixed_.begin(), fixed_.end());
+}
+
+}  // namespace psim
