@@ -10,6 +10,14 @@
 
 namespace psim {
 
+// Share of the inner radius: a body that is deeper in fixed geometry is watched, so that nothing presses it through.
+constexpr float kWatched = 0.2f;
+
+static bool lies_deep(const BodyStore& b, const ManifoldPair& pair) {
+  const float gap = pair.least_gap();
+  return gap < 0 && gap < -kWatched * b.kind(pair.id_b).inner;
+}
+
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   StripBlocks& strip = strips_[index];
@@ -27,12 +35,14 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.ghosts.clear();
   strip.active.clear();
   strip.rewrite.clear();
+  strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     const ManifoldPair& pair = pairs_[k];
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (!pair.active) continue;
     strip.active.push_back(k);
+    if (pair.fixed_a && (!pair.of_piece() || lies_deep(s_.bodies, pair))) strip.watched.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

@@ -2,160 +2,228 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
 
-#include "base/rotor.h"
 #include "base/tasks.h"
+#include "solver/flight.h"
 
 namespace psim {
 namespace {
 
-constexpr float kFast = 0.5f;  // a body is fast if it moves by more than this share of its inner radius in a step
-// A body may come this deep, as a share of its inner radius: contacts see to less, and to bodies that only tip, slide
-// or land.
-constexpr float kDeep = 0.5f;
-constexpr std::size_t kTask = 512;
+constexpr std::size_t kTask = 512, kFlights = 16;
+constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
+constexpr float kDeepDisc = 0.25f;  // share of the radius: deeper discs are looked at, however slow
 
 // Whether the points of a body moved far for its size.
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1];
   const float swing = b.angle_change.empty() ? 0.0f : b.angle_change[i];
   const float way = std::sqrt(x * x + y * y) + std::fabs(swing) * b.radius[i];  // m
-  return way > kFast * inner && std::isfinite(way);
+  return way > Flight::kFast * inner && std::isfinite(way);
 }
 
-void cut(BodyStore& b, std::size_t i, float share) {
-  if (!(share < 1)) return;
-  b.disp[2 * i] *= share;
-  b.disp[2 * i + 1] *= share;
-  if (b.angle_change.empty() || b.angle.empty()) return;
-  b.angle[i] -= static_cast<double>(b.angle_change[i]) * (1 - static_cast<double>(share));
-  b.angle_change[i] *= share;
+bool is_fast_disc(const BodyStore& b, std::size_t i, float share) {
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = share * b.radius[i], way2 = x * x + y * y;
+  return way2 > limit * limit && std::isfinite(way2);
 }
 
-// A body as a sweep sees it: its hulls, or one disc.
-struct Swept {
-  Swept(const BodyStore& b, std::size_t i)
-      : kind(b.kind(b.id[i])),
-        hulls(kind.hull_count != 0 ? &b.hulls[kind.first_hull] : &disc.emplace(disc_hull(b.radius[i])),
-              std::max(1u, kind.hull_count)),
-        inner(kind.hull_count != 0 ? kind.inner : b.radius[i]),
-        swing(b.angle_change.empty() ? 0.0 : static_cast<double>(b.angle_change[i])),
-        angle(b.angle_of(i) - swing) {}
+bool is_free(const BodyStore& b, std::size_t i) {
+  if (b.id[i] == kNoSlot || b.linked[i] == 0) return false;
+  return b.properties(b.id[i]).type == BodyType::dynamic_body && !b.kind(b.id[i]).sensor;
+}
 
-  const BodyKind& kind;
-  std::optional<Hull> disc;  // made for a disc alone
-  const std::span<const Hull> hulls;
-  const float inner;          // m: to the nearest point of the surface
-  const double swing, angle;  // rad: in the step, and at its start
-};
+float inner_of(const BodyStore& b, std::size_t i) {
+  const BodyKind& kind = b.kind(b.id[i]);
+  return kind.hull_count != 0 ? kind.inner : b.radius[i];
+}
 
-// Appends the fixed shapes near the way of a body, and cuts the way at the first of them.
-void stop_at_fixed(const Contacts& contacts, bool filters, std::uint32_t i, std::vector<std::uint32_t>& near) {
-  const auto& [memory, lattice, b, statics, kernels, pool] = contacts.surroundings;
-  const float mx = b.disp[2 * i], my = b.disp[2 * i + 1];
-  // Bounded, since a body thrown out of the world may have moved by any amount.
-  const auto half = [](float way, double pitch) {
-    const double steps = std::nearbyint(static_cast<double>(way) / 2 / pitch);
-    return static_cast<std::int32_t>(std::clamp(steps, -0x1p30, 0x1p30));
+// The squared distance of the way of a disc from a segment, if they do not cross; else 0. p: from the start of the way
+// to one end, u: from there to the other.
+double distance2(Vec2 way, Vec2 p, Vec2 u) {
+  const Vec2 q = p + u;
+  const double sp = cross(way, p), sq = cross(way, q), from = cross(u, Vec2{} - p), to = cross(u, way - p);
+  if (sp * sq < 0 && from * to < 0) return 0;
+  const auto off = [](Vec2 point, Vec2 start, Vec2 along) {
+    const double length2 = dot(along, along);
+    const double share = length2 > 0 ? std::clamp(dot(point - start, along) / length2, 0.0, 1.0) : 0.0;
+    const Vec2 d = point - start - share * along;
+    return dot(d, d);
   };
-  const float reach = b.radius[i] + 0.5f * std::sqrt(mx * mx + my * my);
-  statics.near(wrap_add(b.pos[2 * i], half(mx, lattice.pitch_x())),
-               wrap_add(b.pos[2 * i + 1], half(my, lattice.pitch_y())), reach, near);
-  if (near.empty()) return;
-  const Swept mine(b, i);
-  float first = 1;
-  for (const std::uint32_t k : near) {
-    const StaticShape& s = statics[k];
-    if (s.face || contacts.manifolds.is_ghost(i, k)) continue;
-    if (filters && !meet(mine.kind.filter, b.kind(s.owner).filter)) continue;
-    const Hull piece = statics.seen_from(k, {b.pos[2 * i], b.pos[2 * i + 1], 0, 0}, 4 * static_cast<double>(reach));
-    for (const Hull& hull : mine.hulls) {
-      first = std::fmin(
-          first, time_of_impact(piece, Rotor{}, hull, mine.angle, mine.swing, 0, 0, mx, my, -kDeep * mine.kind.inner));
-    }
-  }
-  cut(b, i, first);
+  return std::min({off(p, {}, way), off(q, {}, way), off({}, p, u), off(way, p, u)});
 }
 
-// Sweeps a bullet against another moving body, whose rotation is neglected.
-void stop_at_moving(const Surroundings& s, std::size_t i, std::size_t j) {
-  BodyStore& b = s.bodies;
-  const Swept mine(b, i), theirs(b, j);
-  const auto dx = static_cast<float>(wrap_sub(b.pos[2 * i], b.pos[2 * j]) * s.lattice.pitch_x());
-  const auto dy = static_cast<float>(wrap_sub(b.pos[2 * i + 1], b.pos[2 * j + 1]) * s.lattice.pitch_y());
-  const float mx = b.disp[2 * i] - b.disp[2 * j], my = b.disp[2 * i + 1] - b.disp[2 * j + 1];
-  const Rotor q = theirs.kind.hull_count != 0 ? rotor_of(theirs.angle) : Rotor{};
-  const float slack = -kDeep * std::fmin(mine.inner, theirs.inner);
-  float first = 1;
-  for (const Hull& a : theirs.hulls) {
-    for (const Hull& hull : mine.hulls) {
-      first = std::fmin(first, time_of_impact(a, q, hull, mine.angle, mine.swing, dx, dy, mx, my, slack));
-    }
-  }
-  cut(b, i, first);
+// Whether a disc that moved far left the ground that its lists cover, since it bounced or was thrown.
+bool left_lists(const BodyStore& b, const Lattice& lattice, std::size_t i) {
+  const Vec2 from = lattice.metres(wrap_sub(b.pos[2 * i], b.built[2 * i]), wrap_sub(b.pos[2 * i + 1], b.built[2 * i + 1]));
+  const double x = std::fabs(from.x + double{b.disp[2 * i]}), y = std::fabs(from.y + double{b.disp[2 * i + 1]});
+  return std::fmax(x, y) + double{b.radius[i]} > double{b.reach[i]};
 }
 
 }  // namespace
 
-std::uint32_t Continuous::stop(const Contacts& contacts, const PairTable& table,
-                               const std::vector<std::uint32_t>& bullets, bool filters) {
-  const BodyStore& b = contacts.surroundings.bodies;
-  const std::vector<std::uint32_t>& slots = contacts.manifolds.shaped();
-  const std::size_t shapes = contacts.surroundings.statics.any() ? slots.size() : 0;
+// Fast shapes.
+void Continuous::find_shapes(const ContinuousInput& in) {
+  const BodyStore& b = in.contacts.surroundings.bodies;
+  const std::vector<std::uint32_t>& slots = in.contacts.manifolds.shaped();
   jobs_.resize(std::max(jobs_.size(), jobs_for(slots.size(), kTask)));
-  for (Job& job : jobs_) job.fast = job.looks = job.cut = 0;
-  run_each(shapes, kTask, contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
-    Job& job = jobs_[n];
+  run_each(slots.size(), kTask, in.contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
     const std::uint32_t i = slots[k];
-    if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
-    const BodyKind& kind = b.kind(b.id[i]);
-    const bool dynamic = b.properties(b.id[i]).type == BodyType::dynamic_body;
-    if (kind.sensor || !dynamic || !is_fast(b, i, kind.inner)) return;
-    const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
-    job.near.clear();
-    stop_at_fixed(contacts, filters, i, job.near);
-    ++job.fast;
-    job.looks += static_cast<std::uint32_t>(job.near.size());
-    if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++job.cut;
+    if (!is_free(b, i) || !is_fast(b, i, b.kind(b.id[i]).inner)) return;
+    jobs_[n].found.push_back(i);
+    jobs_[n].fast = true;
   });
-  Job sum;
-  for (const Job& job : jobs_) {
-    sum.fast += job.fast;
-    sum.looks += job.looks;
-    sum.cut += job.cut;
-  }
-  fast_count_ = sum.fast;
-  looked_ = sum.looks;
-  if (!bullets.empty()) stop_bullets(contacts, table, bullets);
-  return sum.cut;
 }
 
-// Stops fast bullets at other moving bodies. They are few: one by one, in the order of the lists.
-void Continuous::stop_bullets(const Contacts& contacts, const PairTable& table,
-                              const std::vector<std::uint32_t>& bullets) {
-  const BodyStore& b = contacts.surroundings.bodies;
-  fast_.assign(b.count, 0);
+// Discs whose contacts with fixed geometry say that they are deep in it, or that they may have passed it. Returns
+// whether anybody is fast.
+bool Continuous::find_discs(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  const StaticLanes& lanes = in.contacts.discs.fixed;
+  jobs_.resize(std::max(jobs_.size(), in.table.strips.size()));
+  const auto passes = [&](const StaticPair& pair) {
+    const std::size_t i = pair.body, l = pair.contact;
+    const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
+    const double end = double{lanes.gap[l]} + double{lanes.nx[l]} * way.x + double{lanes.ny[l]} * way.y;
+    if (end < -kDeepDisc * b.radius[i]) return true;
+    const StaticShape& shape = s.statics[pair.shape];
+    const bool flat = lanes.refresh[l] > 1e30f;
+    if (flat || !is_fast_disc(b, i, kFastDisc)) return false;
+    const LatticePoint here{b.pos[2 * i], b.pos[2 * i + 1]};
+    const double size = double{shape.radius} + (1 - Flight::kDeep) * b.radius[i];
+    const Vec2 u = shape.segment ? s.lattice.way(shape.p, shape.q) : Vec2{};
+    return distance2(way, s.lattice.way(here, shape.p), u) < size * size;
+  };
+  s.pool.run(in.table.strips.size(), [&](std::size_t n) {
+    Job& job = jobs_[n];
+    for (const StaticPair& pair : in.table.static_contacts[n]) {
+      if (pair.shape >= kWallLeft || b.linked[pair.body] == 0) continue;
+      job.fast = job.fast || is_fast_disc(b, pair.body, 1);
+      if ((job.found.empty() || job.found.back() != pair.body) && passes(pair)) job.found.push_back(pair.body);
+    }
+  });
+  return std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
+}
+
+// Discs that bounced or were thrown beyond what their lists cover. Only fast bodies throw others.
+void Continuous::find_thrown(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  constexpr std::size_t kBodies = 2048;  // a job
+  jobs_.resize(std::max(jobs_.size(), jobs_for(b.count, kBodies)));
+  run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
+    if (b.linked[i] == 0 || !is_fast_disc(b, i, kFastDisc) || !is_free(b, i)) return;
+    if (left_lists(b, s.lattice, i)) jobs_[n].found.push_back(static_cast<std::uint32_t>(i));
+  });
+}
+
+// Bodies that something presses deep into fixed or kinematic geometry, and those that kinematic bodies come upon.
+void Continuous::find_pressed(const ContinuousInput& in) {
+  const BodyStore& b = in.contacts.surroundings.bodies;
+  std::vector<std::uint32_t>& found = jobs_[0].found;
+  const auto met = [&](std::uint32_t k, std::uint32_t i) {  // by a kinematic body
+    const float turn = b.angle_change.empty() ? 0.0f : b.angle_change[k];
+    const Vec2 at = in.contacts.surroundings.lattice.way(b.point(k), b.point(i));
+    const float x = b.disp[2 * i] - b.disp[2 * k] + turn * static_cast<float>(at.y);
+    const float y = b.disp[2 * i + 1] - b.disp[2 * k + 1] - turn * static_cast<float>(at.x);
+    const float limit = Flight::kFast * inner_of(b, i), way2 = x * x + y * y;
+    return way2 > limit * limit && std::isfinite(way2);
+  };
+  for (std::size_t n = 0; n < in.contacts.manifolds.strip_count(); ++n) {
+    for (const std::uint32_t k : in.contacts.manifolds.strip(n).watched) {
+      const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
+      const bool deep = pair.least_gap() < -kDeepDisc * inner_of(b, pair.b);
+      if (is_free(b, pair.b) && (deep || (!pair.of_piece() && met(pair.a, pair.b)))) found.push_back(pair.b);
+    }
+  }
+  const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
+  for (const Strip& s : in.table.strips) {
+    if (in.kinematics.empty()) break;
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+      const std::uint32_t i = in.table.owner[p], j = in.table.other[p];
+      if (held(i) != held(j) && is_free(b, held(i) ? j : i)) found.push_back(held(i) ? j : i);
+    }
+  }
+}
+
+// Fast bullets, and the bodies that they may meet.
+void Continuous::find_bullets(const ContinuousInput& in) {
+  const BodyStore& b = in.contacts.surroundings.bodies;
+  partners_.clear();
+  fast_.assign(in.bullets.empty() ? 0 : b.count, 0);
   bool any = false;
-  for (const std::uint32_t id : bullets) {
+  for (const std::uint32_t id : in.bullets) {
     if (b.info[id].place != Place::moving) continue;  // it sleeps
     const std::uint32_t i = b.info[id].slot;
-    if (!is_fast(b, i, Swept(b, i).inner)) continue;
-    fast_[i] = any = true;
-    ++fast_count_;
+    if (is_free(b, i) && is_fast(b, i, inner_of(b, i))) fast_[i] = any = true;
   }
   if (!any) return;
   const auto meet_pair = [&](std::uint32_t i, std::uint32_t j) {
-    if (fast_[i] != 0) stop_at_moving(contacts.surroundings, i, j);
-    if (fast_[j] != 0) stop_at_moving(contacts.surroundings, j, i);
+    const auto free = [&](std::uint32_t k) { return b.properties(b.id[k]).type == BodyType::dynamic_body; };
+    if (fast_[i] != 0 && free(j)) partners_.emplace_back(i, j);
+    if (fast_[j] != 0 && free(i)) partners_.emplace_back(j, i);
   };
-  for (const ManifoldPair& pair : contacts.manifolds.pairs()) {
-    if (pair.a != ManifoldPair::kNone && pair.part_a == 0 && pair.part_b == 0) meet_pair(pair.a, pair.b);
+  for (const ManifoldPair& pair : in.contacts.manifolds.pairs()) {
+    if (pair.a != ManifoldPair::kNone && pair.part_a == 0 && pair.part_b == 0 && !pair.moved) meet_pair(pair.a, pair.b);
   }
-  for (const Strip& s : table.strips) {
-    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(table.owner[p], table.other[p]);
+  for (const Strip& s : in.table.strips) {
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(in.table.owner[p], in.table.other[p]);
   }
+  std::ranges::sort(partners_);
+}
+
+std::uint32_t Continuous::stop(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  jobs_.resize(std::max<std::size_t>(jobs_.size(), 1));
+  for (Job& job : jobs_) {
+    job.found.clear();
+    job.looks = job.bent = 0;
+    job.fast = false;
+  }
+  if (s.statics.any() || !in.kinematics.empty() || !in.bullets.empty()) {
+    find_shapes(in);
+    if (find_discs(in) || !in.kinematics.empty()) find_thrown(in);
+    find_pressed(in);
+  }
+  find_bullets(in);
+  flying_.clear();
+  for (const Job& job : jobs_) flying_.insert(flying_.end(), job.found.begin(), job.found.end());
+  for (const auto& [i, j] : partners_) flying_.push_back(i);
+  std::ranges::sort(flying_);
+  flying_.erase(std::unique(flying_.begin(), flying_.end()), flying_.end());
+  fast_count_ = static_cast<std::uint32_t>(flying_.size());
+  looked_ = 0;
+  if (flying_.empty()) return 0;
+  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt};
+  for (const auto& [id, velocity] : in.kinematics) {
+    if (!b.kind(id).sensor) space.kinematics.push_back(b.info[id].slot);
+  }
+  const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
+    Flight flight(space, i);
+    job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
+    job.looks += flight.looks();
+  };
+  jobs_.resize(std::max(jobs_.size(), jobs_for(flying_.size(), kFlights)));
+  run_each(flying_.size(), kFlights, s.pool, [&](std::size_t k, std::size_t n) {
+    if (fast_.empty() || fast_[flying_[k]] == 0) fly(flying_[k], jobs_[n], {});
+  });
+  // Bullets change the velocities of others: one by one.
+  std::vector<std::uint32_t> others;
+  for (std::size_t k = 0; k < flying_.size() && !fast_.empty(); ++k) {
+    if (fast_[flying_[k]] == 0) continue;
+    others.clear();
+    const std::pair<std::uint32_t, std::uint32_t> from{flying_[k], 0};
+    for (auto p = std::ranges::lower_bound(partners_, from); p != partners_.end() && p->first == flying_[k]; ++p) {
+      others.push_back(p->second);
+    }
+    fly(flying_[k], jobs_[0], others);
+  }
+  std::uint32_t bent = 0;
+  for (const Job& job : jobs_) {
+    bent += job.bent;
+    looked_ += job.looks;
+  }
+  return bent;
 }
 
 }  // namespace psim

@@ -39,7 +39,7 @@ Plan make_plan(const Traits& t) {
   p.turns = p.manifolds || p.joints;
   p.filters = t.filtered != 0 || t.sensors != 0 || t.exclusions;
   p.bullets = t.bullets != 0 && t.moving > 1;
-  p.continuous = p.manifolds || p.bullets;
+  p.continuous = p.manifolds || p.bullets || (t.moving != 0 && t.fixed != 0) || t.kinematic != 0;
   p.rotation = p.friction || t.turning || p.turns;
   p.sleep = t.sleeping && t.moving != 0;
   p.events = t.events;

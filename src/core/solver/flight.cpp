@@ -1,0 +1,258 @@
+#include "solver/flight.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+constexpr int kMostImpacts = 96;      // in a step; then the body stays where it met the last one
+constexpr double kTolerance = 1e-3;   // share of the inner radius to which impacts are found
+constexpr double kDeeper = 0.1;       // share of the inner radius by which touching hulls sink in before they strike anew
+
+Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
+
+// Two bodies in an impact: inverse masses and inertias, 0 for what does not give way, and what their surfaces are like.
+struct Surface {
+  double wa = 0, ia = 0, wb = 0, ib = 0;
+  double restitution = 0, friction = 0;
+};
+
+// A point of an impact, by its arms from the centres.
+struct Point {
+  Vec2 a, b;
+};
+
+void push(Rates& a, Rates& b, const Surface& s, const Point& p, Vec2 impulse) {
+  a.along = a.along - s.wa * impulse;
+  a.turn -= s.ia * cross(p.a, impulse);
+  b.along = b.along + s.wb * impulse;
+  b.turn += s.ib * cross(p.b, impulse);
+}
+
+// The impulses of an impact in one or two points at once (Newton's law at each of them), and then friction. Does nothing
+// if the bodies part already.
+void collide_rates(Rates& a, Rates& b, const Surface& s, Vec2 n, std::span<const Point> points) {
+  const auto closing = [&](const Point& p) { return dot(n, speed_at(b, p.b) - speed_at(a, p.a)); };
+  const auto weight = [&](const Point& p, const Point& q, Vec2 along) {
+    return s.wa + s.wb + s.ia * cross(p.a, along) * cross(q.a, along) + s.ib * cross(p.b, along) * cross(q.b, along);
+  };
+  double impulse[2] = {};
+  const double u0 = closing(points[0]), u1 = points.size() == 2 ? closing(points[1]) : 0;
+  if (u0 < 0 && u1 < 0) {
+    const double k00 = weight(points[0], points[0], n), k01 = weight(points[0], points[1], n),
+                 k11 = weight(points[1], points[1], n), det = k00 * k11 - k01 * k01;
+    if (det > 1e-6 * k00 * k11) {
+      impulse[0] = -(1 + s.restitution) * (k11 * u0 - k01 * u1) / det;
+      impulse[1] = -(1 + s.restitution) * (k00 * u1 - k01 * u0) / det;
+    }
+  }
+  if (!(impulse[0] > 0 && impulse[1] > 0)) {
+    const std::size_t k = u1 < u0 ? 1 : 0;
+    const double u = std::fmin(u0, u1);
+    impulse[0] = impulse[1] = 0;
+    if (u < 0) impulse[k] = -(1 + s.restitution) * u / weight(points[k], points[k], n);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) push(a, b, s, points[k], impulse[k] * n);
+  const Vec2 t = upright(n);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Point& p = points[k];
+    const double sliding = dot(t, speed_at(b, p.b) - speed_at(a, p.a)), most = s.friction * impulse[k];
+    push(a, b, s, p, std::clamp(-sliding / weight(p, p, t), -most, most) * t);
+  }
+}
+
+}  // namespace
+
+Flight::Flight(const Airspace& space, std::uint32_t slot)
+    : space_(space), slot_(slot), kind_(b_.kind(b_.id[slot])), properties_(b_.properties(b_.id[slot])) {
+  const bool shape = kind_.hull_count != 0;
+  hulls_ = {shape ? &b_.hulls[kind_.first_hull] : &disc_.emplace(disc_hull(b_.radius[slot])),
+            std::max<std::size_t>(1, kind_.hull_count)};
+  inner_ = shape ? kind_.inner : b_.radius[slot];
+  velocity_ = {b_.velocity(slot), b_.omega_of(slot)};
+  const double turned = b_.angle_change.empty() ? velocity_.turn * space.dt : double{b_.angle_change[slot]};
+  way_ = {{b_.disp[2 * slot], b_.disp[2 * slot + 1]}, turned};
+  angle_ = b_.angle_of(slot) - turned;
+}
+
+bool Flight::collides_with(std::uint32_t id) const {
+  if (space_.filters && (b_.kind(id).sensor || !meet(kind_.filter, b_.kind(id).filter))) return false;
+  return space_.joints == nullptr || !space_.joints->joined(b_.id[slot_], id);
+}
+
+// What is left of a course in this step.
+Course Flight::rest_of(const Course& c) const {
+  return {c.place(1 - left_), left_ * c.way, c.facing(1 - left_), left_ * c.turn, c.arm};
+}
+
+Course Flight::leg() const { return {at_, left_ * way_.along, angle_, left_ * way_.turn}; }
+
+int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
+  int impacts = 0;
+  for (; impacts < kMostImpacts; ++impacts) {
+    find(near, partners);
+    const double share = std::fmin(first_.share, 1);
+    at_ = at_ + share * left_ * way_.along;
+    angle_ += share * left_ * way_.turn;
+    left_ *= 1 - share;
+    if (first_.share > 1) break;
+    if (!bounce() && share == 0) {  // something else holds it
+      ++impacts;
+      break;
+    }
+    if (first_.other.slot != kNoSlot) partners = {};
+  }
+  if (impacts != 0) store();
+  return impacts;
+}
+
+// Finds the first impact on what is left of the way.
+void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
+  first_.share = Approach::kNever;
+  if (s_.statics.any()) find_fixed(near);
+  for (const std::uint32_t slot : space_.kinematics) find_moving(slot, false);
+  for (const std::uint32_t slot : partners) find_moving(slot, true);
+}
+
+void Flight::find_fixed(std::vector<std::uint32_t>& near) {
+  const Lattice& lattice = s_.lattice;
+  const Vec2 half = 0.5 * left_ * way_.along, middle = at_ + half;
+  // Bounded, since a body thrown out of the world may have moved by any amount.
+  const auto steps = [](double way, double pitch) {
+    return static_cast<std::int32_t>(std::clamp(std::nearbyint(way / pitch), -0x1p30, 0x1p30));
+  };
+  const std::int32_t x = b_.pos[2 * slot_], y = b_.pos[2 * slot_ + 1];
+  const auto reach = static_cast<float>(double{b_.radius[slot_]} + length_of(half));
+  near.clear();
+  s_.statics.near(wrap_add(x, steps(middle.x, lattice.pitch_x())), wrap_add(y, steps(middle.y, lattice.pitch_y())),
+                  reach, near);
+  looks_ += static_cast<std::uint32_t>(near.size());
+  const double size = 4 * (double{reach} + length_of(middle));
+  for (const std::uint32_t k : near) {
+    const StaticShape& s = s_.statics[k];
+    if (disc_ ? s.whole : s.face || space_.contacts.manifolds.is_ghost(slot_, k)) continue;
+    if (!collides_with(s.owner)) continue;
+    const Hull piece = s_.statics.seen_from(k, {x, y, 0, 0}, size);
+    if (s.face) {  // a disc whose centre is inside of a polygon may leave it
+      const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
+      if (cross(u, at_ - p) > 0) continue;
+    }
+    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction});
+  }
+}
+
+// Looks at another body that moves. It may turn about a point that is not its centre, if the host moves it.
+void Flight::find_moving(std::uint32_t slot, bool yields) {
+  const std::uint32_t id = b_.id[slot];
+  if (id == kNoSlot || !collides_with(id)) return;
+  const BodyKind& kind = b_.kind(id);
+  const BodyProperties& properties = b_.properties(id);
+  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
+  const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
+  const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
+  if (apart > length_of(left_ * way_.along) + length_of(way)) return;
+  Other other;
+  other.course = {centre, way, angle, turn};
+  other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
+  if (!yields && (kind.centre_x != 0 || kind.centre_y != 0)) {
+    const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
+    other.course = {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
+  }
+  other.way = {other.course.way, turn};
+  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, turn / space_.dt};
+  other.restitution = properties.restitution;
+  other.friction = properties.friction;
+  const bool shape = kind.hull_count != 0;
+  if (yields) {
+    other.slot = slot;
+    other.inner = shape ? kind.inner : b_.radius[slot];
+  }
+  if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
+  for (std::uint32_t k = 0; k < kind.hull_count; ++k) meet_hull(b_.hulls[kind.first_hull + k], other);
+}
+
+// Takes an impact with a hull, if it is the first one so far.
+void Flight::meet_hull(const Hull& hull, const Other& other) {
+  const Course mine = leg(), theirs = rest_of(other.course);
+  for (const Hull& part : hulls_) {
+    const Approach pair(hull, theirs, part, mine);
+    bool pressed = false;
+    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed);
+    if (share < first_.share) first_ = {share, pressed, other, hull, &part};
+  }
+}
+
+// The share of the leg at which a hull strikes another one, or kNever. Only if it would come deep it strikes, and then
+// where it first touched.
+double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const {
+  const double size = inner, deep = -kDeep * size;
+  const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
+  const double distance = pair.stand(0, 0).distance;
+  if (distance <= deep + tolerance) {
+    pressed = true;  // it comes no deeper
+    const double later = pair.falls_to(distance - 2 * tolerance, tolerance / 2, 0);
+    return later < 1 || pair.enters() ? 0 : Approach::kNever;
+  }
+  const double limit = distance > tolerance ? 0 : std::fmax(std::fmin(distance, 0) - kDeeper * size, deep);
+  const double share = pair.falls_to(limit, tolerance, 0);
+  if (share > 1) return Approach::kNever;
+  return pair.falls_to(deep, tolerance, share) > 1 ? Approach::kNever : share;
+}
+
+// Returns whether the way of the body changed.
+bool Flight::bounce() {
+  const Other& other = first_.other;
+  const Course mine = leg(), theirs = rest_of(other.course);  // both begin with the impact
+  const Manifold m = Approach(first_.hull, theirs, *first_.mine, mine).touch(0, 1e30);
+  const double least = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+  const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
+  Point points[2];
+  std::size_t count = 0;
+  for (int k = 0; k < m.count; ++k) {
+    if (double{m.point[k].gap} > least + tolerance) continue;
+    const Vec2 arm{m.point[k].bx, m.point[k].by};
+    points[count++] = {mine.at + arm - theirs.at, arm};
+  }
+  if (count == 0) return false;
+  const auto inertia = [&](const BodyProperties& p) {
+    return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
+  };
+  Surface s{0, 0, properties_.inv_mass, inertia(properties_)};
+  s.restitution = first_.pressed ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
+  s.friction = std::sqrt(properties_.friction * other.friction);
+  const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
+  const Vec2 n{m.nx / length, m.ny / length};
+  const Rates before = way_;
+  Rates their_way = other.way, their_velocity = other.velocity;
+  if (other.slot == kNoSlot) {
+    collide_rates(their_way, way_, s, n, {points, count});
+    collide_rates(their_velocity, velocity_, s, n, {points, count});
+    return way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
+  }
+  // Another body that moves keeps its way in this step, and this one goes along with it.
+  const BodyProperties& theirs_of = b_.properties(b_.id[other.slot]);
+  s.wa = theirs_of.inv_mass;
+  s.ia = inertia(theirs_of);
+  collide_rates(their_velocity, velocity_, s, n, {points, count});
+  way_ = {other.way.along, 0};
+  b_.put_velocity(other.slot, their_velocity.along);
+  if (!b_.rim_speed.empty()) b_.rim_speed[other.slot] = static_cast<float>(their_velocity.turn * b_.radius[other.slot]);
+  return true;
+}
+
+void Flight::store() const {
+  const std::size_t i = slot_;
+  b_.clear_remainders(i);
+  b_.disp[2 * i] = static_cast<float>(at_.x);
+  b_.disp[2 * i + 1] = static_cast<float>(at_.y);
+  b_.put_velocity(i, velocity_.along);
+  if (b_.rim_speed.empty()) return;
+  b_.rim_speed[i] = static_cast<float>(velocity_.turn * b_.radius[i]);
+  if (b_.angle_change.empty()) return;
+  b_.angle_change[i] = static_cast<float>(angle_ - (b_.angle[i] - double{b_.angle_change[i]}));
+  b_.angle[i] = angle_;
+}
+
+}  // namespace psim
