@@ -305,4 +305,15 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   out.erase(std::unique(first, out.end()), out.end());
 }
 
+void StaticShapes::near_way(const LatticePoint& place, Vec2 offset, Vec2 way, float radius,
+                            std::vector<std::uint32_t>& out) const {
+  // Bounded, since a body thrown out of the world may have moved by any amount.
+  const auto steps = [](double d, double pitch) {
+    return static_cast<std::int32_t>(std::clamp(std::nearbyint(d / pitch), -0x1p30, 0x1p30));
+  };
+  const Vec2 middle = offset + 0.5 * way;
+  near(wrap_add(place.x, steps(middle.x, lattice_->pitch_x())), wrap_add(place.y, steps(middle.y, lattice_->pitch_y())),
+       static_cast<float>(double{radius} + 0.5 * length_of(way)), out);
+}
+
 }  // namespace psim

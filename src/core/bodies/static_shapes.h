@@ -114,6 +114,8 @@ class StaticShapes {
   /// Appends the numbers of shapes whose box a square of half width `reach` (m) at (x, y) meets,
   /// each once, ascending.
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
+  /// The same for a way that begins at an offset from a place, m, and for what lies within `radius` of it.
+  void near_way(const LatticePoint& place, Vec2 offset, Vec2 way, float radius, std::vector<std::uint32_t>& out) const;
   /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
   bool surely_none(const Bounds& box) const;
 

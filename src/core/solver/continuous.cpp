@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "base/tasks.h"
 #include "solver/flight.h"
@@ -11,7 +13,7 @@ namespace {
 
 constexpr std::size_t kTask = 512, kFlights = 16;
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
-constexpr float kDeepDisc = 0.25f;  // share of the radius: deeper discs are looked at, however slow
+constexpr float kPressed = 0.25f;   // share of the inner radius: deeper shapes are looked at, however slow
 
 // Whether the points of a body moved far for its size.
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
@@ -21,8 +23,8 @@ bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   return way > Flight::kFast * inner && std::isfinite(way);
 }
 
-bool is_fast_disc(const BodyStore& b, std::size_t i, float share) {
-  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = share * b.radius[i], way2 = x * x + y * y;
+bool is_fast_disc(const BodyStore& b, std::size_t i) {
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kFastDisc * b.radius[i], way2 = x * x + y * y;
   return way2 > limit * limit && std::isfinite(way2);
 }
 
@@ -51,11 +53,23 @@ double distance2(Vec2 way, Vec2 p, Vec2 u) {
   return std::min({off(p, {}, way), off(q, {}, way), off({}, p, u), off(way, p, u)});
 }
 
-// Whether a disc that moved far left the ground that its lists cover, since it bounced or was thrown.
-bool left_lists(const BodyStore& b, const Lattice& lattice, std::size_t i) {
-  const Vec2 from = lattice.metres(wrap_sub(b.pos[2 * i], b.built[2 * i]), wrap_sub(b.pos[2 * i + 1], b.built[2 * i + 1]));
-  const double x = std::fabs(from.x + double{b.disp[2 * i]}), y = std::fabs(from.y + double{b.disp[2 * i + 1]});
-  return std::fmax(x, y) + double{b.radius[i]} > double{b.reach[i]};
+// Whether a disc came deeper into a fixed shape than contacts let it, on the straight way that it went in the step.
+bool passes(const Surroundings& s, std::size_t i, std::uint32_t number) {
+  const BodyStore& b = s.bodies;
+  const StaticShape& shape = s.statics[number];
+  const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
+  const LatticePoint here{b.pos[2 * i], b.pos[2 * i + 1]};
+  const double size = double{shape.radius} + (1 - Flight::kDeep) * b.radius[i];
+  const Vec2 u = shape.segment ? s.lattice.way(shape.p, shape.q) : Vec2{};
+  return !shape.whole && distance2(way, s.lattice.way(here, shape.p), u) < size * size;
+}
+
+// Whether the circles around two bodies may have met in the step.
+bool may_reach(const Surroundings& s, std::size_t i, std::size_t k) {
+  const BodyStore& b = s.bodies;
+  const Vec2 apart = s.lattice.steps({b.pos[2 * i], b.pos[2 * i + 1]}, {b.pos[2 * k], b.pos[2 * k + 1]});
+  const double ways = length_of({b.disp[2 * i], b.disp[2 * i + 1]}) + length_of({b.disp[2 * k], b.disp[2 * k + 1]});
+  return length_of(apart) < double{b.radius[i]} + b.radius[k] + ways;
 }
 
 }  // namespace
@@ -73,46 +87,45 @@ void Continuous::find_shapes(const ContinuousInput& in) {
   });
 }
 
-// Discs whose contacts with fixed geometry say that they are deep in it, or that they may have passed it. Returns
-// whether anybody is fast.
-bool Continuous::find_discs(const ContinuousInput& in) {
+// Discs that are deep in fixed geometry by what their contacts say.
+void Continuous::find_deep_discs(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   const BodyStore& b = s.bodies;
   const StaticLanes& lanes = in.contacts.discs.fixed;
   jobs_.resize(std::max(jobs_.size(), in.table.strips.size()));
-  const auto passes = [&](const StaticPair& pair) {
-    const std::size_t i = pair.body, l = pair.contact;
-    const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
-    const double end = double{lanes.gap[l]} + double{lanes.nx[l]} * way.x + double{lanes.ny[l]} * way.y;
-    if (end < -kDeepDisc * b.radius[i]) return true;
-    const StaticShape& shape = s.statics[pair.shape];
-    const bool flat = lanes.refresh[l] > 1e30f;
-    if (flat || !is_fast_disc(b, i, kFastDisc)) return false;
-    const LatticePoint here{b.pos[2 * i], b.pos[2 * i + 1]};
-    const double size = double{shape.radius} + (1 - Flight::kDeep) * b.radius[i];
-    const Vec2 u = shape.segment ? s.lattice.way(shape.p, shape.q) : Vec2{};
-    return distance2(way, s.lattice.way(here, shape.p), u) < size * size;
-  };
   s.pool.run(in.table.strips.size(), [&](std::size_t n) {
     Job& job = jobs_[n];
     for (const StaticPair& pair : in.table.static_contacts[n]) {
-      if (pair.shape >= kWallLeft || b.linked[pair.body] == 0) continue;
-      job.fast = job.fast || is_fast_disc(b, pair.body, 1);
-      if ((job.found.empty() || job.found.back() != pair.body) && passes(pair)) job.found.push_back(pair.body);
+      const std::size_t i = pair.body, l = pair.contact;
+      if (pair.shape >= kWallLeft || b.linked[i] == 0) continue;
+      job.fast = job.fast || is_fast_disc(b, i);
+      const float end = lanes.gap[l] + (lanes.nx[l] * b.disp[2 * i] + lanes.ny[l] * b.disp[2 * i + 1]);
+      if (end < -Flight::kDeep * b.radius[i] && passes(s, i, pair.shape)) job.found.push_back(pair.body);
     }
   });
-  return std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
 }
 
-// Discs that bounced or were thrown beyond what their lists cover. Only fast bodies throw others.
-void Continuous::find_thrown(const ContinuousInput& in) {
+// Fast discs that went through fixed geometry. Their contacts know what lay straight ahead of them, but not what they met
+// after a bounce, or when others threw them.
+void Continuous::find_fast_discs(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   const BodyStore& b = s.bodies;
   constexpr std::size_t kBodies = 2048;  // a job
   jobs_.resize(std::max(jobs_.size(), jobs_for(b.count, kBodies)));
   run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
-    if (b.linked[i] == 0 || !is_fast_disc(b, i, kFastDisc) || !is_free(b, i)) return;
-    if (left_lists(b, s.lattice, i)) jobs_[n].found.push_back(static_cast<std::uint32_t>(i));
+    if (b.linked[i] == 0 || !is_fast_disc(b, i) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
+    Job& job = jobs_[n];
+    const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), way{b.disp[2 * i], b.disp[2 * i + 1]};
+    const double r = b.radius[i], end_x = at.x + way.x, end_y = at.y + way.y;
+    job.near.clear();
+    if (!s.statics.surely_none({std::fmin(at.x, end_x) - r, std::fmin(at.y, end_y) - r, std::fmax(at.x, end_x) + r,
+                                std::fmax(at.y, end_y) + r})) {
+      s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
+    }
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) ||
+        std::ranges::any_of(in.kinematics, [&](const auto& k) { return may_reach(s, i, b.info[k.first].slot); })) {
+      job.found.push_back(static_cast<std::uint32_t>(i));
+    }
   });
 }
 
@@ -131,7 +144,7 @@ void Continuous::find_pressed(const ContinuousInput& in) {
   for (std::size_t n = 0; n < in.contacts.manifolds.strip_count(); ++n) {
     for (const std::uint32_t k : in.contacts.manifolds.strip(n).watched) {
       const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
-      const bool deep = pair.least_gap() < -kDeepDisc * inner_of(b, pair.b);
+      const bool deep = pair.least_gap() < -kPressed * inner_of(b, pair.b);
       if (is_free(b, pair.b) && (deep || (!pair.of_piece() && met(pair.a, pair.b)))) found.push_back(pair.b);
     }
   }
@@ -182,7 +195,9 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   }
   if (s.statics.any() || !in.kinematics.empty() || !in.bullets.empty()) {
     find_shapes(in);
-    if (find_discs(in) || !in.kinematics.empty()) find_thrown(in);
+    find_deep_discs(in);
+    const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
+    if (fast || !in.kinematics.empty()) find_fast_discs(in);
     find_pressed(in);
   }
   find_bullets(in);
@@ -200,7 +215,9 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   }
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
     Flight flight(space, i);
-    job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
+    const int nn = flight.run(job.near, partners);
+    if (getenv("DBG") && nn) printf("bent %u id %u impacts %d at %g %g inner %g disp %g %g vel %g %g\n", i, b.id[i], nn, s.lattice.to_world(b.point(i)).x, s.lattice.to_world(b.point(i)).y, inner_of(b,i), b.disp[2*i], b.disp[2*i+1], b.vel[2*i], b.vel[2*i+1]);
+    job.bent += nn != 0 ? 1 : 0;
     job.looks += flight.looks();
   };
   jobs_.resize(std::max(jobs_.size(), jobs_for(flying_.size(), kFlights)));

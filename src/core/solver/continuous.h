@@ -55,12 +55,12 @@ class Continuous {
     std::vector<std::uint32_t> found;  // slots of bodies to look at
     std::vector<std::uint32_t> near;   // scratch of a flight
     std::uint32_t looks = 0, bent = 0;
-    bool fast = false;  // somebody moved by more than its radius
+    bool fast = false;  // somebody is
   };
 
   void find_shapes(const ContinuousInput& in);
-  bool find_discs(const ContinuousInput& in);
-  void find_thrown(const ContinuousInput& in);
+  void find_deep_discs(const ContinuousInput& in);
+  void find_fast_discs(const ContinuousInput& in);
   void find_pressed(const ContinuousInput& in);
   void find_bullets(const ContinuousInput& in);
 

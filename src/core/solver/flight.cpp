@@ -103,8 +103,16 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
     }
     if (first_.other.slot != kNoSlot) partners = {};
   }
+  if (first_.share <= 1) ride();
   if (impacts != 0) store();
   return impacts;
+}
+
+// The last impact leads to no way on: for the rest of the step, the body moves with what it met.
+void Flight::ride() {
+  const Course theirs = rest_of(first_.other.course);
+  at_ = theirs.place(1) + turned(sine_cosine(theirs.turn), at_ - theirs.at);
+  angle_ += theirs.turn;
 }
 
 // Finds the first impact on what is left of the way.
@@ -116,22 +124,15 @@ void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_
 }
 
 void Flight::find_fixed(std::vector<std::uint32_t>& near) {
-  const Lattice& lattice = s_.lattice;
-  const Vec2 half = 0.5 * left_ * way_.along, middle = at_ + half;
-  // Bounded, since a body thrown out of the world may have moved by any amount.
-  const auto steps = [](double way, double pitch) {
-    return static_cast<std::int32_t>(std::clamp(std::nearbyint(way / pitch), -0x1p30, 0x1p30));
-  };
   const std::int32_t x = b_.pos[2 * slot_], y = b_.pos[2 * slot_ + 1];
-  const auto reach = static_cast<float>(double{b_.radius[slot_]} + length_of(half));
+  const Vec2 way = left_ * way_.along;
   near.clear();
-  s_.statics.near(wrap_add(x, steps(middle.x, lattice.pitch_x())), wrap_add(y, steps(middle.y, lattice.pitch_y())),
-                  reach, near);
+  s_.statics.near_way({x, y, 0, 0}, at_, way, b_.radius[slot_], near);
   looks_ += static_cast<std::uint32_t>(near.size());
-  const double size = 4 * (double{reach} + length_of(middle));
+  const double size = 4 * (double{b_.radius[slot_]} + length_of(at_) + length_of(way));
   for (const std::uint32_t k : near) {
     const StaticShape& s = s_.statics[k];
-    if (disc_ ? s.whole : s.face || space_.contacts.manifolds.is_ghost(slot_, k)) continue;
+    if (disc_ ? s.whole : s.face) continue;
     if (!collides_with(s.owner)) continue;
     const Hull piece = s_.statics.seen_from(k, {x, y, 0, 0}, size);
     if (s.face) {  // a disc whose centre is inside of a polygon may leave it

@@ -73,6 +73,7 @@ class Flight {
   void meet_hull(const Hull& hull, const Other& other);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const;
   bool bounce();
+  void ride();
   void store() const;
 
   const Airspace& space_;
