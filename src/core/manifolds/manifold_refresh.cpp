@@ -10,12 +10,20 @@
 
 namespace psim {
 
-// Share of the inner radius: a body that is deeper in fixed geometry is watched, so that nothing presses it through.
-constexpr float kWatched = 0.2f;
+// Shares of the inner radius. A body that is deeper in fixed geometry is watched, so that nothing presses it through,
+// and so is one whose centre is nearer to a segment that is no contact: a ghost, or one that its neighbour speaks for.
+constexpr float kDeep = 0.2f, kBeside = 0.6f;
 
-static bool lies_deep(const BodyStore& b, const ManifoldPair& pair) {
-  const float gap = pair.least_gap();
-  return gap < 0 && gap < -kWatched * b.kind(pair.id_b).inner;
+static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
+  if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
+  const BodyStore& b = s.bodies;
+  if (pair.active) return !pair.of_piece() || pair.least_gap() < std::fmin(-kDeep * b.kind(pair.id_b).inner, 0.0f);
+  if (!pair.of_piece() || !s.statics[pair.shape].segment || s.statics[pair.shape].asleep) return false;
+  const StaticShape& piece = s.statics[pair.shape];
+  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, b.point(pair.b));
+  const double size = double{piece.radius} + kBeside * b.kind(pair.id_b).inner, uu = dot(u, u);
+  const double off = cross(u, at), along = dot(u, at);
+  return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
 }
 
 // Runs once all pairs of a strip were looked at.
@@ -40,9 +48,9 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     const ManifoldPair& pair = pairs_[k];
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
+    if (is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
-    if (pair.fixed_a && (!pair.of_piece() || lies_deep(s_.bodies, pair))) strip.watched.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

@@ -154,7 +154,7 @@ class Manifolds {
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
     std::vector<std::uint64_t> ghosts;   // see is_ghost()
-    std::vector<std::uint32_t> watched;  // active pairs with a kinematic side, or deep in a fixed one
+    std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;

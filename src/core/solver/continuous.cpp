@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kTask = 512, kFlights = 16;
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
-constexpr float kPressed = 0.25f;   // share of the inner radius: deeper shapes are looked at, however slow
+constexpr float kPressed = 0.25f;   // share of the inner radius: deeper in a kinematic body, a body is looked at, however slow
 
 // Whether the points of a body moved far for its size.
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
@@ -144,8 +144,9 @@ void Continuous::find_pressed(const ContinuousInput& in) {
   for (std::size_t n = 0; n < in.contacts.manifolds.strip_count(); ++n) {
     for (const std::uint32_t k : in.contacts.manifolds.strip(n).watched) {
       const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
-      const bool deep = pair.least_gap() < -kPressed * inner_of(b, pair.b);
-      if (is_free(b, pair.b) && (deep || (!pair.of_piece() && met(pair.a, pair.b)))) found.push_back(pair.b);
+      if (!is_free(b, pair.b)) continue;
+      const bool watched = pair.of_piece() || pair.least_gap() < -kPressed * inner_of(b, pair.b) || met(pair.a, pair.b);
+      if (watched) found.push_back(pair.b);
     }
   }
   const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
