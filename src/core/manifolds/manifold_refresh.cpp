@@ -26,6 +26,24 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
   return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
 }
 
+// A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
+// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on.
+constexpr float kFlying = 1;
+
+static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair) {
+  const std::size_t i = pair.b, a = pair.a;
+  const Manifold& m = pair.manifold;
+  float x = b.vel[2 * i], y = b.vel[2 * i + 1];
+  float swing = std::fabs(b.rim_speed[i]) * (1 - pair.round_b / b.radius[i]);
+  if (!pair.of_piece()) {
+    x -= b.vel[2 * a], y -= b.vel[2 * a + 1];
+    swing += std::fabs(b.rim_speed[a]);
+  }
+  const BodyKind& kind = b.kind(pair.id_b);
+  const float inner = kind.hull_count != 0 ? kind.inner : b.radius[i];
+  return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
+}
+
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   StripBlocks& strip = strips_[index];
@@ -45,7 +63,8 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.rewrite.clear();
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
-    const ManifoldPair& pair = pairs_[k];
+    ManifoldPair& pair = pairs_[k];
+    if (pair.active && pair.fixed_a && flies(s_.bodies, params, pair)) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (is_watched(s_, pair)) strip.watched.push_back(k);

@@ -194,7 +194,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     job.looks = job.bent = 0;
     job.fast = false;
   }
-  if (s.statics.any() || !in.kinematics.empty() || !in.bullets.empty()) {
+  if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
     find_shapes(in);
     find_deep_discs(in);
     const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
@@ -210,7 +210,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   fast_count_ = static_cast<std::uint32_t>(flying_.size());
   looked_ = 0;
   if (flying_.empty()) return 0;
-  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt};
+  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.walls, in.wall};
   for (const auto& [id, velocity] : in.kinematics) {
     if (!b.kind(id).sensor) space.kinematics.push_back(b.info[id].slot);
   }

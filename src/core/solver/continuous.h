@@ -29,6 +29,8 @@ struct ContinuousInput {
   const std::vector<std::uint32_t>& bullets;  ///< ids
   bool filters = false;                       ///< some bodies do not collide with others
   double dt = 0;                              ///< s
+  const Walls* walls = nullptr;               ///< null if the world has none
+  BodyProperties wall = {};                   ///< their surface
 };
 
 class Continuous {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMostImpacts = 96;      // in a step; then the body stays where it met the last one
 constexpr double kTolerance = 1e-3;   // share of the inner radius to which impacts are found
-constexpr double kDeeper = 0.1;       // share of the inner radius by which touching hulls sink in before they strike anew
+constexpr double kDeeper = 0.1;       // share of the inner radius by which hulls would overlap in an impact
 
 Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
 
@@ -119,6 +119,7 @@ void Flight::ride() {
 void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
   first_.share = Approach::kNever;
   if (s_.statics.any()) find_fixed(near);
+  if (space_.walls != nullptr) find_walls();
   for (const std::uint32_t slot : space_.kinematics) find_moving(slot, false);
   for (const std::uint32_t slot : partners) find_moving(slot, true);
 }
@@ -140,6 +141,23 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       if (cross(u, at_ - p) > 0) continue;
     }
     meet_hull(piece, {{}, {}, {}, s.restitution, s.friction});
+  }
+}
+
+// Looks at the walls of the world, as long segments beside the way.
+void Flight::find_walls() {
+  const double size = b_.radius[slot_] + length_of(at_) + left_ * length_of(way_.along);
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1], 0, 0};
+  for (const std::uint32_t wall : {kWallLeft, kWallRight, kWallBottom, kWallTop}) {
+    const Walls::Face face = space_.walls->face(wall, here, s_.lattice);
+    if (face.height > size) continue;
+    const Vec2 n{face.nx, face.ny}, foot = -face.height * n, along = 4 * size * upright(n);
+    Hull hull;
+    hull.count = 2;
+    hull.set_vertex(0, foot - along);
+    hull.set_vertex(1, foot + along);
+    finish_hull(hull);
+    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction});
   }
 }
 
@@ -185,21 +203,36 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
   }
 }
 
-// The share of the leg at which a hull strikes another one, or kNever. Only if it would come deep it strikes, and then
-// where it first touched.
+// The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
+// deeper than contacts of bodies that slide over tiles are; a body that touches from the start, if it would come deep.
 double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const {
   const double size = inner, deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
   const double distance = pair.stand(0, 0).distance;
-  if (distance <= deep + tolerance) {
-    pressed = true;  // it comes no deeper
-    const double later = pair.falls_to(distance - 2 * tolerance, tolerance / 2, 0);
-    return later < 1 || pair.enters() ? 0 : Approach::kNever;
+  double from = 0;
+  if (distance <= tolerance) from = parts(pair, mine, tolerance);
+  if (from < 1) {
+    const double share = pair.falls_to(0, tolerance, from);
+    if (share > 1) return Approach::kNever;
+    return pair.falls_to(-kDeeper * size, tolerance, share) > 1 ? Approach::kNever : share;
   }
-  const double limit = distance > tolerance ? 0 : std::fmax(std::fmin(distance, 0) - kDeeper * size, deep);
+  pressed = distance <= deep + tolerance;
+  if (pressed) {  // it comes no deeper
+    return pair.falls_to(distance - 2 * tolerance, tolerance / 2, 0) < 1 || pair.enters() ? 0 : Approach::kNever;
+  }
+  const double limit = std::fmax(std::fmin(distance, 0) - kDeeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
   if (share > 1) return Approach::kNever;
   return pair.falls_to(deep, tolerance, share) > 1 ? Approach::kNever : share;
+}
+
+// The share at which hulls that touch have parted, if they do so at once; else kNever.
+double Flight::parts(const Approach& pair, const Hull& mine, double tolerance) const {
+  const double way = left_ * (length_of(way_.along) + std::fabs(way_.turn) * mine.reach);  // m, at most
+  for (double moved = tolerance; moved < 300 * tolerance && moved < way; moved *= 4) {
+    if (pair.stand(moved / way, 0).distance > 2 * tolerance) return moved / way;
+  }
+  return Approach::kNever;
 }
 
 // Returns whether the way of the body changed.
@@ -221,7 +254,9 @@ bool Flight::bounce() {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
   };
   Surface s{0, 0, properties_.inv_mass, inertia(properties_)};
-  s.restitution = first_.pressed ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
+  // What presses slowly on a body that is deep already does not bounce.
+  const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
+  s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
   s.friction = std::sqrt(properties_.friction * other.friction);
   const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
   const Vec2 n{m.nx / length, m.ny / length};

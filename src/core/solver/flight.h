@@ -30,6 +30,8 @@ struct Airspace {
   const JointStore* joints;                  ///< null if no joint keeps bodies from colliding
   bool filters = false;                      ///< some bodies do not collide with others
   double dt = 0;                             ///< s
+  const Walls* walls = nullptr;              ///< null if the world has none
+  BodyProperties wall = {};                  ///< their surface
   std::vector<std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
@@ -69,9 +71,11 @@ class Flight {
   Course rest_of(const Course& c) const;
   void find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
   void find_fixed(std::vector<std::uint32_t>& near);
+  void find_walls();
   void find_moving(std::uint32_t slot, bool yields);
   void meet_hull(const Hull& hull, const Other& other);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const;
+  double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   bool bounce();
   void ride();
   void store() const;

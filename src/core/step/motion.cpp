@@ -170,8 +170,10 @@ void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
   if (c.plan.bullets || !c.population.kinematics.empty()) c.bodies.find_slots();
+  const ManifoldParams p = c.manifold_params(dt);
+  const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
   report.stopped = continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics,
-                                    c.population.bullets, c.plan.filters, dt});
+                                    c.population.bullets, c.plan.filters, dt, walls, p.wall});
   report.fast = continuous.fast();
 }
 
