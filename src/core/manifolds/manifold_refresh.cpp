@@ -30,7 +30,7 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on.
 constexpr float kFlying = 1;
 
-static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair) {
+static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
   float x = b.vel[2 * i], y = b.vel[2 * i + 1];
@@ -39,8 +39,6 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
     x -= b.vel[2 * a], y -= b.vel[2 * a + 1];
     swing += std::fabs(b.rim_speed[a]);
   }
-  const BodyKind& kind = b.kind(pair.id_b);
-  const float inner = kind.hull_count != 0 ? kind.inner : b.radius[i];
   return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
 }
 
@@ -64,7 +62,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    if (pair.active && pair.fixed_a && flies(s_.bodies, params, pair)) pair.active = false;
+    if (pair.active && pair.fixed_a && flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b])) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (is_watched(s_, pair)) strip.watched.push_back(k);

@@ -210,7 +210,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   fast_count_ = static_cast<std::uint32_t>(flying_.size());
   looked_ = 0;
   if (flying_.empty()) return 0;
-  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.walls, in.wall};
+  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.gravity, in.walls, in.wall};
   for (const auto& [id, velocity] : in.kinematics) {
     if (!b.kind(id).sensor) space.kinematics.push_back(b.info[id].slot);
   }

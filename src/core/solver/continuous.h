@@ -29,6 +29,7 @@ struct ContinuousInput {
   const std::vector<std::uint32_t>& bullets;  ///< ids
   bool filters = false;                       ///< some bodies do not collide with others
   double dt = 0;                              ///< s
+  Vec2 gravity;                               ///< m/s^2
   const Walls* walls = nullptr;               ///< null if the world has none
   BodyProperties wall = {};                   ///< their surface
 };

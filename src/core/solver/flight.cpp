@@ -71,6 +71,7 @@ Flight::Flight(const Airspace& space, std::uint32_t slot)
             std::max<std::size_t>(1, kind_.hull_count)};
   inner_ = shape ? kind_.inner : b_.radius[slot];
   velocity_ = {b_.velocity(slot), b_.omega_of(slot)};
+  fall_ = space.dt * (b_.acc.empty() ? space.gravity : Vec2{b_.acc[2 * slot], b_.acc[2 * slot + 1]});
   const double turned = b_.angle_change.empty() ? velocity_.turn * space.dt : double{b_.angle_change[slot]};
   way_ = {{b_.disp[2 * slot], b_.disp[2 * slot + 1]}, turned};
   angle_ = b_.angle_of(slot) - turned;
@@ -95,6 +96,8 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
     const double share = std::fmin(first_.share, 1);
     at_ = at_ + share * left_ * way_.along;
     angle_ += share * left_ * way_.turn;
+    // From the mean velocity of this part of the way to that of its end: gravity bends it a little.
+    way_.along = way_.along + (share - 0.5) * left_ * space_.dt * fall_;
     left_ *= 1 - share;
     if (first_.share > 1) break;
     if (!bounce() && share == 0) {  // something else holds it
@@ -249,7 +252,7 @@ bool Flight::bounce() {
     const Vec2 arm{m.point[k].bx, m.point[k].by};
     points[count++] = {mine.at + arm - theirs.at, arm};
   }
-  if (count == 0) return false;
+  if (count == 0) return false;  // they do not touch
   const auto inertia = [&](const BodyProperties& p) {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
   };
@@ -264,8 +267,12 @@ bool Flight::bounce() {
   Rates their_way = other.way, their_velocity = other.velocity;
   if (other.slot == kNoSlot) {
     collide_rates(their_way, way_, s, n, {points, count});
+    const bool bent = way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
+    way_.along = way_.along + 0.5 * left_ * space_.dt * fall_;
+    velocity_.along = velocity_.along - left_ * fall_;  // what gravity gives after the impact
     collide_rates(their_velocity, velocity_, s, n, {points, count});
-    return way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
+    velocity_.along = velocity_.along + left_ * fall_;
+    return bent;
   }
   // Another body that moves keeps its way in this step, and this one goes along with it.
   const BodyProperties& theirs_of = b_.properties(b_.id[other.slot]);

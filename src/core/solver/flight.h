@@ -30,6 +30,7 @@ struct Airspace {
   const JointStore* joints;                  ///< null if no joint keeps bodies from colliding
   bool filters = false;                      ///< some bodies do not collide with others
   double dt = 0;                             ///< s
+  Vec2 gravity;                              ///< m/s^2, where bodies have no accelerations of their own
   const Walls* walls = nullptr;              ///< null if the world has none
   BodyProperties wall = {};                  ///< their surface
   std::vector<std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
@@ -93,6 +94,7 @@ class Flight {
   double angle_ = 0;
   double left_ = 1;      // share of the step
   Rates way_, velocity_;  // in the step; in a second
+  Vec2 fall_;             // m/s: the velocity that gravity gives in the step
   Impact first_;
   std::uint32_t looks_ = 0;
 };
