@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "base/tasks.h"
 #include "solver/flight.h"
@@ -216,9 +214,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   }
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
     Flight flight(space, i);
-    const int nn = flight.run(job.near, partners);
-    if (getenv("DBG") && nn) printf("bent %u id %u impacts %d at %g %g inner %g disp %g %g vel %g %g\n", i, b.id[i], nn, s.lattice.to_world(b.point(i)).x, s.lattice.to_world(b.point(i)).y, inner_of(b,i), b.disp[2*i], b.disp[2*i+1], b.vel[2*i], b.vel[2*i+1]);
-    job.bent += nn != 0 ? 1 : 0;
+    job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
     job.looks += flight.looks();
   };
   jobs_.resize(std::max(jobs_.size(), jobs_for(flying_.size(), kFlights)));
