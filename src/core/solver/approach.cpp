@@ -21,7 +21,7 @@ Rotor as_rotor(SineCosine q) { return {static_cast<float>(q.cosine), static_cast
 
 Approach::Frame Approach::frame(double share) const {
   const double facing = of_a_.facing(share);
-  const SineCosine forward = sine_cosine(facing), back{-forward.sine, forward.cosine};
+  const SineCosine forward = facing != 0 ? sine_cosine(facing) : SineCosine{}, back{-forward.sine, forward.cosine};
   return {back, turned(back, of_b_.place(share) - of_a_.place(share)), turned(back, way_),
           of_b_.facing(share) - facing};
 }

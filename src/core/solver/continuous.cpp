@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kTask = 512, kFlights = 16;
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
+constexpr float kThrown = 1.5f;     // share of the inner radius by which a body moves that was thrown far
 constexpr float kPressed = 0.25f;   // share of the inner radius: deeper in a kinematic body, a body is looked at, however slow
 
 // Whether the points of a body moved far for its size.
@@ -62,12 +63,39 @@ bool passes(const Surroundings& s, std::size_t i, std::uint32_t number) {
   return !shape.whole && distance2(way, s.lattice.way(here, shape.p), u) < size * size;
 }
 
+// Whether fixed geometry may lie along the way of a body.
+bool near_fixed(const ContinuousInput& in, std::size_t i) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), end = at + Vec2{b.disp[2 * i], b.disp[2 * i + 1]};
+  const double r = b.radius[i];
+  const Bounds box{std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r,
+                   std::fmax(at.y, end.y) + r};
+  if (in.walls != nullptr) {
+    const Vec2 low = s.lattice.metres(in.walls->low.x, in.walls->low.y),
+               high = s.lattice.metres(in.walls->high.x, in.walls->high.y);
+    if (box.xmin < low.x || box.ymin < low.y || box.xmax > high.x || box.ymax > high.y) return true;
+  }
+  return s.statics.any() && !s.statics.surely_none(box);
+}
+
 // Whether the circles around two bodies may have met in the step.
 bool may_reach(const Surroundings& s, std::size_t i, std::size_t k) {
   const BodyStore& b = s.bodies;
   const Vec2 apart = s.lattice.steps({b.pos[2 * i], b.pos[2 * i + 1]}, {b.pos[2 * k], b.pos[2 * k + 1]});
   const double ways = length_of({b.disp[2 * i], b.disp[2 * i + 1]}) + length_of({b.disp[2 * k], b.disp[2 * k + 1]});
   return length_of(apart) < double{b.radius[i]} + b.radius[k] + ways;
+}
+
+// Whether a body is so fast that it may have met a kinematic body that its lists do not name, since it bounced or was
+// thrown, and which ones are there.
+bool may_come_upon(const ContinuousInput& in, std::size_t i) {
+  const Surroundings& s = in.contacts.surroundings;
+  if (in.kinematics.empty() || !is_fast(s.bodies, i, kThrown / Flight::kFast * inner_of(s.bodies, i))) return false;
+  return std::ranges::any_of(in.kinematics, [&](const auto& kinematic) {
+    const std::size_t k = s.bodies.info[kinematic.first].slot;
+    return may_reach(s, i, k) && way_against(s, i, k) > Flight::kFast * inner_of(s.bodies, i);
+  });
 }
 
 }  // namespace
@@ -80,8 +108,8 @@ void Continuous::find_shapes(const ContinuousInput& in) {
   run_each(slots.size(), kTask, in.contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
     const std::uint32_t i = slots[k];
     if (!is_free(b, i) || !is_fast(b, i, b.kind(b.id[i]).inner)) return;
-    jobs_[n].found.push_back(i);
     jobs_[n].fast = true;
+    if (near_fixed(in, i) || may_come_upon(in, i)) jobs_[n].found.push_back(i);
   });
 }
 
@@ -113,15 +141,10 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
   run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
     if (b.linked[i] == 0 || !is_fast_disc(b, i) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
     Job& job = jobs_[n];
-    const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), way{b.disp[2 * i], b.disp[2 * i + 1]};
-    const double r = b.radius[i], end_x = at.x + way.x, end_y = at.y + way.y;
+    const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
     job.near.clear();
-    if (!s.statics.surely_none({std::fmin(at.x, end_x) - r, std::fmin(at.y, end_y) - r, std::fmax(at.x, end_x) + r,
-                                std::fmax(at.y, end_y) + r})) {
-      s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
-    }
-    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) ||
-        std::ranges::any_of(in.kinematics, [&](const auto& k) { return may_reach(s, i, b.info[k.first].slot); })) {
+    if (near_fixed(in, i)) s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(in, i)) {
       job.found.push_back(static_cast<std::uint32_t>(i));
     }
   });
@@ -129,30 +152,23 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
 
 // Bodies that something presses deep into fixed or kinematic geometry, and those that kinematic bodies come upon.
 void Continuous::find_pressed(const ContinuousInput& in) {
-  const BodyStore& b = in.contacts.surroundings.bodies;
-  std::vector<std::uint32_t>& found = jobs_[0].found;
-  const auto met = [&](std::uint32_t k, std::uint32_t i) {  // by a kinematic body
-    const float turn = b.angle_change.empty() ? 0.0f : b.angle_change[k];
-    const Vec2 at = in.contacts.surroundings.lattice.way(b.point(k), b.point(i));
-    const float x = b.disp[2 * i] - b.disp[2 * k] + turn * static_cast<float>(at.y);
-    const float y = b.disp[2 * i + 1] - b.disp[2 * k + 1] - turn * static_cast<float>(at.x);
-    const float limit = Flight::kFast * inner_of(b, i), way2 = x * x + y * y;
-    return way2 > limit * limit && std::isfinite(way2);
-  };
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
   for (std::size_t n = 0; n < in.contacts.manifolds.strip_count(); ++n) {
     for (const std::uint32_t k : in.contacts.manifolds.strip(n).watched) {
       const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
       if (!is_free(b, pair.b)) continue;
-      const bool watched = pair.of_piece() || pair.least_gap() < -kPressed * inner_of(b, pair.b) || met(pair.a, pair.b);
-      if (watched) found.push_back(pair.b);
+      const float inner = inner_of(b, pair.b);
+      const bool deep = pair.of_piece() || pair.least_gap() < -kPressed * inner;
+      if (deep || way_against(s, pair.b, pair.a) > Flight::kFast * inner) pressed_.push_back(pair.b);
     }
   }
   const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
-  for (const Strip& s : in.table.strips) {
+  for (const Strip& strip : in.table.strips) {
     if (in.kinematics.empty()) break;
-    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
       const std::uint32_t i = in.table.owner[p], j = in.table.other[p];
-      if (held(i) != held(j) && is_free(b, held(i) ? j : i)) found.push_back(held(i) ? j : i);
+      if (held(i) != held(j) && is_free(b, held(i) ? j : i)) pressed_.push_back(held(i) ? j : i);
     }
   }
 }
@@ -192,6 +208,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     job.looks = job.bent = 0;
     job.fast = false;
   }
+  pressed_.clear();
   if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
     find_shapes(in);
     find_deep_discs(in);
@@ -200,7 +217,8 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     find_pressed(in);
   }
   find_bullets(in);
-  flying_.clear();
+  std::ranges::sort(pressed_);
+  flying_ = pressed_;
   for (const Job& job : jobs_) flying_.insert(flying_.end(), job.found.begin(), job.found.end());
   for (const auto& [i, j] : partners_) flying_.push_back(i);
   std::ranges::sort(flying_);
@@ -213,7 +231,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     if (!b.kind(id).sensor) space.kinematics.push_back(b.info[id].slot);
   }
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
-    Flight flight(space, i);
+    Flight flight(space, i, std::ranges::binary_search(pressed_, i));
     job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
     job.looks += flight.looks();
   };

@@ -46,9 +46,9 @@ class Continuous {
   /// The number of bodies whose ways the last stop() looked at.
   std::uint32_t fast() const { return fast_count_; }
 
-  void release() { give_back(jobs_, fast_, flying_, partners_); }
+  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_); }
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(jobs_, fast_, flying_, partners_);
+    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_);
     for (const Job& job : jobs_) sum += bytes_of(job.found, job.near);
     return sum;
   }
@@ -69,6 +69,8 @@ class Continuous {
 
   std::vector<Job> jobs_;
   std::vector<std::uint32_t> flying_;                              // slots of bodies that are looked at, ascending
+  std::vector<std::uint32_t> pressed_;                             // slots of bodies deep in something, and of those
+                                                                   // that kinematic bodies come upon; ascending
   std::vector<std::uint8_t> fast_;                                 // by slot: the body is a fast bullet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> partners_;  // of fast bullets, by slot
   std::uint64_t looked_ = 0;

@@ -64,8 +64,19 @@ void collide_rates(Rates& a, Rates& b, const Surface& s, Vec2 n, std::span<const
 
 }  // namespace
 
-Flight::Flight(const Airspace& space, std::uint32_t slot)
-    : space_(space), slot_(slot), kind_(b_.kind(b_.id[slot])), properties_(b_.properties(b_.id[slot])) {
+float way_against(const Surroundings& s, std::size_t i, std::size_t k) {
+  const BodyStore& b = s.bodies;
+  const float x = b.disp[2 * i] - b.disp[2 * k], y = b.disp[2 * i + 1] - b.disp[2 * k + 1];
+  if (b.angle_change.empty()) return std::sqrt(x * x + y * y);
+  const float turn = b.angle_change[k], swing = b.kind(b.id[i]).hull_count == 0 ? 0.0f : b.angle_change[i] - turn;
+  const Vec2 apart = s.lattice.steps({b.pos[2 * k], b.pos[2 * k + 1]}, {b.pos[2 * i], b.pos[2 * i + 1]});
+  const float middle_x = static_cast<float>(apart.x) + x / 2, middle_y = static_cast<float>(apart.y) + y / 2;
+  const float ux = x + turn * middle_y, uy = y - turn * middle_x;
+  return std::sqrt(ux * ux + uy * uy) + std::fabs(swing) * b.radius[i];
+}
+
+Flight::Flight(const Airspace& space, std::uint32_t slot, bool pressed)
+    : space_(space), slot_(slot), pressed_(pressed), kind_(b_.kind(b_.id[slot])), properties_(b_.properties(b_.id[slot])) {
   const bool shape = kind_.hull_count != 0;
   hulls_ = {shape ? &b_.hulls[kind_.first_hull] : &disc_.emplace(disc_hull(b_.radius[slot])),
             std::max<std::size_t>(1, kind_.hull_count)};
@@ -123,7 +134,9 @@ void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_
   first_.share = Approach::kNever;
   if (s_.statics.any()) find_fixed(near);
   if (space_.walls != nullptr) find_walls();
-  for (const std::uint32_t slot : space_.kinematics) find_moving(slot, false);
+  for (const std::uint32_t slot : space_.kinematics) {
+    find_moving(slot, false);
+  }
   for (const std::uint32_t slot : partners) find_moving(slot, true);
 }
 
@@ -175,6 +188,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
   const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
   const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
   if (apart > length_of(left_ * way_.along) + length_of(way)) return;
+  if (!yields && !pressed_ && left_ == 1 && way_against(s_, slot_, slot) <= kFast * inner_) return;
   Other other;
   other.course = {centre, way, angle, turn};
   other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
@@ -192,7 +206,33 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
     other.inner = shape ? kind.inner : b_.radius[slot];
   }
   if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
-  for (std::uint32_t k = 0; k < kind.hull_count; ++k) meet_hull(b_.hulls[kind.first_hull + k], other);
+  meet_hulls(kind, other);
+}
+
+// Looks at the hulls of a body to whose boxes the circle around this one may come, as seen from that body.
+void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
+  const Course mine = leg(), theirs = rest_of(other.course);
+  const auto seen = [&](double share) {
+    const SineCosine q = sine_cosine(theirs.facing(share));
+    return turned({-q.sine, q.cosine}, mine.place(share) - theirs.place(share)) - theirs.arm;
+  };
+  const Vec2 from = seen(0), to = seen(1);
+  // The way between is an arc. It leaves the chord by no more than `bulge`.
+  const double spin = std::fabs(theirs.turn), span = length_of(mine.way - theirs.way);
+  const double bulge = spin * (2 * span + spin * (length_of(from + theirs.arm) + span)) / 8;
+  const double r = double{b_.radius[slot_]} + bulge;
+  const Bounds way{std::fmin(from.x, to.x) - r, std::fmin(from.y, to.y) - r, std::fmax(from.x, to.x) + r,
+                   std::fmax(from.y, to.y) + r};
+  for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
+    const Hull& hull = b_.hulls[kind.first_hull + k];
+    Bounds box{1e300, 1e300, -1e300, -1e300};
+    for (int n = 0; n < hull.count; ++n) {
+      const double x = hull.x[n], y = hull.y[n], round = hull.radius;
+      box = {std::fmin(box.xmin, x - round), std::fmin(box.ymin, y - round), std::fmax(box.xmax, x + round),
+             std::fmax(box.ymax, y + round)};
+    }
+    if (overlap(box, way)) meet_hull(hull, other);
+  }
 }
 
 // Takes an impact with a hull, if it is the first one so far.
@@ -207,25 +247,26 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
 }
 
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
-// deeper than contacts of bodies that slide over tiles are; a body that touches from the start, if it would come deep.
+// deeper than contacts of bodies that slide over tiles are; a body that touches all the way, if it would come deep.
 double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const {
   const double size = inner, deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
-  const double distance = pair.stand(0, 0).distance;
-  double from = 0;
-  if (distance <= tolerance) from = parts(pair, mine, tolerance);
-  if (from < 1) {
+  const Approach::Stand start = pair.stand(0, 0);
+  const auto strikes_from = [&](double from) {
     const double share = pair.falls_to(0, tolerance, from);
-    if (share > 1) return Approach::kNever;
-    return pair.falls_to(-kDeeper * size, tolerance, share) > 1 ? Approach::kNever : share;
-  }
-  pressed = distance <= deep + tolerance;
+    return share > 1 || pair.falls_to(-kDeeper * size, tolerance, share) > 1 ? Approach::kNever : share;
+  };
+  if (start.distance > tolerance) return start.advance < 1 ? strikes_from(start.advance) : Approach::kNever;
+  pressed = start.distance <= deep + tolerance;
   if (pressed) {  // it comes no deeper
-    return pair.falls_to(distance - 2 * tolerance, tolerance / 2, 0) < 1 || pair.enters() ? 0 : Approach::kNever;
+    const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
+    return later < 1 || pair.enters() ? 0 : Approach::kNever;
   }
-  const double limit = std::fmax(std::fmin(distance, 0) - kDeeper * size, deep);
+  const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
   if (share > 1) return Approach::kNever;
+  const double from = parts(pair, mine, tolerance);
+  if (from < 1) return strikes_from(from);
   return pair.falls_to(deep, tolerance, share) > 1 ? Approach::kNever : share;
 }
 

@@ -36,9 +36,13 @@ struct Airspace {
   std::vector<std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
+/// How far the points of a body went in the step at most, as seen from body k, which may turn. m
+float way_against(const Surroundings& s, std::size_t i, std::size_t k);
+
 class Flight {
  public:
-  Flight(const Airspace& space, std::uint32_t slot);
+  /// `pressed`: something may press the body through a kinematic one, however slowly.
+  Flight(const Airspace& space, std::uint32_t slot, bool pressed);
 
   static constexpr float kFast = 0.5f;  ///< share of its inner radius by which a fast body moves in a step
   /// A body may come this deep, as a share of its inner radius: contacts see to less, and to bodies that only tip, slide
@@ -74,6 +78,7 @@ class Flight {
   void find_fixed(std::vector<std::uint32_t>& near);
   void find_walls();
   void find_moving(std::uint32_t slot, bool yields);
+  void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
@@ -85,6 +90,7 @@ class Flight {
   const Surroundings& s_ = space_.contacts.surroundings;
   BodyStore& b_ = s_.bodies;
   const std::uint32_t slot_;
+  const bool pressed_;
   const BodyKind& kind_;
   const BodyProperties& properties_;
   std::optional<Hull> disc_;  // of a body without hulls
