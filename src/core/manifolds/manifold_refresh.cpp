@@ -33,12 +33,15 @@ constexpr float kFlying = 1;
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
-  float x = b.vel[2 * i], y = b.vel[2 * i + 1];
-  float swing = std::fabs(b.rim_speed[i]) * (1 - pair.round_b / b.radius[i]);
-  if (!pair.of_piece()) {
-    x -= b.vel[2 * a], y -= b.vel[2 * a + 1];
-    swing += std::fabs(b.rim_speed[a]);
+  float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
+  if (!pair.of_piece()) {  // as seen from A, which turns
+    const float spin = b.rim_speed[a] / b.radius[a];
+    const float rx = m.point[0].ax - m.point[0].bx, ry = m.point[0].ay - m.point[0].by;  // from A's centre to B's
+    x -= b.vel[2 * a] - spin * ry;
+    y -= b.vel[2 * a + 1] + spin * rx;
+    turn -= spin;
   }
+  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b);
   return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
 }
 
@@ -62,10 +65,12 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    if (pair.active && pair.fixed_a && flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b])) pair.active = false;
+    const bool flying = pair.active && pair.fixed_a && !pair.of_wall() &&
+                        flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
+    if (flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
-    if (is_watched(s_, pair)) strip.watched.push_back(k);
+    if (flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
     if (!laid) continue;

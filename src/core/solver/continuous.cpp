@@ -63,14 +63,18 @@ bool passes(const Surroundings& s, std::size_t i, std::uint32_t number) {
   return !shape.whole && distance2(way, s.lattice.way(here, shape.p), u) < size * size;
 }
 
-// Whether fixed geometry may lie along the way of a body.
-bool near_fixed(const ContinuousInput& in, std::size_t i) {
-  const Surroundings& s = in.contacts.surroundings;
+// The box around the way of a body in the step, m from the centre of the lattice.
+Bounds box_of(const Surroundings& s, std::size_t i) {
   const BodyStore& b = s.bodies;
   const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), end = at + Vec2{b.disp[2 * i], b.disp[2 * i + 1]};
   const double r = b.radius[i];
-  const Bounds box{std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r,
-                   std::fmax(at.y, end.y) + r};
+  return {std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r, std::fmax(at.y, end.y) + r};
+}
+
+// Whether fixed geometry may lie along the way of a body.
+bool near_fixed(const ContinuousInput& in, std::size_t i) {
+  const Surroundings& s = in.contacts.surroundings;
+  const Bounds box = box_of(s, i);
   if (in.walls != nullptr) {
     const Vec2 low = s.lattice.metres(in.walls->low.x, in.walls->low.y),
                high = s.lattice.metres(in.walls->high.x, in.walls->high.y);
@@ -87,29 +91,59 @@ bool may_reach(const Surroundings& s, std::size_t i, std::size_t k) {
   return length_of(apart) < double{b.radius[i]} + b.radius[k] + ways;
 }
 
-// Whether a body is so fast that it may have met a kinematic body that its lists do not name, since it bounced or was
-// thrown, and which ones are there.
-bool may_come_upon(const ContinuousInput& in, std::size_t i) {
+}  // namespace
+
+// The kinematic bodies by the left edges of their boxes, to find those along a way.
+void Continuous::sort_kinematics(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
-  if (in.kinematics.empty() || !is_fast(s.bodies, i, kThrown / Flight::kFast * inner_of(s.bodies, i))) return false;
-  return std::ranges::any_of(in.kinematics, [&](const auto& kinematic) {
-    const std::size_t k = s.bodies.info[kinematic.first].slot;
-    return may_reach(s, i, k) && way_against(s, i, k) > Flight::kFast * inner_of(s.bodies, i);
-  });
+  kinematics_.clear();
+  widest_ = 0;
+  for (const auto& [id, velocity] : in.kinematics) {
+    if (s.bodies.kind(id).sensor) continue;
+    kinematics_.push_back({box_of(s, s.bodies.info[id].slot), s.bodies.info[id].slot});
+    const Bounds& box = kinematics_.back().box;
+    widest_ = std::fmax(widest_, box.xmax - box.xmin);
+  }
+  std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });
 }
 
-}  // namespace
+// Whether a body is so fast that it may have met a kinematic body that its lists do not name, since it bounced or was
+// thrown, and which ones are there.
+bool Continuous::may_come_upon(const Surroundings& s, std::size_t i) const {
+  if (kinematics_.empty()) return false;
+  const BodyStore& b = s.bodies;
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kThrown * inner_of(b, i);
+  if (!(x * x + y * y > limit * limit)) return false;
+  const auto fast = [&](const Kinematic& k) {
+    return way_against(s, i, k.slot) > Flight::kFast * inner_of(s.bodies, i);
+  };
+  if (s.lattice.wraps()) {
+    return std::ranges::any_of(kinematics_, [&](const Kinematic& k) { return may_reach(s, i, k.slot) && fast(k); });
+  }
+  const Bounds mine = box_of(s, i);
+  const auto left = [](const Kinematic& k) { return k.box.xmin; };
+  auto k = std::ranges::lower_bound(kinematics_, mine.xmin - widest_, {}, left);
+  for (; k != kinematics_.end() && k->box.xmin <= mine.xmax; ++k) {
+    if (overlap(k->box, mine) && fast(*k)) return true;
+  }
+  return false;
+}
 
 // Fast shapes.
 void Continuous::find_shapes(const ContinuousInput& in) {
   const BodyStore& b = in.contacts.surroundings.bodies;
   const std::vector<std::uint32_t>& slots = in.contacts.manifolds.shaped();
   jobs_.resize(std::max(jobs_.size(), jobs_for(slots.size(), kTask)));
-  run_each(slots.size(), kTask, in.contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
+  const Surroundings& s = in.contacts.surroundings;
+  const bool fixed = in.walls != nullptr || s.statics.any();
+  run_each(slots.size(), kTask, s.pool, [&](std::size_t k, std::size_t n) {
     const std::uint32_t i = slots[k];
-    if (!is_free(b, i) || !is_fast(b, i, b.kind(b.id[i]).inner)) return;
+    if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
+    const BodyProperties& properties = b.properties(b.id[i]);
+    const BodyKind& kind = b.kinds[properties.kind];
+    if (!is_fast(b, i, kind.inner) || properties.type != BodyType::dynamic_body || kind.sensor) return;
     jobs_[n].fast = true;
-    if (near_fixed(in, i) || may_come_upon(in, i)) jobs_[n].found.push_back(i);
+    if ((fixed && near_fixed(in, i)) || may_come_upon(s, i)) jobs_[n].found.push_back(i);
   });
 }
 
@@ -144,7 +178,7 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
     const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
     job.near.clear();
     if (near_fixed(in, i)) s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
-    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(in, i)) {
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(in.contacts.surroundings, i)) {
       job.found.push_back(static_cast<std::uint32_t>(i));
     }
   });
@@ -159,7 +193,7 @@ void Continuous::find_pressed(const ContinuousInput& in) {
       const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
       if (!is_free(b, pair.b)) continue;
       const float inner = inner_of(b, pair.b);
-      const bool deep = pair.of_piece() || pair.least_gap() < -kPressed * inner;
+      const bool deep = pair.of_piece() || !pair.active || pair.least_gap() < -kPressed * inner;
       if (deep || way_against(s, pair.b, pair.a) > Flight::kFast * inner) pressed_.push_back(pair.b);
     }
   }
@@ -201,7 +235,6 @@ void Continuous::find_bullets(const ContinuousInput& in) {
 
 std::uint32_t Continuous::stop(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
-  const BodyStore& b = s.bodies;
   jobs_.resize(std::max<std::size_t>(jobs_.size(), 1));
   for (Job& job : jobs_) {
     job.found.clear();
@@ -209,11 +242,13 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     job.fast = false;
   }
   pressed_.clear();
+  sort_kinematics(in);
   if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
     find_shapes(in);
     find_deep_discs(in);
     const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
-    if (fast || !in.kinematics.empty()) find_fast_discs(in);
+    const bool discs = in.contacts.manifolds.shaped().size() < s.bodies.awake();
+    if (discs && (fast || !in.kinematics.empty())) find_fast_discs(in);
     find_pressed(in);
   }
   find_bullets(in);
@@ -227,9 +262,7 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   looked_ = 0;
   if (flying_.empty()) return 0;
   Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.gravity, in.walls, in.wall};
-  for (const auto& [id, velocity] : in.kinematics) {
-    if (!b.kind(id).sensor) space.kinematics.push_back(b.info[id].slot);
-  }
+  for (const Kinematic& k : kinematics_) space.kinematics.push_back(k.slot);
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
     Flight flight(space, i, std::ranges::binary_search(pressed_, i));
     job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;

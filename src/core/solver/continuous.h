@@ -46,9 +46,9 @@ class Continuous {
   /// The number of bodies whose ways the last stop() looked at.
   std::uint32_t fast() const { return fast_count_; }
 
-  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_); }
+  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_, kinematics_); }
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_);
+    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_, kinematics_);
     for (const Job& job : jobs_) sum += bytes_of(job.found, job.near);
     return sum;
   }
@@ -61,6 +61,13 @@ class Continuous {
     bool fast = false;  // somebody is
   };
 
+  struct Kinematic {
+    Bounds box;  // around its way, m from the centre of the lattice
+    std::uint32_t slot;
+  };
+
+  void sort_kinematics(const ContinuousInput& in);
+  bool may_come_upon(const Surroundings& s, std::size_t i) const;
   void find_shapes(const ContinuousInput& in);
   void find_deep_discs(const ContinuousInput& in);
   void find_fast_discs(const ContinuousInput& in);
@@ -73,6 +80,8 @@ class Continuous {
                                                                    // that kinematic bodies come upon; ascending
   std::vector<std::uint8_t> fast_;                                 // by slot: the body is a fast bullet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> partners_;  // of fast bullets, by slot
+  std::vector<Kinematic> kinematics_;                              // by left edge
+  double widest_ = 0;                                              // m: their widest box
   std::uint64_t looked_ = 0;
   std::uint32_t fast_count_ = 0;
 };
