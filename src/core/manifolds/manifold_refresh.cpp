@@ -65,12 +65,12 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    const bool flying = pair.active && pair.fixed_a && !pair.of_wall() &&
-                        flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
-    if (flying) pair.active = false;
+    pair.flying = pair.active && pair.fixed_a && !pair.of_wall() &&
+                  flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
+    if (pair.flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
-    if (flying || is_watched(s_, pair)) strip.watched.push_back(k);
+    if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
     if (!laid) continue;

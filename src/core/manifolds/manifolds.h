@@ -72,6 +72,7 @@ struct ManifoldPair : PairName {
   float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
   bool active = false;             ///< the pair has a lane
   bool ahead = false;              ///< the bodies are apart, and may meet within the step
+  bool flying = false;             ///< B comes too fast for a contact: continuous collision sees to it
   bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
   bool lasting = false;            ///< the manifold may be kept while bodies move little
   bool changed = true;             ///< it changed since it was written into its lane

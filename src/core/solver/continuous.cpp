@@ -105,6 +105,8 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
     widest_ = std::fmax(widest_, box.xmax - box.xmin);
   }
   std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });
+  kinematic_slots_.clear();
+  for (const Kinematic& k : kinematics_) kinematic_slots_.push_back(k.slot);
 }
 
 // Whether a body is so fast that it may have met a kinematic body that its lists do not name, since it bounced or was
@@ -193,7 +195,7 @@ void Continuous::find_pressed(const ContinuousInput& in) {
       const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
       if (!is_free(b, pair.b)) continue;
       const float inner = inner_of(b, pair.b);
-      const bool deep = pair.of_piece() || !pair.active || pair.least_gap() < -kPressed * inner;
+      const bool deep = pair.of_piece() || pair.flying || pair.least_gap() < -kPressed * inner;
       if (deep || way_against(s, pair.b, pair.a) > Flight::kFast * inner) pressed_.push_back(pair.b);
     }
   }
@@ -261,8 +263,8 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
   fast_count_ = static_cast<std::uint32_t>(flying_.size());
   looked_ = 0;
   if (flying_.empty()) return 0;
-  Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.gravity, in.walls, in.wall};
-  for (const Kinematic& k : kinematics_) space.kinematics.push_back(k.slot);
+  const Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.gravity,
+                       in.walls, in.wall, kinematic_slots_};
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
     Flight flight(space, i, std::ranges::binary_search(pressed_, i));
     job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
@@ -273,15 +275,14 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     if (fast_.empty() || fast_[flying_[k]] == 0) fly(flying_[k], jobs_[n], {});
   });
   // Bullets change the velocities of others: one by one.
-  std::vector<std::uint32_t> others;
   for (std::size_t k = 0; k < flying_.size() && !fast_.empty(); ++k) {
     if (fast_[flying_[k]] == 0) continue;
-    others.clear();
+    others_.clear();
     const std::pair<std::uint32_t, std::uint32_t> from{flying_[k], 0};
     for (auto p = std::ranges::lower_bound(partners_, from); p != partners_.end() && p->first == flying_[k]; ++p) {
-      others.push_back(p->second);
+      others_.push_back(p->second);
     }
-    fly(flying_[k], jobs_[0], others);
+    fly(flying_[k], jobs_[0], others_);
   }
   std::uint32_t bent = 0;
   for (const Job& job : jobs_) {

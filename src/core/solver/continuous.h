@@ -46,9 +46,9 @@ class Continuous {
   /// The number of bodies whose ways the last stop() looked at.
   std::uint32_t fast() const { return fast_count_; }
 
-  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_, kinematics_); }
+  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_, kinematics_, kinematic_slots_, others_); }
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_, kinematics_);
+    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_, kinematics_, kinematic_slots_, others_);
     for (const Job& job : jobs_) sum += bytes_of(job.found, job.near);
     return sum;
   }
@@ -81,6 +81,7 @@ class Continuous {
   std::vector<std::uint8_t> fast_;                                 // by slot: the body is a fast bullet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> partners_;  // of fast bullets, by slot
   std::vector<Kinematic> kinematics_;                              // by left edge
+  std::vector<std::uint32_t> kinematic_slots_, others_;            // `others_`: the partners of one bullet
   double widest_ = 0;                                              // m: their widest box
   std::uint64_t looked_ = 0;
   std::uint32_t fast_count_ = 0;

@@ -293,7 +293,8 @@ bool Flight::bounce() {
     const Vec2 arm{m.point[k].bx, m.point[k].by};
     points[count++] = {mine.at + arm - theirs.at, arm};
   }
-  if (count == 0) return false;  // they do not touch
+  const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
+  if (count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
   const auto inertia = [&](const BodyProperties& p) {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
   };
@@ -302,7 +303,6 @@ bool Flight::bounce() {
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
   s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
   s.friction = std::sqrt(properties_.friction * other.friction);
-  const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
   const Vec2 n{m.nx / length, m.ny / length};
   const Rates before = way_;
   Rates their_way = other.way, their_velocity = other.velocity;

@@ -33,7 +33,7 @@ struct Airspace {
   Vec2 gravity;                              ///< m/s^2, where bodies have no accelerations of their own
   const Walls* walls = nullptr;              ///< null if the world has none
   BodyProperties wall = {};                  ///< their surface
-  std::vector<std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
+  std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
 /// How far the points of a body went in the step at most, as seen from body k, which may turn. m
