@@ -81,11 +81,12 @@ Manifold Approach::touch(double share, double margin) const {
   return m;
 }
 
-bool Approach::enters() const {
+Vec2 Approach::entry() const {
   const Frame first = frame(0), last = frame(1);
   const Vec2 from = first.pivot - of_a_.arm, way = last.pivot - first.pivot;
   const RayCast path = cast_ray(a_, Rotor{}, from.x, from.y, way.x, way.y);
-  return path.fraction <= 1 && (path.nx != 0 || path.ny != 0);
+  if (path.fraction > 1) return {};
+  return turned({-first.back.sine, first.back.cosine}, {path.nx, path.ny});
 }
 
 }  // namespace psim

@@ -37,8 +37,8 @@ class Approach {
 
   /// The manifold of the hulls at a share, in world axes. Its arms are from the centre of A's hull and from that of B.
   Manifold touch(double share, double margin) const;
-  /// Whether the centre of B goes into A from outside.
-  bool enters() const;
+  /// The normal, in world axes, of the surface through which the centre of B goes into A from outside; 0: it does not.
+  Vec2 entry() const;
 
  private:
   struct Frame {

@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kTask = 512, kFlights = 16;
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
 constexpr float kThrown = 1.5f;     // share of the inner radius by which a body moves that was thrown far
-constexpr float kPressed = 0.25f;   // share of the inner radius: deeper in a kinematic body, a body is looked at, however slow
+// Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
+constexpr float kPressed = 0.25f;
 
 // Whether the points of a body moved far for its size.
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
@@ -22,6 +23,7 @@ bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   return way > Flight::kFast * inner && std::isfinite(way);
 }
 
+// Whether a disc may have passed thin geometry.
 bool is_fast_disc(const BodyStore& b, std::size_t i) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kFastDisc * b.radius[i], way2 = x * x + y * y;
   return way2 > limit * limit && std::isfinite(way2);
@@ -68,7 +70,8 @@ Bounds box_of(const Surroundings& s, std::size_t i) {
   const BodyStore& b = s.bodies;
   const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), end = at + Vec2{b.disp[2 * i], b.disp[2 * i + 1]};
   const double r = b.radius[i];
-  return {std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r, std::fmax(at.y, end.y) + r};
+  return {std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r,
+          std::fmax(at.y, end.y) + r};
 }
 
 // Whether fixed geometry may lie along the way of a body.
@@ -104,6 +107,7 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
     const Bounds& box = kinematics_.back().box;
     widest_ = std::fmax(widest_, box.xmax - box.xmin);
   }
+  // Total order: the left edge, then the slot.
   std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });
   kinematic_slots_.clear();
   for (const Kinematic& k : kinematics_) kinematic_slots_.push_back(k.slot);
@@ -180,7 +184,8 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
     const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
     job.near.clear();
     if (near_fixed(in, i)) s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
-    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(in.contacts.surroundings, i)) {
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) ||
+        may_come_upon(s, i)) {
       job.found.push_back(static_cast<std::uint32_t>(i));
     }
   });
@@ -199,9 +204,11 @@ void Continuous::find_pressed(const ContinuousInput& in) {
       if (deep || way_against(s, pair.b, pair.a) > Flight::kFast * inner) pressed_.push_back(pair.b);
     }
   }
+  // Pairs of a disc and a kinematic disc are among those of discs.
   const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
+  const auto is_disc = [&](std::uint32_t i) { return b.kind(b.id[i]).hull_count == 0; };
+  if (std::ranges::none_of(kinematic_slots_, is_disc)) return;
   for (const Strip& strip : in.table.strips) {
-    if (in.kinematics.empty()) break;
     for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
       const std::uint32_t i = in.table.owner[p], j = in.table.other[p];
       if (held(i) != held(j) && is_free(b, held(i) ? j : i)) pressed_.push_back(held(i) ? j : i);
@@ -232,10 +239,11 @@ void Continuous::find_bullets(const ContinuousInput& in) {
   for (const Strip& s : in.table.strips) {
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(in.table.owner[p], in.table.other[p]);
   }
-  std::ranges::sort(partners_);
+  std::ranges::sort(partners_);  // total order: both slots
 }
 
-std::uint32_t Continuous::stop(const ContinuousInput& in) {
+// Finds all bodies to look at.
+void Continuous::find(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   jobs_.resize(std::max<std::size_t>(jobs_.size(), 1));
   for (Job& job : jobs_) {
@@ -254,36 +262,50 @@ std::uint32_t Continuous::stop(const ContinuousInput& in) {
     find_pressed(in);
   }
   find_bullets(in);
-  std::ranges::sort(pressed_);
   flying_ = pressed_;
   for (const Job& job : jobs_) flying_.insert(flying_.end(), job.found.begin(), job.found.end());
   for (const auto& [i, j] : partners_) flying_.push_back(i);
+  // Total order: slots.
+  std::ranges::sort(pressed_);
   std::ranges::sort(flying_);
   flying_.erase(std::unique(flying_.begin(), flying_.end()), flying_.end());
-  fast_count_ = static_cast<std::uint32_t>(flying_.size());
-  looked_ = 0;
-  if (flying_.empty()) return 0;
-  const Airspace space{in.contacts, in.joints.any_exclusions() ? &in.joints : nullptr, in.filters, in.dt, in.gravity,
-                       in.walls, in.wall, kinematic_slots_};
+}
+
+// Follows the ways of all bodies that were found. Bullets change the velocities of others: they come last, one by one.
+void Continuous::follow(const ContinuousInput& in) {
+  const Airspace space{in.contacts,
+                       in.joints.any_exclusions() ? &in.joints : nullptr,
+                       in.filters,
+                       in.dt,
+                       in.gravity,
+                       in.restitution_threshold,
+                       in.walls,
+                       in.wall,
+                       kinematic_slots_};
+  const auto is_bullet = [&](std::uint32_t i) { return !fast_.empty() && fast_[i] != 0; };
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
     Flight flight(space, i, std::ranges::binary_search(pressed_, i));
     job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
     job.looks += flight.looks();
   };
   jobs_.resize(std::max(jobs_.size(), jobs_for(flying_.size(), kFlights)));
-  run_each(flying_.size(), kFlights, s.pool, [&](std::size_t k, std::size_t n) {
-    if (fast_.empty() || fast_[flying_[k]] == 0) fly(flying_[k], jobs_[n], {});
+  run_each(flying_.size(), kFlights, in.contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
+    if (!is_bullet(flying_[k])) fly(flying_[k], jobs_[n], {});
   });
-  // Bullets change the velocities of others: one by one.
-  for (std::size_t k = 0; k < flying_.size() && !fast_.empty(); ++k) {
-    if (fast_[flying_[k]] == 0) continue;
+  for (const std::uint32_t i : flying_) {
+    if (!is_bullet(i)) continue;
     others_.clear();
-    const std::pair<std::uint32_t, std::uint32_t> from{flying_[k], 0};
-    for (auto p = std::ranges::lower_bound(partners_, from); p != partners_.end() && p->first == flying_[k]; ++p) {
-      others_.push_back(p->second);
-    }
-    fly(flying_[k], jobs_[0], others_);
+    auto p = std::ranges::lower_bound(partners_, std::pair(i, 0u));
+    for (; p != partners_.end() && p->first == i; ++p) others_.push_back(p->second);
+    fly(i, jobs_[0], others_);
   }
+}
+
+std::uint32_t Continuous::stop(const ContinuousInput& in) {
+  find(in);
+  if (!flying_.empty()) follow(in);
+  fast_count_ = static_cast<std::uint32_t>(flying_.size());
+  looked_ = 0;
   std::uint32_t bent = 0;
   for (const Job& job : jobs_) {
     bent += job.bent;

@@ -30,6 +30,7 @@ struct ContinuousInput {
   bool filters = false;                       ///< some bodies do not collide with others
   double dt = 0;                              ///< s
   Vec2 gravity;                               ///< m/s^2
+  double restitution_threshold = 0;           ///< m/s
   const Walls* walls = nullptr;               ///< null if the world has none
   BodyProperties wall = {};                   ///< their surface
 };
@@ -68,6 +69,8 @@ class Continuous {
 
   void sort_kinematics(const ContinuousInput& in);
   bool may_come_upon(const Surroundings& s, std::size_t i) const;
+  void find(const ContinuousInput& in);
+  void follow(const ContinuousInput& in);
   void find_shapes(const ContinuousInput& in);
   void find_deep_discs(const ContinuousInput& in);
   void find_fast_discs(const ContinuousInput& in);

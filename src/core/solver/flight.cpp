@@ -6,9 +6,9 @@
 namespace psim {
 namespace {
 
-constexpr int kMostImpacts = 96;      // in a step; then the body stays where it met the last one
-constexpr double kTolerance = 1e-3;   // share of the inner radius to which impacts are found
-constexpr double kDeeper = 0.1;       // share of the inner radius by which hulls would overlap in an impact
+constexpr int kMostImpacts = 96;     // in a step; then the body stays where it met the last one
+constexpr double kTolerance = 1e-3;  // share of the inner radius to which impacts are found
+constexpr double kDeeper = 0.1;      // share of the inner radius by which hulls would overlap in an impact
 
 Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
 
@@ -16,6 +16,7 @@ Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm)
 struct Surface {
   double wa = 0, ia = 0, wb = 0, ib = 0;
   double restitution = 0, friction = 0;
+  double least = 0;  // slower impacts do not bounce
 };
 
 // A point of an impact, by its arms from the centres.
@@ -39,19 +40,20 @@ void collide_rates(Rates& a, Rates& b, const Surface& s, Vec2 n, std::span<const
   };
   double impulse[2] = {};
   const double u0 = closing(points[0]), u1 = points.size() == 2 ? closing(points[1]) : 0;
+  const double factor = -std::fmin(u0, u1) < s.least ? 1 : 1 + s.restitution;
   if (u0 < 0 && u1 < 0) {
     const double k00 = weight(points[0], points[0], n), k01 = weight(points[0], points[1], n),
                  k11 = weight(points[1], points[1], n), det = k00 * k11 - k01 * k01;
     if (det > 1e-6 * k00 * k11) {
-      impulse[0] = -(1 + s.restitution) * (k11 * u0 - k01 * u1) / det;
-      impulse[1] = -(1 + s.restitution) * (k00 * u1 - k01 * u0) / det;
+      impulse[0] = -factor * (k11 * u0 - k01 * u1) / det;
+      impulse[1] = -factor * (k00 * u1 - k01 * u0) / det;
     }
   }
   if (!(impulse[0] > 0 && impulse[1] > 0)) {
     const std::size_t k = u1 < u0 ? 1 : 0;
     const double u = std::fmin(u0, u1);
     impulse[0] = impulse[1] = 0;
-    if (u < 0) impulse[k] = -(1 + s.restitution) * u / weight(points[k], points[k], n);
+    if (u < 0) impulse[k] = -factor * u / weight(points[k], points[k], n);
   }
   for (std::size_t k = 0; k < points.size(); ++k) push(a, b, s, points[k], impulse[k] * n);
   const Vec2 t = upright(n);
@@ -76,7 +78,11 @@ float way_against(const Surroundings& s, std::size_t i, std::size_t k) {
 }
 
 Flight::Flight(const Airspace& space, std::uint32_t slot, bool pressed)
-    : space_(space), slot_(slot), pressed_(pressed), kind_(b_.kind(b_.id[slot])), properties_(b_.properties(b_.id[slot])) {
+    : space_(space),
+      slot_(slot),
+      pressed_(pressed),
+      kind_(b_.kind(b_.id[slot])),
+      properties_(b_.properties(b_.id[slot])) {
   const bool shape = kind_.hull_count != 0;
   hulls_ = {shape ? &b_.hulls[kind_.first_hull] : &disc_.emplace(disc_hull(b_.radius[slot])),
             std::max<std::size_t>(1, kind_.hull_count)};
@@ -131,13 +137,16 @@ void Flight::ride() {
 
 // Finds the first impact on what is left of the way.
 void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
-  first_.share = Approach::kNever;
-  if (s_.statics.any()) find_fixed(near);
-  if (space_.walls != nullptr) find_walls();
-  for (const std::uint32_t slot : space_.kinematics) {
-    find_moving(slot, false);
+  sunk_ = 0;
+  for (double before = -1; before < sunk_;) {  // once more, if the body turned out to lie in something
+    before = sunk_;
+    first_.share = Approach::kNever;
+    if (s_.statics.any()) find_fixed(near);
+    if (space_.walls != nullptr) find_walls();
+    for (const std::uint32_t slot : space_.kinematics) find_moving(slot, false);
+    for (const std::uint32_t slot : partners) find_moving(slot, true);
+    if (first_.share > 1) return;
   }
-  for (const std::uint32_t slot : partners) find_moving(slot, true);
 }
 
 void Flight::find_fixed(std::vector<std::uint32_t>& near) {
@@ -156,7 +165,7 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > 0) continue;
     }
-    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction});
+    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, k});
   }
 }
 
@@ -241,26 +250,33 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
-    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed);
-    if (share < first_.share) first_ = {share, pressed, other, hull, &part};
+    Vec2 normal;
+    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
+    if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
   }
 }
 
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
-// deeper than contacts of bodies that slide over tiles are; a body that touches all the way, if it would come deep.
-double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const {
+// deeper than it lies in something already: a body that slides over tiles meets the sides of the next ones as deep as it
+// sank into the last one. A body that touches all the way strikes if it would come deep.
+double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal) {
   const double size = inner, deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
   const Approach::Stand start = pair.stand(0, 0);
+  sunk_ = std::fmax(sunk_, std::fmin(-start.distance, kDeep * size));
+  const double struck = -kDeeper * size - sunk_;
   const auto strikes_from = [&](double from) {
     const double share = pair.falls_to(0, tolerance, from);
-    return share > 1 || pair.falls_to(-kDeeper * size, tolerance, share) > 1 ? Approach::kNever : share;
+    return share > 1 || pair.falls_to(struck, tolerance, share) > 1 ? Approach::kNever : share;
   };
   if (start.distance > tolerance) return start.advance < 1 ? strikes_from(start.advance) : Approach::kNever;
-  pressed = start.distance <= deep + tolerance;
+  // Its centre stays on its side: of a thin shape, the axis of least overlap may point to the other one.
+  normal = pair.entry();
+  pressed = start.distance <= deep + tolerance || normal.x != 0 || normal.y != 0;
   if (pressed) {  // it comes no deeper
+    const bool through = normal.x != 0 || normal.y != 0;
     const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
-    return later < 1 || pair.enters() ? 0 : Approach::kNever;
+    return later < 1 || through ? 0 : Approach::kNever;
   }
   const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
@@ -277,6 +293,22 @@ double Flight::parts(const Approach& pair, const Hull& mine, double tolerance) c
     if (pair.stand(moved / way, 0).distance > 2 * tolerance) return moved / way;
   }
   return Approach::kNever;
+}
+
+// Where a chain goes on from a segment without falling away from the body's side, the body meets the face of the segment,
+// never its end.
+Vec2 Flight::smoothed(Vec2 n) const {
+  const Hull& piece = first_.hull;
+  if (first_.other.piece == kNoSlot || piece.count != 2) return n;
+  const Vec2 u = piece.vertex(1) - piece.vertex(0);
+  const double length = length_of(u), lean = dot(n, u) / length;
+  if (std::fabs(lean) < 1e-3) return n;
+  const StaticShape* beyond = s_.statics.chain_neighbour(first_.other.piece, lean > 0);
+  if (beyond == nullptr) return n;
+  const double side = cross(u, at_ - piece.vertex(0)) < 0 ? -1 : 1;
+  const Vec2 w = s_.lattice.steps(beyond->p, beyond->q);
+  const bool convex = side * dot(upright(w), u) * (lean > 0 ? 1 : -1) > 1e-3 * length * length_of(w);
+  return convex ? n : (side / length) * upright(u);
 }
 
 // Returns whether the way of the body changed.
@@ -303,11 +335,18 @@ bool Flight::bounce() {
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
   s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
   s.friction = std::sqrt(properties_.friction * other.friction);
-  const Vec2 n{m.nx / length, m.ny / length};
+  Vec2 n = smoothed({m.nx / length, m.ny / length});
+  if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its centre
+    n = first_.normal;
+    points[0] = {mine.at - theirs.at, {}};
+    count = 1;
+  }
   const Rates before = way_;
   Rates their_way = other.way, their_velocity = other.velocity;
   if (other.slot == kNoSlot) {
+    s.least = space_.restitution_threshold * space_.dt;
     collide_rates(their_way, way_, s, n, {points, count});
+    s.least = space_.restitution_threshold;
     const bool bent = way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
     way_.along = way_.along + 0.5 * left_ * space_.dt * fall_;
     velocity_.along = velocity_.along - left_ * fall_;  // what gravity gives after the impact
@@ -319,6 +358,7 @@ bool Flight::bounce() {
   const BodyProperties& theirs_of = b_.properties(b_.id[other.slot]);
   s.wa = theirs_of.inv_mass;
   s.ia = inertia(theirs_of);
+  s.least = space_.restitution_threshold;
   collide_rates(their_velocity, velocity_, s, n, {points, count});
   way_ = {other.way.along, 0};
   b_.put_velocity(other.slot, their_velocity.along);

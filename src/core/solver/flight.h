@@ -27,12 +27,13 @@ struct Rates {
 /// What all flights of a step share.
 struct Airspace {
   const Contacts& contacts;
-  const JointStore* joints;                  ///< null if no joint keeps bodies from colliding
-  bool filters = false;                      ///< some bodies do not collide with others
-  double dt = 0;                             ///< s
-  Vec2 gravity;                              ///< m/s^2, where bodies have no accelerations of their own
-  const Walls* walls = nullptr;              ///< null if the world has none
-  BodyProperties wall = {};                  ///< their surface
+  const JointStore* joints;                        ///< null if no joint keeps bodies from colliding
+  bool filters = false;                            ///< some bodies do not collide with others
+  double dt = 0;                                   ///< s
+  Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
+  double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
+  const Walls* walls = nullptr;                    ///< null if the world has none
+  BodyProperties wall = {};                        ///< their surface
   std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
@@ -57,17 +58,19 @@ class Flight {
  private:
   // The other side of an impact.
   struct Other {
-    Course course;         // of the whole step
-    Rates way, velocity;   // in the step; in a second
+    Course course;        // of the whole step
+    Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
+    std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;  // of a body that the impact moves
     float inner = 1e30f;           // m
   };
   struct Impact {
     double share = Approach::kNever;
     bool pressed = false;  // deep from the start of the leg
+    Vec2 normal;           // of the surface through which the centre of a pressed body would go, or 0
     Other other;
-    Hull hull;             // of the other side
+    Hull hull;  // of the other side
     const Hull* mine = nullptr;
   };
 
@@ -80,7 +83,8 @@ class Flight {
   void find_moving(std::uint32_t slot, bool yields);
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
-  double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed) const;
+  double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
+  Vec2 smoothed(Vec2 n) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   bool bounce();
   void ride();
@@ -98,9 +102,10 @@ class Flight {
   float inner_ = 0;  // m
   Vec2 at_;          // m, since the start of the step
   double angle_ = 0;
-  double left_ = 1;      // share of the step
+  double left_ = 1;       // share of the step
   Rates way_, velocity_;  // in the step; in a second
   Vec2 fall_;             // m/s: the velocity that gravity gives in the step
+  double sunk_ = 0;       // m: how deep the body lies in something at the start of the leg
   Impact first_;
   std::uint32_t looks_ = 0;
 };

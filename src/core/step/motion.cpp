@@ -173,7 +173,7 @@ void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   const ManifoldParams p = c.manifold_params(dt);
   const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
   report.stopped = continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics,
-                                    c.population.bullets, c.plan.filters, dt, p.gravity, walls, p.wall});
+                                    c.population.bullets, c.plan.filters, dt, p.gravity, c.desc.restitution_threshold, walls, p.wall});
   report.fast = continuous.fast();
 }
 
