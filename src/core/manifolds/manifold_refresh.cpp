@@ -4,25 +4,24 @@
 #include <cmath>
 
 #include "base/rotor.h"
-#include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
 
-// Shares of the inner radius. A body that is deeper in fixed geometry is watched, so that nothing presses it through,
-// and so is one whose centre is nearer to a segment that is no contact: a ghost, or one that its neighbour speaks for.
-constexpr float kDeep = 0.2f, kBeside = 0.6f;
-
+// Whether continuous collision looks at a pair, however slow its bodies are, so that nothing presses them through each
+// other: contacts with kinematic bodies, contacts that are deep, and segments near the centre of a body, whether or not
+// they are contacts. Shares of the inner radius.
 static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
+  constexpr float kDeep = 0.2f, kBeside = 0.6f;
   if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
-  const BodyStore& b = s.bodies;
-  if (pair.active) return !pair.of_piece() || pair.least_gap() < std::fmin(-kDeep * b.kind(pair.id_b).inner, 0.0f);
-  if (!pair.of_piece() || !s.statics[pair.shape].segment || s.statics[pair.shape].asleep) return false;
+  if (!pair.of_piece()) return pair.active;
+  const float inner = s.bodies.kind(pair.id_b).inner;
+  if (pair.active && pair.least_gap() < -kDeep * inner) return true;
   const StaticShape& piece = s.statics[pair.shape];
-  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, b.point(pair.b));
-  const double size = double{piece.radius} + kBeside * b.kind(pair.id_b).inner, uu = dot(u, u);
-  const double off = cross(u, at), along = dot(u, at);
+  if (!piece.segment || piece.asleep) return false;
+  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, s.bodies.point(pair.b));
+  const double size = double{piece.radius} + kBeside * inner, uu = dot(u, u), off = cross(u, at), along = dot(u, at);
   return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
 }
 
@@ -59,17 +58,15 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   }
   const bool laid = stale_[index] == 0;
   bool stale = !laid;
-  strip.ghosts.clear();
   strip.active.clear();
   strip.rewrite.clear();
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    pair.flying = pair.active && pair.fixed_a && !pair.of_wall() &&
+    pair.flying = pair.active && pair.fixed_a &&
                   flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
     if (pair.flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
-    if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
@@ -112,11 +109,6 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   new_pairs_ = 0;
   looks_ = {};
   for (const Cut& c : cuts_) looks_ += c.looks;
-  ghosts_.clear();
-  for (std::size_t s = 0; s < strip_count(); ++s) {
-    ghosts_.insert(ghosts_.end(), strips_[s].ghosts.begin(), strips_[s].ghosts.end());
-  }
-  sort_keys(ghosts_.begin(), ghosts_.end());
 }
 
 float Manifolds::deepest() const {

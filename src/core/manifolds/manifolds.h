@@ -154,7 +154,6 @@ class Manifolds {
     std::vector<std::uint32_t> active;   // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
-    std::vector<std::uint64_t> ghosts;   // see is_ghost()
     std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
@@ -264,10 +263,6 @@ class Manifolds {
   }
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
   void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
-  /// Whether a fixed piece lies below the plane on which a body rests.
-  bool is_ghost(std::uint32_t slot, std::uint32_t shape) const {
-    return std::binary_search(ghosts_.begin(), ghosts_.end(), std::uint64_t{slot} << 32 | shape);
-  }
   bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
   /// Slots of the bodies that are not discs.
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
@@ -329,7 +324,6 @@ class Manifolds {
   std::vector<std::vector<FoundPair>> found_;  // by strip: pairs that collect found
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
-  std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs

@@ -184,8 +184,7 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
     const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
     job.near.clear();
     if (near_fixed(in, i)) s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
-    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) ||
-        may_come_upon(s, i)) {
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(s, i)) {
       job.found.push_back(static_cast<std::uint32_t>(i));
     }
   });
@@ -273,14 +272,10 @@ void Continuous::find(const ContinuousInput& in) {
 
 // Follows the ways of all bodies that were found. Bullets change the velocities of others: they come last, one by one.
 void Continuous::follow(const ContinuousInput& in) {
-  const Airspace space{in.contacts,
-                       in.joints.any_exclusions() ? &in.joints : nullptr,
-                       in.filters,
-                       in.dt,
-                       in.gravity,
-                       in.restitution_threshold,
-                       in.walls,
-                       in.wall,
+  const Airspace space{in.contacts,     in.joints.any_exclusions() ? &in.joints : nullptr,
+                       in.filters,      in.dt,
+                       in.gravity,      in.restitution_threshold,
+                       in.walls,        in.wall,
                        kinematic_slots_};
   const auto is_bullet = [&](std::uint32_t i) { return !fast_.empty() && fast_[i] != 0; };
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {

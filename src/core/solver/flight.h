@@ -31,7 +31,7 @@ struct Airspace {
   bool filters = false;                            ///< some bodies do not collide with others
   double dt = 0;                                   ///< s
   Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
-  double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
+  double restitution_threshold = 0;                ///< m/s: slower impacts do not bounce
   const Walls* walls = nullptr;                    ///< null if the world has none
   BodyProperties wall = {};                        ///< their surface
   std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
@@ -62,8 +62,8 @@ class Flight {
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
     std::uint32_t piece = kNoSlot;  // of fixed geometry
-    std::uint32_t slot = kNoSlot;  // of a body that the impact moves
-    float inner = 1e30f;           // m
+    std::uint32_t slot = kNoSlot;   // of a body that the impact moves
+    float inner = 1e30f;            // m
   };
   struct Impact {
     double share = Approach::kNever;

@@ -172,8 +172,9 @@ void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   if (c.plan.bullets || !c.population.kinematics.empty()) c.bodies.find_slots();
   const ManifoldParams p = c.manifold_params(dt);
   const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
-  report.stopped = continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics,
-                                    c.population.bullets, c.plan.filters, dt, p.gravity, c.desc.restitution_threshold, walls, p.wall});
+  report.stopped =
+      continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics, c.population.bullets,
+                       c.plan.filters, dt, p.gravity, c.desc.restitution_threshold, walls, p.wall});
   report.fast = continuous.fast();
 }
 
