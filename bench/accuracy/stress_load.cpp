@@ -189,7 +189,7 @@ double gravel_speed(const Start& start) {
   scene.bodies.push_back(disc({0, 20.6}, {}, material(0), 20));
   Trial trial(scene, start);
   double speed = 0;
-  for (int k = 0; k < 600; ++k) {
+  for (int k = 0; k < 300; ++k) {
     trial.frame();
     for (std::size_t stone = 1; stone <= kStones; ++stone) {
       speed = std::max(speed, std::hypot(trial.body(stone).vx, trial.body(stone).vy));

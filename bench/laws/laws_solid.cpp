@@ -13,6 +13,22 @@
 namespace psim::laws {
 namespace {
 
+// Makes the walls of a pen kinematic: the host holds them, and does not move them.
+void hold_walls(Scene& scene) {
+  for (BodyDesc& b : scene.bodies) {
+    if (b.type == BodyType::static_body) b.type = BodyType::kinematic_body;
+  }
+}
+
+// Turns some bodies into thin sticks that spin.
+void add_sticks(Draw& draw, Scene& scene) {
+  for (BodyDesc& b : scene.bodies) {
+    if (b.type != BodyType::dynamic_body || !draw.chance(0.3)) continue;
+    b.shape = BoxShape{draw.uniform(0.3, 1), draw.logarithmic(0.01, 0.1), 0};
+    b.angular_velocity = draw.uniform(-300, 300);
+  }
+}
+
 // Bodies that pass each other in a pen, so that the walls alone are asked; sometimes a heavy one presses on them.
 Scene fast_pen(Draw& draw) {
   Scene scene = space(draw.chance(0.3));
@@ -23,6 +39,8 @@ Scene fast_pen(Draw& draw) {
   const double speed = draw.logarithmic(10, 1e4);
   const bool through = draw.chance(0.6);
   fill_pen(draw, scene, draw.from(1, 20), speed, false, nullptr);
+  if (draw.chance(0.2)) add_sticks(draw, scene);
+  if (draw.chance(0.2)) hold_walls(scene);
   for (BodyDesc& b : scene.bodies) {
     if (b.type == BodyType::dynamic_body && through) b.filter.group = -1;
   }

@@ -81,8 +81,8 @@ struct StepReport {
   bool rebuilt = false;                        ///< neighbour lists were rebuilt in this step
   std::uint32_t renewed = 0;                   ///< bodies whose lists alone were made anew
   std::uint32_t skipped = 0;                   ///< a bit for each of kSkipNames that had nothing to do
-  std::uint32_t fast = 0;           ///< shapes and bullets so fast for their size that their way was looked at
-  std::uint32_t stopped = 0;        ///< of those, shapes put back on their way, out of fixed geometry
+  std::uint32_t fast = 0;           ///< bodies so fast for their size, or so deep, that their way was looked at
+  std::uint32_t stopped = 0;        ///< of those, bodies that struck something on their way
   std::uint32_t escaped = 0;        ///< bodies that left an open world in this step
   std::uint32_t quarantined = 0;    ///< bodies frozen in this step because of NaN, infinity or excess
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)

@@ -24,7 +24,7 @@ typedef struct psim_step_report {
   uint64_t asleep;                   ///< dynamic bodies that were not
   uint64_t arena_growths;            ///< allocations that the step had to make
   uint32_t colours;                  ///< most colours that any group of contacts needed
-  uint32_t stopped;                  ///< fast shapes put back out of fixed geometry
+  uint32_t stopped;                  ///< of those, bodies that struck something on their way
   uint32_t escaped;                  ///< bodies that left an open world
   uint32_t quarantined;              ///< bodies frozen because of NaN, infinity or excess
   double predicted_ms;               ///< by the governor's cost model; 0 without a governor

@@ -29,6 +29,7 @@ inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
 inline Vec2 operator*(double f, Vec2 a) { return {f * a.x, f * a.y}; }
 inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline Vec2 upright(Vec2 v) { return {-v.y, v.x}; }  ///< turned by a quarter turn to the left
 inline double length_of(Vec2 v) { return std::sqrt(dot(v, v)); }
 inline Vec2 turned(SineCosine q, Vec2 v) { return {q.cosine * v.x - q.sine * v.y, q.sine * v.x + q.cosine * v.y}; }
 

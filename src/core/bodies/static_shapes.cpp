@@ -130,6 +130,21 @@ Hull StaticShapes::seen_from(std::uint32_t i, const LatticePoint& from, double s
   return hull;
 }
 
+const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) const {
+  const StaticShape& s = statics_[i];
+  const auto of_chain = [&](std::uint32_t k) {
+    return k < count_ && statics_[k].alive && statics_[k].owner == s.owner && statics_[k].segment && !statics_[k].face;
+  };
+  const auto goes_on = [&](const StaticShape& o) { return forward ? s.q == o.p : s.p == o.q; };
+  if (!of_chain(i)) return nullptr;
+  std::uint32_t k = forward ? i + 1 : i - 1;
+  if (!of_chain(k)) {  // a loop goes on from its last segment to its first
+    k = i;
+    while (of_chain(forward ? k - 1 : k + 1)) k = forward ? k - 1 : k + 1;
+  }
+  return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
+}
+
 StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
   const auto clamp = [](double c, std::int64_t n) {
     if (!(c > 0)) return std::int64_t{0};
@@ -313,6 +328,17 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   if (out.end() - first < 2) return;
   sort_keys(first, out.end());
   out.erase(std::unique(first, out.end()), out.end());
+}
+
+void StaticShapes::near_way(const LatticePoint& place, Vec2 offset, Vec2 way, float radius,
+                            std::vector<std::uint32_t>& out) const {
+  // Bounded, since a body thrown out of the world may have moved by any amount.
+  const auto steps = [](double d, double pitch) {
+    return static_cast<std::int32_t>(std::clamp(std::nearbyint(d / pitch), -0x1p30, 0x1p30));
+  };
+  const Vec2 middle = offset + 0.5 * way;
+  near(wrap_add(place.x, steps(middle.x, lattice_->pitch_x())), wrap_add(place.y, steps(middle.y, lattice_->pitch_y())),
+       static_cast<float>(double{radius} + 0.5 * length_of(way)), out);
 }
 
 }  // namespace psim

@@ -102,6 +102,8 @@ class StaticShapes {
   /// A piece as seen from the place of a body. Lines far longer than `size`, m, are cut to the part around the body, so
   /// that the numbers are precise there.
   Hull seen_from(std::uint32_t i, const LatticePoint& from, double size) const;
+  /// The segment that goes on from the end q of a chain's segment (`forward`), or that ends in its p; or null.
+  const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
   bool any() const { return alive_ != 0; }
   /// Whether near() finds whole polygons. Nothing needs them while no moving body has corners.
   void find_whole(bool wanted) { whole_wanted_ = wanted; }
@@ -112,6 +114,8 @@ class StaticShapes {
   /// Appends the numbers of shapes whose box a square of half width `reach` (m) at (x, y) meets,
   /// each once, ascending.
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
+  /// The same for a way that begins at an offset from a place, m, and for what lies within `radius` of it.
+  void near_way(const LatticePoint& place, Vec2 offset, Vec2 way, float radius, std::vector<std::uint32_t>& out) const;
   /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
   bool surely_none(const Bounds& box) const;
 

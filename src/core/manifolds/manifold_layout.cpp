@@ -165,14 +165,13 @@ void Manifolds::clear() {
   old_pairs_.clear();
   strips_.clear();
   shaped_.clear();
-  ghosts_.clear();
   totals_ = {};
 }
 
 void Manifolds::release() {
   clear();
-  give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, ghosts_, strips_,
-            special_, stale_, shaped_, kind_, rotor_, inner_, used_);
+  give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, strips_, special_,
+            stale_, shaped_, kind_, rotor_, inner_, used_);
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {

@@ -4,11 +4,45 @@
 #include <cmath>
 
 #include "base/rotor.h"
-#include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
+
+// Whether continuous collision looks at a pair, however slow its bodies are, so that nothing presses them through each
+// other: contacts with kinematic bodies, contacts that are deep, and segments near the centre of a body, whether or not
+// they are contacts. Shares of the inner radius.
+static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
+  constexpr float kDeep = 0.2f, kBeside = 0.6f;
+  if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
+  if (!pair.of_piece()) return pair.active;
+  const float inner = s.bodies.kind(pair.id_b).inner;
+  if (pair.active && pair.least_gap() < -kDeep * inner) return true;
+  const StaticShape& piece = s.statics[pair.shape];
+  if (!piece.segment || piece.asleep) return false;
+  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, s.bodies.point(pair.b));
+  const double size = double{piece.radius} + kBeside * inner, uu = dot(u, u), off = cross(u, at), along = dot(u, at);
+  return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
+}
+
+// A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
+// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on.
+constexpr float kFlying = 1;
+
+static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
+  const std::size_t i = pair.b, a = pair.a;
+  const Manifold& m = pair.manifold;
+  float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
+  if (!pair.of_piece()) {  // as seen from A, which turns
+    const float spin = b.rim_speed[a] / b.radius[a];
+    const float rx = m.point[0].ax - m.point[0].bx, ry = m.point[0].ay - m.point[0].by;  // from A's centre to B's
+    x -= b.vel[2 * a] - spin * ry;
+    y -= b.vel[2 * a + 1] + spin * rx;
+    turn -= spin;
+  }
+  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b);
+  return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
+}
 
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
@@ -16,13 +50,16 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   if (!any_kinematic_) see_ground(params, index);
   const bool laid = stale_[index] == 0;
   bool stale = !laid;
-  strip.ghosts.clear();
   strip.active.clear();
   strip.rewrite.clear();
+  strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
-    const ManifoldPair& pair = pairs_[k];
+    ManifoldPair& pair = pairs_[k];
+    pair.flying = pair.active && pair.fixed_a &&
+                  flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
+    if (pair.flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
-    if (pair.ghost && pair.of_piece() && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
+    if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
     if (!laid) continue;
@@ -97,11 +134,6 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   new_pairs_ = 0;
   looks_ = {};
   for (const Cut& c : cuts_) looks_ += c.looks;
-  ghosts_.clear();
-  for (std::size_t s = 0; s < strip_count(); ++s) {
-    ghosts_.insert(ghosts_.end(), strips_[s].ghosts.begin(), strips_[s].ghosts.end());
-  }
-  sort_keys(ghosts_.begin(), ghosts_.end());
 }
 
 float Manifolds::deepest() const {

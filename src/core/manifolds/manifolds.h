@@ -73,6 +73,7 @@ struct ManifoldPair : PairName {
   float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
   bool active = false;             ///< the pair has a lane
   bool ahead = false;              ///< the bodies are apart, and may meet within the step
+  bool flying = false;             ///< B comes too fast for a contact: continuous collision sees to it
   bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
   bool lasting = false;            ///< the manifold may be kept while bodies move little
   bool changed = true;             ///< it changed since it was written into its lane
@@ -154,7 +155,7 @@ class Manifolds {
     std::vector<std::uint32_t> active;   // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
-    std::vector<std::uint64_t> ghosts;   // see is_ghost()
+    std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
@@ -265,10 +266,6 @@ class Manifolds {
   }
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
   void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
-  /// Whether a fixed piece lies below the plane on which a body rests.
-  bool is_ghost(std::uint32_t slot, std::uint32_t shape) const {
-    return std::binary_search(ghosts_.begin(), ghosts_.end(), std::uint64_t{slot} << 32 | shape);
-  }
   bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
   /// Slots of the bodies that are not discs.
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
@@ -344,7 +341,6 @@ class Manifolds {
   std::vector<std::vector<FoundPair>> found_;  // by strip: pairs that collect found
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
-  std::vector<std::uint64_t> ghosts_;          // slot << 32 | fixed piece, ascending
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
   bool any_kinematic_ = false;                 // some fixed sides are kinematic
   std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast

@@ -2,160 +2,311 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <span>
 
-#include "base/rotor.h"
 #include "base/tasks.h"
+#include "solver/flight.h"
 
 namespace psim {
 namespace {
 
-constexpr float kFast = 0.5f;  // a body is fast if it moves by more than this share of its inner radius in a step
-// A body may come this deep, as a share of its inner radius: contacts see to less, and to bodies that only tip, slide
-// or land.
-constexpr float kDeep = 0.5f;
-constexpr std::size_t kTask = 512;
+constexpr std::size_t kTask = 512, kFlights = 16;
+constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
+constexpr float kThrown = 1.5f;     // share of the inner radius by which a body moves that was thrown far
+// Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
+constexpr float kPressed = 0.25f;
 
 // Whether the points of a body moved far for its size.
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1];
   const float swing = b.angle_change.empty() ? 0.0f : b.angle_change[i];
   const float way = std::sqrt(x * x + y * y) + std::fabs(swing) * b.radius[i];  // m
-  return way > kFast * inner && std::isfinite(way);
+  return way > Flight::kFast * inner && std::isfinite(way);
 }
 
-void cut(BodyStore& b, std::size_t i, float share) {
-  if (!(share < 1)) return;
-  b.disp[2 * i] *= share;
-  b.disp[2 * i + 1] *= share;
-  if (b.angle_change.empty() || b.angle.empty()) return;
-  b.angle[i] -= static_cast<double>(b.angle_change[i]) * (1 - static_cast<double>(share));
-  b.angle_change[i] *= share;
+// Whether a disc may have passed thin geometry.
+bool is_fast_disc(const BodyStore& b, std::size_t i) {
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kFastDisc * b.radius[i], way2 = x * x + y * y;
+  return way2 > limit * limit && std::isfinite(way2);
 }
 
-// A body as a sweep sees it: its hulls, or one disc.
-struct Swept {
-  Swept(const BodyStore& b, std::size_t i)
-      : kind(b.kind(b.id[i])),
-        hulls(kind.hull_count != 0 ? &b.hulls[kind.first_hull] : &disc.emplace(disc_hull(b.radius[i])),
-              std::max(1u, kind.hull_count)),
-        inner(kind.hull_count != 0 ? kind.inner : b.radius[i]),
-        swing(b.angle_change.empty() ? 0.0 : static_cast<double>(b.angle_change[i])),
-        angle(b.angle_of(i) - swing) {}
+bool is_free(const BodyStore& b, std::size_t i) {
+  if (b.id[i] == kNoSlot || b.linked[i] == 0) return false;
+  return b.properties(b.id[i]).type == BodyType::dynamic_body && !b.kind(b.id[i]).sensor;
+}
 
-  const BodyKind& kind;
-  std::optional<Hull> disc;  // made for a disc alone
-  const std::span<const Hull> hulls;
-  const float inner;          // m: to the nearest point of the surface
-  const double swing, angle;  // rad: in the step, and at its start
-};
+float inner_of(const BodyStore& b, std::size_t i) {
+  const BodyKind& kind = b.kind(b.id[i]);
+  return kind.hull_count != 0 ? kind.inner : b.radius[i];
+}
 
-// Appends the fixed shapes near the way of a body, and cuts the way at the first of them.
-void stop_at_fixed(const Contacts& contacts, bool filters, std::uint32_t i, std::vector<std::uint32_t>& near) {
-  const auto& [memory, lattice, b, statics, kernels, pool] = contacts.surroundings;
-  const float mx = b.disp[2 * i], my = b.disp[2 * i + 1];
-  // Bounded, since a body thrown out of the world may have moved by any amount.
-  const auto half = [](float way, double pitch) {
-    const double steps = std::nearbyint(static_cast<double>(way) / 2 / pitch);
-    return static_cast<std::int32_t>(std::clamp(steps, -0x1p30, 0x1p30));
+// The squared distance of the way of a disc from a segment, if they do not cross; else 0. p: from the start of the way
+// to one end, u: from there to the other.
+double distance2(Vec2 way, Vec2 p, Vec2 u) {
+  const Vec2 q = p + u;
+  const double sp = cross(way, p), sq = cross(way, q), from = cross(u, Vec2{} - p), to = cross(u, way - p);
+  if (sp * sq < 0 && from * to < 0) return 0;
+  const auto off = [](Vec2 point, Vec2 start, Vec2 along) {
+    const double length2 = dot(along, along);
+    const double share = length2 > 0 ? std::clamp(dot(point - start, along) / length2, 0.0, 1.0) : 0.0;
+    const Vec2 d = point - start - share * along;
+    return dot(d, d);
   };
-  const float reach = b.radius[i] + 0.5f * std::sqrt(mx * mx + my * my);
-  statics.near(wrap_add(b.pos[2 * i], half(mx, lattice.pitch_x())),
-               wrap_add(b.pos[2 * i + 1], half(my, lattice.pitch_y())), reach, near);
-  if (near.empty()) return;
-  const Swept mine(b, i);
-  float first = 1;
-  for (const std::uint32_t k : near) {
-    const StaticShape& s = statics[k];
-    if (s.face || contacts.manifolds.is_ghost(i, k)) continue;
-    if (filters && !meet(mine.kind.filter, b.kind(s.owner).filter)) continue;
-    const Hull piece = statics.seen_from(k, {b.pos[2 * i], b.pos[2 * i + 1], 0, 0}, 4 * static_cast<double>(reach));
-    for (const Hull& hull : mine.hulls) {
-      first = std::fmin(
-          first, time_of_impact(piece, Rotor{}, hull, mine.angle, mine.swing, 0, 0, mx, my, -kDeep * mine.kind.inner));
-    }
-  }
-  cut(b, i, first);
+  return std::min({off(p, {}, way), off(q, {}, way), off({}, p, u), off(way, p, u)});
 }
 
-// Sweeps a bullet against another moving body, whose rotation is neglected.
-void stop_at_moving(const Surroundings& s, std::size_t i, std::size_t j) {
-  BodyStore& b = s.bodies;
-  const Swept mine(b, i), theirs(b, j);
-  const auto dx = static_cast<float>(wrap_sub(b.pos[2 * i], b.pos[2 * j]) * s.lattice.pitch_x());
-  const auto dy = static_cast<float>(wrap_sub(b.pos[2 * i + 1], b.pos[2 * j + 1]) * s.lattice.pitch_y());
-  const float mx = b.disp[2 * i] - b.disp[2 * j], my = b.disp[2 * i + 1] - b.disp[2 * j + 1];
-  const Rotor q = theirs.kind.hull_count != 0 ? rotor_of(theirs.angle) : Rotor{};
-  const float slack = -kDeep * std::fmin(mine.inner, theirs.inner);
-  float first = 1;
-  for (const Hull& a : theirs.hulls) {
-    for (const Hull& hull : mine.hulls) {
-      first = std::fmin(first, time_of_impact(a, q, hull, mine.angle, mine.swing, dx, dy, mx, my, slack));
-    }
+// Whether a disc came deeper into a fixed shape than contacts let it, on the straight way that it went in the step.
+bool passes(const Surroundings& s, std::size_t i, std::uint32_t number) {
+  const BodyStore& b = s.bodies;
+  const StaticShape& shape = s.statics[number];
+  const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
+  const LatticePoint here{b.pos[2 * i], b.pos[2 * i + 1]};
+  const double size = double{shape.radius} + (1 - Flight::kDeep) * b.radius[i];
+  const Vec2 u = shape.segment ? s.lattice.way(shape.p, shape.q) : Vec2{};
+  return !shape.whole && distance2(way, s.lattice.way(here, shape.p), u) < size * size;
+}
+
+// The box around the way of a body in the step, m from the centre of the lattice.
+Bounds box_of(const Surroundings& s, std::size_t i) {
+  const BodyStore& b = s.bodies;
+  const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), end = at + Vec2{b.disp[2 * i], b.disp[2 * i + 1]};
+  const double r = b.radius[i];
+  return {std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r,
+          std::fmax(at.y, end.y) + r};
+}
+
+// Whether fixed geometry may lie along the way of a body.
+bool near_fixed(const ContinuousInput& in, std::size_t i) {
+  const Surroundings& s = in.contacts.surroundings;
+  const Bounds box = box_of(s, i);
+  if (in.walls != nullptr) {
+    const Vec2 low = s.lattice.metres(in.walls->low.x, in.walls->low.y),
+               high = s.lattice.metres(in.walls->high.x, in.walls->high.y);
+    if (box.xmin < low.x || box.ymin < low.y || box.xmax > high.x || box.ymax > high.y) return true;
   }
-  cut(b, i, first);
+  return s.statics.any() && !s.statics.surely_none(box);
+}
+
+// Whether the circles around two bodies may have met in the step.
+bool may_reach(const Surroundings& s, std::size_t i, std::size_t k) {
+  const BodyStore& b = s.bodies;
+  const Vec2 apart = s.lattice.steps({b.pos[2 * i], b.pos[2 * i + 1]}, {b.pos[2 * k], b.pos[2 * k + 1]});
+  const double ways = length_of({b.disp[2 * i], b.disp[2 * i + 1]}) + length_of({b.disp[2 * k], b.disp[2 * k + 1]});
+  return length_of(apart) < double{b.radius[i]} + b.radius[k] + ways;
 }
 
 }  // namespace
 
-std::uint32_t Continuous::stop(const Contacts& contacts, const PairTable& table,
-                               const std::vector<std::uint32_t>& bullets, bool filters) {
-  const BodyStore& b = contacts.surroundings.bodies;
-  const std::vector<std::uint32_t>& slots = contacts.manifolds.shaped();
-  const std::size_t shapes = contacts.surroundings.statics.any() ? slots.size() : 0;
-  jobs_.resize(std::max(jobs_.size(), jobs_for(slots.size(), kTask)));
-  for (Job& job : jobs_) job.fast = job.looks = job.cut = 0;
-  run_each(shapes, kTask, contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
-    Job& job = jobs_[n];
-    const std::uint32_t i = slots[k];
-    if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
-    const BodyKind& kind = b.kind(b.id[i]);
-    const bool dynamic = b.properties(b.id[i]).type == BodyType::dynamic_body;
-    if (kind.sensor || !dynamic || !is_fast(b, i, kind.inner)) return;
-    const float before = b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1];
-    job.near.clear();
-    stop_at_fixed(contacts, filters, i, job.near);
-    ++job.fast;
-    job.looks += static_cast<std::uint32_t>(job.near.size());
-    if (b.disp[2 * std::size_t{i}] + b.disp[2 * std::size_t{i} + 1] != before) ++job.cut;
-  });
-  Job sum;
-  for (const Job& job : jobs_) {
-    sum.fast += job.fast;
-    sum.looks += job.looks;
-    sum.cut += job.cut;
+// The kinematic bodies by the left edges of their boxes, to find those along a way.
+void Continuous::sort_kinematics(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  kinematics_.clear();
+  widest_ = 0;
+  for (const auto& [id, velocity] : in.kinematics) {
+    if (s.bodies.kind(id).sensor) continue;
+    kinematics_.push_back({box_of(s, s.bodies.info[id].slot), s.bodies.info[id].slot});
+    const Bounds& box = kinematics_.back().box;
+    widest_ = std::fmax(widest_, box.xmax - box.xmin);
   }
-  fast_count_ = sum.fast;
-  looked_ = sum.looks;
-  if (!bullets.empty()) stop_bullets(contacts, table, bullets);
-  return sum.cut;
+  // Total order: the left edge, then the slot.
+  std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });
+  kinematic_slots_.clear();
+  for (const Kinematic& k : kinematics_) kinematic_slots_.push_back(k.slot);
 }
 
-// Stops fast bullets at other moving bodies. They are few: one by one, in the order of the lists.
-void Continuous::stop_bullets(const Contacts& contacts, const PairTable& table,
-                              const std::vector<std::uint32_t>& bullets) {
-  const BodyStore& b = contacts.surroundings.bodies;
-  fast_.assign(b.count, 0);
+// Whether a body is so fast that it may have met a kinematic body that its lists do not name, since it bounced or was
+// thrown, and which ones are there.
+bool Continuous::may_come_upon(const Surroundings& s, std::size_t i) const {
+  if (kinematics_.empty()) return false;
+  const BodyStore& b = s.bodies;
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kThrown * inner_of(b, i);
+  if (!(x * x + y * y > limit * limit)) return false;
+  const auto fast = [&](const Kinematic& k) {
+    return way_against(s, i, k.slot) > Flight::kFast * inner_of(s.bodies, i);
+  };
+  if (s.lattice.wraps()) {
+    return std::ranges::any_of(kinematics_, [&](const Kinematic& k) { return may_reach(s, i, k.slot) && fast(k); });
+  }
+  const Bounds mine = box_of(s, i);
+  const auto left = [](const Kinematic& k) { return k.box.xmin; };
+  auto k = std::ranges::lower_bound(kinematics_, mine.xmin - widest_, {}, left);
+  for (; k != kinematics_.end() && k->box.xmin <= mine.xmax; ++k) {
+    if (overlap(k->box, mine) && fast(*k)) return true;
+  }
+  return false;
+}
+
+// Fast shapes.
+void Continuous::find_shapes(const ContinuousInput& in) {
+  const BodyStore& b = in.contacts.surroundings.bodies;
+  const std::vector<std::uint32_t>& slots = in.contacts.manifolds.shaped();
+  jobs_.resize(std::max(jobs_.size(), jobs_for(slots.size(), kTask)));
+  const Surroundings& s = in.contacts.surroundings;
+  const bool fixed = in.walls != nullptr || s.statics.any();
+  run_each(slots.size(), kTask, s.pool, [&](std::size_t k, std::size_t n) {
+    const std::uint32_t i = slots[k];
+    if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
+    const BodyProperties& properties = b.properties(b.id[i]);
+    const BodyKind& kind = b.kinds[properties.kind];
+    if (!is_fast(b, i, kind.inner) || properties.type != BodyType::dynamic_body || kind.sensor) return;
+    jobs_[n].fast = true;
+    if ((fixed && near_fixed(in, i)) || may_come_upon(s, i)) jobs_[n].found.push_back(i);
+  });
+}
+
+// Discs that are deep in fixed geometry by what their contacts say.
+void Continuous::find_deep_discs(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  const StaticLanes& lanes = in.contacts.discs.fixed;
+  jobs_.resize(std::max(jobs_.size(), in.table.strips.size()));
+  s.pool.run(in.table.strips.size(), [&](std::size_t n) {
+    Job& job = jobs_[n];
+    for (const StaticPair& pair : in.table.static_contacts[n]) {
+      const std::size_t i = pair.body, l = pair.contact;
+      if (pair.shape >= kWallLeft || b.linked[i] == 0) continue;
+      job.fast = job.fast || is_fast_disc(b, i);
+      const float end = lanes.gap[l] + (lanes.nx[l] * b.disp[2 * i] + lanes.ny[l] * b.disp[2 * i + 1]);
+      if (end < -Flight::kDeep * b.radius[i] && passes(s, i, pair.shape)) job.found.push_back(pair.body);
+    }
+  });
+}
+
+// Fast discs that went through fixed geometry. Their contacts know what lay straight ahead of them, but not what they met
+// after a bounce, or when others threw them.
+void Continuous::find_fast_discs(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  constexpr std::size_t kBodies = 2048;  // a job
+  jobs_.resize(std::max(jobs_.size(), jobs_for(b.count, kBodies)));
+  run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
+    if (b.linked[i] == 0 || !is_fast_disc(b, i) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
+    Job& job = jobs_[n];
+    const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
+    job.near.clear();
+    if (near_fixed(in, i)) s.statics.near_way({b.pos[2 * i], b.pos[2 * i + 1]}, {}, way, b.radius[i], job.near);
+    if (std::ranges::any_of(job.near, [&](std::uint32_t k) { return passes(s, i, k); }) || may_come_upon(s, i)) {
+      job.found.push_back(static_cast<std::uint32_t>(i));
+    }
+  });
+}
+
+// Bodies that something presses deep into fixed or kinematic geometry, and those that kinematic bodies come upon.
+void Continuous::find_pressed(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  const BodyStore& b = s.bodies;
+  for (std::size_t n = 0; n < in.contacts.manifolds.strip_count(); ++n) {
+    for (const std::uint32_t k : in.contacts.manifolds.strip(n).watched) {
+      const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
+      if (!is_free(b, pair.b)) continue;
+      const float inner = inner_of(b, pair.b);
+      const bool deep = pair.of_piece() || pair.flying || pair.least_gap() < -kPressed * inner;
+      if (deep || way_against(s, pair.b, pair.a) > Flight::kFast * inner) pressed_.push_back(pair.b);
+    }
+  }
+  // Pairs of a disc and a kinematic disc are among those of discs.
+  const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
+  const auto is_disc = [&](std::uint32_t i) { return b.kind(b.id[i]).hull_count == 0; };
+  if (std::ranges::none_of(kinematic_slots_, is_disc)) return;
+  for (const Strip& strip : in.table.strips) {
+    for (std::uint32_t p = strip.pair_begin; p < strip.pair_end; ++p) {
+      const std::uint32_t i = in.table.owner[p], j = in.table.other[p];
+      if (held(i) != held(j) && is_free(b, held(i) ? j : i)) pressed_.push_back(held(i) ? j : i);
+    }
+  }
+}
+
+// Fast bullets, and the bodies that they may meet.
+void Continuous::find_bullets(const ContinuousInput& in) {
+  const BodyStore& b = in.contacts.surroundings.bodies;
+  partners_.clear();
+  fast_.assign(in.bullets.empty() ? 0 : b.count, 0);
   bool any = false;
-  for (const std::uint32_t id : bullets) {
+  for (const std::uint32_t id : in.bullets) {
     if (b.info[id].place != Place::moving) continue;  // it sleeps
     const std::uint32_t i = b.info[id].slot;
-    if (!is_fast(b, i, Swept(b, i).inner)) continue;
-    fast_[i] = any = true;
-    ++fast_count_;
+    if (is_free(b, i) && is_fast(b, i, inner_of(b, i))) fast_[i] = any = true;
   }
   if (!any) return;
   const auto meet_pair = [&](std::uint32_t i, std::uint32_t j) {
-    if (fast_[i] != 0) stop_at_moving(contacts.surroundings, i, j);
-    if (fast_[j] != 0) stop_at_moving(contacts.surroundings, j, i);
+    const auto free = [&](std::uint32_t k) { return b.properties(b.id[k]).type == BodyType::dynamic_body; };
+    if (fast_[i] != 0 && free(j)) partners_.emplace_back(i, j);
+    if (fast_[j] != 0 && free(i)) partners_.emplace_back(j, i);
   };
-  for (const ManifoldPair& pair : contacts.manifolds.pairs()) {
-    if (pair.a != ManifoldPair::kNone && pair.part_a == 0 && pair.part_b == 0) meet_pair(pair.a, pair.b);
+  for (const ManifoldPair& pair : in.contacts.manifolds.pairs()) {
+    if (pair.a != ManifoldPair::kNone && pair.part_a == 0 && pair.part_b == 0 && !pair.moved) meet_pair(pair.a, pair.b);
   }
-  for (const Strip& s : table.strips) {
-    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(table.owner[p], table.other[p]);
+  for (const Strip& s : in.table.strips) {
+    for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(in.table.owner[p], in.table.other[p]);
   }
+  std::ranges::sort(partners_);  // total order: both slots
+}
+
+// Finds all bodies to look at.
+void Continuous::find(const ContinuousInput& in) {
+  const Surroundings& s = in.contacts.surroundings;
+  jobs_.resize(std::max<std::size_t>(jobs_.size(), 1));
+  for (Job& job : jobs_) {
+    job.found.clear();
+    job.looks = job.bent = 0;
+    job.fast = false;
+  }
+  pressed_.clear();
+  sort_kinematics(in);
+  if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
+    find_shapes(in);
+    find_deep_discs(in);
+    const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
+    const bool discs = in.contacts.manifolds.shaped().size() < s.bodies.awake();
+    if (discs && (fast || !in.kinematics.empty())) find_fast_discs(in);
+    find_pressed(in);
+  }
+  find_bullets(in);
+  flying_ = pressed_;
+  for (const Job& job : jobs_) flying_.insert(flying_.end(), job.found.begin(), job.found.end());
+  for (const auto& [i, j] : partners_) flying_.push_back(i);
+  // Total order: slots.
+  std::ranges::sort(pressed_);
+  std::ranges::sort(flying_);
+  flying_.erase(std::unique(flying_.begin(), flying_.end()), flying_.end());
+}
+
+// Follows the ways of all bodies that were found. Bullets change the velocities of others: they come last, one by one.
+void Continuous::follow(const ContinuousInput& in) {
+  const Airspace space{in.contacts,     in.joints.any_exclusions() ? &in.joints : nullptr,
+                       in.filters,      in.dt,
+                       in.gravity,      in.restitution_threshold,
+                       in.walls,        in.wall,
+                       kinematic_slots_};
+  const auto is_bullet = [&](std::uint32_t i) { return !fast_.empty() && fast_[i] != 0; };
+  const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {
+    Flight flight(space, i, std::ranges::binary_search(pressed_, i));
+    job.bent += flight.run(job.near, partners) != 0 ? 1 : 0;
+    job.looks += flight.looks();
+  };
+  jobs_.resize(std::max(jobs_.size(), jobs_for(flying_.size(), kFlights)));
+  run_each(flying_.size(), kFlights, in.contacts.surroundings.pool, [&](std::size_t k, std::size_t n) {
+    if (!is_bullet(flying_[k])) fly(flying_[k], jobs_[n], {});
+  });
+  for (const std::uint32_t i : flying_) {
+    if (!is_bullet(i)) continue;
+    others_.clear();
+    auto p = std::ranges::lower_bound(partners_, std::pair(i, 0u));
+    for (; p != partners_.end() && p->first == i; ++p) others_.push_back(p->second);
+    fly(i, jobs_[0], others_);
+  }
+}
+
+std::uint32_t Continuous::stop(const ContinuousInput& in) {
+  find(in);
+  if (!flying_.empty()) follow(in);
+  fast_count_ = static_cast<std::uint32_t>(flying_.size());
+  looked_ = 0;
+  std::uint32_t bent = 0;
+  for (const Job& job : jobs_) {
+    bent += job.bent;
+    looked_ += job.looks;
+  }
+  return bent;
 }
 
 }  // namespace psim

@@ -105,8 +105,8 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
-  values(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.stack, p.was_stack,
-         p.rest_frames, p.recalled, p.colour, p.balanced);
+  values(a, p.round_a, p.round_b, p.active, p.ahead, p.flying, p.ghost, p.moved, p.lasting, p.changed, p.stack,
+         p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced);
   a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
@@ -120,9 +120,9 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     a.plain(s.blocks);
     a.packed(s.active);
     a.packed(s.laid);
+    a.packed(s.watched);
     values(a, s.end, s.colours, s.points);
   });
-  a.packed(ghosts_);
   a.packed(special_);
   a.packed(stale_);
   a.packed(shaped_, around.present() ? slots : kAnyNumber);
@@ -147,9 +147,9 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     points += strips_[k].points;
   }
   a.require(t.points == 0 || (t.points <= points && around.wanted));
-  for (const std::uint64_t ghost : ghosts_) a.require(ghost >> 32 < slots || !around.present());
   if (!a.ok()) return;
   // What follows from the pairs that were read.
+  for (StripBlocks& s : strips_) std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
   old_pairs_.clear();
   both_ = collecting_ = false;
   indexed_ = false;

@@ -164,13 +164,17 @@ void solve(StepContext& c, double dt, StepReport& report) {
   c.ledger.lanes.scalar += contacts.discs.fixed.count + 2u * substeps * contacts.stacks.link_count();
 }
 
-// Shapes and bullets that went far for their size are put back to where they met something.
-void stop_fast_bodies(StepContext& c, StepReport& report) {
+// Bodies that went far for their size do not pass what is solid.
+void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   if (!c.plan.continuous) return;
   const StageTimer timer(report, c.tracer, Stage::solver);
   Continuous& continuous = c.dynamics.continuous;
-  c.bodies.find_slots();
-  report.stopped = continuous.stop(c.contacts, c.neighbours.table, c.population.bullets, c.plan.filters);
+  if (c.plan.bullets || !c.population.kinematics.empty()) c.bodies.find_slots();
+  const ManifoldParams p = c.manifold_params(dt);
+  const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
+  report.stopped =
+      continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics, c.population.bullets,
+                       c.plan.filters, dt, p.gravity, c.desc.restitution_threshold, walls, p.wall});
   report.fast = continuous.fast();
 }
 
@@ -204,7 +208,7 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
 
 Moved move_bodies(StepContext& c, double dt, StepReport& report) {
   solve(c, dt, report);
-  stop_fast_bodies(c, report);
+  stop_fast_bodies(c, dt, report);
   return integrate(c, dt, report);
 }
 

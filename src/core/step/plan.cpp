@@ -39,7 +39,7 @@ Plan make_plan(const Traits& t) {
   p.turns = p.manifolds || p.joints;
   p.filters = t.filtered != 0 || t.sensors != 0 || t.exclusions;
   p.bullets = t.bullets != 0 && t.moving > 1;
-  p.continuous = p.manifolds || p.bullets;
+  p.continuous = p.manifolds || p.bullets || (t.moving != 0 && t.fixed != 0) || t.kinematic != 0;
   p.rotation = p.friction || t.turning || p.turns;
   p.sleep = t.sleeping && t.moving != 0;
   p.events = t.events;
@@ -83,8 +83,8 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("joints", p.joints, "bodies are joined", "no body is joined to another");
   add("filters", p.filters, "some bodies do not collide with others, or are sensors",
       "everybody collides with everybody");
-  add("continuous", p.continuous, "shapes that are fast for their size, or bullets",
-      "discs meet fixed geometry at any speed, and nobody is a bullet");
+  add("continuous", p.continuous, "fast bodies may meet shapes, fixed or kinematic bodies, or are bullets",
+      "discs alone, nothing stands fixed, and nobody is a bullet");
   add("rotation", p.rotation, "friction, a shape, a joint or a given spin turns bodies", "nothing turns a body");
   add("integrate", moves, "bodies move", "no body moves");
   add("sleep", p.sleep, "bodies that come to rest are left out",

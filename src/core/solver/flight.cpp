@@ -1,0 +1,382 @@
+#include "solver/flight.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+namespace {
+
+constexpr int kMostImpacts = 96;     // in a step; then the body stays where it met the last one
+constexpr double kTolerance = 1e-3;  // share of the inner radius to which impacts are found
+constexpr double kDeeper = 0.1;      // share of the inner radius by which hulls would overlap in an impact
+
+Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
+
+// Two bodies in an impact: inverse masses and inertias, 0 for what does not give way, and what their surfaces are like.
+struct Surface {
+  double wa = 0, ia = 0, wb = 0, ib = 0;
+  double restitution = 0, friction = 0;
+  double least = 0;  // slower impacts do not bounce
+};
+
+// A point of an impact, by its arms from the centres.
+struct Point {
+  Vec2 a, b;
+};
+
+void push(Rates& a, Rates& b, const Surface& s, const Point& p, Vec2 impulse) {
+  a.along = a.along - s.wa * impulse;
+  a.turn -= s.ia * cross(p.a, impulse);
+  b.along = b.along + s.wb * impulse;
+  b.turn += s.ib * cross(p.b, impulse);
+}
+
+// The impulses of an impact in one or two points at once (Newton's law at each of them), and then friction. Does nothing
+// if the bodies part already.
+void collide_rates(Rates& a, Rates& b, const Surface& s, Vec2 n, std::span<const Point> points) {
+  const auto closing = [&](const Point& p) { return dot(n, speed_at(b, p.b) - speed_at(a, p.a)); };
+  const auto weight = [&](const Point& p, const Point& q, Vec2 along) {
+    return s.wa + s.wb + s.ia * cross(p.a, along) * cross(q.a, along) + s.ib * cross(p.b, along) * cross(q.b, along);
+  };
+  double impulse[2] = {};
+  const double u0 = closing(points[0]), u1 = points.size() == 2 ? closing(points[1]) : 0;
+  const double factor = -std::fmin(u0, u1) < s.least ? 1 : 1 + s.restitution;
+  if (u0 < 0 && u1 < 0) {
+    const double k00 = weight(points[0], points[0], n), k01 = weight(points[0], points[1], n),
+                 k11 = weight(points[1], points[1], n), det = k00 * k11 - k01 * k01;
+    if (det > 1e-6 * k00 * k11) {
+      impulse[0] = -factor * (k11 * u0 - k01 * u1) / det;
+      impulse[1] = -factor * (k00 * u1 - k01 * u0) / det;
+    }
+  }
+  if (!(impulse[0] > 0 && impulse[1] > 0)) {
+    const std::size_t k = u1 < u0 ? 1 : 0;
+    const double u = std::fmin(u0, u1);
+    impulse[0] = impulse[1] = 0;
+    if (u < 0) impulse[k] = -factor * u / weight(points[k], points[k], n);
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) push(a, b, s, points[k], impulse[k] * n);
+  const Vec2 t = upright(n);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Point& p = points[k];
+    const double sliding = dot(t, speed_at(b, p.b) - speed_at(a, p.a)), most = s.friction * impulse[k];
+    push(a, b, s, p, std::clamp(-sliding / weight(p, p, t), -most, most) * t);
+  }
+}
+
+}  // namespace
+
+float way_against(const Surroundings& s, std::size_t i, std::size_t k) {
+  const BodyStore& b = s.bodies;
+  const float x = b.disp[2 * i] - b.disp[2 * k], y = b.disp[2 * i + 1] - b.disp[2 * k + 1];
+  if (b.angle_change.empty()) return std::sqrt(x * x + y * y);
+  const float turn = b.angle_change[k], swing = b.kind(b.id[i]).hull_count == 0 ? 0.0f : b.angle_change[i] - turn;
+  const Vec2 apart = s.lattice.steps({b.pos[2 * k], b.pos[2 * k + 1]}, {b.pos[2 * i], b.pos[2 * i + 1]});
+  const float middle_x = static_cast<float>(apart.x) + x / 2, middle_y = static_cast<float>(apart.y) + y / 2;
+  const float ux = x + turn * middle_y, uy = y - turn * middle_x;
+  return std::sqrt(ux * ux + uy * uy) + std::fabs(swing) * b.radius[i];
+}
+
+Flight::Flight(const Airspace& space, std::uint32_t slot, bool pressed)
+    : space_(space),
+      slot_(slot),
+      pressed_(pressed),
+      kind_(b_.kind(b_.id[slot])),
+      properties_(b_.properties(b_.id[slot])) {
+  const bool shape = kind_.hull_count != 0;
+  hulls_ = {shape ? &b_.hulls[kind_.first_hull] : &disc_.emplace(disc_hull(b_.radius[slot])),
+            std::max<std::size_t>(1, kind_.hull_count)};
+  inner_ = shape ? kind_.inner : b_.radius[slot];
+  velocity_ = {b_.velocity(slot), b_.omega_of(slot)};
+  fall_ = space.dt * (b_.acc.empty() ? space.gravity : Vec2{b_.acc[2 * slot], b_.acc[2 * slot + 1]});
+  const double turned = b_.angle_change.empty() ? velocity_.turn * space.dt : double{b_.angle_change[slot]};
+  way_ = {{b_.disp[2 * slot], b_.disp[2 * slot + 1]}, turned};
+  angle_ = b_.angle_of(slot) - turned;
+}
+
+bool Flight::collides_with(std::uint32_t id) const {
+  if (space_.filters && (b_.kind(id).sensor || !meet(kind_.filter, b_.kind(id).filter))) return false;
+  return space_.joints == nullptr || !space_.joints->joined(b_.id[slot_], id);
+}
+
+// What is left of a course in this step.
+Course Flight::rest_of(const Course& c) const {
+  return {c.place(1 - left_), left_ * c.way, c.facing(1 - left_), left_ * c.turn, c.arm};
+}
+
+Course Flight::leg() const { return {at_, left_ * way_.along, angle_, left_ * way_.turn}; }
+
+int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
+  int impacts = 0;
+  for (; impacts < kMostImpacts; ++impacts) {
+    find(near, partners);
+    const double share = std::fmin(first_.share, 1);
+    at_ = at_ + share * left_ * way_.along;
+    angle_ += share * left_ * way_.turn;
+    // From the mean velocity of this part of the way to that of its end: gravity bends it a little.
+    way_.along = way_.along + (share - 0.5) * left_ * space_.dt * fall_;
+    left_ *= 1 - share;
+    if (first_.share > 1) break;
+    if (!bounce() && share == 0) {  // something else holds it
+      ++impacts;
+      break;
+    }
+    if (first_.other.slot != kNoSlot) partners = {};
+  }
+  if (first_.share <= 1) ride();
+  if (impacts != 0) store();
+  return impacts;
+}
+
+// The last impact leads to no way on: for the rest of the step, the body moves with what it met.
+void Flight::ride() {
+  const Course theirs = rest_of(first_.other.course);
+  at_ = theirs.place(1) + turned(sine_cosine(theirs.turn), at_ - theirs.at);
+  angle_ += theirs.turn;
+}
+
+// Finds the first impact on what is left of the way.
+void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
+  sunk_ = 0;
+  for (double before = -1; before < sunk_;) {  // once more, if the body turned out to lie in something
+    before = sunk_;
+    first_.share = Approach::kNever;
+    if (s_.statics.any()) find_fixed(near);
+    if (space_.walls != nullptr) find_walls();
+    for (const std::uint32_t slot : space_.kinematics) find_moving(slot, false);
+    for (const std::uint32_t slot : partners) find_moving(slot, true);
+    if (first_.share > 1) return;
+  }
+}
+
+void Flight::find_fixed(std::vector<std::uint32_t>& near) {
+  const std::int32_t x = b_.pos[2 * slot_], y = b_.pos[2 * slot_ + 1];
+  const Vec2 way = left_ * way_.along;
+  near.clear();
+  s_.statics.near_way({x, y, 0, 0}, at_, way, b_.radius[slot_], near);
+  looks_ += static_cast<std::uint32_t>(near.size());
+  const double size = 4 * (double{b_.radius[slot_]} + length_of(at_) + length_of(way));
+  for (const std::uint32_t k : near) {
+    const StaticShape& s = s_.statics[k];
+    if (disc_ ? s.whole : s.face) continue;
+    if (!collides_with(s.owner)) continue;
+    const Hull piece = s_.statics.seen_from(k, {x, y, 0, 0}, size);
+    if (s.face) {  // a disc whose centre is inside of a polygon may leave it
+      const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
+      if (cross(u, at_ - p) > 0) continue;
+    }
+    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, k});
+  }
+}
+
+// Looks at the walls of the world, as long segments beside the way.
+void Flight::find_walls() {
+  const double size = b_.radius[slot_] + length_of(at_) + left_ * length_of(way_.along);
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1], 0, 0};
+  for (const std::uint32_t wall : {kWallLeft, kWallRight, kWallBottom, kWallTop}) {
+    const Walls::Face face = space_.walls->face(wall, here, s_.lattice);
+    if (face.height > size) continue;
+    const Vec2 n{face.nx, face.ny}, foot = -face.height * n, along = 4 * size * upright(n);
+    Hull hull;
+    hull.count = 2;
+    hull.set_vertex(0, foot - along);
+    hull.set_vertex(1, foot + along);
+    finish_hull(hull);
+    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction});
+  }
+}
+
+// Looks at another body that moves. It may turn about a point that is not its centre, if the host moves it.
+void Flight::find_moving(std::uint32_t slot, bool yields) {
+  const std::uint32_t id = b_.id[slot];
+  if (id == kNoSlot || !collides_with(id)) return;
+  const BodyKind& kind = b_.kind(id);
+  const BodyProperties& properties = b_.properties(id);
+  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
+  const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
+  const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
+  if (apart > length_of(left_ * way_.along) + length_of(way)) return;
+  if (!yields && !pressed_ && left_ == 1 && way_against(s_, slot_, slot) <= kFast * inner_) return;
+  Other other;
+  other.course = {centre, way, angle, turn};
+  other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
+  if (!yields && (kind.centre_x != 0 || kind.centre_y != 0)) {
+    const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
+    other.course = {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
+  }
+  other.way = {other.course.way, turn};
+  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, turn / space_.dt};
+  other.restitution = properties.restitution;
+  other.friction = properties.friction;
+  const bool shape = kind.hull_count != 0;
+  if (yields) {
+    other.slot = slot;
+    other.inner = shape ? kind.inner : b_.radius[slot];
+  }
+  if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
+  meet_hulls(kind, other);
+}
+
+// Looks at the hulls of a body to whose boxes the circle around this one may come, as seen from that body.
+void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
+  const Course mine = leg(), theirs = rest_of(other.course);
+  const auto seen = [&](double share) {
+    const SineCosine q = sine_cosine(theirs.facing(share));
+    return turned({-q.sine, q.cosine}, mine.place(share) - theirs.place(share)) - theirs.arm;
+  };
+  const Vec2 from = seen(0), to = seen(1);
+  // The way between is an arc. It leaves the chord by no more than `bulge`.
+  const double spin = std::fabs(theirs.turn), span = length_of(mine.way - theirs.way);
+  const double bulge = spin * (2 * span + spin * (length_of(from + theirs.arm) + span)) / 8;
+  const double r = double{b_.radius[slot_]} + bulge;
+  const Bounds way{std::fmin(from.x, to.x) - r, std::fmin(from.y, to.y) - r, std::fmax(from.x, to.x) + r,
+                   std::fmax(from.y, to.y) + r};
+  for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
+    const Hull& hull = b_.hulls[kind.first_hull + k];
+    Bounds box{1e300, 1e300, -1e300, -1e300};
+    for (int n = 0; n < hull.count; ++n) {
+      const double x = hull.x[n], y = hull.y[n], round = hull.radius;
+      box = {std::fmin(box.xmin, x - round), std::fmin(box.ymin, y - round), std::fmax(box.xmax, x + round),
+             std::fmax(box.ymax, y + round)};
+    }
+    if (overlap(box, way)) meet_hull(hull, other);
+  }
+}
+
+// Takes an impact with a hull, if it is the first one so far.
+void Flight::meet_hull(const Hull& hull, const Other& other) {
+  const Course mine = leg(), theirs = rest_of(other.course);
+  for (const Hull& part : hulls_) {
+    const Approach pair(hull, theirs, part, mine);
+    bool pressed = false;
+    Vec2 normal;
+    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
+    if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
+  }
+}
+
+// The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
+// deeper than it lies in something already: a body that slides over tiles meets the sides of the next ones as deep as it
+// sank into the last one. A body that touches all the way strikes if it would come deep.
+double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal) {
+  const double size = inner, deep = -kDeep * size;
+  const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
+  const Approach::Stand start = pair.stand(0, 0);
+  sunk_ = std::fmax(sunk_, std::fmin(-start.distance, kDeep * size));
+  const double struck = -kDeeper * size - sunk_;
+  const auto strikes_from = [&](double from) {
+    const double share = pair.falls_to(0, tolerance, from);
+    return share > 1 || pair.falls_to(struck, tolerance, share) > 1 ? Approach::kNever : share;
+  };
+  if (start.distance > tolerance) return start.advance < 1 ? strikes_from(start.advance) : Approach::kNever;
+  // Its centre stays on its side: of a thin shape, the axis of least overlap may point to the other one.
+  normal = pair.entry();
+  pressed = start.distance <= deep + tolerance || normal.x != 0 || normal.y != 0;
+  if (pressed) {  // it comes no deeper
+    const bool through = normal.x != 0 || normal.y != 0;
+    const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
+    return later < 1 || through ? 0 : Approach::kNever;
+  }
+  const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
+  const double share = pair.falls_to(limit, tolerance, 0);
+  if (share > 1) return Approach::kNever;
+  const double from = parts(pair, mine, tolerance);
+  if (from < 1) return strikes_from(from);
+  return pair.falls_to(deep, tolerance, share) > 1 ? Approach::kNever : share;
+}
+
+// The share at which hulls that touch have parted, if they do so at once; else kNever.
+double Flight::parts(const Approach& pair, const Hull& mine, double tolerance) const {
+  const double way = left_ * (length_of(way_.along) + std::fabs(way_.turn) * mine.reach);  // m, at most
+  for (double moved = tolerance; moved < 300 * tolerance && moved < way; moved *= 4) {
+    if (pair.stand(moved / way, 0).distance > 2 * tolerance) return moved / way;
+  }
+  return Approach::kNever;
+}
+
+// Where a chain goes on from a segment without falling away from the body's side, the body meets the face of the segment,
+// never its end.
+Vec2 Flight::smoothed(Vec2 n) const {
+  const Hull& piece = first_.hull;
+  if (first_.other.piece == kNoSlot || piece.count != 2) return n;
+  const Vec2 u = piece.vertex(1) - piece.vertex(0);
+  const double length = length_of(u), lean = dot(n, u) / length;
+  if (std::fabs(lean) < 1e-3) return n;
+  const StaticShape* beyond = s_.statics.chain_neighbour(first_.other.piece, lean > 0);
+  if (beyond == nullptr) return n;
+  const double side = cross(u, at_ - piece.vertex(0)) < 0 ? -1 : 1;
+  const Vec2 w = s_.lattice.steps(beyond->p, beyond->q);
+  const bool convex = side * dot(upright(w), u) * (lean > 0 ? 1 : -1) > 1e-3 * length * length_of(w);
+  return convex ? n : (side / length) * upright(u);
+}
+
+// Returns whether the way of the body changed.
+bool Flight::bounce() {
+  const Other& other = first_.other;
+  const Course mine = leg(), theirs = rest_of(other.course);  // both begin with the impact
+  const Manifold m = Approach(first_.hull, theirs, *first_.mine, mine).touch(0, 1e30);
+  const double least = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+  const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
+  Point points[2];
+  std::size_t count = 0;
+  for (int k = 0; k < m.count; ++k) {
+    if (double{m.point[k].gap} > least + tolerance) continue;
+    const Vec2 arm{m.point[k].bx, m.point[k].by};
+    points[count++] = {mine.at + arm - theirs.at, arm};
+  }
+  const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
+  if (count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
+  const auto inertia = [&](const BodyProperties& p) {
+    return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
+  };
+  Surface s{0, 0, properties_.inv_mass, inertia(properties_)};
+  // What presses slowly on a body that is deep already does not bounce.
+  const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
+  s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
+  s.friction = std::sqrt(properties_.friction * other.friction);
+  Vec2 n = smoothed({m.nx / length, m.ny / length});
+  if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its centre
+    n = first_.normal;
+    points[0] = {mine.at - theirs.at, {}};
+    count = 1;
+  }
+  const Rates before = way_;
+  Rates their_way = other.way, their_velocity = other.velocity;
+  if (other.slot == kNoSlot) {
+    s.least = space_.restitution_threshold * space_.dt;
+    collide_rates(their_way, way_, s, n, {points, count});
+    s.least = space_.restitution_threshold;
+    const bool bent = way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
+    way_.along = way_.along + 0.5 * left_ * space_.dt * fall_;
+    velocity_.along = velocity_.along - left_ * fall_;  // what gravity gives after the impact
+    collide_rates(their_velocity, velocity_, s, n, {points, count});
+    velocity_.along = velocity_.along + left_ * fall_;
+    return bent;
+  }
+  // Another body that moves keeps its way in this step, and this one goes along with it.
+  const BodyProperties& theirs_of = b_.properties(b_.id[other.slot]);
+  s.wa = theirs_of.inv_mass;
+  s.ia = inertia(theirs_of);
+  s.least = space_.restitution_threshold;
+  collide_rates(their_velocity, velocity_, s, n, {points, count});
+  way_ = {other.way.along, 0};
+  b_.put_velocity(other.slot, their_velocity.along);
+  if (!b_.rim_speed.empty()) b_.rim_speed[other.slot] = static_cast<float>(their_velocity.turn * b_.radius[other.slot]);
+  return true;
+}
+
+void Flight::store() const {
+  const std::size_t i = slot_;
+  b_.clear_remainders(i);
+  b_.disp[2 * i] = static_cast<float>(at_.x);
+  b_.disp[2 * i + 1] = static_cast<float>(at_.y);
+  b_.put_velocity(i, velocity_.along);
+  if (b_.rim_speed.empty()) return;
+  b_.rim_speed[i] = static_cast<float>(velocity_.turn * b_.radius[i]);
+  if (b_.angle_change.empty()) return;
+  b_.angle_change[i] = static_cast<float>(angle_ - (b_.angle[i] - double{b_.angle_change[i]}));
+  b_.angle[i] = angle_;
+}
+
+}  // namespace psim

@@ -1,0 +1,113 @@
+// The way of one fast body through a step, from impact to impact.
+//
+// In: where the body was at the start of the step (pos, angle less angle_change) and where the substeps brought it (disp,
+// angle). Out: the same, if nothing solid lies between; else the way up to the first impact, on from there as the body
+// bounces, up to the next one, and so on. Velocities bounce likewise. A body is never left behind a surface.
+//
+// O(impacts x shapes along the way).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "joints/joint_store.h"
+#include "manifolds/contacts.h"
+#include "solver/approach.h"
+
+namespace psim {
+
+/// How fast a body goes and turns: m/s and rad/s, or m and rad in a step.
+struct Rates {
+  Vec2 along;
+  double turn = 0;
+};
+
+/// What all flights of a step share.
+struct Airspace {
+  const Contacts& contacts;
+  const JointStore* joints;                        ///< null if no joint keeps bodies from colliding
+  bool filters = false;                            ///< some bodies do not collide with others
+  double dt = 0;                                   ///< s
+  Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
+  double restitution_threshold = 0;                ///< m/s: slower impacts do not bounce
+  const Walls* walls = nullptr;                    ///< null if the world has none
+  BodyProperties wall = {};                        ///< their surface
+  std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
+};
+
+/// How far the points of a body went in the step at most, as seen from body k, which may turn. m
+float way_against(const Surroundings& s, std::size_t i, std::size_t k);
+
+class Flight {
+ public:
+  /// `pressed`: something may press the body through a kinematic one, however slowly.
+  Flight(const Airspace& space, std::uint32_t slot, bool pressed);
+
+  static constexpr float kFast = 0.5f;  ///< share of its inner radius by which a fast body moves in a step
+  /// A body may come this deep, as a share of its inner radius: contacts see to less, and to bodies that only tip, slide
+  /// or land.
+  static constexpr float kDeep = 0.5f;
+
+  /// Follows the body past fixed and kinematic shapes and, up to the first impact with one, past moving `partners`,
+  /// whose velocities may change. `near` is scratch. Returns the number of impacts.
+  int run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners = {});
+  std::uint32_t looks() const { return looks_; }  ///< pieces of fixed geometry near the way
+
+ private:
+  // The other side of an impact.
+  struct Other {
+    Course course;        // of the whole step
+    Rates way, velocity;  // in the step; in a second
+    float restitution = 0, friction = 0;
+    std::uint32_t piece = kNoSlot;  // of fixed geometry
+    std::uint32_t slot = kNoSlot;   // of a body that the impact moves
+    float inner = 1e30f;            // m
+  };
+  struct Impact {
+    double share = Approach::kNever;
+    bool pressed = false;  // deep from the start of the leg
+    Vec2 normal;           // of the surface through which the centre of a pressed body would go, or 0
+    Other other;
+    Hull hull;  // of the other side
+    const Hull* mine = nullptr;
+  };
+
+  bool collides_with(std::uint32_t id) const;
+  Course leg() const;
+  Course rest_of(const Course& c) const;
+  void find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
+  void find_fixed(std::vector<std::uint32_t>& near);
+  void find_walls();
+  void find_moving(std::uint32_t slot, bool yields);
+  void meet_hulls(const BodyKind& kind, const Other& other);
+  void meet_hull(const Hull& hull, const Other& other);
+  double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
+  Vec2 smoothed(Vec2 n) const;
+  double parts(const Approach& pair, const Hull& mine, double tolerance) const;
+  bool bounce();
+  void ride();
+  void store() const;
+
+  const Airspace& space_;
+  const Surroundings& s_ = space_.contacts.surroundings;
+  BodyStore& b_ = s_.bodies;
+  const std::uint32_t slot_;
+  const bool pressed_;
+  const BodyKind& kind_;
+  const BodyProperties& properties_;
+  std::optional<Hull> disc_;  // of a body without hulls
+  std::span<const Hull> hulls_;
+  float inner_ = 0;  // m
+  Vec2 at_;          // m, since the start of the step
+  double angle_ = 0;
+  double left_ = 1;       // share of the step
+  Rates way_, velocity_;  // in the step; in a second
+  Vec2 fall_;             // m/s: the velocity that gravity gives in the step
+  double sunk_ = 0;       // m: how deep the body lies in something at the start of the leg
+  Impact first_;
+  std::uint32_t looks_ = 0;
+};
+
+}  // namespace psim
