@@ -25,6 +25,7 @@ constexpr float kLasting = 0.02f;
 constexpr float kFading = 0.95f;   // factor on offsets in a frame
 constexpr float kNearby = 0.02f;   // contacts are looked for up to this share of the inner radius
 constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
+constexpr float kFallen = 0.1f;    // at most this share counts as a gap that gravity closes within the step
 constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
@@ -204,6 +205,7 @@ struct Manifolds::Look {
     if (fixed && a != nullptr && statics[pair.shape].segment) {
       smooth_joint(pair, hull_b, now.qb, *a, margin);
     }
+    pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0;
     pair.base = now.at;
     pair.turn_a = now.qa;
     pair.turn_b = now.qb;
@@ -277,7 +279,8 @@ struct Manifolds::Look {
     pair.ahead = pair.ghost = false;
     if (m.count == 0 || pair.of_wall()) return;
     const float least = pair.least_gap();
-    if (!(least > kApart * now.inner)) return;
+    // Gravity alone may close a small gap: what supports one body need not support the other.
+    if (!(least > std::fmax(kApart * now.inner, std::fmin(g * dt * dt, kFallen * now.inner)))) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
     pair.ahead = kAheadFrames * dt * closing >= least;
@@ -336,6 +339,7 @@ Manifolds::Looks Manifolds::look(const ManifoldParams& params, std::span<Manifol
   for (ManifoldPair& pair : pairs) {
     if (pair.moved) continue;
     pair.stack = ManifoldPair::kNoStack;
+    pair.placed = false;
     if (pair.rest_frames != 0) --pair.rest_frames;
     if (pair.balanced > 0) fade(pair);
     Look::Stand now;

@@ -84,9 +84,12 @@ struct ManifoldPair : PairName {
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
   std::uint8_t colour = kAlone;
+  bool placed = false;        ///< the bodies touch, and there was no such pair in the last step
+  bool yields = false;        ///< it stands on fixed ground: the body below takes half of an impulse in a sweep
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
-  // When a side falls asleep or wakes, the contact gets another stiffness, and the same load would need another
-  // overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it fades.
+  // When a side falls asleep or wakes, or the pair joins or leaves a stack, the contact gets another stiffness, and the
+  // same load would need another overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it
+  // fades.
   float offset[2] = {};
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
@@ -103,6 +106,9 @@ inline bool runs_backwards(const Manifold& m) {
   const float x = m.point[1].bx - m.point[0].bx, y = m.point[1].by - m.point[0].by;
   return sign * (m.nx * y - m.ny * x) < 0;
 }
+
+/// A gap below this share of the inner radius counts as touching.
+inline constexpr float kTouching = 0.002f;
 
 /// Compliance and push-out rate of a contact, see ManifoldBlock.
 struct Stiffness {
@@ -158,6 +164,7 @@ class Manifolds {
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // points that touch or are near
+    std::uint32_t touching = 0, placed = 0;  // pairs that touch, and those of them that came up in this step
   };
 
   /// How the pairs of a step were looked at.
@@ -218,6 +225,11 @@ class Manifolds {
   void refresh(const ManifoldParams& params, std::size_t begin, std::size_t end);
   std::size_t look_pieces() const { return cuts_.size(); }
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
+  /// Finds which contacts stand on fixed ground, and whether this is a cold start. Once all pairs were looked at;
+  /// O(pairs) where other pairs touch than in the last step.
+  void find_footing();
+  /// Most of the bodies that touch were put there since the last step, so that their contacts carry nothing yet.
+  bool cold() const { return cold_; }
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
@@ -334,7 +346,7 @@ class Manifolds {
   Column<std::uint8_t> kind_{s_.memory};   // by slot
   Column<float> rotor_{s_.memory};         // by slot, records
   Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
-  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken
+  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken; the footing while it is looked for
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   Totals totals_;
   Looks looks_;                  // of the last refresh
@@ -344,6 +356,8 @@ class Manifolds {
   bool both_ = false;        // old_pairs_ has the pairs of the last step
   bool collecting_ = false;  // pairs_ is not complete yet
   bool laid_ = false;        // impulses are in the blocks, not in the pairs
+  bool cold_ = false;
+  bool weighs_ = false;  // there was gravity when footings were found
 };
 
 }  // namespace psim

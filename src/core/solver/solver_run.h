@@ -126,6 +126,7 @@ class Solver::Run : SolverInput {
   };
   OfDiscs discs_, loaded_;  // `loaded_`: under heavy loads
   int loaded_sweeps_;       // of a pass
+  int sweeps_of_shapes_ = 1;  // of a pass, over contacts of shapes under no heavy load
   struct {
     int slices = 1, most = 0;
     bool limited = false;  // the number of sweeps is limited
