@@ -311,8 +311,9 @@ struct Manifolds::Layout {
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);
     if (pair.stack != pair.was_stack) pair.balanced = ManifoldPair::kUnbalanced;
-    if (pair.of_sleeper(m.s_.statics) ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced)
-      balance(b, pair, c, l);
+    const bool is_balanced = pair.balanced == c.soft[l] ||
+                             (pair.balanced != ManifoldPair::kUnbalanced && !pair.of_sleeper(m.s_.statics));
+    if (!is_balanced && !m.cold_) balance(b, pair, c, l);  // of a cold start, the impulses say nothing
     for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] += pair.offset[k];
     pair.changed = false;
     pair.was_stack = pair.stack;

@@ -26,6 +26,7 @@ constexpr float kFading = 0.95f;   // factor on offsets in a frame
 constexpr float kNearby = 0.02f;   // contacts are looked for up to this share of the inner radius
 constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
 constexpr float kFallen = 0.1f;    // at most this share counts as a gap that gravity closes within the step
+constexpr float kPlaced = 0.2f;    // bodies that are put on each other have no more than this way to go in the step
 constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 constexpr auto kAheadFrames = static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
@@ -205,7 +206,7 @@ struct Manifolds::Look {
     if (fixed && a != nullptr && statics[pair.shape].segment) {
       smooth_joint(pair, hull_b, now.qb, *a, margin);
     }
-    pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0;
+    pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
     pair.turn_b = now.qb;

@@ -27,17 +27,12 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.ghosts.clear();
   strip.active.clear();
   strip.rewrite.clear();
-  strip.touching = strip.placed = 0;
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     const ManifoldPair& pair = pairs_[k];
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.ghost && !pair.moved) strip.ghosts.push_back(std::uint64_t{pair.b} << 32 | pair.shape);
     if (!pair.active) continue;
     strip.active.push_back(k);
-    if (pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner) {
-      ++strip.touching;
-      strip.placed += pair.placed ? 1 : 0;
-    }
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

@@ -84,8 +84,9 @@ struct ManifoldPair : PairName {
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
   std::uint8_t colour = kAlone;
-  bool placed = false;        ///< the bodies touch, and there was no such pair in the last step
-  bool yields = false;        ///< it stands on fixed ground: the body below takes half of an impulse in a sweep
+  bool placed = false;        ///< the pair is new, and its bodies hardly move
+  bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
+  bool yields = false;        ///< the body below takes half of an impulse in a sweep
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
   // When a side falls asleep or wakes, or the pair joins or leaves a stack, the contact gets another stiffness, and the
   // same load would need another overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it
@@ -106,6 +107,9 @@ inline bool runs_backwards(const Manifold& m) {
   const float x = m.point[1].bx - m.point[0].bx, y = m.point[1].by - m.point[0].by;
   return sign * (m.nx * y - m.ny * x) < 0;
 }
+
+/// Frames for which a contact stays out of stacks after an impact or a short step of theirs.
+inline constexpr std::uint8_t kRestFrames = 8;
 
 /// A gap below this share of the inner radius counts as touching.
 inline constexpr float kTouching = 0.002f;
@@ -164,7 +168,6 @@ class Manifolds {
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // points that touch or are near
-    std::uint32_t touching = 0, placed = 0;  // pairs that touch, and those of them that came up in this step
   };
 
   /// How the pairs of a step were looked at.
@@ -225,10 +228,11 @@ class Manifolds {
   void refresh(const ManifoldParams& params, std::size_t begin, std::size_t end);
   std::size_t look_pieces() const { return cuts_.size(); }
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
-  /// Finds which contacts stand on fixed ground, and whether this is a cold start. Once all pairs were looked at;
-  /// O(pairs) where other pairs touch than in the last step.
+  /// Finds which contacts stand on fixed ground, and whether loads change as a whole in this step, once all pairs were
+  /// looked at. O(active pairs) if others are active than in the last step.
   void find_footing();
-  /// Most of the bodies that touch were put there since the last step, so that their contacts carry nothing yet.
+  /// Most of the contacts were put there since the last step, or got or lost their footing in it, so that they carry
+  /// something else than what they will.
   bool cold() const { return cold_; }
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
@@ -329,6 +333,13 @@ class Manifolds {
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   void see_fixed(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
+  void find_standing();
+  template <class Visit>
+  void each_active(const Visit& visit) {
+    for (std::size_t s = 0; s < strip_count(); ++s) {
+      for (const std::uint32_t k : strips_[s].active) visit(s, k);
+    }
+  }
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs

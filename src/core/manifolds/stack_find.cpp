@@ -114,7 +114,7 @@ void Stacks::mark_links() {
     const Standing& mine = standing_[slot];
     if (mine.below != 1 || mine.above > 1 || mine.side > kSideShare * mine.support) return false;
     const ManifoldPair& pair = manifolds_.pairs()[mine.on];
-    if (pair.rest_frames != 0 || (pair.fixed_a && pair.a == slot)) return false;
+    if (pair.rest_frames != 0 || !pair.stands || (pair.fixed_a && pair.a == slot)) return false;
     if (b_.properties(b_.id[slot]).inv_mass == 0) return false;
     const std::uint32_t lower = lower_of(pair, slot);
     return lower == kNone || (manifolds_.has_corners(lower) && standing_[lower].above == 1);

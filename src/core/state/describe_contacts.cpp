@@ -106,7 +106,8 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   values(a, p.round_a, p.round_b, p.active, p.ahead, p.ghost, p.moved, p.lasting, p.changed, p.stack, p.was_stack,
-         p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.yields);
+         p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands,
+         p.yields);
   a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
@@ -120,7 +121,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     a.plain(s.blocks);
     a.packed(s.active);
     a.packed(s.laid);
-    values(a, s.end, s.colours, s.points, s.touching, s.placed);
+    values(a, s.end, s.colours, s.points);
   });
   a.packed(ghosts_);
   a.packed(special_);
@@ -134,7 +135,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   }
   Totals& t = totals_;
   values(a, t.points, g_, any_filter_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again, new_pairs_,
-         cold_);
+         cold_, weighs_);
   if (!a.loading()) return;
   if (!kinds) kind_.release();
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
