@@ -18,6 +18,8 @@ namespace {
 // much of K_12 holds the difference of their changes back in the relax pass.
 constexpr float kClose = 0.01f, kHeld = 0.02f;
 
+constexpr float kFarApart = 1e20f;  // m
+
 /// The velocities and rim speeds of the two bodies of some lanes.
 template <class L>
 struct TwoBodies {
@@ -156,7 +158,8 @@ template <class L, bool kBounce, bool kInner>
   x.l = L::load(point.impulse + k);
   const auto turned_a = lanes.turn_a.x * (an - lanes.round_a) + lanes.turn_a.y * x.at;
   const auto turned_b = lanes.turn_b.x * (bn + lanes.round_b) + lanes.turn_b.y * x.bt;
-  const auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  if constexpr (kBounce) s = select(negative(lanes.e), F<L>(kFarApart), s);
   x.apart = zero < s;
   auto bias = select(x.apart, s * lanes.inv_h, max(s * lanes.rate, lanes.push));
   auto compliance = select(x.apart, zero, lanes.soft);

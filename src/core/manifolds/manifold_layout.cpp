@@ -83,7 +83,7 @@ Stiffness stiffness_of(const ManifoldParams& params, const ManifoldPair& pair, b
 
 void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const ManifoldParams& params,
                    bool loaded) {
-  const Stiffness of = stiffness_of(params, pair, loaded, c.e[l] > 0);
+  const Stiffness of = stiffness_of(params, pair, loaded, c.e[l] != 0);
   c.soft[l] = of.soft;
   c.rate[l] = of.rate;
 }

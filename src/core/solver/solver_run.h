@@ -98,6 +98,7 @@ class Solver::Run : SolverInput {
   void force(FieldPass kernel);
   void set_floors();
   void impacts();
+  bool impact_shapes(std::size_t strip);
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);
