@@ -51,8 +51,8 @@ void Manifolds::find_footing() {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
     if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
-    if (pair.stands && !stood && !pair.placed) pair.rest_frames = kRestFrames;  // it lands
     if (pair.least_gap() > kTouching * s_.bodies.kind(pair.id_b).inner) return;
+    if (pair.stands && !stood && !pair.placed) pair.rest_frames = kRestFrames;  // what hangs together lands
     ++touching;
     turned += pair.placed || (stood && !pair.stands) ? 1 : 0;
   });

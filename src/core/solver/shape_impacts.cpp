@@ -98,12 +98,14 @@ class ShapeImpact {
   }
 
   /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
-  /// alone in this substep unless its impact is too slow to bounce.
-  bool collide_in(double h, double floor) {
+  /// alone in this substep unless its impact is too slow to bounce, or left over in the last sweep (least_e is 1): no body
+  /// leaves through fixed ground.
+  bool collide_in(double h, double floor, float least_e) {
     float& e = c_.e[l_];
     Hit hit;
     const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
-    const Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
+    Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
+    if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
     if (found != Found::slow) e = -e;
     if (found != Found::hit) return false;
     find_impulses(a_, b_, -double{e}, hit);
@@ -244,7 +246,7 @@ class ShapeImpact {
     const SineCosine q = sine_cosine(view.angle_change[i]);
     view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
     view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
-    view.event_time[i] = static_cast<float>(time);
+    view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
   }
 
   const Around& in_;
@@ -275,7 +277,7 @@ bool Solver::Run::impact_shapes(std::size_t index) {
     float& e = block.e[l];
     e = std::fabs(e);
     if (!(e > 0) || (e < 1 && rests(pair))) continue;
-    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor);
+    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e);
   }
   return any;
 }
