@@ -19,8 +19,9 @@ double spring_energy(const Scene& scene, World& world, const std::vector<JointId
     const auto state = world.joint(joints[k]);
     if (!state || d.stiffness == 0) continue;
     double stretch = state->value;
-    if (d.type == JointType::spring) stretch = std::hypot(state->anchor_b.x - state->anchor_a.x,
-                                                          state->anchor_b.y - state->anchor_a.y) - d.length.value_or(0);
+    if (d.type == JointType::spring)
+      stretch = std::hypot(state->anchor_b.x - state->anchor_a.x, state->anchor_b.y - state->anchor_a.y) -
+                d.length.value_or(0);
     sum += d.stiffness * stretch * stretch / 2;
   }
   return sum;
@@ -56,9 +57,8 @@ Scene something_closed(Draw& draw) {
 
 bool all_elastic(const Scene& scene) {
   if (!scene.joints.empty()) return false;
-  return std::ranges::all_of(scene.bodies, [](const BodyDesc& b) {
-    return b.material.restitution == 1 && b.material.friction == 0;
-  });
+  return std::ranges::all_of(scene.bodies,
+                             [](const BodyDesc& b) { return b.material.restitution == 1 && b.material.friction == 0; });
 }
 
 bool only_discs(const Scene& scene) {

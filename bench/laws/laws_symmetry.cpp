@@ -111,8 +111,8 @@ std::optional<Fault> moved(const Scene& drawn) {
       const BodyState& a = course[frame][id];
       const BodyState& b = other[frame][id];
       if (a.angle == b.angle && a.vx == b.vx && a.vy == b.vy && a.omega == b.omega) continue;
-      return Fault{static_cast<int>(frame), fmt::format("body {} has other bits {} m and {} m away", id, change.shift.x,
-                                                        change.shift.y)};
+      return Fault{static_cast<int>(frame),
+                   fmt::format("body {} has other bits {} m and {} m away", id, change.shift.x, change.shift.y)};
     }
   }
   return std::nullopt;
@@ -182,7 +182,8 @@ std::optional<Fault> across_the_seam(const Scene& scene) {
       b.x = course[frame][id].x + std::remainder(b.x - by - course[frame][id].x, wide);
     }
   }
-  return same_course(scene, course, other, [](const BodyState& s, double) { return s; }, scene.world.dt);
+  return same_course(
+      scene, course, other, [](const BodyState& s, double) { return s; }, scene.world.dt);
 }
 
 Scene one_or_two(Draw& draw) { return draw.chance(0.75) ? one_mover(draw) : two_that_meet(draw); }
@@ -193,8 +194,8 @@ std::vector<Law> symmetry_laws() {
   return {{"L1", "mirror: the scene mirrored in x gives the mirrored motion", Spare::all, one_or_two, mirrored},
           {"L2", "turn: the scene turned by a right angle gives the turned motion", Spare::all, one_or_two, turned},
           {"L3", "move: the scene elsewhere has the same bits", Spare::all, one_or_two, moved},
-          {"L4", "order: vertices in another order, straight parts cut, chains as segments: the same motion", Spare::all,
-           one_on_terrain, in_any_order},
+          {"L4", "order: vertices in another order, straight parts cut, chains as segments: the same motion",
+           Spare::all, one_on_terrain, in_any_order},
           {"L5", "Galilei: where everything moves evenly, bodies move the same against it", Spare::all, one_or_two,
            drifting},
           {"L6", "scale: lengths x 4, times x 2, masses x k: the same motion, scaled", Spare::all, one_or_two, scaled},

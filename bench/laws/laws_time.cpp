@@ -76,9 +76,11 @@ void add_pyramid(Draw& draw, Scene& scene, double x) {
 // A plank on two posts, and a box on it.
 void add_table(Draw& draw, Scene& scene, double x) {
   const double high = draw.uniform(0.5, 2), wide = draw.uniform(2, 4);
-  for (const double side : {-0.4, 0.4}) add(scene, body_of(BoxShape{0.4, high, 0}, {x + side * wide, high / 2}, rough()));
+  for (const double side : {-0.4, 0.4})
+    add(scene, body_of(BoxShape{0.4, high, 0}, {x + side * wide, high / 2}, rough()));
   add(scene, body_of(BoxShape{wide, 0.2, 0}, {x, high + 0.1}, rough()));
-  if (draw.chance(0.5)) add(scene, body_of(BoxShape{0.5, 0.5, 0}, {x + draw.uniform(-0.2, 0.2) * wide, high + 0.45}, rough()));
+  if (draw.chance(0.5))
+    add(scene, body_of(BoxShape{0.5, 0.5, 0}, {x + draw.uniform(-0.2, 0.2) * wide, high + 0.45}, rough()));
 }
 
 // Two cards that lean on each other at up to 22 degrees from upright; friction 0.6 holds up to 50.
@@ -87,8 +89,8 @@ void add_cards(Draw& draw, Scene& scene, double x) {
   for (const double side : {-1.0, 1.0}) {
     const double c = std::cos(lean), s = std::sin(lean);
     // The lower outer corner stands on the ground, the upper inner corners touch.
-    BodyDesc card = body_of(BoxShape{thick, high, 0}, {x + side * (high * s / 2 + thick * c / 2),
-                                                       high * c / 2 + thick * s / 2}, rough());
+    BodyDesc card = body_of(BoxShape{thick, high, 0},
+                            {x + side * (high * s / 2 + thick * c / 2), high * c / 2 + thick * s / 2}, rough());
     card.angle = side * lean;
     add(scene, card);
   }
@@ -155,7 +157,8 @@ Scene bead_on_an_arm(Draw& draw) {
   arm.type = BodyType::kinematic_body;
   arm.angular_velocity = side * omega;
   const double d = side * (half + r);
-  BodyDesc bead = body_of(draw.chance(0.6) ? Shape(DiscShape{r}) : Shape(BoxShape{2 * r, 2 * r, 0}), {s0, d}, {1, 0, 0});
+  BodyDesc bead =
+      body_of(draw.chance(0.6) ? Shape(DiscShape{r}) : Shape(BoxShape{2 * r, 2 * r, 0}), {s0, d}, {1, 0, 0});
   bead.velocity = {-side * omega * d, side * omega * s0};
   bead.angular_velocity = std::holds_alternative<DiscShape>(bead.shape) ? 0 : side * omega;
   add(scene, bead);

@@ -30,9 +30,8 @@ const std::vector<Law>& all_laws() {
     for (auto some : {symmetry_laws(), sum_laws(), solid_laws(), time_laws()}) {
       all.insert(all.end(), some.begin(), some.end());
     }
-    std::sort(all.begin(), all.end(), [](const Law& a, const Law& b) {
-      return std::stoi(a.name.substr(1)) < std::stoi(b.name.substr(1));
-    });
+    std::sort(all.begin(), all.end(),
+              [](const Law& a, const Law& b) { return std::stoi(a.name.substr(1)) < std::stoi(b.name.substr(1)); });
     return all;
   }();
   return laws;
@@ -62,7 +61,8 @@ struct Count {
 
 // One scene of a law: the seed and the number of the scene say which.
 Scene scene_of(const Law& law, std::uint64_t seed, int number) {
-  Draw draw(seed ^ (std::stoull(law.name.substr(1)) * 0x9E3779B97F4A7C15u) ^ (static_cast<std::uint64_t>(number) << 32));
+  Draw draw(seed ^ (std::stoull(law.name.substr(1)) * 0x9E3779B97F4A7C15u) ^
+            (static_cast<std::uint64_t>(number) << 32));
   Scene scene = law.draw(draw);
   scene.seed = draw.bits() >> 40;
   scene.name = law.name + "-" + std::to_string(seed) + "-" + std::to_string(number);
@@ -102,7 +102,8 @@ int run(const Options& options, const std::vector<Law>& laws) {
     }
   }
   for (const Law& law : laws) {
-    fmt::print("{:4} {:6} scenes {:6} broken  {}\n", law.name, counts[law.name].scenes, counts[law.name].broken, law.text);
+    fmt::print("{:4} {:6} scenes {:6} broken  {}\n", law.name, counts[law.name].scenes, counts[law.name].broken,
+               law.text);
   }
   return broken == 0 ? 0 : 1;
 }

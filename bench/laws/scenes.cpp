@@ -153,8 +153,8 @@ Scene one_on_terrain(Draw& draw) {
 Scene one_on_a_joint(Draw& draw) {
   Scene scene = space(true);
   const double r = draw.logarithmic(0.1, 1);
-  const JointType type = draw.one_of(std::array{JointType::distance, JointType::rope, JointType::spring,
-                                                JointType::revolute, JointType::prismatic});
+  const JointType type = draw.one_of(
+      std::array{JointType::distance, JointType::rope, JointType::spring, JointType::revolute, JointType::prismatic});
   const bool together = type == JointType::revolute;
   const double way = draw.uniform(-kPi, kPi), far = together ? 0 : draw.logarithmic(0.1, 3);
   BodyDesc bob = mover_of(draw, draw_shape(draw, r), {}, 5, 5, draw_material(draw));

@@ -54,19 +54,18 @@ CapsuleShape draw_capsule(Draw& draw, double r) {
 }  // namespace
 
 double reach_of(const Shape& shape) {
-  return std::visit(
-      Overloaded{[](const DiscShape& s) { return s.radius; },
-                 [](const SegmentShape& s) { return std::max(length(s.p1), length(s.p2)); },
-                 [](const ChainShape& s) { return farthest(s.vertices); },
-                 [](const BoxShape& s) { return std::hypot(s.width, s.height) / 2 + s.radius; },
-                 [](const PolygonShape& s) { return farthest(s.vertices) + s.radius; },
-                 [](const CapsuleShape& s) { return std::max(length(s.p1), length(s.p2)) + s.radius; }},
-      shape);
+  return std::visit(Overloaded{[](const DiscShape& s) { return s.radius; },
+                               [](const SegmentShape& s) { return std::max(length(s.p1), length(s.p2)); },
+                               [](const ChainShape& s) { return farthest(s.vertices); },
+                               [](const BoxShape& s) { return std::hypot(s.width, s.height) / 2 + s.radius; },
+                               [](const PolygonShape& s) { return farthest(s.vertices) + s.radius; },
+                               [](const CapsuleShape& s) { return std::max(length(s.p1), length(s.p2)) + s.radius; }},
+                    shape);
 }
 
 double inner_of(const Shape& shape) {
-  return std::visit(Overloaded{[](const DiscShape& s) { return s.radius; },
-                               [](const SegmentShape&) { return 0.0; }, [](const ChainShape&) { return 0.0; },
+  return std::visit(Overloaded{[](const DiscShape& s) { return s.radius; }, [](const SegmentShape&) { return 0.0; },
+                               [](const ChainShape&) { return 0.0; },
                                [](const BoxShape& s) { return std::min(s.width, s.height) / 2 + s.radius; },
                                [](const PolygonShape& s) {
                                  double around = 0;
@@ -83,8 +82,8 @@ double inner_of(const Shape& shape) {
 double area_of(const Shape& shape) {
   const double pi = std::numbers::pi;
   return std::visit(
-      Overloaded{[&](const DiscShape& s) { return pi * s.radius * s.radius; },
-                 [](const SegmentShape&) { return 0.0; }, [](const ChainShape&) { return 0.0; },
+      Overloaded{[&](const DiscShape& s) { return pi * s.radius * s.radius; }, [](const SegmentShape&) { return 0.0; },
+                 [](const ChainShape&) { return 0.0; },
                  [&](const BoxShape& s) {
                    return s.width * s.height + 2 * (s.width + s.height) * s.radius + pi * s.radius * s.radius;
                  },

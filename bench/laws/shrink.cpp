@@ -62,7 +62,7 @@ class Shrinker {
 
   void simpler() {
     const std::vector<std::function<void(BodyDesc&)>> edits = {
-        [](BodyDesc& b) { b.material.friction = 0; },   [](BodyDesc& b) { b.angular_velocity = 0; },
+        [](BodyDesc& b) { b.material.friction = 0; },    [](BodyDesc& b) { b.angular_velocity = 0; },
         [](BodyDesc& b) { b.material.restitution = 0; }, [](BodyDesc& b) { b.material.density = 1; },
         [](BodyDesc& b) { b.shape = DiscShape{0.5}; },   [](BodyDesc& b) { b.angle = 0; }};
     if (law_.spare == Spare::nothing) return;

@@ -233,9 +233,9 @@ struct RelaxLanes {
   Vec<L> n;
   F<L> wa, wb, ga, gb, share_a, share_b;
   F<L> at1, bt1, at2, bt2;
-  F<L> l1, l2;                                         // impulses before the pass
-  F<L> n1, n2;                                         // and after it
-  M<L> was1{}, was2{};                                 // impacts with restitution
+  F<L> l1, l2;                       // impulses before the pass
+  F<L> n1, n2;                       // and after it
+  M<L> was1{}, was2{};               // impacts with restitution
   F<L> rub, rub_turn_a, rub_turn_b;  // sums of the changes of friction
 
   /// An impulse of the pass; a body takes its share.

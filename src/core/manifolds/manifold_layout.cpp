@@ -311,8 +311,8 @@ struct Manifolds::Layout {
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);
     if (pair.stack != pair.was_stack) pair.balanced = ManifoldPair::kUnbalanced;
-    const bool is_balanced = pair.balanced == c.soft[l] ||
-                             (pair.balanced != ManifoldPair::kUnbalanced && !pair.of_sleeper(m.s_.statics));
+    const bool is_balanced =
+        pair.balanced == c.soft[l] || (pair.balanced != ManifoldPair::kUnbalanced && !pair.of_sleeper(m.s_.statics));
     if (!is_balanced && !m.cold_) balance(b, pair, c, l);  // of a cold start, the impulses say nothing
     for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] += pair.offset[k];
     pair.changed = false;

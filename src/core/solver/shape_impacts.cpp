@@ -16,12 +16,13 @@ namespace {
 constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
 // The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
+constexpr double kMostSizes = 4;
 constexpr int kMostAdvances = 100;
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {
   std::uint32_t slot = ManifoldPair::kNone;
-  Vec2 v, a;                // m/s, m/s^2
+  Vec2 v, a;                    // m/s, m/s^2
   double angle = 0, omega = 0;  // rad, rad/s
   double inv_mass = 0, inv_inertia = 0;
   double since = 0;  // s: its last impact
@@ -104,6 +105,7 @@ class ShapeImpact {
     float& e = c_.e[l_];
     Hit hit;
     const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
+    if (too_fast(h)) return false;
     Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
     if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
     if (found != Found::slow) e = -e;
@@ -136,6 +138,13 @@ class ShapeImpact {
     const BodyStore& b = in_.s.bodies;
     if (!in_.manifolds.has_corners(slot)) return disc_hull(b.radius[slot]);
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
+  }
+
+  // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
+  // solver lets nobody through.
+  bool too_fast(double h) const {
+    const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
+    return h * length_of(b_.v - a_.v) > kMostSizes * size;
   }
 
   // Whether the circles about two bodies do not meet in the substep.

@@ -125,8 +125,8 @@ class Solver::Run : SolverInput {
   struct OfDiscs {
     ContactParams pair, fixed;
   };
-  OfDiscs discs_, loaded_;  // `loaded_`: under heavy loads
-  int loaded_sweeps_;       // of a pass
+  OfDiscs discs_, loaded_;    // `loaded_`: under heavy loads
+  int loaded_sweeps_;         // of a pass
   int sweeps_of_shapes_ = 1;  // of a pass, over contacts of shapes under no heavy load
   struct {
     int slices = 1, most = 0;
