@@ -233,10 +233,9 @@ struct RelaxLanes {
   Vec<L> n;
   F<L> wa, wb, ga, gb, share_a, share_b;
   F<L> at1, bt1, at2, bt2;
-  F<L> l1, l2;                       // impulses before the pass
-  F<L> n1, n2;                       // and after it
-  M<L> was1{}, was2{};               // impacts with restitution
-  F<L> rub, rub_turn_a, rub_turn_b;  // sums of the changes of friction
+  F<L> l1, l2;          // impulses before the pass
+  F<L> n1, n2;          // and after it
+  M<L> was1{}, was2{};  // impacts with restitution
 
   /// An impulse of the pass; a body takes its share.
   template <bool kFixedA>
@@ -284,7 +283,8 @@ template <class L, bool kFixedA>
 }
 
 /// Friction: one row at the middle of the pressure, which the points share as they share the normal impulse. Points one
-/// after the other would do differently in a scene and in its mirror image.
+/// after the other would do differently in a scene and in its mirror image. No share is kept back: bodies on ice keep
+/// their momentum.
 template <class L, bool kFixedA>
 [[gnu::always_inline]] inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k) {
   const F<L> zero = 0, one = 1;
@@ -303,10 +303,9 @@ template <class L, bool kFixedA>
   L::store(p1.friction + k, kept1);
   L::store(p2.friction + k, kept2);
   const auto d1 = kept1 - t1, d2 = kept2 - t2;
-  x.rub = d1 + d2;
-  x.rub_turn_a = d1 * an1 + d2 * an2;
-  x.rub_turn_b = d1 * bn1 + d2 * bn2;
-  x.template apply<kFixedA>(m, -(x.rub * x.n.y), x.rub * x.n.x, x.rub_turn_a, x.rub_turn_b);
+  const auto d = d1 + d2;
+  apply_impulse<L, kFixedA>(m, -(d * x.n.y), d * x.n.x, d1 * an1 + d2 * an2, d1 * bn1 + d2 * bn2, x.wa, x.wb, x.ga,
+                            x.gb);
 }
 
 /// What shares kept back is the next substep's from its start: it repeats v - v0.
@@ -324,8 +323,7 @@ template <class L, bool kBounce>
   const std::uint32_t* slot = c.body + 2 * k;
   auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
   const auto owed = [&](F<L> mine, F<L> share) { return -mine * (one - share); };
-  apply_impulse<L, false>(before, o * x.n.x - x.rub * x.n.y, o * x.n.y + x.rub * x.n.x,
-                          o1 * x.at1 + o2 * x.at2 + x.rub_turn_a, o1 * x.bt1 + o2 * x.bt2 + x.rub_turn_b,
+  apply_impulse<L, false>(before, o * x.n.x, o * x.n.y, o1 * x.at1 + o2 * x.at2, o1 * x.bt1 + o2 * x.bt2,
                           owed(x.wa, x.share_a), owed(x.wb, x.share_b), owed(x.ga, x.share_a), owed(x.gb, x.share_b));
   scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
 }
