@@ -42,9 +42,8 @@ void Manifolds::find_standing() {
 void Manifolds::find_footing() {
   bool changed = weighs_ != (g_ > 0);
   for (std::size_t s = 0; s < strip_count(); ++s) changed |= stale_[s] != 0;
-  const bool was_cold = std::exchange(cold_, false);
-  if (!changed && !was_cold) return;
-  weighs_ = g_ > 0;
+  const bool was_cold = std::exchange(cold_, false), weighed = std::exchange(weighs_, g_ > 0);
+  if ((!changed && !was_cold) || (!weighs_ && !weighed)) return;  // nothing stands without gravity
   if (weighs_ && changed) find_standing();
   std::size_t touching = 0, turned = 0;
   each_active([&](std::size_t, std::uint32_t k) {
