@@ -268,9 +268,41 @@ class ShapeImpact {
   double near_ = 0;  // m
 };
 
+// How fast the nearest points of a pair approach each other, m/s.
+double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l) {
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const float vn =
+      c.nx[l] * (view.vel[2 * b] - view.vel[2 * a]) + c.ny[l] * (view.vel[2 * b + 1] - view.vel[2 * a + 1]);
+  const auto at = [&](const kernels::ManifoldBlock::Point& p) {
+    return vn + (view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l]);
+  };
+  return -double{std::min(at(c.point[0]), at(c.point[1]))};
+}
+
+// How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
+struct Reach {
+  double speed = 0, moved = 0;  // m/s, m
+};
+
+Reach reach_of(const Around& in, const ManifoldPair& pair) {
+  const kernels::BodyView& view = in.view;
+  const std::size_t b = pair.b;
+  Vec2 v{view.vel[2 * b], view.vel[2 * b + 1]}, d{view.disp[2 * b], view.disp[2 * b + 1]};
+  double spin = std::fabs(double{view.rim_speed[b]});
+  double turned = double{in.s.bodies.radius[b]} * std::fabs(double{view.angle_change[b]});
+  if (!pair.of_piece()) {
+    const std::size_t a = pair.a;
+    v = v - Vec2{view.vel[2 * a], view.vel[2 * a + 1]};
+    d = d - Vec2{view.disp[2 * a], view.disp[2 * a + 1]};
+    spin += std::fabs(double{view.rim_speed[a]});
+    turned += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
+  }
+  return {length_of(v) + spin, length_of(d) + turned};
+}
+
 }  // namespace
 
-bool Solver::Run::impact_shapes(std::size_t index) {
+bool Solver::Run::impact_shapes(std::size_t index, bool first) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
   const Around around{s_, view_, manifolds, params_.gravity};
@@ -284,8 +316,20 @@ bool Solver::Run::impact_shapes(std::size_t index) {
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
+    if (e == 0) continue;
+    // Later sweeps look at bodies that had an impact in this substep.
+    if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
     e = std::fabs(e);
-    if (!(e > 0) || (e < 1 && rests(pair))) continue;
+    if (e < 1 && rests(pair)) continue;
+    if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
+      continue;
+    const Reach reach = reach_of(around, pair);
+    const double closing = reach.speed + gravity_ * h_;
+    if (e < 1 && static_cast<double>(e) * closing < floor) continue;  // too slow to bounce
+    if (!pair.ahead && static_cast<double>(pair.least_gap()) - reach.moved > h_ * closing) {
+      e = -e;  // too far apart to meet
+      continue;
+    }
     any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e);
   }
   return any;
