@@ -1,8 +1,8 @@
 // Passes over manifolds, as contact_kernel.h has them for discs. Normal impulses of the two points
 // are found together: with K = J M^-1 J^T, compliance on its diagonal, and l the stored impulses,
 //   0 <= l',  A l' + q >= 0,  l' . (A l' + q) = 0,   A = K + diag(soft K),  q = vn + bias - K l
-// which is solved by going through its four cases (Baraff 1994; Catto 2006). Friction: one row a
-// point, in the relax pass alone.
+// which is solved by going through its four cases (Baraff 1994; Catto 2006). Friction: one row, in the
+// relax pass alone.
 //
 // kFixedA: A is static or kinematic; it is read and never written.
 #pragma once
@@ -17,6 +17,8 @@ namespace {
 // Points whose matrix has a determinant below this share of its diagonal's product are close to each other, and how
 // much of K_12 holds the difference of their changes back in the relax pass.
 constexpr float kClose = 0.01f, kHeld = 0.02f;
+
+constexpr float kFarApart = 1e20f;  // m
 
 /// The velocities and rim speeds of the two bodies of some lanes.
 template <class L>
@@ -156,7 +158,8 @@ template <class L, bool kBounce, bool kInner>
   x.l = L::load(point.impulse + k);
   const auto turned_a = lanes.turn_a.x * (an - lanes.round_a) + lanes.turn_a.y * x.at;
   const auto turned_b = lanes.turn_b.x * (bn + lanes.round_b) + lanes.turn_b.y * x.bt;
-  const auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  if constexpr (kBounce) s = select(negative(lanes.e), F<L>(kFarApart), s);
   x.apart = zero < s;
   auto bias = select(x.apart, s * lanes.inv_h, max(s * lanes.rate, lanes.push));
   auto compliance = select(x.apart, zero, lanes.soft);
@@ -230,10 +233,9 @@ struct RelaxLanes {
   Vec<L> n;
   F<L> wa, wb, ga, gb, share_a, share_b;
   F<L> at1, bt1, at2, bt2;
-  F<L> l1, l2;                                         // impulses before the pass
-  F<L> n1, n2;                                         // and after it
-  M<L> was1{}, was2{};                                 // impacts with restitution
-  F<L> rub{0.0f}, rub_turn_a{0.0f}, rub_turn_b{0.0f};  // sums of the changes of friction
+  F<L> l1, l2;          // impulses before the pass
+  F<L> n1, n2;          // and after it
+  M<L> was1{}, was2{};  // impacts with restitution
 
   /// An impulse of the pass; a body takes its share.
   template <bool kFixedA>
@@ -280,24 +282,30 @@ template <class L, bool kFixedA>
   x.template apply<kFixedA>(m, d * x.n.x, d * x.n.y, d1 * x.at1 + d2 * x.at2, d1 * x.bt1 + d2 * x.bt2);
 }
 
-/// Friction at one point, whose normal impulse was l before the pass and is n now.
+/// Friction: one row at the middle of the pressure, which the points share as they share the normal impulse. Points one
+/// after the other would do differently in a scene and in its mirror image. No share is kept back: bodies on ice keep
+/// their momentum.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void rub_point(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock::Point& point,
-                                             std::uint32_t k, F<L> mu, F<L> n, F<L> l) {
-  const F<L> zero = 0;
-  const auto an = L::load(point.an + k), bn = L::load(point.bn + k), t = L::load(point.friction + k);
+[[gnu::always_inline]] inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k) {
+  const F<L> zero = 0, one = 1;
+  auto& p1 = c.point[0];
+  auto& p2 = c.point[1];
+  const auto n1 = max(x.n1, zero), n2 = max(x.n2, zero), n = n1 + n2;
+  const auto share = n1 / select(zero < n, n, one);
+  const auto an1 = L::load(p1.an + k), bn1 = L::load(p1.bn + k), an2 = L::load(p2.an + k), bn2 = L::load(p2.bn + k);
+  const auto an = an2 + share * (an1 - an2), bn = bn2 + share * (bn1 - bn2);
   const auto vt = x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an);
   const auto kt = x.wa + x.wb + (x.ga * (an * an) + x.gb * (bn * bn));
-  const auto cap = mu * max(n, zero);
-  const auto wish = t - vt / kt;
-  const auto kept = select(negative(l), zero, max(min(wish, cap), -cap));
-  const auto dt = kept - t;
-  L::store(point.friction + k, kept);
-  const auto turn_a = dt * an, turn_b = dt * bn;
-  x.template apply<kFixedA>(m, -(dt * x.n.y), dt * x.n.x, turn_a, turn_b);
-  x.rub = x.rub + dt;
-  x.rub_turn_a = x.rub_turn_a + turn_a;
-  x.rub_turn_b = x.rub_turn_b + turn_b;
+  const auto cap = L::load(c.mu + k) * n;
+  const auto t1 = L::load(p1.friction + k), t2 = L::load(p2.friction + k);
+  const auto kept = keep(zero < n, max(min(t1 + t2 - vt / kt, cap), -cap));
+  const auto kept1 = share * kept, kept2 = kept - kept1;
+  L::store(p1.friction + k, kept1);
+  L::store(p2.friction + k, kept2);
+  const auto d1 = kept1 - t1, d2 = kept2 - t2;
+  const auto d = d1 + d2;
+  apply_impulse<L, kFixedA>(m, -(d * x.n.y), d * x.n.x, d1 * an1 + d2 * an2, d1 * bn1 + d2 * bn2, x.wa, x.wb, x.ga,
+                            x.gb);
 }
 
 /// What shares kept back is the next substep's from its start: it repeats v - v0.
@@ -315,8 +323,7 @@ template <class L, bool kBounce>
   const std::uint32_t* slot = c.body + 2 * k;
   auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
   const auto owed = [&](F<L> mine, F<L> share) { return -mine * (one - share); };
-  apply_impulse<L, false>(before, o * x.n.x - x.rub * x.n.y, o * x.n.y + x.rub * x.n.x,
-                          o1 * x.at1 + o2 * x.at2 + x.rub_turn_a, o1 * x.bt1 + o2 * x.bt2 + x.rub_turn_b,
+  apply_impulse<L, false>(before, o * x.n.x, o * x.n.y, o1 * x.at1 + o2 * x.at2, o1 * x.bt1 + o2 * x.bt2,
                           owed(x.wa, x.share_a), owed(x.wb, x.share_b), owed(x.ga, x.share_a), owed(x.gb, x.share_b));
   scatter_motion<L, false>(b.vel0, b.rim_speed0, slot, before);
 }
@@ -373,9 +380,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       relax_normals<L, kFixedA>(x, m, vn1, vn2);
       L::store(p1.impulse + k, x.n1);
       L::store(p2.impulse + k, x.n2);
-      const auto mu = L::load(c->mu + k);
-      rub_point<L, kFixedA>(x, m, p1, k, mu, x.n1, l1);
-      rub_point<L, kFixedA>(x, m, p2, k, mu, x.n2, l2);
+      rub<L, kFixedA>(x, m, *c, k);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
       if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {

@@ -33,7 +33,7 @@ struct alignas(kAlign) ManifoldBlock {
   float share_a[kBlock], share_b[kBlock];  ///< of an impulse that a body takes in a sweep, <= 1
   float round_a[kBlock], round_b[kBlock];  ///< p: rounding / R
   float mu[kBlock];
-  float e[kBlock];     ///< restitution
+  float e[kBlock];     ///< restitution; negative: the pair is left alone in this substep, as its impact was settled
   float soft[kBlock];  ///< compliance in units of 1 / effective mass
   float rate[kBlock];  ///< 1/s: push-out of an overlap
 };

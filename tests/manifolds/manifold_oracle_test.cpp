@@ -233,20 +233,24 @@ TEST(ManifoldOracle, RelaxStopsClosedPointsAndRubsWithinTheCone) {
             ++pressed;
           }
         }
-        // Friction, one point after the other.
+        // Friction of both points, where the normal impulses have their middle. It is shared as they are, and no share
+        // of it is kept back.
+        const auto *was = x.c.point, *is = y.c.point;
+        const double n[2] = {std::max(0.0, double{is[0].impulse[l]}), std::max(0.0, double{is[1].impulse[l]})};
+        const double sum = n[0] + n[1], first = sum > 0 ? n[0] / sum : 0;
+        const auto middle = [&](double one, double two) { return first * one + (1 - first) * two; };
+        const double an = middle(was[0].an[l], was[1].an[l]), bn = middle(was[0].bn[l], was[1].bn[l]);
+        const double kt = x.wa + x.wb + x.ga * an * an + x.gb * bn * bn;
+        const double cap = double{x.c.mu[l]} * sum;
+        const double vt = middle(shared.tangent(x, 0), shared.tangent(x, 1));
+        const double wish = double{was[0].friction[l]} + double{was[1].friction[l]} - vt / kt;
+        const double wanted = std::clamp(wish, -cap, cap);
+        ASSERT_NEAR(is[0].friction[l] + is[1].friction[l], wanted, 2e-4 * (1 + std::abs(wish)))
+            << seed << " lane " << l;
+        ASSERT_NEAR(is[0].friction[l], first * wanted, 2e-4 * (1 + std::abs(wish))) << seed << " lane " << l;
+        if (sum > 0) ++(std::abs(wish) <= cap ? stuck : slid);
         for (int k = 0; k < 2; ++k) {
-          const auto &was = x.c.point[k], &is = y.c.point[k];
-          if (shut[k]) {
-            const double kt = x.wa + x.wb + x.ga * double{was.an[l]} * double{was.an[l]} +
-                              x.gb * double{was.bn[l]} * double{was.bn[l]};
-            const double cap = double{x.c.mu[l]} * double{is.impulse[l]};
-            const double wish = double{was.friction[l]} - shared.tangent(x, k) / kt;
-            const double wanted = std::clamp(wish, -cap, cap);
-            ASSERT_NEAR(is.friction[l], wanted, 2e-4 * (1 + std::abs(wish))) << seed << " lane " << l;
-            std::abs(wish) <= cap ? ++stuck : ++slid;
-          }
-          shared.push(x, k, 0, double{is.friction[l]} - double{was.friction[l]}, fixed_a ? 0 : double{x.c.share_a[l]},
-                      double{x.c.share_b[l]});
+          shared.push(x, k, 0, double{is[k].friction[l]} - double{was[k].friction[l]}, fixed_a ? 0 : 1, 1);
         }
         const Motion now(x, after.bodies.vel, after.bodies.rim_speed);
         ASSERT_NEAR(now.vbx, shared.vbx, 2e-5 * (1 + std::abs(shared.vbx)));

@@ -18,8 +18,9 @@ using kernels::ManifoldBlock;
 constexpr std::uint32_t kColours = ManifoldPair::kColours;  // one more class has blocks with a single lane
 constexpr float kOpen = -0.0f;
 
-// If a contact carries weight, the body below takes this share of its impulse in a sweep. So loads go down a pile no
-// faster than the contacts below can answer them (docs/decisions/007-manifolds.md).
+// If a contact carries weight and stands on fixed ground, the body below takes this share of its impulse in a sweep. So
+// loads go down a pile no faster than the contacts below can answer them (docs/decisions/007-manifolds.md). The ground
+// takes the rest: where there is none, momentum must stay.
 constexpr float kReaction = 0.5f;
 
 constexpr float kMostOffset = 0.05f;  // share of the inner radius, see ManifoldPair::offset
@@ -82,7 +83,7 @@ Stiffness stiffness_of(const ManifoldParams& params, const ManifoldPair& pair, b
 
 void set_stiffness(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const ManifoldParams& params,
                    bool loaded) {
-  const Stiffness of = stiffness_of(params, pair, loaded, c.e[l] > 0);
+  const Stiffness of = stiffness_of(params, pair, loaded, c.e[l] != 0);
   c.soft[l] = of.soft;
   c.rate[l] = of.rate;
 }
@@ -91,7 +92,7 @@ void set_reactions(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, 
   c.share_a[l] = c.share_b[l] = 1;
   const double g = length_of(gravity);
   // The impulse of an impact is applied at once, that of a stack exactly.
-  if (pair.stack != ManifoldPair::kNoStack || c.e[l] > 0 || pair.fixed_a || loaded || !(g > 0)) return;
+  if (!pair.yields || pair.stack != ManifoldPair::kNoStack || c.e[l] > 0 || loaded || !(g > 0)) return;
   const double down = dot(gravity, {pair.manifold.nx, pair.manifold.ny}) / g;
   if (down <= -kSupport) c.share_a[l] = kReaction;
   if (down >= kSupport) c.share_b[l] = kReaction;
@@ -308,8 +309,10 @@ struct Manifolds::Layout {
     const bool loaded = is_loaded(pair, loads);
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);
-    if (pair.of_sleeper(m.s_.statics) ? pair.balanced != c.soft[l] : pair.balanced == ManifoldPair::kUnbalanced)
-      balance(b, pair, c, l);
+    if (pair.stack != pair.was_stack) pair.balanced = ManifoldPair::kUnbalanced;
+    const bool is_balanced =
+        pair.balanced == c.soft[l] || (pair.balanced != ManifoldPair::kUnbalanced && !pair.of_sleeper(m.s_.statics));
+    if (!is_balanced && !m.cold_) balance(b, pair, c, l);  // of a cold start, the impulses say nothing
     for (int k = 0; k < pair.manifold.count; ++k) c.point[k].gap[l] += pair.offset[k];
     pair.changed = false;
     pair.was_stack = pair.stack;

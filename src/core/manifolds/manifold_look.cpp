@@ -48,6 +48,7 @@ Manifolds::Looks Manifolds::look(const ManifoldParams& params, std::span<Manifol
   for (ManifoldPair& pair : pairs) {
     if (pair.moved) continue;
     pair.stack = ManifoldPair::kNoStack;
+    pair.placed = false;
     if (pair.rest_frames != 0) --pair.rest_frames;
     if (pair.balanced > 0) fade(pair);
     Look::Stand now;

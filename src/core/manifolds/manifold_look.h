@@ -19,7 +19,10 @@ inline constexpr float kLasting = 0.02f;
 inline constexpr float kFading = 0.95f;   // factor on offsets in a frame
 inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this share of the inner radius
 inline constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
-inline constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
+inline constexpr float kFallen = 0.1f;    // at most this share counts as a gap that gravity closes within the step
+inline constexpr float kPlaced =
+    0.2f;                              // bodies that are put on each other have no more than this way to go in the step
+inline constexpr float kStep = 0.02f;  // a piece counts as below a plane if it stands out of it by no more than this
 inline constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 inline constexpr auto kAheadFrames =
     static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
@@ -177,6 +180,7 @@ struct Manifolds::Look {
     pair.manifold = found;
     if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0)
       fit_to_segment(pair, *a, hull_b, now, margin);
+    pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
     pair.turn_b = now.qb;
@@ -225,7 +229,8 @@ struct Manifolds::Look {
     pair.ahead = pair.ghost = false;
     if (m.count == 0 || pair.of_wall()) return;
     const float least = pair.least_gap();
-    if (!(least > kApart * now.inner)) return;
+    // Gravity alone may close a small gap: what supports one body need not support the other.
+    if (!(least > std::fmax(kApart * now.inner, std::fmin(g * dt * dt, kFallen * now.inner)))) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
     pair.ahead = kAheadFrames * dt * closing >= least;

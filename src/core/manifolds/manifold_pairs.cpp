@@ -261,6 +261,7 @@ void Manifolds::keep(const TouchMemory& recent, std::size_t begin, std::size_t e
       static_cast<PairName&>(pair) = found;
       pair.lane = PairName::kNone;
       if (!known && !recent.empty()) recall_touch(s_.bodies, s_.statics, recent, pair);
+      pair.stands |= pair.recalled != 0;  // bodies fall asleep where they stand
     }
   });
   if (end + 1 == begin_.size()) collecting_ = false;

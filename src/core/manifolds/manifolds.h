@@ -86,9 +86,13 @@ struct ManifoldPair : PairName {
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
   std::uint8_t colour = kAlone;
+  bool placed = false;        ///< the pair is new, and its bodies hardly move
+  bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
+  bool yields = false;        ///< the body below takes half of an impulse in a sweep
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
-  // When a side falls asleep or wakes, the contact gets another stiffness, and the same load would need another
-  // overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it fades.
+  // When a side falls asleep or wakes, or the pair joins or leaves a stack, the contact gets another stiffness, and the
+  // same load would need another overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it
+  // fades.
   float offset[2] = {};
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
@@ -105,6 +109,12 @@ inline bool runs_backwards(const Manifold& m) {
   const float x = m.point[1].bx - m.point[0].bx, y = m.point[1].by - m.point[0].by;
   return sign * (m.nx * y - m.ny * x) < 0;
 }
+
+/// Frames for which a contact stays out of stacks after an impact or a short step of theirs.
+inline constexpr std::uint8_t kRestFrames = 8;
+
+/// A gap below this share of the inner radius counts as touching.
+inline constexpr float kTouching = 0.002f;
 
 /// Compliance and push-out rate of a contact, see ManifoldBlock.
 struct Stiffness {
@@ -222,6 +232,12 @@ class Manifolds {
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
   /// Finds the contacts with kinematic bodies that turn fast anew, as they will be `ahead`, s, from now. O(such contacts).
   void follow_turning(const kernels::BodyView& view, double ahead);
+  /// Finds which contacts stand on fixed ground, and whether loads change as a whole in this step, once all pairs were
+  /// looked at. O(active pairs) if others are active than in the last step.
+  void find_footing();
+  /// Most of the contacts were put there since the last step, or got or lost their footing in it, so that they carry
+  /// something else than what they will.
+  bool cold() const { return cold_; }
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
@@ -331,6 +347,13 @@ class Manifolds {
                   const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
   void order_by_approach(std::vector<std::uint32_t>& active) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
+  void find_standing();
+  template <class Visit>
+  void each_active(const Visit& visit) {
+    for (std::size_t s = 0; s < strip_count(); ++s) {
+      for (const std::uint32_t k : strips_[s].active) visit(s, k);
+    }
+  }
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
@@ -350,7 +373,7 @@ class Manifolds {
   Column<std::uint8_t> kind_{s_.memory};   // by slot
   Column<float> rotor_{s_.memory};         // by slot, records
   Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
-  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken
+  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken; the footing while it is looked for
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   Totals totals_;
   Looks looks_;                  // of the last refresh
@@ -360,6 +383,8 @@ class Manifolds {
   bool both_ = false;        // old_pairs_ has the pairs of the last step
   bool collecting_ = false;  // pairs_ is not complete yet
   bool laid_ = false;        // impulses are in the blocks, not in the pairs
+  bool cold_ = false;
+  bool weighs_ = false;  // there was gravity when footings were found
 };
 
 }  // namespace psim

@@ -11,7 +11,6 @@ namespace {
 constexpr std::uint32_t kLongStack = 4;  // links from which a stack counts as long
 constexpr float kMassRatio = 8;          // or one link has this mass ratio
 constexpr float kSideShare = 0.05f;      // side contacts may carry this share of the support
-constexpr float kTouching = 0.002f;      // share of the inner radius: a smaller gap counts as touching
 constexpr float kClosed = 0.0002f;       // share of the inner radius: a solve may close a smaller gap
 // A link becomes part of a long stack, and stays so, up to these speeds, in units of what gravity adds in a step.
 constexpr double kCalm = 0.06, kShaken = 1.2;
@@ -115,7 +114,7 @@ void Stacks::mark_links() {
     const Standing& mine = standing_[slot];
     if (mine.below != 1 || mine.above > 1 || mine.side > kSideShare * mine.support) return false;
     const ManifoldPair& pair = manifolds_.pairs()[mine.on];
-    if (pair.rest_frames != 0 || (pair.fixed_a && pair.a == slot)) return false;
+    if (pair.rest_frames != 0 || !pair.stands || (pair.fixed_a && pair.a == slot)) return false;
     if (b_.properties(b_.id[slot]).inv_mass == 0) return false;
     const std::uint32_t lower = lower_of(pair, slot);
     return lower == kNone || (manifolds_.has_corners(lower) && standing_[lower].above == 1);

@@ -22,9 +22,6 @@ namespace psim {
 /// A contact carries weight if the |cosine| between its normal and gravity is larger.
 constexpr double kSupport = 0.5;
 
-/// Frames for which a link stays an ordinary contact after an impact or a short step.
-constexpr std::uint8_t kRestFrames = 8;
-
 /// The factors L D L^T of a symmetric S that is scaled to a unit diagonal.
 struct StackFactor {
   double l10 = 0, l20 = 0, l21 = 0, d[3] = {}, scale[3] = {};

@@ -95,6 +95,10 @@ void Solver::Run::impacts() {
       }
     });
     sweep_statics(sweep, false);
+    if (!contacts.manifolds.any()) continue;
+    run_phases(table.strips.size(), s_.pool, [&](std::size_t strip) {
+      if (asks(strip, sweep) && impact_shapes(strip, sweep == 0)) note(strip, sweep);
+    });
   }
   sweeps_.done = done + (limited && sweep == most ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep);
   if (any.load()) {  // there were too many events: at least no body leaves through a wall
@@ -151,7 +155,17 @@ void Solver::touch_resting(const SolverInput& in) {
     const std::uint32_t nobody = bodies + kLine * static_cast<std::uint32_t>(index);
     const bool pairs = touch_pressing(in.contacts.discs.pairs, s.blocks, kTwo, nobody);
     const bool fixed = touch_pressing(in.contacts.discs.fixed, s.static_blocks, kOne, nobody);
-    pressing_[index] = pairs || fixed;
+    bool shapes = false;
+    if (in.contacts.manifolds.any()) {
+      for (const std::uint32_t k : in.contacts.manifolds.strip(index).active) {
+        const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
+        if (!(pair.impulse[0] > 0) && !(pair.impulse[1] > 0)) continue;
+        shapes = true;
+        touch(pair.b);
+        if (!pair.of_piece()) touch(pair.a);
+      }
+    }
+    pressing_[index] = pairs || fixed || shapes;
   });
 }
 

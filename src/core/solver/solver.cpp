@@ -31,6 +31,10 @@ constexpr double kBouncingStiffness = 0.16;  // contacts with restitution have n
 // Stacks are solved exactly: their contacts are stiff, but overlaps are pushed out gently.
 constexpr double kStackStiffness = 0.34, kFixedStackStiffness = 4, kStackPush = 0.1;
 constexpr double kPush = 3;  // m/s: the fastest push-out
+// A sweep carries a load one contact on. Where bodies were put on each other, their contacts carry nothing yet, and the
+// first substep sweeps over them until they carry: an arch would slip meanwhile. Large scenes get fewer sweeps, so that a
+// pass visits no more blocks than this.
+constexpr std::uint32_t kColdSweeps = 128, kColdVisits = 20'000;
 
 void set_soft(ContactParams& p, double h, double frequency, double damping) {
   const double omega = 2 * std::numbers::pi * frequency;
@@ -90,6 +94,10 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
     }
   }
   if (!kinematics.empty()) s_.bodies.find_slots();
+  if (contacts.manifolds.cold() && params.most_sweeps == 0) {
+    const std::uint32_t fitting = kColdVisits / std::max(contacts.manifolds.totals().blocks, 1u);
+    sweeps_of_shapes_ = static_cast<int>(std::clamp(fitting, 1u, kColdSweeps));
+  }
   solver.kinematic_at_.resize(std::max(solver.kinematic_at_.size(), kinematics.size()));
 }
 
@@ -137,6 +145,7 @@ void Solver::Run::substep(bool first_of_step) {
   contacts.manifolds.follow_turning(view_, 0);
   relax();
   if (bounce_) spend();
+  sweeps_of_shapes_ = 1;
 }
 
 void Solver::Run::force(FieldPass kernel) {
@@ -187,7 +196,8 @@ void Solver::Run::warm(bool first_of_step) {
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
-// fixed shapes. The tables are of kernels; all sweeps but the `outer`-th one are inner ones.
+// fixed shapes. The tables are of kernels; all sweeps over contacts under heavy loads but the `outer`-th one are inner
+// ones, as are all others but the first one (`outer` is 0) or the last one.
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
   const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
@@ -198,7 +208,12 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
   for_pairs([&](const ContactBlocks& b, std::size_t) {
     pass_pairs[model_][bounce_](view_, pairs_, discs_.pair, b.begin, b.loaded);
   });
-  pass_manifolds(false, false, false);
+  const int last = sweeps_of_shapes_ - 1;
+  for (int sweep = 0; sweep <= last; ++sweep) {
+    const bool inner = sweep != (outer == 0 ? 0 : last);
+    pass_manifolds(false, false, inner);
+    if (sweep != last) pass_manifolds(true, false, inner);
+  }
   const auto for_loaded = [&](std::size_t begin, std::size_t end, const auto& each) {
     s_.pool.run(end - begin, [&](std::size_t k) { each(table.strips[solver_.loaded_[begin + k]]); });
   };
@@ -218,7 +233,7 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
     pass_manifolds(false, true, inner);
     pass_manifolds(true, true, inner);
   }
-  pass_manifolds(true, false, false);
+  pass_manifolds(true, false, outer == 0 && last != 0);
   for_statics([&](const ContactBlocks& b, std::size_t) {
     pass_statics[model_][bounce_](view_, statics_, discs_.fixed, b.begin, b.loaded);
   });

@@ -98,6 +98,7 @@ class Solver::Run : SolverInput {
   void force(FieldPass kernel);
   void set_floors();
   void impacts();
+  bool impact_shapes(std::size_t strip, bool first);
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);
@@ -124,8 +125,9 @@ class Solver::Run : SolverInput {
   struct OfDiscs {
     ContactParams pair, fixed;
   };
-  OfDiscs discs_, loaded_;  // `loaded_`: under heavy loads
-  int loaded_sweeps_;       // number of sweeps over contacts under heavy loads in a pass
+  OfDiscs discs_, loaded_;    // `loaded_`: under heavy loads
+  int loaded_sweeps_;         // number of sweeps over contacts under heavy loads in a pass
+  int sweeps_of_shapes_ = 1;  // of a pass, over contacts of shapes under no heavy load
   struct {
     int slices = 1, most = 0;
     bool limited = false;  // the number of sweeps is limited

@@ -128,7 +128,7 @@ class Archive {
     transfer(&bits, sizeof bits);
     if (!loading_) return;
     v = number<T>(bits);
-    if constexpr (std::is_floating_point_v<T>) keep_if(v, !refuses_nan_ || !std::isnan(v));
+    if constexpr (std::is_floating_point_v<T>) keep_if(v, !refuses_nan_ || std::isfinite(v));
   }
   /// Numbers below a bound. 0 if one that is read is not.
   template <class... T>

@@ -169,6 +169,7 @@ void look(StepContext& c, const Span& span, StepReport&, PieceRange p) {
 }
 
 void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
+  c.contacts.manifolds.find_footing();
   c.contacts.stacks.find(c.manifold_params(span.step));
 }
 

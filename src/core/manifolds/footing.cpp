@@ -1,0 +1,69 @@
+// Which contacts of shapes stand on fixed ground, over other contacts of shapes: those of bodies that hang together with
+// something fixed. Bodies that fall together do not, however they touch. Sets of bodies that hang together are found by
+// union and find (Tarjan 1975).
+//
+// In: the active pairs of the step. Out: ManifoldPair::stands and yields, and the pairs whose lanes must be written again.
+#include <utility>
+
+#include "manifolds/manifolds.h"
+
+namespace psim {
+namespace {
+
+constexpr std::uint32_t kGround = 0xFFFFFFFFu;  // the set of the bodies that stand
+
+// The set of a body. Each body names another one of its set, and the first one itself.
+std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
+  while (slot != kGround && of[slot] != slot) {
+    const std::uint32_t next = of[slot];
+    slot = of[slot] = next == kGround ? kGround : of[next];
+  }
+  return slot;
+}
+
+}  // namespace
+
+// Finds the bodies that hang together with fixed ground: their entry in used_ leads to kGround.
+void Manifolds::find_standing() {
+  each_active([&](std::size_t, std::uint32_t k) {
+    used_[pairs_[k].b] = pairs_[k].b;
+    if (!pairs_[k].of_piece()) used_[pairs_[k].a] = pairs_[k].a;
+  });
+  each_active([&](std::size_t, std::uint32_t k) {
+    const std::uint32_t b = set_of(used_, pairs_[k].b), a = pairs_[k].fixed_a ? kGround : set_of(used_, pairs_[k].a);
+    if (b != kGround) {
+      used_[b] = a;
+    } else if (a != kGround) {
+      used_[a] = b;
+    }
+  });
+}
+
+void Manifolds::find_footing() {
+  bool changed = weighs_ != (g_ > 0);
+  for (std::size_t s = 0; s < strip_count(); ++s) changed |= stale_[s] != 0;
+  const bool was_cold = std::exchange(cold_, false), weighed = std::exchange(weighs_, g_ > 0);
+  if ((!changed && !was_cold) || (!weighs_ && !weighed)) return;  // nothing stands without gravity
+  if (weighs_ && changed) find_standing();
+  std::size_t touching = 0, turned = 0;
+  each_active([&](std::size_t, std::uint32_t k) {
+    ManifoldPair& pair = pairs_[k];
+    const bool stood = pair.stands;
+    if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
+    if (pair.least_gap() > kTouching * s_.bodies.kind(pair.id_b).inner) return;
+    if (pair.stands && !stood && !pair.placed) pair.rest_frames = kRestFrames;  // what hangs together lands
+    ++touching;
+    turned += pair.placed || (stood && !pair.stands) ? 1 : 0;
+  });
+  cold_ = weighs_ && 2 * turned > touching;
+  each_active([&](std::size_t strip, std::uint32_t k) {
+    ManifoldPair& pair = pairs_[k];
+    const bool yields = pair.stands && !pair.fixed_a && !cold_;  // many sweeps need no help
+    if (pair.yields == yields) return;
+    pair.yields = yields;
+    if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
+    pair.changed = true;
+  });
+}
+
+}  // namespace psim

@@ -1,0 +1,338 @@
+// Impacts of shapes: manifolds with restitution whose bodies rest on nothing collide at their time within a substep, with
+// the places and angles that the bodies have then. As with discs (impact_sweeps.cpp) a body has a virtual start, from
+// which it moves as if it had met nothing, and sweeps go on until one finds no impact.
+//
+// The time is found by conservative advancement (Mirtich 1996): hulls come together no faster than their speeds along
+// the present normal and their turning allow. A few microseconds for a pair that is near.
+#include <algorithm>
+#include <cmath>
+
+#include "base/rotor.h"
+#include "solver/solver_run.h"
+
+namespace psim {
+namespace {
+
+constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
+// The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
+constexpr double kTooDeep = 10, kPartingTime = 0.1;
+constexpr double kMostSizes = 4;
+constexpr int kMostSteps = 100;
+
+// A body within a substep. One that is part of the world has no slot and does not move.
+struct Mover {
+  std::uint32_t slot = ManifoldPair::kNone;
+  Vec2 v, a;                    // m/s, m/s^2
+  double angle = 0, omega = 0;  // rad, rad/s
+  double inv_mass = 0, inv_inertia = 0;
+  double since = 0;  // s: its last impact
+
+  Rotor rotor(double t) const { return rotor_of(angle + t * omega); }
+  Vec2 way(double t) const { return t * v + 0.5 * t * t * a; }
+  Vec2 velocity(double t, Vec2 arm) const { return v + t * a + omega * Vec2{-arm.y, arm.x}; }
+  // The velocity that an impulse along n adds at a point, along m.
+  double gain(Vec2 arm, Vec2 n, Vec2 arm_m, Vec2 m) const {
+    return inv_mass * dot(n, m) + inv_inertia * cross(arm, n) * cross(arm_m, m);
+  }
+};
+
+// The points of a pair that collide.
+struct Hit {
+  double time = 0;
+  Vec2 n;
+  int count = 0;
+  Vec2 arm_a[2], arm_b[2];
+  double approach[2] = {};  // m/s along n, < 0
+  double impulse[2] = {};
+  double parting = 1e30;  // m/s: of the slowest point that touches
+};
+
+// The velocity along m of point j that an impulse along n at point i adds.
+double gain(const Mover& a, const Mover& b, const Hit& hit, int i, Vec2 n, int j, Vec2 m) {
+  return a.gain(hit.arm_a[i], n, hit.arm_a[j], m) + b.gain(hit.arm_b[i], n, hit.arm_b[j], m);
+}
+
+// Impulses that turn the approach of each point into e times as fast a parting. Where they would have to pull, one point
+// collides alone.
+void find_impulses(const Mover& a, const Mover& b, double e, Hit& hit) {
+  const auto k = [&](int i, int j) { return gain(a, b, hit, i, hit.n, j, hit.n); };
+  const auto wanted = [&](int i) { return -(1 + e) * hit.approach[i]; };
+  if (hit.count == 2) {
+    const double k11 = k(0, 0), k12 = k(0, 1), k22 = k(1, 1), det = k11 * k22 - k12 * k12;
+    hit.impulse[0] = (k22 * wanted(0) - k12 * wanted(1)) / det;
+    hit.impulse[1] = (k11 * wanted(1) - k12 * wanted(0)) / det;
+    if (det > 1e-6 * k11 * k22 && hit.impulse[0] >= 0 && hit.impulse[1] >= 0) return;
+  }
+  const int first = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
+  hit.impulse[first] = wanted(first) / k(first, first);
+  hit.impulse[1 - first] = 0;
+}
+
+struct Around {
+  const Surroundings& s;
+  const kernels::BodyView& view;
+  const Manifolds& manifolds;
+  Vec2 gravity;  // m/s^2
+};
+
+// A pair whose bodies may collide in this substep.
+class ShapeImpact {
+ public:
+  ShapeImpact(const Around& around, const ManifoldPair& pair, kernels::ManifoldBlock& block, std::uint32_t lane)
+      : in_(around),
+        pair_(pair),
+        c_(block),
+        l_(lane),
+        a_(mover(pair.a, block.wa[lane], block.ga[lane])),
+        b_(mover(pair.b, block.wb[lane], block.gb[lane])) {
+    const BodyStore& b = in_.s.bodies;
+    hull_b_ = hull(pair.b, pair.part_b);
+    near_ = kTouch * double{hull_b_.inner};
+    if (pair.of_wall()) return;
+    if (pair.of_piece()) {
+      hull_a_ = in_.s.statics.seen_from(pair.shape, b.point(pair.b), 16.0 * double{hull_b_.reach});
+      return;
+    }
+    hull_a_ = hull(pair.a, pair.part_a);
+    near_ = std::min(near_, kTouch * double{hull_a_.inner});
+    way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
+  }
+
+  /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
+  /// alone in this substep unless its impact is too slow to bounce, or left over in the last sweep (least_e is 1): no body
+  /// leaves through fixed ground.
+  bool collide_in(double h, double floor, float least_e) {
+    float& e = c_.e[l_];
+    Hit hit;
+    const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
+    if (too_fast(h)) return false;
+    Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
+    if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
+    if (found != Found::slow) e = -e;
+    if (found != Found::hit) return false;
+    find_impulses(a_, b_, -double{e}, hit);
+    bounce(hit);
+    return true;
+  }
+
+ private:
+  enum class Found : std::uint8_t { none, slow, hit };
+
+  Mover mover(std::uint32_t slot, float inv_mass, float rim_gain) const {
+    Mover m;
+    m.slot = slot;
+    if (slot == ManifoldPair::kNone) return m;
+    const BodyStore& b = in_.s.bodies;
+    const kernels::BodyView& view = in_.view;
+    const double reach = b.radius[slot];
+    m.v = {view.vel[2 * slot], view.vel[2 * slot + 1]};
+    m.angle = b.angle[slot];
+    m.omega = double{view.rim_speed[slot]} / reach;
+    m.inv_mass = inv_mass;
+    m.inv_inertia = double{rim_gain} / (reach * reach);
+    m.since = view.event_time[slot];
+    if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
+    return m;
+  }
+  Hull hull(std::uint32_t slot, std::uint32_t part) const {
+    const BodyStore& b = in_.s.bodies;
+    if (!in_.manifolds.has_corners(slot)) return disc_hull(b.radius[slot]);
+    return b.hulls[b.kind(b.id[slot]).first_hull + part];
+  }
+
+  // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
+  // solver lets nobody through.
+  bool too_fast(double h) const {
+    const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
+    return h * length_of(b_.v - a_.v) > kMostSizes * size;
+  }
+
+  // Whether the circles about two bodies do not meet in the substep.
+  bool far_apart(double h) const {
+    if (pair_.of_piece()) return false;
+    const double reach = double{hull_a_.reach} + double{hull_b_.reach};
+    return length_of(way_) > reach + h * (length_of(b_.v - a_.v) + h * length_of(b_.a - a_.a));
+  }
+
+  Manifold at(double t) const {
+    constexpr float kAny = 1e30f;
+    const Vec2 d = way_ + b_.way(t) - a_.way(t);
+    const Rotor qb = b_.rotor(t);
+    if (!pair_.of_wall()) {
+      return collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
+    }
+    const Manifold& m = pair_.manifold;
+    const Vec2 n{m.nx, m.ny}, since = in_.s.lattice.way(pair_.base, in_.s.bodies.point(pair_.b)) + d;
+    const double height = dot(n, since - Vec2{m.point[0].bx, m.point[0].by}) + 0.5 * double{m.point[0].gap};
+    return meet_plane(hull_b_, qb, m.nx, m.ny, static_cast<float>(height), kAny);
+  }
+
+  // The first time at which the bodies touch and approach each other.
+  Found find(double h, double slowest, Hit& hit) const {
+    const double swing = std::fabs(a_.omega) * double{hull_a_.reach} + std::fabs(b_.omega) * double{hull_b_.reach};
+    double t = std::max(a_.since, b_.since);
+    for (int k = 0; k < kMostSteps; ++k) {
+      const Manifold m = at(t);
+      if (m.count == 0) return Found::none;
+      const Vec2 n{m.nx, m.ny};
+      const double gap = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+      if (gap <= near_) {
+        const Found found = touch(m, t, slowest, hit);
+        if (found != Found::none) return found;
+        if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
+      }
+      const Vec2 u = b_.v + t * b_.a - a_.v - t * a_.a, gained = (h - t) * (b_.a - a_.a);
+      const double closing = swing - dot(n, u) + std::max(0.0, -dot(n, gained));
+      if (!(closing > 0)) return Found::none;
+      t += std::max(gap - 0.5 * near_, 2 * near_) / closing;  // hulls that part are near each other for a while
+      if (t >= h) return Found::none;
+    }
+    return slowest > 0 ? Found::slow : Found::none;
+  }
+
+  // Which of the points that touch approach each other.
+  Found touch(const Manifold& m, double t, double slowest, Hit& hit) const {
+    hit = {};
+    hit.time = t;
+    hit.n = {m.nx, m.ny};
+    bool slow = false;
+    for (int k = 0; k < m.count; ++k) {
+      const ManifoldPoint& p = m.point[k];
+      if (double{p.gap} > 2 * near_) continue;
+      const Vec2 arm_b{p.bx, p.by};
+      const Vec2 arm_a = pair_.of_piece() ? Vec2{} : Vec2{p.ax, p.ay};
+      const double vn = dot(hit.n, b_.velocity(t, arm_b) - a_.velocity(t, arm_a));
+      hit.parting = std::min(hit.parting, vn);
+      if (!(vn < 0)) continue;
+      if (!(-vn > slowest)) {
+        slow = true;
+        continue;
+      }
+      hit.arm_a[hit.count] = arm_a;
+      hit.arm_b[hit.count] = arm_b;
+      hit.approach[hit.count++] = vn;
+    }
+    return hit.count != 0 ? Found::hit : slow ? Found::slow : Found::none;
+  }
+
+  void bounce(const Hit& hit) {
+    const Vec2 t{-hit.n.y, hit.n.x};
+    Vec2 push;
+    double turn_a = 0, turn_b = 0;
+    const auto press = [&](int k, Vec2 impulse) {
+      push = push + impulse;
+      turn_a -= cross(hit.arm_a[k], impulse);
+      turn_b += cross(hit.arm_b[k], impulse);
+    };
+    for (int k = 0; k < hit.count; ++k) press(k, hit.impulse[k] * hit.n);
+    const int k = hit.impulse[1] > hit.impulse[0] ? 1 : 0;  // friction acts at the point that presses most
+    const double mu = c_.mu[l_];
+    if (mu > 0) {
+      Mover a = a_, b = b_;
+      a.v = a.v - a.inv_mass * push, a.omega += a.inv_inertia * turn_a;
+      b.v = b.v + b.inv_mass * push, b.omega += b.inv_inertia * turn_b;
+      const double vt = dot(t, b.velocity(hit.time, hit.arm_b[k]) - a.velocity(hit.time, hit.arm_a[k]));
+      const double cap = mu * (hit.impulse[0] + hit.impulse[1]);
+      press(k, std::clamp(-vt / gain(a, b, hit, k, t, k, t), -cap, cap) * t);
+    }
+    if (!pair_.fixed_a) move(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, hit.time);
+    move(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, hit.time);
+  }
+
+  // Changes the velocity of a body at a time of the substep, and its virtual start with it.
+  void move(const Mover& m, Vec2 dv, double spin, double time) const {
+    const kernels::BodyView& view = in_.view;
+    BodyStore& b = in_.s.bodies;
+    const std::size_t i = m.slot;
+    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    const double reach = b.radius[i];
+    for (float* v : {view.vel, view.vel0}) add(v[2 * i], dv.x), add(v[2 * i + 1], dv.y);
+    for (float* u : {view.rim_speed, view.rim_speed0}) add(u[i], reach * spin);
+    add(view.disp[2 * i], -time * dv.x);
+    add(view.disp[2 * i + 1], -time * dv.y);
+    b.angle[i] -= time * spin;
+    add(view.angle_change[i], -time * spin);
+    const SineCosine q = sine_cosine(view.angle_change[i]);
+    view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
+    view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
+    view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
+  }
+
+  const Around& in_;
+  const ManifoldPair& pair_;
+  kernels::ManifoldBlock& c_;
+  const std::uint32_t l_;
+  const Mover a_, b_;
+  Hull hull_a_, hull_b_;
+  Vec2 way_;         // m: from A to B
+  double near_ = 0;  // m
+};
+
+// How fast the nearest points of a pair approach each other, m/s.
+double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l) {
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const float vn =
+      c.nx[l] * (view.vel[2 * b] - view.vel[2 * a]) + c.ny[l] * (view.vel[2 * b + 1] - view.vel[2 * a + 1]);
+  const auto at = [&](const kernels::ManifoldBlock::Point& p) {
+    return vn + (view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l]);
+  };
+  return -double{std::min(at(c.point[0]), at(c.point[1]))};
+}
+
+// How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
+struct Reach {
+  double speed = 0, moved = 0;  // m/s, m
+};
+
+Reach reach_of(const Around& in, const ManifoldPair& pair) {
+  const kernels::BodyView& view = in.view;
+  const std::size_t b = pair.b;
+  Vec2 v{view.vel[2 * b], view.vel[2 * b + 1]}, d{view.disp[2 * b], view.disp[2 * b + 1]};
+  double spin = std::fabs(double{view.rim_speed[b]});
+  double turned = double{in.s.bodies.radius[b]} * std::fabs(double{view.angle_change[b]});
+  if (!pair.of_piece()) {
+    const std::size_t a = pair.a;
+    v = v - Vec2{view.vel[2 * a], view.vel[2 * a + 1]};
+    d = d - Vec2{view.disp[2 * a], view.disp[2 * a + 1]};
+    spin += std::fabs(double{view.rim_speed[a]});
+    turned += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
+  }
+  return {length_of(v) + spin, length_of(d) + turned};
+}
+
+}  // namespace
+
+bool Solver::Run::impact_shapes(std::size_t index, bool first) {
+  Manifolds& manifolds = contacts.manifolds;
+  Manifolds::StripBlocks& strip = manifolds.strip(index);
+  const Around around{s_, view_, manifolds, params_.gravity};
+  const double floor = discs_.pair.bounce_floor;
+  const auto rests = [&](const ManifoldPair& pair) {
+    return solver_.touched_[pair.b] != 0 || (!pair.fixed_a && solver_.touched_[pair.a] != 0);
+  };
+  bool any = false;
+  for (const std::uint32_t k : strip.active) {
+    const ManifoldPair& pair = manifolds.pairs()[k];
+    ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
+    const std::uint32_t l = pair.lane % kernels::kBlock;
+    float& e = block.e[l];
+    if (e == 0) continue;
+    // Later sweeps look at bodies that had an impact in this substep.
+    if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
+    e = std::fabs(e);
+    if (e < 1 && rests(pair)) continue;
+    if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
+      continue;
+    const Reach reach = reach_of(around, pair);
+    const double closing = reach.speed + gravity_ * h_;
+    if (e < 1 && static_cast<double>(e) * closing < floor) continue;  // too slow to bounce
+    if (!pair.ahead && static_cast<double>(pair.least_gap()) - reach.moved > h_ * closing) {
+      e = -e;  // too far apart to meet
+      continue;
+    }
+    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e);
+  }
+  return any;
+}
+
+}  // namespace psim
