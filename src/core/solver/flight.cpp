@@ -161,9 +161,9 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
     if (disc_ ? s.whole : s.face) continue;
     if (!collides_with(s.owner)) continue;
     const Hull piece = s_.statics.seen_from(k, {x, y, 0, 0}, size);
-    if (s.face) {  // a disc whose centre is inside of a polygon may leave it
+    if (s.face) {  // a disc whose centre is inside of a polygon, or about at its face, may leave it
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
-      if (cross(u, at_ - p) > 0) continue;
+      if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
     meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, k});
   }
