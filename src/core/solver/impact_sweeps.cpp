@@ -193,6 +193,7 @@ void Solver::mark_impacts(const SolverInput& in) {
     mark_lanes(fixed, s.static_blocks,
                [&, any](std::size_t k) -> std::uint32_t { return any ? touched_[fixed.body[k]] : 0; });
   });
+  list_bouncing(in);
 }
 
 }  // namespace psim

@@ -302,25 +302,39 @@ Reach reach_of(const Around& in, const ManifoldPair& pair) {
 
 }  // namespace
 
+// Lists the pairs of shapes that may collide in sweeps: those with restitution, and if they are not fully elastic, those
+// whose bodies carry nothing.
+void Solver::list_bouncing(const SolverInput& in) {
+  Manifolds& manifolds = in.contacts.manifolds;
+  bouncing_.resize(std::max(bouncing_.size(), manifolds.strip_count()));
+  in.contacts.surroundings.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+    Manifolds::StripBlocks& strip = manifolds.strip(index);
+    bouncing_[index].clear();
+    for (const std::uint32_t k : strip.active) {
+      const ManifoldPair& pair = manifolds.pairs()[k];
+      float& e = strip.blocks[pair.lane / kernels::kBlock].e[pair.lane % kernels::kBlock];
+      if (e == 0) continue;
+      e = std::fabs(e);
+      const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
+      if (e == 1 || !rests) bouncing_[index].push_back(k);
+    }
+  });
+}
+
 bool Solver::Run::impact_shapes(std::size_t index, bool first) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
   const Around around{s_, view_, manifolds, params_.gravity};
   const double floor = discs_.pair.bounce_floor;
-  const auto rests = [&](const ManifoldPair& pair) {
-    return solver_.touched_[pair.b] != 0 || (!pair.fixed_a && solver_.touched_[pair.a] != 0);
-  };
   bool any = false;
-  for (const std::uint32_t k : strip.active) {
+  for (const std::uint32_t k : solver_.bouncing_[index]) {
     const ManifoldPair& pair = manifolds.pairs()[k];
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
-    if (e == 0) continue;
     // Later sweeps look at bodies that had an impact in this substep.
     if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
     e = std::fabs(e);
-    if (e < 1 && rests(pair)) continue;
     if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
       continue;
     const Reach reach = reach_of(around, pair);
