@@ -115,7 +115,10 @@ class Archive {
     if (!sound && loading_) fail("it is damaged");
   }
   /// From now on. What contacts and events tell of a body whose host gave it NaN may be NaN; sizes may not.
-  void refuse_nan(bool on) { refuses_nan_ = on; }
+  void refuse_nan(bool on, bool infinite_too = false) {
+    refuses_nan_ = on;
+    refuses_infinite_ = infinite_too;
+  }
   /// Whether so many things can be in the bytes: the memory that forged bytes ask for stays in proportion to them.
   bool fits(std::uint64_t n) {
     require(n <= kThingsAByte * bytes_.size());
@@ -128,7 +131,7 @@ class Archive {
     transfer(&bits, sizeof bits);
     if (!loading_) return;
     v = number<T>(bits);
-    if constexpr (std::is_floating_point_v<T>) keep_if(v, !refuses_nan_ || std::isfinite(v));
+    if constexpr (std::is_floating_point_v<T>) keep_if(v, !(refuses_nan_ && std::isnan(v)) && !(refuses_infinite_ && std::isinf(v)));
   }
   /// Numbers below a bound. 0 if one that is read is not.
   template <class... T>
@@ -293,7 +296,7 @@ class Archive {
 
  protected:
   bool loading_ = false;
-  bool refuses_nan_ = false;
+  bool refuses_nan_ = false, refuses_infinite_ = false;
   std::vector<std::byte> memory_;     // of a saver
   std::span<const std::byte> bytes_;  // of a loader
   std::size_t at_ = kHeader, end_ = 0;

@@ -163,7 +163,7 @@ void describe_population(Archive& a, Population& p, bool lists) {
   BodyStore& bodies = p.bodies;
   values(a, p.first_properties.mass, p.first_radius, p.least_radius, p.first_properties);
   a.require(p.first_radius >= 0 && p.least_radius >= 0);
-  a.refuse_nan(true);
+  a.refuse_nan(true, true);
   describe_bodies(a, bodies, lists);
   std::size_t at = 0;
   a.list(p.fixed, [&](FixedBody& f) {
