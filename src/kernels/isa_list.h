@@ -9,7 +9,7 @@
 
 namespace psim::kernels {
 
-/// What a CPU must have to run a variant; cpu_has() of src/core/base/machine.cpp asks for it.
+/// A CPU runs a variant only if it has this; cpu_has() of src/core/base/machine.cpp asks it.
 enum class CpuNeed { nothing, sse41, avx2 };
 
 struct IsaRow {

@@ -106,8 +106,8 @@ struct JointParams {
 /// Blocks of one kind.
 using JointBlocks = void*;
 
-/// What joints have done to the bodies in this substep. Between the two calls of `part_joints` around a
-/// pass it is the rest of their velocities.
+/// Here `part_joints` sums what joints did to the velocities of bodies in this substep. Between its two calls
+/// around a pass these hold the rest of the velocities.
 struct JointShare {
   float* vel = nullptr;             ///< m/s records
   float* rim_speed = nullptr;       ///< m/s

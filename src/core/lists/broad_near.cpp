@@ -88,7 +88,8 @@ void NearSearch::near_body(std::uint32_t i, std::vector<std::uint32_t>& found, s
   }
 }
 
-// Whether surely no wall or fixed shape is near the bodies [begin, end). Their box is that of whole blocks.
+// Whether surely no wall or fixed shape is near the bodies [begin, end). Where only walls can be, the cells of the bodies
+// tell of most runs; else the box around them does, that of whole blocks.
 bool NearSearch::nothing_near(std::uint32_t begin, std::uint32_t end) const {
   using kernels::kBlock;
   const BodyStore& b = s_.bodies;

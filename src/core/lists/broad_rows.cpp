@@ -98,14 +98,14 @@ bool BroadCells::surely_within(std::uint32_t begin, std::uint32_t end, const Bou
   const std::uint32_t first = keys_[begin], last = keys_[end - 1], row = first / g.stride;
   if (last / g.stride != row) return false;
   constexpr double kRounded = 0.25;  // cells: the cell of a body is found in float
-  const auto x = [&](double column) {
-    return g.mid_x * s_.lattice.pitch_x() + (column - static_cast<double>(g.offset_x)) * grid_.cell[0];
+  // Whether the cells from `low` to `high` along an axis lie between two places.
+  const auto within = [&](double mid, float offset, double cell, double low, double high, double from, double to) {
+    const double zero = mid - static_cast<double>(offset) * cell;  // m: where cell 0 begins
+    return zero + (low - kRounded) * cell >= from && zero + (high + 1 + kRounded) * cell <= to;
   };
-  const auto y = [&](double line) {
-    return g.mid_y * s_.lattice.pitch_y() + (line - static_cast<double>(g.offset_y)) * grid_.cell[1];
-  };
-  return x(first % g.stride - kRounded) >= inner.xmin && x(last % g.stride + 1 + kRounded) <= inner.xmax &&
-         y(row - kRounded) >= inner.ymin && y(row + 1 + kRounded) <= inner.ymax;
+  return within(g.mid_x * s_.lattice.pitch_x(), g.offset_x, grid_.cell[0], first % g.stride, last % g.stride,
+                inner.xmin, inner.xmax) &&
+         within(g.mid_y * s_.lattice.pitch_y(), g.offset_y, grid_.cell[1], row, row, inner.ymin, inner.ymax);
 }
 
 bool BroadCells::find_pairs(const Strip& s, kernels::PairList& list) const {

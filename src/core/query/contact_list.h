@@ -49,7 +49,7 @@ struct ContactList {
   }
 };
 
-/// What find_contacts() must know of the last step. While the work for the next step is under way (`begun`), an open
+/// find_contacts() takes this from the last step. While the work for the next step is under way (`begun`), an open
 /// contact and one that overlaps without an impulse look alike, and bodies may lie in other slots than the lists say
 /// (ContactList::slot).
 struct LastStep {
