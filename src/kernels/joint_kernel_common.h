@@ -27,6 +27,9 @@ namespace {
 
 // ---- lanes ----------------------------------------------------------------------------------------
 
+/// A turn in a substep that still counts in full, rad.
+constexpr float kResolvedTurn = 0.05f;
+
 /// Masses and arms of some lanes.
 template <class L>
 struct Arms {
@@ -118,7 +121,7 @@ template <class L>
 /// h x centripetal acceleration of B's anchor against A's, -rB wB^2 + rA wA^2. Turns are limited to what h resolves.
 template <class L>
 [[gnu::always_inline]] inline Vec<L> anchor_pull(const TwoBodies<L>& m, const Arms<L>& j, F<L> h) {
-  const F<L> most = 0.05f;
+  const F<L> most = kResolvedTurn;
   const auto ta = min(h * (abs(m.ua) * j.ra), most);
   const auto tb = min(h * (abs(m.ub) * j.rb), most);
   return ta * abs(m.ua) * j.a - tb * abs(m.ub) * j.b;

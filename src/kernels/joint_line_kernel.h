@@ -35,12 +35,13 @@ template <class L>
   return row;
 }
 
-/// h x acceleration at which the distance of the anchors grows by itself.
+/// h x acceleration at which the distance of the anchors grows by itself. It counts as far as h resolves the turn: `most`
+/// is the largest h omega that counts in full.
 template <class L>
 [[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v,
-                                              F<L> curvature, F<L> h) {
+                                              F<L> curvature, F<L> h, F<L> most) {
   const auto sideways = abs(cross(n, v));
-  const auto share = min(sideways * curvature * h, 1);
+  const auto share = min(sideways * curvature * h, most);
   return sideways * share + dot(n, anchor_pull<L>(m, arms, h));
 }
 
@@ -60,14 +61,14 @@ void warm_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std
 template <class L, bool kFixedA, bool kSpring>
 void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0, h = p.h, inv_h = p.inv_h;
-  const F<L> half_h = 0.5f * p.h, quarter_h = 0.25f * p.h;
+  const F<L> half_h = 0.5f * p.h, quarter_h = 0.25f * p.h, resolved = kSpring ? 1.0f : kResolvedTurn;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     const auto row = load_line<L>(j, k, arms);
     if (!p.again) turn_on<L, kFixedA>(m, arms, j, k);
     const auto v = anchor_velocity<L>(m, arms);
     const auto vn = dot(row.n, v), c = L::load(j.c + k), l = L::load(j.l + k);
     const auto mass = L::load(j.mass + k);
-    const auto curve = line_curve<L>(m, arms, row.n, v, L::load(j.curvature + k), h);
+    const auto curve = line_curve<L>(m, arms, row.n, v, L::load(j.curvature + k), h, resolved);
     F<L> next;
     if constexpr (kSpring) {
       const auto before = gather_motion<L>(b.vel0, b.rim_speed0, j.body + 2 * k);
@@ -106,14 +107,15 @@ void push_nothing(const BodyView&, JointBlocks, const JointParams&, std::uint32_
 
 template <class L, bool kFixedA, bool kSpring>
 void relax_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
-  const F<L> zero = 0, half = 0.5f;
+  const F<L> zero = 0, half = 0.5f, one = 1, h = p.h;
   const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
     auto row = load_line<L>(j, k, arms);
     const auto l = L::load(j.l + k);
     if (!p.again) {
       const auto old = row;
       row = find_line<L>(b, j, k, arms);
-      const auto part = half * l;
+      const auto stiffness = abs(l) * h * L::load(j.curvature + k) * (arms.wa + arms.wb);  // x h^2
+      const auto part = half * l / max(stiffness, one);
       turn_half<L, kFixedA>(m, arms, j, k,
                             {part * (row.n - old.n), part * (row.sa - old.sa), part * (row.sb - old.sb)});
     }

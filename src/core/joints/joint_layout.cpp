@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <utility>
 
 #include "joints/joint_store.h"
 
 namespace psim {
 namespace {
 
-constexpr std::uint32_t kColours = 24;    // joints beyond these have blocks of one lane
+constexpr std::uint32_t kColours = 24;  // joints beyond these have blocks of one lane
+constexpr std::uint32_t kTetherList = JointLists::list_of(kernels::JointKind::rod, true);
 constexpr std::uint32_t kJobBlocks = 64;  // 512 joints: a job takes some microseconds
 
 }  // namespace
@@ -19,7 +21,7 @@ template <class Each>
 void JointStore::each_lane(const Each& each) {
   for (std::uint32_t list = 0; list < kLists; ++list) {
     for (std::uint32_t lane = 0; lane < lanes_[list].size(); ++lane) {
-      if (lanes_[list][lane] == kNoSlot) continue;
+      if (lanes_[list][lane] >= kTether) continue;
       Joint& j = joints_[lanes_[list][lane]];
       JointLists::visit_lane(lists_, list, lane, [&](auto& block, std::uint32_t k) { each(j, block, k); });
     }
@@ -31,6 +33,11 @@ void JointStore::save_impulses() {
   each_lane([](Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float l) { j.impulse[i] = l; });
   });
+  const auto& rods = lists_.rods(true);
+  for (std::size_t lane = 0; lane < lanes_[kTetherList].size(); ++lane) {
+    const std::uint32_t i = lanes_[kTetherList][lane];
+    if (i >= kTether && i != kNoSlot) tethers_[i - kTether].impulse = rods[lane / kBlock].l[lane % kBlock];
+  }
 }
 
 void JointStore::find_articulations() {
@@ -60,6 +67,7 @@ void JointStore::lay_out() {
     j.body[1] = member(j.swapped ? j.desc.a.index : j.desc.b.index);
   }
   find_articulations();
+  find_tethers();
   swept_.assign(ids.size(), 0);
   std::vector<std::uint32_t> used(ids.size(), 0);
   std::vector<std::uint32_t> of_class[kColours + 1];
@@ -90,12 +98,41 @@ void JointStore::lay_out() {
     for (auto& lanes : lanes_) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
     add_jobs(begin, colour == kColours);
   }
+  joint_phases_ = phases_.size();
+  add_tethers();
   for (std::uint32_t list = 0; list < kLists; ++list) lists_.assign(list, blocks_of(list));
   each_lane([&](const Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
     block.wa[k] = s_.bodies.properties(ids[j.body[0]]).inv_mass;
     block.wb[k] = s_.bodies.properties(ids[j.body[1]]).inv_mass;
   });
+  for (const Tether& t : tethers_) {
+    kernels::LineBlock& block = lists_.rods(true)[t.lane / kBlock];
+    block.l[t.lane % kBlock] = t.impulse;
+    block.wb[t.lane % kBlock] = s_.bodies.properties(ids[t.body[1]]).inv_mass;
+  }
+}
+
+// Tethers follow all joints: one of each body, then the second ones of bodies that have two.
+void JointStore::add_tethers() {
+  std::vector<std::uint8_t> has(bodies_.size());
+  std::vector<std::uint32_t> waiting(tethers_.size());
+  std::iota(waiting.begin(), waiting.end(), 0u);
+  while (!waiting.empty()) {
+    std::array<std::uint32_t, kLists> begin;
+    for (std::uint32_t list = 0; list < kLists; ++list) begin[list] = blocks_of(list);
+    auto& lanes = lanes_[kTetherList];
+    std::fill(has.begin(), has.end(), std::uint8_t{0});
+    std::erase_if(waiting, [&](std::uint32_t n) {
+      Tether& t = tethers_[n];
+      if (std::exchange(has[t.body[1]], std::uint8_t{1}) != 0) return false;
+      t.lane = static_cast<std::uint32_t>(lanes.size());
+      lanes.push_back(kTether + n);
+      return true;
+    });
+    lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
+    add_jobs(begin, false);
+  }
 }
 
 // The jobs of a colour, whose blocks begin at `begin`, run in parallel; but all of those with one lane are one job. So

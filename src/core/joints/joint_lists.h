@@ -16,7 +16,7 @@ class JointLists {
  public:
   static constexpr std::uint32_t kCount = 2 * kernels::kJointKinds;
 
-  static std::uint32_t list_of(kernels::JointKind kind, bool held) {
+  static constexpr std::uint32_t list_of(kernels::JointKind kind, bool held) {
     return 2 * static_cast<std::uint32_t>(kind) + (held ? 1 : 0);
   }
 
@@ -50,6 +50,9 @@ class JointLists {
       each(i++, b.drive.motor_l[lane]);
     }
   }
+
+  std::vector<kernels::LineBlock>& rods(bool held) { return std::get<0>(blocks_)[held ? 1 : 0]; }
+  const std::vector<kernels::LineBlock>& rods(bool held) const { return std::get<0>(blocks_)[held ? 1 : 0]; }
 
   kernels::JointBlocks blocks(std::uint32_t list) {
     return visit(*this, list, [](auto& all) -> kernels::JointBlocks { return all.data(); });

@@ -19,21 +19,23 @@ void clear(float* vel, float* rim_speed, std::uint32_t begin, std::uint32_t end)
 }  // namespace
 
 template <class Pass>
-void JointStore::sweep(const kernels::BodyView& view, const Pass& pass, const JointParams& p, bool backwards) {
-  for (std::size_t n = 0; n < phases_.size(); ++n) {
-    jobs_.run(phases_[backwards ? phases_.size() - 1 - n : n], s_.pool, [&](const ListRange& r) {
+void JointStore::sweep(const kernels::BodyView& view, const Pass& pass, const JointParams& p, bool backwards,
+                       bool tethers) {
+  const std::size_t end = tethers ? phases_.size() : joint_phases_;
+  for (std::size_t n = 0; n < end; ++n) {
+    jobs_.run(phases_[backwards ? end - 1 - n : n], s_.pool, [&](const ListRange& r) {
       pass[r.list / 2][r.list & 1u](view, lists_.blocks(r.list), p, r.begin, r.end);
     });
   }
 }
 
-// A whole pass. Its sweeps go forwards and backwards in turn.
+// A whole pass. Its sweeps go forwards and backwards in turn, the first one over tethers, too.
 template <class Pass>
 void JointStore::sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards) {
   JointParams p = params_;
   for (int n = 0, end = sweeps(); n < end; ++n) {
     p.again = n != 0;
-    sweep(view, pass, p, ((n & 1) != 0) != backwards);
+    sweep(view, pass, p, ((n & 1) != 0) != backwards, n == 0);
   }
 }
 
@@ -49,7 +51,7 @@ void JointStore::warm(const kernels::BodyView& view, float factor) {
   });
   parted_ = true;
   params_.warm = factor;
-  sweep(view, s_.kernels.warm_joints, params_, false);
+  sweep(view, s_.kernels.warm_joints, params_, false, true);
 }
 
 void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_limit2) {
@@ -63,7 +65,7 @@ void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_
   kernels::BodyView pushed = view;
   pushed.vel = share().push;
   pushed.rim_speed = share().push_rim_speed;
-  for (int n = 0; n < sweeps() / 2; ++n) sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0);
+  for (int n = 0; n < sweeps() / 2; ++n) sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0, false);
   articulations_.solve(view, static_cast<double>(drift), static_cast<double>(smooth_limit2), s_.pool);
 }
 

@@ -17,9 +17,9 @@ namespace {
 // The share of a position error that a substep corrects.
 constexpr double kBias = 0.5;
 constexpr int kMostSweeps = 8, kLeastSweeps = 2;
-constexpr std::uint32_t kFew = 32, kMany = 256;  // blocks
-constexpr std::uint32_t kShareBlocks = 512;      // blocks of bodies in a job
-constexpr std::uint32_t kSmallGap = 8;           // blocks without joints that a range may contain
+constexpr std::uint32_t kFew = 32, kMany = 256, kManyOfNets = 1024;  // blocks
+constexpr std::uint32_t kShareBlocks = 512;                          // blocks of bodies in a job
+constexpr std::uint32_t kSmallGap = 8;                               // blocks without joints that a range may contain
 
 float narrow(double v) { return static_cast<float>(v); }
 
@@ -105,13 +105,13 @@ double pinned_inertia(const JointMember& ma, const JointMember& mb, Vec2 a, Vec2
   return left > 1e-9 * (ia + ib) ? 1 / left : 0;
 }
 
-void fill_line(kernels::LineBlock& at, std::uint32_t k, const JointDesc& d, Vec2 apart) {
+void fill_line(kernels::LineBlock& at, std::uint32_t k, double length, bool rope, Vec2 apart) {
   const double far = length_of(apart);
   at.dx0[k] = narrow(apart.x);
   at.dy0[k] = narrow(apart.y);
   at.far0[k] = narrow(far);
-  at.c0[k] = narrow(far - *d.length);
-  at.top[k] = d.type == JointType::rope ? 0.0f : 1e30f;
+  at.c0[k] = narrow(far - length);
+  at.top[k] = rope ? 0.0f : 1e30f;
   if (at.nx[k] == 0 && at.ny[k] == 0) at.ny[k] = 1;
 }
 
@@ -200,31 +200,43 @@ void JointStore::find_shares(const SolverBodies& solved) {
   std::fill_n(push_rim_speed_.data() + all, kBlock, 0.0f);
 }
 
-// Fills the arms of a lane and the rows of its kind.
+// Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
+// the offsets in `disp`.
 template <class Block>
-void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const {
-  const JointDesc& d = joint.desc;
-  const JointMember& ma = members_[joint.body[0]];
-  const JointMember& mb = members_[joint.body[1]];
+Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const std::uint32_t* body, const Vec2* anchor) const {
+  const JointMember& ma = members_[body[0]];
+  const JointMember& mb = members_[body[1]];
   at.body[2 * k] = ma.number;
   at.body[2 * k + 1] = mb.number;
   at.ra[k] = narrow(ma.inverse_radius);
   at.rb[k] = narrow(mb.inverse_radius);
   at.ga[k] = at.ga0[k] = narrow(ma.rim_gain);
   at.gb[k] = at.gb0[k] = narrow(mb.rim_gain);
-  const Vec2 arm_a = turned(ma.turn, (joint.swapped ? d.anchor_b : d.anchor_a) - ma.centre);
-  const Vec2 arm_b = turned(mb.turn, (joint.swapped ? d.anchor_a : d.anchor_b) - mb.centre);
+  const Vec2 arm_a = turned(ma.turn, anchor[0] - ma.centre);
+  const Vec2 arm_b = turned(mb.turn, anchor[1] - mb.centre);
   at.ax0[k] = narrow(arm_a.x * ma.inverse_radius);
   at.ay0[k] = narrow(arm_a.y * ma.inverse_radius);
   at.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
   at.by0[k] = narrow(arm_b.y * mb.inverse_radius);
-  // The vector from the anchor of A to that of B, without the offsets in `disp`.
-  const Vec2 apart = s_.lattice.way(ma.at, mb.at) + (arm_b - arm_a);
+  return s_.lattice.way(ma.at, mb.at) + (arm_b - arm_a);
+}
+
+// Fills the arms of a lane and the rows of its kind.
+template <class Block>
+void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const {
+  const JointDesc& d = joint.desc;
+  const JointMember& ma = members_[joint.body[0]];
+  const JointMember& mb = members_[joint.body[1]];
+  const Vec2 anchor[] = {joint.anchor(0), joint.anchor(1)};
+  const Vec2 apart = fill_arms(at, k, joint.body, anchor);
+  const auto arm = [&](const JointMember& m, int side) { return turned(m.turn, anchor[side] - m.centre); };
   const double sign = joint.swapped ? -1 : 1;
   if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
-    fill_line(at, k, d, apart);
-    if (joint.kind == JointKind::spring) fill_spring(at, k, d, line_mass(ma, mb, arm_a, arm_b, apart), h_);
+    fill_line(at, k, *d.length, d.type == JointType::rope, apart);
+    if (joint.kind == JointKind::spring) {
+      fill_spring(at, k, d, line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart), h_);
+    }
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
     at.ux0[k] = narrow(u.x);
@@ -238,8 +250,14 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
   }
   if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
   if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {
-    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(ma, mb, arm_a, arm_b), h_);
+    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(ma, mb, arm(ma, 0), arm(mb, 1)), h_);
   }
+}
+
+template <class Block>
+void JointStore::fill_tether(Block& at, std::uint32_t k, const Tether& t) const {
+  const Vec2 apart = fill_arms(at, k, t.body, t.anchor);
+  if constexpr (std::is_same_v<Block, kernels::LineBlock>) fill_line(at, k, t.length, true, apart);
 }
 
 // Masses, anchors, springs and motors of the articulations.
@@ -301,7 +319,8 @@ void JointStore::set_articulations(bool calm) {
 // A pass sweeps as often as a frame can afford.
 int JointStore::sweeps() const {
   const std::uint32_t blocks = block_count();
-  return blocks <= kFew ? kMostSweeps : blocks <= kMany ? kMostSweeps / 2 : kLeastSweeps;
+  const std::uint32_t many = tethers_.empty() ? kMany : kManyOfNets;
+  return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
 }
 
 void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, bool calm) {
@@ -321,7 +340,8 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
     for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
       const std::uint32_t joint = lanes_[r.list][lane];
       JointLists::visit_lane(lists_, r.list, lane, [&](auto& block, std::uint32_t k) {
-        if (joint != kNoSlot) return fill_rows(block, k, joints_[joint]);
+        if (joint < kTether) return fill_rows(block, k, joints_[joint]);
+        if (joint != kNoSlot) return fill_tether(block, k, tethers_[joint - kTether]);
         block.body[2 * k] = block.body[2 * k + 1] = padding;
       });
     }

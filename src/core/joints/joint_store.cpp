@@ -83,7 +83,7 @@ bool JointStore::remove(JointId id) {
 
 std::size_t JointStore::bytes() const {
   std::size_t sum = bytes_of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_,
-                             shares_.ranges, shares_.jobs, marks_, swept_) +
+                             shares_.ranges, shares_.jobs, marks_, swept_, tethers_, tether_ranges_) +
                     lists_.bytes() + articulations_.bytes();
   for (const auto& lanes : lanes_) sum += bytes_of(lanes);
   return sum;
@@ -92,7 +92,7 @@ std::size_t JointStore::bytes() const {
 void JointStore::release_blocks() {
   give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_, share_vel_, share_rim_speed_,
             push_vel_, push_rim_speed_);
-  give_back(swept_);
+  give_back(swept_, tethers_, tether_ranges_);
   articulations_.release();
   stale_ = true;
 }
@@ -183,7 +183,10 @@ void JointStore::load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& 
       torque = l[2] + l[3];
     }
   };
-  if (j.lane != kNoSlot) JointLists::visit_lane(lists_, j.list(), j.lane, of_lane);
+  if (j.lane != kNoSlot) {
+    JointLists::visit_lane(lists_, j.list(), j.lane, of_lane);
+    force = force + tethered_load(id.index);
+  }
   force = per_h * force;
   torque *= per_h;
 }

@@ -124,6 +124,7 @@ class JointStore {
  private:
   static constexpr std::uint32_t kBlock = kernels::kBlock;
   static constexpr std::uint32_t kLists = JointLists::kCount;
+  static constexpr std::uint32_t kTether = 1u << 31;  // plus the number of a tether: as a lane has it
 
   struct Joint {
     std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< the next joint in the lists of the bodies a and b
@@ -144,6 +145,27 @@ class JointStore {
     std::uint32_t other(std::uint32_t id) const { return desc.a.index == id ? desc.b.index : desc.a.index; }
     std::uint32_t next_of(std::uint32_t id) const { return next[desc.a.index == id ? 0 : 1]; }
     std::uint32_t& next_of(std::uint32_t id) { return next[desc.a.index == id ? 0 : 1]; }
+    /// In the frame of the body at side A, 0, or B, 1.
+    Vec2 anchor(std::uint32_t side) const { return (side != 0) == swapped ? desc.anchor_a : desc.anchor_b; }
+  };
+
+  struct Way;
+  /// A rope from a support to a body, as long as the shortest way through joints (joint_tethers.cpp).
+  struct Tether {
+    std::array<std::uint32_t, 3> key;  ///< the last joint on the way, the side of the body in it, and the first joint
+    std::uint32_t body[2] = {0, 0};    ///< numbers in members_
+    Vec2 anchor[2];                    ///< m: in the frames of these
+    double length = 0;                 ///< m
+    float impulse = 0;                 ///< N s: while the blocks are made anew
+    std::uint32_t lane = 0;            ///< in the list of rods that are held
+  };
+  /// The tethers whose ways go through a joint to its side.
+  struct TetherRange {
+    std::uint32_t joint = 0, side = 0;
+    BlockRange tethers;
+    bool operator<(const TetherRange& o) const {
+      return joint != o.joint ? joint < o.joint : tethers.begin < o.tethers.begin;
+    }
   };
 
   struct ListRange {
@@ -186,6 +208,10 @@ class JointStore {
   void each_lane(const Each& each);
   void save_impulses();
   void find_articulations();
+  std::vector<Way> find_ways() const;
+  void find_tethers();
+  void add_tethers();
+  Vec2 tethered_load(std::uint32_t joint) const;
   void lay_out();
   void add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane);
   std::uint32_t blocks_of(std::uint32_t list) const { return static_cast<std::uint32_t>(lanes_[list].size()) / kBlock; }
@@ -199,9 +225,14 @@ class JointStore {
   void set_articulations(bool calm);
   void find_shares(const SolverBodies& solved);
   template <class Block>
+  Vec2 fill_arms(Block& block, std::uint32_t lane, const std::uint32_t* body, const Vec2* anchor) const;
+  template <class Block>
   void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;
+  template <class Block>
+  void fill_tether(Block& block, std::uint32_t lane, const Tether& t) const;
   template <class Pass>
-  void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards);
+  void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards,
+             bool tethers);
   template <class Pass>
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
   void part(const kernels::BodyView& view);
@@ -221,11 +252,14 @@ class JointStore {
   std::vector<std::uint32_t> bodies_;  // ids, ascending
   std::vector<JointMember> members_;   // in the order of bodies_
   Articulations articulations_;
+  std::vector<Tether> tethers_;
+  std::vector<TetherRange> tether_ranges_;
   std::vector<std::uint8_t> swept_;  // by member: whether it has joints in blocks
   JointLists lists_;
-  std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, or kNoSlot
+  std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, kTether for a tether, or kNoSlot
   Jobs jobs_;
   std::vector<BlockRange> phases_;  // in jobs_
+  std::size_t joint_phases_ = 0;    // those behind are of tethers
   Jobs shares_;                     // blocks of bodies that have joints; all are of list 0
   std::vector<std::uint8_t> marks_;
 

@@ -13,6 +13,11 @@ Vec2 world_point(const BodyState& s, Vec2 p) {
   return {s.x + turn.cosine * p.x - turn.sine * p.y, s.y + turn.sine * p.x + turn.cosine * p.y};
 }
 
+// From one anchor to the other, the short way round in a periodic world.
+Vec2 way_between(const Lattice& lattice, Vec2 from, Vec2 to) {
+  return lattice.wraps() ? lattice.way(lattice.to_lattice(from), lattice.to_lattice(to)) : to - from;
+}
+
 // One line of what is wrong with the numbers, or empty.
 std::string check_numbers(const JointDesc& d) {
   if (!finite(d.anchor_a) || !finite(d.anchor_b)) return "anchors must be finite";
@@ -74,7 +79,9 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   JointDesc d = desc;
   const Observed seen = w.observed();
   const BodyState a = seen.state_of(d.a.index), b = seen.state_of(d.b.index);
-  if (!d.length) d.length = length_of(world_point(b, d.anchor_b) - world_point(a, d.anchor_a));
+  if (!d.length) {
+    d.length = length_of(way_between(w.lattice, world_point(a, d.anchor_a), world_point(b, d.anchor_b)));
+  }
   if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
     if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
   }
@@ -116,7 +123,7 @@ std::optional<JointState> World::joint(JointId id) const {
   s.type = d.type;
   s.anchor_a = world_point(a, d.anchor_a);
   s.anchor_b = world_point(b, d.anchor_b);
-  const Vec2 way = s.anchor_b - s.anchor_a;
+  const Vec2 way = way_between(impl_->lattice, s.anchor_a, s.anchor_b);
   switch (d.type) {
     case JointType::revolute:
     case JointType::weld:
