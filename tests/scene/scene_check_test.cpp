@@ -126,5 +126,65 @@ TEST(SceneCheck, GroupThatDoesNotFit) {
   expect_one_line(scene, {"groups[0]: a cell of the lattice"});
 }
 
+BodyDesc peg(double x, double y) {
+  BodyDesc body = disc(x, y, 0.1);
+  body.type = BodyType::static_body;
+  return body;
+}
+
+SceneJoint rod(std::uint64_t a, std::uint64_t b, std::optional<double> length = {}) {
+  SceneJoint j;
+  j.a = a;
+  j.b = b;
+  j.joint.length = length;
+  return j;
+}
+
+// Others may say that the anchors are elsewhere at the start.
+void expect_last_line(const Scene& scene, const std::string& begin) {
+  const auto lines = check_scene(scene);
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.back().substr(0, begin.size()), begin);
+}
+
+TEST(SceneCheck, SupportsWithoutSlackAndOutOfReach) {
+  Scene scene = scene_of({peg(10, 50), disc(12, 50), disc(14, 50), peg(16, 50)});
+  scene.joints = {rod(0, 1), rod(1, 2), rod(2, 3)};
+  expect_one_line(scene, {"joints 0 and 2", "no slack over 6 m", "longer"});
+  for (const std::uint64_t k : {1u, 2u}) scene.bodies[k].position.y = 49;
+  EXPECT_TRUE(check_scene(scene).empty());  // it hangs
+  scene.bodies = {peg(10, 56), disc(10, 54), disc(10, 52), peg(10, 50)};
+  EXPECT_TRUE(check_scene(scene).empty());  // no load is across
+  scene.bodies = {peg(10, 50), disc(12, 50), disc(14, 50), peg(16, 50)};
+  scene.world.gravity = {0, 0};
+  EXPECT_TRUE(check_scene(scene).empty());
+  for (SceneJoint& j : scene.joints) j.joint.length = 1.95;
+  expect_last_line(scene,
+                   "joints 0 and 2: the way through joints from one support to the other is 5.85 m long, and they "
+                   "are 6 m apart: joints will stretch");
+}
+
+TEST(SceneCheck, LoopThatCannotClose) {
+  Scene scene = scene_of({disc(10, 50), disc(12, 50), disc(11, 51.5)});
+  scene.joints = {rod(0, 1, 2), rod(1, 2), rod(2, 0)};
+  EXPECT_TRUE(check_scene(scene).empty());
+  for (const std::size_t k : {1u, 2u}) scene.joints[k].joint.length = 1.803;
+  scene.joints[0].joint.length = 4;
+  expect_last_line(scene,
+                   "joints[0]: its length is 4 m, but other joints keep its anchors within 3.606 m: the loop cannot");
+}
+
+TEST(SceneCheck, RodsShorterThanBodiesAndWallsAllow) {
+  Scene scene = scene_of({disc(10, 50), disc(11.02, 50), peg(0, 20), disc(0.6, 20)});
+  scene.joints = {rod(0, 1, 1.02)};
+  EXPECT_TRUE(check_scene(scene).empty());
+  scene.joints[0].joint.collide = true;
+  scene.joints[0].joint.length = 0.99;
+  scene.bodies[1].position.x = 11;
+  expect_last_line(scene, "joints[0]: its length is 0.99 m, but its bodies touch at 1 m and collide");
+  scene.joints = {rod(2, 3, 0.49)};
+  expect_last_line(scene, "joints[0]: its length is 0.49 m, but a disc of radius 0.5 m between the walls stays 0.5 m");
+}
+
 }  // namespace
 }  // namespace psim::test

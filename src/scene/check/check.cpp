@@ -195,6 +195,7 @@ std::vector<std::string> check_scene(const Scene& scene) {
   check_restitution(scene, survey, lines);
   check_polygons(scene, lines);
   check_joints(scene, survey, lines);
+  check_feasible(scene, survey, lines);
   return lines;
 }
 

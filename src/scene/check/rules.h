@@ -12,12 +12,15 @@ namespace psim {
 
 using Lines = std::vector<std::string>;
 
-// check_polygons.cpp: what of the vertices is put right.
+// polygons.cpp: what of the vertices is put right.
 void check_polygons(const Scene& scene, Lines& lines);
 
-// check_joints.cpp
+// joints.cpp
 void check_joints(const Scene& scene, const Survey& survey, Lines& lines);
 /// Pairs that a joint without `collide` ties.
 MayOverlap jointed_pairs(const Scene& scene);
+
+// feasible.cpp: joints that cannot all keep what they say.
+void check_feasible(const Scene& scene, const Survey& survey, Lines& lines);
 
 }  // namespace psim
