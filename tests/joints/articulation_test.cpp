@@ -72,6 +72,22 @@ TEST_P(Articulation, APinPendulumKeepsItsEnergy) {
   }
 }
 
+// The light body whips round within milliseconds whenever both rods lie in a line. In whole substeps this lost 0.99 of the
+// energy at one substep, 0.11 at 4 and 0.62 at 16.
+TEST_P(Articulation, ADoublePendulumOfOneToAThousandKeepsItsEnergy) {
+  for (const double mass : {1000.0, 0.001}) {
+    JointScene s = scene();
+    const BodyId peg = s.peg({0, 0}), inner = plank(s, {1, 0}, 0.1, 0.1, 1), outer = plank(s, {2, 0}, 0.1, 0.1, mass);
+    s.join(between(JointType::revolute, peg, inner, {}, {-1, 0}));
+    s.join(between(JointType::revolute, inner, outer, {}, {-1, 0}));
+    const double start = energy(s), scale = kG * (1 + 2 * mass);
+    for (int frame = 0; frame < 1200; ++frame) {
+      s.run(1);
+      ASSERT_NEAR(energy(s), start, 3e-3 * scale) << "mass " << mass << ", frame " << frame;
+    }
+  }
+}
+
 // A thousand times the mass of a link at the end of twenty.
 TEST_P(Articulation, ChainsUnderHeavyLoadsStayClosed) {
   if (GetParam() == 1) GTEST_SKIP() << "a load of a thousand links swings faster than a step of 1/60 s resolves";

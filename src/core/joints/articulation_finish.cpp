@@ -92,11 +92,24 @@ void Articulations::Solve::stop_errors(double share) {
   }
 }
 
+// Ropes that are taut and drives that are at a limit may be stopped.
+void Articulations::Solve::see_limits() {
+  for_rows([&](Row& row, const Joint& j) {
+    if (row.use == Use::pull && row.now.error > 0) row.state = State::bound;
+    if (row.state == State::full) row.state = State::bound;
+    if (row.use == Use::drive && row.now.error < j.lower) row.state = State::low;
+    if (row.use == Use::drive && row.now.error > j.upper) row.state = State::high;
+  });
+}
+
 void Articulations::Solve::finish(double* angle) {
   gained_ = island_.gained;
   for_bodies([&](Body& b) {
     load_motion(b);
     b.start = b.now;
+    if (!island_.refined || b.inverse_mass == 0) return;
+    b.now.velocity = b.now.velocity + b.after;
+    b.now.omega += b.after_omega;
   });
   find_rows_now();
   for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
@@ -114,12 +127,7 @@ void Articulations::Solve::finish(double* angle) {
     row.impulse *= 2;
   });
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
-  for_rows([&](Row& row, const Joint& j) {
-    if (row.use == Use::pull && row.now.error > 0) row.state = State::bound;
-    if (row.state == State::full) row.state = State::bound;
-    if (row.use == Use::drive && row.now.error < j.lower) row.state = State::low;
-    if (row.use == Use::drive && row.now.error > j.upper) row.state = State::high;
-  });
+  see_limits();
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
   stop_errors(1);
   push_wanted();

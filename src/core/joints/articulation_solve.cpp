@@ -13,7 +13,6 @@ constexpr int kMostChoices = 5;      // in how many of them limits may begin and
 constexpr double kExact = 3e-8;      // m or rad: an error below this is none
 constexpr double kMostError = 1e6;   // m or rad: beyond it steps lead nowhere
 constexpr double kConverged = 1e-6;  // m or rad: where Newton's steps miss by more, speeds alone are stopped
-constexpr double kMostGain = 0.3;  // of the energy: what rows of the start may add that those after the drift take back
 
 }  // namespace
 
@@ -146,35 +145,66 @@ void Articulations::Solve::stay_within(const JointedMotion& common) {
   for_rows([&](Row& row, const Joint&) { row.impulse = row.tangent + share * (row.impulse - row.tangent); });
 }
 
+// Pushes the impulses that were found along the rows of the start, from where the bodies were.
+void Articulations::Solve::go_along_start() {
+  for_bodies([](Body& b) { b.now = b.start; });
+  for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
+  push_wanted();
+}
+
+// Bodies and rows as the substep begins.
+void Articulations::Solve::begin_whole() {
+  for_bodies([](Body& b) {
+    b.now = b.begin;
+    b.now.velocity = b.now.velocity - 0.5 * b.pull;
+    b.start = b.now;
+    b.idle = 0.5 * b.kick;
+    b.idle_omega = 0.5 * b.kick_omega;
+  });
+  gained_ = 0;
+  load_rows();
+}
+
+// The substep as one step. The equations have other roots, far away: fails if the impulses add more than `most` of the
+// energy to the motion that the rows of the start allow.
+bool Articulations::Solve::step_whole(double drift, double most) {
+  begin_whole();
+  const JointedMotion common = moving_with();
+  const double energy = begin_impulses(common);
+  const bool found = find_impulses(drift, true);
+  island_.apart = from_tangent(common).square;
+  if (!found || island_.apart > most * energy) return false;
+  go_along_start();
+  return true;
+}
+
+// The substep where no impulses are found: with less energy.
+void Articulations::Solve::step_damped(double drift) {
+  begin_whole();
+  const JointedMotion common = moving_with();
+  const double before = energy_within(common, true);
+  begin_impulses(common);
+  find_impulses(drift, false);
+  stay_within(common);
+  island_.apart = 0;
+  gained_ = energy_within(common, true) - before;
+}
+
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
   reach_ = drift / h_;
   for_bodies([&](Body& b) {
     load_motion(b);
+    b.begin = b.now;
     const Vec2 acceleration = view_.acc != nullptr ? load_record(view_.acc, b.number) : Vec2{};
     b.kick = b.now.velocity - load_record(view_.vel0, b.number);
-    b.idle_omega = 0.5 * (b.now.omega - static_cast<double>(view_.rim_speed0[b.number]) / b.radius);
+    b.kick_omega = b.now.omega - static_cast<double>(view_.rim_speed0[b.number]) / b.radius;
     const bool smooth = dot(b.kick, b.kick) <= smooth_limit2 + 4 * drift * drift * dot(acceleration, acceleration);
-    b.idle = 0.5 * b.kick;
-    if (smooth) b.now.velocity = b.now.velocity - b.idle;
-    b.start = b.now;
+    b.pull = smooth ? b.kick : Vec2{};
   });
-  load_rows();
-  const JointedMotion common = moving_with();
-  const double before = energy_within(common, true), allowed = begin_impulses(common);
-  gained_ = 0;
-  bool found = find_impulses(drift, true);
-  // The equations have other roots, far away.
-  island_.apart = from_tangent(common).square;
-  found = found && island_.apart <= kMostGain * allowed;
-  if (found) {
-    for_bodies([](Body& b) { b.now = b.start; });
-    for_rows([](Row& row, const Joint&) { row.wanted = row.impulse, row.now = row.start; });
-    push_wanted();
-  } else {
-    find_impulses(drift, false);
-    stay_within(common);
-    island_.apart = 0;
-    gained_ = energy_within(common, true) - before;
+  island_.refined = false;
+  if (!step_whole(drift, kResolved)) {
+    island_.refined = refine(drift);
+    if (!island_.refined && !step_whole(drift, kMostGain)) step_damped(drift);
   }
   store_velocities();
   island_.gained = gained_;

@@ -1,6 +1,7 @@
 // What is done to one articulation in a substep. For the files of articulations alone:
 //   articulation_equations.cpp  bodies and rows as they are, and the equations between impulses and the errors of rows
 //   articulation_solve.cpp      the impulses before the drift
+//   articulation_refine.cpp     the same in several steps
 //   articulation_finish.cpp     places and velocities after the drift
 //   articulation_account.cpp    energy
 #pragma once
@@ -13,8 +14,10 @@ namespace psim {
 
 class Articulations::Solve {
  public:
-  static constexpr double kAlike = 1e-9;   // softness, of a row's own: rows that ask for the same share their impulse
-  static constexpr double kSturdy = 1e-3;  // the same where steps must not lead far: in rows that hardly move anybody
+  static constexpr double kAlike = 1e-9;     // softness, of a row's own: rows that ask for the same share their impulse
+  static constexpr double kMostGain = 0.3;   // of the energy: what rows of the start may add that those after take back
+  static constexpr double kResolved = 1e-4;  // the same where a substep resolves the motion
+  static constexpr double kSturdy = 1e-3;    // the same where steps must not lead far: in rows that hardly move anybody
 
   Solve(Articulations& all, Island& island, const kernels::BodyView& view)
       : all_(all), island_(island), view_(view), h_(all.h_) {}
@@ -67,8 +70,16 @@ class Articulations::Solve {
   Change from_tangent(const JointedMotion& common);
   void stay_within(const JointedMotion& common);
   bool find_impulses(double drift, bool exact);
+  void go_along_start();
+  void begin_whole();
+  bool step_whole(double drift, double most);
+  void step_damped(double drift);
+  bool step_alone(double drift, double share, double most);
+  bool step_on(double drift);
+  bool refine(double drift);
   void store_velocities();
   bool take_errors_out(double* angle);
+  void see_limits();
   void stop_errors(double share);
   void settle();
   double softened();
@@ -85,7 +96,7 @@ class Articulations::Solve {
   Articulations& all_;
   Island& island_;
   const kernels::BodyView& view_;
-  const double h_;
+  double h_;           // s: of a step
   double reach_ = 1;   // how far a change of velocity leads in the drift, of h
   double gained_ = 0;  // J: since the substep began
 };

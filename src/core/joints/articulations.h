@@ -39,7 +39,13 @@ class Articulations {
     Vec2 place{};                                  ///< m: at the frame's start, from the first body
     JointedMotion start{};                         ///< as the substep begins, with the velocities of the drift
     JointedMotion now{};
+    JointedMotion mark{};      ///< as a step of its own begins
+    JointedMotion begin{};     ///< as the substep begins, with the whole kick
+    Vec2 pull{};               ///< m/s: the kick, if the drift goes with half of it
+    Vec2 after{};              ///< m/s: added after the drift
+    double after_omega = 0;    ///< rad/s: the same
     Vec2 kick{};               ///< m/s: by gravity and contacts, in this substep
+    double kick_omega = 0;     ///< rad/s: the same
     Vec2 tangent{};            ///< m/s: the motion that the rows of the start allow
     double tangent_omega = 0;  ///< rad/s
     Vec2 idle{};               ///< m/s: how much of it the account leaves out
@@ -93,14 +99,16 @@ class Articulations {
     Range bodies, joints, rows, walk;
     std::uint32_t held = kNone;  ///< a body that is not dynamic
     double gained = 0;           ///< J: since the substep began
+    bool refined = false;        ///< it goes through the substep in several steps
     double apart = 0;            ///< J: of what turning rows did beyond the tangent motion
   };
   struct Row {
     JointRow start{}, now{};
     Use use = Use::keep;
-    State state = State::bound;
+    State state = State::bound, mark = State::bound;
     std::uint32_t joint = 0;
     double impulse = 0;   ///< of this substep
+    double sum = 0;       ///< of several steps
     double tangent = 0;   ///< what the speeds at the start ask for
     double wanted = 0;    ///< of the equations: the right side, then the solution
     double softness = 0;  ///< of springs: 1 / drag

@@ -1,0 +1,105 @@
+// Where a substep does not resolve how the rows of an articulation turn, the articulation goes through it in several steps
+// of its own, each of them as the substep would be.
+#include <algorithm>
+
+#include "joints/articulation_solve.h"
+
+namespace psim {
+namespace {
+
+constexpr std::uint32_t kFinest = 4096;        // of the shortest step: the substep has so many
+constexpr std::uint32_t kMostTries = 96;       // steps that are tried in a substep, and
+constexpr std::uint32_t kPatience = 8;         // tries after which twice as much will do
+constexpr double kFine = 2e-5;                 // as kResolved, of these steps
+constexpr std::uint32_t kMostRowTries = 2048;  // these times rows: no frame shall take long
+
+}  // namespace
+
+// A step from velocities that keep to the rows to such ones, for a share of the substep. `most`: as kResolved. If it
+// fails, all is as it was.
+bool Articulations::Solve::step_alone(double drift, double share, double most) {
+  const double gained = gained_, h = h_;
+  h_ = share * h;
+  for_bodies([&](Body& b) {
+    b.mark = b.now;
+    b.idle = 0.5 * share * b.pull;
+    b.now.velocity = b.now.velocity + b.idle;
+    b.start = b.now;
+  });
+  find_rows_now();
+  for_rows([](Row& row, const Joint&) { row.start = row.now, row.mark = row.state; });
+  const JointedMotion common = moving_with();
+  const double energy = begin_impulses(common);
+  const bool found = find_impulses(share * drift, true) && from_tangent(common).square <= most * energy;
+  if (!found) {
+    for_bodies([](Body& b) { b.now = b.mark; });
+    for_rows([](Row& row, const Joint&) { row.state = row.mark; });
+    gained_ = gained;
+    h_ = h;
+    return false;
+  }
+  go_along_start();
+  move_on(share * drift);
+  find_rows_now();
+  for_bodies([](Body& b) {
+    b.now.velocity = b.now.velocity + b.idle;
+    b.idle = {};
+  });
+  see_limits();
+  stop_errors(1);
+  push_wanted();
+  for_rows([](Row& row, const Joint&) { row.sum += row.impulse + row.wanted; });
+  h_ = h;
+  return true;
+}
+
+// Goes through the substep in steps that are halved where they do not resolve the motion.
+bool Articulations::Solve::step_on(double drift) {
+  for_bodies([](Body& b) {
+    b.now = b.begin;
+    b.now.velocity = b.now.velocity - b.pull;
+    b.idle_omega = 0;
+  });
+  for_rows([](Row& row, const Joint&) { row.sum = 0; });
+  gained_ = 0;
+  const std::uint32_t most_tries = std::min(kMostTries, kMostRowTries / (island_.rows.end - island_.rows.begin));
+  std::uint32_t size = kFinest / 2, tries = 0;
+  double most = kFine;
+  for (std::uint32_t at = 0; at < kFinest;) {
+    if (++tries > most_tries) return false;
+    if (tries % kPatience == 0) most = std::min(2 * most, kMostGain);
+    if (step_alone(drift, static_cast<double>(size) / kFinest, size > 1 ? most : kMostGain)) {
+      at += size;
+      if (size < kFinest / 2 && at % (2 * size) == 0) size *= 2;
+    } else if (size == 1) {
+      return false;
+    } else {
+      size /= 2;
+    }
+  }
+  return true;
+}
+
+// The drift shall lead to where these steps end. `after`: by how much the velocities there differ from what the drift and
+// the other half of the kick leave. Springs and motors have numbers for the whole substep: such articulations are left.
+bool Articulations::Solve::refine(double drift) {
+  bool plain = true;
+  for_rows([&](const Row& row, const Joint& j) {
+    plain = plain && row.use != Use::spring && (row.use != Use::drive || j.motor_most == 0);
+  });
+  const bool found = plain && step_on(drift);
+  if (!found) return false;
+  for_bodies([&](Body& b) {
+    const JointedMotion end = b.now;
+    b.start = b.now = b.begin;
+    b.start.velocity = b.start.velocity - 0.5 * b.pull;
+    b.now.velocity = (1 / drift) * (end.at - b.begin.at);
+    b.now.omega = (end.angle - b.begin.angle) / h_;
+    b.after = end.velocity - b.now.velocity - 0.5 * b.pull;
+    b.after_omega = end.omega - b.now.omega;
+  });
+  for_rows([](Row& row, const Joint&) { row.impulse = row.sum; });
+  return true;
+}
+
+}  // namespace psim
