@@ -92,6 +92,22 @@ void Articulations::Solve::stop_errors(double share) {
   }
 }
 
+// The second halves of springs, along the rows after the drift. They are done with then.
+void Articulations::Solve::push_springs() {
+  for_rows([&](Row& row, const Joint& j) {
+    const bool works = row.use == Use::spring && row.on();
+    row.wanted = works ? row.impulse : 0;
+    const double from = row.start.error, to = row.now.error;
+    if (works) gained_ += 0.5 * j.stiffness * (to + from) * (to - from);
+  });
+  push_wanted();
+  for_rows([](Row& row, const Joint&) {
+    if (row.use != Use::spring || !row.on()) return;
+    row.state = State::free;
+    row.impulse *= 2;
+  });
+}
+
 // Ropes that are taut and drives that are at a limit may be stopped.
 void Articulations::Solve::see_limits() {
   for_rows([&](Row& row, const Joint& j) {
@@ -113,19 +129,8 @@ void Articulations::Solve::finish(double* angle) {
   });
   find_rows_now();
   for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
-  const auto works = [](const Row& row) { return row.use == Use::spring && row.on(); };
-  for_rows([&](Row& row, const Joint& j) {
-    row.wanted = works(row) ? row.impulse : 0;
-    const double from = row.start.error, to = row.now.error;
-    if (works(row)) gained_ += 0.5 * j.stiffness * (to + from) * (to - from);
-  });
-  push_wanted();
+  push_springs();
   store_velocities();
-  for_rows([&](Row& row, const Joint&) {
-    if (!works(row)) return;
-    row.state = State::free;
-    row.impulse *= 2;
-  });
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   see_limits();
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();

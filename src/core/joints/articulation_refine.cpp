@@ -1,6 +1,7 @@
 // Where a substep does not resolve how the rows of an articulation turn, the articulation goes through it in several steps
 // of its own, each of them as the substep would be.
 #include <algorithm>
+#include <cmath>
 
 #include "joints/articulation_solve.h"
 
@@ -15,11 +16,20 @@ constexpr std::uint32_t kMostRowTries = 2048;  // these times rows: no frame sha
 
 }  // namespace
 
+// Springs and motors for steps of h seconds, which are `share` of those before.
+void Articulations::Solve::set_length(double h, double share) {
+  h_ = h;
+  for_joints([&](Joint& j) {
+    if (j.mass > 0) j.set_spring(h);
+    j.motor_most = std::fmin(j.motor_most * share, 1e30);
+  });
+}
+
 // A step from velocities that keep to the rows to such ones, for a share of the substep. `most`: as kResolved. If it
 // fails, all is as it was.
 bool Articulations::Solve::step_alone(double drift, double share, double most) {
   const double gained = gained_, h = h_;
-  h_ = share * h;
+  set_length(share * h, share);
   for_bodies([&](Body& b) {
     b.mark = b.now;
     b.idle = 0.5 * share * b.pull;
@@ -27,7 +37,12 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
     b.start = b.now;
   });
   find_rows_now();
-  for_rows([](Row& row, const Joint&) { row.start = row.now, row.mark = row.state; });
+  for_rows([](Row& row, const Joint& j) {
+    row.start = row.now;
+    if (row.use == Use::spring && j.drag > 0) row.state = State::bound;
+    if (row.use == Use::spring) row.softness = j.drag > 0 ? 1 / j.drag : 0;
+    row.mark = row.state;
+  });
   const JointedMotion common = moving_with();
   const double energy = begin_impulses(common);
   const bool found = find_impulses(share * drift, true) && from_tangent(common).square <= most * energy;
@@ -35,7 +50,7 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
     for_bodies([](Body& b) { b.now = b.mark; });
     for_rows([](Row& row, const Joint&) { row.state = row.mark; });
     gained_ = gained;
-    h_ = h;
+    set_length(h, 1 / share);
     return false;
   }
   go_along_start();
@@ -45,11 +60,12 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
     b.now.velocity = b.now.velocity + b.idle;
     b.idle = {};
   });
+  push_springs();
   see_limits();
   stop_errors(1);
   push_wanted();
   for_rows([](Row& row, const Joint&) { row.sum += row.impulse + row.wanted; });
-  h_ = h;
+  set_length(h, 1 / share);
   return true;
 }
 
@@ -81,13 +97,9 @@ bool Articulations::Solve::step_on(double drift) {
 }
 
 // The drift shall lead to where these steps end. `after`: by how much the velocities there differ from what the drift and
-// the other half of the kick leave. Springs and motors have numbers for the whole substep: such articulations are left.
+// the other half of the kick leave.
 bool Articulations::Solve::refine(double drift) {
-  bool plain = true;
-  for_rows([&](const Row& row, const Joint& j) {
-    plain = plain && row.use != Use::spring && (row.use != Use::drive || j.motor_most == 0);
-  });
-  const bool found = plain && step_on(drift);
+  const bool found = step_on(drift);
   if (!found) return false;
   for_bodies([&](Body& b) {
     const JointedMotion end = b.now;

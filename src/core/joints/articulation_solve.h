@@ -76,9 +76,11 @@ class Articulations::Solve {
   void step_damped(double drift);
   bool step_alone(double drift, double share, double most);
   bool step_on(double drift);
+  void set_length(double h, double share);
   bool refine(double drift);
   void store_velocities();
   bool take_errors_out(double* angle);
+  void push_springs();
   void see_limits();
   void stop_errors(double share);
   void settle();

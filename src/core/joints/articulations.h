@@ -16,6 +16,7 @@
 #include "base/column.h"
 #include "base/worker_pool.h"
 #include "joints/articulation_rows.h"
+#include "joints/spring_row.h"
 #include "views.h"
 
 namespace psim {
@@ -59,10 +60,18 @@ class Articulations {
     bool rope = false;
     double lower = -1e30, upper = 1e30;      ///< of a drive: rad or m
     double motor_speed = 0, motor_most = 0;  ///< rad/s or m/s; N m s or N s a substep
-    double stiffness = 0;                    ///< of a spring: N/m or N m/rad
-    double push = 0, drag = 0;               ///< k' h and k' h^2 / 4 + c' h / 2
+    double stiffness = 0, damping = 0;       ///< of a spring: N/m and N s/m, or N m/rad and N m s/rad
+    double mass = 0;                         ///< of a spring: its effective mass, kg or kg m^2
+    double push = 0, drag = 0;               ///< of a spring: SpringRow
     float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
     float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
+
+    /// For steps of h seconds.
+    void set_spring(double h) {
+      const SpringRow row = spring_row(stiffness, damping, mass, h);
+      push = row.push;
+      drag = row.drag;
+    }
   };
 
   void lay_out(std::span<const Candidate> candidates);

@@ -44,6 +44,7 @@ std::vector<JointStore::Way> JointStore::find_ways() const {
            j.kind != kernels::JointKind::slide;
   };
   const auto length = [](const Joint& j) { return j.kind == kernels::JointKind::rod ? *j.desc.length : 0; };
+  // A total order: by length, joint and support.
   std::priority_queue<Way> ahead;
   std::vector<std::uint32_t> begin(bodies_.size() + 1), of_body;
   for (std::uint32_t i = 0; i < joints_.size(); ++i) {

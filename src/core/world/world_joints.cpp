@@ -13,9 +13,21 @@ Vec2 world_point(const BodyState& s, Vec2 p) {
   return {s.x + turn.cosine * p.x - turn.sine * p.y, s.y + turn.sine * p.x + turn.cosine * p.y};
 }
 
-// From one anchor to the other, the short way round in a periodic world.
-Vec2 way_between(const Lattice& lattice, Vec2 from, Vec2 to) {
-  return lattice.wraps() ? lattice.way(lattice.to_lattice(from), lattice.to_lattice(to)) : to - from;
+// From one anchor to the other: by lattice differences, which are exact and go the short way round in a periodic world.
+Vec2 way_between(const Observed& seen, const JointDesc& d) {
+  LatticePoint at[2];
+  Vec2 arm[2];
+  for (const int side : {0, 1}) {
+    const std::uint32_t id = (side == 0 ? d.a : d.b).index;
+    const BodyState s = seen.state_of(id);
+    const Place place = seen.bodies.info[id].place;
+    const bool fixed = place != Place::moving && place != Place::asleep;
+    const BodyKind& kind = seen.bodies.kind(id);
+    const Vec2 centre = fixed ? Vec2{} : Vec2{kind.centre_x, kind.centre_y};
+    at[side] = fixed ? seen.lattice.to_lattice({s.x, s.y}) : seen.stand(id).first;
+    arm[side] = turned(sine_cosine(s.angle), (side == 0 ? d.anchor_a : d.anchor_b) - centre);
+  }
+  return seen.lattice.way(at[0], at[1]) + (arm[1] - arm[0]);
 }
 
 // One line of what is wrong with the numbers, or empty.
@@ -79,9 +91,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   JointDesc d = desc;
   const Observed seen = w.observed();
   const BodyState a = seen.state_of(d.a.index), b = seen.state_of(d.b.index);
-  if (!d.length) {
-    d.length = length_of(way_between(w.lattice, world_point(a, d.anchor_a), world_point(b, d.anchor_b)));
-  }
+  if (!d.length) d.length = length_of(way_between(seen, d));
   if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
     if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
   }
@@ -123,7 +133,7 @@ std::optional<JointState> World::joint(JointId id) const {
   s.type = d.type;
   s.anchor_a = world_point(a, d.anchor_a);
   s.anchor_b = world_point(b, d.anchor_b);
-  const Vec2 way = way_between(impl_->lattice, s.anchor_a, s.anchor_b);
+  const Vec2 way = way_between(seen, d);
   switch (d.type) {
     case JointType::revolute:
     case JointType::weld:

@@ -95,7 +95,7 @@ struct Reach {
 
 // Ways that meet between two supports: from each to the nearest bodies (Dijkstra 1959), and one joint between these.
 void check_supports(const Scene& scene, const Ways& ways, Lines& lines) {
-  std::priority_queue<Reach> ahead;
+  std::priority_queue<Reach> ahead;  // a total order: by length, then joint
   std::unordered_map<std::uint64_t, Reach> reached;
   const auto held = [&](std::size_t k) { return ways.moves(ways.joint(k).a) ? ways.joint(k).b : ways.joint(k).a; };
   for (std::size_t k = 0; k < ways.count(); ++k) {
@@ -154,7 +154,7 @@ void check_supports(const Scene& scene, const Ways& ways, Lines& lines) {
 double way_round(const Ways& ways, std::size_t k) {
   const double length = ways.length(k);
   const SceneJoint& j = ways.joint(k);
-  std::priority_queue<Reach> ahead;
+  std::priority_queue<Reach> ahead;  // a total order: by length, then joint
   std::unordered_map<std::uint64_t, double> reached;
   ahead.push({0, j.a, k, k});
   for (std::size_t steps = 0; !ahead.empty() && steps < kMostSteps;) {
