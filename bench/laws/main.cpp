@@ -4,6 +4,7 @@
 //   laws --seed 7 --seconds 600  from a seed that is known
 //   laws --law L7 --law L9       two of them
 //   laws --scene FILE --law L7   one scene, from a file that a run has written
+//   laws --known FILE            as a test: a law may be broken as often as the file says, no more
 // A scene that breaks a law is made small and written to --out. Exit 1 if there is one, 2 if asked wrongly.
 #include <fmt/format.h>
 
@@ -11,8 +12,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <random>
 #include <string>
@@ -48,10 +51,10 @@ constexpr std::array kSubsteps = {1, 4, 16};
 
 struct Options {
   std::vector<std::string> names;
-  std::string scene, out = "laws-broken";
+  std::string scene, known, out = "laws-broken";
   std::uint64_t seed = 0;
   double seconds = 60;
-  int tries = 200, most = 3;
+  int scenes = std::numeric_limits<int>::max(), tries = 200, most = 3;
   bool list = false;
 };
 
@@ -82,14 +85,27 @@ void tell(const Options& options, const Law& law, Scene scene, const Fault& faul
   std::fflush(stdout);
 }
 
+// By law: the share of scenes that break it. A law that the file does not name holds in all.
+std::map<std::string, double> known_shares(const std::string& file) {
+  std::map<std::string, double> shares;
+  std::ifstream in(file);
+  std::string name;
+  for (double share = 0; in >> name >> share;) shares[name] = share;
+  return shares;
+}
+
+// How many scenes may break a law of which a share is known: three standard deviations above the mean.
+double most_broken(double share, int scenes) { return share * scenes + 3 * std::sqrt(share * scenes); }
+
 int run(const Options& options, const std::vector<Law>& laws) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
+  auto known = known_shares(options.known);
   std::map<std::string, Count> counts;
+  std::map<std::string, std::vector<int>> broken;
   fmt::print("seed {}\n", options.seed);
-  int broken = 0;
   const auto over = [&] { return std::chrono::duration<double>(Clock::now() - start).count() >= options.seconds; };
-  for (int number = 0; !over(); ++number) {
+  for (int number = 0; number < options.scenes && !over(); ++number) {
     for (const Law& law : laws) {
       if (over()) break;
       Count& count = counts[law.name];
@@ -97,15 +113,22 @@ int run(const Options& options, const std::vector<Law>& laws) {
       const Scene scene = scene_of(law, options.seed, number);
       const auto fault = law.broken(scene);
       if (!fault) continue;
-      ++broken;
-      if (++count.broken <= options.most) tell(options, law, scene, *fault);
+      broken[law.name].push_back(number);
+      if (++count.broken <= options.most && known[law.name] == 0) tell(options, law, scene, *fault);
     }
   }
+  int faults = 0;
   for (const Law& law : laws) {
-    fmt::print("{:4} {:6} scenes {:6} broken  {}\n", law.name, counts[law.name].scenes, counts[law.name].broken,
-               law.text);
+    const Count& count = counts[law.name];
+    const bool fault = count.broken > most_broken(known[law.name], count.scenes);
+    faults += fault ? 1 : 0;
+    fmt::print("{:4} {:6} scenes {:6} broken  {}{}\n", law.name, count.scenes, count.broken, law.text,
+               fault && known[law.name] > 0 ? fmt::format(": more than {:.2g} of them", known[law.name]) : "");
+    if (!fault || known[law.name] == 0) continue;
+    const Scene scene = scene_of(law, options.seed, broken[law.name].front());
+    tell(options, law, scene, *law.broken(scene));
   }
-  return broken == 0 ? 0 : 1;
+  return faults == 0 ? 0 : 1;
 }
 
 int run_file(const Options& options, const std::vector<Law>& laws) {
@@ -132,6 +155,9 @@ int main(int argc, char** argv) {
   app.add_option("--law", options.names, "laws to check, e.g. L7 (all)");
   app.add_option("--seed", options.seed, "seed of the scenes (0: a new one)");
   app.add_option("--seconds", options.seconds, "how long (60)")->check(CLI::PositiveNumber);
+  app.add_option("--scenes", options.scenes, "how many scenes of each law, at most")->check(CLI::PositiveNumber);
+  app.add_option("--known", options.known, "file of laws and the shares of scenes that may break them")
+      ->check(CLI::ExistingFile);
   app.add_option("--scene", options.scene, "check this file alone");
   app.add_option("--out", options.out, "folder for scenes that break a law (laws-broken)");
   app.add_option("--tries", options.tries, "runs to make such a scene small (200)");
