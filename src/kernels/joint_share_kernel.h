@@ -21,21 +21,46 @@ void part_joints(const BodyView& b, const JointShare& s, std::uint32_t begin, st
   }
 }
 
-/// Around the drift (sign 1, then -1): half of the share out of the velocities, and the push in. v - v0
-/// is then what gravity and contacts did.
+/// Before the drift: makes it go by the mean velocity where that is smooth, and puts the push in. For the places that is
+/// where gravity and contacts did little, as the drift has it; for the angles, where joints or all together did. Else the
+/// drift goes by the new velocities, with all that joints did: a body at rest, whose joints answer what a contact does to
+/// it, would move by half of their answer.
 template <class L>
-void hold_joints(const BodyView& b, const JointShare& s, float sign, std::uint32_t begin, std::uint32_t end) {
-  const auto half = Rec<L>(0.5f * sign, 0.5f * sign), whole = Rec<L>(sign, sign);
+void hold_joints(const BodyView& b, const JointShare& s, const StreamParams& p, std::uint32_t begin,
+                 std::uint32_t end) {
+  const auto half = Rec<L>(0.5f, 0.5f), zero = Rec<L>(0, 0), limit = Rec<L>(p.smooth_limit2, p.smooth_limit2);
+  const auto four_h2 = Rec<L>(4 * p.h * p.h, 4 * p.h * p.h);
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::records) {
-    const auto d = half * L::load_rec(s.vel + 2 * i);
-    const auto e = whole * L::load_rec(s.push + 2 * i);
-    L::store_rec(b.vel + 2 * i, L::load_rec(b.vel + 2 * i) + (e - d));
-    L::store_rec(b.vel0 + 2 * i, L::load_rec(b.vel0 + 2 * i) + (e + d));
+    const auto v = L::load_rec(b.vel + 2 * i), v0 = L::load_rec(b.vel0 + 2 * i);
+    const auto share = L::load_rec(s.vel + 2 * i), push = L::load_rec(s.push + 2 * i);
+    const auto bound = b.acc ? limit + four_h2 * norm2(L::load_rec(b.acc + 2 * i)) : limit;
+    // v - v0 is then what gravity and contacts did, by which the drift decides.
+    const auto taken = select(norm2((v - v0) - share) <= bound, half * share, zero);
+    L::store_rec(s.push + 2 * i, push - taken);
+    L::store_rec(s.push0 + 2 * i, push + taken);
+    L::store_rec(b.vel + 2 * i, v + (push - taken));
+    L::store_rec(b.vel0 + 2 * i, v0 + (push + taken));
   }
-  const F<L> part = 0.5f * sign, one = sign;
+  const F<L> none = 0, part = 0.5f, least = p.smooth_limit2;
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
-    const auto d = one * L::load(s.push_rim_speed + i) - part * L::load(s.rim_speed + i);
-    L::store(b.rim_speed + i, L::load(b.rim_speed + i) + d);
+    const auto u = L::load(b.rim_speed + i), share = L::load(s.rim_speed + i);
+    const auto all = u - L::load(b.rim_speed0 + i), others = all - share;
+    const auto smooth = ((others * others <= least) | (all * all <= least)) & ((share < none) | (none < share));
+    const auto change = L::load(s.push_rim_speed + i) - select(smooth, part * all, none);
+    L::store(s.push_rim_speed + i, change);
+    L::store(b.rim_speed + i, u + change);
+  }
+}
+
+/// After the drift: takes back what hold_joints() changed.
+template <class L>
+void let_go_joints(const BodyView& b, const JointShare& s, std::uint32_t begin, std::uint32_t end) {
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::records) {
+    L::store_rec(b.vel + 2 * i, L::load_rec(b.vel + 2 * i) - L::load_rec(s.push + 2 * i));
+    L::store_rec(b.vel0 + 2 * i, L::load_rec(b.vel0 + 2 * i) - L::load_rec(s.push0 + 2 * i));
+  }
+  for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
+    L::store(b.rim_speed + i, L::load(b.rim_speed + i) - L::load(s.push_rim_speed + i));
   }
 }
 

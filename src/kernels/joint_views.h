@@ -113,6 +113,7 @@ struct JointShare {
   float* rim_speed = nullptr;       ///< m/s
   float* push = nullptr;            ///< m/s records: for the drift alone, to take position errors back
   float* push_rim_speed = nullptr;  ///< m/s
+  float* push0 = nullptr;           ///< m/s records: scratch of the drift
 };
 
 }  // namespace psim::kernels

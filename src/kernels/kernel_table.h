@@ -69,7 +69,8 @@ struct KernelTable {
   JointPass relax_joints[kJointKinds][2];
   JointPass push_joints[kJointKinds][2];
   void (*part_joints)(const BodyView&, const JointShare&, Block, Block);
-  void (*hold_joints)(const BodyView&, const JointShare&, float sign, Block, Block);
+  void (*hold_joints)(const BodyView&, const JointShare&, const StreamParams&, Block, Block);
+  void (*let_go_joints)(const BodyView&, const JointShare&, Block, Block);
 };
 
 extern const KernelTable kScalarKernels;

@@ -111,6 +111,7 @@ constexpr KernelTable table_of() {
                       {push_pins<L, false, WeldBlock>, push_pins<L, true, WeldBlock>}},
       .part_joints = part_joints<L>,
       .hold_joints = hold_joints<L>,
+      .let_go_joints = let_go_joints<L>,
   };
 }
 

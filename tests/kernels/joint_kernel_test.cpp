@@ -58,18 +58,18 @@ struct Crowd {
     v.angle_change = angle_change.data();
     return v;
   }
-  JointShare shares() { return {share.data(), share_spin.data(), push.data(), push_spin.data()}; }
+  JointShare shares() { return {share.data(), share_spin.data(), push.data(), push_spin.data(), push0.data()}; }
   bool operator==(const Crowd& o) const {
     const auto same = [](const std::vector<float>& a, const std::vector<float>& b) {
       return std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
     };
     return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(rim_speed, o.rim_speed) &&
            same(rim_speed0, o.rim_speed0) && same(share, o.share) && same(share_spin, o.share_spin) &&
-           same(push, o.push) && same(push_spin, o.push_spin) && same(arm_change, o.arm_change) &&
+           same(push, o.push) && same(push_spin, o.push_spin) && same(push0, o.push0) && same(arm_change, o.arm_change) &&
            same(angle_change, o.angle_change);
   }
   std::vector<float> vel, vel0, disp, rim_speed, rim_speed0, angle_change, arm_change, radius, share, share_spin, push,
-      push_spin;
+      push_spin, push0 = std::vector<float>(push.size());
 };
 
 // Blocks whose lanes share no body; some lanes are empty.
@@ -179,8 +179,11 @@ void run_all(const KernelTable& k, JointKind kind, bool fixed, Crowd& crowd, std
     }
     k.part_joints(view, crowd.shares(), 0, body_blocks);
     k.push_joints[at][fixed](pushed, blocks.data(), params(false), 0, kBlocks);
-    k.hold_joints(view, crowd.shares(), 1, 0, body_blocks);
-    k.hold_joints(view, crowd.shares(), -1, 1, body_blocks);
+    StreamParams drift;
+    drift.h = kSubstep;
+    drift.smooth_limit2 = 1;
+    k.hold_joints(view, crowd.shares(), drift, 0, body_blocks);
+    k.let_go_joints(view, crowd.shares(), 1, body_blocks);
     for (const bool again : {false, true}) {
       k.relax_joints[at][fixed](view, blocks.data(), params(again), 0, kBlocks);
     }

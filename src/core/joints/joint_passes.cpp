@@ -69,8 +69,12 @@ void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_
   articulations_.solve(view, static_cast<double>(drift), static_cast<double>(smooth_limit2), s_.pool);
 }
 
-void JointStore::hold(const kernels::BodyView& view, float sign) {
-  shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.hold_joints(view, share(), sign, r.begin, r.end); });
+void JointStore::hold(const kernels::BodyView& view, const kernels::StreamParams& drift) {
+  shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.hold_joints(view, share(), drift, r.begin, r.end); });
+}
+
+void JointStore::let_go(const kernels::BodyView& view) {
+  shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.let_go_joints(view, share(), r.begin, r.end); });
 }
 
 void JointStore::relax(const kernels::BodyView& view) {

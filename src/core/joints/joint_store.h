@@ -57,7 +57,8 @@ class JointStore {
   bool empty() const { return count_ == 0; }
   std::size_t bytes() const;
   std::size_t column_bytes() const {
-    return share_vel_.bytes() + share_rim_speed_.bytes() + push_vel_.bytes() + push_rim_speed_.bytes();
+    return share_vel_.bytes() + share_rim_speed_.bytes() + push_vel_.bytes() + push_rim_speed_.bytes() +
+           push0_vel_.bytes();
   }
 
   /// Gives all memory back but the generations of ids. There is no joint.
@@ -118,7 +119,9 @@ class JointStore {
   void warm(const kernels::BodyView& view, float factor);
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
   void solve(const kernels::BodyView& view, float drift, float smooth_limit2);
-  void hold(const kernels::BodyView& view, float sign);
+  /// Around the drift.
+  void hold(const kernels::BodyView& view, const kernels::StreamParams& drift);
+  void let_go(const kernels::BodyView& view);
   void relax(const kernels::BodyView& view);
 
  private:
@@ -237,7 +240,8 @@ class JointStore {
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
-    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data()};
+    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data(),
+            push0_vel_.data()};
   }
 
   const Surroundings s_;
@@ -266,7 +270,8 @@ class JointStore {
   double h_ = 0;         // s: the substep of the last prepare
   bool parted_ = false;  // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
-  Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory};
+  Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory},
+      push0_vel_{s_.memory};
 };
 
 }  // namespace psim

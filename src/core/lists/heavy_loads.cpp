@@ -43,7 +43,8 @@ int ratio_class(float wa, float wb) {
 
 bool HeavyLoads::heavy(std::uint32_t a, std::uint32_t b) const { return ratio_class(inv_mass_[a], inv_mass_[b]) >= 0; }
 
-void HeavyLoads::begin(const BodyStore& b, const PairTable& table, WorkerPool& pool) {
+void HeavyLoads::begin(const BodyStore& b, const PairTable& table, WorkerPool& pool, bool sleeping) {
+  if (!sleeping || b.awake() >= counted_) least_class_ = 0, least_cut_ = 1, counted_ = b.awake();
   any_ = false;
   inv_mass_.reserve(b.count);
   level_.reserve(b.count);
@@ -132,7 +133,7 @@ void HeavyLoads::finish_pass(const PairTable& table) {
   if (phase_ != Phase::spread) looked_ += pairs_;
   switch (phase_) {
     case Phase::ratios:
-      class_ = 0;
+      class_ = least_class_;
       return try_ratio(table);
     case Phase::spread:
       --spreading_;
@@ -146,7 +147,8 @@ void HeavyLoads::finish_pass(const PairTable& table) {
         ++class_;
         return try_ratio(table);
       }
-      for (cut_ = kTop; cut_ > 1 && sum + levels_[cut_ - 1u] <= most; --cut_) sum += levels_[cut_ - 1u];
+      const std::uint8_t least = class_ == least_class_ ? least_cut_ : std::uint8_t{1};
+      for (cut_ = kTop; cut_ > least && sum + levels_[cut_ - 1u] <= most; --cut_) sum += levels_[cut_ - 1u];
       return end(true);
     }
     case Phase::none:
@@ -189,6 +191,8 @@ void HeavyLoads::begin_spread(const PairTable& table) {
 
 void HeavyLoads::end(bool any) {
   any_ = any;
+  least_cut_ = any ? cut_ : std::uint8_t{1};
+  least_class_ = class_;
   phase_ = Phase::none;
   const double now = static_cast<double>(looked_) / static_cast<double>(std::max<std::uint64_t>(pairs_, 1));
   visits = std::max(now, 1 + kFading * (visits - 1));

@@ -18,7 +18,9 @@ namespace psim {
 
 class HeavyLoads {
  public:
-  auto fields() { return std::tie(visits); }  ///< for saved states
+  /// For saved states.
+  auto fields() { return std::tie(visits, least_class_, least_cut_, counted_); }
+  bool sound() const { return least_class_ >= 0 && least_class_ <= kRatios && least_cut_ >= 1 && least_cut_ <= kTop; }
 
   /// The least ratio of masses that counts as heavy.
   static constexpr float kLeastRatio = 8;
@@ -32,7 +34,8 @@ class HeavyLoads {
   /// ratio is doubled, or bodies fewer contacts away count. After begin() run pieces [from, to) of pieces(), in
   /// order, until none is left: a piece goes over the pairs of one strip, and pieces() grows with the passes that
   /// turn out to be needed. O(pairs).
-  void begin(const BodyStore& bodies, const PairTable& table, WorkerPool& pool);
+  /// `sleeping`: some bodies sleep. Their contacts are in no list, but count.
+  void begin(const BodyStore& bodies, const PairTable& table, WorkerPool& pool, bool sleeping = false);
   std::size_t pieces() const { return done_ + (phase_ == Phase::none ? 0 : strips_); }
   void go_on(const PairTable& table, WorkerPool& pool, std::size_t from, std::size_t to);
   /// Number of pairs that a piece looks at.
@@ -84,6 +87,11 @@ class HeavyLoads {
   std::size_t done_ = 0;                     // number of pieces in the passes before this one
   std::uint8_t spreading_ = kTop;            // the level that this pass spreads
   int class_ = 0;                            // the power of two of the ratio that is tried
+  // What the search chose that saw the most bodies since one slept. While bodies sleep, a search sees fewer contacts. If
+  // that let it choose more of them, contacts at rest would become stiff, and throw off what their overlaps carry.
+  int least_class_ = 0;
+  std::uint8_t least_cut_ = 1;
+  std::uint32_t counted_ = 0;  // bodies that were awake
   float ratio_ = kLeastRatio;                // that ratio
   std::uint64_t pairs_ = 0, looked_ = 0;     // number of pairs, number of looks in this search
   std::uint8_t cut_ = 1;

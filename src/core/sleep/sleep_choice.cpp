@@ -12,7 +12,8 @@ namespace {
 
 constexpr float kTouching = 2;  // balls apart that count as touching
 
-// Marks in Sleepers::state beside Sleepers::kChosen. A body that creeps needs support twice.
+// Marks in Sleepers::state beside Sleepers::kChosen. A body that creeps needs support twice, one that trembles (which counts
+// as creeping) the support of a contact.
 constexpr std::uint8_t kCalm = 1, kSupported = 2, kDisturbed = 4;
 constexpr std::uint8_t kCreeping = 16, kSupportedTwice = 32, kCreepDisturbed = 64;
 
@@ -29,10 +30,16 @@ bool is_still(const BodyStore& b, std::size_t slot) {
 
 // Returns a function that tells the marks of a body that has stayed where it is for long enough, else 0.
 auto calm_marks(const BodyStore& bodies, const Sleepers& sleepers, double dt) {
-  const std::uint32_t needed = Sleepers::needed(dt), long_needed = Sleepers::needed(dt, true);
+  const std::uint32_t needed = Sleepers::needed(dt), creeping = Sleepers::needed(dt, Sleepers::kCreepTime),
+                      trembling = Sleepers::needed(dt, Sleepers::kTrembleTime);
   return [=, &bodies, &sleepers](std::uint32_t id) {
-    const bool creeps = sleepers.calm(id, true) >= long_needed && bodies.properties(id).friction == 0;
-    return static_cast<std::uint8_t>((sleepers.calm(id) >= needed ? kCalm : 0) | (creeps ? kCreeping : 0));
+    const BodyProperties& properties = bodies.properties(id);
+    const bool rests = sleepers.calm(id) >= needed;
+    const Sleepers::BallKind ball = Sleepers::restless(properties);
+    // A kinematic body is moved on purpose, however slowly.
+    const bool creeps = (rests || properties.inv_mass > 0) &&
+                        sleepers.calm(id, ball) >= (ball == Sleepers::kTremble ? trembling : creeping);
+    return static_cast<std::uint8_t>((rests ? kCalm : 0) | (creeps ? kCreeping : 0));
   };
 }
 
@@ -83,13 +90,14 @@ class SleepChoice {
   // Marks who is supported, and who touches a body that moves.
   void mark_by_contacts(double dt) {
     const Population& population = source_.population;
-    const auto support = [&](std::uint8_t& state) {
-      state |= (state & kSupported) != 0 ? kSupportedTwice : kSupported;
+    const auto support = [&](std::uint32_t slot) {
+      const bool enough = (state_[slot] & kSupported) != 0 || bodies_.properties(bodies_.id[slot]).friction > 0;
+      state_[slot] |= enough ? kSupported | kSupportedTwice : kSupported;
     };
     each_contact(source_, [&](const SleepContact& contact) {
       if (contact.loaded) {
-        support(state_[contact.b]);
-        if (contact.a != kNoSlot) support(state_[contact.a]);
+        support(contact.b);
+        if (contact.a != kNoSlot) support(contact.a);
       }
       if (contact.a == kNoSlot) return;
       // Gaps are those of the start of the frame: they may have closed within the frame, or may close in the next.

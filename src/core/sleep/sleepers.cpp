@@ -17,16 +17,18 @@ bool Sleepers::anyone_slow() const {
 }
 
 struct Sleepers::Ball {
-  bool wide = false;
+  BallKind kind = kRest;
   float far = 0;        // m
   float most_spin = 0;  // m/s: the fastest rim speed of a body at rest
   int shift[2] = {};    // the middle is stored in units of 2^shift lattice steps
   double unit[2] = {};  // the same in m
 
-  Ball(const BodyProperties& properties, const Lattice& lattice, bool second) : wide(second) {
-    const bool smooth = wide && properties.friction == 0;
-    far = wide ? wide_ball(properties.radius, smooth) : ball(properties.radius);
-    most_spin = far * static_cast<float>(1 / (smooth ? kCreepTime : kRestTime));
+  Ball(const BodyProperties& properties, const Lattice& lattice, BallKind which) : kind(which) {
+    const bool smooth = kind == kWide && properties.friction == 0;
+    far = kind == kRest      ? ball(properties.radius)
+          : kind == kTremble ? std::fmin(kTrembleOfRadius * properties.radius, kLargestTremble)
+                             : wide_ball(properties.radius, smooth);
+    most_spin = far * static_cast<float>(1 / (smooth ? kCreepTime : kind == kTremble ? kTrembleTime : kRestTime));
     const double size = static_cast<double>(far) / 64;
     const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
     for (const int axis : {0, 1}) {
@@ -46,15 +48,15 @@ struct Sleepers::Ball {
   }
   // Whether the i-th body is outside of the ball, or turns too fast.
   bool left(const BodyStore& b, std::size_t i, const Watched& rest) const {
-    const float x = off(b.pos[2 * i], rest.x[wide], 0), y = off(b.pos[2 * i + 1], rest.y[wide], 1);
+    const float x = off(b.pos[2 * i], rest.x[kind], 0), y = off(b.pos[2 * i + 1], rest.y[kind], 1);
     if (x * x + y * y > far * far) return true;
     return !b.rim_speed.empty() && std::fabs(b.rim_speed[i]) > most_spin;
   }
   // Puts the middle at a place, where the body has stayed for `calm` watches.
   void put(Watched& rest, std::int32_t x, std::int32_t y, std::uint8_t calm) const {
-    rest.x[wide] = at(x, 0);
-    rest.y[wide] = at(y, 1);
-    rest.calm[wide] = calm;
+    rest.x[kind] = at(x, 0);
+    rest.y[kind] = at(y, 1);
+    rest.calm[kind] = calm;
   }
 };
 
@@ -67,20 +69,23 @@ bool Sleepers::watch() {
   run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kernels::kBlock, b.count);
     const BodyProperties* last = nullptr;  // many bodies in a row have the same properties
-    std::array<Ball, 2> balls{Ball({}, s_.lattice, false), Ball({}, s_.lattice, true)};
+    const auto balls_of = [&](const BodyProperties& p) {
+      return std::array{Ball(p, s_.lattice, kRest), Ball(p, s_.lattice, kWide), Ball(p, s_.lattice, kTremble)};
+    };
+    auto balls = balls_of({});
     for (std::size_t i = std::size_t{r.begin} * kernels::kBlock; i < end; ++i) {
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
       if (last != &properties) {
         last = &properties;
-        balls = {Ball(properties, s_.lattice, false), Ball(properties, s_.lattice, true)};
+        balls = balls_of(properties);
       }
       Watched& rest = watched_[b.id[i]];
       for (const Ball& ball : balls) {
         if (!before || ball.left(b, i, rest)) {
           ball.put(rest, b.pos[2 * i], b.pos[2 * i + 1], 0);
-        } else if (rest.calm[ball.wide] != 255) {
-          ++rest.calm[ball.wide];
+        } else if (rest.calm[ball.kind] != 255) {
+          ++rest.calm[ball.kind];
         }
       }
     }
@@ -101,21 +106,23 @@ void Sleepers::make_room(std::size_t fall_asleep, bool joined) {
   room_of_ = b_.count;
 }
 
-std::uint32_t Sleepers::needed(double dt, bool creeps) {
-  const double watches = std::ceil((creeps ? kCreepTime : kRestTime) / (static_cast<double>(kWatchFrames) * dt));
+std::uint32_t Sleepers::needed(double dt, double time) {
+  const double watches = std::ceil(time / (static_cast<double>(kWatchFrames) * dt));
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
 }
 
 void Sleepers::mark_woken(std::uint32_t id, const LatticePoint& at) {
   watched_.reserve(std::size_t{id} + 1);
-  for (const bool wide : {false, true}) Ball(b_.properties(id), s_.lattice, wide).put(watched_[id], at.x, at.y, 1);
+  for (const BallKind kind : {kRest, kWide, kTremble}) {
+    Ball(b_.properties(id), s_.lattice, kind).put(watched_[id], at.x, at.y, 1);
+  }
 }
 
 bool Sleepers::moves(std::size_t slot, bool creeps) const {
   const std::uint32_t id = b_.id[slot];
   const BodyProperties& properties = b_.properties(id);
-  const bool wide = creeps || properties.friction > 0;
-  return calm(id, wide) == 0 || Ball(properties, s_.lattice, wide).left(b_, slot, watched_[id]);
+  const BallKind kind = creeps ? restless(properties) : properties.friction > 0 ? kWide : kRest;
+  return calm(id, kind) == 0 || Ball(properties, s_.lattice, kind).left(b_, slot, watched_[id]);
 }
 
 void Sleepers::tidy() {

@@ -7,10 +7,12 @@
 // A body rests if it has not left a ball of 2e-4 of its radius, at most 0.1 mm, for half a second; it wakes
 // what sleeps beside it once it leaves a ball five times as large. A body without friction that lies between
 // others creeps, which lets it rest, too, if it has kept to a tenth of its radius for four seconds: piles without
-// friction creep for minutes. A body sleeps once all that it touches rests too, and something supports it.
+// friction creep for minutes. A body with friction that a contact bears may tremble: it rests, too, if it has kept to 3 % of
+// its radius for two seconds. A body sleeps once all that it touches rests too, and something supports it.
 // docs/sleeping.md has the rules and how they were measured.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -29,7 +31,7 @@ struct Sleeper {
   std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
   float depth = 0;                             ///< m: the overlap of its deepest contact when it fell asleep
   std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
-  bool creeps = false;  ///< it crept when it fell asleep: a body that creeps beside it does not wake it
+  bool creeps = false;  ///< it crept or trembled when it fell asleep: one that does so beside it does not wake it
 };
 
 /// The only piece of a plain disc that sleeps.
@@ -58,10 +60,14 @@ class Sleepers {
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
   static constexpr std::uint32_t kRoomAhead = 4096;   ///< bodies that there is room for before the first one sleeps
   static constexpr std::size_t kMostAbove = 4096;     ///< bodies that wake at once because a body was taken away
-  static constexpr double kRestTime = 0.5, kCreepTime = 4;  ///< s: a body that stayed in its ball for so long rests
+  static constexpr double kRestTime = 0.5, kCreepTime = 4, kTrembleTime = 2;  ///< s: who stays in its ball for so long rests
   static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< share; m
   static constexpr float kWaking = 5;  ///< the ball that wakes others is so many times as large
   static constexpr float kCreepOfRadius = 0.1f, kLargestCreep = 0.05f;
+  static constexpr float kTrembleOfRadius = 0.03f, kLargestTremble = 0.015f;
+  /// The balls of a body: who stays in the first one rests. The second one is wide_ball(). The third one is for bodies with
+  /// friction: who stays in it trembles.
+  enum BallKind : std::uint8_t { kRest, kWide, kTremble, kBalls };
   static constexpr float kSlow = 0.05f;  ///< m/s: while all but one body in kFewSlow are faster, no body is watched
   static constexpr std::uint32_t kFewSlow = 64;
 
@@ -101,15 +107,17 @@ class Sleepers {
   bool watch();
   bool watching() const { return watching_; }
 
-  /// For how many watches a body must have stayed in its ball to rest, or to creep (`creeps`).
-  static std::uint32_t needed(double dt, bool creeps = false);
-  /// For how many watches a body has stayed in its ball, or in the second one (`wide`).
-  std::uint32_t calm(std::uint32_t id, bool wide = false) const {
-    return id < watched_.capacity() ? watched_[id].calm[wide] : 0;
+  /// How many watches take so long, in s.
+  static std::uint32_t needed(double dt, double time = kRestTime);
+  /// For how many watches a body has stayed in one of its balls.
+  std::uint32_t calm(std::uint32_t id, BallKind ball = kRest) const {
+    return id < watched_.capacity() ? watched_[id].calm[ball] : 0;
   }
+  /// The ball of a body that creeps or trembles.
+  static BallKind restless(const BodyProperties& properties) { return properties.friction > 0 ? kTremble : kWide; }
   /// The body counts as moving from now on: sleepers that touch it wake.
   void mark_moving(std::uint32_t id) {
-    if (id < watched_.capacity()) watched_[id].calm[0] = watched_[id].calm[1] = 0;
+    if (id < watched_.capacity()) std::ranges::fill(watched_[id].calm, std::uint8_t{0});
   }
   /// The body woke where it slept: it wakes others only once it leaves its ball.
   void mark_woken(std::uint32_t id, const LatticePoint& at);
@@ -128,11 +136,11 @@ class Sleepers {
   static constexpr std::size_t kTouchesOfBody = 6;  // as many as equal discs have in a dense packing
   struct Ball;
 
-  // The middle of both balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
+  // The middles of the balls, in units of at least a 128th of the ball, modulo 2^16 units. A body that moves by a
   // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.
   struct Watched {
-    std::uint16_t x[2] = {}, y[2] = {};
-    std::uint8_t calm[2] = {};  // watches that the body has stayed
+    std::uint16_t x[kBalls] = {}, y[kBalls] = {};
+    std::uint8_t calm[kBalls] = {};  // watches that the body has stayed
   };
   const Surroundings s_;
   const BodyStore& b_;

@@ -137,10 +137,10 @@ void Solver::Run::substep(bool first_of_step) {
   contacts.manifolds.follow_turning(view_, h_ / 2);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
-  if (joined_) joints.hold(view_, 1);
+  if (joined_) joints.hold(view_, drift_);
   drift();
   if (!kinematics.empty()) carry_kinematics();
-  if (joined_) joints.hold(view_, -1);
+  if (joined_) joints.let_go(view_);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
   contacts.manifolds.follow_turning(view_, 0);
   relax();

@@ -120,7 +120,7 @@ void group(StepContext& c, const Span&, StepReport&, PieceRange) {
   const bool copies = lists.selects() && !c.plan.forces && !c.plan.turns;
   contacts.solved.choose(lists.table, copies, c.plan.restitution);
   if (c.plan.loads) {
-    contacts.loads.begin(c.bodies, lists.table, c.pool);
+    contacts.loads.begin(c.bodies, lists.table, c.pool, !c.sleep.sleepers.empty());
   } else {
     contacts.loads.forget();
   }

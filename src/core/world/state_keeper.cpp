@@ -145,6 +145,7 @@ class StateKeeper {
     });
     describe_lists(a);
     values(a, w_.contacts.discs, w_.contacts.solved, w_.contacts.loads, w_.dynamics.solver, w_.dynamics.continuous);
+    a.require(w_.contacts.loads.sound());
     w_.joints.describe(a);
     w_.observers.events.describe(a, bodies.id_count);
     if (a.loading()) check(a);
