@@ -166,7 +166,8 @@ void Continuous::find_deep_discs(const ContinuousInput& in) {
       if (pair.shape >= kWallLeft || b.linked[i] == 0) continue;
       job.fast = job.fast || is_fast_disc(b, i);
       const float end = lanes.gap[l] + (lanes.nx[l] * b.disp[2 * i] + lanes.ny[l] * b.disp[2 * i + 1]);
-      if (end < -Flight::kDeep * b.radius[i] && passes(s, i, pair.shape)) job.found.push_back(pair.body);
+      if (end < -Flight::kDeep * b.radius[i] && is_free(b, i) && passes(s, i, pair.shape))
+        job.found.push_back(pair.body);
     }
   });
 }
