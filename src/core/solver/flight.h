@@ -61,9 +61,10 @@ class Flight {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
-    std::uint32_t piece = kNoSlot;  // of fixed geometry
-    std::uint32_t slot = kNoSlot;   // of a body that the impact moves
-    float inner = 1e30f;            // m
+    std::uint32_t piece = kNoSlot;   // of fixed geometry
+    std::uint32_t slot = kNoSlot;    // of a body that the impact moves
+    float inner = 1e30f;             // m
+    const BodyKind* kind = nullptr;  // of a kinematic shape
   };
   struct Impact {
     double share = Approach::kNever;
@@ -86,7 +87,10 @@ class Flight {
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
-  bool bounce();
+  Hull seen(std::uint32_t piece, double way) const;
+  template <class Each>
+  void each_beside(std::span<const std::uint32_t> near, const Each& each) const;
+  bool bounce(std::span<const std::uint32_t> near);
   void ride();
   void store() const;
 
