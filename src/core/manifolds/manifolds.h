@@ -60,6 +60,9 @@ struct PairName {
   }
 };
 
+/// Marks the feature of a point that belongs to another piece of the same floor (manifold_floor.cpp).
+inline constexpr std::uint16_t kOfAnotherPiece = 0x8000;
+
 /// A pair, and what is known of its contact.
 struct ManifoldPair : PairName {
   std::uint32_t lane = kNone;  ///< 8 block + lane in the blocks of the strip
@@ -97,6 +100,8 @@ struct ManifoldPair : PairName {
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
 
+  /// Whether its manifold is that of a floor of several pieces.
+  bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -283,6 +288,7 @@ class Manifolds {
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
   void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
   bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
+  Hull floor_of(const ManifoldPair& pair) const;
   /// Slots of the bodies that are not discs.
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
   /// Cosine and sine of a body that is not a disc, at the start of the frame.

@@ -219,27 +219,33 @@ void Flight::find_walls() {
   }
 }
 
-// Looks at another body that moves. It may turn about a point that is not its centre, if the host moves it.
+// The course of another body in the step. It may turn about a point that is not its centre, if the host moves it.
+Course Flight::course_of(std::uint32_t slot, bool held) const {
+  const BodyKind& kind = b_.kind(b_.id[slot]);
+  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
+  const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
+  if (!held || (kind.centre_x == 0 && kind.centre_y == 0)) return {centre, way, angle, turn};
+  const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
+  return {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
+}
+
+// Looks at another body that moves.
 void Flight::find_moving(std::uint32_t slot, bool yields) {
   const std::uint32_t id = b_.id[slot];
   if (id == kNoSlot || !collides_with(id)) return;
   const BodyKind& kind = b_.kind(id);
   const BodyProperties& properties = b_.properties(id);
-  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
   const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
   const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
   const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
   if (apart > length_of(left_ * way_.along) + length_of(way)) return;
   if (!yields && !pressed_ && left_ == 1 && way_against(s_, slot_, slot) <= kFast * inner_) return;
   Other other;
-  other.course = {centre, way, angle, turn};
+  other.course = course_of(slot, !yields);
   other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
-  if (!yields && (kind.centre_x != 0 || kind.centre_y != 0)) {
-    const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
-    other.course = {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
-  }
-  other.way = {other.course.way, turn};
-  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, turn / space_.dt};
+  other.way = {other.course.way, other.course.turn};
+  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, other.way.turn / space_.dt};
   other.restitution = properties.restitution;
   other.friction = properties.friction;
   const bool shape = kind.hull_count != 0;
@@ -248,7 +254,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
     other.inner = shape ? kind.inner : b_.radius[slot];
   }
   if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
-  if (!yields) other.kind = &kind;
+  if (!yields) other.held = slot;
   meet_hulls(kind, other);
 }
 
@@ -345,17 +351,24 @@ Vec2 Flight::smoothed(Vec2 n) const {
   return convex ? n : (side / length) * upright(u);
 }
 
-// Calls each(hull) for the other pieces of what a shape met: of fixed geometry near its way, or of a kinematic chain.
+// Calls each(hull, course) for the other pieces of what a shape met: fixed geometry near its way, or kinematic bodies
+// that move as one.
 template <class Each>
 void Flight::each_beside(std::span<const std::uint32_t> near, const Each& each) const {
   const Other& other = first_.other;
   if (disc_) return;
-  if (other.kind != nullptr) {
-    for (std::uint32_t k = 0; k < other.kind->hull_count; ++k) each(b_.hulls[other.kind->first_hull + k]);
+  for (const std::uint32_t slot : other.held == kNoSlot ? std::span<const std::uint32_t>{} : space_.kinematics) {
+    const BodyKind& kind = b_.kind(b_.id[slot]);
+    const Course course = course_of(slot, true), theirs = rest_of(course);
+    const bool as_one = course.way.x == other.way.along.x && course.way.y == other.way.along.y && course.turn == 0 &&
+                        other.way.turn == 0 && collides_with(b_.id[slot]);
+    if (slot != other.held && !(as_one && length_of(theirs.at - at_) < 2 * double{b_.radius[slot_]} + b_.radius[slot]))
+      continue;
+    for (std::uint32_t k = 0; k < kind.hull_count; ++k) each(b_.hulls[kind.first_hull + k], theirs);
   }
   if (other.piece == kNoSlot) return;
   for (const std::uint32_t k : near) {
-    if (k != other.piece && !s_.statics[k].face && collides_with(s_.statics[k].owner)) each(seen(k, 0));
+    if (k != other.piece && !s_.statics[k].face && collides_with(s_.statics[k].owner)) each(seen(k, 0), Course{});
   }
 }
 
@@ -371,9 +384,9 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
   const double most_gap = double{m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap} + tolerance;
   touching.add(m, mine.at - theirs.at, most_gap);
-  each_beside(near, [&](const Hull& hull) {  // a floor of several pieces
-    const Manifold other_m = Approach(hull, theirs, *first_.mine, mine).touch(0, 1e30);
-    if (dot(n, {other_m.nx, other_m.ny}) > kAlike) touching.add(other_m, mine.at - theirs.at, most_gap);
+  each_beside(near, [&](const Hull& hull, const Course& course) {  // a floor of several pieces
+    const Manifold beside = Approach(hull, course, *first_.mine, mine).touch(0, 1e30);
+    if (dot(n, {beside.nx, beside.ny}) > kAlike) touching.add(beside, mine.at - theirs.at, most_gap);
   });
   const auto inertia = [&](const BodyProperties& p) {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);

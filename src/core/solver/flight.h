@@ -61,10 +61,10 @@ class Flight {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
-    std::uint32_t piece = kNoSlot;   // of fixed geometry
-    std::uint32_t slot = kNoSlot;    // of a body that the impact moves
-    float inner = 1e30f;             // m
-    const BodyKind* kind = nullptr;  // of a kinematic shape
+    std::uint32_t piece = kNoSlot;  // of fixed geometry
+    std::uint32_t slot = kNoSlot;   // of a body that the impact moves
+    float inner = 1e30f;            // m
+    std::uint32_t held = kNoSlot;   // of a kinematic shape
   };
   struct Impact {
     double share = Approach::kNever;
@@ -77,6 +77,7 @@ class Flight {
 
   bool collides_with(std::uint32_t id) const;
   Course leg() const;
+  Course course_of(std::uint32_t slot, bool held) const;
   Course rest_of(const Course& c) const;
   void find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
   void find_fixed(std::vector<std::uint32_t>& near);

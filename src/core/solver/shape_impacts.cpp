@@ -90,10 +90,11 @@ class ShapeImpact {
     near_ = kTouch * double{hull_b_.inner};
     if (pair.of_wall()) return;
     if (pair.of_piece()) {
-      hull_a_ = in_.s.statics.seen_from(pair.shape, b.point(pair.b), 16.0 * double{hull_b_.reach});
+      hull_a_ = pair.of_floor() ? in_.manifolds.floor_of(pair)
+                                : in_.s.statics.seen_from(pair.shape, b.point(pair.b), 16.0 * double{hull_b_.reach});
       return;
     }
-    hull_a_ = hull(pair.a, pair.part_a);
+    hull_a_ = pair.of_floor() ? in_.manifolds.floor_of(pair) : hull(pair.a, pair.part_a);
     near_ = std::min(near_, kTouch * double{hull_a_.inner});
     way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
   }
