@@ -360,7 +360,7 @@ void Flight::each_beside(std::span<const std::uint32_t> near, const Each& each) 
   for (const std::uint32_t slot : other.held == kNoSlot ? std::span<const std::uint32_t>{} : space_.kinematics) {
     const BodyKind& kind = b_.kind(b_.id[slot]);
     const Course course = course_of(slot, true), theirs = rest_of(course);
-    const bool as_one = course.way.x == other.way.along.x && course.way.y == other.way.along.y && course.turn == 0 &&
+    const bool as_one = length_of(course.way - other.way.along) < kTolerance * double{inner_} && course.turn == 0 &&
                         other.way.turn == 0 && collides_with(b_.id[slot]);
     if (slot != other.held && !(as_one && length_of(theirs.at - at_) < 2 * double{b_.radius[slot_]} + b_.radius[slot]))
       continue;
