@@ -256,9 +256,11 @@ void Continuous::find(const ContinuousInput& in) {
   if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
     find_shapes(in);
     find_deep_discs(in);
-    const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
+    // Shapes and kinematic bodies, however slow, throw discs that are squeezed.
+    const bool thrown = in.contacts.manifolds.any() || !in.kinematics.empty() ||
+                        std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
     const bool discs = in.contacts.manifolds.shaped().size() < s.bodies.awake();
-    if (discs && (fast || !in.kinematics.empty())) find_fast_discs(in);
+    if (discs && thrown) find_fast_discs(in);
     find_pressed(in);
   }
   find_bullets(in);
