@@ -224,17 +224,4 @@ void Manifolds::see_all_ground(const ManifoldParams& params) {
   });
 }
 
-// Lists the fixed sides of all bodies, by body: those that are kinematic lie among the pairs of two bodies.
-void Manifolds::list_fixed() {
-  fixed_.clear();
-  const auto kinematic = [](const ManifoldPair& pair) { return pair.fixed_a && !pair.of_piece() && !pair.moved; };
-  any_kinematic_ = std::ranges::any_of(pairs_, kinematic);
-  if (!any_kinematic_) return;
-  for (const ManifoldPair& pair : pairs_) {
-    if (pair.moved || !pair.fixed_a) continue;
-    fixed_.push_back(std::uint64_t{pair.b} << 32 | static_cast<std::uint32_t>(&pair - pairs_.data()));
-  }
-  sort_keys(fixed_.begin(), fixed_.end());
-}
-
 }  // namespace psim

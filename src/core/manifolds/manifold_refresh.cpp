@@ -103,7 +103,11 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   if (begin == 0) {
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
-    list_fixed();
+    if (!fixed_known_) {
+      list_fixed([&](const auto& each) {
+        for (std::uint32_t k = 0; k < pairs_.size(); ++k) each(pairs_[k], k);
+      });
+    }
     constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
     constexpr std::size_t kBodies = 1024;  // a job
     run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {

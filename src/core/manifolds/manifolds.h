@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/column.h"
+#include "base/sort_keys.h"
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
@@ -226,6 +227,7 @@ class Manifolds {
   /// Swaps the pairs as they were before collect or remember() and as they are since. Both exist until accept().
   void turn_back() {
     if (both_) old_pairs_.swap(pairs_);
+    fixed_known_ = false;
   }
   /// The present pairs count from now on.
   void accept() { both_ = collecting_ = false; }
@@ -339,7 +341,21 @@ class Manifolds {
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   template <class At>
   void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
-  void list_fixed();
+  // Lists the fixed sides of all bodies, by body, if some are kinematic: those lie among the pairs of two bodies.
+  // all(each) calls each(name, k) for every pair.
+  template <class All>
+  void list_fixed(const All& all) {
+    fixed_.clear();
+    any_kinematic_ = false;
+    all([&](const PairName& p, std::uint32_t) { any_kinematic_ |= p.fixed_a && !p.of_piece() && !p.moved; });
+    if (any_kinematic_) {
+      all([&](const PairName& p, std::uint32_t k) {
+        if (p.fixed_a && !p.moved) fixed_.push_back(std::uint64_t{p.b} << 32 | k);
+      });
+    }
+    sort_keys(fixed_.begin(), fixed_.end());
+    fixed_known_ = true;
+  }
   auto fixed_of(std::uint32_t slot) const {
     const std::uint64_t first = std::uint64_t{slot} << 32;
     return std::pair(std::ranges::lower_bound(fixed_, first), std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
@@ -354,6 +370,8 @@ class Manifolds {
   void order_by_approach(std::vector<std::uint32_t>& active) const;
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
+  bool touches(const ManifoldPair& pair) const;
+  bool most_turned(const std::vector<std::uint32_t>& turned) const;
   template <class Visit>
   void each_active(const Visit& visit) {
     for (std::size_t s = 0; s < strip_count(); ++s) {
@@ -371,7 +389,9 @@ class Manifolds {
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
+  bool fixed_known_ = false;                   // fixed_ is that of pairs_
   bool any_kinematic_ = false;                 // some fixed sides are kinematic
+  std::vector<std::uint32_t> turned_;          // pairs that were put there, or lost their footing
   std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
