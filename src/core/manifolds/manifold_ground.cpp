@@ -197,14 +197,13 @@ void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const
 
 // Looks at the fixed pieces near each body of a strip.
 void Manifolds::see_ground(const ManifoldParams& params, std::size_t index) {
-  const std::span<ManifoldPair> pairs(pairs_.data() + begin_[index], count_of(index));
-  for (std::size_t k = 0; k < pairs.size();) {
-    std::size_t end = k + 1;
-    if (pairs[k].of_piece()) {
-      while (end < pairs.size() && pairs[end].of_piece() && pairs[end].b == pairs[k].b) ++end;
-      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs[k + n]; });
+  for (auto [k, last] : pieces_of(index)) {
+    while (k != last) {
+      std::uint32_t end = k + 1;
+      while (end != last && pairs_[end].b == pairs_[k].b) ++end;
+      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs_[k + n]; });
+      k = end;
     }
-    k = end;
   }
 }
 

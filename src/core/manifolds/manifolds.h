@@ -14,6 +14,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -361,13 +362,23 @@ class Manifolds {
     return std::pair(std::ranges::lower_bound(fixed_, first), std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
   }
   float inner_of(std::size_t slot) const { return has_corners(slot) ? inner_[slot] : s_.bodies.radius[slot]; }
+  // The pairs of a strip with fixed pieces, which lie behind its other pairs, then those of renewed bodies.
+  std::array<std::pair<std::uint32_t, std::uint32_t>, 2> pieces_of(std::size_t strip) const {
+    const std::uint32_t begin = begin_[strip], end = begin_[strip + 1], own = std::clamp(own_end_, begin, end);
+    const auto run = [&](std::uint32_t from, std::uint32_t to) {
+      std::uint32_t first = to;
+      while (first != from && pairs_[first - 1].of_piece()) --first;
+      return std::pair(first, to);
+    };
+    return {run(begin, own), run(own, end)};
+  }
   void see_ground(const ManifoldParams& params, std::size_t strip);
   void see_all_ground(const ManifoldParams& params);
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,
                   const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
-  void order_by_approach(std::vector<std::uint32_t>& active) const;
+  void order_by_approach(std::size_t strip);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
   bool touches(const ManifoldPair& pair) const;
