@@ -6,6 +6,7 @@
 // than their fastest corners, whose accelerations are bounded. A microsecond for a pair that is near.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/rotor.h"
 #include "solver/approach.h"
@@ -85,19 +86,13 @@ class ShapeImpact {
         c_(block),
         l_(lane),
         a_(mover(pair.a, block.wa[lane], block.ga[lane])),
-        b_(mover(pair.b, block.wb[lane], block.gb[lane])) {
-    const BodyStore& b = in_.s.bodies;
-    hull_b_ = hull(pair.b, pair.part_b);
+        b_(mover(pair.b, block.wb[lane], block.gb[lane])),
+        hull_b_(hull(pair.b, pair.part_b, own_b_)),
+        hull_a_(hull_of_a()) {
     near_ = kTouch * double{hull_b_.inner};
-    if (pair.of_wall()) return;
-    if (pair.of_piece()) {
-      hull_a_ = pair.of_floor() ? in_.manifolds.floor_of(pair)
-                                : in_.s.statics.seen_from(pair.shape, b.point(pair.b), 16.0 * double{hull_b_.reach});
-      return;
-    }
-    hull_a_ = pair.of_floor() ? in_.manifolds.floor_of(pair) : hull(pair.a, pair.part_a);
+    if (pair.of_piece()) return;
     near_ = std::min(near_, kTouch * double{hull_a_.inner});
-    way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
+    way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
   }
 
   /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
@@ -136,10 +131,17 @@ class ShapeImpact {
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
     return m;
   }
-  Hull hull(std::uint32_t slot, std::uint32_t part) const {
+  const Hull& hull(std::uint32_t slot, std::uint32_t part, std::optional<Hull>& own) const {
     const BodyStore& b = in_.s.bodies;
-    if (!in_.manifolds.has_corners(slot)) return disc_hull(b.radius[slot]);
+    if (!in_.manifolds.has_corners(slot)) return own.emplace(disc_hull(b.radius[slot]));
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
+  }
+  const Hull& hull_of_a() {
+    if (pair_.of_wall()) return own_a_.emplace();
+    if (pair_.of_floor()) return own_a_.emplace(in_.manifolds.floor_of(pair_));
+    if (!pair_.of_piece()) return hull(pair_.a, pair_.part_a, own_a_);
+    return own_a_.emplace(
+        in_.s.statics.seen_from(pair_.shape, in_.s.bodies.point(pair_.b), 16.0 * double{hull_b_.reach}));
   }
 
   // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
@@ -296,7 +298,8 @@ class ShapeImpact {
   kernels::ManifoldBlock& c_;
   const std::uint32_t l_;
   const Mover a_, b_;
-  Hull hull_a_, hull_b_;
+  std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
+  const Hull &hull_b_, &hull_a_;
   Vec2 way_;         // m: from A to B
   double near_ = 0;  // m
 };
@@ -349,7 +352,7 @@ void Solver::list_bouncing(const SolverInput& in) {
       if (e == 0) continue;
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
-      if (e == 1 || !rests) bouncing_[index].push_back(k);
+      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.of_piece() ? pair.b : pair.a, pair.b});
     }
   });
 }
@@ -360,13 +363,13 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first) {
   const Around around{s_, view_, manifolds, params_.gravity};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
-  for (const std::uint32_t k : solver_.bouncing_[index]) {
+  for (const auto& [k, a, b] : solver_.bouncing_[index]) {
+    // Later sweeps look at bodies that had an impact in this substep.
+    if (!first && view_.event_time[b] == 0 && view_.event_time[a] == 0) continue;
     const ManifoldPair& pair = manifolds.pairs()[k];
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
-    // Later sweeps look at bodies that had an impact in this substep.
-    if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
     e = std::fabs(e);
     if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
       continue;
