@@ -133,6 +133,24 @@ TEST(RigidSpeedOfDiscs, NeverTakesThemThroughAThinBar) {
   }
 }
 
+// The host moves them. Another body looks at their ways at the same time, so they must not change.
+TEST(RigidSpeedOfDiscs, KinematicOnesGoThroughFixedGeometryAsTheHostSays) {
+  for (const bool slanted : {false, true}) {
+    for (const double speed : {1.0, 10.0, 40.0, 300.0}) {
+      auto world = make(unbounded(4000, {0, 0}));
+      add(*world, segment({-3, slanted ? -0.7 : 0}, {3, 0}));
+      add(*world, disc({0.3, 0.5}, {}, 0.2));
+      const double start = 0.5 + 2.5 * speed / 60;
+      const BodyId id = add(*world, kinematic(disc({-0.5, start}, {0, -speed}, 0.5)));
+      for (int k = 1; k <= 60; ++k) {
+        world->step();
+        ASSERT_NEAR(state(*world, id).y, start - k * speed / 60, 1e-4 * (1 + speed)) << speed << " frame " << k;
+        ASSERT_NEAR(state(*world, id).x, -0.5, 1e-5) << speed << " frame " << k;
+      }
+    }
+  }
+}
+
 TEST(RigidFall, AThinPlankTipsOverOntoTheGround) {
   for (const double thick : {0.1, 0.05, 0.02, 0.01, 0.005}) {
     for (const double friction : {0.0, 0.3, 0.6}) {

@@ -89,9 +89,9 @@ class StaticGeometry {
     const double room = kMarginFrames * length_of(way) + kSideways * near.edge.radius;
     near.loose = near.edge.begin > -room || near.edge.end < room;
     if (near.loose) {
-      const double far = room + near.edge.radius;
+      const double far = room + near.edge.radius;  // along the line: others may press the body onto it
       const auto corner = [&](double to, EdgeCorner& of, bool end) {
-        if (to * to + near.edge.height * near.edge.height < far * far) of = corner_of(near, end);
+        if (std::fabs(to) < far) of = corner_of(near, end);
       };
       corner(near.edge.begin, near.edge.before, false);
       corner(near.edge.end, near.edge.after, true);

@@ -3,6 +3,8 @@
 // union and find (Tarjan 1975).
 //
 // In: the active pairs of the step. Out: ManifoldPair::stands and yields, and the pairs whose lanes must be written again.
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "manifolds/manifolds.h"
@@ -25,12 +27,10 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 
 // Finds the bodies that hang together with fixed ground: their entry in used_ leads to kGround.
 void Manifolds::find_standing() {
+  std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
   each_active([&](std::size_t, std::uint32_t k) {
-    used_[pairs_[k].b] = pairs_[k].b;
-    if (!pairs_[k].of_piece()) used_[pairs_[k].a] = pairs_[k].a;
-  });
-  each_active([&](std::size_t, std::uint32_t k) {
-    const std::uint32_t b = set_of(used_, pairs_[k].b), a = pairs_[k].fixed_a ? kGround : set_of(used_, pairs_[k].a);
+    const PairName& pair = pairs_[k];
+    const std::uint32_t b = set_of(used_, pair.b), a = pair.fixed_a ? kGround : set_of(used_, pair.a);
     if (b != kGround) {
       used_[b] = a;
     } else if (a != kGround) {
@@ -39,31 +39,50 @@ void Manifolds::find_standing() {
   });
 }
 
+bool Manifolds::touches(const ManifoldPair& pair) const {
+  return pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner;
+}
+
+// Whether most of the pairs that touch are among `turned`.
+bool Manifolds::most_turned(const std::vector<std::uint32_t>& turned) const {
+  const auto touching = [&](std::uint32_t k) { return touches(pairs_[k]); };
+  const auto many = 2 * static_cast<std::size_t>(std::ranges::count_if(turned, touching));
+  std::size_t all = 0;
+  for (std::size_t s = 0; s < strip_count() && all < many; ++s) {
+    for (const std::uint32_t k : strips_[s].active) {
+      all += touching(k) ? 1 : 0;
+      if (all >= many) break;
+    }
+  }
+  return many > all;
+}
+
 void Manifolds::find_footing() {
   bool changed = weighs_ != (g_ > 0);
   for (std::size_t s = 0; s < strip_count(); ++s) changed |= stale_[s] != 0;
   const bool was_cold = std::exchange(cold_, false), weighed = std::exchange(weighs_, g_ > 0);
   if ((!changed && !was_cold) || (!weighs_ && !weighed)) return;  // nothing stands without gravity
   if (weighs_ && changed) find_standing();
-  std::size_t touching = 0, turned = 0;
-  each_active([&](std::size_t, std::uint32_t k) {
+  // Where many sweeps do, nobody needs help.
+  const auto yield = [&](std::size_t strip, std::uint32_t k, bool yields) {
     ManifoldPair& pair = pairs_[k];
-    const bool stood = pair.stands;
-    if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
-    if (pair.least_gap() > kTouching * s_.bodies.kind(pair.id_b).inner) return;
-    if (pair.stands && !stood && !pair.placed) pair.rest_frames = kRestFrames;  // what hangs together lands
-    ++touching;
-    turned += pair.placed || (stood && !pair.stands) ? 1 : 0;
-  });
-  cold_ = weighs_ && 2 * turned > touching;
-  each_active([&](std::size_t strip, std::uint32_t k) {
-    ManifoldPair& pair = pairs_[k];
-    const bool yields = pair.stands && !pair.fixed_a && !cold_;  // many sweeps need no help
     if (pair.yields == yields) return;
     pair.yields = yields;
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
     pair.changed = true;
+  };
+  turned_.clear();
+  each_active([&](std::size_t strip, std::uint32_t k) {
+    ManifoldPair& pair = pairs_[k];
+    const bool stood = pair.stands;
+    if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
+    if (pair.placed || (stood && !pair.stands)) turned_.push_back(k);
+    if (pair.stands && !stood && !pair.placed && touches(pair))
+      pair.rest_frames = kRestFrames;  // what hangs together lands
+    yield(strip, k, pair.stands && !pair.fixed_a);
   });
+  cold_ = weighs_ && most_turned(turned_);
+  if (cold_) each_active([&](std::size_t strip, std::uint32_t k) { yield(strip, k, false); });
 }
 
 }  // namespace psim

@@ -19,25 +19,17 @@ constexpr double kSame = 1e-4;     // share of the inner radius: points that are
 
 Vec2 seen(Rotor q, Vec2 v) { return turned({q.s, q.c}, v); }
 
-}  // namespace
-
-// Calls each(name) for all other fixed pieces near the body of a pair.
-template <class Each>
-void Manifolds::Look::each_fixed(const ManifoldPair& pair, const Each& each) const {
-  const std::vector<ManifoldPair>& pairs = manifolds.pairs_;
-  const auto other = [&](const ManifoldPair& o) {
-    if (&o != &pair && !o.moved && !o.of_wall()) each(o);
-  };
-  if (manifolds.any_kinematic_) {
-    const auto [begin, end] = manifolds.fixed_of(pair.b);
-    for (auto k = begin; k != end; ++k) other(pairs[static_cast<std::uint32_t>(*k)]);
-    return;
+// A pair whose manifold was found anew keeps its own impulses from now on.
+void keep_own(ManifoldPair& pair) {
+  for (int k = 0; k < 2; ++k) {
+    std::uint16_t& feature = pair.manifold.point[k].feature;
+    if ((feature & kCarriesFar) == 0) continue;
+    feature &= static_cast<std::uint16_t>(~kCarriesFar);
+    if (k >= pair.manifold.count) pair.impulse[k] = pair.friction[k] = 0;
   }
-  const auto mine = [&](const ManifoldPair& o) { return o.of_piece() && o.b == pair.b; };
-  const ManifoldPair* first = &pair;
-  while (first != pairs.data() && mine(first[-1])) --first;
-  for (; first != pairs.data() + pairs.size() && mine(*first); ++first) other(*first);
 }
+
+}  // namespace
 
 // The hull of a fixed piece in world axes, from the centre of the body that it meets.
 Hull Manifolds::Look::seen_from_b(const PairName& pair) const {
@@ -193,21 +185,25 @@ void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const
     }
     if (pair.ghost) pair.active = false;
   }
+  ManifoldPair* floor[kMostPieces];
+  std::size_t pieces = 0;
   for (std::size_t k = 0; k < count; ++k) {
     if (at(k).ahead && !at(k).ghost && !turns_fast(at(k), look.dt)) look.foresee_fixed(at(k));
+    if (pieces < kMostPieces && look.may_join(at(k))) floor[pieces++] = &at(k);
   }
+  if (pieces > 1) look.join_floors({floor, pieces});
+  for (std::size_t k = 0; k < count; ++k) keep_own(at(k));
 }
 
 // Looks at the fixed pieces near each body of a strip.
 void Manifolds::see_ground(const ManifoldParams& params, std::size_t index) {
-  const std::span<ManifoldPair> pairs(pairs_.data() + begin_[index], count_of(index));
-  for (std::size_t k = 0; k < pairs.size();) {
-    std::size_t end = k + 1;
-    if (pairs[k].of_piece()) {
-      while (end < pairs.size() && pairs[end].of_piece() && pairs[end].b == pairs[k].b) ++end;
-      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs[k + n]; });
+  for (auto [k, last] : pieces_of(index)) {
+    while (k != last) {
+      std::uint32_t end = k + 1;
+      while (end != last && pairs_[end].b == pairs_[k].b) ++end;
+      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs_[k + n]; });
+      k = end;
     }
-    k = end;
   }
 }
 
@@ -225,19 +221,6 @@ void Manifolds::see_all_ground(const ManifoldParams& params) {
                 [&](std::size_t n) -> ManifoldPair& { return pairs_[static_cast<std::uint32_t>(fixed_[k + n])]; });
     }
   });
-}
-
-// Lists the fixed sides of all bodies, by body: those that are kinematic lie among the pairs of two bodies.
-void Manifolds::list_fixed() {
-  fixed_.clear();
-  const auto kinematic = [](const ManifoldPair& pair) { return pair.fixed_a && !pair.of_piece() && !pair.moved; };
-  any_kinematic_ = std::ranges::any_of(pairs_, kinematic);
-  if (!any_kinematic_) return;
-  for (const ManifoldPair& pair : pairs_) {
-    if (pair.moved || !pair.fixed_a) continue;
-    fixed_.push_back(std::uint64_t{pair.b} << 32 | static_cast<std::uint32_t>(&pair - pairs_.data()));
-  }
-  sort_keys(fixed_.begin(), fixed_.end());
 }
 
 }  // namespace psim

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/rotor.h"
@@ -26,6 +27,10 @@ inline constexpr float kStep = 0.02f;  // a piece counts as below a plane if it 
 inline constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 inline constexpr auto kAheadFrames =
     static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
+
+inline constexpr std::size_t kMostPieces = 64;  // of a floor
+// Marks the feature of a point of a manifold that was found anew: its impulse is that of the far point of a floor.
+inline constexpr std::uint16_t kCarriesFar = 0x4000;
 
 // Gives recalled impulses to the points of the manifold that was found.
 void take_recalled(ManifoldPair& pair);
@@ -102,7 +107,7 @@ struct Manifolds::Look {
     const float moved = std::sqrt(move_x * move_x + move_y * move_y) + b.radius[j] * turned(now.qb, pair.turn_b) +
                         (fixed ? 0.0f : b.radius[i] * turned(now.qa, pair.turn_a));
     const bool serves = pair.margin >= 0 && now.wanted + moved <= pair.margin && moved < kLasting * now.inner;
-    if (!serves || (!pair.lasting && pair.manifold.count != 0)) return false;
+    if (!serves || pair.of_floor() || (!pair.lasting && pair.manifold.count != 0)) return false;
     const Manifold& m = pair.manifold;
     for (int k = 0; k < m.count; ++k) {
       const ManifoldPoint& p = m.point[k];
@@ -201,6 +206,7 @@ struct Manifolds::Look {
     if (pair.recalled != 0) {
       take_recalled(pair);
     } else {
+      carry_far(pair, old, impulse, friction);
       std::copy(impulse, impulse + 2, pair.impulse);
       std::copy(friction, friction + 2, pair.friction);
     }
@@ -216,6 +222,14 @@ struct Manifolds::Look {
   void fit_to_segment(ManifoldPair& pair, const Hull& a, const Hull& hull_b, const Stand& now, float margin) const;
   EdgeCorner corner_at(const ManifoldPair& pair, Vec2 corner, Vec2 out, Vec2 up, float radius) const;
   Hull seen_from_b(const PairName& pair) const;
+
+  // Floors of several pieces (manifold_floor.cpp).
+  void carry_far(ManifoldPair& pair, const Manifold& old, float (&impulse)[2], float (&friction)[2]) const;
+  bool alike(const ManifoldPair& p, const ManifoldPair& q) const;
+  bool lies_in(const ManifoldPair& pair, const Manifold& plane, float height) const;
+  bool may_join(const ManifoldPair& pair) const;
+  void join_floors(std::span<ManifoldPair* const> pairs) const;
+
   void foresee_fixed(ManifoldPair& pair) const;
   template <class Each>
   void each_fixed(const ManifoldPair& pair, const Each& each) const;
@@ -279,5 +293,23 @@ struct Manifolds::Look {
     pair.active = m.count != 0;
   }
 };
+
+// Calls each(name) for all other fixed pieces near the body of a pair.
+template <class Each>
+void Manifolds::Look::each_fixed(const ManifoldPair& pair, const Each& each) const {
+  const std::vector<ManifoldPair>& pairs = manifolds.pairs_;
+  const auto other = [&](const ManifoldPair& o) {
+    if (&o != &pair && !o.moved && !o.of_wall()) each(o);
+  };
+  if (manifolds.any_kinematic_) {
+    const auto [begin, end] = manifolds.fixed_of(pair.b);
+    for (auto k = begin; k != end; ++k) other(pairs[static_cast<std::uint32_t>(*k)]);
+    return;
+  }
+  const auto mine = [&](const ManifoldPair& o) { return o.of_piece() && o.b == pair.b; };
+  const ManifoldPair* first = &pair;
+  while (first != pairs.data() && mine(first[-1])) --first;
+  for (; first != pairs.data() + pairs.size() && mine(*first); ++first) other(*first);
+}
 
 }  // namespace psim

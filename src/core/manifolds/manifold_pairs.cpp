@@ -235,6 +235,12 @@ void Manifolds::place_pairs(std::size_t strips) {
     begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].size());
     for (const FoundPair& pair : found_[s]) new_pairs_ += pair.before == PairName::kNone ? 1 : 0;
   }
+  list_fixed([&](const auto& each) {
+    std::uint32_t k = 0;
+    for (std::size_t s = 0; s < strips; ++s) {
+      for (const FoundPair& pair : found_[s]) each(pair, k++);
+    }
+  });
   if (begin_[strips] > pairs_.capacity()) {  // their contents are not needed any more
     pairs_.clear();
     pairs_.reserve(begin_[strips] + begin_[strips] / 2);
@@ -332,6 +338,7 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   }
   keep_up_to(~std::uint64_t{0});
   begin_[last + 1] = static_cast<std::uint32_t>(pairs_.size());
+  fixed_known_ = false;
   // Lanes of the blocks stay as they are until the next layout.
   StripBlocks& strip = strips_[last];
   strip.active.clear();

@@ -71,31 +71,34 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.changed || pair.was_stack != ManifoldPair::kNoStack) strip.rewrite.push_back(k);
   }
   stale_[index] = stale;
-  if (stale) order_by_approach(strip.active);
+  if (stale) order_by_approach(index);
 }
 
 // Of the fixed pieces that a body meets, those come last that it approaches most: whatever the order in which the ground
 // is listed, the sweeps go the same way.
-void Manifolds::order_by_approach(std::vector<std::uint32_t>& active) const {
-  const auto of_piece = [&](std::uint32_t k) {
-    return pairs_[k].of_piece() && !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics);
-  };
+void Manifolds::order_by_approach(std::size_t index) {
+  std::vector<std::uint32_t>& active = strips_[index].active;
+  const auto of_ground = [&](std::uint32_t k) { return !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics); };
   const auto approach = [&](std::uint32_t k) {
     const Manifold& m = pairs_[k].manifold;
     const float* const v = s_.bodies.vel.data() + 2 * std::size_t{pairs_[k].b};
     return -(m.nx * v[0] + m.ny * v[1]);
   };
-  for (std::size_t k = 0; k + 1 < active.size(); ++k) {
-    if (!of_piece(active[k]) || !of_piece(active[k + 1]) || pairs_[active[k]].b != pairs_[active[k + 1]].b) continue;
-    std::size_t end = k + 2;
-    while (end < active.size() && of_piece(active[end]) && pairs_[active[end]].b == pairs_[active[k]].b) ++end;
-    // Total order: no index occurs twice.
-    std::sort(active.begin() + static_cast<std::ptrdiff_t>(k), active.begin() + static_cast<std::ptrdiff_t>(end),
-              [&](std::uint32_t a, std::uint32_t b) {
-                const float of_a = approach(a), of_b = approach(b);
-                return of_a != of_b ? of_a < of_b : a < b;
-              });
-    k = end - 1;
+  for (const auto& [first, last] : pieces_of(index)) {
+    auto k = std::ranges::lower_bound(active, first);
+    const auto behind = std::ranges::lower_bound(active, last);
+    while (k != behind) {
+      const std::uint32_t body = pairs_[*k].b;
+      const bool ground = of_ground(*k);
+      auto end = k + 1;
+      while (ground && end != behind && pairs_[*end].b == body && of_ground(*end)) ++end;
+      // Total order: no index occurs twice.
+      std::sort(k, end, [&](std::uint32_t a, std::uint32_t b) {
+        const float of_a = approach(a), of_b = approach(b);
+        return of_a != of_b ? of_a < of_b : a < b;
+      });
+      k = end;
+    }
   }
 }
 
@@ -103,7 +106,11 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   if (begin == 0) {
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
-    list_fixed();
+    if (!fixed_known_) {
+      list_fixed([&](const auto& each) {
+        for (std::uint32_t k = 0; k < pairs_.size(); ++k) each(pairs_[k], k);
+      });
+    }
     constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
     constexpr std::size_t kBodies = 1024;  // a job
     run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {

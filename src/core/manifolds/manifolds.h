@@ -14,6 +14,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "base/column.h"
+#include "base/sort_keys.h"
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
@@ -60,6 +62,9 @@ struct PairName {
   }
 };
 
+/// Marks the feature of a point that belongs to another piece of the same floor (manifold_floor.cpp).
+inline constexpr std::uint16_t kOfAnotherPiece = 0x8000;
+
 /// A pair, and what is known of its contact.
 struct ManifoldPair : PairName {
   std::uint32_t lane = kNone;  ///< 8 block + lane in the blocks of the strip
@@ -97,6 +102,8 @@ struct ManifoldPair : PairName {
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
 
+  /// Whether its manifold is that of a floor of several pieces.
+  bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -221,6 +228,7 @@ class Manifolds {
   /// Swaps the pairs as they were before collect or remember() and as they are since. Both exist until accept().
   void turn_back() {
     if (both_) old_pairs_.swap(pairs_);
+    fixed_known_ = false;
   }
   /// The present pairs count from now on.
   void accept() { both_ = collecting_ = false; }
@@ -283,6 +291,7 @@ class Manifolds {
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
   void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
   bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
+  Hull floor_of(const ManifoldPair& pair) const;
   /// Slots of the bodies that are not discs.
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
   /// Cosine and sine of a body that is not a disc, at the start of the frame.
@@ -333,21 +342,47 @@ class Manifolds {
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   template <class At>
   void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
-  void list_fixed();
+  // Lists the fixed sides of all bodies, by body, if some are kinematic: those lie among the pairs of two bodies.
+  // all(each) calls each(name, k) for every pair.
+  template <class All>
+  void list_fixed(const All& all) {
+    fixed_.clear();
+    any_kinematic_ = false;
+    all([&](const PairName& p, std::uint32_t) { any_kinematic_ |= p.fixed_a && !p.of_piece() && !p.moved; });
+    if (any_kinematic_) {
+      all([&](const PairName& p, std::uint32_t k) {
+        if (p.fixed_a && !p.moved) fixed_.push_back(std::uint64_t{p.b} << 32 | k);
+      });
+    }
+    sort_keys(fixed_.begin(), fixed_.end());
+    fixed_known_ = true;
+  }
   auto fixed_of(std::uint32_t slot) const {
     const std::uint64_t first = std::uint64_t{slot} << 32;
     return std::pair(std::ranges::lower_bound(fixed_, first), std::ranges::upper_bound(fixed_, first | 0xFFFFFFFFu));
   }
   float inner_of(std::size_t slot) const { return has_corners(slot) ? inner_[slot] : s_.bodies.radius[slot]; }
+  // The pairs of a strip with fixed pieces, which lie behind its other pairs, then those of renewed bodies.
+  std::array<std::pair<std::uint32_t, std::uint32_t>, 2> pieces_of(std::size_t strip) const {
+    const std::uint32_t begin = begin_[strip], end = begin_[strip + 1], own = std::clamp(own_end_, begin, end);
+    const auto run = [&](std::uint32_t from, std::uint32_t to) {
+      std::uint32_t first = to;
+      while (first != from && pairs_[first - 1].of_piece()) --first;
+      return std::pair(first, to);
+    };
+    return {run(begin, own), run(own, end)};
+  }
   void see_ground(const ManifoldParams& params, std::size_t strip);
   void see_all_ground(const ManifoldParams& params);
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,
                   const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
-  void order_by_approach(std::vector<std::uint32_t>& active) const;
+  void order_by_approach(std::size_t strip);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
+  bool touches(const ManifoldPair& pair) const;
+  bool most_turned(const std::vector<std::uint32_t>& turned) const;
   template <class Visit>
   void each_active(const Visit& visit) {
     for (std::size_t s = 0; s < strip_count(); ++s) {
@@ -365,7 +400,9 @@ class Manifolds {
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
+  bool fixed_known_ = false;                   // fixed_ is that of pairs_
   bool any_kinematic_ = false;                 // some fixed sides are kinematic
+  std::vector<std::uint32_t> turned_;          // pairs that were put there, or lost their footing
   std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs

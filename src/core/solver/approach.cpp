@@ -8,16 +8,15 @@ namespace {
 
 constexpr int kMostAdvances = 128;
 
-// The first time at which c t + a t^2 / 2 reaches a gap, c: speed, a >= 0: how fast it grows at most.
+Rotor as_rotor(SineCosine q) { return {static_cast<float>(q.cosine), static_cast<float>(q.sine)}; }
+
+}  // namespace
+
 double time_to_close(double gap, double speed, double growth) {
   const double root = std::sqrt(std::fmax(speed * speed + 2 * growth * gap, 0));
   if (speed > 0) return 2 * gap / (speed + root);
   return growth > 0 ? (root - speed) / growth : 1e30;
 }
-
-Rotor as_rotor(SineCosine q) { return {static_cast<float>(q.cosine), static_cast<float>(q.sine)}; }
-
-}  // namespace
 
 Approach::Frame Approach::frame(double share) const {
   const double facing = of_a_.facing(share);

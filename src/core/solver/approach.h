@@ -7,6 +7,9 @@
 
 namespace psim {
 
+/// The first time at which c t + a t^2 / 2 reaches a gap, c: speed, a >= 0: how fast it grows at most.
+double time_to_close(double gap, double speed, double growth);
+
 /// How a body goes through a part of a step: evenly, from share 0 to share 1.
 struct Course {
   Vec2 at, way;                ///< m: the point about which it turns, and how far that goes

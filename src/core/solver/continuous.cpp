@@ -166,7 +166,8 @@ void Continuous::find_deep_discs(const ContinuousInput& in) {
       if (pair.shape >= kWallLeft || b.linked[i] == 0) continue;
       job.fast = job.fast || is_fast_disc(b, i);
       const float end = lanes.gap[l] + (lanes.nx[l] * b.disp[2 * i] + lanes.ny[l] * b.disp[2 * i + 1]);
-      if (end < -Flight::kDeep * b.radius[i] && passes(s, i, pair.shape)) job.found.push_back(pair.body);
+      if (end < -Flight::kDeep * b.radius[i] && is_free(b, i) && passes(s, i, pair.shape))
+        job.found.push_back(pair.body);
     }
   });
 }
@@ -255,9 +256,11 @@ void Continuous::find(const ContinuousInput& in) {
   if (s.statics.any() || !in.kinematics.empty() || in.walls != nullptr) {
     find_shapes(in);
     find_deep_discs(in);
-    const bool fast = std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
+    // Shapes and kinematic bodies, however slow, throw discs that are squeezed.
+    const bool thrown = in.contacts.manifolds.any() || !in.kinematics.empty() ||
+                        std::ranges::any_of(jobs_, [](const Job& job) { return job.fast; });
     const bool discs = in.contacts.manifolds.shaped().size() < s.bodies.awake();
-    if (discs && (fast || !in.kinematics.empty())) find_fast_discs(in);
+    if (discs && thrown) find_fast_discs(in);
     find_pressed(in);
   }
   find_bullets(in);

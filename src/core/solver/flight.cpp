@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMostImpacts = 96;     // in a step; then the body stays where it met the last one
 constexpr double kTolerance = 1e-3;  // share of the inner radius to which impacts are found
+constexpr double kAlike = 0.9999;    // normals with a larger cosine between them count as equal
 constexpr double kDeeper = 0.1;      // share of the inner radius by which hulls would overlap in an impact
 
 Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
@@ -22,6 +23,33 @@ struct Surface {
 // A point of an impact, by its arms from the centres.
 struct Point {
   Vec2 a, b;
+};
+
+// The outermost points along a surface at which a body touches it.
+struct Touching {
+  Vec2 along;
+  Point points[2];
+  std::size_t count = 0;
+
+  void add(const Point& p) {
+    const auto place = [&](const Point& q) { return dot(along, q.b); };
+    if (count == 0) {
+      points[0] = points[1] = p;
+      count = 1;
+    } else if (place(p) < place(points[0])) {
+      points[0] = p;
+      count = 2;
+    } else if (place(p) > place(points[1])) {
+      points[1] = p;
+      count = 2;
+    }
+  }
+  void add(const Manifold& m, Vec2 apart, double most_gap) {
+    for (int k = 0; k < m.count; ++k) {
+      const Vec2 arm{m.point[k].bx, m.point[k].by};
+      if (double{m.point[k].gap} <= most_gap) add({apart + arm, arm});
+    }
+  }
 };
 
 void push(Rates& a, Rates& b, const Surface& s, const Point& p, Vec2 impulse) {
@@ -117,7 +145,7 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
     way_.along = way_.along + (share - 0.5) * left_ * space_.dt * fall_;
     left_ *= 1 - share;
     if (first_.share > 1) break;
-    if (!bounce() && share == 0) {  // something else holds it
+    if (!bounce(near) && share == 0) {  // something else holds it
       ++impacts;
       break;
     }
@@ -149,18 +177,23 @@ void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_
   }
 }
 
+// A fixed piece, or what of it is near where the body is and goes.
+Hull Flight::seen(std::uint32_t piece, double way) const {
+  const LatticePoint start{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1], 0, 0};
+  return s_.statics.seen_from(piece, start, 4 * (double{b_.radius[slot_]} + length_of(at_) + way));
+}
+
 void Flight::find_fixed(std::vector<std::uint32_t>& near) {
   const std::int32_t x = b_.pos[2 * slot_], y = b_.pos[2 * slot_ + 1];
   const Vec2 way = left_ * way_.along;
   near.clear();
   s_.statics.near_way({x, y, 0, 0}, at_, way, b_.radius[slot_], near);
   looks_ += static_cast<std::uint32_t>(near.size());
-  const double size = 4 * (double{b_.radius[slot_]} + length_of(at_) + length_of(way));
   for (const std::uint32_t k : near) {
     const StaticShape& s = s_.statics[k];
     if (disc_ ? s.whole : s.face) continue;
     if (!collides_with(s.owner)) continue;
-    const Hull piece = s_.statics.seen_from(k, {x, y, 0, 0}, size);
+    const Hull piece = seen(k, length_of(way));
     if (s.face) {  // a disc whose centre is inside of a polygon, or about at its face, may leave it
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
@@ -186,27 +219,33 @@ void Flight::find_walls() {
   }
 }
 
-// Looks at another body that moves. It may turn about a point that is not its centre, if the host moves it.
+// The course of another body in the step. It may turn about a point that is not its centre, if the host moves it.
+Course Flight::course_of(std::uint32_t slot, bool held) const {
+  const BodyKind& kind = b_.kind(b_.id[slot]);
+  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
+  const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
+  const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
+  if (!held || (kind.centre_x == 0 && kind.centre_y == 0)) return {centre, way, angle, turn};
+  const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
+  return {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
+}
+
+// Looks at another body that moves.
 void Flight::find_moving(std::uint32_t slot, bool yields) {
   const std::uint32_t id = b_.id[slot];
   if (id == kNoSlot || !collides_with(id)) return;
   const BodyKind& kind = b_.kind(id);
   const BodyProperties& properties = b_.properties(id);
-  const double turn = b_.angle_change.empty() ? 0.0 : double{b_.angle_change[slot]}, angle = b_.angle_of(slot) - turn;
   const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
   const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
   const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
   if (apart > length_of(left_ * way_.along) + length_of(way)) return;
   if (!yields && !pressed_ && left_ == 1 && way_against(s_, slot_, slot) <= kFast * inner_) return;
   Other other;
-  other.course = {centre, way, angle, turn};
+  other.course = course_of(slot, !yields);
   other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
-  if (!yields && (kind.centre_x != 0 || kind.centre_y != 0)) {
-    const Vec2 before = arm_of(kind, angle), after = arm_of(kind, angle + turn);
-    other.course = {centre - before, way - (after - before), angle, turn, {kind.centre_x, kind.centre_y}};
-  }
-  other.way = {other.course.way, turn};
-  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, turn / space_.dt};
+  other.way = {other.course.way, other.course.turn};
+  if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, other.way.turn / space_.dt};
   other.restitution = properties.restitution;
   other.friction = properties.friction;
   const bool shape = kind.hull_count != 0;
@@ -215,6 +254,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
     other.inner = shape ? kind.inner : b_.radius[slot];
   }
   if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
+  if (!yields) other.held = slot;
   meet_hulls(kind, other);
 }
 
@@ -311,22 +351,43 @@ Vec2 Flight::smoothed(Vec2 n) const {
   return convex ? n : (side / length) * upright(u);
 }
 
+// Calls each(hull, course) for the other pieces of what a shape met: fixed geometry near its way, or kinematic bodies
+// that move as one.
+template <class Each>
+void Flight::each_beside(std::span<const std::uint32_t> near, const Each& each) const {
+  const Other& other = first_.other;
+  if (disc_) return;
+  for (const std::uint32_t slot : other.held == kNoSlot ? std::span<const std::uint32_t>{} : space_.kinematics) {
+    const BodyKind& kind = b_.kind(b_.id[slot]);
+    const Course course = course_of(slot, true), theirs = rest_of(course);
+    const bool as_one = length_of(course.way - other.way.along) < kTolerance * double{inner_} && course.turn == 0 &&
+                        other.way.turn == 0 && collides_with(b_.id[slot]);
+    if (slot != other.held && !(as_one && length_of(theirs.at - at_) < 2 * double{b_.radius[slot_]} + b_.radius[slot]))
+      continue;
+    for (std::uint32_t k = 0; k < kind.hull_count; ++k) each(b_.hulls[kind.first_hull + k], theirs);
+  }
+  if (other.piece == kNoSlot) return;
+  for (const std::uint32_t k : near) {
+    if (k != other.piece && !s_.statics[k].face && collides_with(s_.statics[k].owner)) each(seen(k, 0), Course{});
+  }
+}
+
 // Returns whether the way of the body changed.
-bool Flight::bounce() {
+bool Flight::bounce(std::span<const std::uint32_t> near) {
   const Other& other = first_.other;
   const Course mine = leg(), theirs = rest_of(other.course);  // both begin with the impact
   const Manifold m = Approach(first_.hull, theirs, *first_.mine, mine).touch(0, 1e30);
-  const double least = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
-  const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
-  Point points[2];
-  std::size_t count = 0;
-  for (int k = 0; k < m.count; ++k) {
-    if (double{m.point[k].gap} > least + tolerance) continue;
-    const Vec2 arm{m.point[k].bx, m.point[k].by};
-    points[count++] = {mine.at + arm - theirs.at, arm};
-  }
   const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
-  if (count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
+  if (m.count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
+  Vec2 n = smoothed({m.nx / length, m.ny / length});
+  Touching touching{upright(n), {}};
+  const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
+  const double most_gap = double{m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap} + tolerance;
+  touching.add(m, mine.at - theirs.at, most_gap);
+  each_beside(near, [&](const Hull& hull, const Course& course) {  // a floor of several pieces
+    const Manifold beside = Approach(hull, course, *first_.mine, mine).touch(0, 1e30);
+    if (dot(n, {beside.nx, beside.ny}) > kAlike) touching.add(beside, mine.at - theirs.at, most_gap);
+  });
   const auto inertia = [&](const BodyProperties& p) {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
   };
@@ -335,22 +396,22 @@ bool Flight::bounce() {
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
   s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
   s.friction = std::sqrt(properties_.friction * other.friction);
-  Vec2 n = smoothed({m.nx / length, m.ny / length});
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its centre
     n = first_.normal;
-    points[0] = {mine.at - theirs.at, {}};
-    count = 1;
+    touching = {upright(n), {}};
+    touching.add({mine.at - theirs.at, {}});
   }
+  const std::span points(touching.points, touching.count);
   const Rates before = way_;
   Rates their_way = other.way, their_velocity = other.velocity;
   if (other.slot == kNoSlot) {
     s.least = space_.restitution_threshold * space_.dt;
-    collide_rates(their_way, way_, s, n, {points, count});
+    collide_rates(their_way, way_, s, n, points);
     s.least = space_.restitution_threshold;
     const bool bent = way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
     way_.along = way_.along + 0.5 * left_ * space_.dt * fall_;
     velocity_.along = velocity_.along - left_ * fall_;  // what gravity gives after the impact
-    collide_rates(their_velocity, velocity_, s, n, {points, count});
+    collide_rates(their_velocity, velocity_, s, n, points);
     velocity_.along = velocity_.along + left_ * fall_;
     return bent;
   }
@@ -359,7 +420,7 @@ bool Flight::bounce() {
   s.wa = theirs_of.inv_mass;
   s.ia = inertia(theirs_of);
   s.least = space_.restitution_threshold;
-  collide_rates(their_velocity, velocity_, s, n, {points, count});
+  collide_rates(their_velocity, velocity_, s, n, points);
   way_ = {other.way.along, 0};
   b_.put_velocity(other.slot, their_velocity.along);
   if (!b_.rim_speed.empty()) b_.rim_speed[other.slot] = static_cast<float>(their_velocity.turn * b_.radius[other.slot]);

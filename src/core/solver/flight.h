@@ -64,6 +64,7 @@ class Flight {
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
     float inner = 1e30f;            // m
+    std::uint32_t held = kNoSlot;   // of a kinematic shape
   };
   struct Impact {
     double share = Approach::kNever;
@@ -76,6 +77,7 @@ class Flight {
 
   bool collides_with(std::uint32_t id) const;
   Course leg() const;
+  Course course_of(std::uint32_t slot, bool held) const;
   Course rest_of(const Course& c) const;
   void find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
   void find_fixed(std::vector<std::uint32_t>& near);
@@ -86,7 +88,10 @@ class Flight {
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
-  bool bounce();
+  Hull seen(std::uint32_t piece, double way) const;
+  template <class Each>
+  void each_beside(std::span<const std::uint32_t> near, const Each& each) const;
+  bool bounce(std::span<const std::uint32_t> near);
   void ride();
   void store() const;
 

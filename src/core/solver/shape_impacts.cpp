@@ -2,12 +2,14 @@
 // the places and angles that the bodies have then. As with discs (impact_sweeps.cpp) a body has a virtual start, from
 // which it moves as if it had met nothing, and sweeps go on until one finds no impact.
 //
-// The time is found by conservative advancement (Mirtich 1996): hulls come together no faster than their speeds along
-// the present normal and their turning allow. A few microseconds for a pair that is near.
+// The time is found by conservative advancement (Mirtich 1996): along the present normal, hulls come together no faster
+// than their fastest corners, whose accelerations are bounded. A microsecond for a pair that is near.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/rotor.h"
+#include "solver/approach.h"
 #include "solver/solver_run.h"
 
 namespace psim {
@@ -84,18 +86,13 @@ class ShapeImpact {
         c_(block),
         l_(lane),
         a_(mover(pair.a, block.wa[lane], block.ga[lane])),
-        b_(mover(pair.b, block.wb[lane], block.gb[lane])) {
-    const BodyStore& b = in_.s.bodies;
-    hull_b_ = hull(pair.b, pair.part_b);
+        b_(mover(pair.b, block.wb[lane], block.gb[lane])),
+        hull_b_(hull(pair.b, pair.part_b, own_b_)),
+        hull_a_(hull_of_a()) {
     near_ = kTouch * double{hull_b_.inner};
-    if (pair.of_wall()) return;
-    if (pair.of_piece()) {
-      hull_a_ = in_.s.statics.seen_from(pair.shape, b.point(pair.b), 16.0 * double{hull_b_.reach});
-      return;
-    }
-    hull_a_ = hull(pair.a, pair.part_a);
+    if (pair.of_piece()) return;
     near_ = std::min(near_, kTouch * double{hull_a_.inner});
-    way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
+    way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
   }
 
   /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
@@ -134,10 +131,17 @@ class ShapeImpact {
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
     return m;
   }
-  Hull hull(std::uint32_t slot, std::uint32_t part) const {
+  const Hull& hull(std::uint32_t slot, std::uint32_t part, std::optional<Hull>& own) const {
     const BodyStore& b = in_.s.bodies;
-    if (!in_.manifolds.has_corners(slot)) return disc_hull(b.radius[slot]);
+    if (!in_.manifolds.has_corners(slot)) return own.emplace(disc_hull(b.radius[slot]));
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
+  }
+  const Hull& hull_of_a() {
+    if (pair_.of_wall()) return own_a_.emplace();
+    if (pair_.of_floor()) return own_a_.emplace(in_.manifolds.floor_of(pair_));
+    if (!pair_.of_piece()) return hull(pair_.a, pair_.part_a, own_a_);
+    return own_a_.emplace(
+        in_.s.statics.seen_from(pair_.shape, in_.s.bodies.point(pair_.b), 16.0 * double{hull_b_.reach}));
   }
 
   // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
@@ -167,9 +171,43 @@ class ShapeImpact {
     return meet_plane(hull_b_, qb, m.nx, m.ny, static_cast<float>(height), kAny);
   }
 
+  // The corners of a turning hull: how far each lies behind the foremost one along n, and how fast the rotation moves it
+  // along n.
+  struct Corners {
+    double behind[Hull::kMost] = {}, speed[Hull::kMost] = {};  // m, m/s
+    Corners(const Hull& hull, Rotor q, double omega, Vec2 n) {
+      const Vec2 own = turned({-double{q.s}, q.c}, n), across = omega * Vec2{own.y, -own.x};  // in the axes of the hull
+      double most = -1e300;
+      for (int k = 0; k < hull.count; ++k) {
+        behind[k] = dot(own, hull.vertex(k));
+        speed[k] = dot(across, hull.vertex(k));
+        most = std::max(most, behind[k]);
+      }
+      for (int k = 0; k < hull.count; ++k) behind[k] = most - behind[k];
+    }
+  };
+
+  // How long hulls with a gap along n stay apart at least, or to the end of the substep. Corners come together by
+  // closing t + growth t^2 / 2 at most.
+  double apart_for(double gap, double t, Vec2 n, double h) const {
+    const Corners a(hull_a_, a_.rotor(t), a_.omega, n), b(hull_b_, b_.rotor(t), b_.omega, {-n.x, -n.y});
+    const double closing = -dot(n, b_.v + t * b_.a - a_.v - t * a_.a);
+    const double growth = a_.omega * a_.omega * double{hull_a_.reach} + b_.omega * b_.omega * double{hull_b_.reach} +
+                          std::max(0.0, -dot(n, b_.a - a_.a));
+    double time = h - t;
+    for (int k = 0; k < hull_b_.count; ++k) {
+      for (int j = 0; j < hull_a_.count; ++j) {
+        // Hulls that part are near each other for a while.
+        const double way = std::max(gap + b.behind[k] + a.behind[j] - 0.5 * near_, 2 * near_);
+        const double speed = closing + b.speed[k] + a.speed[j];
+        if (way < time * (speed + 0.5 * growth * time)) time = time_to_close(way, speed, growth);
+      }
+    }
+    return time;
+  }
+
   // The first time at which the bodies touch and approach each other.
   Found find(double h, double slowest, Hit& hit) const {
-    const double swing = std::fabs(a_.omega) * double{hull_a_.reach} + std::fabs(b_.omega) * double{hull_b_.reach};
     double t = std::max(a_.since, b_.since);
     for (int k = 0; k < kMostSteps; ++k) {
       const Manifold m = at(t);
@@ -181,10 +219,7 @@ class ShapeImpact {
         if (found != Found::none) return found;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
       }
-      const Vec2 u = b_.v + t * b_.a - a_.v - t * a_.a, gained = (h - t) * (b_.a - a_.a);
-      const double closing = swing - dot(n, u) + std::max(0.0, -dot(n, gained));
-      if (!(closing > 0)) return Found::none;
-      t += std::max(gap - 0.5 * near_, 2 * near_) / closing;  // hulls that part are near each other for a while
+      t += apart_for(gap, t, n, h);
       if (t >= h) return Found::none;
     }
     return slowest > 0 ? Found::slow : Found::none;
@@ -263,7 +298,8 @@ class ShapeImpact {
   kernels::ManifoldBlock& c_;
   const std::uint32_t l_;
   const Mover a_, b_;
-  Hull hull_a_, hull_b_;
+  std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
+  const Hull &hull_b_, &hull_a_;
   Vec2 way_;         // m: from A to B
   double near_ = 0;  // m
 };
@@ -316,7 +352,7 @@ void Solver::list_bouncing(const SolverInput& in) {
       if (e == 0) continue;
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
-      if (e == 1 || !rests) bouncing_[index].push_back(k);
+      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.of_piece() ? pair.b : pair.a, pair.b});
     }
   });
 }
@@ -327,13 +363,13 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first) {
   const Around around{s_, view_, manifolds, params_.gravity};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
-  for (const std::uint32_t k : solver_.bouncing_[index]) {
+  for (const auto& [k, a, b] : solver_.bouncing_[index]) {
+    // Later sweeps look at bodies that had an impact in this substep.
+    if (!first && view_.event_time[b] == 0 && view_.event_time[a] == 0) continue;
     const ManifoldPair& pair = manifolds.pairs()[k];
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
-    // Later sweeps look at bodies that had an impact in this substep.
-    if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
     e = std::fabs(e);
     if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
       continue;

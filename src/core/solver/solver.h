@@ -77,6 +77,9 @@ class Solver {
   void forget_impacts() { give_back(touched_, bouncing_, pressing_, last_sweep_); }
 
  private:
+  struct Bouncing {
+    std::uint32_t pair, a, b;  // slots; a is b for a pair with a fixed piece
+  };
   class Run;
   struct StripSum {
     double virial = 0;         // N s m
@@ -89,9 +92,9 @@ class Solver {
   void list_bouncing(const SolverInput& in);
   void sum_up(const SolverInput& in, int substeps);
 
-  std::vector<std::uint8_t> touched_;                 // by number of a body: it has a contact that presses
-  std::vector<std::vector<std::uint32_t>> bouncing_;  // by strip: the pairs of shapes that may collide in sweeps
-  std::vector<std::uint8_t> pressing_;                // by strip: some of its contacts press
+  std::vector<std::uint8_t> touched_;            // by number of a body: it has a contact that presses
+  std::vector<std::vector<Bouncing>> bouncing_;  // by strip: the pairs of shapes that may collide in sweeps
+  std::vector<std::uint8_t> pressing_;           // by strip: some of its contacts press
   std::vector<int> last_sweep_;              // by strip: the last sweep over impacts in which it had an event, or -1
   std::vector<std::uint32_t> loaded_;        // strips with contacts under heavy loads
   std::array<std::size_t, 3> loaded_end_{};  // of even strips, odd strips, the group of large bodies

@@ -151,7 +151,9 @@ void describe_bodies(Archive& a, BodyStore& b, bool lists) {
     return k.inner >= 0 && (k.hull_count == 0 ? k.first_hull == 0 : users == 0 || b.hulls.has(k));
   });
   a.require(b.kinds.size() != 0 && b.kinds[0] == BodyKind{});
+  a.refuse_nan(true);  // a mass or a gravity scale beyond what a float holds is infinite
   b.property_table.describe(a, 0, [&](const BodyProperties& p, std::uint32_t) { return p.kind < b.kinds.size(); });
+  a.refuse_nan(true, true);
   describe_ids(a, b);
   describe_slots(a, b, lists);
   if (a.loading()) check_users(a, b);

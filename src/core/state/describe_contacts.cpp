@@ -155,7 +155,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   for (StripBlocks& s : strips_) std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
   old_pairs_.clear();
   both_ = collecting_ = false;
-  indexed_ = false;
+  indexed_ = fixed_known_ = false;
   own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
   cut();
   rotor_.reserve(2 * std::size_t{slots});
