@@ -8,7 +8,9 @@
 //   t = t0 + c / (-q + sqrt(q^2 - u.u c))        (t0 if c <= 0)
 // If t < h: n at t, J = -(1 + e) n.u m, v +- w J n, x -+ t w J n (so that x + v h is right), tl = t.
 // Friction: Jt = clamp(-mt vt, +- mu J) with rim speeds u = omega r, -q Jt each.
-// A pair apart with no hit ahead is settled too: no speculative impulse. Impacts slower than the
+// A pair apart with no hit ahead is settled too: no speculative impulse. A pair that overlaps by more than p.refresh is
+// left to the solver, which pushes it apart, unless it is fully elastic: an impulse would leave the overlap as it is, and
+// among bodies that fall together it would stay and grow. Impacts slower than the
 // floor are left to the solver (impact mark stays clear), and so are, in the last sweep (least_e = 1), impacts
 // that are not fully elastic. Impacts from p.due on are left to a later sweep: a body that has several
 // takes them nearly in their order. Returns true if any lane collided or has yet to; `virial` receives
@@ -37,6 +39,7 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
   const F<L> zero = 0, one = 1, half = 0.5f;
   const F<L> h = p.h, set = -0.0f;
   const F<L> floor = p.bounce_floor, due = p.due, least_e = p.least_e;
+  const F<L> deepest = -2 * p.refresh;  // R (|d| - R) is close to (d.d - R^2) / 2
   bool busy = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
@@ -76,11 +79,12 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     const auto root = sqrt(max(root2, zero));
     const auto speed = select(closing, root - q, one);
     const auto t = t0 + max(gap2 / speed, zero);
-    const auto soon = closing & (t < h);
+    const auto deep = (gap2 < deepest * radius) & (e < one);
+    const auto soon = but_not(closing & (t < h), deep);
     // Apart with no hit ahead, or parting after an earlier hit: settled without an impulse. Pairs
     // that overlap otherwise are the solver's.
     const auto clear = select(negative(mark), eligible, zero < gap2);
-    auto settled = clear & but_not(eligible, soon);
+    auto settled = but_not(clear & but_not(eligible, soon), deep);
     auto hit = soon;
     F<L> nx = zero, ny = zero, far = one, vn = zero;
     if (any(soon)) {
@@ -156,6 +160,7 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
   const F<L> zero = 0, one = 1, half = 0.5f, two = 2;
   const F<L> h = p.h, set = -0.0f;
   const F<L> floor = p.bounce_floor, due = p.due, least_e = p.least_e;
+  const F<L> deepest = -2 * p.refresh;  // R (|d| - R) is close to (d.d - R^2) / 2
   bool busy = false;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
@@ -207,9 +212,10 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
       t = select(soon, hit_t, t);
     }
     t = select(flat, flat_t, t);
-    soon = eligible & select(flat, flat_soon, soon);
+    const auto deep = select(flat, s0 < half * deepest, gap0 < deepest * radius) & (e < one);
+    soon = but_not(eligible & select(flat, flat_soon, soon), deep);
     const auto clear = select(negative(mark), eligible, zero < select(flat, s0, gap0));
-    auto settled = clear & but_not(eligible, soon);
+    auto settled = but_not(clear & but_not(eligible, soon), deep);
     auto hit = soon;
     F<L> vn = zero;
     if (any(soon)) {

@@ -211,7 +211,10 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
     Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
     const double speed = std::fmin(made.speed, kReserve * speeds.at(begin + n));
-    mine.slack = static_cast<float>(impact_slack(world, speed, made.crowding, dt));
+    // A row that meets a heap stops within the step, and the next row, which moves as it did, is to be known to follow.
+    const double met = kMarginFrames * speeds.closing(begin + n) * dt;
+    mine.slack = static_cast<float>(
+        std::fmax(impact_slack(world, speed, made.crowding, dt), impact_slack(world, 0, 1, dt) + met));
     mine.out_owner = picked_owner.data() + s.pair_begin;
     mine.out_other = picked_other.data() + s.pair_begin;
     s.pair_end = s.pair_begin + surroundings.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);

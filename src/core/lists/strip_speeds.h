@@ -24,7 +24,11 @@ class StripSpeeds {
   /// the group of large bodies.
   double at(std::size_t strip) const { return speed_[strip]; }
 
-  std::size_t bytes() const { return bytes_of(stirs_, speed_); }
+  /// How much faster the mean velocities of a strip and its neighbours differ than chance makes them, m/s: what a row
+  /// that is stopped within the step is met with by the next one.
+  double closing(std::size_t strip) const { return closing_[strip]; }
+
+  std::size_t bytes() const { return bytes_of(stirs_, speed_, closing_); }
 
  private:
   struct Sum {
@@ -56,7 +60,7 @@ class StripSpeeds {
 
   const Surroundings s_;
   std::vector<Stir> stirs_;
-  std::vector<double> speed_;
+  std::vector<double> speed_, closing_;
 };
 
 }  // namespace psim
