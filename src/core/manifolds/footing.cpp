@@ -1,8 +1,9 @@
-// Which contacts of shapes stand on fixed ground, over other contacts of shapes: those of bodies that hang together with
-// something fixed. Bodies that fall together do not, however they touch. Sets of bodies that hang together are found by
+// Which contacts of shapes stand on fixed ground, over other contacts of shapes, or hang on it, over joints, too: those of
+// bodies that hang together with something fixed. Bodies that fall together do not, however they touch. Sets of bodies that hang together are found by
 // union and find (Tarjan 1975).
 //
 // In: the active pairs of the step. Out: ManifoldPair::stands and yields, and the pairs whose lanes must be written again.
+#include <algorithm>
 #include <utility>
 
 #include "manifolds/manifolds.h"
@@ -25,18 +26,29 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 
 // Finds the bodies that hang together with fixed ground: their entry in used_ leads to kGround.
 void Manifolds::find_standing() {
+  for (const auto& tie : ties) {
+    for (const std::uint32_t slot : tie) {
+      if (slot != PairName::kNone) used_[slot] = slot;
+    }
+  }
   each_active([&](std::size_t, std::uint32_t k) {
     used_[pairs_[k].b] = pairs_[k].b;
     if (!pairs_[k].of_piece()) used_[pairs_[k].a] = pairs_[k].a;
   });
-  each_active([&](std::size_t, std::uint32_t k) {
-    const std::uint32_t b = set_of(used_, pairs_[k].b), a = pairs_[k].fixed_a ? kGround : set_of(used_, pairs_[k].a);
-    if (b != kGround) {
-      used_[b] = a;
-    } else if (a != kGround) {
-      used_[a] = b;
-    }
-  });
+  each_active([&](std::size_t, std::uint32_t k) { unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b); });
+}
+
+void Manifolds::unite(std::uint32_t slot_a, std::uint32_t slot_b) {
+  const std::uint32_t a = set_of(used_, slot_a), b = set_of(used_, slot_b);
+  if (b != kGround) {
+    used_[b] = a;
+  } else if (a != kGround) {
+    used_[a] = b;
+  }
+}
+
+bool Manifolds::footing_is_old() const {
+  return g_ > 0 && (!weighs_ || std::ranges::any_of(stale_, [](std::uint8_t s) { return s != 0; }));
 }
 
 void Manifolds::find_footing() {
@@ -56,9 +68,13 @@ void Manifolds::find_footing() {
     turned += pair.placed || (stood && !pair.stands) ? 1 : 0;
   });
   cold_ = weighs_ && 2 * turned > touching;
+  if (weighs_ && changed) {
+    for (const auto& [a, b] : ties) unite(a, b);
+  }
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
-    const bool yields = pair.stands && !pair.fixed_a && !cold_;  // many sweeps need no help
+    if (changed) pair.hangs = weighs_ && set_of(used_, pair.b) == kGround;
+    const bool yields = (pair.stands || pair.hangs) && !pair.fixed_a && !cold_;  // many sweeps need no help
     if (pair.yields == yields) return;
     pair.yields = yields;
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
