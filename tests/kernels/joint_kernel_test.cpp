@@ -45,6 +45,7 @@ struct Crowd {
       arm_change[2 * i + 1] = static_cast<float>(r * std::sin(d));
     }
     for (auto* v : {&vel, &vel0, &disp, &share, &push}) v->resize(2 * kRecords + 16);
+    push0.assign(2 * kRecords + 16, 0.0f);
     for (auto* v : {&rim_speed, &rim_speed0, &angle_change, &share_spin, &push_spin}) v->resize(kRecords + 16);
   }
   BodyView view() {
@@ -65,11 +66,11 @@ struct Crowd {
     };
     return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(rim_speed, o.rim_speed) &&
            same(rim_speed0, o.rim_speed0) && same(share, o.share) && same(share_spin, o.share_spin) &&
-           same(push, o.push) && same(push_spin, o.push_spin) && same(push0, o.push0) && same(arm_change, o.arm_change) &&
-           same(angle_change, o.angle_change);
+           same(push, o.push) && same(push_spin, o.push_spin) && same(push0, o.push0) &&
+           same(arm_change, o.arm_change) && same(angle_change, o.angle_change);
   }
   std::vector<float> vel, vel0, disp, rim_speed, rim_speed0, angle_change, arm_change, radius, share, share_spin, push,
-      push_spin, push0 = std::vector<float>(push.size());
+      push_spin, push0;
 };
 
 // Blocks whose lanes share no body; some lanes are empty.

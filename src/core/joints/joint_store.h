@@ -86,6 +86,13 @@ class JointStore {
       if (j.alive) each(j.desc.a.index, j.desc.b.index);
     }
   }
+  /// The same for joints that always hold: a rope may hang loose.
+  template <class Each>
+  void each_tie(const Each& each) const {
+    for (const Joint& j : joints_) {
+      if (j.alive && j.desc.type != JointType::rope) each(j.desc.a.index, j.desc.b.index);
+    }
+  }
   /// Calls each(other) with the ids of the bodies to which a body is joined.
   template <class Each>
   void each_joined(std::uint32_t body, const Each& each) const {
@@ -240,8 +247,7 @@ class JointStore {
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
-    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data(),
-            push0_vel_.data()};
+    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data(), push0_vel_.data()};
   }
 
   const Surroundings s_;

@@ -91,9 +91,9 @@ class HeavyLoads {
   // that let it choose more of them, contacts at rest would become stiff, and throw off what their overlaps carry.
   int least_class_ = 0;
   std::uint8_t least_cut_ = 1;
-  std::uint32_t counted_ = 0;  // bodies that were awake
-  float ratio_ = kLeastRatio;                // that ratio
-  std::uint64_t pairs_ = 0, looked_ = 0;     // number of pairs, number of looks in this search
+  std::uint32_t counted_ = 0;             // bodies that were awake
+  float ratio_ = kLeastRatio;             // that ratio
+  std::uint64_t pairs_ = 0, looked_ = 0;  // number of pairs, number of looks in this search
   std::uint8_t cut_ = 1;
   bool any_ = false;
 };

@@ -1,6 +1,6 @@
-// Which contacts of shapes stand on fixed ground, over other contacts of shapes: those of bodies that hang together with
-// something fixed. Bodies that fall together do not, however they touch. Sets of bodies that hang together are found by
-// union and find (Tarjan 1975).
+// Which contacts of shapes stand on fixed ground, over other contacts of shapes, or hang on it, over joints, too: those of
+// bodies that hang together with something fixed. Bodies that fall together do not, however they touch. Sets of bodies that
+// hang together are found by union and find (Tarjan 1975).
 //
 // In: the active pairs of the step. Out: ManifoldPair::stands and yields, and the pairs whose lanes must be written again.
 #include <algorithm>
@@ -28,15 +28,20 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 // Finds the bodies that hang together with fixed ground: their entry in used_ leads to kGround.
 void Manifolds::find_standing() {
   std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
-  each_active([&](std::size_t, std::uint32_t k) {
-    const PairName& pair = pairs_[k];
-    const std::uint32_t b = set_of(used_, pair.b), a = pair.fixed_a ? kGround : set_of(used_, pair.a);
-    if (b != kGround) {
-      used_[b] = a;
-    } else if (a != kGround) {
-      used_[a] = b;
-    }
-  });
+  each_active([&](std::size_t, std::uint32_t k) { unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b); });
+}
+
+void Manifolds::unite(std::uint32_t slot_a, std::uint32_t slot_b) {
+  const std::uint32_t a = set_of(used_, slot_a), b = set_of(used_, slot_b);
+  if (b != kGround) {
+    used_[b] = a;
+  } else if (a != kGround) {
+    used_[a] = b;
+  }
+}
+
+bool Manifolds::footing_is_old() const {
+  return g_ > 0 && (!weighs_ || std::ranges::any_of(stale_, [](std::uint8_t s) { return s != 0; }));
 }
 
 bool Manifolds::touches(const ManifoldPair& pair) const {
@@ -71,18 +76,26 @@ void Manifolds::find_footing() {
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
     pair.changed = true;
   };
+  const bool tied = weighs_ && changed && !ties.empty();
   turned_.clear();
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
-    if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
+    if (changed) pair.stands = pair.hangs = weighs_ && set_of(used_, pair.b) == kGround;
     if (pair.placed || (stood && !pair.stands)) turned_.push_back(k);
-    if (pair.stands && !stood && !pair.placed && touches(pair))
-      pair.rest_frames = kRestFrames;  // what hangs together lands
-    yield(strip, k, pair.stands && !pair.fixed_a);
+    if (pair.stands && !stood && !pair.placed && touches(pair)) pair.rest_frames = kRestFrames;  // a group lands
+    if (!tied) yield(strip, k, pair.hangs && !pair.fixed_a);
   });
   cold_ = weighs_ && most_turned(turned_);
-  if (cold_) each_active([&](std::size_t strip, std::uint32_t k) { yield(strip, k, false); });
+  if (!tied && !cold_) return;
+  if (tied) {
+    for (const auto& [a, b] : ties) unite(a, b);
+  }
+  each_active([&](std::size_t strip, std::uint32_t k) {
+    ManifoldPair& pair = pairs_[k];
+    if (tied) pair.hangs = set_of(used_, pair.b) == kGround;
+    yield(strip, k, pair.hangs && !pair.fixed_a && !cold_);
+  });
 }
 
 }  // namespace psim

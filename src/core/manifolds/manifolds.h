@@ -93,6 +93,7 @@ struct ManifoldPair : PairName {
   std::uint8_t colour = kAlone;
   bool placed = false;        ///< the pair is new, and its bodies hardly move
   bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
+  bool hangs = false;         ///< they hang together with fixed ground, over joints, too
   bool yields = false;        ///< the body below takes half of an impulse in a sweep
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
   // When a side falls asleep or wakes, or the pair joins or leaves a stack, the contact gets another stiffness, and the
@@ -243,6 +244,9 @@ class Manifolds {
   /// Finds which contacts stand on fixed ground, and whether loads change as a whole in this step, once all pairs were
   /// looked at. O(active pairs) if others are active than in the last step.
   void find_footing();
+  /// Whether find_footing() will go over all contacts; then it needs the joints: pairs of slots, kNone where a joint is held.
+  bool footing_is_old() const;
+  std::vector<std::array<std::uint32_t, 2>> ties;
   /// Most of the contacts were put there since the last step, or got or lost their footing in it, so that they carry
   /// something else than what they will.
   bool cold() const { return cold_; }
@@ -381,6 +385,7 @@ class Manifolds {
   void order_by_approach(std::size_t strip);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
+  void unite(std::uint32_t slot_a, std::uint32_t slot_b);
   bool touches(const ManifoldPair& pair) const;
   bool most_turned(const std::vector<std::uint32_t>& turned) const;
   template <class Visit>

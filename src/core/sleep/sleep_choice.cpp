@@ -168,7 +168,12 @@ class SleepChoice {
         }
       });
     };
-    // The lowest body tells for its group.
+    // The lowest body tells for its group. What bears one body of a group bears all of it.
+    const auto bear = [&](std::uint32_t from, std::uint32_t to) {
+      if ((state_[from] & kSupportedTwice) != 0) state_[to] |= kSupportedTwice;
+    };
+    each_free([&](std::uint32_t slot, std::uint32_t root) { bear(slot, root); });
+    each_free([&](std::uint32_t slot, std::uint32_t root) { bear(root, slot); });
     each_free([&](std::uint32_t slot, std::uint32_t root) {
       if (!may_sleep(slot)) disturb(root);
     });

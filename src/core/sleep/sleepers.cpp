@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <span>
 
 namespace psim {
 
@@ -22,6 +23,8 @@ struct Sleepers::Ball {
   float most_spin = 0;  // m/s: the fastest rim speed of a body at rest
   int shift[2] = {};    // the middle is stored in units of 2^shift lattice steps
   double unit[2] = {};  // the same in m
+  static constexpr float kUnits = 64;
+  double rim_units = 0;  // a turn by 1 rad: kUnits are as far as the ball reaches
 
   Ball(const BodyProperties& properties, const Lattice& lattice, BallKind which) : kind(which) {
     const bool smooth = kind == kWide && properties.friction == 0;
@@ -29,7 +32,8 @@ struct Sleepers::Ball {
           : kind == kTremble ? std::fmin(kTrembleOfRadius * properties.radius, kLargestTremble)
                              : wide_ball(properties.radius, smooth);
     most_spin = far * static_cast<float>(1 / (smooth ? kCreepTime : kind == kTremble ? kTrembleTime : kRestTime));
-    const double size = static_cast<double>(far) / 64;
+    const double size = static_cast<double>(far / kUnits);
+    rim_units = static_cast<double>(properties.radius) / size;
     const double pitch[2] = {lattice.pitch_x(), lattice.pitch_y()};
     for (const int axis : {0, 1}) {
       const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(size / pitch[axis]) >> 52) - 1023;
@@ -50,10 +54,19 @@ struct Sleepers::Ball {
   bool left(const BodyStore& b, std::size_t i, const Watched& rest) const {
     const float x = off(b.pos[2 * i], rest.x[kind], 0), y = off(b.pos[2 * i + 1], rest.y[kind], 1);
     if (x * x + y * y > far * far) return true;
+    if (kind == kTremble) {
+      const auto turn = static_cast<std::int16_t>(static_cast<std::uint16_t>(way_of(b.angle[i]) - rest.turned));
+      return std::fabs(static_cast<float>(turn)) > kUnits;
+    }
     return !b.rim_speed.empty() && std::fabs(b.rim_speed[i]) > most_spin;
   }
-  // Puts the middle at a place, where the body has stayed for `calm` watches.
-  void put(Watched& rest, std::int32_t x, std::int32_t y, std::uint8_t calm) const {
+  // How far the rim of a body with this angle went, in units.
+  std::uint16_t way_of(double angle) const {
+    return static_cast<std::uint16_t>(static_cast<std::int32_t>(std::remainder(angle * rim_units, 65536.0)));
+  }
+  // Puts the middle at a place and an angle, where the body has stayed for `calm` watches.
+  void put(Watched& rest, std::int32_t x, std::int32_t y, double angle, std::uint8_t calm) const {
+    if (kind == kTremble) rest.turned = way_of(angle);
     rest.x[kind] = at(x, 0);
     rest.y[kind] = at(y, 1);
     rest.calm[kind] = calm;
@@ -62,7 +75,7 @@ struct Sleepers::Ball {
 
 bool Sleepers::watch() {
   const BodyStore& b = b_;
-  const bool before = watching_;
+  const bool before = watching_, turns = !b.arm_change.empty();  // turns: shapes or joints
   watching_ = !list.empty() || anyone_slow();
   if (!watching_) return false;
   watched_.reserve(b.id_count);
@@ -81,9 +94,10 @@ bool Sleepers::watch() {
         balls = balls_of(properties);
       }
       Watched& rest = watched_[b.id[i]];
-      for (const Ball& ball : balls) {
+      if (!turns) rest.calm[kTremble] = 0;
+      for (const Ball& ball : std::span(balls).first(turns ? 3 : 2)) {
         if (!before || ball.left(b, i, rest)) {
-          ball.put(rest, b.pos[2 * i], b.pos[2 * i + 1], 0);
+          ball.put(rest, b.pos[2 * i], b.pos[2 * i + 1], turns ? b.angle[i] : 0.0, 0);
         } else if (rest.calm[ball.kind] != 255) {
           ++rest.calm[ball.kind];
         }
@@ -111,17 +125,18 @@ std::uint32_t Sleepers::needed(double dt, double time) {
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));
 }
 
-void Sleepers::mark_woken(std::uint32_t id, const LatticePoint& at) {
+void Sleepers::mark_woken(std::uint32_t id, const LatticePoint& at, double angle) {
   watched_.reserve(std::size_t{id} + 1);
   for (const BallKind kind : {kRest, kWide, kTremble}) {
-    Ball(b_.properties(id), s_.lattice, kind).put(watched_[id], at.x, at.y, 1);
+    Ball(b_.properties(id), s_.lattice, kind).put(watched_[id], at.x, at.y, angle, 1);
   }
 }
 
 bool Sleepers::moves(std::size_t slot, bool creeps) const {
   const std::uint32_t id = b_.id[slot];
   const BodyProperties& properties = b_.properties(id);
-  const BallKind kind = creeps ? restless(properties) : properties.friction > 0 ? kWide : kRest;
+  const bool rough = properties.friction > 0, turns = !b_.arm_change.empty();
+  const BallKind kind = creeps && turns ? restless(properties) : creeps || rough ? kWide : kRest;
   return calm(id, kind) == 0 || Ball(properties, s_.lattice, kind).left(b_, slot, watched_[id]);
 }
 

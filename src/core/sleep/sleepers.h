@@ -60,13 +60,14 @@ class Sleepers {
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
   static constexpr std::uint32_t kRoomAhead = 4096;   ///< bodies that there is room for before the first one sleeps
   static constexpr std::size_t kMostAbove = 4096;     ///< bodies that wake at once because a body was taken away
-  static constexpr double kRestTime = 0.5, kCreepTime = 4, kTrembleTime = 2;  ///< s: who stays in its ball for so long rests
+  static constexpr double kRestTime = 0.5, kCreepTime = 4,
+                          kTrembleTime = 2;                            ///< s: who stays in its ball for so long rests
   static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< share; m
   static constexpr float kWaking = 5;  ///< the ball that wakes others is so many times as large
   static constexpr float kCreepOfRadius = 0.1f, kLargestCreep = 0.05f;
   static constexpr float kTrembleOfRadius = 0.03f, kLargestTremble = 0.015f;
   /// The balls of a body: who stays in the first one rests. The second one is wide_ball(). The third one is for bodies with
-  /// friction: who stays in it trembles.
+  /// friction, in worlds with shapes or joints: who stays in it trembles, however fast; its angle stays in it, too.
   enum BallKind : std::uint8_t { kRest, kWide, kTremble, kBalls };
   static constexpr float kSlow = 0.05f;  ///< m/s: while all but one body in kFewSlow are faster, no body is watched
   static constexpr std::uint32_t kFewSlow = 64;
@@ -120,7 +121,7 @@ class Sleepers {
     if (id < watched_.capacity()) std::ranges::fill(watched_[id].calm, std::uint8_t{0});
   }
   /// The body woke where it slept: it wakes others only once it leaves its ball.
-  void mark_woken(std::uint32_t id, const LatticePoint& at);
+  void mark_woken(std::uint32_t id, const LatticePoint& at, double angle);
   /// Whether a body wakes a sleeper that it touches: it is outside of its ball, or was so at the last watch. `creeps`:
   /// the sleeper crept when it fell asleep.
   bool moves(std::size_t slot, bool creeps) const;
@@ -140,6 +141,7 @@ class Sleepers {
   // multiple of 2^16 units, which is 256 balls at least, between two watches is taken for one that stayed.
   struct Watched {
     std::uint16_t x[kBalls] = {}, y[kBalls] = {};
+    std::uint16_t turned = 0;        // the angle in the middle of kTremble, as a way of the rim
     std::uint8_t calm[kBalls] = {};  // watches that the body has stayed
   };
   const Surroundings s_;

@@ -46,7 +46,7 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   source.population.statics.remove_sleeping(s.first_shape, s.pieces);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) sleepers.recent.add(sleepers.touches[t]);
   bodies.enter(id, s.at, s.angle);
-  sleepers.mark_woken(id, s.at);
+  sleepers.mark_woken(id, s.at, s.angle);
   sleepers.woke = sleepers.changed = true;
 }
 

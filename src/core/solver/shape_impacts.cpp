@@ -74,7 +74,8 @@ struct Around {
   const Surroundings& s;
   const kernels::BodyView& view;
   const Manifolds& manifolds;
-  Vec2 gravity;  // m/s^2
+  Vec2 gravity;    // m/s^2
+  double& virial;  // N s m: of the impacts so far
 };
 
 // A pair whose bodies may collide in this substep.
@@ -261,6 +262,8 @@ class ShapeImpact {
     };
     for (int k = 0; k < hit.count; ++k) press(k, hit.impulse[k] * hit.n);
     const int k = hit.impulse[1] > hit.impulse[0] ? 1 : 0;  // friction acts at the point that presses most
+    const Vec2 between = way_ + b_.way(hit.time) - a_.way(hit.time);
+    if (!pair_.of_piece()) in_.virial += dot(push, between);
     const double mu = c_.mu[l_];
     if (mu > 0) {
       Mover a = a_, b = b_;
@@ -360,7 +363,7 @@ void Solver::list_bouncing(const SolverInput& in) {
 bool Solver::Run::impact_shapes(std::size_t index, bool first) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
-  const Around around{s_, view_, manifolds, params_.gravity};
+  const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
   for (const auto& [k, a, b] : solver_.bouncing_[index]) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "base/tasks.h"
 #include "solver/solver_run.h"
@@ -52,6 +53,23 @@ void set_softness(double h, double frequency, Stiffness& of) {
   const double a1 = 2 * kManifoldDamping + h * omega;
   of.soft = static_cast<float>(1 / (h * omega * a1));
   of.rate = static_cast<float>(omega / a1);
+}
+
+// The virial of the last substep: of contacts between shapes that move.
+double virial_of(const Manifolds::StripBlocks& strip, const Column<float>& radius) {
+  double sum = 0;
+  for (const kernels::ManifoldBlock& c :
+       std::span(strip.blocks).first(std::min<std::size_t>(strip.end[1], strip.blocks.size()))) {
+    for (std::uint32_t l = 0; l < kernels::kBlock; ++l) {
+      for (const kernels::ManifoldBlock::Point& p : c.point) {
+        if (!(p.impulse[l] > 0)) continue;
+        const double a = static_cast<double>(p.an[l]) * static_cast<double>(radius[c.body[2 * l]]);
+        const double b = static_cast<double>(p.bn[l]) * static_cast<double>(radius[c.body[2 * l + 1]]);
+        sum += static_cast<double>(p.impulse[l]) * (a - b + static_cast<double>(p.gap[l]));
+      }
+    }
+  }
+  return sum;
 }
 
 }  // namespace
@@ -319,6 +337,9 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     add(fixed, s.static_blocks, [&](std::size_t l) { return fixed.refresh[l] < 1e30f ? ~0u : 0u; });  // round shapes
     sums_[index].virial += sum * substeps;
     sums_[index].closed = closed;
+    Manifolds& manifolds = in.contacts.manifolds;
+    if (!manifolds.any() || index >= manifolds.strip_count()) return;
+    sums_[index].shapes += substeps * virial_of(manifolds.strip(index), in.contacts.surroundings.bodies.radius);
   });
 }
 
@@ -349,6 +370,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   for (std::size_t s = 0; s < in.contacts.manifolds.strip_count(); ++s) closed_ += in.contacts.manifolds.closed(s);
   for (const StripSum& strip : sums_) {
     report.virial += strip.virial;
+    report.shapes += strip.shapes;
     closed_ += strip.closed;
   }
   return report;

@@ -43,7 +43,8 @@ struct SolverInput {
 
 /// What the passes of a step did.
 struct SolverReport {
-  double virial = 0;     ///< N s m; m^2/s where all masses are equal: multiply by the mass
+  double virial = 0;     ///< of discs, N s m; m^2/s where all masses are equal: multiply by the mass
+  double shapes = 0;     ///< the same of shapes, always N s m
   double forces_ms = 0;  ///< time spent on accelerations
 };
 
@@ -82,7 +83,8 @@ class Solver {
   };
   class Run;
   struct StripSum {
-    double virial = 0;         // N s m
+    double virial = 0;         // N s m, of discs
+    double shapes = 0;         // and of shapes
     std::uint64_t closed = 0;  // contacts with an impulse
   };
 

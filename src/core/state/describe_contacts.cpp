@@ -106,7 +106,7 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   values(a, p.round_a, p.round_b, p.active, p.ahead, p.flying, p.ghost, p.moved, p.lasting, p.changed, p.stack,
-         p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands, p.yields);
+         p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands, p.hangs, p.yields);
   a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);

@@ -153,7 +153,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
   const SolverReport done = c.dynamics.solver.run(
       {contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics}, p);
   const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
-  report.virial = done.virial * (per_mass ? double{c.population.first_properties.mass} : 1.0);
+  report.virial = done.virial * (per_mass ? double{c.population.first_properties.mass} : 1.0) + done.shapes;
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
   report.stage_ms[static_cast<std::size_t>(Stage::solver)] -= done.forces_ms;
   const auto substeps = static_cast<std::uint64_t>(p.substeps);

@@ -169,7 +169,17 @@ void look(StepContext& c, const Span& span, StepReport&, PieceRange p) {
 }
 
 void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
-  c.contacts.manifolds.find_footing();
+  Manifolds& manifolds = c.contacts.manifolds;
+  manifolds.ties.clear();
+  if (!c.joints.empty() && manifolds.footing_is_old()) {
+    c.bodies.find_slots();
+    const auto end_of = [&](std::uint32_t id) {
+      const bool moves = c.bodies.info[id].place == Place::moving && c.bodies.properties(id).inv_mass > 0;
+      return moves ? c.bodies.info[id].slot : ManifoldPair::kNone;
+    };
+    c.joints.each_tie([&](std::uint32_t a, std::uint32_t b) { manifolds.ties.push_back({end_of(a), end_of(b)}); });
+  }
+  manifolds.find_footing();
   c.contacts.stacks.find(c.manifold_params(span.step));
 }
 

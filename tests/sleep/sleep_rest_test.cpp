@@ -1,0 +1,113 @@
+// What comes to rest falls asleep soon, in heaps of all kinds, and nothing else does.
+#include <psim/scene.h>
+
+#include "rigid_support.h"
+
+namespace psim::test {
+namespace {
+
+std::unique_ptr<World> built_in(const char* name, std::uint64_t n, int substeps) {
+  std::string error;
+  auto scene = make_builtin(name, n, 1, error);
+  if (!scene) throw std::runtime_error(error);
+  scene->world.substeps = substeps;
+  auto world = build_world(*scene, {}, error);
+  if (!world) throw std::runtime_error(error);
+  return world;
+}
+
+double share_asleep(World& world) {
+  const PublishedState s = world.published();
+  double all = 0, asleep = 0;
+  for (std::size_t k = 0; k < s.id.size(); ++k) {
+    if (s.type[k] != BodyType::dynamic_body) continue;
+    ++all;
+    asleep += world.is_awake(world.id_of(s.id[k])) ? 0 : 1;
+  }
+  return asleep / all;
+}
+
+double fastest(World& world) {
+  const PublishedState s = world.published();
+  double most = 0;
+  for (std::size_t k = 0; k < s.id.size(); ++k) most = std::max(most, std::hypot(s.vx[k], s.vy[k]));
+  return most;
+}
+
+TEST(SleepRest, RagdollsSleepWithinFiveSecondsOfTheirFall) {
+  for (const int substeps : {4, 16}) {
+    const auto world = built_in("rain", 55, substeps);
+    run_seconds(*world, 2 + 5);  // they fall for two seconds
+    EXPECT_EQ(share_asleep(*world), 1) << substeps << " substeps";
+  }
+}
+
+TEST(SleepRest, ARagdollAtRestDoesNotSlide) {
+  const auto world = built_in("rain", 11, 4);
+  world->set_sleeping(false);
+  run_seconds(*world, 10);
+  const PublishedState before = world->published();
+  const std::vector<double> x(before.x.begin(), before.x.end());
+  run_seconds(*world, 2);
+  const PublishedState after = world->published();
+  for (std::size_t k = 0; k < 11; ++k) EXPECT_NEAR(after.x[k], x[k], 1e-4) << "body " << k;
+}
+
+TEST(SleepRest, BoxesAmongDiscsFallAsleepWithoutAJolt) {
+  const auto world = built_in("boxes_into_discs", 505, 4);
+  run_seconds(*world, 9);
+  double most = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    world->step();
+    most = std::max(most, fastest(*world));
+  }
+  EXPECT_LT(most, 0.5);
+  EXPECT_GT(share_asleep(*world), 0.98);
+}
+
+TEST(SlowSleepRest, ABridgeSleepsOnceTheDiscsOnItLie) {
+  const auto world = built_in("bridge", 160, 4);
+  run_seconds(*world, 60);
+  EXPECT_EQ(share_asleep(*world), 1);
+}
+
+TEST(SleepRest, SlowMotionStaysAwake) {
+  const auto world = make(unbounded());
+  add(*world, fixed(box({0, -0.5}, 40, 1, kGrip)));
+  BodyDesc rolling;
+  rolling.shape = DiscShape{0.5};
+  rolling.position = {-5, 0.5};
+  rolling.material = kGrip;
+  rolling.velocity = {0.02, 0};
+  rolling.angular_velocity = -0.04;
+  const BodyId disc = add(*world, rolling);
+  add(*world, moving(kinematic(box({8, 0.1}, 4, 0.2, kGrip)), {0.002, 0}));
+  const BodyId carried = add(*world, box({8, 0.7}, 1, 1, kGrip));
+  const BodyId resting = add(*world, box({0, 0.5}, 1, 1, kGrip));
+  run_seconds(*world, 10);
+  EXPECT_TRUE(world->is_awake(disc));
+  EXPECT_NEAR(world->body(disc)->x, -5 + 0.2, 0.01);
+  EXPECT_TRUE(world->is_awake(carried));
+  EXPECT_NEAR(world->body(carried)->x, 8 + 0.02, 2e-3);
+  EXPECT_FALSE(world->is_awake(resting));
+}
+
+TEST(SleepRest, WhatBarelySwingsOnAPinAloneStaysAwake) {
+  const auto world = make(unbounded());
+  JointDesc pin;
+  pin.type = JointType::revolute;
+  pin.a = add(*world, static_disc({0, 0}, 0.1));
+  pin.b = add(*world, box({0, -50}, 1, 1, kGrip));
+  pin.anchor_b = {0, 50};
+  std::string error;
+  ASSERT_NE(world->add_joint(pin, error), kNoJoint) << error;
+  run_seconds(*world, 1);
+  world->set_velocity(pin.b, {0.01, 0}, 0.0002);  // within 3 % of its radius for two seconds
+  for (int second = 0; second < 10; ++second) {
+    run_seconds(*world, 1);
+    EXPECT_TRUE(world->is_awake(pin.b)) << "second " << second;
+  }
+}
+
+}  // namespace
+}  // namespace psim::test
