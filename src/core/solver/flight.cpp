@@ -335,20 +335,28 @@ double Flight::parts(const Approach& pair, const Hull& mine, double tolerance) c
   return Approach::kNever;
 }
 
-// Where a chain goes on from a segment without falling away from the body's side, the body meets the face of the segment,
-// never its end.
-Vec2 Flight::smoothed(Vec2 n) const {
+// Where another segment goes on from the end of one without falling away from the body's side, the body meets the face of
+// the segment, never its end.
+Vec2 Flight::smoothed(Vec2 n, std::span<const std::uint32_t> near) const {
   const Hull& piece = first_.hull;
   if (first_.other.piece == kNoSlot || piece.count != 2) return n;
   const Vec2 u = piece.vertex(1) - piece.vertex(0);
-  const double length = length_of(u), lean = dot(n, u) / length;
+  const double length = length_of(u), lean = dot(n, u) / length, same = kTolerance * double{inner_};
   if (std::fabs(lean) < 1e-3) return n;
-  const StaticShape* beyond = s_.statics.chain_neighbour(first_.other.piece, lean > 0);
-  if (beyond == nullptr) return n;
+  const Vec2 corner = piece.vertex(lean > 0 ? 1 : 0), out = (lean > 0 ? 1 / length : -1 / length) * u;
   const double side = cross(u, at_ - piece.vertex(0)) < 0 ? -1 : 1;
-  const Vec2 w = s_.lattice.steps(beyond->p, beyond->q);
-  const bool convex = side * dot(upright(w), u) * (lean > 0 ? 1 : -1) > 1e-3 * length * length_of(w);
-  return convex ? n : (side / length) * upright(u);
+  const Vec2 up = (side / length) * upright(u);
+  for (const std::uint32_t k : near) {
+    const StaticShape& s = s_.statics[k];
+    if (k == first_.other.piece || !s.segment || s.asleep || s.radius != piece.radius) continue;
+    const Hull next = seen(k, 0);
+    for (const int end : {0, 1}) {
+      const Vec2 way = next.vertex(1 - end) - corner;
+      if (length_of(next.vertex(end) - corner) > same || !(dot(out, way) > 0)) continue;
+      if (dot(up, way) > -1e-3 * length_of(way)) return up;
+    }
+  }
+  return n;
 }
 
 // Calls each(hull, course) for the other pieces of what a shape met: fixed geometry near its way, or kinematic bodies
@@ -379,7 +387,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const Manifold m = Approach(first_.hull, theirs, *first_.mine, mine).touch(0, 1e30);
   const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
   if (m.count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
-  Vec2 n = smoothed({m.nx / length, m.ny / length});
+  Vec2 n = smoothed({m.nx / length, m.ny / length}, near);
   Touching touching{upright(n), {}};
   const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
   const double most_gap = double{m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap} + tolerance;

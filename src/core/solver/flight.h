@@ -86,7 +86,7 @@ class Flight {
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
-  Vec2 smoothed(Vec2 n) const;
+  Vec2 smoothed(Vec2 n, std::span<const std::uint32_t> near) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   Hull seen(std::uint32_t piece, double way) const;
   template <class Each>
