@@ -15,14 +15,9 @@
 #include "joints/joint_store.h"
 #include "manifolds/contacts.h"
 #include "solver/approach.h"
+#include "solver/rates.h"
 
 namespace psim {
-
-/// How fast a body goes and turns: m/s and rad/s, or m and rad in a step.
-struct Rates {
-  Vec2 along;
-  double turn = 0;
-};
 
 /// What all flights of a step share.
 struct Airspace {
