@@ -3,7 +3,6 @@
 // union and find (Tarjan 1975).
 //
 // In: the active pairs of the step. Out: ManifoldPair::stands and yields, and the pairs whose lanes must be written again.
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -43,18 +42,16 @@ bool Manifolds::touches(const ManifoldPair& pair) const {
   return pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner;
 }
 
-// Whether most of the pairs that touch are among `turned`.
-bool Manifolds::most_turned(const std::vector<std::uint32_t>& turned) const {
-  const auto touching = [&](std::uint32_t k) { return touches(pairs_[k]); };
-  const auto many = 2 * static_cast<std::size_t>(std::ranges::count_if(turned, touching));
+// Whether less than so many pairs touch.
+bool Manifolds::touch_fewer(std::size_t many) const {
   std::size_t all = 0;
   for (std::size_t s = 0; s < strip_count() && all < many; ++s) {
     for (const std::uint32_t k : strips_[s].active) {
-      all += touching(k) ? 1 : 0;
+      all += touches(pairs_[k]) ? 1 : 0;
       if (all >= many) break;
     }
   }
-  return many > all;
+  return all < many;
 }
 
 void Manifolds::find_footing() {
@@ -71,17 +68,17 @@ void Manifolds::find_footing() {
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
     pair.changed = true;
   };
-  turned_.clear();
+  std::size_t turned = 0;
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
     if (changed) pair.stands = weighs_ && set_of(used_, pair.b) == kGround;
-    if (pair.placed || (stood && !pair.stands)) turned_.push_back(k);
+    if (pair.placed || (stood && !pair.stands)) turned += touches(pair) ? 1 : 0;
     if (pair.stands && !stood && !pair.placed && touches(pair))
       pair.rest_frames = kRestFrames;  // what hangs together lands
     yield(strip, k, pair.stands && !pair.fixed_a);
   });
-  cold_ = weighs_ && most_turned(turned_);
+  cold_ = weighs_ && touch_fewer(2 * turned);
   if (cold_) each_active([&](std::size_t strip, std::uint32_t k) { yield(strip, k, false); });
 }
 
