@@ -130,21 +130,6 @@ Hull StaticShapes::seen_from(std::uint32_t i, const LatticePoint& from, double s
   return hull;
 }
 
-const StaticShape* StaticShapes::chain_neighbour(std::uint32_t i, bool forward) const {
-  const StaticShape& s = statics_[i];
-  const auto of_chain = [&](std::uint32_t k) {
-    return k < count_ && statics_[k].alive && statics_[k].owner == s.owner && statics_[k].segment && !statics_[k].face;
-  };
-  const auto goes_on = [&](const StaticShape& o) { return forward ? s.q == o.p : s.p == o.q; };
-  if (!of_chain(i)) return nullptr;
-  std::uint32_t k = forward ? i + 1 : i - 1;
-  if (!of_chain(k)) {  // a loop goes on from its last segment to its first
-    k = i;
-    while (of_chain(forward ? k - 1 : k + 1)) k = forward ? k - 1 : k + 1;
-  }
-  return k != i && goes_on(statics_[k]) ? &statics_[k] : nullptr;
-}
-
 StaticShapes::Cells StaticShapes::cells_of(const Bounds& box) const {
   const auto clamp = [](double c, std::int64_t n) {
     if (!(c > 0)) return std::int64_t{0};

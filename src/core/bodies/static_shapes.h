@@ -102,8 +102,6 @@ class StaticShapes {
   /// A piece as seen from the place of a body. Lines far longer than `size`, m, are cut to the part around the body, so
   /// that the numbers are precise there.
   Hull seen_from(std::uint32_t i, const LatticePoint& from, double size) const;
-  /// The segment that goes on from the end q of a chain's segment (`forward`), or that ends in its p; or null.
-  const StaticShape* chain_neighbour(std::uint32_t i, bool forward) const;
   bool any() const { return alive_ != 0; }
   /// Whether near() finds whole polygons. Nothing needs them while no moving body has corners.
   void find_whole(bool wanted) { whole_wanted_ = wanted; }

@@ -48,18 +48,16 @@ bool Manifolds::touches(const ManifoldPair& pair) const {
   return pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner;
 }
 
-// Whether most of the pairs that touch are among `turned`.
-bool Manifolds::most_turned(const std::vector<std::uint32_t>& turned) const {
-  const auto touching = [&](std::uint32_t k) { return touches(pairs_[k]); };
-  const auto many = 2 * static_cast<std::size_t>(std::ranges::count_if(turned, touching));
+// Whether less than so many pairs touch.
+bool Manifolds::touch_fewer(std::size_t many) const {
   std::size_t all = 0;
   for (std::size_t s = 0; s < strip_count() && all < many; ++s) {
     for (const std::uint32_t k : strips_[s].active) {
-      all += touching(k) ? 1 : 0;
+      all += touches(pairs_[k]) ? 1 : 0;
       if (all >= many) break;
     }
   }
-  return many > all;
+  return all < many;
 }
 
 void Manifolds::find_footing() {
@@ -77,16 +75,16 @@ void Manifolds::find_footing() {
     pair.changed = true;
   };
   const bool tied = weighs_ && changed && !ties.empty();
-  turned_.clear();
+  std::size_t turned = 0;
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
     if (changed) pair.stands = pair.hangs = weighs_ && set_of(used_, pair.b) == kGround;
-    if (pair.placed || (stood && !pair.stands)) turned_.push_back(k);
+    if (pair.placed || (stood && !pair.stands)) turned += touches(pair) ? 1 : 0;
     if (pair.stands && !stood && !pair.placed && touches(pair)) pair.rest_frames = kRestFrames;  // a group lands
     if (!tied) yield(strip, k, pair.hangs && !pair.fixed_a);
   });
-  cold_ = weighs_ && most_turned(turned_);
+  cold_ = weighs_ && touch_fewer(2 * turned);
   if (!tied && !cold_) return;
   if (tied) {
     for (const auto& [a, b] : ties) unite(a, b);

@@ -172,7 +172,7 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, strips_, special_,
-            stale_, shaped_, fixed_, turned_, turning_, kind_, rotor_, inner_, used_, ties);
+            stale_, shaped_, fixed_, turning_, kind_, rotor_, inner_, used_, ties);
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
@@ -369,8 +369,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 }
 
 std::size_t Manifolds::bytes() const {
-  std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_,
-                             turned_, turning_, ties);
+  std::size_t sum =
+      bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_, turning_, ties);
   for (const StripBlocks& s : strips_) sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);
   return sum;

@@ -387,7 +387,7 @@ class Manifolds {
   void find_standing();
   void unite(std::uint32_t slot_a, std::uint32_t slot_b);
   bool touches(const ManifoldPair& pair) const;
-  bool most_turned(const std::vector<std::uint32_t>& turned) const;
+  bool touch_fewer(std::size_t many) const;
   template <class Visit>
   void each_active(const Visit& visit) {
     for (std::size_t s = 0; s < strip_count(); ++s) {
@@ -407,7 +407,6 @@ class Manifolds {
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
   bool fixed_known_ = false;                   // fixed_ is that of pairs_
   bool any_kinematic_ = false;                 // some fixed sides are kinematic
-  std::vector<std::uint32_t> turned_;          // pairs that were put there, or lost their footing
   std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs

@@ -11,87 +11,6 @@ constexpr double kTolerance = 1e-3;  // share of the inner radius to which impac
 constexpr double kAlike = 0.9999;    // normals with a larger cosine between them count as equal
 constexpr double kDeeper = 0.1;      // share of the inner radius by which hulls would overlap in an impact
 
-Vec2 speed_at(const Rates& r, Vec2 arm) { return r.along + r.turn * upright(arm); }
-
-// Two bodies in an impact: inverse masses and inertias, 0 for what does not give way, and what their surfaces are like.
-struct Surface {
-  double wa = 0, ia = 0, wb = 0, ib = 0;
-  double restitution = 0, friction = 0;
-  double least = 0;  // slower impacts do not bounce
-};
-
-// A point of an impact, by its arms from the centres.
-struct Point {
-  Vec2 a, b;
-};
-
-// The outermost points along a surface at which a body touches it.
-struct Touching {
-  Vec2 along;
-  Point points[2];
-  std::size_t count = 0;
-
-  void add(const Point& p) {
-    const auto place = [&](const Point& q) { return dot(along, q.b); };
-    if (count == 0) {
-      points[0] = points[1] = p;
-      count = 1;
-    } else if (place(p) < place(points[0])) {
-      points[0] = p;
-      count = 2;
-    } else if (place(p) > place(points[1])) {
-      points[1] = p;
-      count = 2;
-    }
-  }
-  void add(const Manifold& m, Vec2 apart, double most_gap) {
-    for (int k = 0; k < m.count; ++k) {
-      const Vec2 arm{m.point[k].bx, m.point[k].by};
-      if (double{m.point[k].gap} <= most_gap) add({apart + arm, arm});
-    }
-  }
-};
-
-void push(Rates& a, Rates& b, const Surface& s, const Point& p, Vec2 impulse) {
-  a.along = a.along - s.wa * impulse;
-  a.turn -= s.ia * cross(p.a, impulse);
-  b.along = b.along + s.wb * impulse;
-  b.turn += s.ib * cross(p.b, impulse);
-}
-
-// The impulses of an impact in one or two points at once (Newton's law at each of them), and then friction. Does nothing
-// if the bodies part already.
-void collide_rates(Rates& a, Rates& b, const Surface& s, Vec2 n, std::span<const Point> points) {
-  const auto closing = [&](const Point& p) { return dot(n, speed_at(b, p.b) - speed_at(a, p.a)); };
-  const auto weight = [&](const Point& p, const Point& q, Vec2 along) {
-    return s.wa + s.wb + s.ia * cross(p.a, along) * cross(q.a, along) + s.ib * cross(p.b, along) * cross(q.b, along);
-  };
-  double impulse[2] = {};
-  const double u0 = closing(points[0]), u1 = points.size() == 2 ? closing(points[1]) : 0;
-  const double factor = -std::fmin(u0, u1) < s.least ? 1 : 1 + s.restitution;
-  if (u0 < 0 && u1 < 0) {
-    const double k00 = weight(points[0], points[0], n), k01 = weight(points[0], points[1], n),
-                 k11 = weight(points[1], points[1], n), det = k00 * k11 - k01 * k01;
-    if (det > 1e-6 * k00 * k11) {
-      impulse[0] = -factor * (k11 * u0 - k01 * u1) / det;
-      impulse[1] = -factor * (k00 * u1 - k01 * u0) / det;
-    }
-  }
-  if (!(impulse[0] > 0 && impulse[1] > 0)) {
-    const std::size_t k = u1 < u0 ? 1 : 0;
-    const double u = std::fmin(u0, u1);
-    impulse[0] = impulse[1] = 0;
-    if (u < 0) impulse[k] = -factor * u / weight(points[k], points[k], n);
-  }
-  for (std::size_t k = 0; k < points.size(); ++k) push(a, b, s, points[k], impulse[k] * n);
-  const Vec2 t = upright(n);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Point& p = points[k];
-    const double sliding = dot(t, speed_at(b, p.b) - speed_at(a, p.a)), most = s.friction * impulse[k];
-    push(a, b, s, p, std::clamp(-sliding / weight(p, p, t), -most, most) * t);
-  }
-}
-
 }  // namespace
 
 float way_against(const Surroundings& s, std::size_t i, std::size_t k) {
@@ -335,20 +254,28 @@ double Flight::parts(const Approach& pair, const Hull& mine, double tolerance) c
   return Approach::kNever;
 }
 
-// Where a chain goes on from a segment without falling away from the body's side, the body meets the face of the segment,
-// never its end.
-Vec2 Flight::smoothed(Vec2 n) const {
+// Where another segment goes on from the end of one without falling away from the body's side, the body meets the face of
+// the segment, never its end.
+Vec2 Flight::smoothed(Vec2 n, std::span<const std::uint32_t> near) const {
   const Hull& piece = first_.hull;
   if (first_.other.piece == kNoSlot || piece.count != 2) return n;
   const Vec2 u = piece.vertex(1) - piece.vertex(0);
-  const double length = length_of(u), lean = dot(n, u) / length;
+  const double length = length_of(u), lean = dot(n, u) / length, same = kTolerance * double{inner_};
   if (std::fabs(lean) < 1e-3) return n;
-  const StaticShape* beyond = s_.statics.chain_neighbour(first_.other.piece, lean > 0);
-  if (beyond == nullptr) return n;
+  const Vec2 corner = piece.vertex(lean > 0 ? 1 : 0), out = (lean > 0 ? 1 / length : -1 / length) * u;
   const double side = cross(u, at_ - piece.vertex(0)) < 0 ? -1 : 1;
-  const Vec2 w = s_.lattice.steps(beyond->p, beyond->q);
-  const bool convex = side * dot(upright(w), u) * (lean > 0 ? 1 : -1) > 1e-3 * length * length_of(w);
-  return convex ? n : (side / length) * upright(u);
+  const Vec2 up = (side / length) * upright(u);
+  for (const std::uint32_t k : near) {
+    const StaticShape& s = s_.statics[k];
+    if (k == first_.other.piece || !s.segment || s.asleep || s.radius != piece.radius) continue;
+    const Hull next = seen(k, 0);
+    for (const int end : {0, 1}) {
+      const Vec2 way = next.vertex(1 - end) - corner;
+      if (length_of(next.vertex(end) - corner) > same || !(dot(out, way) > 0)) continue;
+      if (dot(up, way) > -1e-3 * length_of(way)) return up;
+    }
+  }
+  return n;
 }
 
 // Calls each(hull, course) for the other pieces of what a shape met: fixed geometry near its way, or kinematic bodies
@@ -379,7 +306,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const Manifold m = Approach(first_.hull, theirs, *first_.mine, mine).touch(0, 1e30);
   const double length = std::sqrt(double{m.nx} * m.nx + double{m.ny} * m.ny);
   if (m.count == 0 || !(length > 0) || !(properties_.inv_mass > 0)) return false;
-  Vec2 n = smoothed({m.nx / length, m.ny / length});
+  Vec2 n = smoothed({m.nx / length, m.ny / length}, near);
   Touching touching{upright(n), {}};
   const double tolerance = first_.pressed ? 0.2 * double{inner_} : 2 * kTolerance * double{inner_};
   const double most_gap = double{m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap} + tolerance;
@@ -391,7 +318,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const auto inertia = [&](const BodyProperties& p) {
     return b_.rim_speed.empty() ? 0.0 : double{p.rim_gain} / (double{p.radius} * p.radius);
   };
-  Surface s{0, 0, properties_.inv_mass, inertia(properties_)};
+  ImpactSurface s{0, 0, properties_.inv_mass, inertia(properties_)};
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
   s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};

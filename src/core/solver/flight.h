@@ -15,14 +15,9 @@
 #include "joints/joint_store.h"
 #include "manifolds/contacts.h"
 #include "solver/approach.h"
+#include "solver/rates.h"
 
 namespace psim {
-
-/// How fast a body goes and turns: m/s and rad/s, or m and rad in a step.
-struct Rates {
-  Vec2 along;
-  double turn = 0;
-};
 
 /// What all flights of a step share.
 struct Airspace {
@@ -86,7 +81,7 @@ class Flight {
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
-  Vec2 smoothed(Vec2 n) const;
+  Vec2 smoothed(Vec2 n, std::span<const std::uint32_t> near) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   Hull seen(std::uint32_t piece, double way) const;
   template <class Each>
