@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "calibrate_rigid.h"
 #include "cases/case.h"
 #include "cases/gas_scenes.h"
 #include "check/scene_kind.h"
@@ -28,6 +29,7 @@ struct Reference {
   std::function<Scene(std::uint64_t seed)> scene;
   int seeds = 1;  ///< the error is the mean over so many
   std::function<double(Run&)> error;
+  std::function<double(const Scene&)> own_error;  ///< instead of `error`, in a world of psim
   double dt = 1.0 / kFrameRate;
   std::function<Scene()> timed;  ///< another scene to time; empty: the same
   std::vector<Integrator> integrators = {Integrator::verlet};
@@ -143,17 +145,50 @@ Reference pile(std::string_view name, const std::function<void(Scene&)>& change,
   return r;
 }
 
+// ---- shapes and joints ----------------------------------------------------------------------------
+
+Reference rigid(std::string measure, std::function<Scene(std::uint64_t)> scene, double (*error)(const Scene&)) {
+  Reference r;
+  r.measure = std::move(measure);
+  r.scene = std::move(scene);
+  r.own_error = error;
+  return r;
+}
+
+void add_rigid(std::vector<Reference>& references) {
+  const std::string rest = "overlap at rest in sizes; 99 % of contacts have less; or the energy gained if it is more";
+  const std::string kept = "largest relative change of the energy of elastic shapes in ten seconds";
+  const std::string gap = "largest gap of a pin in sizes of a body in ten seconds";
+  references.push_back(rigid(rest, pyramid_of_boxes, shapes_error));
+  for (const double width : {16.0, 6.0}) {
+    references.push_back(rigid(
+        rest, [=](std::uint64_t seed) { return heap_of_boxes(width, seed); }, shapes_error));
+  }
+  for (const double speed : {2.0, 10.0}) {
+    references.push_back(rigid(
+        kept, [=](std::uint64_t seed) { return gas_of_boxes(speed, seed); }, elastic_shapes_error));
+  }
+  constexpr std::pair<const char*, std::uint64_t> kPinned[] = {
+      {"chain", 30}, {"joint_grid", 400}, {"ball_and_chain", 30}};
+  for (const auto& [name, bodies] : kPinned) {
+    references.push_back(rigid(
+        gap, [name = name, bodies = bodies](std::uint64_t) { return pinned(name, bodies); }, joints_error));
+  }
+}
+
 std::vector<Reference> references(Effort effort) {
   const auto tall = [](Scene& scene) { stack_up(scene, 8); };
-  return {orbit(1.0 / 60),
-          orbit(1.0 / 6),
-          gas(4, 10, effort),
-          gas(1, 60, effort),
-          pile("pile", {}, effort),
-          pile("pile", tall, effort),
-          pile("rough-pile", {}, effort),
-          pile("rough-pile", tall, effort),
-          pile("pile", add_heavy_ones, effort)};
+  std::vector<Reference> all = {orbit(1.0 / 60),
+                                orbit(1.0 / 6),
+                                gas(4, 10, effort),
+                                gas(1, 60, effort),
+                                pile("pile", {}, effort),
+                                pile("pile", tall, effort),
+                                pile("rough-pile", {}, effort),
+                                pile("rough-pile", tall, effort),
+                                pile("pile", add_heavy_ones, effort)};
+  add_rigid(all);
+  return all;
 }
 
 // ---- measuring ----------------------------------------------------------------------------------
@@ -161,6 +196,13 @@ std::vector<Reference> references(Effort effort) {
 double mean_error(const Reference& r, const Setting& setting) {
   double sum = 0;
   for (int seed = 1; seed <= r.seeds; ++seed) {
+    if (r.own_error) {
+      Scene scene = r.scene(static_cast<std::uint64_t>(seed));
+      scene.world.substeps = setting.substeps;
+      scene.world.dt = setting.frame;
+      sum += r.own_error(scene);
+      continue;
+    }
     const Model model = make_model(r.scene(static_cast<std::uint64_t>(seed)));
     Run run(model, psim_engine().make(model, setting));
     try {
@@ -216,7 +258,7 @@ std::string digits(double value, int count) {
 }
 
 void append_rows(const Reference& r, Effort effort, std::ostream& out) {
-  const Scene scene = make_model(r.scene(1)).scene;
+  const Scene scene = r.own_error ? r.scene(1) : make_model(r.scene(1)).scene;
   const Scene timed = r.timed ? make_model(r.timed()).scene : scene;
   const SceneTraits traits = traits_of(scene);
   for (const Integrator integrator : r.integrators) {

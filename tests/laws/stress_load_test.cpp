@@ -24,7 +24,8 @@ TEST(StressSteps, OfAnyLengthGainNoEnergyAndLoseNobody) {
       const Landing landing = land(dt, 0.6 * friction, friction);
       EXPECT_TRUE(landing.whole) << dt;
       EXPECT_LT(landing.energy_gain, 1e-9) << dt;
-      EXPECT_LT(landing.speed, dt < 0.07 ? 3e-4 : 0.2) << dt;  // at 0.1 s 1e-6 to 0.1, by the start
+      // Beyond 1/15 s nothing says that the discs come to rest: at 0.1 s 1e-6 to 0.1 is left, by the start.
+      EXPECT_LT(landing.speed, dt < 0.07 ? 3e-6 : dt < 0.15 ? 3e-5 : 0.07) << dt;
       EXPECT_LT(landing.overlap, dt < 0.15 ? 0.27 : 1.9) << dt;
     }
   }
@@ -47,7 +48,7 @@ TEST(StressSteps, OfVeryUnevenLengthGainNoEnergy) {
 }
 
 TEST(StressSteps, OneOfAnotherLengthShakesAPileWithinBounds) {
-  EXPECT_LT(speed_after_another_step(1.0 / 60), 3e-6);
+  EXPECT_LT(speed_after_another_step(1.0 / 60), 1e-6);
   EXPECT_LT(speed_after_another_step(1.0 / 240), 0.014);
   EXPECT_LT(speed_after_another_step(1e-3), 0.55);
   EXPECT_LT(speed_after_another_step(1e-6), 0.75);
@@ -140,7 +141,7 @@ TEST(StressCrowd, SixHundredSmallDiscsRestOnABigOneThatFloats) {
 
 TEST(SlowStressCrowd, TenThousandComeToRestOnOneSegment) {
   const Crowd crowd = discs_on_a_plate();
-  EXPECT_LT(crowd.overlap, 0.1);  // 16 starts that differ by less than a millimetre: 0.03 to 0.09
+  EXPECT_LT(crowd.overlap, 0.1);  // 16 starts that differ by less than a millimetre: 0.03 to 0.09; this one 0.055
   EXPECT_LT(crowd.speed, 7e-4);
 }
 

@@ -55,7 +55,7 @@ CalibrationRow row_of(std::string_view line) {
   return row;
 }
 
-double items_of(const CalibrationRow& row) { return row.kind == SceneKind::fields ? row.bodies : row.pairs; }
+double items_of(const CalibrationRow& row) { return costs_by_body(row.kind) ? row.bodies : row.pairs; }
 
 }  // namespace
 

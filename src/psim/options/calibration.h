@@ -25,11 +25,13 @@ struct CalibrationRow {
   double bodies = 0, pairs = 0, ns_per_frame = 0;  ///< of the scene that was timed
 };
 
-/// ns a frame = body x bodies + item x items x substeps; items are pairs, with fields bodies.
+/// ns a frame = body x bodies + item x items x substeps; items are pairs, with fields and joints bodies.
 struct FrameCost {
   double body = 0, item = 0;
   double pairs_per_body = 0;  ///< on average in the scenes that were timed
 };
+
+inline bool costs_by_body(SceneKind kind) { return kind == SceneKind::fields || kind == SceneKind::joints; }
 
 class Calibration {
  public:

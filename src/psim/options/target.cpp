@@ -27,7 +27,7 @@ class Prospects {
   TargetSettings settings(Integrator integrator, int substeps, double pairs, double slowness) const {
     const auto bodies = static_cast<double>(traits_.moving);
     const FrameCost cost = table_.cost(traits_.kind, integrator);
-    const double items = traits_.kind == SceneKind::fields ? bodies : pairs;
+    const double items = costs_by_body(traits_.kind) ? bodies : pairs;
     const double ns = cost.body * bodies + cost.item * items * substeps;
     return {integrator, substeps, error(integrator, substeps), 1e-6 * ns * slowness};
   }
@@ -129,7 +129,7 @@ void choose_by_time(Target& target, const Prospects& prospects, const Scene& sce
   const Trial trial = try_scene(scene, options);
   const double expected =
       prospects.settings(tried_integrator(target, scene), scene.world.substeps, trial.pairs, 1).ms_per_frame;
-  const bool gathers = target.traits.kind != SceneKind::gas;
+  const bool gathers = target.traits.kind != SceneKind::gas && target.traits.kind != SceneKind::elastic_shapes;
   const double pairs = gathers ? std::max(trial.pairs, prospects.usual_pairs()) : trial.pairs;
   const double slowness = expected > 0 ? trial.ms / expected : 1;
 
