@@ -29,7 +29,9 @@ bool is_still(const BodyStore& b, std::size_t slot) {
 }
 
 // Returns a function that tells the marks of a body that has stayed where it is for long enough, else 0.
-auto calm_marks(const BodyStore& bodies, const Sleepers& sleepers, double dt) {
+auto calm_marks(const SleepSource& source, const Sleepers& sleepers, double dt) {
+  const BodyStore& bodies = source.population.bodies;
+  const bool joined = !source.joints.empty();  // what joints tie trembles; other heaps come to rest
   const std::uint32_t needed = Sleepers::needed(dt), creeping = Sleepers::needed(dt, Sleepers::kCreepTime),
                       trembling = Sleepers::needed(dt, Sleepers::kTrembleTime);
   return [=, &bodies, &sleepers](std::uint32_t id) {
@@ -37,7 +39,7 @@ auto calm_marks(const BodyStore& bodies, const Sleepers& sleepers, double dt) {
     const bool rests = sleepers.calm(id) >= needed;
     const Sleepers::BallKind ball = Sleepers::restless(properties);
     // A kinematic body is moved on purpose, however slowly.
-    const bool creeps = (rests || properties.inv_mass > 0) &&
+    const bool creeps = (rests || properties.inv_mass > 0) && (joined || ball == Sleepers::kWide) &&
                         sleepers.calm(id, ball) >= (ball == Sleepers::kTremble ? trembling : creeping);
     return static_cast<std::uint8_t>((rests ? kCalm : 0) | (creeps ? kCreeping : 0));
   };
@@ -75,7 +77,7 @@ class SleepChoice {
   // Marks bodies that have rested long enough, and returns how many there are.
   std::size_t mark_calm(double dt) {
     state_.reserve(kernels::round_up_block(bodies_.count));
-    const auto marks = calm_marks(bodies_, sleepers_, dt);
+    const auto marks = calm_marks(source_, sleepers_, dt);
     std::size_t calm = 0;
     for (std::uint32_t i = 0; i < bodies_.count; ++i) {
       state_[i] = 0;
@@ -233,7 +235,7 @@ std::string Sleep::why_awake(const SleepSource& source, std::uint32_t id, bool s
                   static_cast<int>(Sleepers::kWatchFrames));
     return line;
   }
-  const auto marks = calm_marks(bodies, sleepers, dt);
+  const auto marks = calm_marks(source, sleepers, dt);
   const auto rested = [&](std::uint32_t body) { return marks(body) != 0; };
   if (!rested(id)) {
     const double watch = static_cast<double>(Sleepers::kWatchFrames) * dt;
