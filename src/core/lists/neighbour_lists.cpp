@@ -244,8 +244,9 @@ void NeighbourLists::pack(std::size_t begin, std::size_t end) {
       for (const std::uint32_t owner = table.owner[p]; i <= owner; ++i) table.first[i] = p;
     }
     for (; i < s.body_end; ++i) table.first[i] = s.pair_end;
-    table.static_contacts[index].assign(candidates.static_contacts[index].begin(),
-                                        candidates.static_contacts[index].end());
+    const std::vector<StaticPair>& near = candidates.static_contacts[index];
+    table.static_contacts[index].reserve(near.capacity());  // assign() alone would leave no room to spare
+    table.static_contacts[index].assign(near.begin(), near.end());
     link_strip(table, index, surroundings.bodies.linked.data());
   });
   if (end == table.strips.size()) table.mark_strips();
