@@ -26,12 +26,15 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 }
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
-// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on.
-constexpr float kFlying = 1;
+// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
+// that bounces from fixed geometry does so in the impact sweeps of the substeps, which know gravity and all others that
+// it meets, unless it passes more than so many of its sizes in a step.
+constexpr float kFlying = 1, kMostSizes = 4;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
+  if (!(pair.least_gap() > kApart * inner)) return false;
   float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
   if (!pair.of_piece()) {  // as seen from A, which turns
     const float spin = b.rim_speed[a] / b.radius[a];
@@ -40,8 +43,11 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
     y -= b.vel[2 * a + 1] + spin * rx;
     turn -= spin;
   }
-  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b);
-  return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
+  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b), dt = static_cast<float>(params.dt);
+  if (!(dt * (swing - (m.nx * x + m.ny * y)) > kFlying * inner)) return false;
+  const BodyProperties& other = pair.of_wall() ? params.wall : b.properties(pair.id_a);
+  const bool bounces = std::fmax(other.restitution, b.properties(pair.id_b).restitution) > 0;
+  return !pair.of_piece() || !bounces || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
 // Runs once all pairs of a strip were looked at.
@@ -55,8 +61,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.watched.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    pair.flying = pair.active && pair.fixed_a &&
-                  flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
+    pair.flying = pair.active && pair.fixed_a && flies(s_.bodies, params, pair, inner_of(pair.b));
     if (pair.flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
