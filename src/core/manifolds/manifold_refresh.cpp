@@ -27,9 +27,9 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
-// that bounces from fixed geometry does so in the impact sweeps of the substeps, which know gravity and all others that
-// it meets, unless it passes more than so many of its sizes in a step.
-constexpr float kFlying = 1, kMostSizes = 4;
+// that bounces from fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity
+// and whom else it meets.
+constexpr float kFlying = 1;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;

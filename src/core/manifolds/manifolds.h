@@ -116,6 +116,10 @@ inline constexpr std::uint8_t kRestFrames = 8;
 /// A gap below this share of the inner radius counts as touching.
 inline constexpr float kTouching = 0.002f;
 
+/// Shapes that pass each other by more of their sizes in a substep may have more impacts than the impact sweeps settle.
+/// From fixed geometry, those bounce in the sweeps that go no further in a whole step, others in continuous collision.
+inline constexpr float kMostSizes = 4;
+
 /// Compliance and push-out rate of a contact, see ManifoldBlock.
 struct Stiffness {
   float soft = 0, rate = 0;

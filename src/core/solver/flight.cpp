@@ -165,7 +165,7 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
-    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, k});
+    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, true, k});
   }
 }
 
@@ -182,7 +182,7 @@ void Flight::find_walls() {
     hull.set_vertex(0, foot - along);
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
-    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction});
+    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction, true});
   }
 }
 
@@ -251,7 +251,11 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
-    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
+    // The sweeps of the substeps saw to bounces; the straight way does not show how the body turned before and after.
+    const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
+                         length_of(way_.along) <= double{kMostSizes} * b_.radius[slot_];
+    const double size = std::fmin(inner_, other.inner);
+    const double share = strikes(pair, part, size, bounced ? kDeep : kDeeper, pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
   }
 }
@@ -259,12 +263,13 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
 // deeper than it lies in something already: a body that slides over tiles meets the sides of the next ones as deep as it
 // sank into the last one. A body that touches all the way strikes if it would come deep.
-double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal) {
-  const double size = inner, deep = -kDeep * size;
+double Flight::strikes(const Approach& pair, const Hull& mine, double size, double deeper, bool& pressed,
+                       Vec2& normal) {
+  const double deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
   const Approach::Stand start = pair.stand(0, 0);
   sunk_ = std::fmax(sunk_, std::fmin(-start.distance, kDeep * size));
-  const double struck = -kDeeper * size - sunk_;
+  const double struck = -deeper * size - sunk_;
   const auto strikes_from = [&](double from) {
     const double share = pair.falls_to(0, tolerance, from);
     return share > 1 || pair.falls_to(struck, tolerance, share) > 1 ? Approach::kNever : share;
@@ -278,7 +283,7 @@ double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool
     const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
     return later < 1 || through ? 0 : Approach::kNever;
   }
-  const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
+  const double limit = std::fmax(std::fmin(start.distance, 0) - deeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
   if (share > 1) return Approach::kNever;
   const double from = parts(pair, mine, tolerance);

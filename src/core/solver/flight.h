@@ -61,6 +61,7 @@ class Flight {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
+    bool fixed = false;             // it does not move
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
     float inner = 1e30f;            // m
@@ -83,7 +84,7 @@ class Flight {
   void find_moving(std::uint32_t slot, bool yields);
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
-  double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
+  double strikes(const Approach& pair, const Hull& mine, double size, double deeper, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   bool bounce();

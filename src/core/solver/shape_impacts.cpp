@@ -16,7 +16,6 @@ namespace {
 constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
 // The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
-constexpr double kMostSizes = 4;
 constexpr int kMostSteps = 100;
 
 // A body within a substep. One that is part of the world has no slot and does not move.
@@ -140,11 +139,10 @@ class ShapeImpact {
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
   }
 
-  // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
-  // solver lets nobody through.
+  // The solver sees to such bodies, and lets nobody through.
   bool too_fast(double h) const {
     const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
-    return h * length_of(b_.v - a_.v) > kMostSizes * size;
+    return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
   }
 
   // Whether the circles about two bodies do not meet in the substep.
