@@ -16,6 +16,8 @@ namespace {
 constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
 // The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
+// Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
+constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
 constexpr int kMostSteps = 100;
 
 // A body within a substep. One that is part of the world has no slot and does not move.
@@ -44,6 +46,7 @@ struct Hit {
   double approach[2] = {};  // m/s along n, < 0
   double impulse[2] = {};
   double parting = 1e30;  // m/s: of the slowest point that touches
+  double depth = 0;       // m
 };
 
 // The velocity along m of point j that an impulse along n at point i adds.
@@ -107,6 +110,10 @@ class ShapeImpact {
     if (too_fast(h)) return false;
     Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
     if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
+    if (found == Found::slow && e == 1 && hit.count == 0) {
+      part(hit, h);
+      found = Found::none;
+    }
     if (found != Found::slow) e = -e;
     if (found != Found::hit) return false;
     find_impulses(a_, b_, -double{e}, hit);
@@ -177,6 +184,7 @@ class ShapeImpact {
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
         if (found != Found::none) return found;
+        hit.depth = -gap;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
       }
       const Vec2 u = b_.v + t * b_.a - a_.v - t * a_.a, gained = (h - t) * (b_.a - a_.a);
@@ -211,6 +219,20 @@ class ShapeImpact {
       hit.approach[hit.count++] = vn;
     }
     return hit.count != 0 ? Found::hit : slow ? Found::slow : Found::none;
+  }
+
+  // Moves bodies apart that overlap and would hardly part by themselves. Their velocities stay, and so does their energy.
+  void part(const Hit& hit, double h) const {
+    const double wa = pair_.fixed_a ? 0 : a_.inv_mass, sum = wa + b_.inv_mass;
+    const double way = std::min(kPartingShare * hit.depth, kPartingSpeed * h);  // m
+    if (!(sum > 0)) return;
+    const auto shift = [&](const Mover& m, double by) {
+      float* const d = in_.view.disp + 2 * std::size_t{m.slot};
+      d[0] = static_cast<float>(double{d[0]} + by * hit.n.x);
+      d[1] = static_cast<float>(double{d[1]} + by * hit.n.y);
+    };
+    if (wa > 0) shift(a_, -way * wa / sum);
+    shift(b_, way * b_.inv_mass / sum);
   }
 
   void bounce(const Hit& hit) {
