@@ -247,29 +247,34 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
+  const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
+                       length_of(way_.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
-    // The sweeps of the substeps saw to bounces; the straight way does not show how the body turned before and after.
-    const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
-                         length_of(way_.along) <= double{kMostSizes} * b_.radius[slot_];
-    const double size = std::fmin(inner_, other.inner);
-    const double share = strikes(pair, part, size, bounced ? kDeep : kDeeper, pressed, normal);
+    if (bounced && !passes(pair)) continue;
+    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
   }
+}
+
+// Whether a body that bounced in the sweeps of the substeps passed through a hull, or ends deep in it. Between, the
+// straight way does not show where the body was and how it turned.
+bool Flight::passes(const Approach& pair) const {
+  const Vec2 n = pair.entry();
+  return n.x != 0 || n.y != 0 || pair.stand(1, 0).distance < -kDeep * inner_;
 }
 
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
 // deeper than it lies in something already: a body that slides over tiles meets the sides of the next ones as deep as it
 // sank into the last one. A body that touches all the way strikes if it would come deep.
-double Flight::strikes(const Approach& pair, const Hull& mine, double size, double deeper, bool& pressed,
-                       Vec2& normal) {
-  const double deep = -kDeep * size;
+double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal) {
+  const double size = inner, deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
   const Approach::Stand start = pair.stand(0, 0);
   sunk_ = std::fmax(sunk_, std::fmin(-start.distance, kDeep * size));
-  const double struck = -deeper * size - sunk_;
+  const double struck = -kDeeper * size - sunk_;
   const auto strikes_from = [&](double from) {
     const double share = pair.falls_to(0, tolerance, from);
     return share > 1 || pair.falls_to(struck, tolerance, share) > 1 ? Approach::kNever : share;
@@ -283,7 +288,7 @@ double Flight::strikes(const Approach& pair, const Hull& mine, double size, doub
     const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
     return later < 1 || through ? 0 : Approach::kNever;
   }
-  const double limit = std::fmax(std::fmin(start.distance, 0) - deeper * size, deep);
+  const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
   if (share > 1) return Approach::kNever;
   const double from = parts(pair, mine, tolerance);

@@ -84,7 +84,8 @@ class Flight {
   void find_moving(std::uint32_t slot, bool yields);
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
-  double strikes(const Approach& pair, const Hull& mine, double size, double deeper, bool& pressed, Vec2& normal);
+  bool passes(const Approach& pair) const;
+  double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
   bool bounce();
