@@ -220,6 +220,14 @@ struct Manifolds::Look {
   template <class Each>
   void each_fixed(const ManifoldPair& pair, const Each& each) const;
 
+  // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
+  bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
+    const BodyProperties& of_a = pair.of_wall() ? params.wall : b.properties(pair.id_a);
+    if (std::fmax(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
+    const float reach = pair.of_piece() ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
+    return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
+  }
+
   // Whether a contact counts in this step, and whether it lies ahead: the bodies are apart, and may
   // close the gap within the step. Its normal is that of the points that are nearest now, which need not be those
   // where the bodies will meet.
@@ -231,6 +239,7 @@ struct Manifolds::Look {
     const float least = pair.least_gap();
     // Gravity alone may close a small gap: what supports one body need not support the other.
     if (!(least > std::fmax(kApart * now.inner, std::fmin(g * dt * dt, kFallen * now.inner)))) return;
+    if (is_elastic(pair, now)) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
     pair.ahead = kAheadFrames * dt * closing >= least;
