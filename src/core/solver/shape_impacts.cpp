@@ -100,10 +100,11 @@ class ShapeImpact {
     way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
   }
 
-  /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
+  /// Collides the bodies, if they do so before the substep ends. An impact from `due` on waits for a later sweep. Returns
+  /// whether they did, or will. The solver leaves the pair
   /// alone in this substep unless its impact is too slow to bounce, or left over in the last sweep (least_e is 1): no body
   /// leaves through fixed ground.
-  bool collide_in(double h, double floor, float least_e) {
+  bool collide_in(double h, double floor, float least_e, float due) {
     float& e = c_.e[l_];
     Hit hit;
     const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
@@ -115,7 +116,7 @@ class ShapeImpact {
       found = Found::none;
     }
     if (found != Found::slow) e = -e;
-    if (found != Found::hit) return false;
+    if (found != Found::hit || hit.time >= double{due}) return found == Found::hit;
     find_impulses(a_, b_, -double{e}, hit);
     bounce(hit);
     return true;
@@ -341,7 +342,7 @@ void Solver::list_bouncing(const SolverInput& in) {
   });
 }
 
-bool Solver::Run::impact_shapes(std::size_t index, bool first) {
+bool Solver::Run::impact_shapes(std::size_t index, bool all) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
   const Around around{s_, view_, manifolds, params_.gravity};
@@ -352,8 +353,8 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first) {
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
-    // Later sweeps look at bodies that had an impact in this substep.
-    if (!first && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
+    // The last sweeps look at bodies that had an impact in this substep.
+    if (!all && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
     e = std::fabs(e);
     if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
       continue;
@@ -364,7 +365,7 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first) {
       e = -e;  // too far apart to meet
       continue;
     }
-    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e);
+    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e, discs_.pair.due);
   }
   return any;
 }
