@@ -34,7 +34,6 @@ constexpr float kFlying = 1;
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
-  if (!(pair.least_gap() > kApart * inner)) return false;
   float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
   if (!pair.of_piece()) {  // as seen from A, which turns
     const float spin = b.rim_speed[a] / b.radius[a];
