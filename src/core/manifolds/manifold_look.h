@@ -178,8 +178,10 @@ struct Manifolds::Look {
     const float margin = now.wanted + 2 * kLasting * now.inner;
     const Manifold old = pair.manifold;
     pair.manifold = found;
-    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0)
-      fit_to_segment(pair, *a, hull_b, now, margin);
+    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0) {
+      const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
+      fit_to_segment(pair, pair.manifold, *a, now.qa, hull_b, now.qb, way, way, margin);
+    }
     pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
@@ -213,7 +215,8 @@ struct Manifolds::Look {
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).
   enum class Meets : std::uint8_t { what_was_found, face, nothing };
   Meets at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way, const Manifold& m, Vec2& face) const;
-  void fit_to_segment(ManifoldPair& pair, const Hull& a, const Hull& hull_b, const Stand& now, float margin) const;
+  void fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b, Rotor qb,
+                      Vec2 start, Vec2 way, float margin) const;
   EdgeCorner corner_at(const ManifoldPair& pair, Vec2 corner, Vec2 out, Vec2 up, float radius) const;
   Hull seen_from_b(const PairName& pair) const;
   void foresee_fixed(ManifoldPair& pair) const;

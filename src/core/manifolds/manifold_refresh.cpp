@@ -27,8 +27,8 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
-// that bounces from fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity
-// and whom else it meets.
+// that meets fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity and
+// whom else it meets.
 constexpr float kFlying = 1;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
@@ -44,9 +44,7 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
   }
   const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b), dt = static_cast<float>(params.dt);
   if (!(dt * (swing - (m.nx * x + m.ny * y)) > kFlying * inner)) return false;
-  const BodyProperties& other = pair.of_wall() ? params.wall : b.properties(pair.id_a);
-  const bool bounces = std::fmax(other.restitution, b.properties(pair.id_b).restitution) > 0;
-  return !pair.of_piece() || !bounces || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
+  return !pair.of_piece() || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
 // Runs once all pairs of a strip were looked at.
@@ -58,6 +56,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.active.clear();
   strip.rewrite.clear();
   strip.watched.clear();
+  strip.landing.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
     pair.flying = pair.active && pair.fixed_a && flies(s_.bodies, params, pair, inner_of(pair.b));
@@ -66,6 +65,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
+    if (pair.lands()) strip.landing.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

@@ -98,6 +98,7 @@ class ShapeImpact {
     hull_a_ = hull(pair.a, pair.part_a);
     near_ = std::min(near_, kTouch * double{hull_a_.inner});
     way_ = in_.s.lattice.way(b.point(pair.a), b.point(pair.b));
+    start_ = way_;
   }
 
   /// Collides the bodies, if they do so before the substep ends. An impact from `due` on waits for a later sweep. Returns
@@ -122,6 +123,16 @@ class ShapeImpact {
     return true;
   }
 
+  /// The contact of the time at which the bodies meet, or of the end of the substep, is what the solver goes by, unless it
+  /// presses already.
+  void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
+    if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
+    Hit hit;
+    const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
+    const Manifold m = at(t);
+    if (m.count != 0) manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+  }
+
  private:
   enum class Found : std::uint8_t { none, slow, hit };
 
@@ -137,7 +148,7 @@ class ShapeImpact {
     m.omega = double{view.rim_speed[slot]} / reach;
     m.inv_mass = inv_mass;
     m.inv_inertia = double{rim_gain} / (reach * reach);
-    m.since = view.event_time[slot];
+    if (view.event_time != nullptr) m.since = view.event_time[slot];
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
     return m;
   }
@@ -165,7 +176,10 @@ class ShapeImpact {
     const Vec2 d = way_ + b_.way(t) - a_.way(t);
     const Rotor qb = b_.rotor(t);
     if (!pair_.of_wall()) {
-      return collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
+      Manifold m =
+          collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
+      in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, qb, start_, d);
+      return m;
     }
     const Manifold& m = pair_.manifold;
     const Vec2 n{m.nx, m.ny}, since = in_.s.lattice.way(pair_.base, in_.s.bodies.point(pair_.b)) + d;
@@ -285,7 +299,7 @@ class ShapeImpact {
   const std::uint32_t l_;
   const Mover a_, b_;
   Hull hull_a_, hull_b_;
-  Vec2 way_;         // m: from A to B
+  Vec2 way_, start_; // m: from A to B, at the start of the substep and of the step
   double near_ = 0;  // m
 };
 
@@ -321,6 +335,12 @@ Reach reach_of(const Around& in, const ManifoldPair& pair) {
   return {length_of(v) + spin, length_of(d) + turned};
 }
 
+// Whether bodies that were apart at the start of the step may meet in this substep, and fast enough to matter.
+bool comes_near(const Around& in, const ManifoldPair& pair, double h, double slowest) {
+  const Reach reach = reach_of(in, pair);
+  return reach.speed > slowest && double{pair.least_gap()} - reach.moved < 2 * h * reach.speed;
+}
+
 }  // namespace
 
 // Lists the pairs of shapes that may collide in sweeps: those with restitution, and if they are not fully elastic, those
@@ -338,6 +358,23 @@ void Solver::list_bouncing(const SolverInput& in) {
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
       if (e == 1 || !rests) bouncing_[index].push_back(k);
+    }
+  });
+}
+
+// Impacts without restitution of bodies that were apart at the start of the step are left to the solver, which goes by the
+// arms and the normal of the time of the impact.
+void Solver::Run::foretell_landings() {
+  Manifolds& manifolds = contacts.manifolds;
+  s_.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+    Manifolds::StripBlocks& strip = manifolds.strip(index);
+    const Around around{s_, view_, manifolds, params_.gravity};
+    for (const std::uint32_t k : strip.landing) {
+      ManifoldPair& pair = manifolds.pair(k);
+      ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
+      const std::uint32_t l = pair.lane % kernels::kBlock;
+      if (block.e[l] != 0 || !comes_near(around, pair, h_, 2 * gravity_ * params_.dt)) continue;
+      ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
     }
   });
 }

@@ -99,6 +99,7 @@ class Solver::Run : SolverInput {
   void set_floors();
   void impacts();
   bool impact_shapes(std::size_t strip, bool all);
+  void foretell_landings();
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);
