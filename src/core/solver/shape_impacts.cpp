@@ -129,8 +129,13 @@ class ShapeImpact {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
     const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
-    const Manifold m = at(t);
-    if (m.count != 0) manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    const Manifold m = at_ground(t);
+    if (m.count == 0) return;
+    manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    if (!pair.of_wall()) return;
+    pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
+    pair.base.dx += static_cast<float>(b_.way(t).x);
+    pair.base.dy += static_cast<float>(b_.way(t).y);
   }
 
  private:
@@ -176,10 +181,7 @@ class ShapeImpact {
     const Vec2 d = way_ + b_.way(t) - a_.way(t);
     const Rotor qb = b_.rotor(t);
     if (!pair_.of_wall()) {
-      Manifold m =
-          collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
-      in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, qb, start_, d);
-      return m;
+      return collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
     }
     const Manifold& m = pair_.manifold;
     const Vec2 n{m.nx, m.ny}, since = in_.s.lattice.way(pair_.base, in_.s.bodies.point(pair_.b)) + d;
@@ -187,15 +189,28 @@ class ShapeImpact {
     return meet_plane(hull_b_, qb, m.nx, m.ny, static_cast<float>(height), kAny);
   }
 
+  // On ground of several segments a body meets the faces.
+  Manifold at_ground(double t) const {
+    Manifold m = at(t);
+    const Vec2 d = way_ + b_.way(t) - a_.way(t);
+    if (!pair_.of_wall()) in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, b_.rotor(t), start_, d);
+    return m;
+  }
+
+  static double least_gap(const Manifold& m) {
+    return m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+  }
+
   // The first time at which the bodies touch and approach each other.
   Found find(double h, double slowest, Hit& hit) const {
     const double swing = std::fabs(a_.omega) * double{hull_a_.reach} + std::fabs(b_.omega) * double{hull_b_.reach};
     double t = std::max(a_.since, b_.since);
     for (int k = 0; k < kMostSteps; ++k) {
-      const Manifold m = at(t);
+      Manifold m = at(t);
+      if (m.count != 0 && least_gap(m) <= near_) m = at_ground(t);
       if (m.count == 0) return Found::none;
       const Vec2 n{m.nx, m.ny};
-      const double gap = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+      const double gap = least_gap(m);
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
         if (found != Found::none) return found;
