@@ -117,8 +117,8 @@ Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, con
 
 // Makes of a manifold with the end of a segment that with its face, or none. `start` and `way` lead from A to B, at the
 // start of the step and now.
-void Manifolds::Look::fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa,
-                                     const Hull& hull_b, Rotor qb, Vec2 start, Vec2 way, float margin) const {
+void Manifolds::Look::fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b,
+                                     Rotor qb, Vec2 start, Vec2 way, float margin) const {
   Vec2 face;
   const Meets meets = at_segment(pair, a, qa, start, m, face);
   if (meets == Meets::what_was_found) return;

@@ -19,6 +19,7 @@ constexpr double kTooDeep = 10, kPartingTime = 0.1;
 // Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
 constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
 constexpr int kMostSteps = 100;
+constexpr double kTurning = 0.01;  // rad in a step: a body that turns less meets others with the arms of its start
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {
@@ -314,8 +315,8 @@ class ShapeImpact {
   const std::uint32_t l_;
   const Mover a_, b_;
   Hull hull_a_, hull_b_;
-  Vec2 way_, start_; // m: from A to B, at the start of the substep and of the step
-  double near_ = 0;  // m
+  Vec2 way_, start_;  // m: from A to B, at the start of the substep and of the step
+  double near_ = 0;   // m
 };
 
 // How fast the nearest points of a pair approach each other, m/s.
@@ -332,6 +333,7 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
 // How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
 struct Reach {
   double speed = 0, moved = 0;  // m/s, m
+  double spin = 0;              // m/s: what turning adds to the speed
 };
 
 Reach reach_of(const Around& in, const ManifoldPair& pair) {
@@ -347,13 +349,14 @@ Reach reach_of(const Around& in, const ManifoldPair& pair) {
     spin += std::fabs(double{view.rim_speed[a]});
     turned += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
   }
-  return {length_of(v) + spin, length_of(d) + turned};
+  return {length_of(v) + spin, length_of(d) + turned, spin};
 }
 
-// Whether bodies that were apart at the start of the step may meet in this substep, and fast enough to matter.
-bool comes_near(const Around& in, const ManifoldPair& pair, double h, double slowest) {
+// Whether bodies that were apart at the start of the step may meet in this substep, and turn so fast that it matters when.
+bool turns_ahead(const Around& in, const ManifoldPair& pair, double dt, double h) {
   const Reach reach = reach_of(in, pair);
-  return reach.speed > slowest && double{pair.least_gap()} - reach.moved < 2 * h * reach.speed;
+  return reach.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} &&
+         reach.speed > 2 * length_of(in.gravity) * dt && double{pair.least_gap()} - reach.moved < 2 * h * reach.speed;
 }
 
 }  // namespace
@@ -388,7 +391,7 @@ void Solver::Run::foretell_landings() {
       ManifoldPair& pair = manifolds.pair(k);
       ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
       const std::uint32_t l = pair.lane % kernels::kBlock;
-      if (block.e[l] != 0 || !comes_near(around, pair, h_, 2 * gravity_ * params_.dt)) continue;
+      if (block.e[l] != 0 || !turns_ahead(around, pair, params_.dt, h_)) continue;
       ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
     }
   });

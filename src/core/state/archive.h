@@ -131,7 +131,8 @@ class Archive {
     transfer(&bits, sizeof bits);
     if (!loading_) return;
     v = number<T>(bits);
-    if constexpr (std::is_floating_point_v<T>) keep_if(v, !(refuses_nan_ && std::isnan(v)) && !(refuses_infinite_ && std::isinf(v)));
+    if constexpr (std::is_floating_point_v<T>)
+      keep_if(v, !(refuses_nan_ && std::isnan(v)) && !(refuses_infinite_ && std::isinf(v)));
   }
   /// Numbers below a bound. 0 if one that is read is not.
   template <class... T>
