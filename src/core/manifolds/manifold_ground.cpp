@@ -140,7 +140,6 @@ void Manifolds::Look::fit_to_segment(const ManifoldPair& pair, Manifold& m, cons
 
 void Manifolds::fit_within_step(const ManifoldPair& pair, Manifold& m, const Hull& a, const Hull& hull_b, Rotor qb,
                                 Vec2 start, Vec2 way) const {
-  if (!pair.fixed_a || a.count != 2 || m.count == 0) return;
   const ManifoldParams none;
   const Rotor qa = pair.of_piece() ? Rotor{} : rotor(pair.a);
   Look{*this, none}.fit_to_segment(pair, m, a, qa, hull_b, qb, start, way, std::numeric_limits<float>::infinity());

@@ -19,7 +19,7 @@ constexpr double kTooDeep = 10, kPartingTime = 0.1;
 // Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
 constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
 constexpr int kMostSteps = 100;
-constexpr double kTurning = 0.01;  // rad in a step: a body that turns less meets others with the arms of its start
+constexpr double kTurning = 0.02;  // rad in a step: a body that turns less meets others with the arms of its start
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {
@@ -130,7 +130,8 @@ class ShapeImpact {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
     const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
-    const Manifold m = at_ground(t);
+    Manifold m = at(t);
+    fit(m, t);
     if (m.count == 0) return;
     manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
     if (!pair.of_wall()) return;
@@ -191,11 +192,10 @@ class ShapeImpact {
   }
 
   // On ground of several segments a body meets the faces.
-  Manifold at_ground(double t) const {
-    Manifold m = at(t);
+  void fit(Manifold& m, double t) const {
+    if (!pair_.fixed_a || pair_.of_wall() || hull_a_.count != 2 || m.count == 0) return;
     const Vec2 d = way_ + b_.way(t) - a_.way(t);
-    if (!pair_.of_wall()) in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, b_.rotor(t), start_, d);
-    return m;
+    in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, b_.rotor(t), start_, d);
   }
 
   static double least_gap(const Manifold& m) {
@@ -208,7 +208,7 @@ class ShapeImpact {
     double t = std::max(a_.since, b_.since);
     for (int k = 0; k < kMostSteps; ++k) {
       Manifold m = at(t);
-      if (m.count != 0 && least_gap(m) <= near_) m = at_ground(t);
+      if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
       if (m.count == 0) return Found::none;
       const Vec2 n{m.nx, m.ny};
       const double gap = least_gap(m);
@@ -356,7 +356,7 @@ Reach reach_of(const Around& in, const ManifoldPair& pair) {
 bool turns_ahead(const Around& in, const ManifoldPair& pair, double dt, double h) {
   const Reach reach = reach_of(in, pair);
   return reach.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} &&
-         reach.speed > 2 * length_of(in.gravity) * dt && double{pair.least_gap()} - reach.moved < 2 * h * reach.speed;
+         reach.speed > 2 * length_of(in.gravity) * dt && double{pair.least_gap()} - reach.moved < 1.5 * h * reach.speed;
 }
 
 }  // namespace
@@ -397,7 +397,7 @@ void Solver::Run::foretell_landings() {
   });
 }
 
-bool Solver::Run::impact_shapes(std::size_t index, bool all) {
+bool Solver::Run::impact_shapes(std::size_t index, bool first, bool all) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
   const Around around{s_, view_, manifolds, params_.gravity};
@@ -408,8 +408,11 @@ bool Solver::Run::impact_shapes(std::size_t index, bool all) {
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     float& e = block.e[l];
-    // The last sweeps look at bodies that had an impact in this substep.
-    if (!all && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0)) continue;
+    // Only impacts of elastic bodies go by slices: the energy of others falls anyway. Later sweeps look at bodies that had
+    // an impact in this substep.
+    const bool elastic = std::fabs(e) == 1;
+    if (!(elastic ? all : first) && view_.event_time[pair.b] == 0 && (pair.of_piece() || view_.event_time[pair.a] == 0))
+      continue;
     e = std::fabs(e);
     if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
       continue;
@@ -420,7 +423,8 @@ bool Solver::Run::impact_shapes(std::size_t index, bool all) {
       e = -e;  // too far apart to meet
       continue;
     }
-    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e, discs_.pair.due);
+    any |= ShapeImpact(around, pair, block, l)
+               .collide_in(h_, floor, discs_.pair.least_e, elastic ? discs_.pair.due : 1e30f);
   }
   return any;
 }
