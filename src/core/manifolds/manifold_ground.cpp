@@ -5,6 +5,7 @@
 //   ghosts     a body that rests on one piece does not meet another one that lies wholly below the plane of this rest
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/sort_keys.h"
 #include "base/tasks.h"
@@ -106,19 +107,18 @@ Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, con
   return dot(n, cosine * out + sine * face) < kUpright ? Meets::what_was_found : Meets::nothing;
 }
 
-// Makes of a manifold with the end of a segment that with its face, or none.
-void Manifolds::Look::fit_to_segment(ManifoldPair& pair, const Hull& a, const Hull& hull_b, const Stand& now,
-                                     float margin) const {
-  Manifold& m = pair.manifold;
-  const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
+// Makes of a manifold with the end of a segment that with its face, or none. `start` and `way` lead from A to B, at the
+// start of the step and now.
+void Manifolds::Look::fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b,
+                                     Rotor qb, Vec2 start, Vec2 way, float margin) const {
   Vec2 face;
-  const Meets meets = at_segment(pair, a, now.qa, way, m, face);
+  const Meets meets = at_segment(pair, a, qa, start, m, face);
   if (meets == Meets::what_was_found) return;
   m.count = 0;
   if (meets == Meets::nothing) return;
-  const Vec2 p = seen(now.qa, a.vertex(0)) - way, u = seen(now.qa, a.vertex(1)) - way - p;
+  const Vec2 p = seen(qa, a.vertex(0)) - way, u = seen(qa, a.vertex(1)) - way - p;
   const auto offset = static_cast<float>(-dot(p, face));
-  m = meet_plane(hull_b, now.qb, static_cast<float>(face.x), static_cast<float>(face.y), offset - a.radius, margin);
+  m = meet_plane(hull_b, qb, static_cast<float>(face.x), static_cast<float>(face.y), offset - a.radius, margin);
   const int found = std::exchange(m.count, 0);
   for (int k = 0; k < found; ++k) {  // points that lie over the segment stay
     ManifoldPoint point = m.point[k];
@@ -128,6 +128,13 @@ void Manifolds::Look::fit_to_segment(ManifoldPair& pair, const Hull& a, const Hu
     point.ay = point.by + static_cast<float>(way.y);
     m.point[m.count++] = point;
   }
+}
+
+void Manifolds::fit_within_step(const ManifoldPair& pair, Manifold& m, const Hull& a, const Hull& hull_b, Rotor qb,
+                                Vec2 start, Vec2 way) const {
+  const ManifoldParams none;
+  const Rotor qa = pair.of_piece() ? Rotor{} : rotor(pair.a);
+  Look{*this, none}.fit_to_segment(pair, m, a, qa, hull_b, qb, start, way, std::numeric_limits<float>::infinity());
 }
 
 // Makes the contact with a fixed piece that lies ahead.

@@ -183,8 +183,10 @@ struct Manifolds::Look {
     const float margin = now.wanted + 2 * kLasting * now.inner;
     const Manifold old = pair.manifold;
     pair.manifold = found;
-    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0)
-      fit_to_segment(pair, *a, hull_b, now, margin);
+    if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0) {
+      const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
+      fit_to_segment(pair, pair.manifold, *a, now.qa, hull_b, now.qb, way, way, margin);
+    }
     pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
@@ -219,7 +221,8 @@ struct Manifolds::Look {
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).
   enum class Meets : std::uint8_t { what_was_found, face, nothing };
   Meets at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way, const Manifold& m, Vec2& face) const;
-  void fit_to_segment(ManifoldPair& pair, const Hull& a, const Hull& hull_b, const Stand& now, float margin) const;
+  void fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b, Rotor qb,
+                      Vec2 start, Vec2 way, float margin) const;
   EdgeCorner corner_at(const ManifoldPair& pair, Vec2 corner, Vec2 out, Vec2 up, float radius) const;
   Hull seen_from_b(const PairName& pair) const;
 
@@ -234,6 +237,14 @@ struct Manifolds::Look {
   template <class Each>
   void each_fixed(const ManifoldPair& pair, const Each& each) const;
 
+  // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
+  bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
+    const BodyProperties& of_a = pair.of_wall() ? params.wall : b.properties(pair.id_a);
+    if (std::fmax(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
+    const float reach = pair.of_piece() ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
+    return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
+  }
+
   // Whether a contact counts in this step, and whether it lies ahead: the bodies are apart, and may
   // close the gap within the step. Its normal is that of the points that are nearest now, which need not be those
   // where the bodies will meet.
@@ -245,6 +256,7 @@ struct Manifolds::Look {
     const float least = pair.least_gap();
     // Gravity alone may close a small gap: what supports one body need not support the other.
     if (!(least > std::fmax(kApart * now.inner, std::fmin(g * dt * dt, kFallen * now.inner)))) return;
+    if (is_elastic(pair, now)) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
     pair.ahead = kAheadFrames * dt * closing >= least;

@@ -26,7 +26,9 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 }
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
-// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on.
+// continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
+// that meets fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity and
+// whom else it meets.
 constexpr float kFlying = 1;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
@@ -40,8 +42,9 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
     y -= b.vel[2 * a + 1] + spin * rx;
     turn -= spin;
   }
-  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b);
-  return static_cast<float>(params.dt) * (swing - (m.nx * x + m.ny * y)) > kFlying * inner;
+  const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b), dt = static_cast<float>(params.dt);
+  if (!(dt * (swing - (m.nx * x + m.ny * y)) > kFlying * inner)) return false;
+  return !pair.of_piece() || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
 // Runs once all pairs of a strip were looked at.
@@ -53,15 +56,16 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.active.clear();
   strip.rewrite.clear();
   strip.watched.clear();
+  strip.landing.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
-    pair.flying = pair.active && pair.fixed_a &&
-                  flies(s_.bodies, params, pair, has_corners(pair.b) ? inner_[pair.b] : s_.bodies.radius[pair.b]);
+    pair.flying = pair.active && pair.fixed_a && flies(s_.bodies, params, pair, inner_of(pair.b));
     if (pair.flying) pair.active = false;
     stale |= pair.active != (pair.lane != PairName::kNone);
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
+    if (pair.lands()) strip.landing.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

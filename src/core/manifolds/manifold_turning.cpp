@@ -91,11 +91,21 @@ void Manifolds::follow_turning(const kernels::BodyView& view, double ahead) {
   }
 }
 
+void Manifolds::foretell(ManifoldPair& pair, ManifoldBlock& c, const Manifold& m, const kernels::BodyView& view, Vec2 u,
+                         double ahead) const {
+  const auto moved_of = [&](std::size_t n) { return Vec2{view.disp[2 * n], view.disp[2 * n + 1]}; };
+  const Vec2 moved = moved_of(pair.b) - (pair.of_piece() ? Vec2{} : moved_of(pair.a));
+  put_turned(pair, m, c, pair.lane % kBlock, view, moved, u, ahead);
+  pair.manifold = m;
+  pair.margin = -1;  // the hulls are looked at again in the next step
+}
+
 // Writes the manifold of a time that lies `ahead`, s, into the lane of its pair. Impulses follow their points by feature.
 void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, ManifoldBlock& c, std::uint32_t l,
                            const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const {
   const BodyStore& b = s_.bodies;
-  const std::size_t i = pair.a, j = pair.b;
+  const bool fixed = pair.of_piece();
+  const std::size_t i = fixed ? 0 : pair.a, j = pair.b;
   float impulse[2] = {}, friction[2] = {};
   for (int k = 0; k < m.count; ++k) {
     for (int o = 0; o < pair.manifold.count; ++o) {
@@ -116,17 +126,17 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
     p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
     if (k >= m.count) continue;
     const ManifoldPoint& from = m.point[k];
-    p.an[l] = along(from.ax, from.ay) / b.radius[i];
-    p.at[l] = across(from.ax, from.ay) / b.radius[i];
+    p.an[l] = fixed ? 0.0f : along(from.ax, from.ay) / b.radius[i];
+    p.at[l] = fixed ? 0.0f : across(from.ax, from.ay) / b.radius[i];
     p.bn[l] = along(from.bx, from.by) / b.radius[j];
     p.bt[l] = across(from.bx, from.by) / b.radius[j];
     // The gap is such that the kernel finds the separation that is right at that time.
     const float* const ta = view.arm_change + 2 * i;
     const float* const tb = view.arm_change + 2 * j;
-    const float turned =
-        tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] - (ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
+    const float turned = tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
+                         (fixed ? 0.0f : ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
     const float speed = along(static_cast<float>(u.x), static_cast<float>(u.y)) + view.rim_speed[j] * p.bt[l] -
-                        view.rim_speed[i] * p.at[l];
+                        (fixed ? 0.0f : view.rim_speed[i] * p.at[l]);
     p.gap[l] = from.gap - static_cast<float>(ahead) * speed -
                along(static_cast<float>(moved.x), static_cast<float>(moved.y)) - turned;
   }

@@ -105,6 +105,8 @@ struct ManifoldPair : PairName {
 
   /// Whether its manifold is that of a floor of several pieces.
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
+  /// The bodies are apart and may meet within the step.
+  bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -123,6 +125,10 @@ inline constexpr std::uint8_t kRestFrames = 8;
 
 /// A gap below this share of the inner radius counts as touching.
 inline constexpr float kTouching = 0.002f;
+
+/// Shapes that pass each other by more of their sizes in a substep may have more impacts than the impact sweeps settle.
+/// From fixed geometry, those bounce in the sweeps that go no further in a whole step, others in continuous collision.
+inline constexpr float kMostSizes = 4;
 
 /// Compliance and push-out rate of a contact, see ManifoldBlock.
 struct Stiffness {
@@ -173,6 +179,7 @@ class Manifolds {
     std::vector<std::uint32_t> active;   // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
+    std::vector<std::uint32_t> landing;  // pairs whose bodies may meet in this step
     std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
@@ -241,6 +248,13 @@ class Manifolds {
   std::size_t pairs_in(std::size_t piece) const { return cuts_[piece].end - cuts_[piece].begin; }
   /// Finds the contacts with kinematic bodies that turn fast anew, as they will be `ahead`, s, from now. O(such contacts).
   void follow_turning(const kernels::BodyView& view, double ahead);
+  /// Puts the manifold that a pair will have `ahead`, s, from now into its lane. u: m/s, of B against A.
+  void foretell(ManifoldPair& pair, kernels::ManifoldBlock& c, const Manifold& m, const kernels::BodyView& view, Vec2 u,
+                double ahead) const;
+  /// Makes of a manifold with the end of a segment, found within the step, that with its face, or none. `start` and `way`
+  /// lead from A to B, at the start of the step and then.
+  void fit_within_step(const ManifoldPair& pair, Manifold& m, const Hull& a, const Hull& hull_b, Rotor qb, Vec2 start,
+                       Vec2 way) const;
   /// Finds which contacts stand on fixed ground, and whether loads change as a whole in this step, once all pairs were
   /// looked at. O(active pairs) if others are active than in the last step.
   void find_footing();

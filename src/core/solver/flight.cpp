@@ -117,7 +117,7 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
-    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, k});
+    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, true, k});
   }
 }
 
@@ -134,7 +134,7 @@ void Flight::find_walls() {
     hull.set_vertex(0, foot - along);
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
-    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction});
+    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction, true});
   }
 }
 
@@ -206,13 +206,23 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
+  const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
+                       length_of(way_.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
+    if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
   }
+}
+
+// Whether a body that bounced in the sweeps of the substeps passed through a hull, or ends deep in it. Between, the
+// straight way does not show where the body was and how it turned.
+bool Flight::passes(const Approach& pair) const {
+  const Vec2 n = pair.entry();
+  return n.x != 0 || n.y != 0 || pair.stand(1, 0).distance < -kDeep * inner_;
 }
 
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come

@@ -56,6 +56,7 @@ class Flight {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
+    bool fixed = false;             // it does not move
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
     float inner = 1e30f;            // m
@@ -80,6 +81,7 @@ class Flight {
   void find_moving(std::uint32_t slot, bool yields);
   void meet_hulls(const BodyKind& kind, const Other& other);
   void meet_hull(const Hull& hull, const Other& other);
+  bool passes(const Approach& pair) const;
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n, std::span<const std::uint32_t> near) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;

@@ -97,7 +97,7 @@ void Solver::Run::impacts() {
     sweep_statics(sweep, false);
     if (!contacts.manifolds.any()) continue;
     run_phases(table.strips.size(), s_.pool, [&](std::size_t strip) {
-      if (asks(strip, sweep) && impact_shapes(strip, sweep == 0)) note(strip, sweep);
+      if (asks(strip, sweep) && impact_shapes(strip, sweep == 0, sweep < slices)) note(strip, sweep);
     });
   }
   sweeps_.done = done + (limited && sweep == most ? std::max(kForgetting * solver_.sweeps_, 1.0 * sweep) : sweep);

@@ -18,8 +18,10 @@ namespace {
 constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
 // The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
-constexpr double kMostSizes = 4;
+// Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
+constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
 constexpr int kMostSteps = 100;
+constexpr double kTurning = 0.02;  // rad in a step: a body that turns less meets others with the arms of its start
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {
@@ -47,6 +49,7 @@ struct Hit {
   double approach[2] = {};  // m/s along n, < 0
   double impulse[2] = {};
   double parting = 1e30;  // m/s: of the slowest point that touches
+  double depth = 0;       // m
 };
 
 // The velocity along m of point j that an impulse along n at point i adds.
@@ -94,23 +97,45 @@ class ShapeImpact {
     if (pair.of_piece()) return;
     near_ = std::min(near_, kTouch * double{hull_a_.inner});
     way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
+    start_ = way_;
   }
 
-  /// Collides the bodies, if they do so before the substep ends. Returns whether they did. The solver leaves the pair
+  /// Collides the bodies, if they do so before the substep ends. An impact from `due` on waits for a later sweep. Returns
+  /// whether they did, or will. The solver leaves the pair
   /// alone in this substep unless its impact is too slow to bounce, or left over in the last sweep (least_e is 1): no body
   /// leaves through fixed ground.
-  bool collide_in(double h, double floor, float least_e) {
+  bool collide_in(double h, double floor, float least_e, float due) {
     float& e = c_.e[l_];
     Hit hit;
     const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
     if (too_fast(h)) return false;
     Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
     if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
+    if (found == Found::slow && e == 1 && hit.count == 0) {
+      part(hit, h);
+      found = Found::none;
+    }
     if (found != Found::slow) e = -e;
-    if (found != Found::hit) return false;
+    if (found != Found::hit || hit.time >= double{due}) return found == Found::hit;
     find_impulses(a_, b_, -double{e}, hit);
     bounce(hit);
     return true;
+  }
+
+  /// The contact of the time at which the bodies meet, or of the end of the substep, is what the solver goes by, unless it
+  /// presses already.
+  void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
+    if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
+    Hit hit;
+    const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
+    Manifold m = at(t);
+    fit(m, t);
+    if (m.count == 0) return;
+    manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    if (!pair.of_wall()) return;
+    pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
+    pair.base.dx += static_cast<float>(b_.way(t).x);
+    pair.base.dy += static_cast<float>(b_.way(t).y);
   }
 
  private:
@@ -128,7 +153,7 @@ class ShapeImpact {
     m.omega = double{view.rim_speed[slot]} / reach;
     m.inv_mass = inv_mass;
     m.inv_inertia = double{rim_gain} / (reach * reach);
-    m.since = view.event_time[slot];
+    if (view.event_time != nullptr) m.since = view.event_time[slot];
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
     return m;
   }
@@ -145,11 +170,10 @@ class ShapeImpact {
         in_.s.statics.seen_from(pair_.shape, in_.s.bodies.point(pair_.b), 16.0 * double{hull_b_.reach}));
   }
 
-  // Whether the bodies pass by so many of their sizes in a substep that there may be more impacts than sweeps. The
-  // solver lets nobody through.
+  // The solver sees to such bodies, and lets nobody through.
   bool too_fast(double h) const {
     const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
-    return h * length_of(b_.v - a_.v) > kMostSizes * size;
+    return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
   }
 
   // Whether the circles about two bodies do not meet in the substep.
@@ -207,17 +231,30 @@ class ShapeImpact {
     return time;
   }
 
+  // On ground of several segments a body meets the faces.
+  void fit(Manifold& m, double t) const {
+    if (!pair_.fixed_a || pair_.of_wall() || pair_.of_floor() || hull_a_.count != 2 || m.count == 0) return;
+    const Vec2 d = way_ + b_.way(t) - a_.way(t);
+    in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, b_.rotor(t), start_, d);
+  }
+
+  static double least_gap(const Manifold& m) {
+    return m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+  }
+
   // The first time at which the bodies touch and approach each other.
   Found find(double h, double slowest, Hit& hit) const {
     double t = std::max(a_.since, b_.since);
     for (int k = 0; k < kMostSteps; ++k) {
-      const Manifold m = at(t);
+      Manifold m = at(t);
+      if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
       if (m.count == 0) return Found::none;
       const Vec2 n{m.nx, m.ny};
-      const double gap = m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+      const double gap = least_gap(m);
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
         if (found != Found::none) return found;
+        hit.depth = -gap;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
       }
       t += apart_for(gap, t, n, h);
@@ -249,6 +286,20 @@ class ShapeImpact {
       hit.approach[hit.count++] = vn;
     }
     return hit.count != 0 ? Found::hit : slow ? Found::slow : Found::none;
+  }
+
+  // Moves bodies apart that overlap and would hardly part by themselves. Their velocities stay, and so does their energy.
+  void part(const Hit& hit, double h) const {
+    const double wa = pair_.fixed_a ? 0 : a_.inv_mass, sum = wa + b_.inv_mass;
+    const double way = std::min(kPartingShare * hit.depth, kPartingSpeed * h);  // m
+    if (!(sum > 0)) return;
+    const auto shift = [&](const Mover& m, double by) {
+      float* const d = in_.view.disp + 2 * std::size_t{m.slot};
+      d[0] = static_cast<float>(double{d[0]} + by * hit.n.x);
+      d[1] = static_cast<float>(double{d[1]} + by * hit.n.y);
+    };
+    if (wa > 0) shift(a_, -way * wa / sum);
+    shift(b_, way * b_.inv_mass / sum);
   }
 
   void bounce(const Hit& hit) {
@@ -303,8 +354,8 @@ class ShapeImpact {
   const Mover a_, b_;
   std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
   const Hull &hull_b_, &hull_a_;
-  Vec2 way_;         // m: from A to B
-  double near_ = 0;  // m
+  Vec2 way_, start_;  // m: from A to B, at the start of the substep and of the step
+  double near_ = 0;   // m
 };
 
 // How fast the nearest points of a pair approach each other, m/s.
@@ -321,6 +372,7 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
 // How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
 struct Reach {
   double speed = 0, moved = 0;  // m/s, m
+  double spin = 0;              // m/s: what turning adds to the speed
 };
 
 Reach reach_of(const Around& in, const ManifoldPair& pair) {
@@ -336,7 +388,14 @@ Reach reach_of(const Around& in, const ManifoldPair& pair) {
     spin += std::fabs(double{view.rim_speed[a]});
     turned += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
   }
-  return {length_of(v) + spin, length_of(d) + turned};
+  return {length_of(v) + spin, length_of(d) + turned, spin};
+}
+
+// Whether bodies that were apart at the start of the step may meet in this substep, and turn so fast that it matters when.
+bool turns_ahead(const Around& in, const ManifoldPair& pair, double dt, double h) {
+  const Reach reach = reach_of(in, pair);
+  return reach.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} &&
+         reach.speed > 2 * length_of(in.gravity) * dt && double{pair.least_gap()} - reach.moved < 1.5 * h * reach.speed;
 }
 
 }  // namespace
@@ -355,20 +414,38 @@ void Solver::list_bouncing(const SolverInput& in) {
       if (e == 0) continue;
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
-      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.of_piece() ? pair.b : pair.a, pair.b});
+      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.of_piece() ? pair.b : pair.a, pair.b, e == 1});
     }
   });
 }
 
-bool Solver::Run::impact_shapes(std::size_t index, bool first) {
+// Impacts without restitution of bodies that were apart at the start of the step are left to the solver, which goes by the
+// arms and the normal of the time of the impact.
+void Solver::Run::foretell_landings() {
+  Manifolds& manifolds = contacts.manifolds;
+  s_.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+    Manifolds::StripBlocks& strip = manifolds.strip(index);
+    const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
+    for (const std::uint32_t k : strip.landing) {
+      ManifoldPair& pair = manifolds.pair(k);
+      ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
+      const std::uint32_t l = pair.lane % kernels::kBlock;
+      if (block.e[l] != 0 || !turns_ahead(around, pair, params_.dt, h_)) continue;
+      ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
+    }
+  });
+}
+
+bool Solver::Run::impact_shapes(std::size_t index, bool first, bool all) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
   const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
-  for (const auto& [k, a, b] : solver_.bouncing_[index]) {
-    // Later sweeps look at bodies that had an impact in this substep.
-    if (!first && view_.event_time[b] == 0 && view_.event_time[a] == 0) continue;
+  for (const auto& [k, a, b, elastic] : solver_.bouncing_[index]) {
+    // Only impacts of elastic bodies go by slices: the energy of others falls anyway. Later sweeps look at bodies that had
+    // an impact in this substep.
+    if (!(elastic ? all : first) && view_.event_time[b] == 0 && view_.event_time[a] == 0) continue;
     const ManifoldPair& pair = manifolds.pairs()[k];
     ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
@@ -383,7 +460,8 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first) {
       e = -e;  // too far apart to meet
       continue;
     }
-    any |= ShapeImpact(around, pair, block, l).collide_in(h_, floor, discs_.pair.least_e);
+    any |= ShapeImpact(around, pair, block, l)
+               .collide_in(h_, floor, discs_.pair.least_e, elastic ? discs_.pair.due : 1e30f);
   }
   return any;
 }

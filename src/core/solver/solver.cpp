@@ -147,6 +147,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) force(fields_.accelerate);
   if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
+  if (contacts.manifolds.any()) foretell_landings();
   if (fields_.advance) force(fields_.advance);
   kick(first);
   if (!kinematics.empty()) hold();

@@ -80,6 +80,7 @@ class Solver {
  private:
   struct Bouncing {
     std::uint32_t pair, a, b;  // slots; a is b for a pair with a fixed piece
+    bool elastic;
   };
   class Run;
   struct StripSum {

@@ -98,7 +98,8 @@ class Solver::Run : SolverInput {
   void force(FieldPass kernel);
   void set_floors();
   void impacts();
-  bool impact_shapes(std::size_t strip, bool first);
+  bool impact_shapes(std::size_t strip, bool first, bool all);
+  void foretell_landings();
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);

@@ -152,7 +152,12 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   a.require(t.points == 0 || (t.points <= points && around.wanted));
   if (!a.ok()) return;
   // What follows from the pairs that were read.
-  for (StripBlocks& s : strips_) std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
+  for (StripBlocks& s : strips_) {
+    std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
+    s.landing.clear();
+    std::ranges::copy_if(s.active, std::back_inserter(s.landing),
+                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].lands(); });
+  }
   old_pairs_.clear();
   both_ = collecting_ = false;
   indexed_ = fixed_known_ = false;
