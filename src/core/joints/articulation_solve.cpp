@@ -190,6 +190,18 @@ void Articulations::Solve::step_damped(double drift) {
   gained_ = energy_within(common, true) - before;
 }
 
+// Whether the motion is more than what gravity and contacts change in this substep: else the bodies lie or hang still.
+bool Articulations::Solve::moves() {
+  double motion = 0, kick = 0;
+  for_bodies([&](const Body& b) {
+    if (b.inverse_mass == 0) return;
+    const Vec2 before = b.begin.velocity - b.kick;
+    motion += dot(before, before) / b.inverse_mass;
+    kick += dot(b.kick, b.kick) / b.inverse_mass;
+  });
+  return motion > kick;
+}
+
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
   reach_ = drift / h_;
   for_bodies([&](Body& b) {
@@ -203,7 +215,7 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
   });
   island_.refined = false;
   if (!step_whole(drift, kResolved)) {
-    island_.refined = refine(drift);
+    island_.refined = moves() && refine(drift);
     if (!island_.refined && !step_whole(drift, kMostGain)) step_damped(drift);
   }
   store_velocities();

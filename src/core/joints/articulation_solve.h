@@ -78,6 +78,7 @@ class Articulations::Solve {
   bool step_on(double drift);
   void set_length(double h, double share);
   bool refine(double drift);
+  bool moves();
   void store_velocities();
   bool take_errors_out(double* angle);
   void push_springs();
