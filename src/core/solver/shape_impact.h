@@ -1,0 +1,364 @@
+// One pair of shapes that may collide within a substep, with the places and angles that the bodies have at that time: for
+// shape_impacts.cpp alone. A body has a virtual start, from which it moves as if it had met nothing.
+//
+// The time is found by conservative advancement (Mirtich 1996): along the present normal, hulls come together no faster
+// than their fastest corners, whose accelerations are bounded. A microsecond for a pair that is near.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/rotor.h"
+#include "solver/approach.h"
+#include "solver/solver_run.h"
+
+namespace psim {
+
+namespace shape_impact {
+
+constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near touch
+// The solver pushes out an overlap that is so many times as deep, unless it parts within so many seconds.
+constexpr double kTooDeep = 10, kPartingTime = 0.1;
+// Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
+constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
+constexpr int kMostSteps = 100;
+
+// A body within a substep. One that is part of the world has no slot and does not move.
+struct Mover {
+  std::uint32_t slot = ManifoldPair::kNone;
+  Vec2 v, a;                    // m/s, m/s^2
+  double angle = 0, omega = 0;  // rad, rad/s
+  double inv_mass = 0, inv_inertia = 0;
+  double since = 0;  // s: its last impact
+
+  Rotor rotor(double t) const { return rotor_of(angle + t * omega); }
+  Vec2 way(double t) const { return t * v + 0.5 * t * t * a; }
+  Vec2 velocity(double t, Vec2 arm) const { return v + t * a + omega * Vec2{-arm.y, arm.x}; }
+  // The velocity that an impulse along n adds at a point, along m.
+  double gain(Vec2 arm, Vec2 n, Vec2 arm_m, Vec2 m) const {
+    return inv_mass * dot(n, m) + inv_inertia * cross(arm, n) * cross(arm_m, m);
+  }
+};
+
+// The points of a pair that collide.
+struct Hit {
+  double time = 0;
+  Vec2 n;
+  int count = 0;
+  Vec2 arm_a[2], arm_b[2];
+  double approach[2] = {};  // m/s along n, < 0
+  double impulse[2] = {};
+  double parting = 1e30;  // m/s: of the slowest point that touches
+  double depth = 0;       // m
+};
+
+// The velocity along m of point j that an impulse along n at point i adds.
+inline double gain(const Mover& a, const Mover& b, const Hit& hit, int i, Vec2 n, int j, Vec2 m) {
+  return a.gain(hit.arm_a[i], n, hit.arm_a[j], m) + b.gain(hit.arm_b[i], n, hit.arm_b[j], m);
+}
+
+// Impulses that turn the approach of each point into e times as fast a parting. Where they would have to pull, one point
+// collides alone.
+inline void find_impulses(const Mover& a, const Mover& b, double e, Hit& hit) {
+  const auto k = [&](int i, int j) { return gain(a, b, hit, i, hit.n, j, hit.n); };
+  const auto wanted = [&](int i) { return -(1 + e) * hit.approach[i]; };
+  if (hit.count == 2) {
+    const double k11 = k(0, 0), k12 = k(0, 1), k22 = k(1, 1), det = k11 * k22 - k12 * k12;
+    hit.impulse[0] = (k22 * wanted(0) - k12 * wanted(1)) / det;
+    hit.impulse[1] = (k11 * wanted(1) - k12 * wanted(0)) / det;
+    if (det > 1e-6 * k11 * k22 && hit.impulse[0] >= 0 && hit.impulse[1] >= 0) return;
+  }
+  const int first = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
+  hit.impulse[first] = wanted(first) / k(first, first);
+  hit.impulse[1 - first] = 0;
+}
+
+struct Around {
+  const Surroundings& s;
+  const kernels::BodyView& view;
+  const Manifolds& manifolds;
+  Vec2 gravity;    // m/s^2
+  double& virial;  // N s m: of the impacts so far
+};
+
+// A pair whose bodies may collide in this substep.
+class ShapeImpact {
+ public:
+  ShapeImpact(const Around& around, const ManifoldPair& pair, kernels::ManifoldBlock& block, std::uint32_t lane)
+      : in_(around),
+        pair_(pair),
+        c_(block),
+        l_(lane),
+        a_(mover(pair.a, block.wa[lane], block.ga[lane])),
+        b_(mover(pair.b, block.wb[lane], block.gb[lane])),
+        hull_b_(hull(pair.b, pair.part_b, own_b_)),
+        hull_a_(hull_of_a()) {
+    near_ = kTouch * double{hull_b_.inner};
+    if (pair.of_piece()) return;
+    near_ = std::min(near_, kTouch * double{hull_a_.inner});
+    way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
+    start_ = way_;
+  }
+
+  /// Collides the bodies, if they do so before the substep ends. An impact from `due` on waits for a later sweep. Returns
+  /// whether they did, or will. The solver leaves the pair
+  /// alone in this substep unless its impact is too slow to bounce, or left over in the last sweep (least_e is 1): no body
+  /// leaves through fixed ground.
+  bool collide_in(double h, double floor, float least_e, float due) {
+    float& e = c_.e[l_];
+    Hit hit;
+    const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
+    if (too_fast(h)) return false;
+    Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
+    if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
+    if (found == Found::slow && e == 1 && hit.count == 0) {
+      part(hit, h);
+      found = Found::none;
+    }
+    if (found != Found::slow) e = -e;
+    if (found != Found::hit || hit.time >= double{due}) return found == Found::hit;
+    find_impulses(a_, b_, -double{e}, hit);
+    bounce(hit);
+    return true;
+  }
+
+  /// The contact of the time at which the bodies meet, or of the end of the substep, is what the solver goes by, unless it
+  /// presses already.
+  void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
+    if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
+    Hit hit;
+    const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
+    Manifold m = at(t);
+    fit(m, t);
+    if (m.count == 0) return;
+    manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    if (!pair.of_wall()) return;
+    pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
+    pair.base.dx += static_cast<float>(b_.way(t).x);
+    pair.base.dy += static_cast<float>(b_.way(t).y);
+  }
+
+ private:
+  enum class Found : std::uint8_t { none, slow, hit };
+
+  Mover mover(std::uint32_t slot, float inv_mass, float rim_gain) const {
+    Mover m;
+    m.slot = slot;
+    if (slot == ManifoldPair::kNone) return m;
+    const BodyStore& b = in_.s.bodies;
+    const kernels::BodyView& view = in_.view;
+    const double reach = b.radius[slot];
+    m.v = {view.vel[2 * slot], view.vel[2 * slot + 1]};
+    m.angle = b.angle[slot];
+    m.omega = double{view.rim_speed[slot]} / reach;
+    m.inv_mass = inv_mass;
+    m.inv_inertia = double{rim_gain} / (reach * reach);
+    if (view.event_time != nullptr) m.since = view.event_time[slot];
+    if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
+    return m;
+  }
+  const Hull& hull(std::uint32_t slot, std::uint32_t part, std::optional<Hull>& own) const {
+    const BodyStore& b = in_.s.bodies;
+    if (!in_.manifolds.has_corners(slot)) return own.emplace(disc_hull(b.radius[slot]));
+    return b.hulls[b.kind(b.id[slot]).first_hull + part];
+  }
+  const Hull& hull_of_a() {
+    if (pair_.of_wall()) return own_a_.emplace();
+    if (pair_.of_floor()) return own_a_.emplace(in_.manifolds.floor_of(pair_));
+    if (!pair_.of_piece()) return hull(pair_.a, pair_.part_a, own_a_);
+    return own_a_.emplace(
+        in_.s.statics.seen_from(pair_.shape, in_.s.bodies.point(pair_.b), 16.0 * double{hull_b_.reach}));
+  }
+
+  // The solver sees to such bodies, and lets nobody through.
+  bool too_fast(double h) const {
+    const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
+    return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
+  }
+
+  // Whether the circles about two bodies do not meet in the substep.
+  bool far_apart(double h) const {
+    if (pair_.of_piece()) return false;
+    const double reach = double{hull_a_.reach} + double{hull_b_.reach};
+    return length_of(way_) > reach + h * (length_of(b_.v - a_.v) + h * length_of(b_.a - a_.a));
+  }
+
+  Manifold at(double t) const {
+    constexpr float kAny = 1e30f;
+    const Vec2 d = way_ + b_.way(t) - a_.way(t);
+    const Rotor qb = b_.rotor(t);
+    if (!pair_.of_wall()) {
+      return collide(hull_a_, a_.rotor(t), hull_b_, qb, static_cast<float>(d.x), static_cast<float>(d.y), kAny);
+    }
+    const Manifold& m = pair_.manifold;
+    const Vec2 n{m.nx, m.ny}, since = in_.s.lattice.way(pair_.base, in_.s.bodies.point(pair_.b)) + d;
+    const double height = dot(n, since - Vec2{m.point[0].bx, m.point[0].by}) + 0.5 * double{m.point[0].gap};
+    return meet_plane(hull_b_, qb, m.nx, m.ny, static_cast<float>(height), kAny);
+  }
+
+  // The corners of a turning hull: how far each lies behind the foremost one along n, and how fast the rotation moves it
+  // along n.
+  struct Corners {
+    double behind[Hull::kMost] = {}, speed[Hull::kMost] = {};  // m, m/s
+    Corners(const Hull& hull, Rotor q, double omega, Vec2 n) {
+      const Vec2 own = turned({-double{q.s}, q.c}, n), across = omega * Vec2{own.y, -own.x};  // in the axes of the hull
+      double most = -1e300;
+      for (int k = 0; k < hull.count; ++k) {
+        behind[k] = dot(own, hull.vertex(k));
+        speed[k] = dot(across, hull.vertex(k));
+        most = std::max(most, behind[k]);
+      }
+      for (int k = 0; k < hull.count; ++k) behind[k] = most - behind[k];
+    }
+  };
+
+  // How long hulls with a gap along n stay apart at least, or to the end of the substep. Corners come together by
+  // closing t + growth t^2 / 2 at most.
+  double apart_for(double gap, double t, Vec2 n, double h) const {
+    const Corners a(hull_a_, a_.rotor(t), a_.omega, n), b(hull_b_, b_.rotor(t), b_.omega, {-n.x, -n.y});
+    const double closing = -dot(n, b_.v + t * b_.a - a_.v - t * a_.a);
+    const double growth = a_.omega * a_.omega * double{hull_a_.reach} + b_.omega * b_.omega * double{hull_b_.reach} +
+                          std::max(0.0, -dot(n, b_.a - a_.a));
+    double time = h - t;
+    for (int k = 0; k < hull_b_.count; ++k) {
+      for (int j = 0; j < hull_a_.count; ++j) {
+        // Hulls that part are near each other for a while.
+        const double way = std::max(gap + b.behind[k] + a.behind[j] - 0.5 * near_, 2 * near_);
+        const double speed = closing + b.speed[k] + a.speed[j];
+        if (way < time * (speed + 0.5 * growth * time)) time = time_to_close(way, speed, growth);
+      }
+    }
+    return time;
+  }
+
+  // On ground of several segments a body meets the faces.
+  void fit(Manifold& m, double t) const {
+    if (!pair_.fixed_a || pair_.of_wall() || pair_.of_floor() || hull_a_.count != 2 || m.count == 0) return;
+    const Vec2 d = way_ + b_.way(t) - a_.way(t);
+    in_.manifolds.fit_within_step(pair_, m, hull_a_, hull_b_, b_.rotor(t), start_, d);
+  }
+
+  static double least_gap(const Manifold& m) {
+    return m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
+  }
+
+  // The first time at which the bodies touch and approach each other.
+  Found find(double h, double slowest, Hit& hit) const {
+    double t = std::max(a_.since, b_.since);
+    for (int k = 0; k < kMostSteps; ++k) {
+      Manifold m = at(t);
+      if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
+      if (m.count == 0) return Found::none;
+      const Vec2 n{m.nx, m.ny};
+      const double gap = least_gap(m);
+      if (gap <= near_) {
+        const Found found = touch(m, t, slowest, hit);
+        if (found != Found::none) return found;
+        hit.depth = -gap;
+        if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
+      }
+      t += apart_for(gap, t, n, h);
+      if (t >= h) return Found::none;
+    }
+    return slowest > 0 ? Found::slow : Found::none;
+  }
+
+  // Which of the points that touch approach each other.
+  Found touch(const Manifold& m, double t, double slowest, Hit& hit) const {
+    hit = {};
+    hit.time = t;
+    hit.n = {m.nx, m.ny};
+    bool slow = false;
+    for (int k = 0; k < m.count; ++k) {
+      const ManifoldPoint& p = m.point[k];
+      if (double{p.gap} > 2 * near_) continue;
+      const Vec2 arm_b{p.bx, p.by};
+      const Vec2 arm_a = pair_.of_piece() ? Vec2{} : Vec2{p.ax, p.ay};
+      const double vn = dot(hit.n, b_.velocity(t, arm_b) - a_.velocity(t, arm_a));
+      hit.parting = std::min(hit.parting, vn);
+      if (!(vn < 0)) continue;
+      if (!(-vn > slowest)) {
+        slow = true;
+        continue;
+      }
+      hit.arm_a[hit.count] = arm_a;
+      hit.arm_b[hit.count] = arm_b;
+      hit.approach[hit.count++] = vn;
+    }
+    return hit.count != 0 ? Found::hit : slow ? Found::slow : Found::none;
+  }
+
+  // Moves bodies apart that overlap and would hardly part by themselves. Their velocities stay, and so does their energy.
+  void part(const Hit& hit, double h) const {
+    const double wa = pair_.fixed_a ? 0 : a_.inv_mass, sum = wa + b_.inv_mass;
+    const double way = std::min(kPartingShare * hit.depth, kPartingSpeed * h);  // m
+    if (!(sum > 0)) return;
+    const auto shift = [&](const Mover& m, double by) {
+      float* const d = in_.view.disp + 2 * std::size_t{m.slot};
+      d[0] = static_cast<float>(double{d[0]} + by * hit.n.x);
+      d[1] = static_cast<float>(double{d[1]} + by * hit.n.y);
+    };
+    if (wa > 0) shift(a_, -way * wa / sum);
+    shift(b_, way * b_.inv_mass / sum);
+  }
+
+  void bounce(const Hit& hit) {
+    const Vec2 t{-hit.n.y, hit.n.x};
+    Vec2 push;
+    double turn_a = 0, turn_b = 0;
+    const auto press = [&](int k, Vec2 impulse) {
+      push = push + impulse;
+      turn_a -= cross(hit.arm_a[k], impulse);
+      turn_b += cross(hit.arm_b[k], impulse);
+    };
+    for (int k = 0; k < hit.count; ++k) press(k, hit.impulse[k] * hit.n);
+    const int k = hit.impulse[1] > hit.impulse[0] ? 1 : 0;  // friction acts at the point that presses most
+    const Vec2 between = way_ + b_.way(hit.time) - a_.way(hit.time);
+    if (!pair_.of_piece()) in_.virial += dot(push, between);
+    const double mu = c_.mu[l_];
+    if (mu > 0) {
+      Mover a = a_, b = b_;
+      a.v = a.v - a.inv_mass * push, a.omega += a.inv_inertia * turn_a;
+      b.v = b.v + b.inv_mass * push, b.omega += b.inv_inertia * turn_b;
+      const double vt = dot(t, b.velocity(hit.time, hit.arm_b[k]) - a.velocity(hit.time, hit.arm_a[k]));
+      const double cap = mu * (hit.impulse[0] + hit.impulse[1]);
+      press(k, std::clamp(-vt / gain(a, b, hit, k, t, k, t), -cap, cap) * t);
+    }
+    if (!pair_.fixed_a) move(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, hit.time);
+    move(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, hit.time);
+  }
+
+  // Changes the velocity of a body at a time of the substep, and its virtual start with it.
+  void move(const Mover& m, Vec2 dv, double spin, double time) const {
+    const kernels::BodyView& view = in_.view;
+    BodyStore& b = in_.s.bodies;
+    const std::size_t i = m.slot;
+    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    const double reach = b.radius[i];
+    for (float* v : {view.vel, view.vel0}) add(v[2 * i], dv.x), add(v[2 * i + 1], dv.y);
+    for (float* u : {view.rim_speed, view.rim_speed0}) add(u[i], reach * spin);
+    add(view.disp[2 * i], -time * dv.x);
+    add(view.disp[2 * i + 1], -time * dv.y);
+    b.angle[i] -= time * spin;
+    add(view.angle_change[i], -time * spin);
+    const SineCosine q = sine_cosine(view.angle_change[i]);
+    view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
+    view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
+    view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
+  }
+
+  const Around& in_;
+  const ManifoldPair& pair_;
+  kernels::ManifoldBlock& c_;
+  const std::uint32_t l_;
+  const Mover a_, b_;
+  std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
+  const Hull &hull_b_, &hull_a_;
+  Vec2 way_, start_;  // m: from A to B, at the start of the substep and of the step
+  double near_ = 0;   // m
+};
+
+}  // namespace shape_impact
+
+}  // namespace psim
