@@ -95,6 +95,14 @@ if(TARGET psim_scene)
   endforeach()
 endif()
 
+# Random scenes against the laws that hold in every scene (docs/laws.md): from a known seed and from a new one.
+if(TARGET laws)
+  set(_laws laws --known "${PROJECT_SOURCE_DIR}/tests/laws/known.txt" --out "${CMAKE_BINARY_DIR}/laws-broken" --most 1)
+  add_test(NAME Laws.KnownSeed COMMAND ${_laws} --seed 1 --scenes 100 --seconds 300)
+  add_test(NAME Laws.NewSeed COMMAND ${_laws} --seconds 30)
+  set_tests_properties(Laws.KnownSeed Laws.NewSeed PROPERTIES LABELS laws TIMEOUT 900)
+endif()
+
 # An hour of game time in a world that changes; by hand, no test of ctest (docs/hardening.md).
 if(TARGET psim_core)
   add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp)

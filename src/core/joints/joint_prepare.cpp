@@ -277,14 +277,20 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   if (!articulations_.empty()) set_articulations(calm);
   const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
-    for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
-      const std::uint32_t joint = lanes_[r.list][lane];
-      JointLists::visit_lane(lists_, r.list, lane, [&](auto& block, std::uint32_t k) {
-        if (joint < kTether) return fill_rows(block, k, joints_[joint]);
-        if (joint != kNoSlot) return fill_tether(block, k, tethers_[joint - kTether]);
-        block.body[2 * k] = block.body[2 * k + 1] = padding;
-      });
-    }
+    const std::vector<std::uint32_t>& lanes = lanes_[r.list];
+    JointLists::visit(lists_, r.list, [&](auto& blocks) {
+      for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
+        auto& block = blocks[lane / kBlock];
+        const std::uint32_t joint = lanes[lane], k = lane % kBlock;
+        if (joint < kTether) {
+          fill_rows(block, k, joints_[joint]);
+        } else if (joint != kNoSlot) {
+          fill_tether(block, k, tethers_[joint - kTether]);
+        } else {
+          block.body[2 * k] = block.body[2 * k + 1] = padding;
+        }
+      }
+    });
   });
 }
 
