@@ -15,11 +15,11 @@ double laguerre(int n, double x) {
   return now;
 }
 
-std::vector<double> laguerre_zeros(int n) {
-  // All lie below 4 n and differ by more than 1 / n.
+std::vector<double> laguerre_zeros(int n, std::size_t count) {
+  // They differ by more than 1 / n.
   std::vector<double> zeros;
   const double step = 0.1 / n;
-  for (double x = 0; x < 4.0 * n; x += step) {
+  for (double x = 0; zeros.size() < count; x += step) {
     double low = x, high = x + step;
     if (laguerre(n, low) * laguerre(n, high) > 0) continue;
     for (int k = 0; k < 60; ++k) {

@@ -10,9 +10,9 @@
 
 namespace reference {
 
-/// Zeros of the Laguerre polynomial of degree n, ascending. A chain of n alike masses on rods of length l that hangs
+/// The `count` smallest zeros of the Laguerre polynomial of degree n, ascending. A chain of n alike masses on rods of length l that hangs
 /// from a point swings at w^2 = x g/l, x one of these; in mode x the k-th mass from below is off by L_k(x).
-std::vector<double> laguerre_zeros(int n);
+std::vector<double> laguerre_zeros(int n, std::size_t count);
 /// L_n(x).
 double laguerre(int n, double x);
 

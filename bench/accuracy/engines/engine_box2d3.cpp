@@ -331,6 +331,14 @@ class Box2d3Simulation : public Simulation {
   double virial_ = 0;
 };
 
+// Its stiffness follows from the mass that the anchors feel, which changes as bodies turn.
+bool is_off_centre(const SceneJoint& scene_joint) {
+  const JointDesc& joint = scene_joint.joint;
+  const bool at_centres =
+      joint.anchor_a.x == 0 && joint.anchor_a.y == 0 && joint.anchor_b.x == 0 && joint.anchor_b.y == 0;
+  return joint.type == JointType::spring && !at_centres;
+}
+
 Setting setting_of(const char* curve, int steps, int substeps) {
   Setting s;
   s.curve = curve;
@@ -372,6 +380,7 @@ Engine box2d3_engine() {
   engine.version =
       std::to_string(version.major) + '.' + std::to_string(version.minor) + '.' + std::to_string(version.revision);
   engine.refuses = [](const Model& model) {
+    if (std::ranges::any_of(model.scene.joints, is_off_centre)) return std::string("spring off the centre");
     return refusal(model, {.fields = true,
                            .segments = true,
                            .polygons = true,

@@ -64,7 +64,7 @@ struct Translation {
   bool rods = false;
   bool springs = false;
   bool ropes = false;
-  bool welds = false;  ///< rigid, or soft in their angle
+  bool welds = false;   ///< rigid, or soft in their angle
   bool slides = false;  ///< without limit and motor
   bool motors = false;  ///< of pins
 };
