@@ -114,7 +114,7 @@ class ChipmunkSimulation : public Simulation {
     for (int k = 0; k < setting_.steps; ++k) {
       if (broken_) return;
       cpSpaceStep(space_.get(), setting_.h());
-      broken_ = springs_ && std::ranges::any_of(bodies_, is_broken);
+      broken_ = !joints_.empty() && std::ranges::any_of(bodies_, is_broken);
       if (watched_) virial_ += visits().virial;
     }
   }
@@ -164,8 +164,8 @@ class ChipmunkSimulation : public Simulation {
   template <class T>
   using Owned = std::unique_ptr<T, void (*)(T*)>;
 
-  // Its springs are explicit and diverge where a step does not resolve them. Debian's library aborts at a speed that is
-  // not a number; such a run ends before it.
+  // Springs are explicit, and joints under load diverge where a step does not resolve them. Debian's library aborts at a
+  // speed that is not a number; such a run ends before it.
   static bool is_broken(const Owned<cpBody>& body) {
     constexpr double kMost = 1e6;  // m/s, rad/s
     return !(std::abs(cpBodyGetAngularVelocity(body.get())) < kMost) ||
@@ -280,7 +280,6 @@ class ChipmunkSimulation : public Simulation {
   }
 
   void add(const SceneJoint& scene_joint) {
-    springs_ = springs_ || scene_joint.joint.stiffness > 0;
     if (add_parts(scene_joint)) return;
     const JointDesc& joint = scene_joint.joint;
     cpBody *a = bodies_[scene_joint.a].get(), *b = bodies_[scene_joint.b].get();
@@ -307,7 +306,6 @@ class ChipmunkSimulation : public Simulation {
   Owned<cpSpace> space_;  // freed first: it looks at its bodies once more
   bool alike_ = true;
   double restitution_ = 0;
-  bool springs_ = false;
   bool broken_ = false;
   bool watched_ = false;
   double virial_ = 0;
