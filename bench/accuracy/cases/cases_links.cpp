@@ -62,10 +62,10 @@ Case planks(JointType type, const std::string& name, Effort effort) {
   Case c;
   c.name = name;
   c.shows = "three planks tied end to end by " + name + " of 0.1 m, let go level: energy gained in a minute" +
-            (type == JointType::rope ? "" : ", and what is lost at its end");
+            (type == JointType::rope ? "" : ", and how far it is off at its end");
   c.quantities = {{name + "-gain", "of m g L", "analytic", {{4, 1e-5}}}};
-  if (type == JointType::distance) c.quantities.push_back({name + "-loss", "of m g L", "analytic", {{4, 4e-4}}});
-  if (type == JointType::spring) c.quantities.push_back({name + "-loss", "of m g L", "analytic", {}});
+  if (type == JointType::distance) c.quantities.push_back({name + "-energy", "of m g L", "analytic", {{4, 4e-4}}});
+  if (type == JointType::spring) c.quantities.push_back({name + "-energy", "of m g L", "analytic", {}});
   c.scale = Scale::large;
   c.timed_seconds = 0.5;
   c.scene = [type] {
@@ -87,7 +87,7 @@ Case planks(JointType type, const std::string& name, Effort effort) {
       gained = std::max(gained, (whole_energy(run) - start) / unit);
     }
     std::vector<double> errors = {gained};
-    if (type != JointType::rope) errors.push_back(std::max(0.0, (start - whole_energy(run)) / unit));
+    if (type != JointType::rope) errors.push_back(std::abs(whole_energy(run) - start) / unit);
     return errors;
   };
   return c;
