@@ -18,6 +18,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "calibrate.h"
@@ -84,7 +85,9 @@ void keep(const std::vector<std::string>& wanted, const char* what, std::vector<
 
 bool is_rigid(const Case& of) {
   const Model model = make_model(of.scene());
-  return has_boxes(model) || !model.scene.joints.empty();
+  const bool chains = std::ranges::any_of(
+      model.bodies, [](const psim::BodyDesc& b) { return std::holds_alternative<psim::ChainShape>(b.shape); });
+  return has_boxes(model) || chains || !model.scene.joints.empty();
 }
 
 void keep_kind(const std::string& kind, std::vector<Case>& cases) {

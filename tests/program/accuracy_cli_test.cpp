@@ -60,6 +60,38 @@ TEST(Accuracy, ListsCasesOfBoxesAndJoints) {
   }
 }
 
+TEST(Accuracy, ListsCasesOfShapesTerrainAndStructures) {
+  const auto result = run_accuracy({"--list"});
+  EXPECT_EQ(result.status, 0);
+  for (const char* name : {"shape-gas-energy",   "box-impact",         "rocking-block",    "leaning-cards-threshold",
+                           "card-house-sinks",   "arch-sinks",         "stone-wall-sinks", "level-chain-speed",
+                           "hill-speed",         "valley-speed",       "loop-threshold",   "rods-gain",
+                           "chain-gap-100-1000", "chain-modes-period", "truss-sag",        "bridge-sag",
+                           "elastica-drop",      "ring-radius",        "crank-slider",     "stack-load-100",
+                           "legs-10000-share",   "silo-load"}) {
+    EXPECT_NE(result.out.find(name), std::string::npos) << name;
+  }
+}
+
+// Welds, a slide, and loads that contacts report.
+TEST(Accuracy, EveryEngineGetsTheSameWeldsSlidesAndLoads) {
+  const auto result = run_accuracy({"--quick", "--case", "cantilever", "--case", "crank", "--case", "stack-load-10"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  std::map<std::string, std::set<std::string>> engines;
+  const auto lines = lines_of(result.out);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const auto fields = fields_of(lines[k]);
+    if (!fields[2].ends_with(" default")) continue;
+    engines[fields[0]].insert(fields[1]);
+    // Ten boxes stand in every engine, and loads are off by little in what stands.
+    if (fields[0] == "stack-load-10") {
+      EXPECT_LT(std::stod(fields[7]), 0.01) << lines[k];
+    }
+  }
+  ASSERT_EQ(engines.size(), 3u);
+  for (const auto& [name, ran] : engines) EXPECT_EQ(ran, engines["crank-slider"]) << name;
+}
+
 TEST(Accuracy, ABoxStackStandsWithinItsLimits) {
   const auto result = run_accuracy({"--quick", "--case", "stack-20", "--engine", "psim"});
   ASSERT_EQ(result.status, 0) << result.err;

@@ -49,6 +49,12 @@ std::vector<Case> rest_cases(Effort effort);
 std::vector<Case> stack_cases(Effort effort);
 std::vector<Case> box_cases(Effort effort);
 std::vector<Case> joint_cases(Effort effort);
+std::vector<Case> weight_cases(Effort effort);
+std::vector<Case> elastic_cases(Effort effort);
+std::vector<Case> stand_cases(Effort effort);
+std::vector<Case> terrain_cases(Effort effort);
+std::vector<Case> link_cases(Effort effort);
+std::vector<Case> structure_cases(Effort effort);
 
 std::vector<Case> all_cases(Effort effort);
 

@@ -38,6 +38,12 @@ struct Setting {
   double h() const { return frame / divisions(); }
 };
 
+/// What two bodies that touch press on each other with, over the engine's last step.
+struct Load {
+  std::size_t a = 0, b = 0;  ///< ids, a < b
+  double force = 0;          ///< N, along the normal, all points of the contact together
+};
+
 /// A scene at work in one engine.
 class Simulation {
  public:
@@ -53,6 +59,8 @@ class Simulation {
   /// From now on `virial` adds up normal impulse x distance of the centres over contacts of discs.
   virtual void watch_impulses() {}
   virtual double virial() const { return 0; }  ///< N s m
+  /// Pairs of bodies that touch; walls of the world are left out.
+  virtual std::vector<Load> loads() { return {}; }
 };
 
 enum class Effort { quick, full };

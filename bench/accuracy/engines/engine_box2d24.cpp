@@ -2,6 +2,7 @@
 // Continuous collision stays on, as it is by default.
 #include <box2d/box2d.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -69,7 +70,25 @@ class Box2dSimulation : public Simulation {
   void watch_impulses() override { watched_ = true; }
   double virial() const override { return virial_; }
 
+  std::vector<Load> loads() override {
+    std::vector<Load> loads;
+    for (b2Contact* c = world_.GetContactList(); c; c = c->GetNext()) {
+      if (!c->IsTouching()) continue;
+      const std::size_t a = id_of(*c->GetFixtureA()), b = id_of(*c->GetFixtureB());
+      if (a >= bodies_.size() || b >= bodies_.size()) continue;
+      double sum = 0;
+      const b2Manifold& m = *c->GetManifold();
+      for (int k = 0; k < m.pointCount; ++k) sum += static_cast<double>(m.points[k].normalImpulse);
+      loads.push_back({std::min(a, b), std::max(a, b), sum / setting_.h()});
+    }
+    return loads;
+  }
+
  private:
+  static std::size_t id_of(const b2Fixture& fixture) {
+    return static_cast<std::size_t>(const_cast<b2Fixture&>(fixture).GetBody()->GetUserData().pointer) - 1;
+  }
+
   b2FixtureDef fixture(const b2Shape& shape, const Material& material, const Filter& filter = {}) const {
     b2FixtureDef def;
     def.filter.categoryBits = static_cast<uint16>(filter.category);
@@ -109,12 +128,15 @@ class Box2dSimulation : public Simulation {
     def.gravityScale = static_cast<float>(desc.gravity_scale);
     def.fixedRotation = desc.fixed_rotation;
     def.bullet = desc.bullet;
+    def.userData.pointer = bodies_.size() + 1;
     b2Body* body = world_.CreateBody(&def);
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       b2EdgeShape edge;
       edge.SetTwoSided(to_box2d(line->p1), to_box2d(line->p2));
       const b2FixtureDef f = fixture(edge, desc.material, desc.filter);
       body->CreateFixture(&f);
+    } else if (const auto* chain = std::get_if<ChainShape>(&desc.shape)) {
+      add_chain(*chain, desc, *body);
     } else if (const auto* shape = std::get_if<PolygonShape>(&desc.shape)) {
       b2PolygonShape polygon;
       const auto corners = inset(*shape, skin());
@@ -155,6 +177,19 @@ class Box2dSimulation : public Simulation {
     return corners;
   }
 
+  // It is solid from one side: once each way, from both.
+  void add_chain(const ChainShape& chain, const BodyDesc& desc, b2Body& body) const {
+    std::vector<b2Vec2> points;
+    for (const Vec2 v : with_neighbours(chain)) points.push_back(to_box2d(v));
+    for (int way = 0; way < 2; ++way) {
+      b2ChainShape shape;
+      shape.CreateChain(&points[1], static_cast<int32>(points.size() - 2), points.front(), points.back());
+      const b2FixtureDef f = fixture(shape, desc.material, desc.filter);
+      body.CreateFixture(&f);
+      std::ranges::reverse(points);
+    }
+  }
+
   void add_polygon(b2PolygonShape& polygon, const BodyDesc& desc, b2Body& body) const {
     polygon.m_radius = skin();
     const b2FixtureDef f = fixture(polygon, desc.material, desc.filter);
@@ -164,6 +199,17 @@ class Box2dSimulation : public Simulation {
     mass.center = to_box2d(centre_of(desc));
     mass.I = static_cast<float>(inertia_of(desc)) + mass.mass * b2Dot(mass.center, mass.center);
     body.SetMassData(&mass);
+  }
+
+  template <class Def>
+  void create(Def& def, const SceneJoint& scene_joint) {
+    def.bodyA = bodies_[scene_joint.a];
+    def.bodyB = bodies_[scene_joint.b];
+    def.localAnchorA = to_box2d(scene_joint.joint.anchor_a);
+    def.localAnchorB = to_box2d(scene_joint.joint.anchor_b);
+    def.referenceAngle = static_cast<float>(reference_of(*model_, scene_joint));
+    def.collideConnected = scene_joint.joint.collide;
+    world_.CreateJoint(&def);
   }
 
   void add(const SceneJoint& scene_joint) {
@@ -176,8 +222,22 @@ class Box2dSimulation : public Simulation {
       pin.localAnchorA = to_box2d(joint.anchor_a);
       pin.localAnchorB = to_box2d(joint.anchor_b);
       pin.collideConnected = joint.collide;
+      pin.enableMotor = joint.motor_limit != 0;
+      pin.maxMotorTorque = static_cast<float>(joint.motor_limit);
+      pin.motorSpeed = static_cast<float>(joint.motor_speed);
       world_.CreateJoint(&pin);
       return;
+    }
+    if (joint.type == JointType::weld) {
+      b2WeldJointDef weld;
+      weld.stiffness = static_cast<float>(joint.stiffness);
+      weld.damping = static_cast<float>(joint.damping);
+      return create(weld, scene_joint);
+    }
+    if (joint.type == JointType::prismatic) {
+      b2PrismaticJointDef slide;
+      slide.localAxisA = to_box2d(joint.axis);
+      return create(slide, scene_joint);
     }
     b2DistanceJointDef rod;
     rod.bodyA = a;
@@ -228,6 +288,12 @@ class Box2dSimulation : public Simulation {
   double virial_ = 0;
 };
 
+// Nothing is left of them inside of the skin.
+bool is_thin(const BodyDesc& body) {
+  const auto* sides = std::get_if<BoxShape>(&body.shape);
+  return sides && std::min(sides->width, sides->height) < 2.5 * b2_polygonRadius;
+}
+
 Setting setting_of(int velocity_iterations, int steps) {
   Setting s;
   s.steps = steps;
@@ -265,9 +331,11 @@ Engine box2d24_engine() {
   engine.version = std::to_string(b2_version.major) + '.' + std::to_string(b2_version.minor) + '.' +
                    std::to_string(b2_version.revision);
   engine.refuses = [](const Model& model) {
+    if (std::ranges::any_of(model.bodies, is_thin)) return std::string("box thinner than its skin");
     return refusal(model, {.fields = true,
                            .segments = true,
                            .polygons = true,
+                           .chains = true,
                            .gravity_scale = true,
                            .bullets = true,
                            .restitution_threshold = true,
@@ -275,7 +343,10 @@ Engine box2d24_engine() {
                            .categories = 0xFFFF,
                            .rods = true,
                            .springs = true,
-                           .ropes = true});
+                           .ropes = true,
+                           .welds = true,
+                           .slides = true,
+                           .motors = true});
   };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<Box2dSimulation>(model, setting);

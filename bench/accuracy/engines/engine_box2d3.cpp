@@ -2,8 +2,10 @@
 // Continuous collision and one worker as by default; it divides a step into substeps itself.
 #include <box2d/box2d.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 
@@ -73,7 +75,36 @@ class Box2d3Simulation : public Simulation {
   void watch_impulses() override { watched_ = true; }
   double virial() const override { return virial_; }
 
+  // The impulse of the last substep stands for all: load that lasts.
+  std::vector<Load> loads() override {
+    std::vector<Load> loads;
+    std::vector<b2ContactData> touching;
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      if (b2Body_GetType(bodies_[k]) != b2_dynamicBody) continue;
+      touching.resize(static_cast<std::size_t>(b2Body_GetContactCapacity(bodies_[k])));
+      const int n = b2Body_GetContactData(bodies_[k], touching.data(), static_cast<int>(touching.size()));
+      for (int i = 0; i < n; ++i) append_load(k, touching[static_cast<std::size_t>(i)], loads);
+    }
+    return loads;
+  }
+
  private:
+  std::size_t id_of(b2ShapeId shape) const {
+    return static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(b2Body_GetUserData(b2Shape_GetBody(shape)))) - 1;
+  }
+
+  /// Of two dynamic bodies the one with the lower id reports.
+  void append_load(std::size_t from, const b2ContactData& contact, std::vector<Load>& loads) const {
+    const std::size_t p = id_of(contact.shapeIdA), q = id_of(contact.shapeIdB);
+    if (p >= bodies_.size() || q >= bodies_.size()) return;
+    const std::size_t a = std::min(p, q), b = std::max(p, q);
+    if (from == b && b2Body_GetType(bodies_[a]) == b2_dynamicBody) return;
+    double sum = 0;
+    const b2Manifold& m = contact.manifold;
+    for (int k = 0; k < m.pointCount; ++k) sum += static_cast<double>(m.points[k].normalImpulse);
+    loads.push_back({a, b, sum / setting_.h()});
+  }
+
   struct Contacts {
     double points = 0;
     double virial = 0;
@@ -139,6 +170,7 @@ class Box2d3Simulation : public Simulation {
     def.fixedRotation = desc.fixed_rotation;
     def.isBullet = desc.bullet;
     def.allowFastRotation = true;
+    def.userData = reinterpret_cast<void*>(static_cast<std::uintptr_t>(bodies_.size() + 1));
     const b2BodyId body = b2CreateBody(world_, &def);
     bodies_.push_back(body);
     angles_.push_back(desc.angle);
@@ -150,6 +182,8 @@ class Box2d3Simulation : public Simulation {
     if (const auto* line = std::get_if<SegmentShape>(&desc.shape)) {
       const b2Segment edge{to_box2d(line->p1), to_box2d(line->p2)};
       b2CreateSegmentShape(body, &surface, &edge);
+    } else if (const auto* chain = std::get_if<ChainShape>(&desc.shape)) {
+      add_chain(*chain, surface, body);
     } else if (const auto* outline = std::get_if<PolygonShape>(&desc.shape)) {
       surface.density = static_cast<float>(mass_of(desc) / area_of(desc));
       std::vector<b2Vec2> corners;
@@ -170,6 +204,46 @@ class Box2d3Simulation : public Simulation {
     }
   }
 
+  // It is solid from one side: once each way, from both.
+  static void add_chain(const ChainShape& chain, const b2ShapeDef& surface, b2BodyId body) {
+    std::vector<b2Vec2> points;
+    for (const Vec2 v : with_neighbours(chain)) points.push_back(to_box2d(v));
+    for (int way = 0; way < 2; ++way) {
+      b2ChainDef def = b2DefaultChainDef();
+      def.points = points.data();
+      def.count = static_cast<int>(points.size());
+      def.materials = &surface.material;
+      def.materialCount = 1;
+      def.filter = surface.filter;
+      b2CreateChain(body, &def);
+      std::ranges::reverse(points);
+    }
+  }
+
+  template <class Def>
+  Def tie(Def def, const SceneJoint& scene_joint) const {
+    def.bodyIdA = bodies_[scene_joint.a];
+    def.bodyIdB = bodies_[scene_joint.b];
+    def.localAnchorA = to_box2d(scene_joint.joint.anchor_a);
+    def.localAnchorB = to_box2d(scene_joint.joint.anchor_b);
+    def.referenceAngle = static_cast<float>(reference_of(*model_, scene_joint));
+    def.collideConnected = scene_joint.joint.collide;
+    return def;
+  }
+
+  // It wants a frequency and a damping ratio.
+  void add_weld(const SceneJoint& scene_joint) {
+    const JointDesc& joint = scene_joint.joint;
+    b2WeldJointDef weld = tie(b2DefaultWeldJointDef(), scene_joint);
+    if (joint.stiffness > 0) {
+      const double reduced = 1 / (inverse_inertia(scene_joint.a) + inverse_inertia(scene_joint.b));
+      const double omega = std::sqrt(joint.stiffness / reduced);
+      weld.angularHertz = static_cast<float>(omega / (2 * std::numbers::pi));
+      weld.angularDampingRatio = static_cast<float>(joint.damping / (2 * reduced * omega));
+    }
+    b2CreateWeldJoint(world_, &weld);
+  }
+
   void add(const SceneJoint& scene_joint) {
     const JointDesc& joint = scene_joint.joint;
     const b2BodyId a = bodies_[scene_joint.a], b = bodies_[scene_joint.b];
@@ -180,7 +254,17 @@ class Box2d3Simulation : public Simulation {
       pin.localAnchorA = to_box2d(joint.anchor_a);
       pin.localAnchorB = to_box2d(joint.anchor_b);
       pin.collideConnected = joint.collide;
+      pin.enableMotor = joint.motor_limit != 0;
+      pin.maxMotorTorque = static_cast<float>(joint.motor_limit);
+      pin.motorSpeed = static_cast<float>(joint.motor_speed);
       b2CreateRevoluteJoint(world_, &pin);
+      return;
+    }
+    if (joint.type == JointType::weld) return add_weld(scene_joint);
+    if (joint.type == JointType::prismatic) {
+      b2PrismaticJointDef slide = tie(b2DefaultPrismaticJointDef(), scene_joint);
+      slide.localAxisA = to_box2d(joint.axis);
+      b2CreatePrismaticJoint(world_, &slide);
       return;
     }
     b2DistanceJointDef rod = b2DefaultDistanceJointDef();
@@ -190,7 +274,12 @@ class Box2d3Simulation : public Simulation {
     rod.localAnchorB = to_box2d(joint.anchor_b);
     rod.collideConnected = joint.collide;
     rod.length = static_cast<float>(length_of(*model_, scene_joint));
-    if (joint.type == JointType::spring) {
+    if (joint.type == JointType::rope) {
+      rod.enableSpring = true;  // of no stiffness: only the limit acts
+      rod.enableLimit = true;
+      rod.minLength = 0;
+      rod.maxLength = rod.length;
+    } else if (joint.type == JointType::spring) {
       // It wants a frequency and a damping ratio; anchors are at the centres.
       const double reduced = 1 / (inverse_mass(scene_joint.a) + inverse_mass(scene_joint.b));
       const double omega = std::sqrt(joint.stiffness / reduced);
@@ -204,6 +293,11 @@ class Box2d3Simulation : public Simulation {
   double inverse_mass(std::size_t body) const {
     const BodyDesc& desc = model_->bodies[body];
     return desc.type == BodyType::dynamic_body ? 1 / mass_of(desc) : 0;
+  }
+
+  double inverse_inertia(std::size_t body) const {
+    const BodyDesc& desc = model_->bodies[body];
+    return desc.type == BodyType::dynamic_body && !desc.fixed_rotation ? 1 / inertia_of(desc) : 0;
   }
 
   void apply_fields() {
@@ -236,6 +330,14 @@ class Box2d3Simulation : public Simulation {
   bool watched_ = false;
   double virial_ = 0;
 };
+
+// Its stiffness follows from the mass that the anchors feel, which changes as bodies turn.
+bool is_off_centre(const SceneJoint& scene_joint) {
+  const JointDesc& joint = scene_joint.joint;
+  const bool at_centres =
+      joint.anchor_a.x == 0 && joint.anchor_a.y == 0 && joint.anchor_b.x == 0 && joint.anchor_b.y == 0;
+  return joint.type == JointType::spring && !at_centres;
+}
 
 Setting setting_of(const char* curve, int steps, int substeps) {
   Setting s;
@@ -278,15 +380,21 @@ Engine box2d3_engine() {
   engine.version =
       std::to_string(version.major) + '.' + std::to_string(version.minor) + '.' + std::to_string(version.revision);
   engine.refuses = [](const Model& model) {
+    if (std::ranges::any_of(model.scene.joints, is_off_centre)) return std::string("spring off the centre");
     return refusal(model, {.fields = true,
                            .segments = true,
                            .polygons = true,
+                           .chains = true,
                            .gravity_scale = true,
                            .bullets = true,
                            .restitution_threshold = true,
                            .always_groups = true,
                            .rods = true,
-                           .springs = true});
+                           .springs = true,
+                           .ropes = true,
+                           .welds = true,
+                           .slides = true,
+                           .motors = true});
   };
   engine.make = [](const Model& model, const Setting& setting) {
     return std::make_unique<Box2d3Simulation>(model, setting);

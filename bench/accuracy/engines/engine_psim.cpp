@@ -14,9 +14,10 @@ constexpr std::string_view kDefaultIntegrator = "verlet";
 
 class PsimSimulation : public Simulation {
  public:
-  PsimSimulation(const Model& model, const Setting& setting) : steps_(setting.steps) {
+  PsimSimulation(const Model& model, const Setting& setting)
+      : steps_(setting.steps), step_(setting.frame / setting.steps) {
     Scene scene = model.scene;
-    scene.world.dt = setting.frame / setting.steps;
+    scene.world.dt = step_;
     scene.world.substeps = setting.substeps;
     scene.world.integrator = parse_integrator(setting.integrator).value_or(Integrator::verlet);
     std::string error;
@@ -53,6 +54,17 @@ class PsimSimulation : public Simulation {
   double row_visits() const override { return points_ * passes_ * static_cast<double>(rows_) + joint_visits_; }
   double virial() const override { return virial_; }
 
+  std::vector<Load> loads() override {
+    std::vector<Load> loads;
+    for (const Contact& c : world_->contacts()) {
+      if (c.b == kNoBody) continue;
+      const bool again = !loads.empty() && loads.back().a == c.a.index && loads.back().b == c.b.index;
+      if (!again) loads.push_back({c.a.index, c.b.index, 0});
+      loads.back().force += c.impulse / step_;
+    }
+    return loads;
+  }
+
  private:
   // One warm start, then solve and relax a substep; with restitution also spend and, as a rule,
   // three sweeps for impacts. Passes touch all pairs of the lists, not only those in contact.
@@ -64,6 +76,7 @@ class PsimSimulation : public Simulation {
 
   std::unique_ptr<World> world_;
   int steps_;
+  double step_;  // s
   // Joints are swept so often in solve and in relax, half as often in between, in small scenes.
   static constexpr int kJointSweeps = 8;
 

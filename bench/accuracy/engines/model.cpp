@@ -116,7 +116,9 @@ std::optional<Rectangle> rectangle_of(const PolygonShape& polygon) {
 }
 
 bool has_boxes(const Model& model) {
-  return std::ranges::any_of(model.bodies, [](const BodyDesc& b) { return std::holds_alternative<BoxShape>(b.shape); });
+  return std::ranges::any_of(model.bodies, [](const BodyDesc& b) {
+    return std::holds_alternative<BoxShape>(b.shape) || std::holds_alternative<PolygonShape>(b.shape);
+  });
 }
 
 double length_of(const Model& model, const SceneJoint& joint) {
@@ -130,9 +132,16 @@ double length_of(const Model& model, const SceneJoint& joint) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
+double reference_of(const Model& model, const SceneJoint& joint) {
+  return joint.joint.reference.value_or(model.bodies[joint.b].angle - model.bodies[joint.a].angle);
+}
+
 int joint_rows(const Model& model) {
   int rows = 0;
-  for (const SceneJoint& j : model.scene.joints) rows += j.joint.type == JointType::revolute ? 2 : 1;
+  for (const SceneJoint& j : model.scene.joints) {
+    const bool two = j.joint.type == JointType::revolute || j.joint.type == JointType::prismatic;
+    rows += j.joint.type == JointType::weld ? 3 : two ? 2 : 1;
+  }
   return rows;
 }
 

@@ -37,10 +37,13 @@ struct Rectangle {
 };
 /// A polygon that is a rectangle along its frame's axes.
 std::optional<Rectangle> rectangle_of(const PolygonShape& polygon);
+/// Boxes or polygons.
 bool has_boxes(const Model& model);
 /// Distance of the anchors that a rod or a spring keeps.
 double length_of(const Model& model, const SceneJoint& joint);
-/// Scalar constraints that the joints are: two for a pin.
+/// Angle of b against a that the joint keeps or counts from.
+double reference_of(const Model& model, const SceneJoint& joint);
+/// Scalar constraints that the joints are: two for a pin or a slide, three for a weld.
 int joint_rows(const Model& model);
 
 // ---- scenes in few words ----------------------------------------------------------------------

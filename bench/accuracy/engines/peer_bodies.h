@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "engines/model.h"
 
@@ -54,6 +55,7 @@ struct Translation {
   bool segments = false;
   bool rectangles = false;  ///< off the body's place
   bool polygons = false;
+  bool chains = false;  ///< open ones, solid from both sides, without bumps at their joints
   bool gravity_scale = false;
   bool bullets = false;
   bool restitution_threshold = false;
@@ -62,6 +64,9 @@ struct Translation {
   bool rods = false;
   bool springs = false;
   bool ropes = false;
+  bool welds = false;   ///< rigid, or soft in their angle
+  bool slides = false;  ///< without limit and motor
+  bool motors = false;  ///< of pins
 };
 
 inline std::string missing_in(const Translation& has, const Shape& shape) {
@@ -69,8 +74,11 @@ inline std::string missing_in(const Translation& has, const Shape& shape) {
   if (std::holds_alternative<DiscShape>(shape)) return "";
   if (std::holds_alternative<SegmentShape>(shape)) return has.segments ? "" : "segment";
   if (std::holds_alternative<CapsuleShape>(shape)) return "capsule";
+  if (const auto* chain = std::get_if<ChainShape>(&shape)) {
+    return has.chains && !chain->loop && chain->vertices.size() > 2 ? "" : "chain";
+  }
   const auto* polygon = std::get_if<PolygonShape>(&shape);
-  if (!polygon) return "chain";
+  if (!polygon) return "shape";
   if (polygon->radius > 0) return "rounded polygon";
   return has.polygons || (has.rectangles && rectangle_of(*polygon)) ? "" : "polygon";
 }
@@ -97,13 +105,25 @@ inline std::string missing_in(const Translation& has, const JointDesc& joint) {
     case JointType::rope:
       return has.ropes ? "" : "rope";
     case JointType::revolute:
-      return joint.lower || joint.upper || joint.motor_limit != 0 ? "limit or motor of a pin" : "";
+      if (joint.lower || joint.upper) return "limit of a pin";
+      return joint.motor_limit == 0 || has.motors ? "" : "motor of a pin";
     case JointType::prismatic:
-      return "slide";
+      if (joint.lower || joint.upper || joint.motor_limit != 0) return "limit or motor of a slide";
+      return has.slides ? "" : "slide";
     case JointType::weld:
       break;
   }
-  return "weld";
+  return has.welds ? "" : "weld";
+}
+
+/// An open chain with an end more on each side, straight on, for engines that want to know what neighbours its ends.
+inline std::vector<Vec2> with_neighbours(const ChainShape& chain) {
+  const auto& v = chain.vertices;
+  const auto beyond = [](Vec2 end, Vec2 inner) { return Vec2{2 * end.x - inner.x, 2 * end.y - inner.y}; };
+  std::vector<Vec2> longer = {beyond(v[0], v[1])};
+  longer.insert(longer.end(), v.begin(), v.end());
+  longer.push_back(beyond(v[v.size() - 1], v[v.size() - 2]));
+  return longer;
 }
 
 /// The first thing in the scene that an adapter cannot say; empty if there is none.
