@@ -65,6 +65,17 @@ TEST(SleepRest, BoxesAmongDiscsFallAsleepWithoutAJolt) {
   EXPECT_GT(share_asleep(*world), 0.98);
 }
 
+// With one substep the boxes sink deep into the discs under them. Awake, such heaps come to rest.
+TEST(SleepRest, FallingAsleepDoesNotStirAHeapThatOverlaps) {
+  double asleep = 0;
+  for (const std::uint64_t n : {500u, 505u, 510u, 515u}) {
+    const auto world = built_in("boxes_into_discs", n, 1);
+    run_seconds(*world, 40);
+    asleep += share_asleep(*world) / 4;
+  }
+  EXPECT_GT(asleep, 0.7);
+}
+
 TEST(SlowSleepRest, ABridgeSleepsOnceTheDiscsOnItLie) {
   const auto world = built_in("bridge", 160, 4);
   run_seconds(*world, 60);
