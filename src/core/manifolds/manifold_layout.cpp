@@ -99,14 +99,16 @@ void set_reactions(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, 
 }
 
 // Finds the offsets with which the impulses of a pair balance its gaps: rate s = -soft K l, where K is the inverse mass
-// at the point.
+// at the point. An offset may take out the whole overlap: a large body sinks deep into a small one that moves, and hardly
+// into one that sleeps.
 void balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std::uint32_t l) {
-  const float most = kMostOffset * b.kind(pair.id_b).inner;
+  const float small = kMostOffset * b.kind(pair.id_b).inner;
   for (int k = 0; k < pair.manifold.count; ++k) {
     const ManifoldBlock::Point& p = c.point[k];
     const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
     const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
-    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -most, most) : 0.0f;
+    const float most = std::fmax(small, -pair.gap[k]);
+    pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -small, most) : 0.0f;
   }
   pair.balanced = c.soft[l];
 }
