@@ -31,15 +31,15 @@ bool is_still(const BodyStore& b, std::size_t slot) {
 // Returns a function that tells the marks of a body that has stayed where it is for long enough, else 0.
 auto calm_marks(const SleepSource& source, const Sleepers& sleepers, double dt) {
   const BodyStore& bodies = source.population.bodies;
-  const bool joined = !source.joints.empty();  // what joints tie trembles; other heaps come to rest
+  const bool turns = !bodies.arm_change.empty();
   const std::uint32_t needed = Sleepers::needed(dt), creeping = Sleepers::needed(dt, Sleepers::kCreepTime),
-                      trembling = Sleepers::needed(dt, Sleepers::kTrembleTime);
+                      trembling = Sleepers::needed(dt, source.joints.empty() ? 5.0 : Sleepers::kTrembleTime);
   return [=, &bodies, &sleepers](std::uint32_t id) {
     const BodyProperties& properties = bodies.properties(id);
     const bool rests = sleepers.calm(id) >= needed;
     const Sleepers::BallKind ball = Sleepers::restless(properties);
     // A kinematic body is moved on purpose, however slowly.
-    const bool creeps = (rests || properties.inv_mass > 0) && (joined || ball == Sleepers::kWide) &&
+    const bool creeps = (rests || properties.inv_mass > 0) && (turns || ball == Sleepers::kWide) &&
                         sleepers.calm(id, ball) >= (ball == Sleepers::kTremble ? trembling : creeping);
     return static_cast<std::uint8_t>((rests ? kCalm : 0) | (creeps ? kCreeping : 0));
   };
