@@ -82,7 +82,7 @@ TEST(SleepRest, BoxesAmongDiscsSleepWithinFortySeconds) {
       run_seconds(*world, 40);
       asleep += share_asleep(*world) / 8;
     }
-    EXPECT_GT(asleep, 0.9) << substeps << " substeps";
+    EXPECT_GT(asleep, 0.97) << substeps << " substeps";
   }
 }
 
@@ -94,7 +94,7 @@ TEST(SleepRest, FallingAsleepDoesNotStirAHeapThatOverlaps) {
     run_seconds(*world, 40);
     asleep += share_asleep(*world) / 4;
   }
-  EXPECT_GT(asleep, 0.7);
+  EXPECT_GT(asleep, 0.95);
 }
 
 TEST(SlowSleepRest, ABridgeSleepsOnceTheDiscsOnItLie) {

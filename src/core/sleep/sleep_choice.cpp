@@ -33,7 +33,8 @@ auto calm_marks(const SleepSource& source, const Sleepers& sleepers, double dt) 
   const BodyStore& bodies = source.population.bodies;
   const bool turns = !bodies.arm_change.empty();
   const std::uint32_t needed = Sleepers::needed(dt), creeping = Sleepers::needed(dt, Sleepers::kCreepTime),
-                      trembling = Sleepers::needed(dt, source.joints.empty() ? 5.0 : Sleepers::kTrembleTime);
+                      trembling = Sleepers::needed(
+                          dt, source.joints.empty() ? Sleepers::kTrembleAlone : Sleepers::kTrembleTime);
   return [=, &bodies, &sleepers](std::uint32_t id) {
     const BodyProperties& properties = bodies.properties(id);
     const bool rests = sleepers.calm(id) >= needed;

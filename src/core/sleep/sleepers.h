@@ -60,8 +60,8 @@ class Sleepers {
   static constexpr std::uint32_t kMostAtOnce = 8192;  ///< bodies that fall asleep in one step
   static constexpr std::uint32_t kRoomAhead = 4096;   ///< bodies that there is room for before the first one sleeps
   static constexpr std::size_t kMostAbove = 4096;     ///< bodies that wake at once because a body was taken away
-  static constexpr double kRestTime = 0.5, kCreepTime = 4,
-                          kTrembleTime = 2;                            ///< s: who stays in its ball for so long rests
+  /// s: who stays in its ball for so long rests. What joints tie trembles for longer than what comes to rest alone.
+  static constexpr double kRestTime = 0.5, kCreepTime = 4, kTrembleTime = 2, kTrembleAlone = 5;
   static constexpr float kBallOfRadius = 2e-4f, kLargestBall = 1e-4f;  ///< share; m
   static constexpr float kWaking = 5;  ///< the ball that wakes others is so many times as large
   static constexpr float kCreepOfRadius = 0.1f, kLargestCreep = 0.05f;
