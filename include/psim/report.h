@@ -99,7 +99,7 @@ struct Diagnostics {
   double momentum_x = 0;        ///< kg m/s
   double momentum_y = 0;        ///< kg m/s
   double angular_momentum = 0;  ///< kg m^2/s about the origin
-  double max_penetration = 0;   ///< metres, over current contacts; after a restore see there
+  double max_penetration = 0;   ///< metres: the deepest overlap as bodies stand now; 0 before the first step
 };
 
 /// One stage of the plan: whether this scene needs it and why.
