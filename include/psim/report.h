@@ -88,7 +88,7 @@ struct StepReport {
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
   StepDetail detail;                ///< how much of it was done
   double predicted_ms = 0;          ///< by the governor's cost model; 0 without a governor
-  double virial = 0;                ///< sum over contacts of normal impulse x centre distance, N s m
+  double virial = 0;  ///< N s m: sum over contacts of normal impulse x centre distance, see docs/queries-events.md
 };
 
 /// Sums over every body, computed when asked for (not part of a step), in double precision and in

@@ -1,5 +1,7 @@
 // World::diagnostics and the virial of a step, against sums over what the world publishes: states of bodies, contacts.
+#include <array>
 #include <map>
+#include <string>
 #include <variant>
 
 #include "body_outlines.h"
@@ -269,6 +271,126 @@ TEST_P(Sums, DeepestOverlapLeavesTheHostsContactsAndOutlastsItsChanges) {
   std::string error;
   ASSERT_TRUE(m.world->restore(saved, error)) << error;
   EXPECT_EQ(m.world->diagnostics().max_penetration, deepest);
+}
+
+// The distance of two centres is one that they have within the step, or had when the manifold was found: at most 2 % of
+// the smaller body's size from that.
+TEST_P(Sums, VirialAndCountsAreThoseOfTheContacts) {
+  if (GetParam().e > 0) GTEST_SKIP() << "impacts begin and end within a step";
+  Mixture m(GetParam(), 8);
+  double most = 0;
+  for (int frame = 0; frame < 240; ++frame) {
+    std::map<std::uint32_t, Vec2> start;
+    for (const auto& [id, body] : m.desc) start[id] = m.centre(id);
+    const StepReport report = m.world->step();
+    const auto awake = [&](const auto& body) {
+      return !m.dynamic(body.first) || m.world->is_awake(m.world->id_of(body.first));
+    };
+    if (report.asleep == 0 && std::ranges::all_of(m.desc, awake)) {
+      EXPECT_EQ(report.contacts, m.world->contacts().size()) << frame;
+    }
+    Sum virial;
+    double moved = 0;
+    for (const Contact& c : m.world->contacts()) {
+      if (c.b == kNoBody || c.strip == kNoStrip) continue;
+      const auto round = [&](BodyId id) { return std::holds_alternative<DiscShape>(m.desc.at(id.index).shape); };
+      const auto fixed = [&](BodyId id) { return m.desc.at(id.index).type == BodyType::static_body; };
+      const auto asleep = [&](BodyId id) { return !fixed(id) && !m.world->is_awake(id); };
+      const bool discs = round(c.a) && round(c.b);
+      if ((fixed(c.a) || fixed(c.b) || asleep(c.a) || asleep(c.b)) && !discs) continue;
+      const auto apart = [&](Vec2 a, Vec2 b) {
+        const Vec2 way = m.near({b.x - a.x, b.y - a.y});
+        return way.x * c.normal.x + way.y * c.normal.y;
+      };
+      const double end = apart(m.centre(c.a.index), m.centre(c.b.index));
+      virial += c.impulse * (end - (discs ? c.separation : 0));
+      moved += c.impulse * std::fabs(end - apart(start[c.a.index], start[c.b.index]));
+    }
+    EXPECT_NEAR(report.virial, virial.value, moved + 0.01 * virial.size + 1e-9) << frame;
+    most = std::max(most, report.virial);
+  }
+  EXPECT_GT(most, 0);
+}
+
+/// Whether a part of the step was left out.
+bool left_out(const StepReport& report, Skip what) { return (report.skipped >> static_cast<unsigned>(what) & 1) != 0; }
+
+TEST_P(Sums, LedgerOfAStepAddsUp) {
+  Mixture m(GetParam(), 9);
+  World& world = *m.world;
+  std::array<std::uint64_t, kSkipNames.size()> sums{};
+  std::uint64_t slept = 0;
+  for (int frame = 0; frame < 400; ++frame) {
+    const StepReport r = world.step();
+    SCOPED_TRACE(frame);
+    EXPECT_EQ(r.awake + r.asleep, world.dynamic_count());
+    EXPECT_EQ(r.detail.substeps, world.desc().substeps);
+    EXPECT_TRUE(r.pairs_reused == 0 || r.pairs_reused == r.pairs);
+    EXPECT_FALSE(r.rebuilt && r.pairs_reused != 0);
+    EXPECT_FALSE(r.rebuilt && (r.renewed != 0 || left_out(r, Skip::broad_phase)));
+    EXPECT_LE(r.contacts, 2 * r.pairs);
+    EXPECT_LE(r.stopped, r.fast);
+    double stages = 0;
+    for (const double ms : r.stage_ms) stages += ms;
+    EXPECT_LE(stages, r.total_ms);
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += r.skipped >> k & 1;
+    if (r.awake == 0) continue;
+    slept += r.asleep;
+    // What pressed was not left out.
+    std::uint64_t shapes = 0, rubs = 0, solved = 0;
+    for (const Contact& c : world.contacts()) {
+      if (c.strip == kNoStrip) continue;
+      ++solved;
+      const auto cornered = [&](BodyId id) {
+        return id != kNoBody && m.dynamic(id.index) && !std::holds_alternative<DiscShape>(m.desc.at(id.index).shape);
+      };
+      shapes += c.impulse > 0 && (cornered(c.a) || cornered(c.b));
+      rubs += c.friction != 0;
+    }
+    EXPECT_TRUE(solved == 0 || !left_out(r, Skip::solver));
+    EXPECT_TRUE(solved == 0 || !left_out(r, Skip::narrow_phase));
+    EXPECT_TRUE(shapes == 0 || !left_out(r, Skip::manifolds));
+    EXPECT_TRUE(rubs == 0 || !left_out(r, Skip::friction));
+    EXPECT_EQ(m.setting.joints && r.asleep == 0, m.setting.joints && r.asleep == 0 && !left_out(r, Skip::joints));
+    for (const PlanEntry& entry : world.plan()) {
+      const auto name = std::find(kSkipNames.begin(), kSkipNames.end(), entry.stage);
+      if (name == kSkipNames.end() || entry.needed) continue;
+      EXPECT_TRUE(r.skipped >> (name - kSkipNames.begin()) & 1) << entry.stage;
+    }
+  }
+  for (const auto& [stage, frames] : world.skipped()) {
+    const auto name = std::find(kSkipNames.begin(), kSkipNames.end(), stage);
+    EXPECT_EQ(frames, sums[static_cast<std::size_t>(name - kSkipNames.begin())]) << stage;
+  }
+  EXPECT_EQ(slept > 0, m.setting.sleeping);
+}
+
+// What bounces counts in every impact. What does not counts in one of four substeps, fourfold.
+TEST(Virial, OfImpactsIsTheirImpulseTimesTheDistance) {
+  constexpr int kImpacts = 16;
+  for (const double e : {0.0, 0.5, 1.0}) {
+    for (const int boxes : {0, 1, 2}) {
+      double mean = 0;
+      for (int impact = 0; impact < kImpacts; ++impact) {
+        const double gap = 0.3 + 0.05 * (impact + 0.4) / kImpacts;  // spread over a frame
+        auto world = make(unbounded(100, {0, 0}));
+        const Material m = material(e);
+        BodyDesc a = boxes > 0 ? box({-1 - gap, 0}, 1, 1, m) : disc({-1 - gap, 0}, {}, 0.5, m);
+        BodyDesc b = boxes > 1 ? box({0, 0}, 1, 1, m) : disc({0, 0}, {}, 0.5, m);
+        a.velocity = {3, 0};
+        a.mass = b.mass = 2;
+        add(*world, a);
+        add(*world, b);
+        double virial = 0;
+        for (int k = 0; k < 30; ++k) virial += world->step().virial;
+        if (e > 0) {
+          EXPECT_NEAR(virial, (1 + e) * 3, 0.02 * 3) << e << ", boxes " << boxes << ", gap " << gap;
+        }
+        mean += virial / kImpacts;
+      }
+      EXPECT_NEAR(mean, (1 + e) * 3, 0.02 * 3) << e << ", boxes " << boxes;
+    }
+  }
 }
 
 }  // namespace
