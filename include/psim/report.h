@@ -76,7 +76,7 @@ struct StepReport {
   std::uint64_t contacts = 0;                  ///< points that touch (impulse > 0 or overlap): at most two a pair
   std::uint32_t colours = 0;                   ///< most colours that any group of contacts needed
   std::uint64_t awake = 0;                     ///< dynamic and kinematic bodies that were stepped
-  std::uint64_t asleep = 0;                    ///< dynamic bodies that were not
+  std::uint64_t asleep = 0;                    ///< dynamic bodies that sleep after it
   std::uint64_t pairs_reused = 0;              ///< of the pairs, those whose contacts lay as they were
   bool rebuilt = false;                        ///< neighbour lists were rebuilt in this step
   std::uint32_t renewed = 0;                   ///< bodies whose lists alone were made anew

@@ -1,24 +1,10 @@
 // Bodies that the host puts among sleepers, or takes from under them, wake those that they touch.
 #include <string>
 
-#include "rigid_support.h"
+#include "sleep_support.h"
 
 namespace psim::test {
 namespace {
-
-/// Until nobody moves but kinematic bodies.
-void wait_for_rest(World& world, std::uint64_t kinematic = 0) {
-  int most = 3600;
-  while (most-- > 0 && world.step().awake > kinematic) {
-  }
-  ASSERT_GT(most, 0) << "it does not come to rest";
-}
-
-Placed sleeping_stack(int n) {
-  Placed p = stack(n);
-  wait_for_rest(*p.world);
-  return p;
-}
 
 /// Puts a body that does not move against the side of the sleeping box at (0, 0.5), deep by 5 cm.
 struct Arrival {

@@ -143,15 +143,15 @@ void publish(Owners& w, StepReport& report) {
   w.observers.publisher.publish(w.observed(), w.ledger.frames);
 }
 
-// Tells who was awake in this step and who was not; then bodies fall asleep.
+// Tells who was awake in this step, and who is asleep after it.
 void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
   const BodyStore& bodies = w.bodies;
   report.awake = bodies.awake();
-  report.asleep = w.sleep.sleepers.list.size();
   if (report.detail.solves && w.plan.sleep && report.awake != 0) {
     const StageTimer timer(report, w.tracer, Stage::sleep);
     w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
   }
+  report.asleep = w.sleep.sleepers.list.size();
 }
 
 // Room for so many candidates and strips is made in small worlds, too: bodies come together.
