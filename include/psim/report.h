@@ -76,7 +76,7 @@ struct StepReport {
   std::uint64_t contacts = 0;                  ///< points that touch (impulse > 0 or overlap): at most two a pair
   std::uint32_t colours = 0;                   ///< most colours that any group of contacts needed
   std::uint64_t awake = 0;                     ///< dynamic and kinematic bodies that were stepped
-  std::uint64_t asleep = 0;                    ///< dynamic bodies that were not
+  std::uint64_t asleep = 0;                    ///< dynamic bodies that sleep after it
   std::uint64_t pairs_reused = 0;              ///< of the pairs, those whose contacts lay as they were
   bool rebuilt = false;                        ///< neighbour lists were rebuilt in this step
   std::uint32_t renewed = 0;                   ///< bodies whose lists alone were made anew
@@ -88,7 +88,7 @@ struct StepReport {
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
   StepDetail detail;                ///< how much of it was done
   double predicted_ms = 0;          ///< by the governor's cost model; 0 without a governor
-  double virial = 0;                ///< sum over contacts of normal impulse x centre distance, N s m
+  double virial = 0;  ///< N s m: sum over contacts of normal impulse x centre distance, see docs/queries-events.md
 };
 
 /// Sums over every body, computed when asked for (not part of a step), in double precision and in
@@ -99,7 +99,7 @@ struct Diagnostics {
   double momentum_x = 0;        ///< kg m/s
   double momentum_y = 0;        ///< kg m/s
   double angular_momentum = 0;  ///< kg m^2/s about the origin
-  double max_penetration = 0;   ///< metres, over current contacts; after a restore see there
+  double max_penetration = 0;   ///< metres: the deepest overlap as bodies stand now; 0 before the first step
 };
 
 /// One stage of the plan: whether this scene needs it and why.

@@ -190,9 +190,8 @@ class PSIM_API World {
   /// Goes back to a saved state; its world had the same bounds and boundary. False and one line in `error` if
   /// it had not, or the bytes are none of a state: then nothing changed. Settings of the host stay: governor,
   /// job system, snapshots, trace. All else is as it was saved, what steps tell, too: set_event_options of after the
-  /// save has no effect any more. Where lists did not last, Diagnostics::max_penetration knows of sleepers alone until
-  /// the next step (docs/saved-states.md). Bytes must be as `save` wrote them; those that were in a file or on a wire
-  /// come through `unpack_state` (psim/saved_state.h).
+  /// save has no effect any more. Bytes must be as `save` wrote them; those that were in a file or on a wire come
+  /// through `unpack_state` (psim/saved_state.h).
   bool restore(std::span<const std::byte> state, std::string& error);
   /// A world in a saved state.
   static std::unique_ptr<World> from_state(std::span<const std::byte> state, const RunOptions& options,

@@ -1,28 +1,8 @@
 // What wakes bodies: at once, and no more than it must.
-#include "rigid_support.h"
+#include "sleep_support.h"
 
 namespace psim::test {
 namespace {
-
-std::uint64_t awake(const World& world) {
-  std::uint64_t n = 0;
-  for (std::uint32_t id = 0; id < world.body_count() + 64; ++id) n += world.is_awake(world.id_of(id));
-  return n;
-}
-
-/// Until nobody moves but kinematic bodies.
-void wait_for_rest(World& world, std::uint64_t kinematic = 0, int most = 3600) {
-  while (most-- > 0 && world.step().awake > kinematic) {
-  }
-  ASSERT_GT(most, 0) << "it does not come to rest";
-}
-
-Placed sleeping_stack(int n) {
-  Placed p = stack(n);
-  wait_for_rest(*p.world);
-  EXPECT_EQ(awake(*p.world), 0u);
-  return p;
-}
 
 /// Discs that lie in a hexagonal lattice in a bin, asleep.
 std::unique_ptr<World> sleeping_heap(int columns, int rows) {

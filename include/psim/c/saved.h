@@ -19,9 +19,8 @@ PSIM_API psim_result psim_world_save(psim_world* world, const void** state, size
 
 /// Goes back to a saved state of a world with the same bounds and boundary; else PSIM_ERROR_ARGUMENT,
 /// and nothing changed. Settings stay: governor, job system, snapshots, trace. All else is as it was saved,
-/// what steps tell, too: psim_world_set_event_options of after the save has no effect any more. Where lists did not
-/// last, max_penetration of psim_world_diagnostics knows of sleepers alone until the next step. The bytes must be as
-/// psim_world_save wrote them; those of a file or a wire come through psim_unpack_state.
+/// what steps tell, too: psim_world_set_event_options of after the save has no effect any more. The bytes must be
+/// as psim_world_save wrote them; those of a file or a wire come through psim_unpack_state.
 PSIM_API psim_result psim_world_restore(psim_world* world, const void* state, size_t size);
 
 /// A world in a saved state, as psim_world_create makes one; `options` may be NULL.

@@ -53,7 +53,7 @@ typedef struct psim_diagnostics {
   double momentum_x;        ///< kg m/s
   double momentum_y;        ///< kg m/s
   double angular_momentum;  ///< kg m^2/s about the origin
-  double max_penetration;   ///< metres, over current contacts; after a restore see there
+  double max_penetration;   ///< metres: the deepest overlap as bodies stand now; 0 before the first step
 } psim_diagnostics;
 
 /// One stage of the plan.

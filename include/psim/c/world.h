@@ -21,7 +21,7 @@ typedef struct psim_step_report {
   uint64_t contacts;                 ///< points that touch: at most two a pair
   uint64_t pairs_reused;             ///< of the pairs, those whose contacts lay as they were
   uint64_t awake;                    ///< dynamic and kinematic bodies that were stepped
-  uint64_t asleep;                   ///< dynamic bodies that were not
+  uint64_t asleep;                   ///< dynamic bodies that sleep after it
   uint64_t arena_growths;            ///< allocations that the step had to make
   uint32_t colours;                  ///< most colours that any group of contacts needed
   uint32_t stopped;                  ///< of those, bodies that struck something on their way

@@ -147,12 +147,4 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
   for (const Cut& c : cuts_) looks_ += c.looks;
 }
 
-float Manifolds::deepest() const {
-  float most = 0;
-  for (const ManifoldPair& pair : pairs_) {
-    for (int k = 0; pair.active && k < pair.manifold.count; ++k) most = std::fmax(most, -pair.gap[k]);
-  }
-  return most;
-}
-
 }  // namespace psim

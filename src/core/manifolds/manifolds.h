@@ -323,8 +323,6 @@ class Manifolds {
   }
   /// The number of points of a strip that carry an impulse.
   std::uint64_t closed(std::size_t strip) const;
-  /// The deepest overlap at the start of the frame, m.
-  float deepest() const;
   std::size_t bytes() const;
   std::size_t column_bytes() const { return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes(); }
 

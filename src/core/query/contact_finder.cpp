@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <tuple>
 
 #include "base/sort_keys.h"
@@ -83,6 +84,24 @@ class ContactFinder {
 
   /// The contacts, in order.
   std::span<const Contact> find() {
+    gather();
+    return in_order();
+  }
+
+  /// m: the deepest overlap, or 0.
+  double deepest() {
+    overlaps_ = true;
+    bodies_.find_slots();
+    gather();
+    double most = 0;
+    for (const std::vector<Contact>& some : list_.found) {
+      for (const Contact& c : some) most = std::fmax(most, -c.separation);
+    }
+    return most;
+  }
+
+ private:
+  void gather() {
     const std::size_t jobs = jobs_for(sleepers_.list.size(), kSleepers);
     list_.found.resize(std::max(list_.found.size(), strips_ + jobs + 1));
     for (std::vector<Contact>& some : list_.found) some.clear();
@@ -93,10 +112,8 @@ class ContactFinder {
                [&](std::size_t k, std::size_t job) { find_kept(sleepers_.list[k], list_.found[strips_ + job]); });
       find_recent(list_.found[strips_ + jobs]);
     }
-    return in_order();
   }
 
- private:
   std::uint32_t id_at(std::uint32_t slot) const { return slot == kNoSlot ? kNoSlot : bodies_.id[slot]; }
   std::uint32_t id_of(std::uint32_t slot_of_lists) const { return id_at(list_.slot(slot_of_lists)); }
 
@@ -106,6 +123,7 @@ class ContactFinder {
   bool counts(float impulse) const { return last_.begun ? impulse > 0 : closed(impulse); }
 
   void put(std::size_t strip, Contact contact, std::uint32_t colour) {
+    if (overlaps_ && contact.separation >= 0) return;
     if (!last_.begun) {
       contact.strip = static_cast<std::uint32_t>(strip);
       contact.colour = colour;
@@ -125,7 +143,7 @@ class ContactFinder {
     const Strip& s = table_.strips[strip];
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
       const std::uint32_t lane = table_.contact[p];
-      if (!counts(contacts_.pairs.impulse[lane])) continue;
+      if (!overlaps_ && !counts(contacts_.pairs.impulse[lane])) continue;
       std::uint32_t i = list_.slot(table_.owner[p]), j = list_.slot(table_.other[p]);
       if (id_at(i) == kNoSlot || id_at(j) == kNoSlot || !world_.tells_of(id_at(i), id_at(j))) continue;
       Vec2 normal{0, 1};  // contacts that came from a saved state have no normals yet
@@ -150,7 +168,8 @@ class ContactFinder {
       sequence = pair.body == last ? sequence + 1 : 0;
       last = pair.body;
       const std::uint32_t lane = pair.contact, slot = list_.slot(pair.body), id = id_at(slot);
-      if (!counts(contacts_.fixed.impulse[lane]) || (gaps && contacts_.fixed.gap[lane] >= kNoGap)) continue;
+      if (gaps && contacts_.fixed.gap[lane] >= kNoGap) continue;
+      if (!(gaps && overlaps_) && !counts(contacts_.fixed.impulse[lane])) continue;
       if (id == kNoSlot || !world_.tells_of(id) || !writer_.stands(pair.shape)) continue;
       const LatticePoint at = bodies_.point(slot);
       const double r = wide(bodies_.radius[slot]);
@@ -168,10 +187,17 @@ class ContactFinder {
     return by_strip ? manifolds_.pairs_of(strip) : manifolds_.pairs();
   }
 
+  // Overlaps are those of the hulls as they stand now: the normal of a manifold is that of the start of the step, and
+  // hulls may overlap by another one since, or another pair of them.
   void find_manifold(std::size_t strip, const StripColours& colours, const ManifoldPair& pair) {
-    if (last_.begun ? pair.moved : pair.lane == PairName::kNone) return;
+    if (last_.begun ? pair.moved : pair.lane == PairName::kNone && !overlaps_) return;
     if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
     if (pair.a == kNoSlot && !writer_.stands(pair.shape)) return;
+    if (overlaps_) {
+      Contact overlap;
+      overlap.separation = writer_.distance(pair);
+      return put(strip, overlap, kNoColour);
+    }
     const bool laid = !last_.begun && manifolds_.lies(strip, pair);
     for (int k = 0; k < pair.manifold.count; ++k) {
       float impulse = pair.impulse[k], friction = pair.friction[k];
@@ -275,6 +301,7 @@ class ContactFinder {
   const PairTable& table_ = world_.table;
   const Sleepers& sleepers_ = world_.sleep.sleepers;
   ContactList& list_;
+  bool overlaps_ = false;  // only overlaps are wanted, whether the solver pressed there or not
   const ContactWriter writer_{world_};
   const bool rough_ = contacts_.model().rough();
   const double times_ = last_.substeps * last_.disc_mass;  // turns the impulses of discs into N s
@@ -286,6 +313,10 @@ class ContactFinder {
 
 std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list) {
   return ContactFinder(world, last, list).find();
+}
+
+double deepest_contact(const Observed& world, const LastStep& last, ContactList& list) {
+  return ContactFinder(world, last, list).deepest();
 }
 
 }  // namespace psim

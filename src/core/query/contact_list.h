@@ -60,5 +60,7 @@ struct LastStep {
 };
 
 std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list);
+/// The deepest overlap of these contacts, m, and of all pairs of shapes in the lists, as they stand now; or 0.
+double deepest_contact(const Observed& world, const LastStep& last, ContactList& list);
 
 }  // namespace psim

@@ -117,6 +117,27 @@ class ContactWriter {
     return {normal, gap};
   }
 
+  /// m: between the surfaces of a pair, as its bodies stand now; negative where they overlap.
+  double distance(const ManifoldPair& pair) const {
+    const Still b = still(pair.id_b);
+    const Hull hull_b = b.part(pair.part_b);
+    constexpr float kAny = 1e30f;
+    if (pair.of_wall()) {
+      const auto [normal, height] = fixed(b.at, 0, pair.shape, {});
+      const auto nx = static_cast<float>(normal.x), ny = static_cast<float>(normal.y);
+      const Manifold m = meet_plane(hull_b, b.q, nx, ny, static_cast<float>(height), kAny);
+      return wide(m.count == 2 ? std::fmin(m.point[0].gap, m.point[1].gap) : m.point[0].gap);
+    }
+    if (pair.of_piece()) {
+      const double reach = wide(b_.properties(pair.id_b).radius) + wide(statics_[pair.shape].radius);
+      return wide(nearest(statics_.seen_from(pair.shape, b.at, 4 * reach), {}, hull_b, b.q, 0, 0).distance);
+    }
+    const Still a = still(pair.id_a);
+    const Vec2 to = world_.lattice.way(a.at, b.at);
+    const auto x = static_cast<float>(to.x), y = static_cast<float>(to.y);
+    return wide(nearest(a.part(pair.part_a), a.q, hull_b, b.q, x, y).distance);
+  }
+
   /// Appends the contacts of two bodies that lie still, or of one and fixed geometry, with what they carried, if they
   /// still touch.
   void keep(const Touch& touch, std::vector<Contact>& out) const {

@@ -39,10 +39,7 @@ void keep_touches(const SleepSource& source, Sleepers& sleepers, std::size_t fir
     }
   };
   const auto count = [&](const SleepContact& contact) {
-    each_side(contact, [&](Sleeper& s) {
-      s.depth = std::fmax(s.depth, -contact.gap);
-      if (contact.loaded) ++s.touches;
-    });
+    if (contact.loaded) each_side(contact, [](Sleeper& s) { ++s.touches; });
   };
   each_contact(source, count, theirs);
   auto next = static_cast<std::uint32_t>(sleepers.touches.size());

@@ -29,7 +29,6 @@ struct Sleeper {
   std::uint32_t id = 0;
   std::uint32_t first_shape = 0, pieces = 0;   ///< in StaticShapes
   std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
-  float depth = 0;                             ///< m: the overlap of its deepest contact when it fell asleep
   std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
   bool creeps = false;  ///< it crept or trembled when it fell asleep: one that does so beside it does not wake it
 };

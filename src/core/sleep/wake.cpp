@@ -174,8 +174,8 @@ bool Sleep::disturb(const SleepSource& source, std::uint32_t id) {
 }
 
 bool Sleep::disturb_neighbours(const SleepSource& source, std::uint32_t id) {
-  if (sleepers.empty()) return false;
   const BodyStore& bodies = source.population.bodies;
+  if (sleepers.empty() || bodies.kind(id).sensor) return false;
   const BodyInfo& info = bodies.info[id];
   if (info.place == Place::fixed) return disturb_at_fixed(source, id);
   const bool asleep = info.place == Place::asleep;

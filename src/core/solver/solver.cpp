@@ -55,17 +55,19 @@ void set_softness(double h, double frequency, Stiffness& of) {
   of.rate = static_cast<float>(omega / a1);
 }
 
-// The virial of the last substep: of contacts between shapes that move.
-double virial_of(const Manifolds::StripBlocks& strip, const Column<float>& radius) {
+// The virial of the last substep: of contacts of shapes with dynamic and kinematic bodies. Both arms of a point lead to
+// the same place, so that their difference is the way between the centres.
+double virial_of(const Manifolds::StripBlocks& strip, const BodyStore& bodies) {
+  const Column<float>& radius = bodies.radius;
   double sum = 0;
-  for (const kernels::ManifoldBlock& c :
-       std::span(strip.blocks).first(std::min<std::size_t>(strip.end[1], strip.blocks.size()))) {
+  for (const kernels::ManifoldBlock& c : strip.blocks) {
     for (std::uint32_t l = 0; l < kernels::kBlock; ++l) {
+      if (c.body[2 * l] >= bodies.count) continue;  // a dummy: B touches fixed geometry, or the lane is empty
       for (const kernels::ManifoldBlock::Point& p : c.point) {
         if (!(p.impulse[l] > 0)) continue;
         const double a = static_cast<double>(p.an[l]) * static_cast<double>(radius[c.body[2 * l]]);
         const double b = static_cast<double>(p.bn[l]) * static_cast<double>(radius[c.body[2 * l + 1]]);
-        sum += static_cast<double>(p.impulse[l]) * (a - b + static_cast<double>(p.gap[l]));
+        sum += static_cast<double>(p.impulse[l]) * (a - b);
       }
     }
   }
@@ -340,7 +342,7 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     sums_[index].closed = closed;
     Manifolds& manifolds = in.contacts.manifolds;
     if (!manifolds.any() || index >= manifolds.strip_count()) return;
-    sums_[index].shapes += substeps * virial_of(manifolds.strip(index), in.contacts.surroundings.bodies.radius);
+    sums_[index].shapes += substeps * virial_of(manifolds.strip(index), in.contacts.surroundings.bodies);
   });
 }
 

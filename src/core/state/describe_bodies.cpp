@@ -349,7 +349,7 @@ void Sleepers::describe(Archive& a, BodyStore& bodies, StaticShapes& statics) {
   if (a.loading()) list.assign(count_of(bodies, Place::asleep), Sleeper{});
   using S = Sleeper;
   lattice_points(a, Mapped{list, &S::at});
-  columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::depth, &S::group, &S::creeps);
+  columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::group, &S::creeps);
   if (a.loading()) put_sleepers(a, *this, bodies, statics);
   std::vector<NamedTouch> told;  // those of no sleeper are left out
   told.reserve(touches.size());

@@ -85,7 +85,7 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
 void note_skips(StepContext& c) {
   c.ledger.skip(Skip::forces, !c.dynamics.forces);
   c.ledger.skip(Skip::restitution, !c.plan.restitution);
-  c.ledger.skip(Skip::masses, !c.plan.masses && !c.plan.friction);
+  c.ledger.skip(Skip::masses, !c.plan.masses);
   c.ledger.skip(Skip::friction, !c.plan.friction);
   c.ledger.skip(Skip::rotation, !c.plan.rotation);
   c.ledger.skip(Skip::publish, !c.plan.publish);
@@ -93,7 +93,7 @@ void note_skips(StepContext& c) {
   c.ledger.skip(Skip::events, !c.plan.events);
   c.ledger.skip(Skip::manifolds, !c.plan.manifolds);
   c.ledger.skip(Skip::joints, !c.plan.joints);
-  c.ledger.skip(Skip::filters, !c.sorts_out());
+  c.ledger.skip(Skip::filters, !c.plan.filters);
   c.ledger.skip(Skip::continuous, !c.plan.continuous);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 // Sleepers see a body that moves, and a dynamic one that leans on them. A kinematic body may do neither.
 void wake_around_kinematic(Owners& w, std::uint32_t id) {
-  if (w.bodies.properties(id).type != BodyType::kinematic_body || w.bodies.kind(id).sensor) return;
+  if (w.bodies.properties(id).type != BodyType::kinematic_body || w.sleep.sleepers.empty()) return;
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));
 }
@@ -123,6 +123,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
     const BodyId id = w.population.add(disc_of(batch, i), error);
     if (id == kNoBody) return i;  // none: all discs are of one kind
     w.sleep.sleepers.mark_moving(id.index);
+    wake_around_kinematic(w, id.index);
   }
   if (n != 0) w.plan_stale = w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);

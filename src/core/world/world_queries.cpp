@@ -1,7 +1,5 @@
 // What the host asks of a world and is told of a step: queries, events, contacts, rows of the bodies, sums. The
 // observers answer; here they get what they need.
-#include <cmath>
-
 #include "query/queries.h"
 #include "world/world_impl.h"
 
@@ -11,10 +9,29 @@ namespace {
 Queries ask(Owners& w) { return {w.observers.queries, w.observed()}; }
 
 // Notes which slot each body has now, where bodies were sorted since contacts were laid out.
-void find_moved(Owners& w) {
+void find_moved(Owners& w, ContactList& list) {
   std::vector<std::uint32_t> origin;
   if (w.progress.sorted() || w.neighbours.broad.origin.moved_on()) w.neighbours.broad.origin.copy(origin);
-  w.observers.contacts.set_moved(origin);
+  list.set_moved(origin);
+}
+
+// Calls find(world, last, list) for the contacts of the last step. The impulses and the table are those of that step
+// meanwhile, even where the work for the next one has begun.
+template <class Find>
+auto with_contacts(Owners& w, ContactList& list, const Find& find) {
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(w.pool);
+  LastStep last;
+  last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
+  last.with_manifolds = w.plan.manifolds;
+  last.substeps = w.dynamics.substeps;
+  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
+  find_moved(w, list);
+  turn_back(w);
+  if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses();
+  const auto found = find(w.observed(), last, list);
+  turn_back(w);
+  return found;
 }
 
 }  // namespace
@@ -54,20 +71,9 @@ PublishedState World::published() { return impl_->observers.columns.fill(impl_->
 Diagnostics World::diagnostics() const {
   Owners& w = impl_->settled();
   Diagnostics d = sum_motion(w.observed());
-  for (const Sleeper& s : w.sleep.sleepers.list) {
-    d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(s.depth));
-  }
-  if (w.neighbours.stale || !w.contacts_stand() || w.contacts.bare || w.ledger.frames == 0) return d;
-  // The narrow phase over the present lists gives the present separations.
-  ContactStore& discs = w.contacts.discs;
-  discs.find_gaps(w.walls, 0, 0, w.neighbours.table);
-  float deepest = w.contacts.manifolds.deepest();
-  const auto look = [&](const Column<float>& gaps, std::size_t blocks) {
-    for (std::size_t l = 0; l < blocks * kernels::kBlock; ++l) deepest = std::fmax(deepest, -gaps[l]);
-  };
-  look(discs.pairs.gap, discs.pairs.blocks);
-  look(discs.fixed.gap, discs.fixed.blocks);
-  d.max_penetration = std::fmax(d.max_penetration, static_cast<double>(deepest));
+  if (w.ledger.steps == 0) return d;
+  ContactList list;  // its own, so that the host's contacts stay
+  d.max_penetration = with_contacts(w, list, deepest_contact);
   return d;
 }
 
@@ -78,7 +84,7 @@ std::span<const std::uint32_t> World::strips() {
   ContactList& list = w.observers.contacts;
   list.strips.assign(w.bodies.id_count, kNoStrip);
   if (w.ledger.steps == 0) return list.strips;
-  find_moved(w);
+  find_moved(w, list);
   turn_back(w);
   w.pool.run(w.neighbours.table.body_count != 0 ? w.neighbours.table.strips.size() : 0, [&](std::size_t index) {
     const Strip& s = w.neighbours.table.strips[index];
@@ -92,23 +98,10 @@ std::span<const std::uint32_t> World::strips() {
   return list.strips;
 }
 
-// The impulses and the table are those of the last step meanwhile, even where the work for the next one has begun.
 std::span<const Contact> World::contacts() {
   if (impl_->ledger.steps == 0) return {};
-  const FloatSettings settings;
-  const WorkerPool::Awake awake(impl_->pool);
   Owners& w = impl_->settled();
-  LastStep last;
-  last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
-  last.with_manifolds = w.plan.manifolds;
-  last.substeps = w.dynamics.substeps;
-  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
-  find_moved(w);
-  turn_back(w);
-  if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses();
-  const std::span<const Contact> found = find_contacts(w.observed(), last, w.observers.contacts);
-  turn_back(w);
-  return found;
+  return with_contacts(w, w.observers.contacts, find_contacts);
 }
 
 std::size_t World::memory_bytes() const {
