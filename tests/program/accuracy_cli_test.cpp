@@ -186,7 +186,7 @@ TEST(SlowAccuracy, CalibratesEveryKindOfScene) {
     }
   }
   EXPECT_EQ(kinds, shipped_kinds);
-  EXPECT_EQ(kinds.size(), 5u);
+  EXPECT_EQ(kinds.size(), 8u);
 }
 
 TEST(Accuracy, CalibrationStandsAlone) {

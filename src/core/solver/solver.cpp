@@ -155,7 +155,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   contacts.discs.follow_edges(view_, h_);
-  contacts.manifolds.follow_turning(view_, h_ / 2);
+  if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, h_ / 2);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   if (joined_) joints.hold(view_, drift_);
@@ -163,7 +163,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.let_go(view_);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
-  contacts.manifolds.follow_turning(view_, 0);
+  if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, 0);
   relax();
   if (bounce_) spend();
   sweeps_of_shapes_ = 1;
