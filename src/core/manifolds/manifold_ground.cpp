@@ -208,7 +208,7 @@ void Manifolds::see_ground(const ManifoldParams& params, std::size_t index) {
     while (k != last) {
       std::uint32_t end = k + 1;
       while (end != last && pairs_[end].b == pairs_[k].b) ++end;
-      see_fixed(params, end - k, [&](std::size_t n) -> ManifoldPair& { return pairs_[k + n]; });
+      see_fixed(params, end - k, [this, k = k](std::size_t n) -> ManifoldPair& { return pairs_[k + n]; });
       k = end;
     }
   }

@@ -68,7 +68,8 @@ void Solver::Run::impacts() {
       return std::atomic_ref<int>(last[k]).load(std::memory_order_relaxed) + 1 >= sweep;
     });
   };
-  const auto [slices, most, limited, done] = sweeps_;
+  const auto [slice_count, most, limited, done] = sweeps_;
+  const auto slices = slice_count;  // lambdas of clang 14 take no structured bindings
   const auto later = static_cast<std::size_t>(slices > 1 ? kernels::Sweep::sliced : kernels::Sweep::later);
   auto kind = static_cast<std::size_t>(kernels::Sweep::first);
   const auto sweep_statics = [&](int sweep, bool all) {
