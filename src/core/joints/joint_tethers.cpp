@@ -17,6 +17,11 @@ constexpr std::uint32_t kLinks = 2, kLinksOfLarge = 8;  // from one body with te
 constexpr std::uint8_t kMostWays = 2;
 constexpr double kApart = 0.5;  // of a second way: how far its support is from the first one, at least
 
+// Springs and slides do not keep a distance.
+bool far_kept(kernels::JointKind kind) {
+  return kind != kernels::JointKind::spring && kind != kernels::JointKind::slide;
+}
+
 }  // namespace
 
 // A way through joints from a support to an anchor of a body, which it reaches last.
@@ -38,10 +43,8 @@ struct JointStore::Way {
 
 // The shortest ways to each body from the supports that are nearest (Dijkstra 1959), in ascending order of their length.
 std::vector<JointStore::Way> JointStore::find_ways() const {
-  // Springs and slides do not keep a distance.
   const auto keeps = [](const Joint& j) {
-    return j.alive && !j.dormant && j.articulated == kNoSlot && j.kind != kernels::JointKind::spring &&
-           j.kind != kernels::JointKind::slide;
+    return j.alive && !j.dormant && j.articulated == kNoSlot && far_kept(j.kind);
   };
   const auto length = [](const Joint& j) { return j.kind == kernels::JointKind::rod ? *j.desc.length : 0; };
   // A total order: by length, joint and support.
