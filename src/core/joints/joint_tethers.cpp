@@ -87,12 +87,11 @@ std::vector<JointStore::Way> JointStore::find_ways() const {
     ++count[body];
     const auto parent = static_cast<std::uint32_t>(ways.size());
     ways.push_back(at);
-    const Vec2 entry = in.anchor(at.side);
     for (std::uint32_t k = begin[body]; k < begin[body + 1]; ++k) {
       const Joint& out = joints_[of_body[k]];
       const std::uint32_t side = out.body[0] == body ? 1 : 0;
       if (out.held || count[out.body[side]] >= kMostWays) continue;
-      const double inside = length_of(out.anchor(1 - side) - entry);
+      const double inside = length_of(out.anchor(1 - side) - in.anchor(at.side));
       ahead.push({.length = at.length + inside + length(out),
                   .joint = of_body[k],
                   .side = side,
