@@ -94,8 +94,8 @@ std::map<std::string, double> known_shares(const std::string& file) {
   return shares;
 }
 
-// How many scenes may break a law of which a share is known: three standard deviations above the mean.
-double most_broken(double share, int scenes) { return share * scenes + 3 * std::sqrt(share * scenes); }
+// How many scenes may break a law of which a share is known: four standard deviations above the mean.
+double most_broken(double share, int scenes) { return share * scenes + 4 * std::sqrt(share * scenes); }
 
 int run(const Options& options, const std::vector<Law>& laws) {
   using Clock = std::chrono::steady_clock;
