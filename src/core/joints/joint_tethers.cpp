@@ -138,7 +138,7 @@ void JointStore::find_tethers() {
   std::sort(tether_ranges_.begin(), tether_ranges_.end());  // a total order: a way each
 }
 
-// What tethers took off a joint, N s, on the body at its side B.
+// Returns the impulse, N s, that tethers carry past a joint, as it would act on the body at the joint's side B.
 Vec2 JointStore::tethered_load(std::uint32_t joint) const {
   Vec2 sum;
   const auto& blocks = lists_.rods(true);

@@ -87,8 +87,9 @@ class HeavyLoads {
   std::size_t done_ = 0;                     // number of pieces in the passes before this one
   std::uint8_t spreading_ = kTop;            // the level that this pass spreads
   int class_ = 0;                            // the power of two of the ratio that is tried
-  // What the search chose that saw the most bodies since one slept. While bodies sleep, a search sees fewer contacts. If
-  // that let it choose more of them, contacts at rest would become stiff, and throw off what their overlaps carry.
+  // These two are the choice of the search that saw the most bodies since one slept. While bodies sleep, a search sees
+  // fewer contacts. If that let it choose more of them, contacts at rest would become stiff, and throw off what their
+  // overlaps carry.
   int least_class_ = 0;
   std::uint8_t least_cut_ = 1;
   std::uint32_t counted_ = 0;             // bodies that were awake

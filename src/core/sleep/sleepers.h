@@ -107,7 +107,7 @@ class Sleepers {
   bool watch();
   bool watching() const { return watching_; }
 
-  /// How many watches take so long, in s.
+  /// Returns the number of watches that `time` seconds take.
   static std::uint32_t needed(double dt, double time = kRestTime);
   /// For how many watches a body has stayed in one of its balls.
   std::uint32_t calm(std::uint32_t id, BallKind ball = kRest) const {

@@ -120,7 +120,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     a.plain(s.blocks);
     a.packed(s.active);
     a.packed(s.laid);
-    // What is watched of lists that are gone is found anew before anyone reads it.
+    // Pairs of lists that are gone are not written: the next step finds anew whom to watch before anyone reads it.
     if (!a.loading()) std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
     a.packed(s.watched);
     values(a, s.end, s.colours, s.points);
