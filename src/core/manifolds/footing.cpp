@@ -12,9 +12,9 @@
 namespace psim {
 namespace {
 
-constexpr std::uint32_t kGround = 0xFFFFFFFFu;  // the set of the bodies that stand
+constexpr std::uint32_t kGround = PairName::kNone;  // the set of the bodies that stand
 
-// The set of a body. Each body names another one of its set, and the first one itself.
+// The set of a body: its first body, or the ground. Each body names one before it, the first one itself.
 std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
   while (slot != kGround && of[slot] != slot) {
     const std::uint32_t next = of[slot];
@@ -25,18 +25,27 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 
 }  // namespace
 
-// Finds the bodies that hang together with fixed ground: their entry in used_ leads to kGround.
+// Finds the bodies that hang together with fixed ground: their entry in used_ is kGround.
 void Manifolds::find_standing() {
   std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
   each_active([&](std::size_t, std::uint32_t k) { unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b); });
+  name_sets();
 }
 
 void Manifolds::unite(std::uint32_t slot_a, std::uint32_t slot_b) {
   const std::uint32_t a = set_of(used_, slot_a), b = set_of(used_, slot_b);
-  if (b != kGround) {
-    used_[b] = a;
-  } else if (a != kGround) {
+  if (a == b) return;
+  if (a != kGround && (b == kGround || a > b)) {
     used_[a] = b;
+  } else {
+    used_[b] = a;
+  }
+}
+
+// Lets each body name the first of its set: the one it names did so before.
+void Manifolds::name_sets() {
+  for (std::uint32_t slot = 0; slot < s_.bodies.count; ++slot) {
+    if (used_[slot] != kGround) used_[slot] = used_[used_[slot]];
   }
 }
 
@@ -79,7 +88,7 @@ void Manifolds::find_footing() {
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
-    if (changed) pair.stands = pair.hangs = weighs_ && set_of(used_, pair.b) == kGround;
+    if (changed) pair.stands = pair.hangs = weighs_ && used_[pair.b] == kGround;
     if (pair.placed || (stood && !pair.stands)) turned += touches(pair) ? 1 : 0;
     if (pair.stands && !stood && !pair.placed && touches(pair)) pair.rest_frames = kRestFrames;  // a group lands
     if (!tied) yield(strip, k, pair.hangs && !pair.fixed_a);
@@ -88,10 +97,11 @@ void Manifolds::find_footing() {
   if (!tied && !cold_) return;
   if (tied) {
     for (const auto& [a, b] : ties) unite(a, b);
+    name_sets();
   }
   each_active([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
-    if (tied) pair.hangs = set_of(used_, pair.b) == kGround;
+    if (tied) pair.hangs = used_[pair.b] == kGround;
     yield(strip, k, pair.hangs && !pair.fixed_a && !cold_);
   });
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "base/sort_keys.h"
 #include "base/tasks.h"
@@ -161,6 +162,8 @@ void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
 // without a bump.
 template <class At>
 void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const {
+  const auto is_near = [&](std::size_t k) { return at(k).manifold.count != 0; };
+  if (std::ranges::none_of(std::views::iota(std::size_t{0}, count), is_near)) return;
   const Look look{*this, params};
   const BodyStore& b = s_.bodies;
   const std::uint32_t slot = at(0).b;

@@ -363,9 +363,11 @@ std::uint64_t Manifolds::expected_writes() const {
 std::uint64_t Manifolds::closed(std::size_t index) const {
   std::uint64_t sum = 0;
   for (const ManifoldBlock& block : strips_[index].blocks) {
+    std::uint32_t open = 0;  // an impulse of -0 marks an open contact
     for (const ManifoldBlock::Point& p : block.point) {
-      for (const float impulse : p.impulse) sum += std::signbit(impulse) ? 0 : 1;
+      for (const float impulse : p.impulse) open += std::bit_cast<std::uint32_t>(impulse) >> 31;
     }
+    sum += 2 * kBlock - open;
   }
   return sum;
 }

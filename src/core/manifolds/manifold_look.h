@@ -255,12 +255,13 @@ struct Manifolds::Look {
     if (m.count == 0 || pair.of_wall()) return;
     const float least = pair.least_gap();
     // Gravity alone may close a small gap: what supports one body need not support the other.
-    if (!(least > std::fmax(kApart * now.inner, std::fmin(g * dt * dt, kFallen * now.inner)))) return;
-    if (is_elastic(pair, now)) return;
+    if (!(least > std::max(kApart * now.inner, std::min(g * dt * dt, kFallen * now.inner)))) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
-    pair.ahead = kAheadFrames * dt * closing >= least;
-    if (!pair.ahead && least > now.inner) pair.active = false;
+    const bool ahead = kAheadFrames * dt * closing >= least;
+    if ((!ahead && !(least > now.inner)) || is_elastic(pair, now)) return;
+    pair.ahead = ahead;
+    pair.active = ahead;
   }
 
   // Makes the contact that lies ahead: where B will meet A if B moves by (mx, my) relative to A and turns on as it does.

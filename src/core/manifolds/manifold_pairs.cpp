@@ -231,9 +231,13 @@ void Manifolds::sort_out(const Joined* joined, PairTable& table, std::size_t beg
 // Makes room for the pairs that were found.
 void Manifolds::place_pairs(std::size_t strips) {
   begin_.assign(strips + 1, 0);
+  any_kinematic_ = false;
   for (std::size_t s = 0; s < strips; ++s) {
     begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].size());
-    for (const FoundPair& pair : found_[s]) new_pairs_ += pair.before == PairName::kNone ? 1 : 0;
+    for (const FoundPair& pair : found_[s]) {
+      new_pairs_ += pair.before == PairName::kNone ? 1 : 0;
+      any_kinematic_ |= pair.of_kinematic();
+    }
   }
   list_fixed([&](const auto& each) {
     std::uint32_t k = 0;

@@ -111,6 +111,7 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
     keep_impulses();
     g_ = static_cast<float>(length_of(params.gravity));
     if (!fixed_known_) {
+      any_kinematic_ = std::ranges::any_of(pairs_, &PairName::of_kinematic);
       list_fixed([&](const auto& each) {
         for (std::uint32_t k = 0; k < pairs_.size(); ++k) each(pairs_[k], k);
       });

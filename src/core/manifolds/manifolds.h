@@ -19,10 +19,10 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/column.h"
-#include "base/sort_keys.h"
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
@@ -50,6 +50,7 @@ struct PairName {
   bool fixed_a = false;  ///< A is static or kinematic
   bool moved = false;    ///< a body of it was renewed: the pair is found anew behind those of the last strip
 
+  bool of_kinematic() const { return fixed_a && !of_piece() && !moved; }
   bool of_piece() const { return a == kNone; }  ///< B meets fixed geometry, sleepers among it
   bool of_wall() const { return of_piece() && shape >= kWallLeft; }
   bool of_sleeper(const StaticShapes& statics) const { return of_piece() && !of_wall() && statics[shape].asleep; }
@@ -359,19 +360,23 @@ class Manifolds {
   template <class At>
   void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
   // Lists the fixed sides of all bodies, by body, if some are kinematic: those lie among the pairs of two bodies.
-  // all(each) calls each(name, k) for every pair.
+  // all(each) calls each(name, k) for every pair, k ascending. They are counted by body.
   template <class All>
   void list_fixed(const All& all) {
     fixed_.clear();
-    any_kinematic_ = false;
-    all([&](const PairName& p, std::uint32_t) { any_kinematic_ |= p.fixed_a && !p.of_piece() && !p.moved; });
-    if (any_kinematic_) {
-      all([&](const PairName& p, std::uint32_t k) {
-        if (p.fixed_a && !p.moved) fixed_.push_back(std::uint64_t{p.b} << 32 | k);
-      });
-    }
-    sort_keys(fixed_.begin(), fixed_.end());
     fixed_known_ = true;
+    if (!any_kinematic_) return;
+    const auto each_fixed = [&](const auto& each) {
+      all([&](const PairName& p, std::uint32_t k) {
+        if (p.fixed_a && !p.moved) each(p.b, k);
+      });
+    };
+    std::fill_n(used_.data(), s_.bodies.count, 0u);
+    each_fixed([&](std::uint32_t slot, std::uint32_t) { ++used_[slot]; });
+    std::uint32_t sum = 0;
+    for (std::size_t slot = 0; slot < s_.bodies.count; ++slot) sum += std::exchange(used_[slot], sum);
+    fixed_.resize(sum);
+    each_fixed([&](std::uint32_t slot, std::uint32_t k) { fixed_[used_[slot]++] = std::uint64_t{slot} << 32 | k; });
   }
   auto fixed_of(std::uint32_t slot) const {
     const std::uint64_t first = std::uint64_t{slot} << 32;
@@ -398,6 +403,7 @@ class Manifolds {
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
   void unite(std::uint32_t slot_a, std::uint32_t slot_b);
+  void name_sets();
   bool touches(const ManifoldPair& pair) const;
   bool touch_fewer(std::size_t many) const;
   template <class Visit>
@@ -426,7 +432,7 @@ class Manifolds {
   Column<std::uint8_t> kind_{s_.memory};   // by slot
   Column<float> rotor_{s_.memory};         // by slot, records
   Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
-  Column<std::uint32_t> used_{s_.memory};  // by slot: the colours that are taken; the footing while it is looked for
+  Column<std::uint32_t> used_{s_.memory};  // by slot, within a part of the step: what it counts or marks
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   Totals totals_;
   Looks looks_;                  // of the last refresh

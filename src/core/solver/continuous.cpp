@@ -19,8 +19,8 @@ constexpr float kPressed = 0.25f;
 bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1];
   const float swing = b.angle_change.empty() ? 0.0f : b.angle_change[i];
-  const float way = std::sqrt(x * x + y * y) + std::fabs(swing) * b.radius[i];  // m
-  return way > Flight::kFast * inner && std::isfinite(way);
+  const float rest = Flight::kFast * inner - std::fabs(swing) * b.radius[i], way2 = x * x + y * y;
+  return (rest < 0 || way2 > rest * rest) && std::isfinite(way2 + rest);
 }
 
 // Whether a disc may have passed thin geometry.

@@ -44,6 +44,7 @@ struct Mover {
 // The points of a pair that collide.
 struct Hit {
   double time = 0;
+  Manifold m;
   Vec2 n;
   int count = 0;
   Vec2 arm_a[2], arm_b[2];
@@ -110,7 +111,7 @@ class ShapeImpact {
     Hit hit;
     const double slowest = e < 1 ? floor / double{e} : 0;  // what is elastic never comes to rest
     if (too_fast(h)) return false;
-    Found found = far_apart(h) ? Found::none : find(h, slowest, hit);
+    Found found = find(h, slowest, hit);
     if (found == Found::hit && (e < least_e || (pair_.fixed_a && least_e >= 1))) found = Found::slow;
     if (found == Found::slow && e == 1 && hit.count == 0) {
       part(hit, h);
@@ -123,13 +124,19 @@ class ShapeImpact {
     return true;
   }
 
-  /// The contact of the time at which the bodies meet, or of the end of the substep, is what the solver goes by, unless it
-  /// presses already.
+  /// The contact of the time at which the bodies meet, or at which they were last seen apart, is what the solver goes by,
+  /// unless it presses already. There is none in a substep in which they surely stay apart.
   void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
-    const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
-    Manifold m = at(t);
+    find(h, 0, hit);
+    if (hit.m.count == 0) {
+      for (kernels::ManifoldBlock::Point& p : c_.point) p.gap[l_] = kNoGap;
+      pair.margin = -1;  // the hulls are looked at again in the next step
+      return;
+    }
+    const double t = hit.time;
+    Manifold m = hit.m;
     fit(m, t);
     if (m.count == 0) return;
     manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
@@ -164,7 +171,7 @@ class ShapeImpact {
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
   }
   const Hull& hull_of_a() {
-    if (pair_.of_wall()) return own_a_.emplace();
+    if (pair_.of_wall()) return own_a_.emplace(disc_hull(0));  // a point of the plane
     if (pair_.of_floor()) return own_a_.emplace(in_.manifolds.floor_of(pair_));
     if (!pair_.of_piece()) return hull(pair_.a, pair_.part_a, own_a_);
     return own_a_.emplace(
@@ -177,11 +184,26 @@ class ShapeImpact {
     return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
   }
 
-  // Whether the circles about two bodies do not meet in the substep.
-  bool far_apart(double h) const {
-    if (pair_.of_piece()) return false;
-    const double reach = double{hull_a_.reach} + double{hull_b_.reach};
-    return length_of(way_) > reach + h * (length_of(b_.v - a_.v) + h * length_of(b_.a - a_.a));
+  // The time until which the bodies surely stay apart, or the end of the substep: the circles about them do not meet, or
+  // a line across their last normal stays between them.
+  double apart_until(double h) const {
+    const double since = std::max(a_.since, b_.since);
+    if (pair_.of_wall()) return since;
+    if (!pair_.of_piece()) {
+      const double reach = double{hull_a_.reach} + double{hull_b_.reach};
+      if (length_of(way_) > reach + h * (length_of(b_.v - a_.v) + h * length_of(b_.a - a_.a))) return h;
+    }
+    const Vec2 n{pair_.manifold.nx, pair_.manifold.ny};
+    const double gap = dot(n, way_ + b_.way(since) - a_.way(since)) - top_of(hull_a_, a_.rotor(since), n) -
+                       top_of(hull_b_, b_.rotor(since), -1 * n);
+    return gap > near_ ? since + apart_for(gap, since, n, h) : since;
+  }
+  // How far a hull reaches along n, m.
+  static double top_of(const Hull& hull, Rotor q, Vec2 n) {
+    const Vec2 own = turned({-double{q.s}, q.c}, n);
+    double top = dot(own, hull.vertex(0));
+    for (int k = 1; k < hull.count; ++k) top = std::max(top, dot(own, hull.vertex(k)));
+    return top + double{hull.radius};
   }
 
   Manifold at(double t) const {
@@ -243,14 +265,16 @@ class ShapeImpact {
     return m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
   }
 
-  // The first time at which the bodies touch and approach each other.
+  // The first time at which the bodies touch and approach each other. Where the nearest points of now would touch, they
+  // often do; else the search goes on by steps in which nothing can touch.
   Found find(double h, double slowest, Hit& hit) const {
-    double t = std::max(a_.since, b_.since);
+    double t = apart_until(h);
+    if (t >= h) return Found::none;
+    Manifold m = look(t);
     for (int k = 0; k < kMostSteps; ++k) {
-      Manifold m = at(t);
-      if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
+      hit.time = t;
+      hit.m = m;
       if (m.count == 0) return Found::none;
-      const Vec2 n{m.nx, m.ny};
       const double gap = least_gap(m);
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
@@ -258,16 +282,40 @@ class ShapeImpact {
         hit.depth = -gap;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
       }
-      t += apart_for(gap, t, n, h);
-      if (t >= h) return Found::none;
+      const double sure = t + apart_for(gap, t, {m.nx, m.ny}, h), guess = gap <= near_ ? h : t + time_to_touch(m, t);
+      if (sure >= h) return Found::none;
+      t = guess > sure && guess < h ? guess : sure;
+      m = look(t);
+      if (t == sure || (m.count != 0 && least_gap(m) >= -near_)) continue;
+      t = sure;
+      m = look(t);
     }
     return slowest > 0 ? Found::slow : Found::none;
+  }
+  Manifold look(double t) const {
+    Manifold m = at(t);
+    if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
+    return m;
+  }
+
+  // After which time the first point of a manifold touches if it goes on as it does.
+  double time_to_touch(const Manifold& m, double t) const {
+    const Vec2 n{m.nx, m.ny};
+    double first = 1e30;
+    for (int k = 0; k < m.count; ++k) {
+      const ManifoldPoint& p = m.point[k];
+      const Vec2 arm_b{p.bx, p.by}, arm_a = pair_.of_piece() ? Vec2{} : Vec2{p.ax, p.ay};
+      const double closing = -dot(n, b_.velocity(t, arm_b) - a_.velocity(t, arm_a));
+      if (closing > 0) first = std::min(first, double{p.gap} / closing);
+    }
+    return first;
   }
 
   // Which of the points that touch approach each other.
   Found touch(const Manifold& m, double t, double slowest, Hit& hit) const {
     hit = {};
     hit.time = t;
+    hit.m = m;
     hit.n = {m.nx, m.ny};
     bool slow = false;
     for (int k = 0; k < m.count; ++k) {

@@ -25,33 +25,35 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
   return -double{std::min(at(c.point[0]), at(c.point[1]))};
 }
 
-// How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
-struct Reach {
-  double speed = 0, moved = 0;  // m/s, m
-  double spin = 0;              // m/s: what turning adds to the speed
+// How two bodies move against each other, and how far they have moved since the frame's start.
+struct Motion {
+  Vec2 v, d;                   // m/s, m
+  double spin = 0, swing = 0;  // m/s, m: what turning adds at most
 };
 
-Reach reach_of(const Around& in, const ManifoldPair& pair) {
+Motion motion_of(const Around& in, const ManifoldPair& pair) {
   const kernels::BodyView& view = in.view;
   const std::size_t b = pair.b;
-  Vec2 v{view.vel[2 * b], view.vel[2 * b + 1]}, d{view.disp[2 * b], view.disp[2 * b + 1]};
-  double spin = std::fabs(double{view.rim_speed[b]});
-  double turned = double{in.s.bodies.radius[b]} * std::fabs(double{view.angle_change[b]});
+  Motion m{{view.vel[2 * b], view.vel[2 * b + 1]}, {view.disp[2 * b], view.disp[2 * b + 1]}};
+  m.spin = std::fabs(double{view.rim_speed[b]});
+  m.swing = double{in.s.bodies.radius[b]} * std::fabs(double{view.angle_change[b]});
   if (!pair.of_piece()) {
     const std::size_t a = pair.a;
-    v = v - Vec2{view.vel[2 * a], view.vel[2 * a + 1]};
-    d = d - Vec2{view.disp[2 * a], view.disp[2 * a + 1]};
-    spin += std::fabs(double{view.rim_speed[a]});
-    turned += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
+    m.v = m.v - Vec2{view.vel[2 * a], view.vel[2 * a + 1]};
+    m.d = m.d - Vec2{view.disp[2 * a], view.disp[2 * a + 1]};
+    m.spin += std::fabs(double{view.rim_speed[a]});
+    m.swing += double{in.s.bodies.radius[a]} * std::fabs(double{view.angle_change[a]});
   }
-  return {length_of(v) + spin, length_of(d) + turned, spin};
+  return m;
 }
 
 // Whether bodies that were apart at the start of the step may meet in this substep, and turn so fast that it matters when.
 bool turns_ahead(const Around& in, const ManifoldPair& pair, double dt, double h) {
-  const Reach reach = reach_of(in, pair);
-  return reach.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} &&
-         reach.speed > 2 * length_of(in.gravity) * dt && double{pair.least_gap()} - reach.moved < 1.5 * h * reach.speed;
+  const Motion m = motion_of(in, pair);
+  const Vec2 n{pair.manifold.nx, pair.manifold.ny};
+  const double closing = m.spin - dot(n, m.v);
+  return m.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} && closing > 2 * length_of(in.gravity) * dt &&
+         double{pair.least_gap()} + dot(n, m.d) - m.swing < 1.5 * h * closing;
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ void Solver::list_bouncing(const SolverInput& in) {
       if (e == 0) continue;
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
-      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.of_piece() ? pair.b : pair.a, pair.b, e == 1});
+      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.lane, pair.of_piece() ? pair.b : pair.a, pair.b, e == 1, pair.ahead});
     }
   });
 }
@@ -86,7 +88,8 @@ void Solver::Run::foretell_landings() {
       ManifoldPair& pair = manifolds.pair(k);
       ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
       const std::uint32_t l = pair.lane % kernels::kBlock;
-      if (block.e[l] != 0 || !turns_ahead(around, pair, params_.dt, h_)) continue;
+      const bool opened = block.point[0].gap[l] >= kNoGap;  // in the last substep
+      if (block.e[l] != 0 || !(opened || turns_ahead(around, pair, params_.dt, h_))) continue;
       ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
     }
   });
@@ -98,21 +101,21 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first, bool all) {
   const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
-  for (const auto& [k, a, b, elastic] : solver_.bouncing_[index]) {
+  for (const auto& [k, lane, a, b, elastic, ahead] : solver_.bouncing_[index]) {
     // Only impacts of elastic bodies go by slices: the energy of others falls anyway. Later sweeps look at bodies that had
     // an impact in this substep.
     if (!(elastic ? all : first) && view_.event_time[b] == 0 && view_.event_time[a] == 0) continue;
-    const ManifoldPair& pair = manifolds.pairs()[k];
-    ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
-    const std::uint32_t l = pair.lane % kernels::kBlock;
+    ManifoldBlock& block = strip.blocks[lane / kernels::kBlock];
+    const std::uint32_t l = lane % kernels::kBlock;
     float& e = block.e[l];
     e = std::fabs(e);
-    if (e < 1 && !pair.ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor)
-      continue;
-    const Reach reach = reach_of(around, pair);
-    const double closing = reach.speed + gravity_ * h_;
+    if (e < 1 && !ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor) continue;
+    const ManifoldPair& pair = manifolds.pairs()[k];
+    const Motion m = motion_of(around, pair);
+    const Vec2 n{pair.manifold.nx, pair.manifold.ny};
+    const double added = m.spin + gravity_ * h_, closing = length_of(m.v) + added;
     if (e < 1 && static_cast<double>(e) * closing < floor) continue;  // too slow to bounce
-    if (!pair.ahead && static_cast<double>(pair.least_gap()) - reach.moved > h_ * closing) {
+    if (!ahead && double{pair.least_gap()} + dot(n, m.d) - m.swing > h_ * (added - dot(n, m.v))) {
       e = -e;  // too far apart to meet
       continue;
     }

@@ -55,20 +55,24 @@ void set_softness(double h, double frequency, Stiffness& of) {
   of.rate = static_cast<float>(omega / a1);
 }
 
+// The impulse of a contact if it presses, else 0.
+float positive_part(float impulse) {
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(impulse) & mask_from(impulse, kTiniest));
+}
+
 // The virial of the last substep: of contacts of shapes with dynamic and kinematic bodies. Both arms of a point lead to
 // the same place, so that their difference is the way between the centres.
 double virial_of(const Manifolds::StripBlocks& strip, const BodyStore& bodies) {
-  const Column<float>& radius = bodies.radius;
   double sum = 0;
   for (const kernels::ManifoldBlock& c : strip.blocks) {
     for (std::uint32_t l = 0; l < kernels::kBlock; ++l) {
-      if (c.body[2 * l] >= bodies.count) continue;  // a dummy: B touches fixed geometry, or the lane is empty
-      for (const kernels::ManifoldBlock::Point& p : c.point) {
-        if (!(p.impulse[l] > 0)) continue;
-        const double a = static_cast<double>(p.an[l]) * static_cast<double>(radius[c.body[2 * l]]);
-        const double b = static_cast<double>(p.bn[l]) * static_cast<double>(radius[c.body[2 * l + 1]]);
-        sum += static_cast<double>(p.impulse[l]) * (a - b);
-      }
+      const std::uint32_t a = c.body[2 * l], b = c.body[2 * l + 1];
+      if (a >= bodies.count) continue;  // a dummy: B touches fixed geometry, or the lane is empty
+      const double size_a = bodies.radius[a], size_b = bodies.radius[b];
+      const auto of = [&](const kernels::ManifoldBlock::Point& p) {
+        return double{positive_part(p.impulse[l])} * (double{p.an[l]} * size_a - double{p.bn[l]} * size_b);
+      };
+      sum += of(c.point[0]) + of(c.point[1]);
     }
   }
   return sum;
@@ -330,9 +334,8 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     const auto add = [&](const ContactLanes& c, const ContactBlocks& blocks, const auto& mask) {
       for (std::size_t l = std::size_t{blocks.begin} * 8; l < std::size_t{blocks.end} * 8; ++l) {
         closed += std::signbit(c.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
-        const std::uint32_t presses = mask_from(c.impulse[l], kTiniest) & mask(l);
-        const auto pressing = std::bit_cast<float>(std::bit_cast<std::uint32_t>(c.impulse[l]) & presses);
-        sum += static_cast<double>(pressing) * static_cast<double>(c.rsum[l]);
+        const float impulse = std::bit_cast<float>(std::bit_cast<std::uint32_t>(positive_part(c.impulse[l])) & mask(l));
+        sum += double{impulse} * double{c.rsum[l]};
       }
     };
     const Strip& s = in.table.strips[index];
@@ -342,6 +345,7 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     sums_[index].closed = closed;
     Manifolds& manifolds = in.contacts.manifolds;
     if (!manifolds.any() || index >= manifolds.strip_count()) return;
+    sums_[index].closed += manifolds.closed(index);
     sums_[index].shapes += substeps * virial_of(manifolds.strip(index), in.contacts.surroundings.bodies);
   });
 }
@@ -370,7 +374,6 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   SolverReport report;
   report.forces_ms = run.forces_ms();
   closed_ = 0;
-  for (std::size_t s = 0; s < in.contacts.manifolds.strip_count(); ++s) closed_ += in.contacts.manifolds.closed(s);
   for (const StripSum& strip : sums_) {
     report.virial += strip.virial;
     report.shapes += strip.shapes;

@@ -79,8 +79,9 @@ class Solver {
 
  private:
   struct Bouncing {
-    std::uint32_t pair, a, b;  // slots; a is b for a pair with a fixed piece
-    bool elastic;
+    std::uint32_t pair, lane;
+    std::uint32_t a, b;  // slots; a is b for a pair with a fixed piece
+    bool elastic, ahead;
   };
   class Run;
   struct StripSum {
