@@ -54,6 +54,19 @@ void JointStore::find_articulations() {
 
 // Joints that no articulation solves get the first free colour in the order of their ids, and are sorted by colour, then by kind. Within a colour
 // no two lanes share a dynamic body; after the last colour blocks hold one lane each.
+void JointStore::list_ends(std::uint32_t list) {
+  ends_[list].assign(lanes_[list].size(), {});
+  for (std::size_t lane = 0; lane < lanes_[list].size(); ++lane) {
+    const std::uint32_t i = lanes_[list][lane];
+    if (i == kNoSlot) continue;
+    Ends& to = ends_[list][lane];
+    for (const std::uint32_t side : {0u, 1u}) {
+      to.body[side] = i < kTether ? joints_[i].body[side] : tethers_[i - kTether].body[side];
+      to.anchor[side] = i < kTether ? joints_[i].anchor(side) : tethers_[i - kTether].anchor[side];
+    }
+  }
+}
+
 void JointStore::lay_out() {
   save_impulses();
   const std::vector<std::uint32_t>& ids = bodies();
@@ -101,6 +114,7 @@ void JointStore::lay_out() {
   joint_phases_ = phases_.size();
   add_tethers();
   for (std::uint32_t list = 0; list < kLists; ++list) lists_.assign(list, blocks_of(list));
+  for (std::uint32_t list = 0; list < kLists; ++list) list_ends(list);
   each_lane([&](const Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
     block.wa[k] = s_.bodies.properties(ids[j.body[0]]).inv_mass;

@@ -147,17 +147,17 @@ void JointStore::find_shares(const SolverBodies& solved) {
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
 // the offsets in `disp`.
 template <class Block>
-Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const std::uint32_t* body, const Vec2* anchor) const {
-  const JointMember& ma = members_[body[0]];
-  const JointMember& mb = members_[body[1]];
+inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) const {
+  const JointMember& ma = members_[ends.body[0]];
+  const JointMember& mb = members_[ends.body[1]];
   at.body[2 * k] = ma.number;
   at.body[2 * k + 1] = mb.number;
   at.ra[k] = narrow(ma.inverse_radius);
   at.rb[k] = narrow(mb.inverse_radius);
   at.ga[k] = at.ga0[k] = narrow(ma.rim_gain);
   at.gb[k] = at.gb0[k] = narrow(mb.rim_gain);
-  const Vec2 arm_a = turned(ma.turn, anchor[0] - ma.centre);
-  const Vec2 arm_b = turned(mb.turn, anchor[1] - mb.centre);
+  const Vec2 arm_a = turned(ma.turn, ends.anchor[0] - ma.centre);
+  const Vec2 arm_b = turned(mb.turn, ends.anchor[1] - mb.centre);
   at.ax0[k] = narrow(arm_a.x * ma.inverse_radius);
   at.ay0[k] = narrow(arm_a.y * ma.inverse_radius);
   at.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
@@ -167,13 +167,12 @@ Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const std::uint32_t* body
 
 // Fills the arms of a lane and the rows of its kind.
 template <class Block>
-void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const {
+void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const Ends& ends) const {
   const JointDesc& d = joint.desc;
-  const JointMember& ma = members_[joint.body[0]];
-  const JointMember& mb = members_[joint.body[1]];
-  const Vec2 anchor[] = {joint.anchor(0), joint.anchor(1)};
-  const Vec2 apart = fill_arms(at, k, joint.body, anchor);
-  const auto arm = [&](const JointMember& m, int side) { return turned(m.turn, anchor[side] - m.centre); };
+  const JointMember& ma = members_[ends.body[0]];
+  const JointMember& mb = members_[ends.body[1]];
+  const Vec2 apart = fill_arms(at, k, ends);
+  const auto arm = [&](const JointMember& m, int side) { return turned(m.turn, ends.anchor[side] - m.centre); };
   const double sign = joint.swapped ? -1 : 1;
   if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
@@ -199,8 +198,8 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint) const
 }
 
 template <class Block>
-void JointStore::fill_tether(Block& at, std::uint32_t k, const Tether& t) const {
-  const Vec2 apart = fill_arms(at, k, t.body, t.anchor);
+void JointStore::fill_tether(Block& at, std::uint32_t k, const Tether& t, const Ends& ends) const {
+  const Vec2 apart = fill_arms(at, k, ends);
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) fill_line(at, k, t.length, true, apart);
 }
 
@@ -278,14 +277,15 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     const std::vector<std::uint32_t>& lanes = lanes_[r.list];
+    const std::vector<Ends>& ends = ends_[r.list];
     JointLists::visit(lists_, r.list, [&](auto& blocks) {
       for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
         auto& block = blocks[lane / kBlock];
         const std::uint32_t joint = lanes[lane], k = lane % kBlock;
         if (joint < kTether) {
-          fill_rows(block, k, joints_[joint]);
+          fill_rows(block, k, joints_[joint], ends[lane]);
         } else if (joint != kNoSlot) {
-          fill_tether(block, k, tethers_[joint - kTether]);
+          fill_tether(block, k, tethers_[joint - kTether], ends[lane]);
         } else {
           block.body[2 * k] = block.body[2 * k + 1] = padding;
         }

@@ -85,13 +85,13 @@ std::size_t JointStore::bytes() const {
   std::size_t sum = bytes_of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_,
                              shares_.ranges, shares_.jobs, marks_, swept_, tethers_, tether_ranges_) +
                     lists_.bytes() + articulations_.bytes();
-  for (const auto& lanes : lanes_) sum += bytes_of(lanes);
+  for (std::uint32_t list = 0; list < kLists; ++list) sum += bytes_of(lanes_[list], ends_[list]);
   return sum;
 }
 
 void JointStore::release_blocks() {
-  give_back(first_, bodies_, members_, lists_, lanes_, jobs_, phases_, shares_, marks_, share_vel_, share_rim_speed_,
-            push_vel_, push_rim_speed_, push0_vel_);
+  give_back(first_, bodies_, members_, lists_, lanes_, ends_, jobs_, phases_, shares_, marks_, share_vel_,
+            share_rim_speed_, push_vel_, push_rim_speed_, push0_vel_);
   give_back(swept_, tethers_, tether_ranges_);
   articulations_.release();
   stale_ = true;

@@ -159,6 +159,12 @@ class JointStore {
     Vec2 anchor(std::uint32_t side) const { return (side != 0) == swapped ? desc.anchor_a : desc.anchor_b; }
   };
 
+  /// What a lane joins, beside the joints, which are large.
+  struct Ends {
+    std::uint32_t body[2] = {0, 0};  ///< numbers in members_
+    Vec2 anchor[2];                  ///< m, in the frames of the bodies
+  };
+
   struct Way;
   /// A rope from a support to a body, as long as the shortest way through joints (joint_tethers.cpp).
   struct Tether {
@@ -223,6 +229,7 @@ class JointStore {
   void add_tethers();
   Vec2 tethered_load(std::uint32_t joint) const;
   void lay_out();
+  void list_ends(std::uint32_t list);
   void add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane);
   std::uint32_t blocks_of(std::uint32_t list) const { return static_cast<std::uint32_t>(lanes_[list].size()) / kBlock; }
   std::uint32_t block_count() const {
@@ -235,11 +242,11 @@ class JointStore {
   void set_articulations(bool calm);
   void find_shares(const SolverBodies& solved);
   template <class Block>
-  Vec2 fill_arms(Block& block, std::uint32_t lane, const std::uint32_t* body, const Vec2* anchor) const;
+  Vec2 fill_arms(Block& block, std::uint32_t lane, const Ends& ends) const;
   template <class Block>
-  void fill_rows(Block& block, std::uint32_t lane, const Joint& joint) const;
+  void fill_rows(Block& block, std::uint32_t lane, const Joint& joint, const Ends& ends) const;
   template <class Block>
-  void fill_tether(Block& block, std::uint32_t lane, const Tether& t) const;
+  void fill_tether(Block& block, std::uint32_t lane, const Tether& t, const Ends& ends) const;
   template <class Pass>
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards,
              bool tethers);
@@ -267,6 +274,7 @@ class JointStore {
   std::vector<std::uint8_t> swept_;  // by member: whether it has joints in blocks
   JointLists lists_;
   std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, kTether for a tether, or kNoSlot
+  std::array<std::vector<Ends>, kLists> ends_;            // by lane
   Jobs jobs_;
   std::vector<BlockRange> phases_;  // in jobs_
   std::size_t joint_phases_ = 0;    // those behind are of tethers

@@ -267,7 +267,11 @@ void Manifolds::keep(const TouchMemory& recent, std::size_t begin, std::size_t e
     for (const FoundPair& found : found_[begin + n]) {
       ManifoldPair& pair = pairs_[k++];
       const bool known = found.before != PairName::kNone;
-      pair = known ? old_pairs_[found.before] : ManifoldPair{};
+      if (known) {
+        pair = old_pairs_[found.before];
+      } else {
+        pair = {};
+      }
       static_cast<PairName&>(pair) = found;
       pair.lane = PairName::kNone;
       if (!known && !recent.empty()) recall_touch(s_.bodies, s_.statics, recent, pair);

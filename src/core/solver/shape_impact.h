@@ -29,10 +29,11 @@ struct Mover {
   std::uint32_t slot = ManifoldPair::kNone;
   Vec2 v, a;                    // m/s, m/s^2
   double angle = 0, omega = 0;  // rad, rad/s
+  Rotor now;                    // of the angle
   double inv_mass = 0, inv_inertia = 0;
   double since = 0;  // s: its last impact
 
-  Rotor rotor(double t) const { return rotor_of(angle + t * omega); }
+  Rotor rotor(double t) const { return t * omega == 0 ? now : rotor_of(angle + t * omega); }
   Vec2 way(double t) const { return t * v + 0.5 * t * t * a; }
   Vec2 velocity(double t, Vec2 arm) const { return v + t * a + omega * Vec2{-arm.y, arm.x}; }
   // The velocity that an impulse along n adds at a point, along m.
@@ -158,6 +159,7 @@ class ShapeImpact {
     const double reach = b.radius[slot];
     m.v = {view.vel[2 * slot], view.vel[2 * slot + 1]};
     m.angle = b.angle[slot];
+    m.now = rotor_of(m.angle);
     m.omega = double{view.rim_speed[slot]} / reach;
     m.inv_mass = inv_mass;
     m.inv_inertia = double{rim_gain} / (reach * reach);

@@ -72,7 +72,8 @@ void Solver::list_bouncing(const SolverInput& in) {
       if (e == 0) continue;
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
-      if (e == 1 || !rests) bouncing_[index].push_back({k, pair.lane, pair.of_piece() ? pair.b : pair.a, pair.b, e == 1, pair.ahead});
+      if (e == 1 || !rests)
+        bouncing_[index].push_back({k, pair.lane, pair.of_piece() ? pair.b : pair.a, pair.b, e == 1, pair.ahead});
     }
   });
 }
