@@ -5,6 +5,7 @@
 
 #include "joint_support.h"
 #include "rigid_support.h"
+#include "sanitized.h"
 
 namespace psim::test {
 namespace {
@@ -186,8 +187,10 @@ void go(RandomWorld::Kind kind, unsigned from, unsigned to) {
 TEST(RenewalRandom, WorldsGoOnAfterRestores) { go(RandomWorld::Kind::discs, 0, 12); }
 TEST(RenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(RandomWorld::Kind::any, 0, 12); }
 
-TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(RandomWorld::Kind::discs, 100, 1100); }
-TEST(SlowRenewalRandom, WorldsOfAllShapesGoOnAfterRestores) { go(RandomWorld::Kind::any, 2000, 2500); }
+TEST(SlowRenewalRandom, WorldsGoOnAfterRestores) { go(RandomWorld::Kind::discs, 100, all_seeds() ? 1100 : 350); }
+TEST(SlowRenewalRandom, WorldsOfAllShapesGoOnAfterRestores) {
+  go(RandomWorld::Kind::any, 2000, all_seeds() ? 2500 : 2120);
+}
 
 }  // namespace
 }  // namespace psim::test

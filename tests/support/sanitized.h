@@ -1,7 +1,9 @@
 // What tests leave out under sanitizers, where everything takes ten times as long or more: they look for
-// faults of memory and undefined behaviour there, and the release build has compared all bits.
+// faults of memory and undefined behaviour there, and the release build has compared all bits. And what they leave out
+// unless they are asked for all.
 #pragma once
 
+#include <cstdlib>
 #include <vector>
 
 namespace psim::test {
@@ -23,5 +25,8 @@ inline std::vector<int> thread_counts() {
   if (kSanitized) return {3};
   return {1, 2, 3};
 }
+
+/// Whether tests with very many seeds run all of them, for some ten minutes, and not a quarter: PSIM_ALL_SEEDS=1.
+inline bool all_seeds() { return std::getenv("PSIM_ALL_SEEDS") != nullptr; }
 
 }  // namespace psim::test
