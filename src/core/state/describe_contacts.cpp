@@ -120,9 +120,13 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     a.plain(s.blocks);
     a.packed(s.active);
     a.packed(s.laid);
-    // Pairs of lists that are gone are not written: the next step finds anew whom to watch before anyone reads it.
-    if (!a.loading()) std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
-    a.packed(s.watched);
+    // In the middle of a step a strip may watch pairs of lists that are not saved yet; who goes on from the state finds
+    // them anew.
+    std::vector<std::uint32_t> watched;
+    if (!a.loading())
+      std::ranges::copy_if(s.watched, std::back_inserter(watched), [&](auto k) { return k < pairs_.size(); });
+    a.packed(watched);
+    if (a.loading()) s.watched = std::move(watched);
     values(a, s.end, s.colours, s.points);
   });
   a.packed(special_);
