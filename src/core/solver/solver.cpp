@@ -78,9 +78,10 @@ double virial_of(const Manifolds::StripBlocks& strip, const BodyStore& bodies) {
 
 double coast_time(double damping, double h) { return damping > 0 ? -std::expm1(-damping * h) / damping : h; }
 
-kernels::StreamParams kick_params(Vec2 gravity, double damping, double h) {
+kernels::StreamParams kick_params(Vec2 gravity, double damping, double h, int again) {
   const double span = coast_time(damping, h), kept = std::exp(-damping * h);
   kernels::StreamParams p;
+  p.again = static_cast<float>(again);
   p.h = static_cast<float>(h);
   p.damp = static_cast<float>(kept);
   p.damp_remainder = static_cast<float>(kept - static_cast<double>(p.damp));
@@ -94,7 +95,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
     : SolverInput(in),
       solver_(solver),
       params_(params),
-      stream_(kick_params(params.gravity, params.damping, h_)),
+      stream_(kick_params(params.gravity, params.damping, h_, params.substeps - 1)),
       loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.totals().loaded ? 0 : HeavyLoads::kSweeps) {
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
   // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
