@@ -27,16 +27,17 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
-// that meets fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity and
-// whom else it meets.
+// that meets geometry that does not turn and is not too fast does so in the impact sweeps of the substeps, which know
+// gravity and whom else it meets.
 constexpr float kFlying = 1;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
   float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
+  float spin = 0;
   if (!pair.of_piece()) {  // as seen from A, which turns
-    const float spin = b.rim_speed[a] / b.radius[a];
+    spin = b.rim_speed[a] / b.radius[a];
     const float rx = m.point[0].ax - m.point[0].bx, ry = m.point[0].ay - m.point[0].by;  // from A's centre to B's
     x -= b.vel[2 * a] - spin * ry;
     y -= b.vel[2 * a + 1] + spin * rx;
@@ -44,7 +45,7 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
   }
   const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b), dt = static_cast<float>(params.dt);
   if (!(dt * (swing - (m.nx * x + m.ny * y)) > kFlying * inner)) return false;
-  return !pair.of_piece() || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
+  return spin != 0 || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
 // Runs once all pairs of a strip were looked at.

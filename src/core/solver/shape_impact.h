@@ -96,7 +96,7 @@ class ShapeImpact {
         hull_a_(hull_of_a()) {
     near_ = kTouch * double{hull_b_.inner};
     if (pair.of_piece()) return;
-    near_ = std::min(near_, kTouch * double{hull_a_.inner});
+    if (!pair.fixed_a) near_ = std::min(near_, kTouch * double{hull_a_.inner});
     way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
     start_ = way_;
   }
@@ -173,7 +173,7 @@ class ShapeImpact {
 
   // The solver sees to such bodies, and lets nobody through.
   bool too_fast(double h) const {
-    const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
+    const double size = pair_.fixed_a ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
     return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
   }
 
