@@ -49,6 +49,7 @@ struct Hit {
   Vec2 arm_a[2], arm_b[2];
   double approach[2] = {};  // m/s along n, < 0
   double impulse[2] = {};
+  double wait = 1e30;     // s: until the first of them touches
   double parting = 1e30;  // m/s: of the slowest point that touches
   double depth = 0;       // m
 };
@@ -243,9 +244,11 @@ class ShapeImpact {
     return m.count == 2 ? std::min(m.point[0].gap, m.point[1].gap) : m.point[0].gap;
   }
 
-  // The first time at which the bodies touch and approach each other.
+  // The first time at which the bodies touch and approach each other. What is near comes to touch at its present speed,
+  // as good as.
   Found find(double h, double slowest, Hit& hit) const {
     double t = std::max(a_.since, b_.since);
+    bool near = false;
     for (int k = 0; k < kMostSteps; ++k) {
       Manifold m = at(t);
       if (m.count != 0 && least_gap(m) <= near_) fit(m, t);
@@ -254,6 +257,12 @@ class ShapeImpact {
       const double gap = least_gap(m);
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
+        if (found == Found::hit && !near && hit.wait > 0) {
+          near = true;
+          t += hit.wait;
+          if (t >= h) return Found::none;
+          continue;
+        }
         if (found != Found::none) return found;
         hit.depth = -gap;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
@@ -282,6 +291,7 @@ class ShapeImpact {
         slow = true;
         continue;
       }
+      hit.wait = std::min(hit.wait, -double{p.gap} / vn);
       hit.arm_a[hit.count] = arm_a;
       hit.arm_b[hit.count] = arm_b;
       hit.approach[hit.count++] = vn;
