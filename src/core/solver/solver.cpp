@@ -271,6 +271,18 @@ void Solver::Run::relax() {
   pass(s_.kernels.relax, s_.kernels.relax_static, s_.kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 
+// What impacts of discs within the substep did to the ways of their rims.
+void Solver::Run::turn_by_impacts(BlockRange r) {
+  BodyStore& b = s_.bodies;
+  for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
+    if (view_.rim_way[n] == 0) continue;
+    const std::size_t i = contacts.solved.slot(n);
+    const double turn = static_cast<double>(view_.rim_way[n]) / static_cast<double>(b.radius[i]);
+    b.angle[i] += turn;
+    if (params_.turns) view_.angle_change[n] += static_cast<float>(turn);
+  }
+}
+
 void Solver::Run::drift() {
   BodyStore& b = s_.bodies;
   for_bodies([&](BlockRange r) {
@@ -279,6 +291,7 @@ void Solver::Run::drift() {
     } else {
       s_.kernels.drift(view_, drift_, r.begin, r.end);
     }
+    if (bounce_ != 0 && view_.rim_way != nullptr) turn_by_impacts(r);
     if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), stream_.h, r.begin, r.end);
     if (b.rim_speed.empty()) return;
     for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
