@@ -41,14 +41,26 @@ std::optional<Fault> compared(const Scene& scene, const Course& course, const Co
   return std::nullopt;
 }
 
-// What a place off by the rounding of the lattice may grow to in this scene, m.
-double grown_rounding(const Scene& scene, const Course& course) {
+double fastest_in(const Course& course) {
+  double most = 0;
+  for (const auto& frame : course) {
+    for (const BodyState& b : frame) most = std::max(most, std::hypot(b.vx, b.vy));
+  }
+  return most;
+}
+
+// What may become in this scene of places off by the rounding of the lattice and velocities off by that of floats, m.
+// They round in every frame, at speeds up to `fastest`.
+double grown_rounding(const Scene& scene, const Course& course, double fastest) {
   constexpr double kNudge = 1e-7;
+  const double rounded = 0x1p-24 * fastest;
   double most = 0;
   for (const double sign : {-1.0, 1.0}) {
     Scene nudged = scene;
     for (BodyDesc& b : nudged.bodies) {
-      if (b.type == BodyType::dynamic_body) b.position = {b.position.x + sign * kNudge, b.position.y + kNudge};
+      if (b.type != BodyType::dynamic_body) continue;
+      b.position = {b.position.x + sign * kNudge, b.position.y + kNudge};
+      b.velocity = {b.velocity.x + sign * rounded, b.velocity.y + rounded};
     }
     const Course other = course_of(nudged, kFrames);
     for (std::size_t frame = 0; frame < course.size(); ++frame) {
@@ -68,7 +80,7 @@ std::optional<Fault> same_course(const Scene& scene, const Course& course, const
   const double size = size_of(scene, kFrames);
   const auto fault = compared(scene, course, other, kShare * size, back, dt);
   if (!fault) return fault;
-  const double grown = 10 * grown_rounding(scene, course);
+  const double grown = 10 * grown_rounding(scene, course, std::max(fastest_in(course), fastest_in(other)));
   if (grown > kChaos * size) return std::nullopt;
   return compared(scene, course, other, std::max(kShare * size, grown), back, dt);
 }
