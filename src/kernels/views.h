@@ -49,7 +49,7 @@ struct BodyView {
   float* arm_change = nullptr;           ///< m records, R (cos d - 1, sin d), or null: nothing with corners or joints
   float* angle_change = nullptr;         ///< rad: d, how far it turned since the frame's start
   float* event_time = nullptr;           ///< s into the substep of the last impact, or null: no impacts
-  float* rim_way = nullptr;              ///< m: what impacts within the substep add to the way of the rim, or null
+  float* rim_way = nullptr;              ///< m: what impacts of this substep add to the way of the rim, or null
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };
 

@@ -54,8 +54,6 @@ void Solver::Run::set_floors() {
 void Solver::Run::impacts() {
   for_bodies([&](BlockRange r) {
     std::fill(view_.event_time + std::size_t{r.begin} * 8, view_.event_time + std::size_t{r.end} * 8, 0.0f);
-    if (view_.rim_way == nullptr) return;
-    std::fill(view_.rim_way + std::size_t{r.begin} * 8, view_.rim_way + std::size_t{r.end} * 8, 0.0f);
   });
   std::atomic<bool> any{true};
   std::vector<int>& last = solver_.last_sweep_;

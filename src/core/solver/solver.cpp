@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <span>
 
@@ -271,15 +272,21 @@ void Solver::Run::relax() {
   pass(s_.kernels.relax, s_.kernels.relax_static, s_.kernels.relax_manifolds, loaded_sweeps_ - 1);
 }
 
-// What impacts of discs within the substep did to the ways of their rims.
+// What impacts of discs within the substep did to the ways of their rims. Most blocks of eight bodies had none.
 void Solver::Run::turn_by_impacts(BlockRange r) {
   BodyStore& b = s_.bodies;
-  for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
-    if (view_.rim_way[n] == 0) continue;
-    const std::size_t i = contacts.solved.slot(n);
-    const double turn = static_cast<double>(view_.rim_way[n]) / static_cast<double>(b.radius[i]);
-    b.angle[i] += turn;
-    if (params_.turns) view_.angle_change[n] += static_cast<float>(turn);
+  for (std::uint32_t block = r.begin; block < r.end; ++block) {
+    float* const way = view_.rim_way + std::size_t{block} * 8;
+    std::uint64_t bits[4];
+    std::memcpy(bits, way, sizeof bits);
+    if ((bits[0] | bits[1] | bits[2] | bits[3]) == 0) continue;
+    for (std::uint32_t n = block * 8; n < std::min(block * 8 + 8, contacts.solved.count()); ++n) {
+      const std::size_t i = contacts.solved.slot(n);
+      const double turn = static_cast<double>(view_.rim_way[n]) / static_cast<double>(b.radius[i]);
+      b.angle[i] += turn;
+      if (params_.turns) view_.angle_change[n] += static_cast<float>(turn);
+    }
+    std::fill(way, way + 8, 0.0f);
   }
 }
 
