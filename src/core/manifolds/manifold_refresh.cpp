@@ -2,6 +2,7 @@
 // contacts go on to the layout.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/rotor.h"
 #include "base/tasks.h"
@@ -85,10 +86,18 @@ void Manifolds::order_by_approach(std::size_t index) {
   std::vector<std::uint32_t>& active = strips_[index].active;
   const auto of_ground = [&](std::uint32_t k) { return !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics); };
   const auto approach = [&](std::uint32_t k) {
-    const Manifold& m = pairs_[k].manifold;
-    const float* const v = s_.bodies.vel.data() + 2 * std::size_t{pairs_[k].b};
-    return -(m.nx * v[0] + m.ny * v[1]);
+    const ManifoldPair& pair = pairs_[k];
+    const Vec2 v = s_.bodies.velocity(pair.b) - (pair.of_piece() ? Vec2{} : s_.bodies.velocity(pair.a));
+    return -(pair.manifold.nx * static_cast<float>(v.x) + pair.manifold.ny * static_cast<float>(v.y));
   };
+  if (any_kinematic_) {  // any pair of the strip may be one with such a piece; the order of bodies does not matter
+    const auto rank = [&](std::uint32_t k) {
+      const bool ground = pairs_[k].fixed_a && of_ground(k);
+      return std::tuple(ground, ground ? pairs_[k].b : 0, ground ? approach(k) : 0, k);
+    };
+    std::sort(active.begin(), active.end(), [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
+    return;
+  }
   for (const auto& [first, last] : pieces_of(index)) {
     auto k = std::ranges::lower_bound(active, first);
     const auto behind = std::ranges::lower_bound(active, last);
