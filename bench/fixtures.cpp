@@ -33,7 +33,7 @@ Discs::Discs(const Placement& p, std::uint32_t spare) : lattice(p.bounds, false)
   const std::size_t total = kernels::round_up_block(kernels::round_up_block(count) + spare);
   for (Column<std::int32_t>* c : {&pos, &built}) c->reserve(2 * total);
   for (Column<float>* c : {&vel, &vel0, &disp}) c->reserve(2 * total);
-  for (Column<float>* c : {&radius, &reach, &rim_speed, &rim_speed0, &event_time}) c->reserve(total);
+  for (Column<float>* c : {&radius, &reach, &rim_speed, &rim_speed0, &event_time, &rim_way}) c->reserve(total);
   linked.reserve(total);
   for (std::uint32_t i = 0; i < count; ++i) {
     const LatticePoint at = lattice.to_lattice({p.x[i], p.y[i]});
@@ -62,6 +62,7 @@ kernels::BodyView Discs::view() {
   v.rim_speed = rim_speed.data();
   v.rim_speed0 = rim_speed0.data();
   v.event_time = event_time.data();
+  v.rim_way = rim_way.data();
   v.linked = linked.data();
   return v;
 }

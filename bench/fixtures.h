@@ -41,7 +41,7 @@ struct Discs {
   Column<std::int32_t> pos{meter}, built{meter};
   Column<float> vel{meter}, vel0{meter}, disp{meter};
   Column<float> radius{meter}, reach{meter};
-  Column<float> rim_speed{meter}, rim_speed0{meter}, event_time{meter};
+  Column<float> rim_speed{meter}, rim_speed0{meter}, event_time{meter}, rim_way{meter};
   Column<std::uint8_t> linked{meter};
 };
 

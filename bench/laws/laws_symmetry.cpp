@@ -41,14 +41,26 @@ std::optional<Fault> compared(const Scene& scene, const Course& course, const Co
   return std::nullopt;
 }
 
-// What a place off by the rounding of the lattice may grow to in this scene, m.
-double grown_rounding(const Scene& scene, const Course& course) {
+double fastest_in(const Course& course) {
+  double most = 0;
+  for (const auto& frame : course) {
+    for (const BodyState& b : frame) most = std::max(most, std::hypot(b.vx, b.vy));
+  }
+  return most;
+}
+
+// What may become in this scene of places off by the rounding of the lattice and velocities off by that of floats, m.
+// They round in every frame, at speeds up to `fastest`.
+double grown_rounding(const Scene& scene, const Course& course, double fastest) {
   constexpr double kNudge = 1e-7;
+  const double rounded = 0x1p-24 * fastest;
   double most = 0;
   for (const double sign : {-1.0, 1.0}) {
     Scene nudged = scene;
     for (BodyDesc& b : nudged.bodies) {
-      if (b.type == BodyType::dynamic_body) b.position = {b.position.x + sign * kNudge, b.position.y + kNudge};
+      if (b.type != BodyType::dynamic_body) continue;
+      b.position = {b.position.x + sign * kNudge, b.position.y + kNudge};
+      b.velocity = {b.velocity.x + sign * rounded, b.velocity.y + rounded};
     }
     const Course other = course_of(nudged, kFrames);
     for (std::size_t frame = 0; frame < course.size(); ++frame) {
@@ -60,22 +72,23 @@ double grown_rounding(const Scene& scene, const Course& course) {
   return most;
 }
 
-// Compares two courses of a scene. Impacts on corners multiply differences: then what a nudge becomes is allowed as
-// well, and where a nudge becomes large nothing is said.
+// Compares two courses of a scene. `size`, m, is the larger one of both scenes, since places round in proportion to the
+// ways that bodies go. Impacts on corners multiply differences: then what a nudge becomes is allowed as well, and where a
+// nudge becomes large nothing is said.
 template <class Back>
-std::optional<Fault> same_course(const Scene& scene, const Course& course, const Course& other, const Back& back,
-                                 double dt) {
-  const double size = size_of(scene, kFrames);
+std::optional<Fault> same_course(const Scene& scene, const Course& course, const Course& other, double size,
+                                 const Back& back, double dt) {
   const auto fault = compared(scene, course, other, kShare * size, back, dt);
   if (!fault) return fault;
-  const double grown = 10 * grown_rounding(scene, course);
+  const double grown = 10 * grown_rounding(scene, course, std::max(fastest_in(course), fastest_in(other)));
   if (grown > kChaos * size) return std::nullopt;
   return compared(scene, course, other, std::max(kShare * size, grown), back, dt);
 }
 
 std::optional<Fault> same_as(const Scene& scene, const Scene& changed, const Change& change) {
   const auto back = [&](const BodyState& s, double time) { return change.back(s, time); };
-  return same_course(scene, course_of(scene, kFrames), course_of(changed, kFrames), back, changed.world.dt);
+  const double size = std::max(size_of(scene, kFrames), size_of(changed, kFrames) / change.scale);
+  return same_course(scene, course_of(scene, kFrames), course_of(changed, kFrames), size, back, changed.world.dt);
 }
 
 std::optional<Fault> mirrored(const Scene& scene) {
@@ -154,7 +167,7 @@ std::optional<Fault> falling(const Scene& scene) {
     s.vy += 9.81 * time;
     return s;
   };
-  return same_course(scene, course, other, back, scene.world.dt);
+  return same_course(scene, course, other, size_of(fall, kFrames), back, scene.world.dt);
 }
 
 std::optional<Fault> on_kinematic_ground(const Scene& scene) { return same_as(scene, kinematic(scene), {}); }
@@ -183,7 +196,7 @@ std::optional<Fault> across_the_seam(const Scene& scene) {
     }
   }
   return same_course(
-      scene, course, other, [](const BodyState& s, double) { return s; }, scene.world.dt);
+      scene, course, other, size_of(scene, kFrames), [](const BodyState& s, double) { return s; }, scene.world.dt);
 }
 
 Scene one_or_two(Draw& draw) { return draw.chance(0.75) ? one_mover(draw) : two_that_meet(draw); }

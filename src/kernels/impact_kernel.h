@@ -7,7 +7,8 @@
 //   dd = d + t0 u,  q = dd.u (parting if q >= 0),  c = dd.dd - R^2,
 //   t = t0 + c / (-q + sqrt(q^2 - u.u c))        (t0 if c <= 0)
 // If t < h: n at t, J = -(1 + e) n.u m, v +- w J n, x -+ t w J n (so that x + v h is right), tl = t.
-// Friction: Jt = clamp(-mt vt, +- mu J) with rim speeds u = omega r, -q Jt each.
+// Friction: Jt = clamp(-mt vt, +- mu J) with rim speeds u = omega r, -q Jt each. Rims turned as before until then: their
+// ways in the substep are h u + t q Jt, of which the last term is kept in rim_way.
 // A pair apart with no hit ahead is settled too: no speculative impulse. A pair that overlaps by more than p.refresh is
 // left to the solver, which pushes it apart, unless it is fully elastic: an impulse would leave the overlap as it is, and
 // among bodies that fall together it would stay and grow. Impacts slower than the
@@ -127,6 +128,10 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
       const auto ub0 = L::template gather1<2>(b.rim_speed0, slot + 1);
       L::template scatter1<2>(b.rim_speed0, slot, ua0 - sa);
       L::template scatter1<2>(b.rim_speed0, slot + 1, ub0 - sb);
+      const auto way_a = L::template gather1<2>(b.rim_way, slot);
+      const auto way_b = L::template gather1<2>(b.rim_way, slot + 1);
+      L::template scatter1<2>(b.rim_way, slot, way_a + keep(hit, t * sa));
+      L::template scatter1<2>(b.rim_way, slot + 1, way_b + keep(hit, t * sb));
     }
     const auto ax = wa * px, ay = wa * py;
     const auto bx = wb * px, by = wb * py;
@@ -251,6 +256,7 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
       const auto su = L::load(c.qb + k) * jt;
       L::template scatter1<1>(b.rim_speed, slot, u - su);
       L::template scatter1<1>(b.rim_speed0, slot, L::template gather1<1>(b.rim_speed0, slot) - su);
+      L::template scatter1<1>(b.rim_way, slot, L::template gather1<1>(b.rim_way, slot) + keep(hit, t * su));
     }
     if constexpr (kModel != Model::plain) {
       const auto w = L::load(c.wb + k);

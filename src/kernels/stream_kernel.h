@@ -33,6 +33,7 @@ void kick_first_as(const BodyView& b, const StreamParams& p, std::uint32_t begin
   const auto uniform = Rec<L>(p.kick_x, p.kick_y);
   const auto coast = Rec<L>(p.coast, p.coast);
   const auto damp_remainder = Rec<L>(p.damp_remainder, p.damp_remainder);
+  const auto again = Rec<L>(p.again, p.again);
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
     for (std::uint32_t r = 0; r < kBlock; r += L::records) {
@@ -46,19 +47,24 @@ void kick_first_as(const BodyView& b, const StreamParams& p, std::uint32_t begin
         const auto rest = damp_remainder * old + L::load_rec(b.vel_remainder + 2 * body);
         dv = dv + rest;
       }
-      const auto v = v0 + dv;
+      const auto v = v0 + dv, rounded = v - v0, lost = dv - rounded;
       if constexpr (kKick == Kick::field) {
-        L::store_rec(b.vel_remainder + 2 * body, dv - (v - v0));
+        L::store_rec(b.vel_remainder + 2 * body, lost);
+        L::store_rec(b.vel0 + 2 * body, v0);
+        L::store_rec(b.vel + 2 * body, select(mine, v, old));
+      } else {
+        const auto ahead = v + again * lost;
+        L::store_rec(b.vel0 + 2 * body, ahead - rounded);
+        L::store_rec(b.vel + 2 * body, select(mine, ahead, old));
       }
-      L::store_rec(b.vel0 + 2 * body, v0);
-      L::store_rec(b.vel + 2 * body, select(mine, v, old));
     }
   }
 }
 
 /// First kick of a frame, or every kick in a field. Damping comes first, then v0 is taken, then the
 /// acceleration. In a field the part of a kick that does not fit into the velocity is kept for the
-/// next one (compensated summation; Kahan 1965), or orbits would gain energy from rounding.
+/// next one (compensated summation; Kahan 1965), or orbits would gain energy from rounding. Elsewhere the later kicks
+/// of the frame repeat a kick as it was rounded, so the first one makes up for what they all will lose.
 template <class L>
 void kick_first(const BodyView& b, const StreamParams& p, std::uint32_t begin, std::uint32_t end) {
   if (b.acc == nullptr) return kick_first_as<L, Kick::uniform>(b, p, begin, end);

@@ -17,6 +17,7 @@ struct StreamParams {
   float kick_y = 0;
   float damp = 1;            ///< exp(-c h)
   float damp_remainder = 0;  ///< what rounding took from `damp`: for kicks that keep remainders
+  float again = 0;           ///< the number of later kicks of the frame, which repeat the first one
   float smooth_limit2 = 0;   ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
   float coast = 0;           ///< s; closed form of a free body over a frame: d += coast v + fall
   float drop = 0;            ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
@@ -48,6 +49,7 @@ struct BodyView {
   float* arm_change = nullptr;           ///< m records, R (cos d - 1, sin d), or null: nothing with corners or joints
   float* angle_change = nullptr;         ///< rad: d, how far it turned since the frame's start
   float* event_time = nullptr;           ///< s into the substep of the last impact, or null: no impacts
+  float* rim_way = nullptr;              ///< m: what impacts of this substep add to the way of the rim, or null
   const std::uint8_t* linked = nullptr;  ///< 0xFF: some list names the body, it takes substeps
 };
 

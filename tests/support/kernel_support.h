@@ -70,7 +70,7 @@ struct Bodies {
   std::size_t count = 0;
   std::vector<std::int32_t> pos, built;
   std::vector<float> vel, vel0, disp, acc, vel_remainder, disp_remainder, drift_correction, pull;
-  std::vector<float> rim_speed, rim_speed0, event_time, radius, reach;
+  std::vector<float> rim_speed, rim_speed0, event_time, rim_way, radius, reach;
   std::vector<std::uint8_t> linked;
 
   Bodies() = default;
@@ -78,7 +78,7 @@ struct Bodies {
     const std::size_t total = kernels::round_up_block(n + 2) + kernels::kReadPad;
     for (auto* c : {&pos, &built}) c->resize(2 * total);
     for (auto* c : {&vel, &vel0, &disp, &acc, &vel_remainder}) c->resize(2 * total);
-    for (auto* c : {&rim_speed, &rim_speed0, &event_time, &radius, &reach}) c->resize(total);
+    for (auto* c : {&rim_speed, &rim_speed0, &event_time, &rim_way, &radius, &reach}) c->resize(total);
     linked.resize(total);
     for (std::size_t i = 0; i < 2 * n; ++i) {
       pos[i] = static_cast<std::int32_t>(random.uniform(-2, 2) / kPitch);
@@ -141,6 +141,7 @@ struct Bodies {
       v.rim_speed0 = rim_speed0.data();
     }
     if (impacts) v.event_time = event_time.data();
+    if (impacts && rotation) v.rim_way = rim_way.data();
     return v;
   }
 
@@ -167,6 +168,7 @@ struct Bodies {
             {"spin0", &rim_speed0},
             {"reach", &reach},
             {"event_time", &event_time},
+            {"rim_way", &rim_way},
             {"radius", &radius}};
   }
 };

@@ -5,7 +5,7 @@
 //   by slot  pos, vel, disp (records), id, radius, reach, rim_speed, angle     the sort moves them together
 //            vel_remainder, disp_remainder                                    moved after the sort; only with fields
 //            built, linked                                                    written whenever lists are made
-//            vel0, rim_speed0, acc, drift_correction, pull, event_time        scratch of one step, not moved
+//            vel0, rim_speed0, acc, drift_correction, pull, event_time, rim_way   scratch of one step, not moved
 //            arm_change, angle_change                                         the same; only with shapes or joints
 #pragma once
 
@@ -64,7 +64,7 @@ class BodyStore {
   Column<float> disp_remainder{meter_};    ///< m, records: the same for offsets; only if the plan has an integrator
   Column<float> spare{meter_};             ///< scratch of move_remainders
   Column<float> arm_change{meter_}, angle_change{meter_};  ///< since the frame's start; only with shapes or joints
-  Column<float> event_time{meter_};
+  Column<float> event_time{meter_}, rim_way{meter_};
   Column<std::uint8_t> linked{meter_};
   Column<std::int32_t> built{meter_};  ///< position when the lists were made
   Column<float> reach{meter_};         ///< m: the radius plus the margin of the lists
@@ -225,6 +225,7 @@ class BodyStore {
             .arm_change = arm_change.data(),
             .angle_change = angle_change.data(),
             .event_time = event_time.data(),
+            .rim_way = rim_way.data(),
             .linked = linked.data()};
   }
 

@@ -69,6 +69,10 @@ void SolverBodies::take_all(std::size_t strips, bool impacts) {
   if (!b_.angle_change.empty()) add_dummies(1, b_.angle_change);
   if (!b_.arm_change.empty()) add_dummies(2, b_.arm_change);
   if (impacts) add_dummies(1, b_.event_time);
+  if (impacts && !b_.rim_speed.empty()) {
+    b_.rim_way.reserve(all);
+    std::fill(b_.rim_way.data(), b_.rim_way.data() + all, 0.0f);
+  }
 }
 
 void SolverBodies::choose(const PairTable& table, bool compact, bool impacts) {
@@ -106,6 +110,10 @@ void SolverBodies::make_room(std::size_t bodies, std::size_t all, bool turning, 
   fit(1, slot_, linked_);
   if (turning) fit(1, rim_speed_, rim_speed0_);
   if (impacts) fit(1, event_time_);
+  if (impacts && turning) {
+    rim_way_.reserve_loosely(all);
+    std::fill(rim_way_.data(), rim_way_.data() + all, 0.0f);
+  }
 }
 
 // Calls each(number, slot, soon) for all copies, where `soon` is the slot of one that comes later.
@@ -153,6 +161,7 @@ kernels::BodyView SolverBodies::view() {
           .rim_speed = turns() ? rim_speed_.data() : nullptr,
           .rim_speed0 = turns() ? rim_speed0_.data() : nullptr,
           .event_time = event_time_.data(),
+          .rim_way = rim_way_.data(),
           .linked = linked_.data()};
 }
 

@@ -50,9 +50,10 @@ class SolverBodies {
   void forget(bool rotation, bool impacts) {
     if (rotation) give_back(rim_speed_, rim_speed0_);
     if (impacts) event_time_.release();
+    if (rotation || impacts) rim_way_.release();
   }
   std::size_t rotation_bytes() const { return rim_speed_.bytes() + rim_speed0_.bytes(); }
-  std::size_t impact_bytes() const { return event_time_.bytes(); }
+  std::size_t impact_bytes() const { return event_time_.bytes() + rim_way_.bytes(); }
 
   kernels::BodyView view();
 
@@ -73,7 +74,7 @@ class SolverBodies {
   Column<std::uint32_t> slot_{meter_};    ///< by number
   Column<std::int32_t> pos_{meter_};
   Column<float> vel_{meter_}, disp_{meter_}, vel0_{meter_}, rim_speed_{meter_}, rim_speed0_{meter_},
-      event_time_{meter_};
+      event_time_{meter_}, rim_way_{meter_};
   Column<std::uint8_t> linked_{meter_};
   std::vector<std::uint32_t> strip_begin_;  ///< by strip: the number of its first linked body
 };

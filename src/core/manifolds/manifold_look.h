@@ -98,7 +98,7 @@ struct Manifolds::Look {
       now.vx -= b.vel[2 * i];
       now.vy -= b.vel[2 * i + 1];
       rim_speed += std::fabs(b.rim_speed[i]);
-      now.inner = std::min(now.inner, inner_of(i));
+      if (!pair.fixed_a) now.inner = std::min(now.inner, inner_of(i));
     }
     const float closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g * dt;
     now.wanted = kNearby * now.inner + kAheadFrames * dt * closing;
@@ -241,7 +241,7 @@ struct Manifolds::Look {
   bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
     const BodyProperties& of_a = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     if (std::fmax(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
-    const float reach = pair.of_piece() ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
+    const float reach = pair.fixed_a ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
     return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
   }
 

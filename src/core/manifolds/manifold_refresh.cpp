@@ -2,6 +2,7 @@
 // contacts go on to the layout.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/rotor.h"
 #include "base/tasks.h"
@@ -27,16 +28,17 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
 
 // A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
-// that meets fixed geometry and is not too fast does so in the impact sweeps of the substeps, which know gravity and
-// whom else it meets.
+// that meets geometry that does not turn and is not too fast does so in the impact sweeps of the substeps, which know
+// gravity and whom else it meets.
 constexpr float kFlying = 1;
 
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
   float x = b.vel[2 * i], y = b.vel[2 * i + 1], turn = b.rim_speed[i] / b.radius[i];
+  float spin = 0;
   if (!pair.of_piece()) {  // as seen from A, which turns
-    const float spin = b.rim_speed[a] / b.radius[a];
+    spin = b.rim_speed[a] / b.radius[a];
     const float rx = m.point[0].ax - m.point[0].bx, ry = m.point[0].ay - m.point[0].by;  // from A's centre to B's
     x -= b.vel[2 * a] - spin * ry;
     y -= b.vel[2 * a + 1] + spin * rx;
@@ -44,7 +46,7 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
   }
   const float swing = std::fabs(turn) * (b.radius[i] - pair.round_b), dt = static_cast<float>(params.dt);
   if (!(dt * (swing - (m.nx * x + m.ny * y)) > kFlying * inner)) return false;
-  return !pair.of_piece() || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
+  return spin != 0 || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
 // Runs once all pairs of a strip were looked at.
@@ -84,10 +86,18 @@ void Manifolds::order_by_approach(std::size_t index) {
   std::vector<std::uint32_t>& active = strips_[index].active;
   const auto of_ground = [&](std::uint32_t k) { return !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics); };
   const auto approach = [&](std::uint32_t k) {
-    const Manifold& m = pairs_[k].manifold;
-    const float* const v = s_.bodies.vel.data() + 2 * std::size_t{pairs_[k].b};
-    return -(m.nx * v[0] + m.ny * v[1]);
+    const ManifoldPair& pair = pairs_[k];
+    const Vec2 v = s_.bodies.velocity(pair.b) - (pair.of_piece() ? Vec2{} : s_.bodies.velocity(pair.a));
+    return -(pair.manifold.nx * static_cast<float>(v.x) + pair.manifold.ny * static_cast<float>(v.y));
   };
+  if (any_kinematic_) {  // any pair of the strip may be one with such a piece; the order of bodies does not matter
+    const auto rank = [&](std::uint32_t k) {
+      const bool ground = pairs_[k].fixed_a && of_ground(k);
+      return std::tuple(ground, ground ? pairs_[k].b : 0, ground ? approach(k) : 0, k);
+    };
+    std::sort(active.begin(), active.end(), [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
+    return;
+  }
   for (const auto& [first, last] : pieces_of(index)) {
     auto k = std::ranges::lower_bound(active, first);
     const auto behind = std::ranges::lower_bound(active, last);

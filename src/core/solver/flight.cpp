@@ -174,6 +174,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
   }
   if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
   if (!yields) other.held = slot;
+  other.fixed = !yields && other.course.turn == 0;
   meet_hulls(kind, other);
 }
 
@@ -207,7 +208,7 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
   const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
-                       length_of(way_.along) <= double{kMostSizes} * b_.radius[slot_];
+                       length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;

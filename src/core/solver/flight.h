@@ -56,7 +56,7 @@ class Flight {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
     float restitution = 0, friction = 0;
-    bool fixed = false;             // it does not move
+    bool fixed = false;             // it is fixed, or moves straight on: the sweeps see to bodies that are not too fast
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
     float inner = 1e30f;            // m

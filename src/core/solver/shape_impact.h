@@ -51,6 +51,7 @@ struct Hit {
   Vec2 arm_a[2], arm_b[2];
   double approach[2] = {};  // m/s along n, < 0
   double impulse[2] = {};
+  double wait = 1e30;     // s: until the first of them touches
   double parting = 1e30;  // m/s: of the slowest point that touches
   double depth = 0;       // m
 };
@@ -98,7 +99,7 @@ class ShapeImpact {
         hull_a_(hull_of_a()) {
     near_ = kTouch * double{hull_b_.inner};
     if (pair.of_piece()) return;
-    near_ = std::min(near_, kTouch * double{hull_a_.inner});
+    if (!pair.fixed_a) near_ = std::min(near_, kTouch * double{hull_a_.inner});
     way_ = in_.s.lattice.way(in_.s.bodies.point(pair.a), in_.s.bodies.point(pair.b));
     start_ = way_;
   }
@@ -182,7 +183,7 @@ class ShapeImpact {
 
   // The solver sees to such bodies, and lets nobody through.
   bool too_fast(double h) const {
-    const double size = pair_.of_piece() ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
+    const double size = pair_.fixed_a ? double{hull_b_.reach} : std::min(hull_a_.reach, hull_b_.reach);
     return h * length_of(b_.v - a_.v) > double{kMostSizes} * size;
   }
 
@@ -268,11 +269,13 @@ class ShapeImpact {
   }
 
   // The first time at which the bodies touch and approach each other. Where the nearest points of now would touch, they
-  // often do; else the search goes on by steps in which nothing can touch.
+  // often do; else the search goes on by steps in which nothing can touch. What is near comes to touch at its present
+  // speed, as good as.
   Found find(double h, double slowest, Hit& hit) const {
     double t = apart_until(h);
     if (t >= h) return Found::none;
     Manifold m = look(t);
+    bool near = false;
     for (int k = 0; k < kMostSteps; ++k) {
       hit.time = t;
       hit.m = m;
@@ -280,6 +283,13 @@ class ShapeImpact {
       const double gap = least_gap(m);
       if (gap <= near_) {
         const Found found = touch(m, t, slowest, hit);
+        if (found == Found::hit && !near && hit.wait > 0) {
+          near = true;
+          t += hit.wait;
+          if (t >= h) return Found::none;
+          m = look(t);
+          continue;
+        }
         if (found != Found::none) return found;
         hit.depth = -gap;
         if (k == 0 && gap < -kTooDeep * near_ && hit.parting * kPartingTime < -gap) return Found::slow;
@@ -332,6 +342,7 @@ class ShapeImpact {
         slow = true;
         continue;
       }
+      hit.wait = std::min(hit.wait, -double{p.gap} / vn);
       hit.arm_a[hit.count] = arm_a;
       hit.arm_b[hit.count] = arm_b;
       hit.approach[hit.count++] = vn;

@@ -50,8 +50,9 @@ struct SolverReport {
 
 /// The time, s, in which a body without damping goes as far as one with damping c, 1/s, goes in h: (1 - exp(-ch)) / c.
 double coast_time(double damping, double h);
-/// How a time of h seconds kicks and damps bodies under uniform gravity g: dv = g (1 - exp(-ch)) / c.
-kernels::StreamParams kick_params(Vec2 gravity, double damping, double h);
+/// How a time of h seconds kicks and damps bodies under uniform gravity g: dv = g (1 - exp(-ch)) / c. `again`: how many
+/// kicks repeat the first one.
+kernels::StreamParams kick_params(Vec2 gravity, double damping, double h, int again = 0);
 
 class Solver {
  public:

@@ -105,6 +105,7 @@ class Solver::Run : SolverInput {
   void warm(bool first_of_step);
   void solve();
   void drift();
+  void turn_by_impacts(BlockRange r);
   void carry_kinematics();
   void relax();
   void spend();

@@ -97,6 +97,7 @@ void apply_plan(Owners& w) {
     bodies.event_time.release();
     w.dynamics.solver.forget_impacts();
   }
+  if (!plan.restitution || !plan.rotation) bodies.rim_way.release();
   w.dynamics.forces_stale = true;
   w.applied = plan;
 }
@@ -116,7 +117,7 @@ std::vector<PlanEntry> World::plan() const {
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
   count("broad_phase.mixed_radii", w.neighbours.broad.mover().radii_bytes());
-  count("solver.restitution", b.event_time.bytes() + c.pairs.bounce_bytes() + c.fixed.bounce_bytes() +
+  count("solver.restitution", sum(b.event_time, b.rim_way) + c.pairs.bounce_bytes() + c.fixed.bounce_bytes() +
                                   w.contacts.solved.impact_bytes() + w.dynamics.solver.impact_bytes());
   // Contacts with friction have masses, too.
   count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses",
