@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 
 namespace psim {
@@ -98,9 +99,9 @@ kernels::FieldParams Forces::params(double h) const {
   p.gravity_y = world_.gravity.y;
   p.linear = linear_;
   p.quadratic = quadratic_;
-  p.fade = std::exp(-linear_ * h);
-  p.half_fade = std::exp(-linear_ * h / 2);
-  p.fade_span = linear_ > 0 ? -std::expm1(-linear_ * h) / linear_ : h;
+  p.fade = exponential(-linear_ * h);
+  p.half_fade = exponential(-linear_ * h / 2);
+  p.fade_span = linear_ > 0 ? -exponential_less_one(-linear_ * h) / linear_ : h;
   p.smooth = method() == Method::euler ? -1 : 4 * h * h;
   return p;
 }
@@ -144,7 +145,7 @@ double Forces::potential(Vec2 p) const {
     const auto at = [w](double d2) {
       const double s = d2 + w->softening * w->softening;
       if (!(s > 0)) return 0.0;
-      if (w->exponent == 1) return w->strength * std::log(s) / 2;
+      if (w->exponent == 1) return w->strength * logarithm(s) / 2;
       const double half = (w->exponent - 1) / 2;
       const double power = half >= 0 ? 1 / deterministic_power(s, half) : deterministic_power(s, -half);
       return -w->strength * power / (w->exponent - 1);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 #include "solver/solver_run.h"
 
@@ -81,10 +82,10 @@ double virial_of(const Manifolds::StripBlocks& strip, const BodyStore& bodies) {
 
 }  // namespace
 
-double coast_time(double damping, double h) { return damping > 0 ? -std::expm1(-damping * h) / damping : h; }
+double coast_time(double damping, double h) { return damping > 0 ? -exponential_less_one(-damping * h) / damping : h; }
 
 kernels::StreamParams kick_params(Vec2 gravity, double damping, double h, int again) {
-  const double span = coast_time(damping, h), kept = std::exp(-damping * h);
+  const double span = coast_time(damping, h), kept = exponential(-damping * h);
   kernels::StreamParams p;
   p.again = static_cast<float>(again);
   p.h = static_cast<float>(h);
@@ -104,7 +105,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.totals().loaded ? 0 : HeavyLoads::kSweeps) {
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
   // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
-  const double kept = std::exp(-std::fmin(params.damping * h_, kMostDamped));
+  const double kept = exponential(-std::fmin(params.damping * h_, kMostDamped));
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
   set_contacts();

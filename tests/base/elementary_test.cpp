@@ -1,0 +1,62 @@
+// Our own elementary functions against those of the C library in long double, and against values with known digits.
+#include "base/elementary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace psim::test {
+namespace {
+
+double relative(double value, long double truth) {
+  return truth == 0 ? std::fabs(value)
+                    : static_cast<double>(std::fabs((static_cast<long double>(value) - truth) / truth));
+}
+
+TEST(Elementary, FunctionsAreAsGoodAsTheyPromise) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> far(-700, 700), near(-1, 1);
+  double of_exponential = 0, of_less_one = 0, of_logarithm = 0;
+  for (int k = 0; k < 300'000; ++k) {
+    const double x = k % 2 == 0 ? far(random) : near(random), small = x * std::ldexp(1.0, -(k % 40));
+    of_exponential = std::fmax(of_exponential, relative(exponential(x), std::exp(static_cast<long double>(x))));
+    of_less_one =
+        std::fmax(of_less_one, relative(exponential_less_one(small), std::expm1(static_cast<long double>(small))));
+    const double y = k % 3 == 0 ? 1 + 0.1 * small / 700 : std::exp(0.9 * x);
+    of_logarithm = std::fmax(of_logarithm, relative(logarithm(y), std::log(static_cast<long double>(y))));
+  }
+  EXPECT_LT(of_exponential, 2e-16);
+  EXPECT_LT(of_less_one, 5e-16);
+  EXPECT_LT(of_logarithm, 2e-16);
+}
+
+// The digits are those of Abramowitz and Stegun, Handbook of Mathematical Functions, tables 1.1 and 4.4.
+TEST(Elementary, FunctionsHaveTheDigitsOfTheTables) {
+  EXPECT_DOUBLE_EQ(exponential(1), 2.718281828459045);
+  EXPECT_DOUBLE_EQ(exponential(-1), 0.36787944117144233);
+  EXPECT_DOUBLE_EQ(exponential(10), 22026.465794806718);
+  EXPECT_DOUBLE_EQ(exponential_less_one(1e-10), 1.00000000005e-10);
+  EXPECT_DOUBLE_EQ(logarithm(2), 0.6931471805599453);
+  EXPECT_DOUBLE_EQ(logarithm(10), 2.302585092994046);
+  EXPECT_DOUBLE_EQ(logarithm(1e-300), -690.7755278982137);
+}
+
+TEST(Elementary, EndsAreThoseOfTheFunctions) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(exponential(0), 1);
+  EXPECT_EQ(exponential(-kInfinity), 0);
+  EXPECT_EQ(exponential(-1e4), 0);
+  EXPECT_EQ(exponential(1e4), kInfinity);
+  EXPECT_EQ(exponential_less_one(0), 0);
+  EXPECT_EQ(exponential_less_one(-kInfinity), -1);
+  EXPECT_EQ(logarithm(1), 0);
+  EXPECT_EQ(logarithm(0), -kInfinity);
+  EXPECT_EQ(logarithm(kInfinity), kInfinity);
+  for (const double value : {exponential(kNan), exponential_less_one(kNan), logarithm(kNan)})
+    EXPECT_TRUE(std::isnan(value));
+}
+
+}  // namespace
+}  // namespace psim::test
