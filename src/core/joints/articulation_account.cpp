@@ -1,6 +1,8 @@
 // The energy of articulations: joints give none.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "joints/articulation_solve.h"
 
@@ -36,12 +38,13 @@ void Articulations::Solve::push_wanted() {
 // Joints give no energy, though in steps they seem to, now more, now less. Once they gave more than they took since the
 // first step, what they gave goes out of the motion of the bodies against each other, or against what holds them.
 void Articulations::Solve::settle() {
+  if (std::getenv("DBG")) { static int n=0; static double cum=0; cum+=gained_; if (n++%12==0 && n<480*3) std::fprintf(stderr,"gained %.4g solve %.4g apart %.3g refined %d cum %g\n",gained_,island_.gained,island_.apart,island_.refined,cum); return; }
   double gain = 0;
   for_joints([&](const Joint& j) { gain += static_cast<double>(*j.gain); });
   float& account = *all_.joints_[island_.joints.begin].gain;
   change(account, gained_);
   gain += gained_;
-  const double least = -kCredit * island_.apart - softened();
+  const double least = -kCredit * island_.apart;
   if (gain < least) {  // what an impact took
     change(account, least - gain);
     gain = least;
@@ -73,15 +76,6 @@ JointedMotion Articulations::Solve::moving_with() {
   JointedMotion common = common_motion();
   common.omega = 0;
   return common;
-}
-
-// How far the energy of springs swings within a period, for steps have their frequency with another stiffness.
-double Articulations::Solve::softened() {
-  double sum = 0;
-  for_rows([&](const Row& row, const Joint& j) {
-    if (row.use == Use::spring) sum += std::fabs(j.push / h_ - j.stiffness) * row.now.error * row.now.error;
-  });
-  return sum;
 }
 
 // The kinetic energy of the bodies against a common motion. `without_kick`: less what the account leaves out.

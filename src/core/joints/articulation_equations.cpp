@@ -19,11 +19,11 @@ void Articulations::Solve::load_rows() {
   find_rows_now();
   for_rows([&](Row& row, const Joint& j) {
     row.start = row.now;
-    row.softness = row.use == Use::spring && j.drag > 0 ? 1 / j.drag : 0;
+    row.softness = row.use == Use::spring && j.spring.drag > 0 ? 1 / j.spring.drag : 0;
     const float before = j.impulse[&row - &all_.rows_[j.first_row]];
     row.state = State::bound;
     if (row.use == Use::pull && !(before < 0)) row.state = State::free;
-    if (row.use == Use::spring && !(j.drag > 0)) row.state = State::free;
+    if (row.use == Use::spring && !(j.spring.drag > 0)) row.state = State::free;
     if (row.use == Use::drive) {
       row.state = before > 0 ? State::low : before < 0 ? State::high : j.motor_most > 0 ? State::bound : State::free;
     }

@@ -1,6 +1,7 @@
 // What is done to one articulation in a substep. For the files of articulations alone:
 //   articulation_equations.cpp  bodies and rows as they are, and the equations between impulses and the errors of rows
 //   articulation_solve.cpp      the impulses before the drift
+//   articulation_springs.cpp    springs in these
 //   articulation_refine.cpp     the same in several steps
 //   articulation_finish.cpp     places and velocities after the drift
 //   articulation_account.cpp    energy
@@ -47,6 +48,11 @@ class Articulations::Solve {
   void load_motion(Body& b) const;
   void load_rows();
   void find_rows_now();
+  void find_middle_rows();
+  double speed_before(const JointRow& row, const Joint& j) const;
+  double spring_rest(const Row& row, const Joint& j) const;
+  void begin_springs();
+  void end_springs();
   bool choose(Row& row, const Joint& j) const;
   double residual(const Row& row, const Joint& j) const;
   double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
@@ -83,9 +89,9 @@ class Articulations::Solve {
   bool take_errors_out(double* angle);
   void push_springs();
   void see_limits();
+  void find_stopping();
   void stop_errors(double share);
   void settle();
-  double softened();
   JointedMotion common_motion();
   JointedMotion moving_with();
   double energy_within(const JointedMotion& common, bool without_kick = false);

@@ -62,16 +62,13 @@ class Articulations {
     double motor_speed = 0, motor_most = 0;  ///< rad/s or m/s; N m s or N s a substep
     double stiffness = 0, damping = 0;       ///< of a spring: N/m and N s/m, or N m/rad and N m s/rad
     double mass = 0;                         ///< of a spring: its effective mass, kg or kg m^2
-    double push = 0, drag = 0;               ///< of a spring: SpringRow
+    std::uint32_t crowd = 1;                 ///< the most springs at one of its bodies
+    SpringRow spring;
     float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
     float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
 
     /// For steps of h seconds.
-    void set_spring(double h) {
-      const SpringRow row = spring_row(stiffness, damping, mass, h);
-      push = row.push;
-      drag = row.drag;
-    }
+    void set_spring(double h) { spring = spring_row(stiffness, damping, mass, h, crowd); }
   };
 
   void lay_out(std::span<const Candidate> candidates);
@@ -112,7 +109,7 @@ class Articulations {
     double apart = 0;            ///< J: of what turning rows did beyond the tangent motion
   };
   struct Row {
-    JointRow start{}, now{};
+    JointRow start{}, now{};  ///< of springs: in the middle of the step, but for the error, which is that at its start
     Use use = Use::keep;
     State state = State::bound, mark = State::bound;
     std::uint32_t joint = 0;
@@ -120,7 +117,8 @@ class Articulations {
     double sum = 0;       ///< of several steps
     double tangent = 0;   ///< what the speeds at the start ask for
     double wanted = 0;    ///< of the equations: the right side, then the solution
-    double softness = 0;  ///< of springs: 1 / drag
+    double softness = 0;  ///< of springs: 1 / drag, 1/kg
+    double before = 0;    ///< of springs: the speed as the step begins, before the kick
     double diagonal = 0, inverse = 0;
     Range entries{};                 ///< the rows behind it that it is coupled with
     std::uint32_t first_target = 0;  ///< in targets_
