@@ -1,8 +1,6 @@
 // The energy of articulations: joints give none.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "joints/articulation_solve.h"
 
@@ -38,7 +36,6 @@ void Articulations::Solve::push_wanted() {
 // Joints give no energy, though in steps they seem to, now more, now less. Once they gave more than they took since the
 // first step, what they gave goes out of the motion of the bodies against each other, or against what holds them.
 void Articulations::Solve::settle() {
-  if (std::getenv("DBG")) { static int n=0; static double cum=0; cum+=gained_; if (n++%12==0 && n<480*3) std::fprintf(stderr,"gained %.4g solve %.4g apart %.3g refined %d cum %g\n",gained_,island_.gained,island_.apart,island_.refined,cum); return; }
   double gain = 0;
   for_joints([&](const Joint& j) { gain += static_cast<double>(*j.gain); });
   float& account = *all_.joints_[island_.joints.begin].gain;

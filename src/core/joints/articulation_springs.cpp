@@ -27,8 +27,9 @@ double Articulations::Solve::speed_before(const JointRow& row, const Joint& j) c
 // asks for because the row turns.
 double Articulations::Solve::spring_rest(const Row& row, const Joint& j) const {
   const double before = speed_before(row.start, j), mean = speed(row.start, j);
-  const double change = 2 * speed(row.now, j) - speed_before(row.now, j) - row.before;
-  const double turned = change - 2 * (mean - before);
+  const double after = 2 * speed(row.now, j) - speed_before(row.now, j), sum = 0.5 * (row.before + after);
+  const double share = mean * sum > 0 ? std::fmin(sum / mean, 1.5) : 0;
+  const double turned = share * (after - row.before) - 2 * (mean - before);
   return 0.5 * (j.spring.push * row.start.error + j.spring.lag * before - j.spring.lighter * turned);
 }
 
