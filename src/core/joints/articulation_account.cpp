@@ -41,16 +41,18 @@ void Articulations::Solve::settle() {
   float& account = *all_.joints_[island_.joints.begin].gain;
   change(account, gained_);
   gain += gained_;
-  const double least = -kCredit * island_.apart;
+  double noise = 0;  // J: as far as places are exact
+  for_rows([&](const Row& row, const Joint&) { noise += std::fabs(row.impulse) * kExact / h_; });
+  const double least = -kCredit * island_.apart - noise;
   if (gain < least) {  // what an impact took
     change(account, least - gain);
     gain = least;
   }
-  if (!(gain > 0) && !all_.calm_) return;
+  if (!(gain > noise) && !all_.calm_) return;
   const JointedMotion common = common_motion();
   const double energy = energy_within(common);
   if (!(energy > 0)) return;
-  double taken = std::fmax(std::fmin(gain, kMostTaken * energy), 0);
+  double taken = gain > noise ? std::fmin(gain, kMostTaken * energy) : 0;
   change(account, -taken);
   if (all_.calm_) {
     double mass = 0;

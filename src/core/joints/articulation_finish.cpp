@@ -104,7 +104,7 @@ void Articulations::Solve::push_springs() {
     const bool works = row.use == Use::spring && row.on();
     row.wanted = works ? row.impulse : 0;
     const double from = row.start.error, to = row.now.error;
-    if (works) gained_ += 0.5 * j.stiffness * (to + from) * (to - from);
+    if (works) gained_ += 0.5 * j.stiffness * (to + from) * (to - from) / all_.reach_;
     if (works) std::swap(row.start, row.now);
   });
   push_wanted();

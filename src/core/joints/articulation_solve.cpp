@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kMostSteps = 6;        // Newton steps in a substep
 constexpr int kMostChoices = 5;      // in how many of them limits may begin and cease to hold
-constexpr double kExact = 3e-8;      // m or rad: an error below this is none
 constexpr double kMostError = 1e6;   // m or rad: beyond it steps lead nowhere
 constexpr double kConverged = 1e-6;  // m or rad: where Newton's steps miss by more, speeds alone are stopped
 
@@ -205,7 +204,7 @@ bool Articulations::Solve::moves() {
 }
 
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
-  reach_ = drift / h_;
+  reach_ = all_.reach_;
   for_bodies([&](Body& b) {
     load_motion(b);
     b.begin = b.now;
@@ -253,6 +252,7 @@ void Articulations::prepare(double h, bool calm) {
 }
 
 void Articulations::solve(const kernels::BodyView& view, double drift, double smooth_limit2, WorkerPool& pool) {
+  reach_ = drift / h_;
   pool.run(islands_.size(), [&](std::size_t n) { Solve(*this, islands_[n], view).solve(drift, smooth_limit2); });
 }
 

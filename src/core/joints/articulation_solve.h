@@ -15,6 +15,7 @@ namespace psim {
 
 class Articulations::Solve {
  public:
+  static constexpr double kExact = 3e-8;     // m or rad: an error below this is none
   static constexpr double kAlike = 1e-9;     // softness, of a row's own: rows that ask for the same share their impulse
   static constexpr double kMostGain = 0.3;   // of the energy: what rows of the start may add that those after take back
   static constexpr double kResolved = 1e-4;  // the same where a substep resolves the motion

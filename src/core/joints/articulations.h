@@ -134,7 +134,8 @@ class Articulations {
   void couple(const Island& island);
   void find_walk(Island& island);
 
-  double h_ = 0;  // s: a substep
+  double h_ = 0;      // s: a substep
+  double reach_ = 1;  // how far a velocity leads in the drift, of h
   bool calm_ = false;
   std::vector<Island> islands_;
   std::vector<Body> bodies_;

@@ -16,6 +16,7 @@ namespace {
 
 // The share of a position error that a substep corrects.
 constexpr double kBias = 0.5;
+constexpr double kStiffest = 4;  // w^2 h^2 of springs in sweeps
 constexpr int kMostSweeps = 8, kLeastSweeps = 2;
 constexpr std::uint32_t kFew = 32, kMany = 256, kManyOfNets = 1024;  // blocks
 constexpr std::uint32_t kShareBlocks = 512;                          // blocks of bodies in a job
@@ -143,8 +144,11 @@ void JointStore::find_shares(const SolverBodies& solved) {
   std::fill_n(push_rim_speed_.data() + all, kBlock, 0.0f);
 }
 
+// Sweeps do not follow springs that are stiffer: of nets they would gain energy.
 SpringRow JointStore::spring_of(const Joint& j, double mass) const {
-  return spring_row(acting_ * j.desc.stiffness, acting_ * j.desc.damping, mass, h_, crowd_of(j));
+  const double most = kStiffest * mass / h_;
+  return spring_row(std::fmin(acting_ * j.desc.stiffness, most / h_), std::fmin(acting_ * j.desc.damping, most), mass, h_,
+                    crowd_of(j));
 }
 
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
