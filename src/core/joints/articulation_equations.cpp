@@ -38,6 +38,14 @@ void Articulations::Solve::find_rows_now() {
   });
 }
 
+// How fast the error of a row changes in the drift.
+double Articulations::Solve::speed(const JointRow& row, const Joint& j) const {
+  JointedMotion a = side(j, 0).now, b = side(j, 1).now;
+  a.velocity = reach_ * a.velocity;
+  b.velocity = reach_ * b.velocity;
+  return row.speed(a, b);
+}
+
 // What an impulse along b changes in the speed of a. `shared`: bit 2 i + k if body i of a's joint, which is j, is body k
 // of b's.
 double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const {

@@ -44,7 +44,7 @@ class Articulations::Solve {
     for (std::uint32_t n = island_.joints.begin; n < island_.joints.end; ++n) each(all_.joints_[n]);
   }
   const Body& side(const Joint& j, int side) const { return all_.bodies_[j.body[side]]; }
-  double speed(const JointRow& row, const Joint& j) const { return row.speed(side(j, 0).now, side(j, 1).now); }
+  double speed(const JointRow& row, const Joint& j) const;
 
   void load_motion(Body& b) const;
   void load_rows();

@@ -1,5 +1,6 @@
 // Springs in the steps of articulations (docs/joints.md, Springs).
 #include <cmath>
+#include <utility>
 
 #include "joints/articulation_solve.h"
 
@@ -43,6 +44,7 @@ void Articulations::Solve::begin_springs() {
     any = any || j.spring.light > 0;
   });
   if (!any) return;
+  const double reach = std::exchange(reach_, 1);
   for_rows([&](Row& row, const Joint& j) {
     if (row.use == Use::spring && row.on()) row.softness = -1 / std::fmax(j.spring.light, kLeast);
   });
@@ -51,6 +53,7 @@ void Articulations::Solve::begin_springs() {
   for_rows([&](Row& row, const Joint& j) { row.wanted = row.use == Use::spring ? -speed_before(row.now, j) : 0; });
   substitute();
   push_wanted();
+  reach_ = reach;
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   for_rows([&](Row& row, const Joint& j) {
     if (row.use != Use::spring || !row.on()) return;
