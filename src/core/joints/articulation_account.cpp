@@ -7,10 +7,11 @@
 namespace psim {
 namespace {
 
-constexpr double kCalm = 0.02;      // m/s: mean speed below which a motion is damped where bodies may sleep
-constexpr double kCalming = 2;      // 1/s: by how much of its energy, at rest
-constexpr double kCredit = 2;       // how much less than nothing an account may hold, of the energy of turning rows
-constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
+constexpr double kCalm = 0.02;        // m/s: mean speed below which a motion is damped where bodies may sleep
+constexpr double kCalming = 2;        // 1/s: by how much of its energy, at rest
+constexpr double kCredit = 2;         // how much less than nothing an account may hold, of the energy of turning rows
+constexpr double kMostCredit = 8e-4;  // the same, of the energy of the motion
+constexpr double kMostTaken = 0.5;    // of the energy: what an account takes back in a substep
 
 }  // namespace
 
@@ -43,7 +44,8 @@ void Articulations::Solve::settle() {
   gain += gained_;
   double noise = 0;  // J: as far as places are exact
   for_rows([&](const Row& row, const Joint&) { noise += std::fabs(row.impulse) * kExact / h_; });
-  const double least = -kCredit * island_.apart - noise;
+  const double credit = std::fmin(kCredit * island_.apart, kMostCredit * energy_within(moving_with()));
+  const double least = -credit - noise;
   if (gain < least) {  // what an impact took
     change(account, least - gain);
     gain = least;

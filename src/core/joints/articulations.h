@@ -64,8 +64,8 @@ class Articulations {
     double mass = 0;                         ///< of a spring: its effective mass, kg or kg m^2
     std::uint32_t crowd = 1;                 ///< the most springs at one of its bodies
     SpringRow spring;
-    float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
-    float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
+    float* impulse = nullptr;  ///< of the last substep, as JointLists::each_impulse has them
+    float* gain = nullptr;     ///< J: what the joint gave to its bodies so far, less what was taken back
 
     /// For steps of h seconds.
     void set_spring(double h) { spring = spring_row(stiffness, damping, mass, h, crowd); }

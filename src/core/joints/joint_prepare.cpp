@@ -147,8 +147,8 @@ void JointStore::find_shares(const SolverBodies& solved) {
 // Sweeps do not follow springs that are stiffer: of nets they would gain energy.
 SpringRow JointStore::spring_of(const Joint& j, double mass) const {
   const double most = kStiffest * mass / h_;
-  return spring_row(std::fmin(acting_ * j.desc.stiffness, most / h_), std::fmin(acting_ * j.desc.damping, most), mass, h_,
-                    crowd_of(j));
+  return spring_row(std::fmin(acting_ * j.desc.stiffness, most / h_), std::fmin(acting_ * j.desc.damping, most), mass,
+                    h_, crowd_of(j));
 }
 
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without

@@ -273,7 +273,7 @@ class JointStore {
   Articulations articulations_;
   std::vector<Tether> tethers_;
   std::vector<TetherRange> tether_ranges_;
-  std::vector<std::uint8_t> swept_;  // by member: whether it has joints in blocks
+  std::vector<std::uint8_t> swept_;     // by member: whether it has joints in blocks
   std::vector<std::uint32_t> springs_;  // by member: how many it has, but 0 if it is not dynamic
   JointLists lists_;
   std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, kTether for a tether, or kNoSlot

@@ -25,8 +25,8 @@ double sinh_of(double x) {
 // 1 - y cot y for y up to 1/2.
 double less_than_one(double y) {
   const double z = y * y;
-  return z * (1.0 / 3 + z * (1.0 / 45 +
-                             z * (2.0 / 945 + z * (1.0 / 4725 + z * (2.0 / 93555 + z * (1382.0 / 638512875))))));
+  return z *
+         (1.0 / 3 + z * (1.0 / 45 + z * (2.0 / 945 + z * (1.0 / 4725 + z * (2.0 / 93555 + z * (1382.0 / 638512875))))));
 }
 
 // The share of the speed after a step with which friction of rate z over the step slows down as exp(-z): from 1/2, where

@@ -7,10 +7,10 @@ namespace psim {
 
 /// The impulse of a step is -push C - drag (v0 + v') - lag v0, with v0 and v' the speeds of the row before and after it.
 struct SpringRow {
-  double push = 0;   ///< k h, N s/m or N m s
-  double drag = 0;   ///< kg or kg m^2
-  double lag = 0;    ///< kg or kg m^2
-  double light = 0;  ///< kg or kg m^2: by how much less mass the row has
+  double push = 0;     ///< k h, N s/m or N m s
+  double drag = 0;     ///< kg or kg m^2
+  double lag = 0;      ///< kg or kg m^2
+  double light = 0;    ///< kg or kg m^2: by how much less mass the row has
   double lighter = 0;  ///< the same twice: in steps
 };
 
