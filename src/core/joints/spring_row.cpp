@@ -43,8 +43,8 @@ double end_share(double z) {
 // The trapezoidal rule has rest where forces balance, but the wrong frequency. Exact for an oscillator is
 //   p (x' - x) = h (v + v')/2,  p m (v' - v) = -h k (x + x')/2,  p = y cot y,  y = w h/2
 // which keeps its energy, and rests where it should, for any p. With u = v/p it is the trapezoidal rule for a mass of
-// p^2 m. A spring that h does not resolve (w h > 1) is damped: of such motion a third is left after each step (Newmark's
-// rule, where the square of what drags more is twice what drags at the end).
+// p^2 m. A spring that h does not resolve (w h > 1) is damped: half of such motion is left after a step from w h = 2 on
+// (Newmark's rule).
 SpringRow spring_row(double stiffness, double damping, double mass, double h, std::uint32_t crowd) {
   SpringRow out;
   if (!(mass > 0) || !(stiffness > 0 || damping > 0)) return out;
