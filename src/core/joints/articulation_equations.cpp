@@ -146,8 +146,8 @@ void Articulations::Solve::move_on(double drift) {
 void Articulations::Solve::store_velocities() {
   for_bodies([&](Body& b) {
     if (b.inverse_mass == 0) return;
-    const Vec2 gain = b.now.velocity - b.start.velocity;
-    const double turn = (b.now.omega - b.start.omega) * b.radius;
+    const Vec2 gain = b.now.velocity - b.mark.velocity;
+    const double turn = (b.now.omega - b.mark.omega) * b.radius;
     change(view_.vel, b.number, gain);
     change(view_.vel0, b.number, gain);
     change(view_.rim_speed[b.number], turn);

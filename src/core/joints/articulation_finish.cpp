@@ -130,7 +130,7 @@ void Articulations::Solve::finish(double* angle) {
   gained_ = island_.gained;
   for_bodies([&](Body& b) {
     load_motion(b);
-    b.start = b.now;
+    b.start = b.mark = b.now;
     if (!island_.refined || b.inverse_mass == 0) return;
     b.now.velocity = b.now.velocity + b.after;
     b.now.omega += b.after_omega;
@@ -138,8 +138,6 @@ void Articulations::Solve::finish(double* angle) {
   find_rows_now();
   for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
   push_springs();
-  store_velocities();
-  for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   see_limits();
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
   stop_errors(1);

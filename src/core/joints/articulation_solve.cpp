@@ -219,7 +219,7 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
     island_.refined = moves() && refine(drift);
     if (!island_.refined && !step_whole(drift, kMostGain)) step_damped(drift);
   }
-  for_bodies([](Body& b) { b.start.velocity = b.begin.velocity - 0.5 * b.pull, b.start.omega = b.begin.omega; });
+  for_bodies([](Body& b) { b.mark.velocity = b.begin.velocity - 0.5 * b.pull, b.mark.omega = b.begin.omega; });
   store_velocities();
   island_.gained = gained_;
 }

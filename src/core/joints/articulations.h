@@ -40,7 +40,7 @@ class Articulations {
     Vec2 place{};                                  ///< m: at the frame's start, from the first body
     JointedMotion start{};                         ///< as the substep begins, with the velocities of the drift
     JointedMotion now{};
-    JointedMotion mark{};      ///< as a step of its own begins
+    JointedMotion mark{};      ///< as a step of its own begins, or a pass
     JointedMotion begin{};     ///< as the substep begins, with the whole kick
     Vec2 pull{};               ///< m/s: the kick, if the drift goes with half of it
     Vec2 after{};              ///< m/s: added after the drift
