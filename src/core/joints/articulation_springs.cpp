@@ -25,7 +25,7 @@ double Articulations::Solve::speed_before(const JointRow& row, const Joint& j) c
 }
 
 // Half of the impulse that a spring takes from a step that does not move it, N s, turned round; and what its lighter mass
-// asks for because the row turns.
+// asks for because the row turns, so that the work is lighter (u'^2 - u^2) / 2.
 double Articulations::Solve::spring_rest(const Row& row, const Joint& j) const {
   const double before = speed_before(row.start, j), mean = speed(row.start, j);
   const double after = 2 * speed(row.now, j) - speed_before(row.now, j), sum = 0.5 * (row.before + after);
@@ -38,16 +38,16 @@ double Articulations::Solve::spring_rest(const Row& row, const Joint& j) const {
 // to u, where the other rows hold: q = light N^T u is the impulse.
 void Articulations::Solve::begin_springs() {
   constexpr double kLeast = 1e-30;
+  const auto each_spring = [&](const auto& each) {
+    for_rows([&](Row& row, const Joint& j) {
+      if (row.use == Use::spring && row.on()) each(row, j);
+    });
+  };
   bool any = false;
-  for_rows([&](Row& row, const Joint& j) {
-    if (row.use != Use::spring || !row.on()) return;
-    any = any || j.spring.light > 0;
-  });
+  each_spring([&](Row&, const Joint& j) { any = any || j.spring.light > 0; });
   if (!any) return;
   const double reach = std::exchange(reach_, 1);
-  for_rows([&](Row& row, const Joint& j) {
-    if (row.use == Use::spring && row.on()) row.softness = -1 / std::fmax(j.spring.light, kLeast);
-  });
+  each_spring([](Row& row, const Joint& j) { row.softness = -1 / std::fmax(j.spring.light, kLeast); });
   assemble(false, kAlike);
   eliminate();
   for_rows([&](Row& row, const Joint& j) { row.wanted = row.use == Use::spring ? -speed_before(row.now, j) : 0; });
@@ -55,8 +55,7 @@ void Articulations::Solve::begin_springs() {
   push_wanted();
   reach_ = reach;
   for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
-  for_rows([&](Row& row, const Joint& j) {
-    if (row.use != Use::spring || !row.on()) return;
+  each_spring([&](Row& row, const Joint& j) {
     row.softness = 1 / j.spring.drag;
     row.before = speed_before(row.now, j);
   });
