@@ -99,12 +99,13 @@ template <class L, class Block>
   return {-(L::load(j.m11 + k) * v.x + m12 * v.y), -(m12 * v.x + L::load(j.m22 + k) * v.y)};
 }
 
-/// An impulse after a pass over a row with a spring, from `l`: implicit midpoint rule,
-///   l' = -push (C + h curve/4) - drag (vn0 + vn'),  vn' = vn + (l' - l) / mass
-template <class L>
-[[gnu::always_inline]] inline F<L> spring_impulse(F<L> l, F<L> push, F<L> drag, F<L> mass, F<L> stretch, F<L> vn0,
-                                                  F<L> vn) {
-  const auto pull = push * stretch + drag * (vn0 + vn);
+/// An impulse after a pass over a row with a spring, from `l`:
+///   l' = -push (C + h curve/4) - drag (vn0 + vn') - lag vn0,  vn' = vn + (l' - l) / mass
+template <class L, class Block>
+[[gnu::always_inline]] inline F<L> spring_impulse(const Block& j, std::uint32_t k, F<L> l, F<L> mass, F<L> stretch,
+                                                  F<L> vn0, F<L> vn) {
+  const auto drag = L::load(j.drag + k);
+  const auto pull = L::load(j.push + k) * stretch + drag * (vn0 + vn) + L::load(j.lag + k) * vn0;
   const auto sum = drag * l - mass * pull;
   const auto both = mass + drag;
   return sum / select(0 < both, both, 1);

@@ -73,7 +73,7 @@ void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, st
     if constexpr (kSpring) {
       const auto before = gather_motion<L>(b.vel0, b.rim_speed0, j.body + 2 * k);
       const auto vn0 = dot(row.n, anchor_velocity<L>(before, arms));
-      next = spring_impulse<L>(l, L::load(j.push + k), L::load(j.drag + k), mass, c + quarter_h * curve, vn0, vn);
+      next = spring_impulse<L>(j, k, l, mass, c + quarter_h * curve, vn0, vn);
     } else {
       const auto top = L::load(j.top + k);
       const auto ahead = c + half_h * curve;

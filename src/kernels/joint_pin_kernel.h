@@ -118,8 +118,7 @@ template <class L, bool kFixedA, bool kRelax, class Block>
       auto soft = l;
       if constexpr (!kRelax) {
         const auto before = gather_motion<L>(b.vel0, b.rim_speed0, j.body + 2 * k);
-        soft = spring_impulse<L>(l, stiff, L::load(j.drag + k), mass, L::load(j.angle + k), turning<L>(before, arms),
-                                 rim_speed);
+        soft = spring_impulse<L>(j, k, l, mass, L::load(j.angle + k), turning<L>(before, arms), rim_speed);
       }
       const auto rigid = l - mass * rim_speed;
       const auto next = select(0 < stiff, soft, rigid);

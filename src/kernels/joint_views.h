@@ -35,7 +35,8 @@ struct alignas(kAlign) LineBlock : JointBodies {
   float far0[kBlock];                       ///< m: its length
   float c0[kBlock];                         ///< m: that length less the joint's length
   float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
-  float push[kBlock], drag[kBlock];         ///< springs: k' h, N s/m, and k' h^2 / 4 + c' h / 2, kg
+  float push[kBlock];                       ///< springs: k h, N s/m
+  float drag[kBlock], lag[kBlock];          ///< springs, kg: times the speeds before and after, times the one before
   float nx[kBlock], ny[kBlock], c[kBlock];  ///< now
   float curvature[kBlock];                  ///< 1 / distance of the anchors, 1/m
   float mass[kBlock];                       ///< kg
@@ -72,8 +73,8 @@ struct alignas(kAlign) DrivenBlock : TwistBlock {
 };
 
 struct alignas(kAlign) WeldBlock : TwistBlock {
-  float push[kBlock], drag[kBlock];  ///< soft ones, as in LineBlock; 0: rigid
-  float l[kBlock];                   ///< N m s
+  float push[kBlock], drag[kBlock], lag[kBlock];  ///< soft ones, as in LineBlock; 0: rigid
+  float l[kBlock];                                ///< N m s
 };
 
 /// B moves along an axis of A and does not turn against it.

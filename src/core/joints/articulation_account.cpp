@@ -7,10 +7,11 @@
 namespace psim {
 namespace {
 
-constexpr double kCalm = 0.02;      // m/s: mean speed below which a motion is damped where bodies may sleep
-constexpr double kCalming = 2;      // 1/s: by how much of its energy, at rest
-constexpr double kCredit = 2;       // how much less than nothing an account may hold, of the energy of turning rows
-constexpr double kMostTaken = 0.5;  // of the energy: what an account takes back in a substep
+constexpr double kCalm = 0.02;        // m/s: mean speed below which a motion is damped where bodies may sleep
+constexpr double kCalming = 2;        // 1/s: by how much of its energy, at rest
+constexpr double kCredit = 2;         // how much less than nothing an account may hold, of the energy of turning rows
+constexpr double kMostCredit = 8e-4;  // the same, of the energy of the motion
+constexpr double kMostTaken = 0.5;    // of the energy: what an account takes back in a substep
 
 }  // namespace
 
@@ -41,16 +42,19 @@ void Articulations::Solve::settle() {
   float& account = *all_.joints_[island_.joints.begin].gain;
   change(account, gained_);
   gain += gained_;
-  const double least = -kCredit * island_.apart - softened();
+  double noise = 0;  // J: as far as places are exact
+  for_rows([&](const Row& row, const Joint&) { noise += std::fabs(row.impulse) * kExact / h_; });
+  const double credit = std::fmin(kCredit * island_.apart, kMostCredit * energy_within(moving_with()));
+  const double least = -credit - noise;
   if (gain < least) {  // what an impact took
     change(account, least - gain);
     gain = least;
   }
-  if (!(gain > 0) && !all_.calm_) return;
+  if (!(gain > noise) && !all_.calm_) return;
   const JointedMotion common = common_motion();
   const double energy = energy_within(common);
   if (!(energy > 0)) return;
-  double taken = std::fmax(std::fmin(gain, kMostTaken * energy), 0);
+  double taken = gain > noise ? std::fmin(gain, kMostTaken * energy) : 0;
   change(account, -taken);
   if (all_.calm_) {
     double mass = 0;
@@ -73,15 +77,6 @@ JointedMotion Articulations::Solve::moving_with() {
   JointedMotion common = common_motion();
   common.omega = 0;
   return common;
-}
-
-// How far the energy of springs swings within a period, for steps have their frequency with another stiffness.
-double Articulations::Solve::softened() {
-  double sum = 0;
-  for_rows([&](const Row& row, const Joint& j) {
-    if (row.use == Use::spring) sum += std::fabs(j.push / h_ - j.stiffness) * row.now.error * row.now.error;
-  });
-  return sum;
 }
 
 // The kinetic energy of the bodies against a common motion. `without_kick`: less what the account leaves out.

@@ -19,11 +19,11 @@ void Articulations::Solve::load_rows() {
   find_rows_now();
   for_rows([&](Row& row, const Joint& j) {
     row.start = row.now;
-    row.softness = row.use == Use::spring && j.drag > 0 ? 1 / j.drag : 0;
+    row.softness = row.use == Use::spring && j.spring.drag > 0 ? 1 / j.spring.drag : 0;
     const float before = j.impulse[&row - &all_.rows_[j.first_row]];
     row.state = State::bound;
     if (row.use == Use::pull && !(before < 0)) row.state = State::free;
-    if (row.use == Use::spring && !(j.drag > 0)) row.state = State::free;
+    if (row.use == Use::spring && !(j.spring.drag > 0)) row.state = State::free;
     if (row.use == Use::drive) {
       row.state = before > 0 ? State::low : before < 0 ? State::high : j.motor_most > 0 ? State::bound : State::free;
     }
@@ -36,6 +36,14 @@ void Articulations::Solve::find_rows_now() {
     find_rows(j.geometry, side(j, 0).now, side(j, 1).now, found);
     for (std::uint32_t k = 0; k < j.geometry.rows(); ++k) all_.rows_[j.first_row + k].now = found[k];
   });
+}
+
+// How fast the error of a row changes in the drift.
+double Articulations::Solve::speed(const JointRow& row, const Joint& j) const {
+  JointedMotion a = side(j, 0).now, b = side(j, 1).now;
+  a.velocity = reach_ * a.velocity;
+  b.velocity = reach_ * b.velocity;
+  return row.speed(a, b);
 }
 
 // What an impulse along b changes in the speed of a. `shared`: bit 2 i + k if body i of a's joint, which is j, is body k
@@ -138,8 +146,8 @@ void Articulations::Solve::move_on(double drift) {
 void Articulations::Solve::store_velocities() {
   for_bodies([&](Body& b) {
     if (b.inverse_mass == 0) return;
-    const Vec2 gain = b.now.velocity - b.start.velocity;
-    const double turn = (b.now.omega - b.start.omega) * b.radius;
+    const Vec2 gain = b.now.velocity - b.mark.velocity;
+    const double turn = (b.now.omega - b.mark.omega) * b.radius;
     change(view_.vel, b.number, gain);
     change(view_.vel0, b.number, gain);
     change(view_.rim_speed[b.number], turn);

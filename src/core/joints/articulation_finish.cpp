@@ -1,6 +1,7 @@
 // Places and velocities after the drift.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "joints/articulation_solve.h"
 
@@ -59,6 +60,16 @@ bool Articulations::Solve::take_errors_out(double* angle) {
   return share == 1;
 }
 
+// Solves the equations of the matrix for what takes the speeds of errors away.
+void Articulations::Solve::find_stopping() {
+  for_rows([&](Row& row, const Joint& j) {
+    const bool motor = row.use == Use::drive && row.state == State::bound;
+    row.wanted = (motor ? j.motor_speed : 0) - speed(row.now, j);
+    if (row.use == Use::spring) row.wanted -= row.softness * spring_rest(row, j);
+  });
+  substitute();
+}
+
 // Finds impulses along the rows of now that take the speeds of errors out of the velocities, with springs and with a share
 // of what motors can. Ropes, limits and motors
 // that would have to push the wrong way, or too much, give way in another round.
@@ -66,12 +77,7 @@ void Articulations::Solve::stop_errors(double share) {
   for (int round = 0;; ++round) {
     assemble(false, kAlike);
     eliminate();
-    for_rows([&](Row& row, const Joint& j) {
-      const bool motor = row.use == Use::drive && row.state == State::bound;
-      row.wanted = (motor ? j.motor_speed : 0) - speed(row.now, j);
-      if (row.use == Use::spring) row.wanted -= 0.5 * row.softness * j.push * row.now.error;
-    });
-    substitute();
+    find_stopping();
     if (round == kMostRounds) return;
     bool sound = true;
     for_rows([&](Row& row, const Joint& j) {
@@ -92,17 +98,19 @@ void Articulations::Solve::stop_errors(double share) {
   }
 }
 
-// The second halves of springs, along the rows after the drift. They are done with then.
+// The second halves of springs. They are done with then.
 void Articulations::Solve::push_springs() {
   for_rows([&](Row& row, const Joint& j) {
     const bool works = row.use == Use::spring && row.on();
     row.wanted = works ? row.impulse : 0;
     const double from = row.start.error, to = row.now.error;
-    if (works) gained_ += 0.5 * j.stiffness * (to + from) * (to - from);
+    if (works) gained_ += 0.5 * j.stiffness * (to + from) * (to - from) / all_.reach_;
+    if (works) std::swap(row.start, row.now);
   });
   push_wanted();
   for_rows([](Row& row, const Joint&) {
     if (row.use != Use::spring || !row.on()) return;
+    std::swap(row.start, row.now);
     row.state = State::free;
     row.impulse *= 2;
   });
@@ -122,7 +130,7 @@ void Articulations::Solve::finish(double* angle) {
   gained_ = island_.gained;
   for_bodies([&](Body& b) {
     load_motion(b);
-    b.start = b.now;
+    b.start = b.mark = b.now;
     if (!island_.refined || b.inverse_mass == 0) return;
     b.now.velocity = b.now.velocity + b.after;
     b.now.omega += b.after_omega;
@@ -130,13 +138,12 @@ void Articulations::Solve::finish(double* angle) {
   find_rows_now();
   for_bodies([](Body& b) { b.idle = {}, b.idle_omega = 0; });
   push_springs();
-  store_velocities();
-  for_bodies([](Body& b) { b.start.velocity = b.now.velocity, b.start.omega = b.now.omega; });
   see_limits();
   for (int pass = 0; pass < kMostPasses && take_errors_out(angle); ++pass) find_rows_now();
   stop_errors(1);
   push_wanted();
   for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
+  if (!island_.refined) end_springs();
   settle();
   store_velocities();
   for_joints([&](Joint& j) {

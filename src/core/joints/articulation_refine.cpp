@@ -39,10 +39,11 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
   find_rows_now();
   for_rows([](Row& row, const Joint& j) {
     row.start = row.now;
-    if (row.use == Use::spring && j.drag > 0) row.state = State::bound;
-    if (row.use == Use::spring) row.softness = j.drag > 0 ? 1 / j.drag : 0;
+    if (row.use == Use::spring && j.spring.drag > 0) row.state = State::bound;
+    if (row.use == Use::spring) row.softness = j.spring.drag > 0 ? 1 / j.spring.drag : 0;
     row.mark = row.state;
   });
+  begin_springs();
   const JointedMotion common = moving_with();
   const double energy = begin_impulses(common);
   const bool found = find_impulses(share * drift, true) && from_tangent(common).square <= most * energy;
@@ -65,6 +66,7 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
   stop_errors(1);
   push_wanted();
   for_rows([](Row& row, const Joint&) { row.sum += row.impulse + row.wanted; });
+  end_springs();
   set_length(h, 1 / share);
   return true;
 }
@@ -103,8 +105,7 @@ bool Articulations::Solve::refine(double drift) {
   if (!found) return false;
   for_bodies([&](Body& b) {
     const JointedMotion end = b.now;
-    b.start = b.now = b.begin;
-    b.start.velocity = b.start.velocity - 0.5 * b.pull;
+    b.now = b.begin;
     b.now.velocity = (1 / drift) * (end.at - b.begin.at);
     b.now.omega = (end.angle - b.begin.angle) / h_;
     b.after = end.velocity - b.now.velocity - 0.5 * b.pull;

@@ -51,4 +51,9 @@ struct JointRow {
 /// anchor from A's, then the angle; of slides the way across the axis, the angle, the way along it.
 void find_rows(const JointGeometry& joint, const JointedMotion& a, const JointedMotion& b, JointRow* rows);
 
+/// Turns the row of a spring in the middle of a step: how the way from `a0` and `b0` to `a` and `b` adds up to the change
+/// of the distance, exactly (the discrete gradient; Gonzalez 1996). Its error stays.
+void find_middle(const JointGeometry& joint, const JointedMotion& a0, const JointedMotion& b0, const JointedMotion& a,
+                 const JointedMotion& b, JointRow& row);
+
 }  // namespace psim

@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kMostSteps = 6;        // Newton steps in a substep
 constexpr int kMostChoices = 5;      // in how many of them limits may begin and cease to hold
-constexpr double kExact = 3e-8;      // m or rad: an error below this is none
 constexpr double kMostError = 1e6;   // m or rad: beyond it steps lead nowhere
 constexpr double kConverged = 1e-6;  // m or rad: where Newton's steps miss by more, speeds alone are stopped
 
@@ -51,7 +50,7 @@ double Articulations::Solve::residual(const Row& row, const Joint& j) const {
   const double from = row.start.error, to = row.now.error;
   if (!row.on()) return 0;
   if (row.use == Use::pull) return to - std::fmax(from, 0);
-  if (row.use == Use::spring) return (to - from) + h_ * row.softness * (0.5 * j.push * from + row.impulse);
+  if (row.use == Use::spring) return (to - from) + h_ * row.softness * (spring_rest(row, j) + row.impulse);
   if (row.use == Use::drive) {
     if (row.state == State::low) return to - std::fmin(j.lower, from);
     if (row.state == State::high) return to - std::fmax(j.upper, from);
@@ -79,6 +78,7 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     }
     move_on(drift);
     find_rows_now();
+    find_middle_rows();
     bool changed = false;
     if (step < kMostChoices) {
       for_rows([&](Row& row, const Joint& j) {
@@ -163,6 +163,7 @@ void Articulations::Solve::begin_whole() {
   });
   gained_ = 0;
   load_rows();
+  begin_springs();
 }
 
 // The substep as one step. The equations have other roots, far away: fails if the impulses add more than `most` of the
@@ -203,7 +204,7 @@ bool Articulations::Solve::moves() {
 }
 
 void Articulations::Solve::solve(double drift, double smooth_limit2) {
-  reach_ = drift / h_;
+  reach_ = all_.reach_;
   for_bodies([&](Body& b) {
     load_motion(b);
     b.begin = b.now;
@@ -218,6 +219,7 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
     island_.refined = moves() && refine(drift);
     if (!island_.refined && !step_whole(drift, kMostGain)) step_damped(drift);
   }
+  for_bodies([](Body& b) { b.mark.velocity = b.begin.velocity - 0.5 * b.pull, b.mark.omega = b.begin.omega; });
   store_velocities();
   island_.gained = gained_;
 }
@@ -242,7 +244,7 @@ void Articulations::prepare(double h, bool calm) {
       use = Use::keep;
       if (j.geometry.kind == JointKind::rod && j.rope) use = Use::pull;
       if (j.geometry.kind == JointKind::spring) use = Use::spring;
-      if (j.geometry.kind == JointKind::weld && k == 2 && j.drag > 0) use = Use::spring;
+      if (j.geometry.kind == JointKind::weld && k == 2 && j.spring.drag > 0) use = Use::spring;
       const bool driven = j.geometry.kind == JointKind::driven || j.geometry.kind == JointKind::slide;
       if (driven && k == 2 && j.lower != j.upper) use = Use::drive;
     }
@@ -250,6 +252,7 @@ void Articulations::prepare(double h, bool calm) {
 }
 
 void Articulations::solve(const kernels::BodyView& view, double drift, double smooth_limit2, WorkerPool& pool) {
+  reach_ = drift / h_;
   pool.run(islands_.size(), [&](std::size_t n) { Solve(*this, islands_[n], view).solve(drift, smooth_limit2); });
 }
 

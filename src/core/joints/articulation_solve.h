@@ -1,6 +1,7 @@
 // What is done to one articulation in a substep. For the files of articulations alone:
 //   articulation_equations.cpp  bodies and rows as they are, and the equations between impulses and the errors of rows
 //   articulation_solve.cpp      the impulses before the drift
+//   articulation_springs.cpp    springs in these
 //   articulation_refine.cpp     the same in several steps
 //   articulation_finish.cpp     places and velocities after the drift
 //   articulation_account.cpp    energy
@@ -14,6 +15,7 @@ namespace psim {
 
 class Articulations::Solve {
  public:
+  static constexpr double kExact = 3e-8;     // m or rad: an error below this is none
   static constexpr double kAlike = 1e-9;     // softness, of a row's own: rows that ask for the same share their impulse
   static constexpr double kMostGain = 0.3;   // of the energy: what rows of the start may add that those after take back
   static constexpr double kResolved = 1e-4;  // the same where a substep resolves the motion
@@ -42,11 +44,16 @@ class Articulations::Solve {
     for (std::uint32_t n = island_.joints.begin; n < island_.joints.end; ++n) each(all_.joints_[n]);
   }
   const Body& side(const Joint& j, int side) const { return all_.bodies_[j.body[side]]; }
-  double speed(const JointRow& row, const Joint& j) const { return row.speed(side(j, 0).now, side(j, 1).now); }
+  double speed(const JointRow& row, const Joint& j) const;
 
   void load_motion(Body& b) const;
   void load_rows();
   void find_rows_now();
+  void find_middle_rows();
+  double speed_before(const JointRow& row, const Joint& j) const;
+  double spring_rest(const Row& row, const Joint& j) const;
+  void begin_springs();
+  void end_springs();
   bool choose(Row& row, const Joint& j) const;
   double residual(const Row& row, const Joint& j) const;
   double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
@@ -83,9 +90,9 @@ class Articulations::Solve {
   bool take_errors_out(double* angle);
   void push_springs();
   void see_limits();
+  void find_stopping();
   void stop_errors(double share);
   void settle();
-  double softened();
   JointedMotion common_motion();
   JointedMotion moving_with();
   double energy_within(const JointedMotion& common, bool without_kick = false);

@@ -40,7 +40,7 @@ class Articulations {
     Vec2 place{};                                  ///< m: at the frame's start, from the first body
     JointedMotion start{};                         ///< as the substep begins, with the velocities of the drift
     JointedMotion now{};
-    JointedMotion mark{};      ///< as a step of its own begins
+    JointedMotion mark{};      ///< as a step of its own begins, or a pass
     JointedMotion begin{};     ///< as the substep begins, with the whole kick
     Vec2 pull{};               ///< m/s: the kick, if the drift goes with half of it
     Vec2 after{};              ///< m/s: added after the drift
@@ -62,16 +62,13 @@ class Articulations {
     double motor_speed = 0, motor_most = 0;  ///< rad/s or m/s; N m s or N s a substep
     double stiffness = 0, damping = 0;       ///< of a spring: N/m and N s/m, or N m/rad and N m s/rad
     double mass = 0;                         ///< of a spring: its effective mass, kg or kg m^2
-    double push = 0, drag = 0;               ///< of a spring: SpringRow
-    float* impulse = nullptr;                ///< of the last substep, as JointLists::each_impulse has them
-    float* gain = nullptr;                   ///< J: what the joint gave to its bodies so far, less what was taken back
+    std::uint32_t crowd = 1;                 ///< the most springs at one of its bodies
+    SpringRow spring;
+    float* impulse = nullptr;  ///< of the last substep, as JointLists::each_impulse has them
+    float* gain = nullptr;     ///< J: what the joint gave to its bodies so far, less what was taken back
 
     /// For steps of h seconds.
-    void set_spring(double h) {
-      const SpringRow row = spring_row(stiffness, damping, mass, h);
-      push = row.push;
-      drag = row.drag;
-    }
+    void set_spring(double h) { spring = spring_row(stiffness, damping, mass, h, crowd); }
   };
 
   void lay_out(std::span<const Candidate> candidates);
@@ -112,7 +109,7 @@ class Articulations {
     double apart = 0;            ///< J: of what turning rows did beyond the tangent motion
   };
   struct Row {
-    JointRow start{}, now{};
+    JointRow start{}, now{};  ///< of springs: in the middle of the step, but for the error, which is that at its start
     Use use = Use::keep;
     State state = State::bound, mark = State::bound;
     std::uint32_t joint = 0;
@@ -120,7 +117,8 @@ class Articulations {
     double sum = 0;       ///< of several steps
     double tangent = 0;   ///< what the speeds at the start ask for
     double wanted = 0;    ///< of the equations: the right side, then the solution
-    double softness = 0;  ///< of springs: 1 / drag
+    double softness = 0;  ///< of springs: 1 / drag, 1/kg
+    double before = 0;    ///< of springs: the speed as the step begins, before the kick
     double diagonal = 0, inverse = 0;
     Range entries{};                 ///< the rows behind it that it is coupled with
     std::uint32_t first_target = 0;  ///< in targets_
@@ -136,7 +134,8 @@ class Articulations {
   void couple(const Island& island);
   void find_walk(Island& island);
 
-  double h_ = 0;  // s: a substep
+  double h_ = 0;      // s: a substep
+  double reach_ = 1;  // how far a velocity leads in the drift, of h
   bool calm_ = false;
   std::vector<Island> islands_;
   std::vector<Body> bodies_;

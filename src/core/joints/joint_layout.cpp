@@ -81,6 +81,12 @@ void JointStore::lay_out() {
   }
   find_articulations();
   find_tethers();
+  springs_.assign(ids.size(), 0);
+  for (const Joint& j : joints_) {
+    if (!j.alive || j.dormant || !j.is_soft()) continue;
+    ++springs_[j.body[1]];
+    if (!j.held) ++springs_[j.body[0]];
+  }
   swept_.assign(ids.size(), 0);
   std::vector<std::uint32_t> used(ids.size(), 0);
   std::vector<std::uint32_t> of_class[kColours + 1];

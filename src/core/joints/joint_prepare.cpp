@@ -5,7 +5,6 @@
 
 #include "base/rotor.h"
 #include "joints/joint_store.h"
-#include "joints/spring_row.h"
 
 namespace psim {
 
@@ -17,6 +16,7 @@ namespace {
 
 // The share of a position error that a substep corrects.
 constexpr double kBias = 0.5;
+constexpr double kStiffest = 4;  // w^2 h^2 of springs in sweeps
 constexpr int kMostSweeps = 8, kLeastSweeps = 2;
 constexpr std::uint32_t kFew = 32, kMany = 256, kManyOfNets = 1024;  // blocks
 constexpr std::uint32_t kShareBlocks = 512;                          // blocks of bodies in a job
@@ -69,10 +69,10 @@ void fill_drive(kernels::Drive& at, std::uint32_t k, const JointDesc& d, double 
 }
 
 template <class Block>
-void fill_spring(Block& at, std::uint32_t k, const JointDesc& d, double mass, double h) {
-  const SpringRow row = spring_row(d.stiffness, d.damping, mass, h);
+void fill_spring(Block& at, std::uint32_t k, const SpringRow& row) {
   at.push[k] = narrow(std::fmin(row.push, 1e30));
   at.drag[k] = narrow(std::fmin(row.drag, 1e30));
+  at.lag[k] = narrow(std::fmax(row.lag, -1e30));
 }
 
 // The axis in the frame of side A. If A is body b, it points the other way and is turned by the reference angle.
@@ -144,6 +144,13 @@ void JointStore::find_shares(const SolverBodies& solved) {
   std::fill_n(push_rim_speed_.data() + all, kBlock, 0.0f);
 }
 
+// Sweeps do not follow springs that are stiffer: of nets they would gain energy.
+SpringRow JointStore::spring_of(const Joint& j, double mass) const {
+  const double most = kStiffest * mass / h_;
+  return spring_row(std::fmin(acting_ * j.desc.stiffness, most / h_), std::fmin(acting_ * j.desc.damping, most), mass,
+                    h_, crowd_of(j));
+}
+
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
 // the offsets in `disp`.
 template <class Block>
@@ -178,7 +185,7 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
     fill_line(at, k, *d.length, d.type == JointType::rope, apart);
     if (joint.kind == JointKind::spring) {
-      fill_spring(at, k, d, line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart), h_);
+      fill_spring(at, k, spring_of(joint, line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart)));
     }
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
@@ -193,7 +200,7 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   }
   if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
   if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {
-    if (d.stiffness > 0) fill_spring(at, k, d, pinned_inertia(ma, mb, arm(ma, 0), arm(mb, 1)), h_);
+    if (d.stiffness > 0) fill_spring(at, k, spring_of(joint, pinned_inertia(ma, mb, arm(ma, 0), arm(mb, 1))));
   }
 }
 
@@ -244,12 +251,13 @@ void JointStore::set_articulations(bool calm) {
     if (lower == upper) (joint.kind == JointKind::slide ? to.geometry.length : to.geometry.reference) += to.lower;
     to.motor_speed = (flipped ? -1 : 1) * d.motor_speed;
     to.motor_most = std::fmin(d.motor_limit * h_, 1e30);
-    to.stiffness = d.stiffness;
-    to.damping = d.damping;
+    to.stiffness = acting_ * d.stiffness;
+    to.damping = acting_ * d.damping;
     to.mass = 0;
     const Vec2 arm_a = turned(ma.turn, to.geometry.anchor[0]), arm_b = turned(mb.turn, to.geometry.anchor[1]);
     if (joint.kind == JointKind::spring) to.mass = line_mass(ma, mb, arm_a, arm_b, to.geometry.base + (arm_b - arm_a));
     if (joint.kind == JointKind::weld && d.stiffness > 0) to.mass = pinned_inertia(ma, mb, arm_a, arm_b);
+    to.crowd = crowd_of(joint);
     to.set_spring(h_);
   }
   articulations_.prepare(h_, calm);
@@ -262,12 +270,14 @@ int JointStore::sweeps() const {
   return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
 }
 
-void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, bool calm) {
+void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, double coast,
+                         bool calm) {
   if (empty()) return;
   s_.bodies.find_slots();
   if (stale_) lay_out();
   stale_ = false;
   h_ = h;
+  acting_ = coast / h;
   params_.h = narrow(h);
   params_.inv_h = narrow(1 / h);
   params_.rate = narrow(kBias / h);

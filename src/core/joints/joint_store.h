@@ -11,6 +11,7 @@
 // them, joint_passes.cpp runs the passes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,7 @@
 #include "joint_views.h"
 #include "joints/articulations.h"
 #include "joints/joint_lists.h"
+#include "joints/spring_row.h"
 #include "psim/joint.h"
 
 namespace psim {
@@ -120,8 +122,9 @@ class JointStore {
   }
   bool any_exclusions() const { return exclusions_ != 0; }
 
-  /// Prepares the blocks for a frame with substeps of h seconds. `calm`: bodies may sleep.
-  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, bool calm);
+  /// Prepares the blocks for a frame with substeps of h seconds. `coast`: the time for which forces act in them, less
+  /// where motion is damped. `calm`: bodies may sleep.
+  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, double coast, bool calm);
 
   void warm(const kernels::BodyView& view, float factor);
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
@@ -155,6 +158,9 @@ class JointStore {
     std::uint32_t other(std::uint32_t id) const { return desc.a.index == id ? desc.b.index : desc.a.index; }
     std::uint32_t next_of(std::uint32_t id) const { return next[desc.a.index == id ? 0 : 1]; }
     std::uint32_t& next_of(std::uint32_t id) { return next[desc.a.index == id ? 0 : 1]; }
+    bool is_soft() const {
+      return kind == kernels::JointKind::spring || (kind == kernels::JointKind::weld && desc.stiffness > 0);
+    }
     /// In the frame of the body at side A, 0, or B, 1.
     Vec2 anchor(std::uint32_t side) const { return (side != 0) == swapped ? desc.anchor_a : desc.anchor_b; }
   };
@@ -241,6 +247,9 @@ class JointStore {
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
   void set_articulations(bool calm);
   void find_shares(const SolverBodies& solved);
+  /// The most springs at one of the bodies of a joint.
+  std::uint32_t crowd_of(const Joint& j) const { return std::max(springs_[j.body[0]], springs_[j.body[1]]); }
+  SpringRow spring_of(const Joint& j, double mass) const;
   template <class Block>
   Vec2 fill_arms(Block& block, std::uint32_t lane, const Ends& ends) const;
   template <class Block>
@@ -271,7 +280,8 @@ class JointStore {
   Articulations articulations_;
   std::vector<Tether> tethers_;
   std::vector<TetherRange> tether_ranges_;
-  std::vector<std::uint8_t> swept_;  // by member: whether it has joints in blocks
+  std::vector<std::uint8_t> swept_;     // by member: whether it has joints in blocks
+  std::vector<std::uint32_t> springs_;  // by member: how many it has, but 0 if it is not dynamic
   JointLists lists_;
   std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, kTether for a tether, or kNoSlot
   std::array<std::vector<Ends>, kLists> ends_;            // by lane
@@ -282,6 +292,7 @@ class JointStore {
   std::vector<std::uint8_t> marks_;
 
   double h_ = 0;         // s: the substep of the last prepare
+  double acting_ = 1;    // how long forces act in it, of h
   bool parted_ = false;  // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
   Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory},

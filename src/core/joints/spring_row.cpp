@@ -1,12 +1,13 @@
 // The numbers of a spring for steps of a length.
 #include "joints/spring_row.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "base/rotor.h"
 
 namespace psim {
 namespace {
+
+constexpr double kMostLight = 0.5;  // of the mass of a body: what the springs of all its rows take away
 
 // std::exp would tie the bits to a version of the library. This is the series of sinh, doubled.
 double sinh_of(double x) {
@@ -21,43 +22,44 @@ double sinh_of(double x) {
   return s;
 }
 
+// 1 - y cot y for y up to 1/2.
+double less_than_one(double y) {
+  const double z = y * y;
+  return z *
+         (1.0 / 3 + z * (1.0 / 45 + z * (2.0 / 945 + z * (1.0 / 4725 + z * (2.0 / 93555 + z * (1382.0 / 638512875))))));
+}
+
+// The share of the speed after a step with which friction of rate z over the step slows down as exp(-z): from 1/2, where
+// z is small, to 1.
+double end_share(double z) {
+  if (z < 1e-2) return 0.5 + z / 12;
+  if (z > 60) return 1 - 1 / z;
+  const double s = sinh_of(z / 2);
+  return 0.5 + 0.5 * std::sqrt(1 + s * s) / s - 1 / z;
+}
+
 }  // namespace
 
-// The implicit midpoint rule moves an oscillator of stiffness k', damping c' exactly as one of
-// frequency w and damping rate r moves in reality, if the roots s' = (2/h) tanh(s h/2) belong to
-// them (bilinear transform, frequencies warped beforehand; Tustin 1947). With q^2 = w^2 - r^2,
-//   k'/m = 4/h^2 (S + Q)/(1 + S - Q),  c'/m = 4/h sinh(a) cosh(a)/(1 + S - Q)
-//   a = r h/2,  S = sinh^2 a,  Q = sin^2(q h/2)
-// A spring that h does not resolve (w h > 1) is damped, critically from w h = 2 on. Undamped it would gain energy from
-// rotation and from other joints.
-SpringRow spring_row(double stiffness, double damping, double mass, double h) {
+// The trapezoidal rule has rest where forces balance, but the wrong frequency. Exact for an oscillator is
+//   p (x' - x) = h (v + v')/2,  p m (v' - v) = -h k (x + x')/2,  p = y cot y,  y = w h/2
+// which keeps its energy, and rests where it should, for any p. With u = v/p it is the trapezoidal rule for a mass of
+// p^2 m. A spring that h does not resolve (w h > 1) is damped: half of such motion is left after a step from w h = 2 on
+// (Newmark's rule).
+SpringRow spring_row(double stiffness, double damping, double mass, double h, std::uint32_t crowd) {
   SpringRow out;
   if (!(mass > 0) || !(stiffness > 0 || damping > 0)) return out;
-  const double w = std::sqrt(stiffness / mass);
-  const double r = std::fmax(damping / (2 * mass), w * std::fmin(std::fmax(w * h - 1, 0), 1));
-  const double a = r * h / 2;
-  double k = 0, c = 0;  // h^2/4 k'/m, h/4 c'/m
-  if (w > r) {
-    const double s = sinh_of(a), q = sine_cosine(std::sqrt(w * w - r * r) * h / 2).sine;
-    const double below = 1 + s * s - q * q;
-    k = (s * s + q * q) / below;
-    c = s * std::sqrt(1 + s * s) / below;
-  } else {  // overdamped: Q = -sinh^2 b
-    const double b = std::sqrt(r * r - w * w) * h / 2;
-    const double less = a + b > 0 ? w * w * h * h / 4 / (a + b) : 0;  // a - b
-    const double t = sinh_of(std::fmin(less, 30.0));
-    if (a < 15) {
-      const double s = sinh_of(a), sb = sinh_of(b);
-      const double below = 1 + s * s + sb * sb;
-      k = sinh_of(a + b) * t / below;
-      c = s * std::sqrt(1 + s * s) / below;
-    } else {
-      k = t / std::sqrt(1 + t * t);
-      c = (1 + k) / 2;
-    }
-  }
-  out.push = 4 * mass * k / h;
-  out.drag = mass * (k + 2 * c);
+  const double turn = std::sqrt(stiffness / mass) * h;
+  const double room = kMostLight / std::max<std::uint32_t>(crowd, 1);
+  const double less = std::fmin(less_than_one(std::fmin(turn, 1) / 2), 1 - std::sqrt(1 - room));
+  const double lighter = mass * less * (2 - less);
+  const double blur = std::fmin(std::fmax(turn - 1, 0), 1) / 3, late = blur * blur / 2;
+  const double pull = stiffness * h * h, friction = damping * h;
+  const double end = end_share(friction / mass);
+  out.push = stiffness * h;
+  out.drag = pull * (0.25 + (blur - late) / 2 + late) + friction * end - lighter;
+  out.lag = friction * (1 - 2 * end) - late * pull + 2 * lighter;
+  out.light = mass * less;
+  out.lighter = lighter;
   return out;
 }
 

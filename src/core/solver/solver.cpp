@@ -118,6 +118,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
     if (fields_.varying && forces->method()) {
       const bool damped = drag || fields_.params.linear != 0;
       fields_.advance = s_.kernels.advance[static_cast<std::size_t>(*forces->method())][damped];
+      drift_.h = stream_.h;  // damping is part of the change of velocity then
     }
   }
   if (!kinematics.empty()) s_.bodies.find_slots();

@@ -148,7 +148,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
     });
   }
   Contacts& contacts = c.contacts;
-  if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h, c.plan.sleep);
+  if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h, coast_time(p.damping, h), c.plan.sleep);
   c.dynamics.last_substep = h;
   const SolverReport done = c.dynamics.solver.run(
       {contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics}, p);
