@@ -87,7 +87,7 @@ TEST(Strips, ContactsThatFindNoColourAreSolvedByThemselves) {
   desc.sleeping = false;
   auto world = make(desc);
   add(*world, lattice(500, {0.5, 0.5, 59.5, 8}, 0.25, 0, {}));
-  BodyDesc heavy = disc({30, 20}, {0, -2}, 8);
+  BodyDesc heavy = disc({31, 20}, {0, -2}, 8);
   heavy.material.density = 50;
   const BodyId big = add(*world, heavy);
   std::size_t alone = 0, others = 0, coloured = 0;

@@ -45,7 +45,7 @@ TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
   };
   for (const Pile& pile : {Pile{"pile", 96, 96}, Pile{"rough-pile", 96, 96}}) {
     std::string error;
-    const auto scene = make_builtin(pile.name, kDiscs, 1, error);
+    const auto scene = make_builtin(pile.name, kDiscs, 2, error);
     ASSERT_TRUE(scene) << error;
     const auto world = build_world(*scene, {best_isa(), 2}, error);
     ASSERT_TRUE(world) << error;

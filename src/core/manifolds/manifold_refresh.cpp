@@ -90,11 +90,12 @@ void Manifolds::order_by_approach(std::size_t index) {
     const Vec2 v = s_.bodies.velocity(pair.b) - (pair.of_piece() ? Vec2{} : s_.bodies.velocity(pair.a));
     return -(pair.manifold.nx * static_cast<float>(v.x) + pair.manifold.ny * static_cast<float>(v.y));
   };
-  if (any_kinematic_) {  // any pair of the strip may be one with such a piece; the order of bodies does not matter
+  if (any_kinematic_) {  // any pair of the strip may be one with such a piece
     const auto rank = [&](std::uint32_t k) {
       const bool ground = pairs_[k].fixed_a && of_ground(k);
       return std::tuple(ground, ground ? pairs_[k].b : 0, ground ? approach(k) : 0, k);
     };
+    // Total order: no index occurs twice.
     std::sort(active.begin(), active.end(), [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
     return;
   }

@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kTask = 512, kFlights = 16;
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
-constexpr float kThrown = 1.5f;     // share of the inner radius by which a body moves that was thrown far
 // Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
 constexpr float kPressed = 0.25f;
 
@@ -118,7 +117,7 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
 bool Continuous::may_come_upon(const Surroundings& s, std::size_t i) const {
   if (kinematics_.empty()) return false;
   const BodyStore& b = s.bodies;
-  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kThrown * inner_of(b, i);
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = Flight::kFast * inner_of(b, i);
   if (!(x * x + y * y > limit * limit)) return false;
   const auto fast = [&](const Kinematic& k) {
     return way_against(s, i, k.slot) > Flight::kFast * inner_of(s.bodies, i);
