@@ -114,6 +114,7 @@ struct JointShare {
   float* push = nullptr;            ///< m/s records: for the drift alone, to take position errors back
   float* push_rim_speed = nullptr;  ///< m/s
   float* push0 = nullptr;           ///< m/s records: scratch of the drift
+  float* push0_rim_speed = nullptr;  ///< m/s: likewise
 };
 
 }  // namespace psim::kernels

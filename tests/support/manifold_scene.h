@@ -32,6 +32,13 @@ struct Taste {
   double smooth = 0.3;    // of a lane without friction
 };
 
+inline kernels::StreamParams turning(const ContactParams& p) {
+  kernels::StreamParams turn;
+  turn.h = p.h;
+  turn.smooth_limit2 = 0.05f;
+  return turn;
+}
+
 inline float signed_zero(Random& random) { return random.chance(0.5) ? 0.0f : -0.0f; }
 
 inline void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
@@ -144,7 +151,7 @@ inline const Pass kPasses[] = {
        k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"angle_change", [](const KernelTable& k, Scene& s, const Taste&,
-                        const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
+                        const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), turning(p), 0, 9); }},
 };
 
 }  // namespace psim::test::manifold_scene

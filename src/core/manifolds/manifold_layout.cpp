@@ -52,9 +52,9 @@ bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
 }
 
 // Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
-void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, float size_a, float size_b) {
+void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const Manifold& m, float size_a,
+                 float size_b) {
   const bool fixed = pair.of_piece();
-  const Manifold& m = pair.manifold;
   for (int k = 0; k < 2; ++k) {
     ManifoldBlock::Point& p = c.point[k];
     if (k >= m.count) {
@@ -294,10 +294,11 @@ struct Manifolds::Layout {
     const bool fixed = pair.of_piece();
     c.body[2 * l] = fixed ? dummy : pair.a;
     c.body[2 * l + 1] = pair.b;
-    c.nx[l] = pair.manifold.nx;
-    c.ny[l] = pair.manifold.ny;
+    const Manifold at = m.halfway(pair, static_cast<float>(params.dt));
+    c.nx[l] = at.nx;
+    c.ny[l] = at.ny;
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
-    fill_points(c, l, pair, size_a, size_b);
+    fill_points(c, l, pair, at, size_a, size_b);
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
     c.wa[l] = fixed ? 0.0f : sa.inv_mass;

@@ -22,19 +22,21 @@ constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near tou
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
 // Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
 constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
-constexpr int kMostSteps = 100;
+constexpr int kMostSteps = 100, kRockSteps = 3;
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {
   std::uint32_t slot = ManifoldPair::kNone;
   Vec2 v, a;                    // m/s, m/s^2
+  Vec2 falls;                   // m/s^2: of a, what is not from contacts
   double angle = 0, omega = 0;  // rad, rad/s
   double inv_mass = 0, inv_inertia = 0;
   double since = 0;  // s: its last impact
+  double alpha = 0;  // rad/s^2: from what presses on it
 
-  Rotor rotor(double t) const { return rotor_of(angle + t * omega); }
+  Rotor rotor(double t) const { return rotor_of(angle + t * (omega + 0.5 * t * alpha)); }
   Vec2 way(double t) const { return t * v + 0.5 * t * t * a; }
-  Vec2 velocity(double t, Vec2 arm) const { return v + t * a + omega * Vec2{-arm.y, arm.x}; }
+  Vec2 velocity(double t, Vec2 arm) const { return v + t * a + (omega + t * alpha) * Vec2{-arm.y, arm.x}; }
   // The velocity that an impulse along n adds at a point, along m.
   double gain(Vec2 arm, Vec2 n, Vec2 arm_m, Vec2 m) const {
     return inv_mass * dot(n, m) + inv_inertia * cross(arm, n) * cross(arm_m, m);
@@ -48,6 +50,7 @@ struct Hit {
   int count = 0;
   Vec2 arm_a[2], arm_b[2];
   double approach[2] = {};  // m/s along n, < 0
+  double gap[2] = {};       // m
   double impulse[2] = {};
   double parting = 1e30;  // m/s: of the slowest point that touches
   double depth = 0;       // m
@@ -72,6 +75,55 @@ inline void find_impulses(const Mover& a, const Mover& b, double e, Hit& hit) {
   const int first = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
   hit.impulse[first] = wanted(first) / k(first, first);
   hit.impulse[1 - first] = 0;
+}
+
+// The J >= 0 with M J >= r and J (M J - r) = 0 for one point or two.
+inline void solve_normals(const double (&m)[2][2], const double (&r)[2], Hit& hit) {
+  const double slack = 1e-9 * (std::fabs(r[0]) + std::fabs(r[1]));
+  double(&j)[2] = hit.impulse;
+  const int first = hit.count == 2 && r[1] * m[0][0] > r[0] * m[1][1] ? 1 : 0;
+  for (const int i : {first, 1 - first}) {
+    if (i >= hit.count || !(m[i][i] > 0)) continue;
+    j[i] = std::max(r[i] / m[i][i], 0.0);
+    j[1 - i] = 0;
+    if (hit.count == 1 || m[1 - i][i] * j[i] >= r[1 - i] - slack) return;
+  }
+  if (hit.count == 1) return;
+  const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+  const double both[2] = {(m[1][1] * r[0] - m[0][1] * r[1]) / det, (m[0][0] * r[1] - m[1][0] * r[0]) / det};
+  if (det > 1e-9 * m[0][0] * m[1][1] && both[0] >= 0 && both[1] >= 0) {
+    j[0] = both[0], j[1] = both[1];
+    return;
+  }
+  j[first] = std::max(r[first] / m[first][first], 0.0);
+  j[1 - first] = 0;
+}
+
+// Finds the impulses of an impact in which friction acts together with the points that press: as a wedge, it changes who
+// presses. Two rows of normals, M J >= r, are left once friction is put in: that which holds, else that which slips.
+inline double find_rough_impulses(const Mover& a, const Mover& b, Vec2 t, int at, double vt, double mu, double e,
+                                  Hit& hit) {
+  const auto k = [&](int i, Vec2 n, int j, Vec2 m) { return gain(a, b, hit, i, n, j, m); };
+  const double ktt = k(at, t, at, t);
+  double slip = 0;
+  for (const bool holds : {true, false}) {
+    if (holds && !(mu > 0)) continue;
+    double m[2][2] = {}, r[2] = {}, cross_of[2] = {};
+    for (int i = 0; i < hit.count; ++i) cross_of[i] = k(i, hit.n, at, t);
+    for (int i = 0; i < hit.count; ++i) {
+      r[i] = -hit.approach[i] - e * std::min(hit.approach[i], 0.0) + (holds ? cross_of[i] * vt / ktt : 0.0);
+      for (int j = 0; j < hit.count; ++j) {
+        m[i][j] = k(i, hit.n, j, hit.n) + (holds ? -cross_of[i] * cross_of[j] / ktt : slip * mu * cross_of[i]);
+      }
+    }
+    solve_normals(m, r, hit);
+    const double sum = hit.impulse[0] + hit.impulse[1];
+    if (!holds) return slip * mu * sum;
+    const double friction = -(vt + cross_of[0] * hit.impulse[0] + cross_of[1] * hit.impulse[1]) / ktt;
+    if (std::fabs(friction) <= mu * sum) return friction;
+    slip = friction > 0 ? 1 : -1;
+  }
+  return 0;
 }
 
 struct Around {
@@ -129,18 +181,108 @@ class ShapeImpact {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
     const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
+    put(manifolds, pair, t);
+  }
+
+  /// Bodies that press on each other in one point and come upon another one, which a block does that rocks, meet there at
+  /// time t: the solver finds them after that impact.
+  void rock(Manifolds& manifolds, ManifoldPair& pair, double h, double slowest) {
+    pressed(h);
+    double t = 0;
+    Hit hit;
+    for (int k = 0; k < kRockSteps; ++k) {  // the quickest point comes to the surface
+      if (!meets(at(t), t, hit)) return;
+      const int quick = hit.approach[1] < hit.approach[0] ? 1 : 0;
+      if (!(-hit.approach[quick] > slowest)) return;
+      t -= hit.gap[quick] / hit.approach[quick];
+      if (!(t > std::max(a_.since, b_.since)) || !(t < h)) return;
+    }
+    if (!meets(at(t), t, hit) || std::max(std::fabs(hit.gap[0]), std::fabs(hit.gap[1])) > kTooDeep * near_) return;
+    const Vec2 along{-hit.n.y, hit.n.x};
+    const int k = hit.approach[1] < hit.approach[0] ? 1 : 0;
+    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
+    Vec2 push;
+    double turn_a = 0, turn_b = 0;
+    const auto press = [&](int n, Vec2 impulse) {
+      push = push + impulse;
+      turn_a -= cross(hit.arm_a[n], impulse);
+      turn_b += cross(hit.arm_b[n], impulse);
+    };
+    for (int n = 0; n < hit.count; ++n) press(n, hit.impulse[n] * hit.n);
+    press(k, friction * along);
+    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, t, h);
+    settle(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, t, h);
+    for (auto& p : c_.point) p.impulse[l_] = p.friction[l_] = 0;
+    put(manifolds, pair, t);
+  }
+
+ private:
+  enum class Found : std::uint8_t { none, slow, hit };
+
+  // Puts the contact of time t into its lane.
+  void put(Manifolds& manifolds, ManifoldPair& pair, double t) const {
+    const kernels::BodyView& view = in_.view;
     Manifold m = at(t);
     fit(m, t);
     if (m.count == 0) return;
-    manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    const auto speed = [&](std::uint32_t slot) { return Vec2{view.vel[2 * slot], view.vel[2 * slot + 1]}; };
+    const Vec2 of_a = pair.of_piece() ? Vec2{} : speed(pair.a) + t * a_.falls;
+    manifolds.foretell(pair, c_, m, view, speed(pair.b) + t * b_.falls - of_a, t);
     if (!pair.of_wall()) return;
     pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
     pair.base.dx += static_cast<float>(b_.way(t).x);
     pair.base.dy += static_cast<float>(b_.way(t).y);
   }
 
- private:
-  enum class Found : std::uint8_t { none, slow, hit };
+  // What presses on the bodies in this contact goes on until the impact.
+  void pressed(double h) {
+    Vec2 force;
+    double turn_a = 0, turn_b = 0;
+    const Vec2 n{c_.nx[l_], c_.ny[l_]};
+    for (const kernels::ManifoldBlock::Point& p : c_.point) {
+      const double l = std::max(p.impulse[l_], 0.0f) / h, f = p.friction[l_] / h;
+      force = force + l * n + f * upright(n);
+      turn_a -= l * double{p.at[l_]} + f * double{p.an[l_]};
+      turn_b += l * double{p.bt[l_]} + f * double{p.bn[l_]};
+    }
+    const auto press = [&](Mover& m, double sign, double turn) {
+      if (!(m.inv_mass > 0)) return;
+      m.a = m.a + sign * m.inv_mass * force;
+      m.alpha = m.inv_inertia * turn * double{in_.s.bodies.radius[m.slot]};
+    };
+    press(a_, -1, turn_a);
+    press(b_, 1, turn_b);
+  }
+
+  // The two points of time t, and how they approach each other. False if one is alone.
+  bool meets(const Manifold& m, double t, Hit& hit) const {
+    hit.time = t;
+    hit.n = {m.nx, m.ny};
+    for (int k = 0; k < m.count; ++k) {
+      const ManifoldPoint& p = m.point[k];
+      hit.gap[k] = p.gap;
+      hit.arm_b[k] = {p.bx, p.by};
+      hit.arm_a[k] = pair_.of_piece() ? Vec2{} : Vec2{p.ax, p.ay};
+      hit.approach[k] = dot(hit.n, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    }
+    hit.count = m.count;
+    return m.count == 2;
+  }
+
+  // Gives a body what an impact at a time of the substep, and what pressed until then, do to it. What pressed is not
+  // repeated by the next kick.
+  void settle(const Mover& m, Vec2 dv, double spin, double t, double h) const {
+    const kernels::BodyView& view = in_.view;
+    const Vec2 force = m.a - m.falls;
+    const std::size_t i = m.slot;
+    const double reach = in_.s.bodies.radius[i];
+    move(m, t * force, t * m.alpha, 0.5 * t);
+    move(m, dv, spin, t);
+    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    add(view.vel0[2 * i], h * force.x), add(view.vel0[2 * i + 1], h * force.y);
+    add(view.rim_speed0[i], reach * h * m.alpha);
+  }
 
   Mover mover(std::uint32_t slot, float inv_mass, float rim_gain) const {
     Mover m;
@@ -156,6 +298,7 @@ class ShapeImpact {
     m.inv_inertia = double{rim_gain} / (reach * reach);
     if (view.event_time != nullptr) m.since = view.event_time[slot];
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
+    m.falls = m.a;
     return m;
   }
   const Hull& hull(std::uint32_t slot, std::uint32_t part, std::optional<Hull>& own) const {
@@ -345,6 +488,7 @@ class ShapeImpact {
     const SineCosine q = sine_cosine(view.angle_change[i]);
     view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
     view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
+    if (view.event_time == nullptr) return;
     view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
   }
 
@@ -352,7 +496,7 @@ class ShapeImpact {
   const ManifoldPair& pair_;
   kernels::ManifoldBlock& c_;
   const std::uint32_t l_;
-  const Mover a_, b_;
+  Mover a_, b_;
   std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
   const Hull &hull_b_, &hull_a_;
   Vec2 way_, start_;  // m: from A to B, at the start of the substep and of the step

@@ -25,6 +25,22 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
   return -double{std::min(at(c.point[0]), at(c.point[1]))};
 }
 
+// Whether a contact presses in one point, and the gap of the other one closes within h, s.
+bool closes(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l, double h) {
+  const int open = c.point[0].impulse[l] > 0 ? 1 : 0;
+  const kernels::ManifoldBlock::Point& p = c.point[open];
+  if (p.impulse[l] > 0 || !(c.point[1 - open].impulse[l] > 0)) return false;
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const auto along = [&](const float* v) {
+    return c.nx[l] * (v[2 * b] - v[2 * a]) + c.ny[l] * (v[2 * b + 1] - v[2 * a + 1]);
+  };
+  const float turned = view.arm_change[2 * b] * (p.bn[l] + c.round_b[l]) + view.arm_change[2 * b + 1] * p.bt[l] -
+                       (view.arm_change[2 * a] * (p.an[l] - c.round_a[l]) + view.arm_change[2 * a + 1] * p.at[l]);
+  const double gap = p.gap[l] + along(view.disp) + turned;
+  const double speed = along(view.vel) + view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l];
+  return speed < 0 && gap > 0 && gap + 1.5 * h * speed < 0;
+}
+
 // How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
 struct Reach {
   double speed = 0, moved = 0;  // m/s, m
@@ -76,18 +92,21 @@ void Solver::list_bouncing(const SolverInput& in) {
 }
 
 // Impacts without restitution of bodies that were apart at the start of the step are left to the solver, which goes by the
-// arms and the normal of the time of the impact.
+// arms and the normal of the time of the impact. Those of bodies that rock happen here.
 void Solver::Run::foretell_landings() {
   Manifolds& manifolds = contacts.manifolds;
-  s_.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+  run_phases(manifolds.strip_count(), s_.pool, [&](std::size_t index) {
     Manifolds::StripBlocks& strip = manifolds.strip(index);
     const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
     for (const std::uint32_t k : strip.landing) {
       ManifoldPair& pair = manifolds.pair(k);
       ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
       const std::uint32_t l = pair.lane % kernels::kBlock;
-      if (block.e[l] != 0 || !turns_ahead(around, pair, params_.dt, h_)) continue;
-      ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
+      if (pair.rocks() && closes(view_, block, l, h_)) {
+        ShapeImpact(around, pair, block, l).rock(manifolds, pair, h_, gravity_ * h_ / 2);
+      } else if (block.e[l] == 0 && pair.lands() && turns_ahead(around, pair, params_.dt, h_)) {
+        ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
+      }
     }
   });
 }

@@ -101,6 +101,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
   const double kept = std::exp(-std::fmin(params.damping * h_, kMostDamped));
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
+  turn_.smooth_limit2 = drift_.smooth_limit2;
   set_contacts();
   set_sweeps();
   if (forces != nullptr) {
@@ -278,12 +279,18 @@ void Solver::Run::drift() {
     } else {
       s_.kernels.drift(view_, drift_, r.begin, r.end);
     }
-    if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), stream_.h, r.begin, r.end);
+    if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), turn_, r.begin, r.end);
     if (b.rim_speed.empty()) return;
     for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
-      if (view_.linked[n] == 0 || view_.rim_speed[n] == 0) continue;
+      if (view_.linked[n] == 0) continue;
+      float u = view_.rim_speed[n];
+      if (params_.turns) {  // as turn_bodies() does
+        const float change = u - view_.rim_speed0[n];
+        if (change * change <= turn_.smooth_limit2) u -= 0.5f * change;
+      }
+      if (u == 0) continue;
       const std::size_t i = contacts.solved.slot(n);
-      b.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(b.radius[i]));
+      b.angle[i] += h_ * (static_cast<double>(u) / static_cast<double>(b.radius[i]));
     }
   });
 }

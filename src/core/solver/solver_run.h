@@ -122,7 +122,7 @@ class Solver::Run : SolverInput {
   const std::size_t model_ = static_cast<std::size_t>(params_.model.model), bounce_ = params_.model.bounce ? 1 : 0;
 
   const kernels::StreamParams stream_;
-  kernels::StreamParams drift_ = stream_;
+  kernels::StreamParams drift_ = stream_, turn_ = stream_;  // nothing damps a rotation
   struct OfDiscs {
     ContactParams pair, fixed;
   };
