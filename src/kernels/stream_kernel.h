@@ -269,7 +269,7 @@ void cell_keys(const std::int32_t* pos, const GridView& g, std::uint32_t* key, s
 /// another velocity than it moves. Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
 template <class L>
 void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, std::uint32_t begin, std::uint32_t end) {
-  const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2;
+  const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2, four_h2 = 4 * p.h * p.h;
   const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
@@ -279,7 +279,15 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
       const F<L> before = L::load(b.angle_change + i);
       if (!any((last != none) | (first != none) | (before != none))) continue;
       const auto change = last - first;
-      const auto rim_speed = last - keep(change * change <= limit, 0.5f * change);
+      auto bound = limit;
+      if (b.acc != nullptr) {
+        std::uint32_t slots[L::width];
+        for (std::uint32_t l = 0; l < L::width; ++l) slots[l] = static_cast<std::uint32_t>(i + l);
+        F<L> x, y;
+        L::template gather<1>(b.acc, slots, x, y);
+        bound = limit + four_h2 * (x * x + y * y);
+      }
+      const auto rim_speed = last - keep(change * change <= bound, 0.5f * change);
       const auto size = L::load(radius + i);
       const auto safe = select(0 < size, size, one);
       auto d = before + step * (rim_speed / safe);

@@ -61,9 +61,12 @@ double separation(const LaneOf& x, int k) {
   double s = p.gap[x.l];
   s += x.nx * (at(x.s.bodies.disp, 2 * x.b) - at(x.s.bodies.disp, 2 * x.a)) +
        x.ny * (at(x.s.bodies.disp, 2 * x.b + 1) - at(x.s.bodies.disp, 2 * x.a + 1));
-  s += at(x.s.arm_change, 2 * x.b) * (double{p.bn[x.l]} + double{x.c.round_b[x.l]}) +
+  const auto turned_back = [&](std::size_t body, float lead) {
+    return at(x.s.arm_change, 2 * body) + double{lead} * at(x.s.arm_change, 2 * body + 1);
+  };
+  s += turned_back(x.b, x.c.lead_b[x.l]) * (double{p.bn[x.l]} + double{x.c.round_b[x.l]}) +
        at(x.s.arm_change, 2 * x.b + 1) * double{p.bt[x.l]};
-  s -= at(x.s.arm_change, 2 * x.a) * (double{p.an[x.l]} - double{x.c.round_a[x.l]}) +
+  s -= turned_back(x.a, x.c.lead_a[x.l]) * (double{p.an[x.l]} - double{x.c.round_a[x.l]}) +
        at(x.s.arm_change, 2 * x.a + 1) * double{p.at[x.l]};
   return s;
 }

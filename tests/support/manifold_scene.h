@@ -115,6 +115,8 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
       c.share_b[l] = !pad && !taste.fixed_a && random.chance(0.3) ? 0.5f : 1;
       c.round_a[l] = random.chance(0.5) || pad ? 0 : uniform(random, 0, 0.5);
       c.round_b[l] = random.chance(0.5) || pad ? 0 : uniform(random, 0, 0.5);
+      c.lead_a[l] = random.chance(0.5) || pad ? 0 : uniform(random, -0.1, 0.1);
+      c.lead_b[l] = random.chance(0.5) || pad ? 0 : uniform(random, -0.1, 0.1);
       const bool smooth = pad || random.chance(taste.smooth);
       c.mu[l] = smooth ? 0 : uniform(random, 0, 1);
       if (smooth) c.point[0].friction[l] = c.point[1].friction[l] = 0;

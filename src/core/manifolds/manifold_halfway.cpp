@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kLeastTurn = 1e-4f;  // rad: bodies that turn less until then
 constexpr float kMostTurn = 0.2f;    // rad: they meet anew before
-constexpr float kMostFrames = 4;     // a manifold of slow bodies lasts for longer than their motion can be foretold
+constexpr float kMostFrames = 8;     // a manifold of slow bodies lasts for longer than their motion can be foretold
 constexpr float kAtCorner = 0.01f;   // share of the inner radius within which a point is at a corner
 
 Vec2 turned_by(double angle, Vec2 v) { return turned(sine_cosine(angle), v); }
@@ -27,12 +27,13 @@ float Manifolds::half_time(const ManifoldPair& pair, float dt) const {
   }
   const float lasts = kLasting * inner, speed = std::sqrt(x * x + y * y) + rim;
   if (!pair.lasting || speed * dt >= lasts) return 0.5f * dt;
-  return 0.5f * std::clamp(lasts / speed, dt, kMostFrames * dt);
+  return 0.5f * dt * std::min(std::ceil(lasts / (speed * dt)), kMostFrames);
 }
 
 // The corner of one body turns with it, and the face of the other one with that.
-Manifold Manifolds::halfway(const ManifoldPair& pair, float dt) const {
+Manifold Manifolds::halfway(const ManifoldPair& pair, float dt, float (&lead)[2]) const {
   const BodyStore& b = s_.bodies;
+  lead[0] = lead[1] = 0;
   Manifold m = pair.manifold;
   if (m.count == 0 || (pair.impulse[0] > 0 && pair.impulse[1] > 0)) return m;
   const std::size_t i = pair.of_piece() ? pair.b : pair.a, j = pair.b;
@@ -43,6 +44,7 @@ Manifold Manifolds::halfway(const ManifoldPair& pair, float dt) const {
   if (!(most > kLeastTurn) || !(most < kMostTurn)) return m;
   const bool of_b = !pair.of_wall() && ((m.point[0].feature >> 6) & 3) == 1;  // the face is that of B
   if (!pair.of_wall() && ((m.point[0].feature >> 6) & 3) > 1) return m;
+  lead[0] = static_cast<float>(turn_a), lead[1] = static_cast<float>(turn_b);
   const Vec2 u = pair.of_piece() ? Vec2{b.vel[2 * j], b.vel[2 * j + 1]}
                                  : Vec2{b.vel[2 * j] - b.vel[2 * i], b.vel[2 * j + 1] - b.vel[2 * i + 1]};
   const Vec2 n{m.nx, m.ny}, ahead = turned_by(of_b ? turn_b : turn_a, n);

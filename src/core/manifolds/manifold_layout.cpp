@@ -41,7 +41,7 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
   no_point(c.point[0], l);
   no_point(c.point[1], l);
   c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
-  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = 0;
+  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = c.lead_a[l] = c.lead_b[l] = 0;
   c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = 0;
 }
 
@@ -294,7 +294,9 @@ struct Manifolds::Layout {
     const bool fixed = pair.of_piece();
     c.body[2 * l] = fixed ? dummy : pair.a;
     c.body[2 * l + 1] = pair.b;
-    const Manifold at = m.halfway(pair, static_cast<float>(params.dt));
+    float lead[2];
+    const Manifold at = m.halfway(pair, static_cast<float>(params.dt), lead);
+    c.lead_a[l] = lead[0], c.lead_b[l] = lead[1];
     c.nx[l] = at.nx;
     c.ny[l] = at.ny;
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];

@@ -65,7 +65,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
-    if (pair.lands() || pair.rocks()) strip.landing.push_back(k);
+    if (pair.lands() || rocks(pair)) strip.landing.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

@@ -107,8 +107,6 @@ struct ManifoldPair : PairName {
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// The bodies are apart and may meet within the step.
   bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
-  /// It pressed in one of two points in the last step: the bodies may come upon the other one.
-  bool rocks() const { return active && manifold.count == 2 && (impulse[0] > 0) != (impulse[1] > 0); }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -316,6 +314,11 @@ class Manifolds {
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
   /// Cosine and sine of a body that is not a disc, at the start of the frame.
   Rotor rotor(std::size_t slot) const { return {rotor_[2 * slot], rotor_[2 * slot + 1]}; }
+  /// Whether a pair touches in one of two points at most: the bodies may come upon the other one.
+  bool rocks(const ManifoldPair& pair) const {
+    return pair.active && pair.manifold.count == 2 && !(pair.impulse[0] > 0 && pair.impulse[1] > 0) &&
+           pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner;
+  }
   /// Whether a pair carried an impulse or touched in the last step.
   bool closed(std::size_t strip, const ManifoldPair& pair) const {
     if (pair.lane == PairName::kNone) return false;
@@ -393,7 +396,7 @@ class Manifolds {
   void see_ground(const ManifoldParams& params, std::size_t strip);
   void see_all_ground(const ManifoldParams& params);
   float half_time(const ManifoldPair& pair, float dt) const;
-  Manifold halfway(const ManifoldPair& pair, float dt) const;
+  Manifold halfway(const ManifoldPair& pair, float dt, float (&lead)[2]) const;
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,

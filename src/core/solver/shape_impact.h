@@ -175,13 +175,14 @@ class ShapeImpact {
     return true;
   }
 
-  /// The contact of the time at which the bodies meet, or of the end of the substep, is what the solver goes by, unless it
-  /// presses already.
-  void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
+  /// Bodies that were apart meet at their time: the solver goes by the contact of that time, after the impact, or else by
+  /// that of the end of the substep, unless it presses already.
+  void land(Manifolds& manifolds, ManifoldPair& pair, double h) const {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
-    const double t = !far_apart(h) && find(h, 0, hit) == Found::hit ? hit.time : h;
-    put(manifolds, pair, t);
+    const bool meet = !far_apart(h) && find(h, 0, hit) == Found::hit;
+    if (meet) strike(hit, hit.time, h);
+    put(manifolds, pair, meet ? hit.time : h);
   }
 
   /// Bodies that press on each other in one point and come upon another one, which a block does that rocks, meet there at
@@ -194,26 +195,11 @@ class ShapeImpact {
       if (!meets(at(t), t, hit)) return;
       const int quick = hit.approach[1] < hit.approach[0] ? 1 : 0;
       if (!(-hit.approach[quick] > slowest)) return;
-      t -= hit.gap[quick] / hit.approach[quick];
-      if (!(t > std::max(a_.since, b_.since)) || !(t < h)) return;
+      t = std::max(t - hit.gap[quick] / hit.approach[quick], std::max(a_.since, b_.since));
+      if (!(t < h)) return;
     }
     if (!meets(at(t), t, hit) || std::max(std::fabs(hit.gap[0]), std::fabs(hit.gap[1])) > kTooDeep * near_) return;
-    const Vec2 along{-hit.n.y, hit.n.x};
-    const int k = hit.approach[1] < hit.approach[0] ? 1 : 0;
-    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
-    const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
-    Vec2 push;
-    double turn_a = 0, turn_b = 0;
-    const auto press = [&](int n, Vec2 impulse) {
-      push = push + impulse;
-      turn_a -= cross(hit.arm_a[n], impulse);
-      turn_b += cross(hit.arm_b[n], impulse);
-    };
-    for (int n = 0; n < hit.count; ++n) press(n, hit.impulse[n] * hit.n);
-    press(k, friction * along);
-    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, t, h);
-    settle(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, t, h);
-    for (auto& p : c_.point) p.impulse[l_] = p.friction[l_] = 0;
+    strike(hit, t, h);
     put(manifolds, pair, t);
   }
 
@@ -233,6 +219,26 @@ class ShapeImpact {
     pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
     pair.base.dx += static_cast<float>(b_.way(t).x);
     pair.base.dy += static_cast<float>(b_.way(t).y);
+  }
+
+  // The points of time t collide, with friction.
+  void strike(Hit& hit, double t, double h) const {
+    const Vec2 along{-hit.n.y, hit.n.x};
+    const int k = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
+    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
+    Vec2 push;
+    double turn_a = 0, turn_b = 0;
+    const auto press = [&](int n, Vec2 impulse) {
+      push = push + impulse;
+      turn_a -= cross(hit.arm_a[n], impulse);
+      turn_b += cross(hit.arm_b[n], impulse);
+    };
+    for (int n = 0; n < hit.count; ++n) press(n, hit.impulse[n] * hit.n);
+    press(k, friction * along);
+    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, t, h);
+    settle(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, t, h);
+    for (auto& p : c_.point) p.impulse[l_] = p.friction[l_] = 0;
   }
 
   // What presses on the bodies in this contact goes on until the impact.

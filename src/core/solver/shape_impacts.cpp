@@ -25,20 +25,21 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
   return -double{std::min(at(c.point[0]), at(c.point[1]))};
 }
 
-// Whether a contact presses in one point, and the gap of the other one closes within h, s.
+// Whether the gap of a point that does not press closes in about h, s.
 bool closes(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l, double h) {
-  const int open = c.point[0].impulse[l] > 0 ? 1 : 0;
-  const kernels::ManifoldBlock::Point& p = c.point[open];
-  if (p.impulse[l] > 0 || !(c.point[1 - open].impulse[l] > 0)) return false;
   const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const auto along = [&](const float* v) {
     return c.nx[l] * (v[2 * b] - v[2 * a]) + c.ny[l] * (v[2 * b + 1] - v[2 * a + 1]);
   };
-  const float turned = view.arm_change[2 * b] * (p.bn[l] + c.round_b[l]) + view.arm_change[2 * b + 1] * p.bt[l] -
-                       (view.arm_change[2 * a] * (p.an[l] - c.round_a[l]) + view.arm_change[2 * a + 1] * p.at[l]);
-  const double gap = p.gap[l] + along(view.disp) + turned;
-  const double speed = along(view.vel) + view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l];
-  return speed < 0 && gap > 0 && gap + 1.5 * h * speed < 0;
+  const float *const ta = view.arm_change + 2 * a, *const tb = view.arm_change + 2 * b;
+  return std::ranges::any_of(c.point, [&](const kernels::ManifoldBlock::Point& p) {
+    if (p.impulse[l] > 0) return false;
+    const float turned = (tb[0] + c.lead_b[l] * tb[1]) * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
+                         ((ta[0] + c.lead_a[l] * ta[1]) * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
+    const double gap = p.gap[l] + along(view.disp) + turned;
+    const double speed = along(view.vel) + view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l];
+    return speed < 0 && gap > h * speed && gap + 1.5 * h * speed < 0;
+  });
 }
 
 // How fast points of two bodies move against each other at most, and how far they have moved since the frame's start.
@@ -102,10 +103,10 @@ void Solver::Run::foretell_landings() {
       ManifoldPair& pair = manifolds.pair(k);
       ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
       const std::uint32_t l = pair.lane % kernels::kBlock;
-      if (pair.rocks() && closes(view_, block, l, h_)) {
+      if (manifolds.rocks(pair) && closes(view_, block, l, h_)) {
         ShapeImpact(around, pair, block, l).rock(manifolds, pair, h_, gravity_ * h_ / 2);
       } else if (block.e[l] == 0 && pair.lands() && turns_ahead(around, pair, params_.dt, h_)) {
-        ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
+        ShapeImpact(around, pair, block, l).land(manifolds, pair, h_);
       }
     }
   });

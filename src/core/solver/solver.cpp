@@ -286,7 +286,9 @@ void Solver::Run::drift() {
       float u = view_.rim_speed[n];
       if (params_.turns) {  // as turn_bodies() does
         const float change = u - view_.rim_speed0[n];
-        if (change * change <= turn_.smooth_limit2) u -= 0.5f * change;
+        const float* const a = view_.acc == nullptr ? nullptr : view_.acc + 2 * std::size_t{n};
+        const float own = a == nullptr ? 0.0f : 4 * turn_.h * turn_.h * (a[0] * a[0] + a[1] * a[1]);
+        if (change * change <= turn_.smooth_limit2 + own) u -= 0.5f * change;
       }
       if (u == 0) continue;
       const std::size_t i = contacts.solved.slot(n);

@@ -156,7 +156,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
     s.landing.clear();
     std::ranges::copy_if(s.active, std::back_inserter(s.landing),
-                         [&](std::uint32_t k) { return k < pairs_.size() && (pairs_[k].lands() || pairs_[k].rocks()); });
+                         [&](std::uint32_t k) { return k < pairs_.size() && (pairs_[k].lands() || rocks(pairs_[k])); });
   }
   old_pairs_.clear();
   both_ = collecting_ = false;
