@@ -266,9 +266,11 @@ void cell_keys(const std::int32_t* pos, const GridView& g, std::uint32_t* key, s
 
 /// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d). As the drift does, u is
 /// the mean of a substep where the change is smooth: a body that pivots on a point would slide there, if it turned by
-/// another velocity than it moves. Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
+/// another velocity than it moves. A body that did not turn before is pushed out of an overlap, which it needs in full.
+/// Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
 template <class L>
-void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, std::uint32_t begin, std::uint32_t end) {
+void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, std::uint32_t begin,
+                 std::uint32_t end) {
   const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2, four_h2 = 4 * p.h * p.h;
   const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
   for (std::uint32_t block = begin; block < end; ++block) {
@@ -287,7 +289,7 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
         L::template gather<1>(b.acc, slots, x, y);
         bound = limit + four_h2 * (x * x + y * y);
       }
-      const auto rim_speed = last - keep(change * change <= bound, 0.5f * change);
+      const auto rim_speed = last - keep(change * change <= min(bound, first * first), 0.5f * change);
       const auto size = L::load(radius + i);
       const auto safe = select(0 < size, size, one);
       auto d = before + step * (rim_speed / safe);

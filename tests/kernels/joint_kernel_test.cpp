@@ -70,8 +70,7 @@ struct Crowd {
     return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(rim_speed, o.rim_speed) &&
            same(rim_speed0, o.rim_speed0) && same(share, o.share) && same(share_spin, o.share_spin) &&
            same(push, o.push) && same(push_spin, o.push_spin) && same(push0, o.push0) &&
-           same(push0_spin, o.push0_spin) &&
-           same(arm_change, o.arm_change) && same(angle_change, o.angle_change);
+           same(push0_spin, o.push0_spin) && same(arm_change, o.arm_change) && same(angle_change, o.angle_change);
   }
   std::vector<float> vel, vel0, disp, rim_speed, rim_speed0, angle_change, arm_change, radius, share, share_spin, push,
       push_spin, push0, push0_spin;

@@ -247,8 +247,8 @@ class JointStore {
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
-    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data(), push0_vel_.data(),
-            push0_rim_speed_.data()};
+    return {share_vel_.data(),      share_rim_speed_.data(), push_vel_.data(),
+            push_rim_speed_.data(), push0_vel_.data(),       push0_rim_speed_.data()};
   }
 
   const Surroundings s_;

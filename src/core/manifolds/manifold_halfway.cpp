@@ -8,10 +8,10 @@
 namespace psim {
 namespace {
 
-constexpr float kLeastTurn = 1e-4f;  // rad: bodies that turn less until then
+constexpr float kLeastTurn = 1e-3f;  // rad in a step: bodies that turn less
 constexpr float kMostTurn = 0.2f;    // rad: they meet anew before
 constexpr float kMostFrames = 8;     // a manifold of slow bodies lasts for longer than their motion can be foretold
-constexpr float kAtCorner = 0.01f;   // share of the inner radius within which a point is at a corner
+constexpr float kMostWay = 0.2f;     // share of the inner radius: they slide elsewhere
 
 Vec2 turned_by(double angle, Vec2 v) { return turned(sine_cosine(angle), v); }
 
@@ -38,15 +38,20 @@ Manifold Manifolds::halfway(const ManifoldPair& pair, float dt, float (&lead)[2]
   if (m.count == 0 || (pair.impulse[0] > 0 && pair.impulse[1] > 0)) return m;
   const std::size_t i = pair.of_piece() ? pair.b : pair.a, j = pair.b;
   const float spin_b = b.rim_speed[j] / b.radius[j], spin_a = pair.of_piece() ? 0.0f : b.rim_speed[i] / b.radius[i];
-  if (!(kMostFrames * dt * std::fmax(std::fabs(spin_a), std::fabs(spin_b)) > 2 * kLeastTurn)) return m;
+  if (!(dt * std::fmax(std::fabs(spin_a), std::fabs(spin_b)) > kLeastTurn)) return m;
   const double time = half_time(pair, dt), turn_a = time * spin_a, turn_b = time * spin_b;
-  const double most = std::fmax(std::fabs(turn_a), std::fabs(turn_b));
-  if (!(most > kLeastTurn) || !(most < kMostTurn)) return m;
+  if (!(std::fmax(std::fabs(turn_a), std::fabs(turn_b)) < kMostTurn)) return m;
+  const ManifoldPoint& near = m.point[m.count == 2 && pair.gap[1] < pair.gap[0] ? 1 : 0];
+  const float vx = b.vel[2 * j] - spin_b * near.by, vy = b.vel[2 * j + 1] + spin_b * near.bx;
+  float vn = m.nx * vx + m.ny * vy;
+  if (!pair.of_piece()) vn -= m.nx * (b.vel[2 * i] - spin_a * near.ay) + m.ny * (b.vel[2 * i + 1] + spin_a * near.ax);
+  if (pair.least_gap() > kTouching * inner_of(j) || std::fabs(vn) * dt > kTouching * inner_of(j)) return m;
   const bool of_b = !pair.of_wall() && ((m.point[0].feature >> 6) & 3) == 1;  // the face is that of B
   if (!pair.of_wall() && ((m.point[0].feature >> 6) & 3) > 1) return m;
-  lead[0] = static_cast<float>(turn_a), lead[1] = static_cast<float>(turn_b);
   const Vec2 u = pair.of_piece() ? Vec2{b.vel[2 * j], b.vel[2 * j + 1]}
                                  : Vec2{b.vel[2 * j] - b.vel[2 * i], b.vel[2 * j + 1] - b.vel[2 * i + 1]};
+  if (time * length_of(u) > kMostWay * inner_of(j)) return m;
+  lead[0] = static_cast<float>(turn_a), lead[1] = static_cast<float>(turn_b);
   const Vec2 n{m.nx, m.ny}, ahead = turned_by(of_b ? turn_b : turn_a, n);
   for (int k = 0; k < m.count; ++k) {
     ManifoldPoint& p = m.point[k];

@@ -103,9 +103,15 @@ void Solver::Run::foretell_landings() {
       ManifoldPair& pair = manifolds.pair(k);
       ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
       const std::uint32_t l = pair.lane % kernels::kBlock;
-      if (manifolds.rocks(pair) && closes(view_, block, l, h_)) {
-        ShapeImpact(around, pair, block, l).rock(manifolds, pair, h_, gravity_ * h_ / 2);
-      } else if (block.e[l] == 0 && pair.lands() && turns_ahead(around, pair, params_.dt, h_)) {
+      // What bounces and carries nothing does so in the sweeps.
+      const float e = block.e[l];
+      const bool bounces = e > 0 && !(e < 1 && (pair.impulse[0] > 0 || pair.impulse[1] > 0));
+      if (bounces || e < 0) continue;
+      if (manifolds.rocks(pair) && closes(view_, block, l, h_) &&
+          ShapeImpact(around, pair, block, l).rock(manifolds, pair, h_, gravity_ * h_ / 2)) {
+        continue;
+      }
+      if (e == 0 && pair.lands() && turns_ahead(around, pair, params_.dt, h_)) {
         ShapeImpact(around, pair, block, l).land(manifolds, pair, h_);
       }
     }

@@ -288,7 +288,8 @@ void Solver::Run::drift() {
         const float change = u - view_.rim_speed0[n];
         const float* const a = view_.acc == nullptr ? nullptr : view_.acc + 2 * std::size_t{n};
         const float own = a == nullptr ? 0.0f : 4 * turn_.h * turn_.h * (a[0] * a[0] + a[1] * a[1]);
-        if (change * change <= turn_.smooth_limit2 + own) u -= 0.5f * change;
+        if (change * change <= std::min(turn_.smooth_limit2 + own, view_.rim_speed0[n] * view_.rim_speed0[n]))
+          u -= 0.5f * change;
       }
       if (u == 0) continue;
       const std::size_t i = contacts.solved.slot(n);
