@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/tasks.h"
 #include "contacts/contact_model.h"
@@ -294,8 +295,11 @@ struct Manifolds::Layout {
     const bool fixed = pair.of_piece();
     c.body[2 * l] = fixed ? dummy : pair.a;
     c.body[2 * l + 1] = pair.b;
-    float lead[2];
-    const Manifold at = m.halfway(pair, static_cast<float>(params.dt), lead);
+    Manifold turned;
+    float lead[2] = {};
+    const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;  // on two points, so that it does not turn
+    const bool turns = !stands && m.halfway(pair, static_cast<float>(params.dt), turned, lead);
+    const Manifold& at = turns ? turned : std::as_const(pair.manifold);
     c.lead_a[l] = lead[0], c.lead_b[l] = lead[1];
     c.nx[l] = at.nx;
     c.ny[l] = at.ny;
@@ -376,7 +380,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 std::size_t Manifolds::bytes() const {
   std::size_t sum =
       bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_, turning_, ties);
-  for (const StripBlocks& s : strips_) sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.watched);
+  for (const StripBlocks& s : strips_)
+    sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);
   return sum;
 }

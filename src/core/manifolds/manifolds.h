@@ -107,6 +107,11 @@ struct ManifoldPair : PairName {
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// The bodies are apart and may meet within the step.
   bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
+  /// It is open in one of two points, and touches in the other one or is much nearer there.
+  bool half_open() const {
+    return active && manifold.count == 2 && !(impulse[0] > 0 && impulse[1] > 0) &&
+           10 * least_gap() < std::max(gap[0], gap[1]);
+  }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -179,7 +184,8 @@ class Manifolds {
     std::vector<std::uint32_t> active;   // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
-    std::vector<std::uint32_t> landing;  // pairs whose bodies may meet in this step, or meet in another point
+    std::vector<std::uint32_t> landing;  // pairs whose bodies may meet in this step
+    std::vector<std::uint32_t> open;     // pairs that are open in one of two points
     std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
@@ -314,11 +320,6 @@ class Manifolds {
   const std::vector<std::uint32_t>& shaped() const { return shaped_; }
   /// Cosine and sine of a body that is not a disc, at the start of the frame.
   Rotor rotor(std::size_t slot) const { return {rotor_[2 * slot], rotor_[2 * slot + 1]}; }
-  /// Whether a pair touches in one of two points at most: the bodies may come upon the other one.
-  bool rocks(const ManifoldPair& pair) const {
-    return pair.active && pair.manifold.count == 2 && !(pair.impulse[0] > 0 && pair.impulse[1] > 0) &&
-           pair.least_gap() <= kTouching * s_.bodies.kind(pair.id_b).inner;
-  }
   /// Whether a pair carried an impulse or touched in the last step.
   bool closed(std::size_t strip, const ManifoldPair& pair) const {
     if (pair.lane == PairName::kNone) return false;
@@ -396,7 +397,7 @@ class Manifolds {
   void see_ground(const ManifoldParams& params, std::size_t strip);
   void see_all_ground(const ManifoldParams& params);
   float half_time(const ManifoldPair& pair, float dt) const;
-  Manifold halfway(const ManifoldPair& pair, float dt, float (&lead)[2]) const;
+  bool halfway(const ManifoldPair& pair, float dt, Manifold& m, float (&lead)[2]) const;
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,

@@ -23,7 +23,7 @@ constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near tou
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
 // Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
 constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
-constexpr int kMostSteps = 100, kRockSteps = 3;
+constexpr int kMostSteps = 100, kRockSteps = 2;
 
 struct Around {
   const Surroundings& s;
@@ -81,36 +81,36 @@ class ShapeImpact {
     Hit hit;
     const bool meet = !far_apart(h) && find(h, 0, hit) == Found::hit;
     if (meet) strike(hit, hit.time, h);
-    put(manifolds, pair, meet ? hit.time : h);
+    const double t = meet ? hit.time : h;
+    put(manifolds, pair, at(t), t);
   }
 
   /// Bodies that press on each other in one point and come upon another one, which a block does that rocks, meet there at
   /// time t: the solver finds them after that impact.
-  bool rock(Manifolds& manifolds, ManifoldPair& pair, double h, double slowest) {
+  void rock(Manifolds& manifolds, ManifoldPair& pair, double h, double slowest) {
     pressed(h);
     double t = 0;
     Hit hit;
     int open = 2;
     for (int k = 0; k < kRockSteps; ++k) {  // the point that is open comes to the surface
-      if (!meets(at(t), t, hit)) return false;
+      if (!meets(at(t), t, hit)) return;
       if (open == 2) open = hit.gap[1] > hit.gap[0] ? 1 : 0;
-      if (!(-hit.approach[open] > slowest)) return false;
+      if (!(-hit.approach[open] > slowest)) return;
       t = std::max(t - hit.gap[open] / hit.approach[open], std::max(a_.since, b_.since));
-      if (!(t < h)) return false;
+      if (!(t < h)) return;
     }
-    if (!meets(at(t), t, hit) || std::max(std::fabs(hit.gap[0]), std::fabs(hit.gap[1])) > 2 * near_) return false;
+    const Manifold m = at(t);
+    if (!meets(m, t, hit) || std::max(std::fabs(hit.gap[0]), std::fabs(hit.gap[1])) > 2 * near_) return;
     strike(hit, t, h);
-    put(manifolds, pair, t);
-    return true;
+    put(manifolds, pair, m, t);
   }
 
  private:
   enum class Found : std::uint8_t { none, slow, hit };
 
   // Puts the contact of time t into its lane.
-  void put(Manifolds& manifolds, ManifoldPair& pair, double t) const {
+  void put(Manifolds& manifolds, ManifoldPair& pair, Manifold m, double t) const {
     const kernels::BodyView& view = in_.view;
-    Manifold m = at(t);
     fit(m, t);
     if (m.count == 0) return;
     const auto speed = [&](std::uint32_t slot) { return Vec2{view.vel[2 * slot], view.vel[2 * slot + 1]}; };

@@ -150,7 +150,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) force(fields_.accelerate);
   if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
-  if (contacts.manifolds.any()) foretell_landings();
+  if (contacts.manifolds.any()) meet_shapes();
   if (fields_.advance) force(fields_.advance);
   kick(first);
   if (!kinematics.empty()) hold();
@@ -280,22 +280,30 @@ void Solver::Run::drift() {
       s_.kernels.drift(view_, drift_, r.begin, r.end);
     }
     if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), turn_, r.begin, r.end);
-    if (b.rim_speed.empty()) return;
-    for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
-      if (view_.linked[n] == 0) continue;
-      float u = view_.rim_speed[n];
-      if (params_.turns) {  // as turn_bodies() does
-        const float change = u - view_.rim_speed0[n];
-        const float* const a = view_.acc == nullptr ? nullptr : view_.acc + 2 * std::size_t{n};
-        const float own = a == nullptr ? 0.0f : 4 * turn_.h * turn_.h * (a[0] * a[0] + a[1] * a[1]);
-        if (change * change <= std::min(turn_.smooth_limit2 + own, view_.rim_speed0[n] * view_.rim_speed0[n]))
-          u -= 0.5f * change;
-      }
-      if (u == 0) continue;
-      const std::size_t i = contacts.solved.slot(n);
-      b.angle[i] += h_ * (static_cast<double>(u) / static_cast<double>(b.radius[i]));
-    }
+    if (!b.rim_speed.empty()) turn_angles(r);
   });
+}
+
+// The angles, in double precision, as turn_bodies() turns the arms: scenes that have only discs know no mean.
+void Solver::Run::turn_angles(BlockRange r) {
+  BodyStore& b = s_.bodies;
+  const float *const last = view_.rim_speed, *const first = view_.rim_speed0, *const acc = view_.acc;
+  const std::uint8_t* const linked = view_.linked;
+  const float limit = turn_.smooth_limit2, four_h2 = 4 * turn_.h * turn_.h;
+  const bool means = params_.turns;
+  const std::uint32_t end = std::min(r.end * 8, contacts.solved.count());
+  for (std::uint32_t n = r.begin * 8; n < end; ++n) {
+    float u = last[n];
+    if (linked[n] == 0 || (u == 0 && (!means || first[n] == 0))) continue;
+    if (means) {
+      float bound = limit;
+      if (acc != nullptr) bound += four_h2 * (acc[2 * n] * acc[2 * n] + acc[2 * n + 1] * acc[2 * n + 1]);
+      const float change = u - first[n], square = change * change;
+      u -= square <= bound && square <= first[n] * first[n] ? 0.5f * change : 0.0f;
+    }
+    const std::size_t i = contacts.solved.slot(n);
+    b.angle[i] += h_ * (static_cast<double>(u) / static_cast<double>(b.radius[i]));
+  }
 }
 
 // The places of kinematic bodies go straight on, since nothing damps them.
@@ -372,6 +380,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   sums_.assign(in.table.strips.size(), {});
   find_loaded(in.table);
   if (params.model.bounce) mark_impacts(in);
+  if (in.contacts.manifolds.any()) list_rocking(in, params.dt, length_of(params.gravity) * params.dt / params.substeps);
   Run run(*this, in, params);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;

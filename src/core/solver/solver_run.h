@@ -99,12 +99,13 @@ class Solver::Run : SolverInput {
   void set_floors();
   void impacts();
   bool impact_shapes(std::size_t strip, bool first, bool all);
-  void foretell_landings();
+  void meet_shapes();
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);
   void solve();
   void drift();
+  void turn_angles(BlockRange r);
   void carry_kinematics();
   void relax();
   void spend();
