@@ -107,10 +107,10 @@ struct ManifoldPair : PairName {
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// The bodies are apart and may meet within the step.
   bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
-  /// It is open in one of two points, and touches in the other one or is much nearer there.
+  /// It is open in one of two points, and much nearer in the other one.
   bool half_open() const {
-    return active && manifold.count == 2 && !(impulse[0] > 0 && impulse[1] > 0) &&
-           10 * least_gap() < std::max(gap[0], gap[1]);
+    const bool stands = impulse[0] > 0 && impulse[1] > 0;
+    return active && manifold.count == 2 && !stands && 10 * least_gap() < std::max(gap[0], gap[1]);
   }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
@@ -128,8 +128,7 @@ inline bool runs_backwards(const Manifold& m) {
 /// Frames for which a contact stays out of stacks after an impact or a short step of theirs.
 inline constexpr std::uint8_t kRestFrames = 8;
 
-/// A gap below this share of the inner radius counts as touching.
-inline constexpr float kTouching = 0.002f;
+inline constexpr float kTouching = 0.002f;  ///< share of the inner radius: hulls with a smaller gap touch
 
 /// Shapes that pass each other by more of their sizes in a substep may have more impacts than the impact sweeps settle.
 /// From fixed geometry, those bounce in the sweeps that go no further in a whole step, others in continuous collision.

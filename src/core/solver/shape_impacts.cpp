@@ -12,7 +12,7 @@ using shape_impact::ShapeImpact;
 
 namespace {
 
-constexpr double kTurning = 0.02;  // rad in a step: a body that turns less meets others with the arms of its start
+constexpr double kTurning = 0.005;  // rad in a step: a body that turns less meets others with the arms of its start
 
 // How fast the nearest points of a pair approach each other, m/s.
 double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l) {
@@ -27,11 +27,11 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
 
 // Whether bodies that touch in one point turn so that they may touch in another one within dt, s.
 bool rocks(const BodyStore& b, const ManifoldPair& pair, float dt, float slowest) {
-  constexpr float kTurning = 1e-3f;  // rad in a step
+  constexpr float kRocking = 1e-3f;  // rad in a step
   const Manifold& m = pair.manifold;
   const std::size_t i = pair.of_piece() ? pair.b : pair.a, j = pair.b;
   const float spin_b = b.rim_speed[j] / b.radius[j], spin_a = pair.of_piece() ? 0.0f : b.rim_speed[i] / b.radius[i];
-  if (!(std::fabs(spin_b - spin_a) * dt > kTurning)) return false;
+  if (!(std::fabs(spin_b - spin_a) * dt > kRocking)) return false;
   const int open = pair.gap[1] > pair.gap[0] ? 1 : 0;
   if (pair.gap[1 - open] > kTouching * b.kind(pair.id_b).inner) return false;
   const ManifoldPoint& p = m.point[open];
