@@ -12,7 +12,7 @@ using shape_impact::ShapeImpact;
 
 namespace {
 
-constexpr double kTurning = 0.005;  // rad in a step: a body that turns less meets others with the arms of its start
+constexpr double kTurning = 0.02;  // rad in a step: a body that turns less meets others with the arms of its start
 
 // How fast the nearest points of a pair approach each other, m/s.
 double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l) {
