@@ -43,12 +43,14 @@ void hold_joints(const BodyView& b, const JointShare& s, const StreamParams& p, 
   }
   const F<L> none = 0, part = 0.5f, least = p.smooth_limit2;
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
-    const auto u = L::load(b.rim_speed + i), share = L::load(s.rim_speed + i);
-    const auto all = u - L::load(b.rim_speed0 + i), others = all - share;
+    const auto u = L::load(b.rim_speed + i), u0 = L::load(b.rim_speed0 + i), share = L::load(s.rim_speed + i);
+    const auto all = u - u0, others = all - share, push = L::load(s.push_rim_speed + i);
     const auto smooth = ((others * others <= least) | (all * all <= least)) & ((share < none) | (none < share));
-    const auto change = L::load(s.push_rim_speed + i) - select(smooth, part * all, none);
-    L::store(s.push_rim_speed + i, change);
-    L::store(b.rim_speed + i, u + change);
+    const auto taken = select(smooth, part * all, none);
+    L::store(s.push_rim_speed + i, push - taken);
+    L::store(s.push0_rim_speed + i, push + taken);
+    L::store(b.rim_speed + i, u + (push - taken));
+    L::store(b.rim_speed0 + i, u0 + (push + taken));
   }
 }
 
@@ -61,6 +63,7 @@ void let_go_joints(const BodyView& b, const JointShare& s, std::uint32_t begin, 
   }
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
     L::store(b.rim_speed + i, L::load(b.rim_speed + i) - L::load(s.push_rim_speed + i));
+    L::store(b.rim_speed0 + i, L::load(b.rim_speed0 + i) - L::load(s.push0_rim_speed + i));
   }
 }
 

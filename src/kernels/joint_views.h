@@ -110,11 +110,12 @@ using JointBlocks = void*;
 /// Here `part_joints` sums what joints did to the velocities of bodies in this substep. Between its two calls
 /// around a pass these hold the rest of the velocities.
 struct JointShare {
-  float* vel = nullptr;             ///< m/s records
-  float* rim_speed = nullptr;       ///< m/s
-  float* push = nullptr;            ///< m/s records: for the drift alone, to take position errors back
-  float* push_rim_speed = nullptr;  ///< m/s
-  float* push0 = nullptr;           ///< m/s records: scratch of the drift
+  float* vel = nullptr;              ///< m/s records
+  float* rim_speed = nullptr;        ///< m/s
+  float* push = nullptr;             ///< m/s records: for the drift alone, to take position errors back
+  float* push_rim_speed = nullptr;   ///< m/s
+  float* push0 = nullptr;            ///< m/s records: scratch of the drift
+  float* push0_rim_speed = nullptr;  ///< m/s: likewise
 };
 
 }  // namespace psim::kernels

@@ -58,7 +58,7 @@ struct KernelTable {
   void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
   void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Block, Block);
-  void (*turn_bodies)(const BodyView&, const float* radius, float h, Block, Block);
+  void (*turn_bodies)(const BodyView&, const float* radius, const StreamParams&, Block, Block);
   // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.
   using Collide = void (*)(HullPairs*, Block, Block);
   Collide collide[2][3];

@@ -199,6 +199,8 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       lanes.ga = L::load(c->ga + k), lanes.gb = L::load(c->gb + k);
       lanes.round_a = L::load(c->round_a + k), lanes.round_b = L::load(c->round_b + k);
       lanes.soft = L::load(c->soft + k), lanes.rate = L::load(c->rate + k);
+      lanes.turn_a.x = lanes.turn_a.x + L::load(c->lead_a + k) * lanes.turn_a.y;
+      lanes.turn_b.x = lanes.turn_b.x + L::load(c->lead_b + k) * lanes.turn_b.y;
       const auto nx = lanes.n.x, ny = lanes.n.y, wa = lanes.wa, wb = lanes.wb, ga = lanes.ga, gb = lanes.gb;
       lanes.w = wa + wb;
       lanes.moved = nx * (dbx - dax) + ny * (dby - day);

@@ -7,6 +7,7 @@
 //   an impulse l along n: v += w l n, u += g at l;  along t: v += w l t, u += g an l
 // While a body turns by d from the start of the frame, T = R (cos d - 1, sin d), its arm moves by
 //   n.dr = Tx an + Ty at,   of which a rounded end, radius p R, takes no part: an - p instead of an.
+// Arms that are those of a body turned by q since then are turned back: Tx + q Ty instead of Tx.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +33,7 @@ struct alignas(kAlign) ManifoldBlock {
   float ga[kBlock], gb[kBlock];            ///< R^2 / I, 1/kg
   float share_a[kBlock], share_b[kBlock];  ///< of an impulse that a body takes in a sweep, <= 1
   float round_a[kBlock], round_b[kBlock];  ///< p: rounding / R
+  float lead_a[kBlock], lead_b[kBlock];    ///< q, rad
   float mu[kBlock];
   float e[kBlock];     ///< restitution; negative: the pair is left alone in this substep, as its impact was settled
   float soft[kBlock];  ///< compliance in units of 1 / effective mass

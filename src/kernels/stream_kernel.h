@@ -270,18 +270,32 @@ void cell_keys(const std::int32_t* pos, const GridView& g, std::uint32_t* key, s
   }
 }
 
-/// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d).
+/// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d). As the drift does, u is
+/// the mean of a substep where the change is smooth: a body that pivots on a point would slide there, if it turned by
+/// another velocity than it moves. A body that did not turn before is pushed out of an overlap, which it needs in full.
 /// Polynomials of fdlibm's kernels on d - 2 pi nearest(d / 2 pi), halved twice for range.
 template <class L>
-void turn_bodies(const BodyView& b, const float* radius, float h, std::uint32_t begin, std::uint32_t end) {
-  const F<L> one = 1, two = 2, step = h;
+void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, std::uint32_t begin,
+                 std::uint32_t end) {
+  const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2, four_h2 = 4 * p.h * p.h;
   const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
     for (std::uint32_t r = 0; r < kBlock; r += L::width) {
       const std::size_t i = static_cast<std::size_t>(block) * kBlock + r;
-      const F<L> rim_speed = L::load(b.rim_speed + i), before = L::load(b.angle_change + i), none = 0;
-      if (!any((rim_speed != none) | (before != none))) continue;
+      const F<L> last = L::load(b.rim_speed + i), first = L::load(b.rim_speed0 + i), none = 0;
+      const F<L> before = L::load(b.angle_change + i);
+      if (!any((last != none) | (first != none) | (before != none))) continue;
+      const auto change = last - first;
+      auto bound = limit;
+      if (b.acc != nullptr) {
+        std::uint32_t slots[L::width];
+        for (std::uint32_t l = 0; l < L::width; ++l) slots[l] = static_cast<std::uint32_t>(i + l);
+        F<L> x, y;
+        L::template gather<1>(b.acc, slots, x, y);
+        bound = limit + four_h2 * (x * x + y * y);
+      }
+      const auto rim_speed = last - keep(change * change <= min(bound, first * first), 0.5f * change);
       const auto size = L::load(radius + i);
       const auto safe = select(0 < size, size, one);
       auto d = before + step * (rim_speed / safe);

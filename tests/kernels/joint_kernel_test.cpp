@@ -46,6 +46,7 @@ struct Crowd {
     }
     for (auto* v : {&vel, &vel0, &disp, &share, &push}) v->resize(2 * kRecords + 16);
     push0.assign(2 * kRecords + 16, 0.0f);
+    push0_spin.assign(kRecords + 16, 0.0f);
     for (auto* v : {&rim_speed, &rim_speed0, &angle_change, &share_spin, &push_spin}) v->resize(kRecords + 16);
   }
   BodyView view() {
@@ -59,7 +60,9 @@ struct Crowd {
     v.angle_change = angle_change.data();
     return v;
   }
-  JointShare shares() { return {share.data(), share_spin.data(), push.data(), push_spin.data(), push0.data()}; }
+  JointShare shares() {
+    return {share.data(), share_spin.data(), push.data(), push_spin.data(), push0.data(), push0_spin.data()};
+  }
   bool operator==(const Crowd& o) const {
     const auto same = [](const std::vector<float>& a, const std::vector<float>& b) {
       return std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
@@ -67,10 +70,10 @@ struct Crowd {
     return same(vel, o.vel) && same(vel0, o.vel0) && same(disp, o.disp) && same(rim_speed, o.rim_speed) &&
            same(rim_speed0, o.rim_speed0) && same(share, o.share) && same(share_spin, o.share_spin) &&
            same(push, o.push) && same(push_spin, o.push_spin) && same(push0, o.push0) &&
-           same(arm_change, o.arm_change) && same(angle_change, o.angle_change);
+           same(push0_spin, o.push0_spin) && same(arm_change, o.arm_change) && same(angle_change, o.angle_change);
   }
   std::vector<float> vel, vel0, disp, rim_speed, rim_speed0, angle_change, arm_change, radius, share, share_spin, push,
-      push_spin, push0;
+      push_spin, push0, push0_spin;
 };
 
 // Blocks whose lanes share no body; some lanes are empty.

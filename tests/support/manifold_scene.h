@@ -32,6 +32,13 @@ struct Taste {
   double smooth = 0.3;    // of a lane without friction
 };
 
+inline kernels::StreamParams turning(const ContactParams& p) {
+  kernels::StreamParams turn;
+  turn.h = p.h;
+  turn.smooth_limit2 = 0.05f;
+  return turn;
+}
+
 inline float signed_zero(Random& random) { return random.chance(0.5) ? 0.0f : -0.0f; }
 
 inline void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
@@ -108,6 +115,8 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
       c.share_b[l] = !pad && !taste.fixed_a && random.chance(0.3) ? 0.5f : 1;
       c.round_a[l] = random.chance(0.5) || pad ? 0 : uniform(random, 0, 0.5);
       c.round_b[l] = random.chance(0.5) || pad ? 0 : uniform(random, 0, 0.5);
+      c.lead_a[l] = random.chance(0.5) || pad ? 0 : uniform(random, -0.1, 0.1);
+      c.lead_b[l] = random.chance(0.5) || pad ? 0 : uniform(random, -0.1, 0.1);
       const bool smooth = pad || random.chance(taste.smooth);
       c.mu[l] = smooth ? 0 : uniform(random, 0, 1);
       if (smooth) c.point[0].friction[l] = c.point[1].friction[l] = 0;
@@ -144,7 +153,7 @@ inline const Pass kPasses[] = {
        k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"angle_change", [](const KernelTable& k, Scene& s, const Taste&,
-                        const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), p.h, 0, 9); }},
+                        const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), turning(p), 0, 9); }},
 };
 
 }  // namespace psim::test::manifold_scene

@@ -140,6 +140,7 @@ void JointStore::find_shares(const SolverBodies& solved) {
   push_vel_.reserve(2 * (all + kBlock));
   push_rim_speed_.reserve(all + kBlock);
   push0_vel_.reserve(2 * all);
+  push0_rim_speed_.reserve(all);
   std::fill_n(push_vel_.data() + 2 * all, 2 * kBlock, 0.0f);  // the record of static bodies and empty lanes
   std::fill_n(push_rim_speed_.data() + all, kBlock, 0.0f);
 }

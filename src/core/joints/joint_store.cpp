@@ -91,7 +91,7 @@ std::size_t JointStore::bytes() const {
 
 void JointStore::release_blocks() {
   give_back(first_, bodies_, members_, lists_, lanes_, ends_, jobs_, phases_, shares_, marks_, share_vel_,
-            share_rim_speed_, push_vel_, push_rim_speed_, push0_vel_);
+            share_rim_speed_, push_vel_, push_rim_speed_, push0_vel_, push0_rim_speed_);
   give_back(swept_, tethers_, tether_ranges_);
   articulations_.release();
   stale_ = true;

@@ -60,7 +60,7 @@ class JointStore {
   std::size_t bytes() const;
   std::size_t column_bytes() const {
     return share_vel_.bytes() + share_rim_speed_.bytes() + push_vel_.bytes() + push_rim_speed_.bytes() +
-           push0_vel_.bytes();
+           push0_vel_.bytes() + push0_rim_speed_.bytes();
   }
 
   /// Gives all memory back but the generations of ids. There is no joint.
@@ -263,7 +263,8 @@ class JointStore {
   void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
-    return {share_vel_.data(), share_rim_speed_.data(), push_vel_.data(), push_rim_speed_.data(), push0_vel_.data()};
+    return {share_vel_.data(),      share_rim_speed_.data(), push_vel_.data(),
+            push_rim_speed_.data(), push0_vel_.data(),       push0_rim_speed_.data()};
   }
 
   const Surroundings s_;
@@ -296,7 +297,7 @@ class JointStore {
   bool parted_ = false;  // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
   Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory},
-      push0_vel_{s_.memory};
+      push0_vel_{s_.memory}, push0_rim_speed_{s_.memory};
 };
 
 }  // namespace psim

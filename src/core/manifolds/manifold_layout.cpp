@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/tasks.h"
 #include "contacts/contact_model.h"
@@ -41,7 +42,7 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
   no_point(c.point[0], l);
   no_point(c.point[1], l);
   c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
-  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = 0;
+  c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = c.lead_a[l] = c.lead_b[l] = 0;
   c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = 0;
 }
 
@@ -52,9 +53,9 @@ bool is_loaded(const ManifoldPair& pair, const HeavyLoads& loads) {
 }
 
 // Writes the points of a pair into its lane: arms in units of the bodies' radii, gaps, impulses.
-void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, float size_a, float size_b) {
+void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, const Manifold& m, float size_a,
+                 float size_b) {
   const bool fixed = pair.of_piece();
-  const Manifold& m = pair.manifold;
   for (int k = 0; k < 2; ++k) {
     ManifoldBlock::Point& p = c.point[k];
     if (k >= m.count) {
@@ -294,10 +295,16 @@ struct Manifolds::Layout {
     const bool fixed = pair.of_piece();
     c.body[2 * l] = fixed ? dummy : pair.a;
     c.body[2 * l + 1] = pair.b;
-    c.nx[l] = pair.manifold.nx;
-    c.ny[l] = pair.manifold.ny;
+    Manifold turned;
+    float lead[2] = {};
+    const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;  // on two points, so that it does not turn
+    const bool turns = !stands && m.halfway(pair, static_cast<float>(params.dt), turned, lead);
+    const Manifold& at = turns ? turned : std::as_const(pair.manifold);
+    c.lead_a[l] = lead[0], c.lead_b[l] = lead[1];
+    c.nx[l] = at.nx;
+    c.ny[l] = at.ny;
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
-    fill_points(c, l, pair, size_a, size_b);
+    fill_points(c, l, pair, at, size_a, size_b);
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
     c.wa[l] = fixed ? 0.0f : sa.inv_mass;
@@ -375,7 +382,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 std::size_t Manifolds::bytes() const {
   std::size_t sum =
       bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_, turning_, ties);
-  for (const StripBlocks& s : strips_) sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.watched);
+  for (const StripBlocks& s : strips_)
+    sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);
   return sum;
 }

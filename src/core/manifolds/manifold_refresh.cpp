@@ -59,6 +59,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.rewrite.clear();
   strip.watched.clear();
   strip.landing.clear();
+  strip.open.clear();
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     ManifoldPair& pair = pairs_[k];
     pair.flying = pair.active && pair.fixed_a && flies(s_.bodies, params, pair, inner_of(pair.b));
@@ -68,6 +69,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (!pair.active) continue;
     strip.active.push_back(k);
     if (pair.lands()) strip.landing.push_back(k);
+    if (pair.half_open()) strip.open.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];

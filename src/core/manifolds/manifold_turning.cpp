@@ -116,6 +116,11 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
   }
   c.nx[l] = m.nx;
   c.ny[l] = m.ny;
+  const auto lead = [&](std::size_t n) {
+    return view.angle_change[n] + static_cast<float>(ahead) * (view.rim_speed[n] / b.radius[n]);
+  };
+  c.lead_a[l] = fixed ? 0.0f : lead(i);
+  c.lead_b[l] = lead(j);
   const auto along = [&](float x, float y) { return m.nx * x + m.ny * y; };
   const auto across = [&](float x, float y) { return x * m.ny - y * m.nx; };
   for (int k = 0; k < 2; ++k) {
@@ -133,8 +138,8 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
     // The gap is such that the kernel finds the separation that is right at that time.
     const float* const ta = view.arm_change + 2 * i;
     const float* const tb = view.arm_change + 2 * j;
-    const float turned = tb[0] * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
-                         (fixed ? 0.0f : ta[0] * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
+    const float turned = (tb[0] + c.lead_b[l] * tb[1]) * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
+                         (fixed ? 0.0f : (ta[0] + c.lead_a[l] * ta[1]) * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
     const float speed = along(static_cast<float>(u.x), static_cast<float>(u.y)) + view.rim_speed[j] * p.bt[l] -
                         (fixed ? 0.0f : view.rim_speed[i] * p.at[l]);
     p.gap[l] = from.gap - static_cast<float>(ahead) * speed -

@@ -108,6 +108,11 @@ struct ManifoldPair : PairName {
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// The bodies are apart and may meet within the step.
   bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
+  /// It is open in one of two points, and much nearer in the other one.
+  bool half_open() const {
+    const bool stands = impulse[0] > 0 && impulse[1] > 0;
+    return active && manifold.count == 2 && !stands && 10 * least_gap() < std::max(gap[0], gap[1]);
+  }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -124,8 +129,7 @@ inline bool runs_backwards(const Manifold& m) {
 /// Frames for which a contact stays out of stacks after an impact or a short step of theirs.
 inline constexpr std::uint8_t kRestFrames = 8;
 
-/// A gap below this share of the inner radius counts as touching.
-inline constexpr float kTouching = 0.002f;
+inline constexpr float kTouching = 0.002f;  ///< share of the inner radius: hulls with a smaller gap touch
 
 /// Shapes that pass each other by more of their sizes in a substep may have more impacts than the impact sweeps settle.
 /// From fixed geometry, those bounce in the sweeps that go no further in a whole step, others in continuous collision.
@@ -181,6 +185,7 @@ class Manifolds {
     std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
     std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
     std::vector<std::uint32_t> landing;  // pairs whose bodies may meet in this step
+    std::vector<std::uint32_t> open;     // pairs that are open in one of two points
     std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
@@ -395,6 +400,8 @@ class Manifolds {
   }
   void see_ground(const ManifoldParams& params, std::size_t strip);
   void see_all_ground(const ManifoldParams& params);
+  float half_time(const ManifoldPair& pair, float dt) const;
+  bool halfway(const ManifoldPair& pair, float dt, Manifold& m, float (&lead)[2]) const;
   bool turns_fast(const ManifoldPair& pair, float dt) const;
   void list_turning(float dt);
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,

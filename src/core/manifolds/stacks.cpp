@@ -104,7 +104,9 @@ inline void read_rows(const kernels::BodyView& v, const kernels::ContactParams& 
   const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const Vec2 n{c.nx[l], c.ny[l]};
   const Vec2 vel = record(v.vel, b) - record(v.vel, a), move = record(v.disp, b) - record(v.disp, a);
-  const Vec2 turn_a = record(v.arm_change, a), turn_b = record(v.arm_change, b);
+  Vec2 turn_a = record(v.arm_change, a), turn_b = record(v.arm_change, b);
+  turn_a.x += double{c.lead_a[l]} * turn_a.y;
+  turn_b.x += double{c.lead_b[l]} * turn_b.y;
   const double ua = v.rim_speed[a], ub = v.rim_speed[b], inv_h = p.inv_h;
   double pressed = 0, rubbed = 0;
   link.rows = 0;

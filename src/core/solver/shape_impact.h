@@ -11,6 +11,7 @@
 
 #include "base/rotor.h"
 #include "solver/approach.h"
+#include "solver/shape_hit.h"
 #include "solver/solver_run.h"
 
 namespace psim {
@@ -22,60 +23,7 @@ constexpr double kTouch = 1e-3;  // share of the inner radius: hulls so near tou
 constexpr double kTooDeep = 10, kPartingTime = 0.1;
 // Elastic bodies part by this share of their overlap in a sweep, and no faster than that.
 constexpr double kPartingShare = 0.2, kPartingSpeed = 3;  // -, m/s
-constexpr int kMostSteps = 100;
-
-// A body within a substep. One that is part of the world has no slot and does not move.
-struct Mover {
-  std::uint32_t slot = ManifoldPair::kNone;
-  Vec2 v, a;                    // m/s, m/s^2
-  double angle = 0, omega = 0;  // rad, rad/s
-  Rotor now;                    // of the angle
-  double inv_mass = 0, inv_inertia = 0;
-  double since = 0;  // s: its last impact
-
-  Rotor rotor(double t) const { return t * omega == 0 ? now : rotor_of(angle + t * omega); }
-  Vec2 way(double t) const { return t * v + 0.5 * t * t * a; }
-  Vec2 velocity(double t, Vec2 arm) const { return v + t * a + omega * Vec2{-arm.y, arm.x}; }
-  // The velocity that an impulse along n adds at a point, along m.
-  double gain(Vec2 arm, Vec2 n, Vec2 arm_m, Vec2 m) const {
-    return inv_mass * dot(n, m) + inv_inertia * cross(arm, n) * cross(arm_m, m);
-  }
-};
-
-// The points of a pair that collide.
-struct Hit {
-  double time = 0;
-  Manifold m;
-  Vec2 n;
-  int count = 0;
-  Vec2 arm_a[2], arm_b[2];
-  double approach[2] = {};  // m/s along n, < 0
-  double impulse[2] = {};
-  double wait = 1e30;     // s: until the first of them touches
-  double parting = 1e30;  // m/s: of the slowest point that touches
-  double depth = 0;       // m
-};
-
-// The velocity along m of point j that an impulse along n at point i adds.
-inline double gain(const Mover& a, const Mover& b, const Hit& hit, int i, Vec2 n, int j, Vec2 m) {
-  return a.gain(hit.arm_a[i], n, hit.arm_a[j], m) + b.gain(hit.arm_b[i], n, hit.arm_b[j], m);
-}
-
-// Impulses that turn the approach of each point into e times as fast a parting. Where they would have to pull, one point
-// collides alone.
-inline void find_impulses(const Mover& a, const Mover& b, double e, Hit& hit) {
-  const auto k = [&](int i, int j) { return gain(a, b, hit, i, hit.n, j, hit.n); };
-  const auto wanted = [&](int i) { return -(1 + e) * hit.approach[i]; };
-  if (hit.count == 2) {
-    const double k11 = k(0, 0), k12 = k(0, 1), k22 = k(1, 1), det = k11 * k22 - k12 * k12;
-    hit.impulse[0] = (k22 * wanted(0) - k12 * wanted(1)) / det;
-    hit.impulse[1] = (k11 * wanted(1) - k12 * wanted(0)) / det;
-    if (det > 1e-6 * k11 * k22 && hit.impulse[0] >= 0 && hit.impulse[1] >= 0) return;
-  }
-  const int first = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
-  hit.impulse[first] = wanted(first) / k(first, first);
-  hit.impulse[1 - first] = 0;
-}
+constexpr int kMostSteps = 100, kRockSteps = 2;
 
 struct Around {
   const Surroundings& s;
@@ -126,30 +74,129 @@ class ShapeImpact {
     return true;
   }
 
-  /// The contact of the time at which the bodies meet, or at which they were last seen apart, is what the solver goes by,
-  /// unless it presses already. There is none in a substep in which they surely stay apart.
-  void foretell(Manifolds& manifolds, ManifoldPair& pair, double h) const {
+  /// Bodies that were apart meet at their time: the solver goes by the contact of that time, after the impact, or else by
+  /// that of the time at which they were last seen apart, unless it presses already. There is none in a substep in which
+  /// they surely stay apart.
+  void land(Manifolds& manifolds, ManifoldPair& pair, double h) const {
     if (too_fast(h) || c_.point[0].impulse[l_] > 0 || c_.point[1].impulse[l_] > 0) return;
     Hit hit;
-    find(h, 0, hit);
+    const bool meet = find(h, 0, hit) == Found::hit;
     if (hit.m.count == 0) {
       for (kernels::ManifoldBlock::Point& p : c_.point) p.gap[l_] = kNoGap;
       pair.margin = -1;  // the hulls are looked at again in the next step
       return;
     }
     const double t = hit.time;
-    Manifold m = hit.m;
+    const Manifold m = hit.m;
+    if (meet) strike(hit, t, h);
+    put(manifolds, pair, m, t);
+  }
+
+  /// Bodies that press on each other in one point and come upon another one, which a block does that rocks, meet there at
+  /// time t: the solver finds them after that impact.
+  void rock(Manifolds& manifolds, ManifoldPair& pair, double h, double slowest) {
+    pressed(h);
+    double t = 0;
+    Hit hit;
+    int open = 2;
+    for (int k = 0; k < kRockSteps; ++k) {  // the point that is open comes to the surface
+      if (!meets(at(t), t, hit)) return;
+      if (open == 2) open = hit.gap[1] > hit.gap[0] ? 1 : 0;
+      if (!(-hit.approach[open] > slowest)) return;
+      t = std::max(t - hit.gap[open] / hit.approach[open], std::max(a_.since, b_.since));
+      if (!(t < h)) return;
+    }
+    const Manifold m = at(t);
+    if (!meets(m, t, hit) || std::max(std::fabs(hit.gap[0]), std::fabs(hit.gap[1])) > 2 * near_) return;
+    strike(hit, t, h);
+    put(manifolds, pair, m, t);
+  }
+
+ private:
+  enum class Found : std::uint8_t { none, slow, hit };
+
+  // Puts the contact of time t into its lane.
+  void put(Manifolds& manifolds, ManifoldPair& pair, Manifold m, double t) const {
+    const kernels::BodyView& view = in_.view;
     fit(m, t);
     if (m.count == 0) return;
-    manifolds.foretell(pair, c_, m, in_.view, b_.v + t * b_.a - a_.v - t * a_.a, t);
+    const auto speed = [&](std::uint32_t slot) { return Vec2{view.vel[2 * slot], view.vel[2 * slot + 1]}; };
+    const Vec2 of_a = pair.of_piece() ? Vec2{} : speed(pair.a) + t * a_.falls;
+    manifolds.foretell(pair, c_, m, view, speed(pair.b) + t * b_.falls - of_a, t);
     if (!pair.of_wall()) return;
     pair.base = in_.s.bodies.point(pair.b);  // where the body is at the time of the manifold
     pair.base.dx += static_cast<float>(b_.way(t).x);
     pair.base.dy += static_cast<float>(b_.way(t).y);
   }
 
- private:
-  enum class Found : std::uint8_t { none, slow, hit };
+  // The points of time t collide, with friction.
+  void strike(Hit& hit, double t, double h) const {
+    const Vec2 along{-hit.n.y, hit.n.x};
+    const int k = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
+    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
+    Vec2 push;
+    double turn_a = 0, turn_b = 0;
+    const auto press = [&](int n, Vec2 impulse) {
+      push = push + impulse;
+      turn_a -= cross(hit.arm_a[n], impulse);
+      turn_b += cross(hit.arm_b[n], impulse);
+    };
+    for (int n = 0; n < hit.count; ++n) press(n, hit.impulse[n] * hit.n);
+    press(k, friction * along);
+    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, t, h);
+    settle(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, t, h);
+    for (auto& p : c_.point) p.impulse[l_] = p.friction[l_] = 0;
+  }
+
+  // What presses on the bodies in this contact goes on until the impact.
+  void pressed(double h) {
+    Vec2 force;
+    double turn_a = 0, turn_b = 0;
+    const Vec2 n{c_.nx[l_], c_.ny[l_]};
+    for (const kernels::ManifoldBlock::Point& p : c_.point) {
+      const double l = std::max(p.impulse[l_], 0.0f) / h, f = p.friction[l_] / h;
+      force = force + l * n + f * upright(n);
+      turn_a -= l * double{p.at[l_]} + f * double{p.an[l_]};
+      turn_b += l * double{p.bt[l_]} + f * double{p.bn[l_]};
+    }
+    const auto press = [&](Mover& m, double sign, double turn) {
+      if (!(m.inv_mass > 0)) return;
+      m.a = m.a + sign * m.inv_mass * force;
+      m.alpha = m.inv_inertia * turn * double{in_.s.bodies.radius[m.slot]};
+    };
+    press(a_, -1, turn_a);
+    press(b_, 1, turn_b);
+  }
+
+  // The two points of time t, and how they approach each other. False if one is alone.
+  bool meets(const Manifold& m, double t, Hit& hit) const {
+    hit.time = t;
+    hit.n = {m.nx, m.ny};
+    for (int k = 0; k < m.count; ++k) {
+      const ManifoldPoint& p = m.point[k];
+      hit.gap[k] = p.gap;
+      hit.arm_b[k] = {p.bx, p.by};
+      hit.arm_a[k] = pair_.of_piece() ? Vec2{} : Vec2{p.ax, p.ay};
+      hit.approach[k] = dot(hit.n, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    }
+    hit.count = m.count;
+    return m.count == 2;
+  }
+
+  // Gives a body what an impact at a time of the substep, and what pressed until then, do to it. What pressed is not
+  // repeated by the next kick.
+  void settle(const Mover& m, Vec2 dv, double spin, double t, double h) const {
+    const kernels::BodyView& view = in_.view;
+    const Vec2 force = m.a - m.falls;
+    const std::size_t i = m.slot;
+    const double reach = in_.s.bodies.radius[i];
+    move(m, t * force, t * m.alpha, 0.5 * t);
+    move(m, dv, spin, t);
+    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    add(view.vel0[2 * i], h * force.x), add(view.vel0[2 * i + 1], h * force.y);
+    add(view.rim_speed0[i], reach * h * m.alpha);
+  }
 
   Mover mover(std::uint32_t slot, float inv_mass, float rim_gain) const {
     Mover m;
@@ -166,6 +213,7 @@ class ShapeImpact {
     m.inv_inertia = double{rim_gain} / (reach * reach);
     if (view.event_time != nullptr) m.since = view.event_time[slot];
     if (inv_mass > 0) m.a = view.acc != nullptr ? Vec2{view.acc[2 * slot], view.acc[2 * slot + 1]} : in_.gravity;
+    m.falls = m.a;
     return m;
   }
   const Hull& hull(std::uint32_t slot, std::uint32_t part, std::optional<Hull>& own) const {
@@ -406,6 +454,7 @@ class ShapeImpact {
     const SineCosine q = sine_cosine(view.angle_change[i]);
     view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
     view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
+    if (view.event_time == nullptr) return;
     view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
   }
 
@@ -413,7 +462,7 @@ class ShapeImpact {
   const ManifoldPair& pair_;
   kernels::ManifoldBlock& c_;
   const std::uint32_t l_;
-  const Mover a_, b_;
+  Mover a_, b_;
   std::optional<Hull> own_a_, own_b_;  // hulls that are made for the pair
   const Hull &hull_b_, &hull_a_;
   Vec2 way_, start_;  // m: from A to B, at the start of the substep and of the step

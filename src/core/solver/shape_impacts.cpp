@@ -25,6 +25,42 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
   return -double{std::min(at(c.point[0]), at(c.point[1]))};
 }
 
+// Whether bodies that touch in one point turn so that they may touch in another one within dt, s.
+bool rocks(const BodyStore& b, const ManifoldPair& pair, float dt, float slowest) {
+  constexpr float kRocking = 1e-3f;  // rad in a step
+  const Manifold& m = pair.manifold;
+  const std::size_t i = pair.of_piece() ? pair.b : pair.a, j = pair.b;
+  const float spin_b = b.rim_speed[j] / b.radius[j], spin_a = pair.of_piece() ? 0.0f : b.rim_speed[i] / b.radius[i];
+  if (!(std::fabs(spin_b - spin_a) * dt > kRocking)) return false;
+  const int open = pair.gap[1] > pair.gap[0] ? 1 : 0;
+  if (pair.gap[1 - open] > kTouching * b.kind(pair.id_b).inner) return false;
+  const ManifoldPoint& p = m.point[open];
+  float x = b.vel[2 * j] - spin_b * p.by, y = b.vel[2 * j + 1] + spin_b * p.bx;
+  if (!pair.of_piece()) {
+    x -= b.vel[2 * i] - spin_a * p.ay;
+    y -= b.vel[2 * i + 1] + spin_a * p.ax;
+  }
+  const float vn = m.nx * x + m.ny * y;
+  return vn < -slowest && pair.gap[open] + 1.25f * dt * vn < 0;
+}
+
+// Whether the gap of a point that does not press closes in about h, s, faster than `slowest`, m/s.
+bool closes(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std::uint32_t l, double h, double slowest) {
+  const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
+  const auto along = [&](const float* v) {
+    return c.nx[l] * (v[2 * b] - v[2 * a]) + c.ny[l] * (v[2 * b + 1] - v[2 * a + 1]);
+  };
+  const float *const ta = view.arm_change + 2 * a, *const tb = view.arm_change + 2 * b;
+  return std::ranges::any_of(c.point, [&](const kernels::ManifoldBlock::Point& p) {
+    if (p.impulse[l] > 0) return false;
+    const float turned = (tb[0] + c.lead_b[l] * tb[1]) * (p.bn[l] + c.round_b[l]) + tb[1] * p.bt[l] -
+                         ((ta[0] + c.lead_a[l] * ta[1]) * (p.an[l] - c.round_a[l]) + ta[1] * p.at[l]);
+    const double gap = p.gap[l] + along(view.disp) + turned;
+    const double speed = along(view.vel) + view.rim_speed[b] * p.bt[l] - view.rim_speed[a] * p.at[l];
+    return speed < -slowest && gap > h * speed && gap + 1.5 * h * speed < 0;
+  });
+}
+
 // How two bodies move against each other, and how far they have moved since the frame's start.
 struct Motion {
   Vec2 v, d;                   // m/s, m
@@ -78,21 +114,46 @@ void Solver::list_bouncing(const SolverInput& in) {
   });
 }
 
-// Impacts without restitution of bodies that were apart at the start of the step are left to the solver, which goes by the
-// arms and the normal of the time of the impact.
-void Solver::Run::foretell_landings() {
+// Lists the pairs that may meet in a second point within the step.
+void Solver::list_rocking(const SolverInput& in, double dt, double slowest) {
+  const Manifolds& manifolds = in.contacts.manifolds;
+  rocking_.resize(std::max(rocking_.size(), manifolds.strip_count()));
+  in.contacts.surroundings.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+    rocking_[index].clear();
+    for (const std::uint32_t k : manifolds.strip(index).open) {
+      if (rocks(in.contacts.surroundings.bodies, manifolds.pairs()[k], static_cast<float>(dt),
+                static_cast<float>(slowest))) {
+        rocking_[index].push_back(k);
+      }
+    }
+  });
+}
+
+// Impacts without restitution: what comes after them is left to the solver, which goes by the arms and the normal of their
+// time.
+void Solver::Run::meet_shapes() {
   Manifolds& manifolds = contacts.manifolds;
-  s_.pool.run(manifolds.strip_count(), [&](std::size_t index) {
+  run_phases(manifolds.strip_count(), s_.pool, [&](std::size_t index) {
     Manifolds::StripBlocks& strip = manifolds.strip(index);
     const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
-    for (const std::uint32_t k : strip.landing) {
-      ManifoldPair& pair = manifolds.pair(k);
-      ManifoldBlock& block = strip.blocks[pair.lane / kernels::kBlock];
-      const std::uint32_t l = pair.lane % kernels::kBlock;
+    const auto each = [&](const std::vector<std::uint32_t>& list, const auto& visit) {
+      for (const std::uint32_t k : list) {
+        ManifoldPair& pair = manifolds.pair(k);
+        visit(pair, strip.blocks[pair.lane / kernels::kBlock], pair.lane % kernels::kBlock);
+      }
+    };
+    each(solver_.rocking_[index], [&](ManifoldPair& pair, ManifoldBlock& block, std::uint32_t l) {
+      const float e = block.e[l];
+      const bool loaded = pair.impulse[0] > 0 || pair.impulse[1] > 0;  // else what bounces does so in the sweeps
+      if (e != 0 && !(loaded && e > 0 && e < 1)) return;
+      const double slowest = gravity_ * h_;
+      if (closes(view_, block, l, h_, slowest)) ShapeImpact(around, pair, block, l).rock(manifolds, pair, h_, slowest);
+    });
+    each(strip.landing, [&](ManifoldPair& pair, ManifoldBlock& block, std::uint32_t l) {
       const bool opened = block.point[0].gap[l] >= kNoGap;  // in the last substep
-      if (block.e[l] != 0 || !(opened || turns_ahead(around, pair, params_.dt, h_))) continue;
-      ShapeImpact(around, pair, block, l).foretell(manifolds, pair, h_);
-    }
+      if (block.e[l] != 0 || !(opened || turns_ahead(around, pair, params_.dt, h_))) return;
+      ShapeImpact(around, pair, block, l).land(manifolds, pair, h_);
+    });
   });
 }
 

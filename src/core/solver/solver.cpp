@@ -108,6 +108,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
   const double kept = exponential(-std::fmin(params.damping * h_, kMostDamped));
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
+  turn_.smooth_limit2 = drift_.smooth_limit2;
   set_contacts();
   set_sweeps();
   if (forces != nullptr) {
@@ -157,7 +158,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) force(fields_.accelerate);
   if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
-  if (contacts.manifolds.any()) foretell_landings();
+  if (contacts.manifolds.any()) meet_shapes();
   if (fields_.advance) force(fields_.advance);
   kick(first);
   if (!kinematics.empty()) hold();
@@ -305,14 +306,31 @@ void Solver::Run::drift() {
       s_.kernels.drift(view_, drift_, r.begin, r.end);
     }
     if (bounce_ != 0 && view_.rim_way != nullptr) turn_by_impacts(r);
-    if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), stream_.h, r.begin, r.end);
-    if (b.rim_speed.empty()) return;
-    for (std::uint32_t n = r.begin * 8; n < std::min(r.end * 8, contacts.solved.count()); ++n) {
-      if (view_.linked[n] == 0 || view_.rim_speed[n] == 0) continue;
-      const std::size_t i = contacts.solved.slot(n);
-      b.angle[i] += h_ * (static_cast<double>(view_.rim_speed[n]) / static_cast<double>(b.radius[i]));
-    }
+    if (params_.turns) s_.kernels.turn_bodies(view_, b.radius.data(), turn_, r.begin, r.end);
+    if (!b.rim_speed.empty()) turn_angles(r);
   });
+}
+
+// The angles, in double precision, as turn_bodies() turns the arms: scenes that have only discs know no mean.
+void Solver::Run::turn_angles(BlockRange r) {
+  BodyStore& b = s_.bodies;
+  const float *const last = view_.rim_speed, *const first = view_.rim_speed0, *const acc = view_.acc;
+  const std::uint8_t* const linked = view_.linked;
+  const float limit = turn_.smooth_limit2, four_h2 = 4 * turn_.h * turn_.h;
+  const bool means = params_.turns;
+  const std::uint32_t end = std::min(r.end * 8, contacts.solved.count());
+  for (std::uint32_t n = r.begin * 8; n < end; ++n) {
+    float u = last[n];
+    if (linked[n] == 0 || (u == 0 && (!means || first[n] == 0))) continue;
+    if (means) {
+      float bound = limit;
+      if (acc != nullptr) bound += four_h2 * (acc[2 * n] * acc[2 * n] + acc[2 * n + 1] * acc[2 * n + 1]);
+      const float change = u - first[n], square = change * change;
+      u -= square <= bound && square <= first[n] * first[n] ? 0.5f * change : 0.0f;
+    }
+    const std::size_t i = contacts.solved.slot(n);
+    b.angle[i] += h_ * (static_cast<double>(u) / static_cast<double>(b.radius[i]));
+  }
 }
 
 // The places of kinematic bodies go straight on, since nothing damps them.
@@ -389,6 +407,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   sums_.assign(in.table.strips.size(), {});
   find_loaded(in.table);
   if (params.model.bounce) mark_impacts(in);
+  if (in.contacts.manifolds.any()) list_rocking(in, params.dt, length_of(params.gravity) * params.dt / params.substeps);
   Run run(*this, in, params);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;

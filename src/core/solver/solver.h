@@ -75,7 +75,7 @@ class Solver {
 
   /// The memory for impacts alone, which forget_impacts gives back; and all memory.
   std::size_t impact_bytes() const { return bytes_of(touched_, bouncing_, pressing_, last_sweep_); }
-  std::size_t bytes() const { return impact_bytes() + bytes_of(loaded_, kinematic_at_, sums_); }
+  std::size_t bytes() const { return impact_bytes() + bytes_of(rocking_, loaded_, kinematic_at_, sums_); }
   void forget_impacts() { give_back(touched_, bouncing_, pressing_, last_sweep_); }
 
  private:
@@ -95,11 +95,13 @@ class Solver {
   void touch_resting(const SolverInput& in);
   void mark_impacts(const SolverInput& in);
   void list_bouncing(const SolverInput& in);
+  void list_rocking(const SolverInput& in, double dt, double slowest);
   void sum_up(const SolverInput& in, int substeps);
 
-  std::vector<std::uint8_t> touched_;            // by number of a body: it has a contact that presses
-  std::vector<std::vector<Bouncing>> bouncing_;  // by strip: the pairs of shapes that may collide in sweeps
-  std::vector<std::uint8_t> pressing_;           // by strip: some of its contacts press
+  std::vector<std::uint8_t> touched_;                // by number of a body: it has a contact that presses
+  std::vector<std::vector<Bouncing>> bouncing_;      // by strip: the pairs of shapes that may collide in sweeps
+  std::vector<std::vector<std::uint32_t>> rocking_;  // by strip: pairs that touch in one point, and may in another one
+  std::vector<std::uint8_t> pressing_;               // by strip: some of its contacts press
   std::vector<int> last_sweep_;              // by strip: the last sweep over impacts in which it had an event, or -1
   std::vector<std::uint32_t> loaded_;        // strips with contacts under heavy loads
   std::array<std::size_t, 3> loaded_end_{};  // of even strips, odd strips, the group of large bodies

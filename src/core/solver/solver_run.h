@@ -99,13 +99,14 @@ class Solver::Run : SolverInput {
   void set_floors();
   void impacts();
   bool impact_shapes(std::size_t strip, bool first, bool all);
-  void foretell_landings();
+  void meet_shapes();
   void kick(bool first);
   void hold();
   void warm(bool first_of_step);
   void solve();
   void drift();
   void turn_by_impacts(BlockRange r);
+  void turn_angles(BlockRange r);
   void carry_kinematics();
   void relax();
   void spend();
@@ -123,7 +124,7 @@ class Solver::Run : SolverInput {
   const std::size_t model_ = static_cast<std::size_t>(params_.model.model), bounce_ = params_.model.bounce ? 1 : 0;
 
   const kernels::StreamParams stream_;
-  kernels::StreamParams drift_ = stream_;
+  kernels::StreamParams drift_ = stream_, turn_ = stream_;  // nothing damps a rotation
   struct OfDiscs {
     ContactParams pair, fixed;
   };

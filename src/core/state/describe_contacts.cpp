@@ -159,8 +159,11 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   for (StripBlocks& s : strips_) {
     std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
     s.landing.clear();
+    s.open.clear();
     std::ranges::copy_if(s.active, std::back_inserter(s.landing),
                          [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].lands(); });
+    std::ranges::copy_if(s.active, std::back_inserter(s.open),
+                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].half_open(); });
   }
   old_pairs_.clear();
   both_ = collecting_ = false;
