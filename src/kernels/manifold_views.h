@@ -35,9 +35,10 @@ struct alignas(kAlign) ManifoldBlock {
   float round_a[kBlock], round_b[kBlock];  ///< p: rounding / R
   float lead_a[kBlock], lead_b[kBlock];    ///< q, rad
   float mu[kBlock];
-  float e[kBlock];     ///< restitution; negative: the pair is left alone in this substep, as its impact was settled
-  float soft[kBlock];  ///< compliance in units of 1 / effective mass
-  float rate[kBlock];  ///< 1/s: push-out of an overlap
+  float e[kBlock];      ///< restitution; negative: the pair is left alone in this substep, as its impact was settled
+  float soft[kBlock];   ///< compliance in units of 1 / effective mass
+  float rate[kBlock];   ///< 1/s: push-out of an overlap
+  float apart[kBlock];  ///< m: from the centre of A to that of B along the normal; 0 if A is fixed geometry
 };
 
 }  // namespace psim::kernels

@@ -43,7 +43,7 @@ void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
   no_point(c.point[1], l);
   c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
   c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = c.lead_a[l] = c.lead_b[l] = 0;
-  c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = 0;
+  c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = c.apart[l] = 0;
 }
 
 // Whether a pair lies under a heavy load. Those of stacks do not count, since stacks are solved exactly.
@@ -175,7 +175,7 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, strips_, special_,
-            stale_, shaped_, fixed_, turning_, kind_, rotor_, inner_, used_, ties);
+            stale_, shaped_, fixed_, crowded_, turned_, turning_, kind_, rotor_, inner_, used_, ties);
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
@@ -303,6 +303,7 @@ struct Manifolds::Layout {
     c.lead_a[l] = lead[0], c.lead_b[l] = lead[1];
     c.nx[l] = at.nx;
     c.ny[l] = at.ny;
+    c.apart[l] = fixed ? 0.0f : at.nx * (at.point[0].ax - at.point[0].bx) + at.ny * (at.point[0].ay - at.point[0].by);
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
     fill_points(c, l, pair, at, size_a, size_b);
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
@@ -380,8 +381,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 }
 
 std::size_t Manifolds::bytes() const {
-  std::size_t sum =
-      bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_, turning_, ties);
+  std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_,
+                             crowded_, turned_, turning_, ties);
   for (const StripBlocks& s : strips_)
     sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);

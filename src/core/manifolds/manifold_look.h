@@ -17,6 +17,8 @@ namespace psim {
 // A manifold lasts while no point of its bodies has moved, relative to the other body, by more than this share of the
 // smaller inner radius.
 inline constexpr float kLasting = 0.02f;
+inline constexpr float kRocking = 1e-3f;  // rad in a step: bodies that turn less do not rock
+inline constexpr float kLanding = 0.01f;  // rad in a step: bodies that turn less meet others with the arms of its start
 inline constexpr float kFading = 0.95f;   // factor on offsets in a frame
 inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this share of the inner radius
 inline constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
@@ -49,9 +51,11 @@ struct Manifolds::Look {
   struct Stand {
     LatticePoint at;  // from A (or 0) to B
     Rotor qa, qb;
-    float vx, vy;  // m/s: the velocity of B relative to A
-    float inner;   // m: the smaller inner radius
-    float wanted;  // m: bodies with a smaller gap may touch within the step
+    float vx, vy;   // m/s: the velocity of B relative to A
+    float rim;      // m/s: how fast their rims turn, together
+    float closing;  // m/s: how fast points of theirs come together at most
+    float inner;    // m: the smaller inner radius
+    float wanted;   // m: bodies with a smaller gap may touch within the step
   };
   // Pairs of one kind that wait until a kernel has a full batch.
   struct Waiting {
@@ -100,7 +104,8 @@ struct Manifolds::Look {
       rim_speed += std::fabs(b.rim_speed[i]);
       if (!pair.fixed_a) now.inner = std::min(now.inner, inner_of(i));
     }
-    const float closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g * dt;
+    now.rim = rim_speed;
+    const float closing = now.closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g * dt;
     now.wanted = kNearby * now.inner + kAheadFrames * dt * closing;
 
     const auto turned = [](Rotor to, Rotor from) { return std::fabs(from.c * to.s - from.s * to.c); };
@@ -251,17 +256,24 @@ struct Manifolds::Look {
   void judge(ManifoldPair& pair, const Stand& now) const {
     const Manifold& m = pair.manifold;
     pair.active = m.count != 0;
-    pair.ahead = pair.ghost = false;
-    if (m.count == 0 || pair.of_wall()) return;
+    pair.ahead = pair.ghost = pair.rocking = pair.landing = false;
+    if (m.count == 0) return;
     const float least = pair.least_gap();
+    if (m.count == 2 && now.rim * dt > kRocking * now.inner) {
+      const float most = std::max(pair.gap[0], pair.gap[1]);
+      pair.rocking = 10 * least < most && most < kAheadFrames * dt * now.closing;
+    }
+    const bool turns = now.rim * dt > kLanding * now.inner;
+    pair.landing = turns && pair.of_wall() && least > 0;
+    if (pair.of_wall()) return;
     // Gravity alone may close a small gap: what supports one body need not support the other.
     if (!(least > std::max(kApart * now.inner, std::min(g * dt * dt, kFallen * now.inner)))) return;
     const float rim_speed = std::fabs(b.rim_speed[pair.b]) + (pair.of_piece() ? 0.0f : std::fabs(b.rim_speed[pair.a]));
     const float closing = rim_speed + g * dt - (m.nx * now.vx + m.ny * now.vy);
     const bool ahead = kAheadFrames * dt * closing >= least;
     if ((!ahead && !(least > now.inner)) || is_elastic(pair, now)) return;
-    pair.ahead = ahead;
-    pair.active = ahead;
+    pair.ahead = pair.active = ahead;
+    pair.landing = turns && ahead;
   }
 
   // Makes the contact that lies ahead: where B will meet A if B moves by (mx, my) relative to A and turns on as it does.

@@ -139,7 +139,7 @@ struct Manifolds::Sorter {
     return true;
   }
 
-  std::uint32_t parts(std::uint32_t slot) const {
+  [[gnu::always_inline]] std::uint32_t parts(std::uint32_t slot) const {
     return m.has_corners(slot) ? std::max(1u, b.kind(b.id[slot]).hull_count) : 1u;
   }
 

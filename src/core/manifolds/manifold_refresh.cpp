@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/rotor.h"
+#include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "manifolds/manifolds.h"
 
@@ -68,8 +69,8 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
-    if (pair.lands()) strip.landing.push_back(k);
-    if (pair.half_open()) strip.open.push_back(k);
+    if (pair.landing) strip.landing.push_back(k);
+    if (pair.rocking) strip.open.push_back(k);
     if (!laid) continue;
     if (!pair.changed && pair.lane / kernels::kBlock < strip.blocks.size()) {
       kernels::ManifoldBlock& c = strip.blocks[pair.lane / kernels::kBlock];
@@ -83,24 +84,22 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
 }
 
 // Of the fixed pieces that a body meets, those come last that it approaches most: whatever the order in which the ground
-// is listed, the sweeps go the same way.
+// is listed, the sweeps go the same way. The pairs of a body swap their places in the list of active ones.
 void Manifolds::order_by_approach(std::size_t index) {
   std::vector<std::uint32_t>& active = strips_[index].active;
-  const auto of_ground = [&](std::uint32_t k) { return !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics); };
+  const auto of_ground = [&](std::uint32_t k) {
+    return pairs_[k].fixed_a && !pairs_[k].of_wall() && !pairs_[k].of_sleeper(s_.statics);
+  };
   const auto approach = [&](std::uint32_t k) {
     const ManifoldPair& pair = pairs_[k];
     const Vec2 v = s_.bodies.velocity(pair.b) - (pair.of_piece() ? Vec2{} : s_.bodies.velocity(pair.a));
     return -(pair.manifold.nx * static_cast<float>(v.x) + pair.manifold.ny * static_cast<float>(v.y));
   };
-  if (any_kinematic_) {  // any pair of the strip may be one with such a piece
-    const auto rank = [&](std::uint32_t k) {
-      const bool ground = pairs_[k].fixed_a && of_ground(k);
-      return std::tuple(ground, ground ? pairs_[k].b : 0, ground ? approach(k) : 0, k);
-    };
-    // Total order: no index occurs twice.
-    std::sort(active.begin(), active.end(), [&](std::uint32_t a, std::uint32_t b) { return rank(a) < rank(b); });
-    return;
-  }
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {  // a total order: no index occurs twice
+    const float of_a = approach(a), of_b = approach(b);
+    return of_a != of_b ? of_a < of_b : a < b;
+  };
+  if (any_kinematic_) return order_scattered(active, of_ground, less);
   for (const auto& [first, last] : pieces_of(index)) {
     auto k = std::ranges::lower_bound(active, first);
     const auto behind = std::ranges::lower_bound(active, last);
@@ -109,13 +108,32 @@ void Manifolds::order_by_approach(std::size_t index) {
       const bool ground = of_ground(*k);
       auto end = k + 1;
       while (ground && end != behind && pairs_[*end].b == body && of_ground(*end)) ++end;
-      // Total order: no index occurs twice.
-      std::sort(k, end, [&](std::uint32_t a, std::uint32_t b) {
-        const float of_a = approach(a), of_b = approach(b);
-        return of_a != of_b ? of_a < of_b : a < b;
-      });
+      std::sort(k, end, less);  // Total order: as above.
       k = end;
     }
+  }
+}
+
+// The same where some pieces are kinematic, so that those of a body lie anywhere in the list.
+void Manifolds::order_scattered(std::vector<std::uint32_t>& active, const auto& of_ground, const auto& less) {
+  const auto each_ground = [&](const auto& each) {
+    for (std::uint32_t at = 0; at < active.size(); ++at) {
+      if (of_ground(active[at])) each(at, pairs_[active[at]].b);
+    }
+  };
+  each_ground([&](std::uint32_t, std::uint32_t body) { used_[body] = 0; });
+  each_ground([&](std::uint32_t, std::uint32_t body) { ++used_[body]; });
+  crowded_.clear();
+  each_ground([&](std::uint32_t at, std::uint32_t body) {
+    if (used_[body] > 1) crowded_.push_back(std::uint64_t{body} << 32 | at);
+  });
+  sort_keys(crowded_.begin(), crowded_.end());
+  for (auto first = crowded_.begin(); first != crowded_.end();) {
+    const auto end = first + used_[*first >> 32];
+    turned_.clear();
+    for (auto place = first; place != end; ++place) turned_.push_back(active[static_cast<std::uint32_t>(*place)]);
+    std::sort(turned_.begin(), turned_.end(), less);  // Total order: as above.
+    for (const std::uint32_t k : turned_) active[static_cast<std::uint32_t>(*first++)] = k;
   }
 }
 

@@ -116,6 +116,7 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
   }
   c.nx[l] = m.nx;
   c.ny[l] = m.ny;
+  c.apart[l] = fixed ? 0.0f : m.nx * (m.point[0].ax - m.point[0].bx) + m.ny * (m.point[0].ay - m.point[0].by);
   const auto lead = [&](std::size_t n) {
     return view.angle_change[n] + static_cast<float>(ahead) * (view.rim_speed[n] / b.radius[n]);
   };

@@ -81,8 +81,10 @@ struct ManifoldPair : PairName {
   bool ahead = false;              ///< the bodies are apart, and may meet within the step
   bool flying = false;             ///< B comes too fast for a contact: continuous collision sees to it
   bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
-  bool lasting = false;            ///< the manifold may be kept while bodies move little
-  bool changed = true;             ///< it changed since it was written into its lane
+  bool landing = false;            ///< the bodies turn, are apart, and may meet within the step
+  bool rocking = false;  ///< it is open in one of two points, much nearer in the other one, and its bodies turn
+  bool lasting = false;  ///< the manifold may be kept while bodies move little
+  bool changed = true;   ///< it changed since it was written into its lane
   /// Whether the pair is in a stack that stands on a moving body, in one on fixed ground, or in none.
   enum StackRole : std::uint8_t { kNoStack, kOnMoving, kOnFixed };
   StackRole stack = kNoStack;
@@ -106,13 +108,6 @@ struct ManifoldPair : PairName {
 
   /// Whether its manifold is that of a floor of several pieces.
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
-  /// The bodies are apart and may meet within the step.
-  bool lands() const { return active && (ahead || (of_wall() && least_gap() > 0)); }
-  /// It is open in one of two points, and much nearer in the other one.
-  bool half_open() const {
-    const bool stands = impulse[0] > 0 && impulse[1] > 0;
-    return active && manifold.count == 2 && !stands && 10 * least_gap() < std::max(gap[0], gap[1]);
-  }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
 };
@@ -407,6 +402,7 @@ class Manifolds {
   void put_turned(const ManifoldPair& pair, const Manifold& m, kernels::ManifoldBlock& c, std::uint32_t l,
                   const kernels::BodyView& view, Vec2 moved, Vec2 u, double ahead) const;
   void order_by_approach(std::size_t strip);
+  void order_scattered(std::vector<std::uint32_t>& active, const auto& of_ground, const auto& less);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
   void unite(std::uint32_t slot_a, std::uint32_t slot_b);
@@ -432,7 +428,9 @@ class Manifolds {
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
   bool fixed_known_ = false;                   // fixed_ is that of pairs_
   bool any_kinematic_ = false;                 // some fixed sides are kinematic
-  std::vector<std::uint32_t> turning_;         // pairs whose kinematic side turns fast
+  std::vector<std::uint64_t> crowded_;  // of bodies that meet several fixed pieces: slot << 32 | place in `active`
+  std::vector<std::uint32_t> turned_;   // pairs of one of them
+  std::vector<std::uint32_t> turning_;  // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs

@@ -10,6 +10,7 @@ namespace psim {
 namespace {
 
 constexpr std::size_t kTask = 512, kFlights = 16;
+constexpr std::size_t kFew = 8;     // kinematic bodies that are looked at one by one
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
 // Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
 constexpr float kPressed = 0.25f;
@@ -85,15 +86,37 @@ bool near_fixed(const ContinuousInput& in, std::size_t i) {
   return s.statics.any() && !s.statics.surely_none(box);
 }
 
-// Whether the circles around two bodies may have met in the step.
-bool may_reach(const Surroundings& s, std::size_t i, std::size_t k) {
-  const BodyStore& b = s.bodies;
-  const Vec2 apart = s.lattice.steps({b.pos[2 * i], b.pos[2 * i + 1]}, {b.pos[2 * k], b.pos[2 * k + 1]});
-  const double ways = length_of({b.disp[2 * i], b.disp[2 * i + 1]}) + length_of({b.disp[2 * k], b.disp[2 * k + 1]});
-  return length_of(apart) < double{b.radius[i]} + b.radius[k] + ways;
+// The box around the shape of a body, in its own axes.
+Bounds hull_box(const BodyStore& b, std::size_t i) {
+  const BodyKind& kind = b.kind(b.id[i]);
+  const double r = b.radius[i];
+  if (kind.hull_count == 0) return {-r, -r, r, r};
+  Bounds box{1e30, 1e30, -1e30, -1e30};
+  for (std::uint32_t part = 0; part < kind.hull_count; ++part) {
+    const Hull& hull = b.hulls[kind.first_hull + part];
+    for (int k = 0; k < hull.count; ++k) {
+      const double x = hull.x[k], y = hull.y[k], round = hull.radius;
+      box = {std::min(box.xmin, x - round), std::min(box.ymin, y - round), std::max(box.xmax, x + round),
+             std::max(box.ymax, y + round)};
+    }
+  }
+  return box;
 }
 
 }  // namespace
+
+// Whether a body is fast, as seen from a kinematic one, and its way leads near the box around that one's shape. The way is
+// no longer than the two ways and what turning adds (Flight::way_against has it exactly).
+bool Continuous::comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k) {
+  const BodyStore& b = s.bodies;
+  const Vec2 apart = s.lattice.steps({b.pos[2 * k.slot], b.pos[2 * k.slot + 1]}, {b.pos[2 * i], b.pos[2 * i + 1]});
+  const Vec2 at = turned({-k.turn.sine, k.turn.cosine}, apart);
+  const Vec2 off{at.x - std::clamp(at.x, k.hull.xmin, k.hull.xmax), at.y - std::clamp(at.y, k.hull.ymin, k.hull.ymax)};
+  const double x = b.disp[2 * i] - b.disp[2 * k.slot], y = b.disp[2 * i + 1] - b.disp[2 * k.slot + 1];
+  const double far = std::sqrt(x * x + y * y), around = std::fabs(k.change) * (length_of(apart) + far);
+  const double reach = double{b.radius[i]} + far + around;
+  return !(dot(off, off) > reach * reach) && way_against(s, i, k.slot) > Flight::kFast * inner_of(b, i);
+}
 
 // The kinematic bodies by the left edges of their boxes, to find those along a way.
 void Continuous::sort_kinematics(const ContinuousInput& in) {
@@ -102,7 +125,11 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
   widest_ = 0;
   for (const auto& [id, velocity] : in.kinematics) {
     if (s.bodies.kind(id).sensor) continue;
-    kinematics_.push_back({box_of(s, s.bodies.info[id].slot), s.bodies.info[id].slot});
+    const std::uint32_t slot = s.bodies.info[id].slot;
+    const double change = s.bodies.angle_change.empty() ? 0 : double{s.bodies.angle_change[slot]};
+    kinematics_.push_back(
+        {box_of(s, slot), slot, hull_box(s.bodies, slot),
+         change == 0 && s.bodies.angle.empty() ? SineCosine{} : sine_cosine(s.bodies.angle_of(slot) - change), change});
     const Bounds& box = kinematics_.back().box;
     widest_ = std::fmax(widest_, box.xmax - box.xmin);
   }
@@ -119,17 +146,13 @@ bool Continuous::may_come_upon(const Surroundings& s, std::size_t i) const {
   const BodyStore& b = s.bodies;
   const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = Flight::kFast * inner_of(b, i);
   if (!(x * x + y * y > limit * limit)) return false;
-  const auto fast = [&](const Kinematic& k) {
-    return way_against(s, i, k.slot) > Flight::kFast * inner_of(s.bodies, i);
-  };
-  if (s.lattice.wraps()) {
-    return std::ranges::any_of(kinematics_, [&](const Kinematic& k) { return may_reach(s, i, k.slot) && fast(k); });
-  }
+  const auto meets = [&](const Kinematic& k) { return comes_upon(s, i, k); };
+  if (s.lattice.wraps() || kinematics_.size() <= kFew) return std::ranges::any_of(kinematics_, meets);
   const Bounds mine = box_of(s, i);
   const auto left = [](const Kinematic& k) { return k.box.xmin; };
   auto k = std::ranges::lower_bound(kinematics_, mine.xmin - widest_, {}, left);
   for (; k != kinematics_.end() && k->box.xmin <= mine.xmax; ++k) {
-    if (overlap(k->box, mine) && fast(*k)) return true;
+    if (overlap(k->box, mine) && meets(*k)) return true;
   }
   return false;
 }

@@ -65,10 +65,14 @@ class Continuous {
   struct Kinematic {
     Bounds box;  // around its way, m from the centre of the lattice
     std::uint32_t slot;
+    Bounds hull;        // around its shape, m, in its own axes
+    SineCosine turn;    // at the start of the step
+    double change = 0;  // rad: how far it turns
   };
 
   void sort_kinematics(const ContinuousInput& in);
   bool may_come_upon(const Surroundings& s, std::size_t i) const;
+  static bool comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k);
   void find(const ContinuousInput& in);
   void follow(const ContinuousInput& in);
   void find_shapes(const ContinuousInput& in);

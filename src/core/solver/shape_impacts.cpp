@@ -121,8 +121,10 @@ void Solver::list_rocking(const SolverInput& in, double dt, double slowest) {
   in.contacts.surroundings.pool.run(manifolds.strip_count(), [&](std::size_t index) {
     rocking_[index].clear();
     for (const std::uint32_t k : manifolds.strip(index).open) {
-      if (rocks(in.contacts.surroundings.bodies, manifolds.pairs()[k], static_cast<float>(dt),
-                static_cast<float>(slowest))) {
+      const ManifoldPair& pair = manifolds.pairs()[k];
+      const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;
+      if (!stands &&
+          rocks(in.contacts.surroundings.bodies, pair, static_cast<float>(dt), static_cast<float>(slowest))) {
         rocking_[index].push_back(k);
       }
     }

@@ -62,20 +62,15 @@ float positive_part(float impulse) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(impulse) & mask_from(impulse, kTiniest));
 }
 
-// The virial of the last substep: of contacts of shapes with dynamic and kinematic bodies. Both arms of a point lead to
-// the same place, so that their difference is the way between the centres.
-double virial_of(const Manifolds::StripBlocks& strip, const BodyStore& bodies) {
+// The virial of the last substep: of contacts of shapes with dynamic and kinematic bodies.
+double virial_of(const Manifolds::StripBlocks& strip) {
   double sum = 0;
   for (const kernels::ManifoldBlock& c : strip.blocks) {
+    float part[kernels::kBlock];
     for (std::uint32_t l = 0; l < kernels::kBlock; ++l) {
-      const std::uint32_t a = c.body[2 * l], b = c.body[2 * l + 1];
-      if (a >= bodies.count) continue;  // a dummy: B touches fixed geometry, or the lane is empty
-      const double size_a = bodies.radius[a], size_b = bodies.radius[b];
-      const auto of = [&](const kernels::ManifoldBlock::Point& p) {
-        return double{positive_part(p.impulse[l])} * (double{p.an[l]} * size_a - double{p.bn[l]} * size_b);
-      };
-      sum += of(c.point[0]) + of(c.point[1]);
+      part[l] = (std::max(c.point[0].impulse[l], 0.0f) + std::max(c.point[1].impulse[l], 0.0f)) * c.apart[l];
     }
+    for (const float of : part) sum += double{of};
   }
   return sum;
 }
@@ -313,23 +308,38 @@ void Solver::Run::drift() {
 
 // The angles, in double precision, as turn_bodies() turns the arms: scenes that have only discs know no mean.
 void Solver::Run::turn_angles(BlockRange r) {
+  constexpr std::uint32_t kChunk = 256;  // bodies: long enough for loops that compilers make vectors of
+  float bound[kChunk], mean[kChunk];
   BodyStore& b = s_.bodies;
-  const float *const last = view_.rim_speed, *const first = view_.rim_speed0, *const acc = view_.acc;
-  const std::uint8_t* const linked = view_.linked;
-  const float limit = turn_.smooth_limit2, four_h2 = 4 * turn_.h * turn_.h;
-  const bool means = params_.turns;
+  const float share = params_.turns ? 0.5f : 0.0f;  // of a smooth change
+  const double h = h_;
   const std::uint32_t end = std::min(r.end * 8, contacts.solved.count());
-  for (std::uint32_t n = r.begin * 8; n < end; ++n) {
-    float u = last[n];
-    if (linked[n] == 0 || (u == 0 && (!means || first[n] == 0))) continue;
-    if (means) {
-      float bound = limit;
-      if (acc != nullptr) bound += four_h2 * (acc[2 * n] * acc[2 * n] + acc[2 * n + 1] * acc[2 * n + 1]);
-      const float change = u - first[n], square = change * change;
-      u -= square <= bound && square <= first[n] * first[n] ? 0.5f * change : 0.0f;
+  for (std::uint32_t begin = r.begin * 8; begin < end; begin += kChunk) {
+    const std::uint32_t n = std::min(kChunk, end - begin);
+    const float *const last = view_.rim_speed + begin, *const first = view_.rim_speed0 + begin;
+    std::fill_n(bound, n, turn_.smooth_limit2);
+    if (view_.acc != nullptr) {
+      const float* const acc = view_.acc + 2 * std::size_t{begin};
+      for (std::uint32_t l = 0; l < n; ++l) {
+        bound[l] += 4 * turn_.h * turn_.h * (acc[2 * l] * acc[2 * l] + acc[2 * l + 1] * acc[2 * l + 1]);
+      }
     }
-    const std::size_t i = contacts.solved.slot(n);
-    b.angle[i] += h_ * (static_cast<double>(u) / static_cast<double>(b.radius[i]));
+    for (std::uint32_t l = 0; l < n; ++l) {
+      const float change = last[l] - first[l], square = change * change;
+      mean[l] = last[l] - (square <= std::min(bound[l], first[l] * first[l]) ? share * change : 0.0f);
+    }
+    const std::uint8_t* const linked = view_.linked + begin;
+    for (std::uint32_t l = 0; l < n; ++l) mean[l] = linked[l] != 0 ? mean[l] : 0.0f;
+    if (contacts.solved.compact()) {
+      for (std::uint32_t l = 0; l < n; ++l) {
+        const std::size_t i = contacts.solved.slot(begin + l);
+        b.angle[i] += h * double{mean[l] / b.radius[i]};
+      }
+      continue;
+    }
+    double* const angle = b.angle.data() + begin;
+    const float* const radius = b.radius.data() + begin;
+    for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l] / std::max(radius[l], 1e-30f)};
   }
 }
 
@@ -387,7 +397,7 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     Manifolds& manifolds = in.contacts.manifolds;
     if (!manifolds.any() || index >= manifolds.strip_count()) return;
     sums_[index].closed += manifolds.closed(index);
-    sums_[index].shapes += substeps * virial_of(manifolds.strip(index), in.contacts.surroundings.bodies);
+    sums_[index].shapes += substeps * virial_of(manifolds.strip(index));
   });
 }
 

@@ -105,8 +105,9 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
-  values(a, p.round_a, p.round_b, p.active, p.ahead, p.flying, p.ghost, p.moved, p.lasting, p.changed, p.stack,
-         p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands, p.hangs, p.yields);
+  values(a, p.round_a, p.round_b, p.active, p.ahead, p.flying, p.ghost, p.moved, p.landing, p.rocking, p.lasting,
+         p.changed, p.stack, p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands, p.hangs,
+         p.yields);
   a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
@@ -161,9 +162,9 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     s.landing.clear();
     s.open.clear();
     std::ranges::copy_if(s.active, std::back_inserter(s.landing),
-                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].lands(); });
+                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].landing; });
     std::ranges::copy_if(s.active, std::back_inserter(s.open),
-                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].half_open(); });
+                         [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].rocking; });
   }
   old_pairs_.clear();
   both_ = collecting_ = false;
