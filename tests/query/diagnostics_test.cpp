@@ -199,8 +199,27 @@ TEST_P(Sums, OfMotionAreThoseOfTheBodies) {
   }
 }
 
+using States = std::map<std::uint32_t, BodyState>;
+
+States states_of(const Mixture& m) {
+  States all;
+  for (const auto& [id, body] : m.desc) all[id] = state(*m.world, m.world->id_of(id));
+  return all;
+}
+
+/// Whether two bodies came together in a step faster than their velocities before it said, with a quarter to spare: lists
+/// may not name who is thrown upon each other like that until the next step.
+bool thrown(const Mixture& m, const States& before, std::uint32_t a, std::uint32_t b) {
+  if (before.empty()) return false;
+  const BodyState &a0 = before.at(a), &b0 = before.at(b);
+  const BodyState a1 = state(*m.world, m.world->id_of(a)), b1 = state(*m.world, m.world->id_of(b));
+  const Vec2 way = m.near({(b1.x - a1.x) - (b0.x - a0.x), (b1.y - a1.y) - (b0.y - a0.y)});
+  const double dt = 1.0 / 60, speed = std::hypot(b0.vx - a0.vx, b0.vy - a0.vy);
+  return std::hypot(way.x, way.y) > 1.25 * dt * (speed + kG * dt);
+}
+
 /// The deepest overlap by brute force over all outlines, walls among them.
-double deepest_of_all(const Mixture& m, bool joined) {
+double deepest_of_all(const Mixture& m, bool joined, const States& before) {
   std::vector<std::pair<std::uint32_t, std::vector<reference::Outline>>> bodies;
   const WorldDesc& d = m.world->desc();
   double most = 0;
@@ -224,7 +243,7 @@ double deepest_of_all(const Mixture& m, bool joined) {
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       const auto& [a, of_a] = bodies[i];
       const auto& [b, of_b] = bodies[j];
-      if ((!m.dynamic(a) && !m.dynamic(b)) || tied(a, b)) continue;
+      if ((!m.dynamic(a) && !m.dynamic(b)) || tied(a, b) || thrown(m, before, a, b)) continue;
       const BodyState sa = state(*m.world, m.world->id_of(a)), sb = state(*m.world, m.world->id_of(b));
       const Vec2 way{sb.x - sa.x, sb.y - sa.y}, nearest = m.near(way);
       for (reference::Outline p : of_a) {
@@ -241,10 +260,13 @@ TEST_P(Sums, DeepestOverlapIsThatOfTheEndOfTheStep) {
   Mixture m(GetParam(), 6);
   double most = 0;
   for (int frame = 0; frame < 300; ++frame) {
+    const States before = states_of(m);
     m.world->step();
     if (frame % 5 != 3 && frame % 16 != 15) continue;
-    const double deepest = m.world->diagnostics().max_penetration;
-    EXPECT_NEAR(deepest, deepest_of_all(m, m.setting.joints), 1e-5) << frame;
+    const double deepest = m.world->diagnostics().max_penetration,
+                 most_of_listed = deepest_of_all(m, m.setting.joints, before);
+    EXPECT_GT(deepest, most_of_listed - 1e-5) << frame;
+    EXPECT_LT(deepest, deepest_of_all(m, m.setting.joints, {}) + 1e-5) << frame;
     most = std::max(most, deepest);
   }
   if (m.setting.e != 1) {

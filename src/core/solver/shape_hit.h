@@ -1,4 +1,4 @@
-// The impulses of an impact of two shapes in one or two points: for shape_impact.h alone.
+// Hulls that turn, and the impulses of an impact of two shapes in one or two points: for shape_impact.h alone.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,30 @@
 #include "manifolds/manifolds.h"
 
 namespace psim::shape_impact {
+
+// How far a hull reaches along n, m.
+inline double top_of(const Hull& hull, Rotor q, Vec2 n) {
+  const Vec2 own = turned({-double{q.s}, q.c}, n);
+  double top = dot(own, hull.vertex(0));
+  for (int k = 1; k < hull.count; ++k) top = std::max(top, dot(own, hull.vertex(k)));
+  return top + double{hull.radius};
+}
+
+// The corners of a turning hull: how far each lies behind the foremost one along n, and how fast the rotation moves it
+// along n.
+struct Corners {
+  double behind[Hull::kMost] = {}, speed[Hull::kMost] = {};  // m, m/s
+  Corners(const Hull& hull, Rotor q, double omega, Vec2 n) {
+    const Vec2 own = turned({-double{q.s}, q.c}, n), across = omega * Vec2{own.y, -own.x};  // in the axes of the hull
+    double most = -1e300;
+    for (int k = 0; k < hull.count; ++k) {
+      behind[k] = dot(own, hull.vertex(k));
+      speed[k] = dot(across, hull.vertex(k));
+      most = std::max(most, behind[k]);
+    }
+    for (int k = 0; k < hull.count; ++k) behind[k] = most - behind[k];
+  }
+};
 
 // A body within a substep. One that is part of the world has no slot and does not move.
 struct Mover {

@@ -249,14 +249,6 @@ class ShapeImpact {
                        top_of(hull_b_, b_.rotor(since), -1 * n);
     return gap > near_ ? since + apart_for(gap, since, n, h) : since;
   }
-  // How far a hull reaches along n, m.
-  static double top_of(const Hull& hull, Rotor q, Vec2 n) {
-    const Vec2 own = turned({-double{q.s}, q.c}, n);
-    double top = dot(own, hull.vertex(0));
-    for (int k = 1; k < hull.count; ++k) top = std::max(top, dot(own, hull.vertex(k)));
-    return top + double{hull.radius};
-  }
-
   Manifold at(double t) const {
     constexpr float kAny = 1e30f;
     const Vec2 d = way_ + b_.way(t) - a_.way(t);
@@ -269,22 +261,6 @@ class ShapeImpact {
     const double height = dot(n, since - Vec2{m.point[0].bx, m.point[0].by}) + 0.5 * double{m.point[0].gap};
     return meet_plane(hull_b_, qb, m.nx, m.ny, static_cast<float>(height), kAny);
   }
-
-  // The corners of a turning hull: how far each lies behind the foremost one along n, and how fast the rotation moves it
-  // along n.
-  struct Corners {
-    double behind[Hull::kMost] = {}, speed[Hull::kMost] = {};  // m, m/s
-    Corners(const Hull& hull, Rotor q, double omega, Vec2 n) {
-      const Vec2 own = turned({-double{q.s}, q.c}, n), across = omega * Vec2{own.y, -own.x};  // in the axes of the hull
-      double most = -1e300;
-      for (int k = 0; k < hull.count; ++k) {
-        behind[k] = dot(own, hull.vertex(k));
-        speed[k] = dot(across, hull.vertex(k));
-        most = std::max(most, behind[k]);
-      }
-      for (int k = 0; k < hull.count; ++k) behind[k] = most - behind[k];
-    }
-  };
 
   // How long hulls with a gap along n stay apart at least, or to the end of the substep. Corners come together by
   // closing t + growth t^2 / 2 at most.

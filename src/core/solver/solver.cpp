@@ -333,13 +333,13 @@ void Solver::Run::turn_angles(BlockRange r) {
     if (contacts.solved.compact()) {
       for (std::uint32_t l = 0; l < n; ++l) {
         const std::size_t i = contacts.solved.slot(begin + l);
-        b.angle[i] += h * double{mean[l] / b.radius[i]};
+        b.angle[i] += h * double{mean[l]} / double{b.radius[i]};
       }
       continue;
     }
     double* const angle = b.angle.data() + begin;
     const float* const radius = b.radius.data() + begin;
-    for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l] / std::max(radius[l], 1e-30f)};
+    for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l]} / double{std::max(radius[l], 1e-30f)};
   }
 }
 

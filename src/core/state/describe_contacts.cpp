@@ -6,6 +6,7 @@
 #include "lists/broad_phase.h"
 #include "lists/renewal.h"
 #include "manifolds/manifolds.h"
+#include "manifolds/manifolds_around.h"
 #include "query/events.h"
 #include "state/describe.h"
 

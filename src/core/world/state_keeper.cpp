@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/invariant.h"
+#include "manifolds/manifolds_around.h"
 #include "state/describe.h"
 #include "state/saved_contacts.h"
 #include "world/world_impl.h"

@@ -1,0 +1,22 @@
+// What a saved state is checked against.
+#pragma once
+
+#include <cstdint>
+
+namespace psim {
+
+/// What manifolds of a saved state are checked against.
+struct ManifoldsAround {
+  std::uint32_t numbered = 0;  ///< slots that pairs may name
+  bool wanted = false;         ///< the plan has manifolds
+  bool fresh = false;          ///< lists are not stale
+  bool carried = false;        ///< their impulses are of use
+  bool spread = false;         ///< work of a step is under way over frames: some are of this step, some of the last
+  bool lists = false;          ///< lists last
+  bool in_place = false;       ///< every slot has the body that pairs name it for
+
+  bool present() const { return wanted && fresh; }  ///< the manifolds are those of the next step
+  bool exact() const { return fresh && !spread; }
+};
+
+}  // namespace psim
