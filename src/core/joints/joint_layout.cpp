@@ -67,6 +67,35 @@ void JointStore::list_ends(std::uint32_t list) {
   }
 }
 
+void JointStore::count_springs(std::size_t members) {
+  springs_.assign(members, 0);
+  for (const Joint& j : joints_) {
+    if (!j.alive || j.dormant || !j.is_soft()) continue;
+    ++springs_[j.body[1]];
+    if (!j.held) ++springs_[j.body[0]];
+  }
+}
+
+// Sorts the joints that are swept by the first colour that is free at both bodies; the last class has the rest.
+std::vector<std::vector<std::uint32_t>> JointStore::colour(std::size_t members) {
+  std::vector<std::vector<std::uint32_t>> of_class(kColours + 1);
+  swept_.assign(members, 0);
+  std::vector<std::uint32_t> used(members, 0);
+  for (std::uint32_t i = 0; i < joints_.size(); ++i) {
+    Joint& j = joints_[i];
+    if (!j.alive || j.dormant || j.articulated != kNoSlot) continue;
+    swept_[j.body[0]] = swept_[j.body[1]] = 1;
+    const std::uint32_t taken = used[j.body[1]] | (j.held ? 0 : used[j.body[0]]);
+    const std::uint32_t free = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kColours);
+    if (free < kColours) {
+      used[j.body[1]] |= 1u << free;
+      if (!j.held) used[j.body[0]] |= 1u << free;
+    }
+    of_class[free].push_back(i);
+  }
+  return of_class;
+}
+
 void JointStore::lay_out() {
   save_impulses();
   const std::vector<std::uint32_t>& ids = bodies();
@@ -81,41 +110,22 @@ void JointStore::lay_out() {
   }
   find_articulations();
   find_tethers();
-  springs_.assign(ids.size(), 0);
-  for (const Joint& j : joints_) {
-    if (!j.alive || j.dormant || !j.is_soft()) continue;
-    ++springs_[j.body[1]];
-    if (!j.held) ++springs_[j.body[0]];
-  }
-  swept_.assign(ids.size(), 0);
-  std::vector<std::uint32_t> used(ids.size(), 0);
-  std::vector<std::uint32_t> of_class[kColours + 1];
-  for (std::uint32_t i = 0; i < joints_.size(); ++i) {
-    Joint& j = joints_[i];
-    if (!j.alive || j.dormant || j.articulated != kNoSlot) continue;
-    swept_[j.body[0]] = swept_[j.body[1]] = 1;
-    const std::uint32_t taken = used[j.body[1]] | (j.held ? 0 : used[j.body[0]]);
-    const std::uint32_t colour = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kColours);
-    if (colour < kColours) {
-      used[j.body[1]] |= 1u << colour;
-      if (!j.held) used[j.body[0]] |= 1u << colour;
-    }
-    of_class[colour].push_back(i);
-  }
+  count_springs(ids.size());
+  const std::vector<std::vector<std::uint32_t>> of_class = colour(ids.size());
   for (auto& lanes : lanes_) lanes.clear();
   jobs_.clear();
   phases_.clear();
-  for (std::uint32_t colour = 0; colour <= kColours; ++colour) {
+  for (std::uint32_t of = 0; of <= kColours; ++of) {
     std::array<std::uint32_t, kLists> begin;
     for (std::uint32_t list = 0; list < kLists; ++list) begin[list] = blocks_of(list);
-    for (const std::uint32_t i : of_class[colour]) {
+    for (const std::uint32_t i : of_class[of]) {
       auto& lanes = lanes_[joints_[i].list()];
-      if (colour == kColours) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
+      if (of == kColours) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
       joints_[i].lane = static_cast<std::uint32_t>(lanes.size());
       lanes.push_back(i);
     }
     for (auto& lanes : lanes_) lanes.resize(kernels::round_up_block(lanes.size()), kNoSlot);
-    add_jobs(begin, colour == kColours);
+    add_jobs(begin, of == kColours);
   }
   joint_phases_ = phases_.size();
   add_tethers();

@@ -236,6 +236,8 @@ class JointStore {
   Vec2 tethered_load(std::uint32_t joint) const;
   void lay_out();
   void list_ends(std::uint32_t list);
+  void count_springs(std::size_t members);
+  std::vector<std::vector<std::uint32_t>> colour(std::size_t members);
   void add_jobs(const std::array<std::uint32_t, kLists>& begin, bool one_lane);
   std::uint32_t blocks_of(std::uint32_t list) const { return static_cast<std::uint32_t>(lanes_[list].size()) / kBlock; }
   std::uint32_t block_count() const {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "base/sort_keys.h"
 #include "base/tasks.h"
@@ -162,8 +161,9 @@ void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
 // without a bump.
 template <class At>
 void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const {
-  const auto is_near = [&](std::size_t k) { return at(k).manifold.count != 0; };
-  if (std::ranges::none_of(std::views::iota(std::size_t{0}, count), is_near)) return;
+  std::size_t near_pieces = 0;
+  for (std::size_t k = 0; k < count; ++k) near_pieces += at(k).manifold.count != 0 ? 1 : 0;
+  if (near_pieces == 0) return;
   const Look look{*this, params};
   const BodyStore& b = s_.bodies;
   const std::uint32_t slot = at(0).b;

@@ -341,6 +341,7 @@ class Manifolds {
   struct Layout;  // manifold_layout.cpp
 
   void check_pair(Archive& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
+  void follow_from_pairs();
   void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
   void cut();
   void place_pairs(std::size_t strips);

@@ -157,7 +157,12 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   }
   a.require(t.points == 0 || (t.points <= points && around.wanted));
   if (!a.ok()) return;
-  // What follows from the pairs that were read.
+  follow_from_pairs();
+}
+
+// What follows from the pairs that were read.
+void Manifolds::follow_from_pairs() {
+  const std::uint32_t slots = s_.bodies.count;
   for (StripBlocks& s : strips_) {
     std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
     s.landing.clear();
