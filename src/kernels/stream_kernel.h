@@ -277,7 +277,7 @@ void cell_keys(const std::int32_t* pos, const GridView& g, std::uint32_t* key, s
 template <class L>
 void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, std::uint32_t begin,
                  std::uint32_t end) {
-  const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2, four_h2 = 4 * p.h * p.h;
+  const F<L> one = 1, two = 2, step = p.h, limit = p.smooth_limit2, four_h2 = 4 * p.h * p.h, least = p.least_spin2;
   const F<L> nearest = 12582912.0f;  // 1.5 x 2^23: adding it rounds to whole numbers
   for (std::uint32_t block = begin; block < end; ++block) {
     if (!any_linked<L>(b.linked, block)) continue;
@@ -295,8 +295,9 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
         L::template gather<1>(b.acc, slots, x, y);
         bound = limit + four_h2 * (x * x + y * y);
       }
-      const auto rim_speed = last - keep(change * change <= min(bound, first * first), 0.5f * change);
       const auto size = L::load(radius + i);
+      const auto spun = first * first - least * (size * size);
+      const auto rim_speed = last - keep(change * change <= min(bound, spun), 0.5f * change);
       const auto safe = select(0 < size, size, one);
       auto d = before + step * (rim_speed / safe);
       L::store(b.angle_change + i, d);

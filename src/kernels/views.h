@@ -19,9 +19,10 @@ struct StreamParams {
   float damp_remainder = 0;  ///< what rounding took from `damp`: for kicks that keep remainders
   float again = 0;           ///< the number of later kicks of the frame, which repeat the first one
   float smooth_limit2 = 0;   ///< (m/s)^2: below it a velocity change counts as smooth (trapezoid)
-  float coast = 0;           ///< s; closed form of a free body over a frame: d += coast v + fall
-  float drop = 0;            ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
-  float fall_x = 0;          ///< m
+  float least_spin2 = 0;  ///< rad^2/s^2: what turns slower turns by its new rate, so that what rests loses its tremble
+  float coast = 0;        ///< s; closed form of a free body over a frame: d += coast v + fall
+  float drop = 0;         ///< s^2; where accelerations are the bodies' own: fall = drop a, kick = coast a
+  float fall_x = 0;       ///< m
   float fall_y = 0;
   float pitch_x = 0;  ///< m a lattice step
   float pitch_y = 0;

@@ -86,13 +86,14 @@ TEST(SleepRest, BoxesAmongDiscsSleepWithinFortySeconds) {
   }
 }
 
-// With one substep the boxes sink deep into the discs under them. Awake, such heaps come to rest.
+// With one substep the boxes sink deep into the discs under them. Awake, such heaps come to rest. In one of eight a body
+// still rolls after 40 s.
 TEST(SleepRest, FallingAsleepDoesNotStirAHeapThatOverlaps) {
   double asleep = 0;
-  for (const std::uint64_t n : {500u, 505u, 510u, 515u}) {
+  for (std::uint64_t n = 450; n <= 525; n += 5) {
     const auto world = built_in("boxes_into_discs", n, 1);
     run_seconds(*world, 40);
-    asleep += share_asleep(*world) / 4;
+    asleep += share_asleep(*world) / 16;
   }
   EXPECT_GT(asleep, 0.95);
 }

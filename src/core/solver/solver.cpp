@@ -104,6 +104,8 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
   turn_.smooth_limit2 = drift_.smooth_limit2;
+  constexpr double kTrembles = 1e-3;  // rad in a step
+  turn_.least_spin2 = static_cast<float>(kTrembles * kTrembles / (params.dt * params.dt));
   set_contacts();
   set_sweeps();
   if (forces != nullptr) {
@@ -317,6 +319,7 @@ void Solver::Run::turn_angles(BlockRange r) {
   for (std::uint32_t begin = r.begin * 8; begin < end; begin += kChunk) {
     const std::uint32_t n = std::min(kChunk, end - begin);
     const float *const last = view_.rim_speed + begin, *const first = view_.rim_speed0 + begin;
+    const float* const radius = b.radius.data() + begin;
     std::fill_n(bound, n, turn_.smooth_limit2);
     if (view_.acc != nullptr) {
       const float* const acc = view_.acc + 2 * std::size_t{begin};
@@ -326,7 +329,8 @@ void Solver::Run::turn_angles(BlockRange r) {
     }
     for (std::uint32_t l = 0; l < n; ++l) {
       const float change = last[l] - first[l], square = change * change;
-      mean[l] = last[l] - (square <= std::min(bound[l], first[l] * first[l]) ? share * change : 0.0f);
+      const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
+      mean[l] = last[l] - (square <= std::min(bound[l], spun) ? share * change : 0.0f);
     }
     const std::uint8_t* const linked = view_.linked + begin;
     for (std::uint32_t l = 0; l < n; ++l) mean[l] = linked[l] != 0 ? mean[l] : 0.0f;
@@ -338,7 +342,6 @@ void Solver::Run::turn_angles(BlockRange r) {
       continue;
     }
     double* const angle = b.angle.data() + begin;
-    const float* const radius = b.radius.data() + begin;
     for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l]} / double{std::max(radius[l], 1e-30f)};
   }
 }
