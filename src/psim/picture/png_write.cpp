@@ -44,7 +44,7 @@ void write_chunk(AtomicFile& file, std::string_view type, const Pieces& pieces) 
 struct Worker {
   std::vector<std::uint8_t> rows;
   std::vector<std::uint8_t> level_buffer = std::vector<std::uint8_t>(ISAL_DEF_LVL2_DEFAULT);
-  isal_zstream stream;
+  isal_zstream stream{};  // what isal_deflate_init leaves as it was decides about matches, too
 
   /// The rows as whole bytes of deflate that follow those of the part before; with `last` the data end.
   std::string packed(bool last) {
