@@ -165,7 +165,7 @@ class JointStore {
     Vec2 anchor(std::uint32_t side) const { return (side != 0) == swapped ? desc.anchor_a : desc.anchor_b; }
   };
 
-  /// What a lane joins, beside the joints, which are large.
+  /// The two ends that a lane joins. They lie in the order of the lanes, since a joint is large and lies elsewhere.
   struct Ends {
     std::uint32_t body[2] = {0, 0};  ///< numbers in members_
     Vec2 anchor[2];                  ///< m, in the frames of the bodies

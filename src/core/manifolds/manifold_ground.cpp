@@ -161,9 +161,9 @@ void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
 // without a bump.
 template <class At>
 void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const {
-  std::size_t near_pieces = 0;
-  for (std::size_t k = 0; k < count; ++k) near_pieces += at(k).manifold.count != 0 ? 1 : 0;
-  if (near_pieces == 0) return;
+  bool near_any = false;
+  for (std::size_t k = 0; k < count && !near_any; ++k) near_any = at(k).manifold.count != 0;
+  if (!near_any) return;
   const Look look{*this, params};
   const BodyStore& b = s_.bodies;
   const std::uint32_t slot = at(0).b;

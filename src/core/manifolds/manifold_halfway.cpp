@@ -8,12 +8,11 @@
 namespace psim {
 namespace {
 
-constexpr float kLeastTurn = 1e-3f;  // rad in a step: bodies that turn less against each other
-constexpr float kMostTurn = 0.2f;    // rad: they meet anew before
-constexpr float kMostFrames = 8;     // a manifold of slow bodies lasts for longer than their motion can be foretold
-constexpr float kMostWay = 0.2f;     // share of the inner radius: they slide elsewhere
+constexpr float kMostTurn = 0.2f;  // rad: they meet anew before
+constexpr float kMostFrames = 8;   // a manifold of slow bodies lasts for longer than their motion can be foretold
+constexpr float kMostWay = 0.2f;   // share of the inner radius: they slide elsewhere
 
-// Of an angle below kMostTurn.
+// Sine and cosine of an angle below kMostTurn, by the first terms of their series.
 SineCosine small_turn(double angle) {
   const double square = angle * angle;
   return {angle * (1 - square / 6), 1 - square / 2 * (1 - square / 12)};
@@ -40,7 +39,7 @@ bool Manifolds::halfway(const ManifoldPair& pair, float dt, Manifold& m, float (
   const bool fixed = pair.of_piece();
   const std::size_t j = pair.b, i = fixed ? j : pair.a;
   const float spin_b = b.rim_speed[j] / b.radius[j], spin_a = fixed ? 0.0f : b.rim_speed[i] / b.radius[i];
-  if (!(dt * std::fabs(spin_b - spin_a) > kLeastTurn)) return false;
+  if (!(dt * std::fabs(spin_b - spin_a) > kRocking)) return false;
   const float touching = kTouching * inner_of(j);
   if (pair.manifold.count == 0 || pair.least_gap() > touching) return false;
   const double time = half_time(pair, dt), turn_a = time * spin_a, turn_b = time * spin_b;

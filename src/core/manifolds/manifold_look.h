@@ -17,7 +17,6 @@ namespace psim {
 // A manifold lasts while no point of its bodies has moved, relative to the other body, by more than this share of the
 // smaller inner radius.
 inline constexpr float kLasting = 0.02f;
-inline constexpr float kRocking = 1e-3f;  // rad in a step: bodies that turn less do not rock
 inline constexpr float kLanding = 0.01f;  // rad in a step: bodies that turn less meet others with the arms of its start
 inline constexpr float kFading = 0.95f;   // factor on offsets in a frame
 inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this share of the inner radius

@@ -124,6 +124,7 @@ inline bool runs_backwards(const Manifold& m) {
 /// Frames for which a contact stays out of stacks after an impact or a short step of theirs.
 inline constexpr std::uint8_t kRestFrames = 8;
 
+inline constexpr float kRocking = 1e-3f;    ///< rad in a step: bodies that turn less against each other do not rock
 inline constexpr float kTouching = 0.002f;  ///< share of the inner radius: hulls with a smaller gap touch
 
 /// Shapes that pass each other by more of their sizes in a substep may have more impacts than the impact sweeps settle.

@@ -1,11 +1,11 @@
-// What a saved state is checked against.
+// The parts of a world that the manifolds of a saved state must fit.
 #pragma once
 
 #include <cstdint>
 
 namespace psim {
 
-/// What manifolds of a saved state are checked against.
+/// The state of the world around them, against which reading checks the manifolds of a saved state.
 struct ManifoldsAround {
   std::uint32_t numbered = 0;  ///< slots that pairs may name
   bool wanted = false;         ///< the plan has manifolds

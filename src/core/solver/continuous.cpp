@@ -128,8 +128,7 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
     const std::uint32_t slot = s.bodies.info[id].slot;
     const double change = s.bodies.angle_change.empty() ? 0 : double{s.bodies.angle_change[slot]};
     kinematics_.push_back(
-        {box_of(s, slot), slot, hull_box(s.bodies, slot),
-         change == 0 && s.bodies.angle.empty() ? SineCosine{} : sine_cosine(s.bodies.angle_of(slot) - change), change});
+        {box_of(s, slot), slot, hull_box(s.bodies, slot), sine_cosine(s.bodies.angle_of(slot) - change), change});
     const Bounds& box = kinematics_.back().box;
     widest_ = std::fmax(widest_, box.xmax - box.xmin);
   }

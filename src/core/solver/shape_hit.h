@@ -72,6 +72,21 @@ struct Hit {
   double depth = 0;       // m
 };
 
+// The impulse of all points of a hit on B, and what it does to the rotations of both.
+struct Push {
+  Vec2 sum;                       // N s
+  double turn_a = 0, turn_b = 0;  // N m s
+
+  explicit Push(const Hit& hit) {
+    for (int k = 0; k < hit.count; ++k) add(hit, k, hit.impulse[k] * hit.n);
+  }
+  void add(const Hit& hit, int k, Vec2 impulse) {
+    sum = sum + impulse;
+    turn_a -= cross(hit.arm_a[k], impulse);
+    turn_b += cross(hit.arm_b[k], impulse);
+  }
+};
+
 // The velocity along m of point j that an impulse along n at point i adds.
 inline double gain(const Mover& a, const Mover& b, const Hit& hit, int i, Vec2 n, int j, Vec2 m) {
   return a.gain(hit.arm_a[i], n, hit.arm_a[j], m) + b.gain(hit.arm_b[i], n, hit.arm_b[j], m);

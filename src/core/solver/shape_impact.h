@@ -135,21 +135,14 @@ class ShapeImpact {
     const int k = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
     const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
     const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
-    Vec2 push;
-    double turn_a = 0, turn_b = 0;
-    const auto press = [&](int n, Vec2 impulse) {
-      push = push + impulse;
-      turn_a -= cross(hit.arm_a[n], impulse);
-      turn_b += cross(hit.arm_b[n], impulse);
-    };
-    for (int n = 0; n < hit.count; ++n) press(n, hit.impulse[n] * hit.n);
-    press(k, friction * along);
-    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, t, h);
-    settle(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, t, h);
+    Push push(hit);
+    push.add(hit, k, friction * along);
+    if (!pair_.fixed_a) settle(a_, -a_.inv_mass * push.sum, a_.inv_inertia * push.turn_a, t, h);
+    settle(b_, b_.inv_mass * push.sum, b_.inv_inertia * push.turn_b, t, h);
     for (auto& p : c_.point) p.impulse[l_] = p.friction[l_] = 0;
   }
 
-  // What presses on the bodies in this contact goes on until the impact.
+  // The bodies move on under the force with which they press on each other in this contact, until the impact.
   void pressed(double h) {
     Vec2 force;
     double turn_a = 0, turn_b = 0;
@@ -390,28 +383,21 @@ class ShapeImpact {
 
   void bounce(const Hit& hit) {
     const Vec2 t{-hit.n.y, hit.n.x};
-    Vec2 push;
-    double turn_a = 0, turn_b = 0;
-    const auto press = [&](int k, Vec2 impulse) {
-      push = push + impulse;
-      turn_a -= cross(hit.arm_a[k], impulse);
-      turn_b += cross(hit.arm_b[k], impulse);
-    };
-    for (int k = 0; k < hit.count; ++k) press(k, hit.impulse[k] * hit.n);
+    Push push(hit);
     const int k = hit.impulse[1] > hit.impulse[0] ? 1 : 0;  // friction acts at the point that presses most
     const Vec2 between = way_ + b_.way(hit.time) - a_.way(hit.time);
-    if (!pair_.of_piece()) in_.virial += dot(push, between);
+    if (!pair_.of_piece()) in_.virial += dot(push.sum, between);
     const double mu = c_.mu[l_];
     if (mu > 0) {
       Mover a = a_, b = b_;
-      a.v = a.v - a.inv_mass * push, a.omega += a.inv_inertia * turn_a;
-      b.v = b.v + b.inv_mass * push, b.omega += b.inv_inertia * turn_b;
+      a.v = a.v - a.inv_mass * push.sum, a.omega += a.inv_inertia * push.turn_a;
+      b.v = b.v + b.inv_mass * push.sum, b.omega += b.inv_inertia * push.turn_b;
       const double vt = dot(t, b.velocity(hit.time, hit.arm_b[k]) - a.velocity(hit.time, hit.arm_a[k]));
       const double cap = mu * (hit.impulse[0] + hit.impulse[1]);
-      press(k, std::clamp(-vt / gain(a, b, hit, k, t, k, t), -cap, cap) * t);
+      push.add(hit, k, std::clamp(-vt / gain(a, b, hit, k, t, k, t), -cap, cap) * t);
     }
-    if (!pair_.fixed_a) move(a_, -a_.inv_mass * push, a_.inv_inertia * turn_a, hit.time);
-    move(b_, b_.inv_mass * push, b_.inv_inertia * turn_b, hit.time);
+    if (!pair_.fixed_a) move(a_, -a_.inv_mass * push.sum, a_.inv_inertia * push.turn_a, hit.time);
+    move(b_, b_.inv_mass * push.sum, b_.inv_inertia * push.turn_b, hit.time);
   }
 
   // Changes the velocity of a body at a time of the substep, and its virtual start with it.

@@ -27,7 +27,6 @@ double approach_of(const kernels::BodyView& view, const kernels::ManifoldBlock& 
 
 // Whether bodies that touch in one point turn so that they may touch in another one within dt, s.
 bool rocks(const BodyStore& b, const ManifoldPair& pair, float dt, float slowest) {
-  constexpr float kRocking = 1e-3f;  // rad in a step
   const Manifold& m = pair.manifold;
   const std::size_t i = pair.of_piece() ? pair.b : pair.a, j = pair.b;
   const float spin_b = b.rim_speed[j] / b.radius[j], spin_a = pair.of_piece() ? 0.0f : b.rim_speed[i] / b.radius[i];

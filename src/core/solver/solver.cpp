@@ -57,11 +57,6 @@ void set_softness(double h, double frequency, Stiffness& of) {
   of.rate = static_cast<float>(omega / a1);
 }
 
-// The impulse of a contact if it presses, else 0.
-float positive_part(float impulse) {
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(impulse) & mask_from(impulse, kTiniest));
-}
-
 // The virial of the last substep: of contacts of shapes with dynamic and kinematic bodies.
 double virial_of(const Manifolds::StripBlocks& strip) {
   double sum = 0;
@@ -388,8 +383,9 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     const auto add = [&](const ContactLanes& c, const ContactBlocks& blocks, const auto& mask) {
       for (std::size_t l = std::size_t{blocks.begin} * 8; l < std::size_t{blocks.end} * 8; ++l) {
         closed += std::signbit(c.impulse[l]) ? 0 : 1;  // an impulse of -0 marks an open contact
-        const float impulse = std::bit_cast<float>(std::bit_cast<std::uint32_t>(positive_part(c.impulse[l])) & mask(l));
-        sum += double{impulse} * double{c.rsum[l]};
+        const std::uint32_t presses = mask_from(c.impulse[l], kTiniest) & mask(l);
+        const auto pressing = std::bit_cast<float>(std::bit_cast<std::uint32_t>(c.impulse[l]) & presses);
+        sum += double{pressing} * double{c.rsum[l]};
       }
     };
     const Strip& s = in.table.strips[index];
