@@ -18,7 +18,7 @@ endif()
 psim_need(Threads libc6-dev)
 if(PSIM_BUILD_PROGRAMS OR PSIM_BUILD_TESTS OR PSIM_BUILD_BENCH)
   psim_need(nlohmann_json nlohmann-json3-dev CONFIG)
-  psim_need(Isal libisal-dev)  # packs the pictures
+  psim_need(ZLIB zlib1g-dev)  # packs the pictures
 endif()
 if(PSIM_BUILD_PROGRAMS OR PSIM_BUILD_TESTS OR PSIM_BUILD_BENCH OR PSIM_FUZZ)
   psim_need(CLI11 libcli11-dev CONFIG)

@@ -7,7 +7,7 @@
 psim_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 
 psim_packages=(g++ cmake ninja-build libcpu-features-dev libgtest-dev libbenchmark-dev libcli11-dev
-               nlohmann-json3-dev libfmt-dev libisal-dev libpng-dev binutils python3)
+               nlohmann-json3-dev libfmt-dev zlib1g-dev libpng-dev binutils python3)
 # What psim-view needs on top; libgl1-mesa-dri draws where there is no graphics card.
 psim_view_packages=(libsdl2-dev libimgui-dev libgl1-mesa-dri)
 # What tests use besides: a screen, films, generated docs, counted instructions, other processors, the layout.

@@ -1,8 +1,6 @@
 // PNG files hold the pixels that went in, whatever these are: libpng reads them back.
 #include "picture/png_write.h"
 
-#include <cpuid.h>
-#include <immintrin.h>
 #include <png.h>
 
 #include <random>
@@ -87,20 +85,6 @@ TEST_F(PngWrite, RepeatsOfEveryDistanceComeBack) {
                   }));
     }
   }
-}
-
-[[gnu::target("xsave")]] bool upper_halves_in_use() { return (_xgetbv(1) & 4) != 0; }
-
-// They would slow down whatever SSE code comes next.
-TEST_F(PngWrite, UpperHalvesOfRegistersAreNotLeftInUse) {
-  unsigned a = 0, b = 0, c = 0, d = 0;
-  if (!__builtin_cpu_supports("avx") || __get_cpuid_count(13, 1, &a, &b, &c, &d) == 0 || (a & 4) == 0)
-    GTEST_SKIP() << "the CPU does not tell";
-  const Size size{640, 137};
-  const Bytes rgb(3 * size.pixels());
-  AtomicFile file("--image", folder_.file("picture.png"));
-  write_png(file, size.width, size.height, rgb, 1);
-  EXPECT_FALSE(upper_halves_in_use());
 }
 
 }  // namespace

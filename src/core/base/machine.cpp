@@ -21,8 +21,6 @@ const cpu_features::X86Features& cpu() {
   return features;
 }
 
-[[gnu::target("avx")]] void zero_upper() { _mm256_zeroupper(); }
-
 constexpr std::uint32_t kStepFloatSettings = 0x9FC0;  // a value of MXCSR
 
 }  // namespace
@@ -37,10 +35,6 @@ void pause_briefly() { _mm_pause(); }
 FloatSettings::FloatSettings() : before_(_mm_getcsr()) { _mm_setcsr(kStepFloatSettings); }
 FloatSettings::~FloatSettings() { _mm_setcsr(before_); }
 
-void clear_upper_halves() {
-  if (cpu().avx != 0) zero_upper();
-}
-
 #else
 
 bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; }
@@ -49,8 +43,6 @@ void pause_briefly() { std::this_thread::yield(); }
 
 FloatSettings::FloatSettings() : before_(0) {}
 FloatSettings::~FloatSettings() { (void)before_; }
-
-void clear_upper_halves() {}
 
 #endif
 

@@ -37,8 +37,4 @@ class FloatSettings {
   std::uint32_t before_;
 };
 
-/// SSE code runs at up to half its speed after AVX code that left the upper halves of registers in use. This
-/// function declares them unused.
-void clear_upper_halves();
-
 }  // namespace psim

@@ -1,15 +1,14 @@
 #include "picture/png_write.h"
 
-#include <isa-l/crc.h>
-#include <isa-l/igzip_lib.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <initializer_list>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/machine.h"
 #include "picture/parallel.h"
 
 namespace psim::cli {
@@ -17,8 +16,12 @@ namespace {
 
 constexpr std::size_t kPartBytes = 1 << 18;  // docs/pictures.md
 constexpr std::uint8_t kNoFilter = 0;
+constexpr int kLevel = 1;                // zlib's fastest
+constexpr std::size_t kFlushBytes = 16;  // what a full flush adds at most
 
-const std::uint8_t* bytes_of(std::string_view text) { return reinterpret_cast<const std::uint8_t*>(text.data()); }
+std::uint32_t crc_after(std::uint32_t sum, std::string_view text) {
+  return static_cast<std::uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(text.data()), text.size()));
+}
 
 std::string big_endian(std::uint32_t number) {
   std::string bytes;
@@ -29,11 +32,11 @@ std::string big_endian(std::uint32_t number) {
 // Length, type, data, checksum of type and data (PNG specification, 5.3).
 template <class Pieces>
 void write_chunk(AtomicFile& file, std::string_view type, const Pieces& pieces) {
-  std::uint32_t sum = crc32_gzip_refl(0, bytes_of(type), type.size());
+  std::uint32_t sum = crc_after(0, type);
   std::size_t size = 0;
   for (const std::string_view piece : pieces) {
     size += piece.size();
-    sum = crc32_gzip_refl(sum, bytes_of(piece), piece.size());
+    sum = crc_after(sum, piece);
   }
   file.write(big_endian(static_cast<std::uint32_t>(size)));
   file.write(type);
@@ -43,27 +46,20 @@ void write_chunk(AtomicFile& file, std::string_view type, const Pieces& pieces) 
 
 struct Worker {
   std::vector<std::uint8_t> rows;
-  std::vector<std::uint8_t> level_buffer = std::vector<std::uint8_t>(ISAL_DEF_LVL2_DEFAULT);
-  isal_zstream stream{};  // what isal_deflate_init leaves as it was decides about matches, too
 
   /// The rows as whole bytes of deflate that follow those of the part before; with `last` the data end.
   std::string packed(bool last) {
-    isal_deflate_init(&stream);
-    stream.level = 2;
-    stream.level_buf = level_buffer.data();
-    stream.level_buf_size = static_cast<std::uint32_t>(level_buffer.size());
-    stream.flush = FULL_FLUSH;
-    stream.end_of_stream = last;
+    z_stream stream{};
+    if (deflateInit2(&stream, kLevel, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc();  // the settings are right
+    std::string bytes(deflateBound(&stream, rows.size()) + kFlushBytes, '\0');
     stream.next_in = rows.data();
-    stream.avail_in = static_cast<std::uint32_t>(rows.size());
-    std::string bytes;
-    do {
-      bytes.resize(bytes.size() + rows.size() / 2 + 512);
-      stream.next_out = reinterpret_cast<std::uint8_t*>(bytes.data()) + stream.total_out;
-      stream.avail_out = static_cast<std::uint32_t>(bytes.size()) - stream.total_out;
-      isal_deflate(&stream);  // fails by wrong settings alone
-    } while (stream.avail_out == 0);
+    stream.avail_in = static_cast<uInt>(rows.size());
+    stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+    stream.avail_out = static_cast<uInt>(bytes.size());
+    deflate(&stream, last ? Z_FINISH : Z_FULL_FLUSH);
     bytes.resize(stream.total_out);
+    deflateEnd(&stream);
     return bytes;
   }
 };
@@ -87,12 +83,12 @@ std::vector<std::string> packed(std::size_t width, std::size_t height, std::span
 }
 
 std::uint32_t adler_of_rows(std::size_t width, std::span<const std::uint8_t> rgb) {
-  std::uint32_t sum = 1;
+  uLong sum = 1;
   for (std::size_t at = 0; at < rgb.size(); at += 3 * width) {
-    sum = isal_adler32(sum, &kNoFilter, 1);
-    sum = isal_adler32(sum, rgb.data() + at, 3 * width);
+    sum = adler32_z(sum, &kNoFilter, 1);
+    sum = adler32_z(sum, rgb.data() + at, 3 * width);
   }
-  return sum;
+  return static_cast<std::uint32_t>(sum);
 }
 
 }  // namespace
@@ -113,7 +109,6 @@ void write_png(AtomicFile& file, int width, int height, std::span<const std::uin
   write_chunk(file, "sRGB", Pieces{"\0"sv});  // perceptual
   write_chunk(file, "IDAT", data);
   write_chunk(file, "IEND", Pieces{});
-  clear_upper_halves();  // ISA-L leaves them in use
 }
 
 }  // namespace psim::cli
