@@ -306,7 +306,7 @@ void Solver::Run::drift() {
 // The angles, in double precision, as turn_bodies() turns the arms: scenes that have only discs know no mean.
 void Solver::Run::turn_angles(BlockRange r) {
   constexpr std::uint32_t kChunk = 256;  // bodies: long enough for loops that compilers make vectors of
-  float bound[kChunk], mean[kChunk];
+  float bound[kChunk], mean[kChunk], size[kChunk];
   BodyStore& b = s_.bodies;
   const float share = params_.turns ? 0.5f : 0.0f;  // of a smooth change
   const double h = h_;
@@ -322,10 +322,14 @@ void Solver::Run::turn_angles(BlockRange r) {
         bound[l] += 4 * turn_.h * turn_.h * (acc[2 * l] * acc[2 * l] + acc[2 * l + 1] * acc[2 * l + 1]);
       }
     }
+    // One choice a loop, of constants: compilers make vectors of such.
     for (std::uint32_t l = 0; l < n; ++l) {
-      const float change = last[l] - first[l], square = change * change;
       const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
-      mean[l] = last[l] - (square <= std::min(bound[l], spun) ? share * change : 0.0f);
+      bound[l] = bound[l] < spun ? bound[l] : spun;
+    }
+    for (std::uint32_t l = 0; l < n; ++l) {
+      const float change = last[l] - first[l], part = change * change <= bound[l] ? share : 0.0f;
+      mean[l] = last[l] - part * change;
     }
     const std::uint8_t* const linked = view_.linked + begin;
     for (std::uint32_t l = 0; l < n; ++l) mean[l] = linked[l] != 0 ? mean[l] : 0.0f;
@@ -337,7 +341,8 @@ void Solver::Run::turn_angles(BlockRange r) {
       continue;
     }
     double* const angle = b.angle.data() + begin;
-    for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l]} / double{std::max(radius[l], 1e-30f)};
+    for (std::uint32_t l = 0; l < n; ++l) size[l] = std::max(radius[l], 1e-30f);
+    for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l]} / double{size[l]};
   }
 }
 
