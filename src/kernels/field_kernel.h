@@ -34,6 +34,13 @@ template <class L>
   return {round_to_float(a.x), round_to_float(a.y)};
 }
 
+/// Zero for |a| <= kLeast, in x and in y; a NaN stays one.
+template <class L>
+[[gnu::always_inline]] inline VecD<L> snapped(VecD<L> a) {
+  const D<L> zero = 0, least = double{kLeast}, under = -double{kLeast};
+  return {select(but_not(a.x <= least, a.x < under), zero, a.x), select(but_not(a.y <= least, a.y < under), zero, a.y)};
+}
+
 /// s^((n+1)/2): whole powers by squaring, the fraction's bits by square roots.
 template <class L>
 [[gnu::always_inline]] inline D<L> power(D<L> s, const WellTerms& w) {
@@ -119,7 +126,7 @@ void accelerate(const BodyView& b, const FieldParams& p, std::uint32_t begin, st
         const auto lost = rate / (one + rate * h);  // (u(0) - u(h)) / (h u(0))
         a = a - lost * u;
       }
-      store_pair<L>(b.acc + 2 * body, select(mine, a, {zero, zero}));
+      store_pair<L>(b.acc + 2 * body, select(mine, snapped<L>(a), {zero, zero}));
     }
   }
 }
@@ -247,7 +254,7 @@ void advance(const BodyView& b, const FieldParams& p, std::uint32_t begin, std::
       store_pair<L>(b.vel0 + 2 * body, v0);
       store_pair<L>(b.vel + 2 * body, select(mine, v, v0));
       store_pair<L>(b.vel_remainder + 2 * body, select(mine, exact - v, rest));
-      store_pair<L>(b.acc + 2 * body, select(mine, per_h * (v - v0), none));
+      store_pair<L>(b.acc + 2 * body, select(mine, snapped<L>(per_h * (v - v0)), none));
       store_pair<L>(b.drift_correction + 2 * body, select(mine, correction, none));
     }
   }

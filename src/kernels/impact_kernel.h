@@ -24,6 +24,9 @@
 namespace psim::kernels {
 namespace {
 
+/// m/s: what is slower along an axis does not meet; the products of the root below are no denormals then.
+constexpr float kSlow = 1e-12f;
+
 /// -(1 + e) vn m / |n|^2. A float normal is not quite of length 1, for R = 1 m on average 2e-8 too
 /// long, and an elastic impact along it would gain as much energy each time.
 template <class L>
@@ -68,14 +71,14 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     L::template gather<2>(b.vel, slot + 1, vbx, vby);
     const auto dx = to_float(ibx - iax) * p.pitch_x + (dbx - dax);
     const auto dy = to_float(iby - iay) * p.pitch_y + (dby - day);
-    const auto ux = vbx - vax, uy = vby - vay;
+    const auto ux = snapped<L>(vbx - vax, kSlow), uy = snapped<L>(vby - vay, kSlow);
     const auto t0 = max(ta, tb);
     const auto x0 = dx + t0 * ux, y0 = dy + t0 * uy;
     const auto q = x0 * ux + y0 * uy;
     const auto radius = L::load(c.rsum + k);
     const auto gap2 = x0 * x0 + y0 * y0 - radius * radius;
     const auto uu = ux * ux + uy * uy;
-    const auto root2 = q * q - uu * gap2;
+    const auto size = squarable<L>(q), root2 = size * size - uu * gap2;
     const auto closing = eligible & ((q < zero) & (zero <= root2));
     const auto root = sqrt(max(root2, zero));
     const auto speed = select(closing, root - q, one);
@@ -93,7 +96,7 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
       const auto length = sqrt(x * x + y * y);
       const auto apart = zero < length;
       far = select(apart, length, one);
-      nx = x / far, ny = select(apart, y / far, one);
+      nx = snapped<L>(x / far), ny = select(apart, snapped<L>(y / far), one);
       vn = nx * ux + ny * uy;
       const auto bounce = e * abs(vn);
       const auto elastic = one <= e;
@@ -147,7 +150,7 @@ bool sweep_contacts(const BodyView& b, const ContactView& c, const ContactParams
     put(b.vel0, slot, x, y, x - ax, y - ay);
     L::template gather<2>(b.vel0, slot + 1, x, y);
     put(b.vel0, slot + 1, x, y, x + bx, y + by);
-    const auto when = max(t, 1e-30f);  // 0 means: no event
+    const auto when = max(t, kLeastTime);  // 0 means: no event
     L::template scatter1<2>(b.event_time, slot, select(hit, when, ta));
     L::template scatter1<2>(b.event_time, slot + 1, select(hit, when, tb));
     float work[L::width];
@@ -203,13 +206,13 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
     auto gap0 = zero;
     for (int round = 0; round < 2; ++round) {
       const auto mean = half * max(t, t0);
-      const auto ux = vx + gx * mean, uy = vy + gy * mean;
+      const auto ux = snapped<L>(vx + gx * mean, kSlow), uy = snapped<L>(vy + gy * mean, kSlow);
       const auto x0 = x + t0 * ux, y0 = y + t0 * uy;
       const auto q = x0 * ux + y0 * uy;
       const auto gap2 = x0 * x0 + y0 * y0 - radius * radius;
       gap0 = gap2;
       const auto uu = ux * ux + uy * uy;
-      const auto root2 = q * q - uu * gap2;
+      const auto size = squarable<L>(q), root2 = size * size - uu * gap2;
       const auto closing = (q < zero) & (zero <= root2);
       const auto speed = select(closing, sqrt(max(root2, zero)) - q, one);
       const auto hit_t = t0 + max(gap2 / speed, zero);
@@ -229,8 +232,8 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
       const auto yt = y + t * vy + fall * gy;
       const auto length = sqrt(xt * xt + yt * yt);
       const auto inverse = one / select(zero < length, length, one);
-      nx = select(flat, nx, xt * inverse);
-      ny = select(flat, ny, yt * inverse);
+      nx = select(flat, nx, snapped<L>(xt * inverse));
+      ny = select(flat, ny, snapped<L>(yt * inverse));
       vn = nx * (vx + gx * t) + ny * (vy + gy * t);
       const auto keen = floor <= e * abs(vn);
       hit = (soon & (least_e <= e)) & (keen & (vn < zero));
@@ -270,7 +273,7 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
     F<L> v0x, v0y;
     L::template gather<1>(b.vel0, slot, v0x, v0y);
     put(b.vel0, v0x, v0y, v0x + px, v0y + py);
-    L::template scatter1<1>(b.event_time, slot, select(hit, max(t, 1e-30f), t0));
+    L::template scatter1<1>(b.event_time, slot, select(hit, max(t, kLeastTime), t0));
     float work[L::width];
     L::store(work, select(flat, zero, j * radius));
     for (const float one_hit : work) *virial += static_cast<double>(one_hit);

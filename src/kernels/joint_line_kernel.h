@@ -25,7 +25,8 @@ template <class L>
   const auto both = far + far0;
   const auto grown = dot(dd, d0 + d) / select(apart, both, 1);
   const auto c = L::load(j.c0 + k) + select(apart, grown, far - far0);
-  const Vec<L> n{select(apart, d.x * curvature, L::load(j.nx + k)), select(apart, d.y * curvature, L::load(j.ny + k))};
+  const Vec<L> n{snapped<L>(select(apart, d.x * curvature, L::load(j.nx + k))),
+                 snapped<L>(select(apart, d.y * curvature, L::load(j.ny + k)))};
   const auto row = anchor_row<L>(arms, n);
   const auto turns = arms.ga * (row.sa * row.sa) + arms.gb * (row.sb * row.sb);
   store_vec<L>(j.nx, j.ny, k, n);
@@ -40,7 +41,7 @@ template <class L>
 template <class L>
 [[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v,
                                               F<L> curvature, F<L> h, F<L> most) {
-  const auto sideways = abs(cross(n, v));
+  const auto sideways = snapped<L>(abs(cross(n, v)));
   const auto share = min(sideways * curvature * h, most);
   return sideways * share + dot(n, anchor_pull<L>(m, arms, h));
 }
@@ -81,6 +82,7 @@ void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, st
       const auto bias = select(slack, ahead * inv_h, curve);
       next = min(l - mass * (vn + bias), top);
     }
+    next = snapped<L>(next, mass * kLeast);
     push_row<L, kFixedA>(m, arms, row, next - l);
     L::store(j.l + k, next);
   };
@@ -95,7 +97,8 @@ void push_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std
     const auto c = L::load(j.c + k);
     const auto vn = dot(row.n, anchor_velocity<L>(m, arms));
     const auto slack = (L::load(j.top + k) <= zero) & (c < zero);
-    const auto wish = L::load(j.mass + k) * (vn + rate * c);
+    const auto mass = L::load(j.mass + k);
+    const auto wish = snapped<L>(mass * (vn + rate * c), mass * kLeast);
     push_row<L, kFixedA>(m, arms, row, -select(slack, zero, wish));
   };
   by_lane<L, kFixedA, LineBlock>(b, blocks, begin, end, each);
@@ -123,7 +126,7 @@ void relax_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, st
       const auto vn = dot(row.n, anchor_velocity<L>(m, arms));
       const auto mass = L::load(j.mass + k), top = L::load(j.top + k);
       const auto open = (top <= zero) & (zero <= l);
-      const auto next = select(open, l, min(l - mass * vn, top));
+      const auto next = select(open, l, snapped<L>(min(l - mass * vn, top), mass * kLeast));
       push_row<L, kFixedA>(m, arms, row, next - l);
       L::store(j.l + k, next);
     }

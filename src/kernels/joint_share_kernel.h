@@ -35,7 +35,7 @@ void hold_joints(const BodyView& b, const JointShare& s, const StreamParams& p, 
     const auto share = L::load_rec(s.vel + 2 * i), push = L::load_rec(s.push + 2 * i);
     const auto bound = b.acc ? limit + four_h2 * norm2(L::load_rec(b.acc + 2 * i)) : limit;
     // v - v0 is then what gravity and contacts did, by which the drift decides.
-    const auto taken = select(norm2((v - v0) - share) <= bound, half * share, zero);
+    const auto taken = select(norm2(squarable<L>((v - v0) - share)) <= bound, half * share, zero);
     L::store_rec(s.push + 2 * i, push - taken);
     L::store_rec(s.push0 + 2 * i, push + taken);
     L::store_rec(b.vel + 2 * i, v + (push - taken));
@@ -45,7 +45,9 @@ void hold_joints(const BodyView& b, const JointShare& s, const StreamParams& p, 
   for (std::size_t i = std::size_t{begin} * kBlock; i < std::size_t{end} * kBlock; i += L::width) {
     const auto u = L::load(b.rim_speed + i), u0 = L::load(b.rim_speed0 + i), share = L::load(s.rim_speed + i);
     const auto all = u - u0, others = all - share, push = L::load(s.push_rim_speed + i);
-    const auto smooth = ((others * others <= least) | (all * all <= least)) & ((share < none) | (none < share));
+    const auto by_others = squarable<L>(others), by_all = squarable<L>(all);
+    const auto smooth =
+        ((by_others * by_others <= least) | (by_all * by_all <= least)) & ((share < none) | (none < share));
     const auto taken = select(smooth, part * all, none);
     L::store(s.push_rim_speed + i, push - taken);
     L::store(s.push0_rim_speed + i, push + taken);

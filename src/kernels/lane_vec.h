@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "block_layout.h"
+#include "least.h"
 
 namespace psim::kernels {
 namespace {
@@ -21,6 +22,26 @@ template <class L>
 using Rec = typename L::Rec;
 template <class L>
 using RecI = typename L::RecI;
+
+/// Zero where |a| <= least; a NaN stays one.
+template <class L>
+[[gnu::always_inline]] inline Rec<L> snapped(Rec<L> a, float least = kLeast) {
+  const auto zero = Rec<L>(0, 0);
+  return select(max(a, zero - a) <= Rec<L>(least, least), zero, a);
+}
+template <class L>
+[[gnu::always_inline]] inline F<L> snapped(F<L> a, F<L> least = kLeast) {
+  return select(abs(a) <= least, F<L>(0), a);
+}
+/// |a|, or, if that is larger, a size whose square is no denormal.
+template <class L>
+[[gnu::always_inline]] inline Rec<L> squarable(Rec<L> a) {
+  return max(Rec<L>(kLeastOffset, kLeastOffset), max(a, Rec<L>(0, 0) - a));
+}
+template <class L>
+[[gnu::always_inline]] inline F<L> squarable(F<L> a) {
+  return max(F<L>(kLeastOffset), abs(a));
+}
 
 /// A vector of registers, of floats (Vec) or of doubles (VecD).
 template <class T>

@@ -7,6 +7,8 @@
 // as it likes. Signs is what `negative` gives: the sign bit of each lane, which -0 has too.
 #pragma once
 
+#include <math.h>  // <cmath> would add inline functions, whose code linkers share between instruction sets
+
 #include <cstdint>
 #include <cstring>
 
@@ -69,8 +71,8 @@ struct ScalarLanes {
   friend F operator-(F a) { return -a.v; }  // turns the sign of a zero or a NaN, too
   friend F& operator+=(F& a, F b) { return a = a + b; }
   friend F& operator-=(F& a, F b) { return a = a - b; }
-  friend F sqrt(F a) { return __builtin_sqrtf(a.v); }
-  friend F abs(F a) { return __builtin_fabsf(a.v); }
+  friend F sqrt(F a) { return ::sqrtf(a.v); }
+  friend F abs(F a) { return ::fabsf(a.v); }
   friend F min(F a, F b) { return a.v < b.v ? a.v : b.v; }  // b where one is a NaN
   friend F max(F a, F b) { return a.v > b.v ? a.v : b.v; }
   friend M operator<(F a, F b) { return {a.v < b.v}; }
@@ -154,7 +156,7 @@ struct ScalarLanes {
   friend Rec operator+(Rec a, Rec b) { return {a.x + b.x, a.y + b.y}; }
   friend Rec operator-(Rec a, Rec b) { return {a.x - b.x, a.y - b.y}; }
   friend Rec operator*(Rec a, Rec b) { return {a.x * b.x, a.y * b.y}; }
-  friend Rec sqrt(Rec a) { return {__builtin_sqrtf(a.x), __builtin_sqrtf(a.y)}; }
+  friend Rec sqrt(Rec a) { return {::sqrtf(a.x), ::sqrtf(a.y)}; }
   friend Rec min(Rec a, Rec b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
   friend Rec max(Rec a, Rec b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
   /// x^2 + y^2 of each record, in both of its places.
@@ -195,7 +197,7 @@ struct ScalarLanes {
   friend D operator-(D a, D b) { return a.v - b.v; }
   friend D operator*(D a, D b) { return a.v * b.v; }
   friend D operator/(D a, D b) { return a.v / b.v; }
-  friend D sqrt(D a) { return __builtin_sqrt(a.v); }
+  friend D sqrt(D a) { return ::sqrt(a.v); }
   friend MD operator<(D a, D b) { return {a.v < b.v}; }
   friend MD operator<=(D a, D b) { return {a.v <= b.v}; }
   friend MD but_not(MD a, MD b) { return {(a.v & !b.v) != 0}; }

@@ -37,9 +37,14 @@ template <class L>
   return m;
 }
 
-template <class L, bool kFixedA>
+/// kSnap: between sweeps of one pass, by which velocities would decay into denormals.
+template <class L, bool kFixedA, bool kSnap = false>
 [[gnu::always_inline]] inline void scatter_motion(float* vel, float* rim_speed, const std::uint32_t* slot,
-                                                  const TwoBodies<L>& m) {
+                                                  TwoBodies<L> m) {
+  if constexpr (kSnap) {
+    m = {snapped<L>(m.vax), snapped<L>(m.vay), snapped<L>(m.ua),
+         snapped<L>(m.vbx), snapped<L>(m.vby), snapped<L>(m.ub)};
+  }
   if constexpr (!kFixedA) {
     L::template scatter<2>(vel, slot, m.vax, m.vay);
     L::template scatter1<2>(rim_speed, slot, m.ua);
@@ -224,7 +229,7 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       const auto sa = L::load(c->share_a + k), sb = L::load(c->share_b + k);
       apply_impulse<L, kFixedA>(m, d * nx, d * ny, d1 * x.at + d2 * y.at, d1 * x.bt + d2 * y.bt, wa * sa, wb * sb,
                                 ga * sa, gb * sb);
-      scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
+      scatter_motion<L, kFixedA, kInner>(b.vel, b.rim_speed, slot, m);
     }
   }
 }
@@ -296,7 +301,7 @@ template <class L, bool kFixedA>
   const auto share = n1 / select(zero < n, n, one);
   const auto an1 = L::load(p1.an + k), bn1 = L::load(p1.bn + k), an2 = L::load(p2.an + k), bn2 = L::load(p2.bn + k);
   const auto an = an2 + share * (an1 - an2), bn = bn2 + share * (bn1 - bn2);
-  const auto vt = x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an);
+  const auto vt = snapped<L>(x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an));
   const auto kt = x.wa + x.wb + (x.ga * (an * an) + x.gb * (bn * bn));
   const auto cap = L::load(c.mu + k) * n;
   const auto t1 = L::load(p1.friction + k), t2 = L::load(p2.friction + k);
@@ -383,7 +388,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       L::store(p1.impulse + k, x.n1);
       L::store(p2.impulse + k, x.n2);
       rub<L, kFixedA>(x, m, *c, k);
-      scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
+      scatter_motion<L, kFixedA, kInner>(b.vel, b.rim_speed, slot, m);
       if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {
         settle_impact<L>(p1, k, x.n1, x.was1);

@@ -39,7 +39,7 @@ void kick_first_as(const BodyView& b, const StreamParams& p, std::uint32_t begin
     for (std::uint32_t r = 0; r < kBlock; r += L::records) {
       const std::size_t body = static_cast<std::size_t>(block) * kBlock + r;
       const auto mine = L::mask_rec(b.linked + body);
-      const auto old = L::load_rec(b.vel + 2 * body);
+      const auto old = snapped<L>(L::load_rec(b.vel + 2 * body));
       const auto v0 = old * damp;
       auto dv = uniform;
       if constexpr (kKick != Kick::uniform) dv = L::load_rec(b.acc + 2 * body) * coast;
@@ -82,7 +82,7 @@ void kick_again(const BodyView& b, const StreamParams& p, std::uint32_t begin, s
     for (std::uint32_t r = 0; r < kBlock; r += L::records) {
       const std::size_t body = static_cast<std::size_t>(block) * kBlock + r;
       const auto mine = L::mask_rec(b.linked + body);
-      const auto old = L::load_rec(b.vel + 2 * body);
+      const auto old = snapped<L>(L::load_rec(b.vel + 2 * body));
       const auto dv = old - L::load_rec(b.vel0 + 2 * body);
       const auto v0 = old * damp;
       L::store_rec(b.vel0 + 2 * body, v0);
@@ -107,10 +107,10 @@ void drift(const BodyView& b, const StreamParams& p, std::uint32_t begin, std::u
       const auto v = L::load_rec(b.vel + 2 * body);
       const auto dv = v - L::load_rec(b.vel0 + 2 * body);
       const auto bound = b.acc ? limit + four_h2 * norm2(L::load_rec(b.acc + 2 * body)) : limit;
-      const auto smooth = norm2(dv) <= bound;
+      const auto smooth = norm2(squarable<L>(dv)) <= bound;
       const auto mean = v - select(smooth, half * dv, zero);
       const auto d = L::load_rec(b.disp + 2 * body);
-      L::store_rec(b.disp + 2 * body, select(mine, d + h * mean, d));
+      L::store_rec(b.disp + 2 * body, select(mine, snapped<L>(d + h * mean, kLeastOffset), d));
     }
   }
 }
@@ -142,14 +142,14 @@ bool integrate_as(const BodyView& b, const StreamParams& p, std::uint32_t begin,
       }
       const auto free_v = v * damp + my_kick;
       const auto free_d = d0 + coast * v + my_fall;
-      const auto new_v = select(linked, v, free_v);
+      const auto new_v = snapped<L>(select(linked, v, free_v));
       const auto gone = select(linked, d0, free_d);
       const auto d = min(far, max(near, gone));  // a NaN stays one
       fine = fine & (norm2(new_v) <= limit);
       const auto k = nearest(d * inv_pitch);
       L::store_rec(b.vel + 2 * body, new_v);
       L::store_rec_int(b.pos + 2 * body, L::load_rec_int(b.pos + 2 * body) + k);
-      L::store_rec(b.disp + 2 * body, d - to_float(k) * pitch);
+      L::store_rec(b.disp + 2 * body, snapped<L>(d - to_float(k) * pitch, kLeastOffset));
     }
   }
   return all(fine);
@@ -270,6 +270,9 @@ void cell_keys(const std::int32_t* pos, const GridView& g, std::uint32_t* key, s
   }
 }
 
+/// rad: beside a turn that is smaller, its square is nothing to a float.
+constexpr float kSmallTurn = 1e-8f;
+
 /// Where bodies have turned to since the frame's start: d += h u / R, turn = R (cos d - 1, sin d). As the drift does, u is
 /// the mean of a substep where the change is smooth: a body that pivots on a point would slide there, if it turned by
 /// another velocity than it moves. A body that did not turn before is pushed out of an overlap, which it needs in full.
@@ -286,7 +289,7 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
       const F<L> last = L::load(b.rim_speed + i), first = L::load(b.rim_speed0 + i), none = 0;
       const F<L> before = L::load(b.angle_change + i);
       if (!any((last != none) | (first != none) | (before != none))) continue;
-      const auto change = last - first;
+      const auto change = last - first, way = squarable<L>(change);
       auto bound = limit;
       if (b.acc != nullptr) {
         std::uint32_t slots[L::width];
@@ -297,16 +300,19 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
       }
       const auto size = L::load(radius + i);
       const auto spun = first * first - least * (size * size);
-      const auto rim_speed = last - keep(change * change <= min(bound, spun), 0.5f * change);
+      const auto rim_speed = last - keep(way * way <= min(bound, spun), 0.5f * change);
       const auto safe = select(0 < size, size, one);
-      auto d = before + step * (rim_speed / safe);
+      auto d = snapped<L>(before + step * (rim_speed / safe));
       L::store(b.angle_change + i, d);
       // A turn of more than 2^20 in a frame has no direction left.
       d = max(min(d, 1e6f), -1e6f);
       const auto turns = d * 0.15915494309f + nearest - nearest;
       d = d - turns * 6.28125f - turns * 1.9353071795e-3f;
-      const auto x = d * 0.25f, z = x * x;
-      // |x| <= pi/4: sin x = x + x^3 S(x^2), cos x - 1 = -x^2/2 + x^4 C(x^2).
+      // |x| <= pi/4: sin x = x + x^3 S(x^2), cos x - 1 = -x^2/2 + x^4 C(x^2). Where x is so small that cos x - 1 is lost
+      // beside sin x, their powers are 0 and no denormals.
+      const auto x = d * 0.25f;
+      const auto large = kSmallTurn < abs(x);
+      const auto z = keep(large, x * x);
       const F<L> s3 = 8.3333310e-3f + z * -1.9839334e-4f;
       auto sine = x + x * z * (-0.16666667f + z * s3);
       const F<L> c3 = -1.3888889e-3f + z * 2.4801588e-5f;
@@ -317,7 +323,7 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
         sine = two * (sine * cosine);
       }
       // + 0: who did not turn has +0 here, whether or not its register was skipped above.
-      L::store_records(b.arm_change + 2 * i, size * less_one + none, size * sine + none);
+      L::store_records(b.arm_change + 2 * i, size * keep(large, less_one) + none, size * sine + none);
     }
   }
 }

@@ -14,13 +14,21 @@ inline std::string number_text(double value) {
   return text;
 }
 
+/// The unit of the third digit of a number above 0.
+inline double third_digit(double value) {
+  double unit = 1;
+  while (unit < 1e300 && value >= 1000 * unit) unit *= 10;
+  while (unit > 1e-300 && value < 100 * unit) unit /= 10;
+  return unit;
+}
+
 /// Three digits, not below (above) the value. value > 0.
 inline std::string round_up_text(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  const double unit = third_digit(value);
   return number_text(std::ceil(value / unit - 1e-9) * unit);
 }
 inline std::string round_down_text(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  const double unit = third_digit(value);
   return number_text(std::floor(value / unit + 1e-9) * unit);
 }
 

@@ -1,4 +1,5 @@
-// Our own elementary functions against those of the C library in long double, and against values with known digits.
+// Our own elementary functions against values that are right to the last digit, against those of the C library in long
+// double, and against known digits.
 #include "base/elementary.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include "base/elementary_values.h"
+#include "base/rotor.h"
 
 namespace psim::test {
 namespace {
@@ -30,6 +34,40 @@ TEST(Elementary, FunctionsAreAsGoodAsTheyPromise) {
   EXPECT_LT(of_exponential, 2e-16);
   EXPECT_LT(of_less_one, 5e-16);
   EXPECT_LT(of_logarithm, 2e-16);
+}
+
+// The largest relative error over a table. Its float must be the right one or a neighbour of it.
+template <class Table, class Function>
+double worst_of(const Table& table, const Function& function) {
+  double worst = 0;
+  for (const Value& v : table) {
+    const double value = function(v.x);
+    worst = std::fmax(worst, relative(value, v.of_x));
+    const auto right = static_cast<float>(v.of_x), least = std::nextafter(right, -INFINITY);
+    EXPECT_GE(static_cast<float>(value), least) << v.x;
+    EXPECT_LE(static_cast<float>(value), std::nextafter(right, INFINITY)) << v.x;
+  }
+  return worst;
+}
+
+TEST(Elementary, FunctionsAreThoseOfATableThatIsRight) {
+  EXPECT_LT(worst_of(kExponentials, exponential), 3e-16);
+  EXPECT_LT(worst_of(kExponentialsLessOne, exponential_less_one), 5e-16);
+  EXPECT_LT(worst_of(kLogarithms, logarithm), 3e-16);
+  EXPECT_LT(worst_of(kSines, [](double x) { return sine_cosine(x).sine; }), 1e-12);
+  EXPECT_LT(worst_of(kCosines, [](double x) { return sine_cosine(x).cosine; }), 1e-12);
+  for (const PowerValue& v : kPowers) EXPECT_LT(relative(power(v.x, v.y), v.power), 2e-13) << v.x << " ^ " << v.y;
+}
+
+TEST(Elementary, LesserAndGreaterGiveTheSecondOfTwoThatAreEqualOrNotOrdered) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(lesser(1.0, 2.0), 1);
+  EXPECT_EQ(greater(1.0f, 2.0f), 2);
+  EXPECT_TRUE(std::signbit(lesser(0.0, -0.0)) && !std::signbit(lesser(-0.0, 0.0)));
+  EXPECT_TRUE(std::signbit(greater(0.0f, -0.0f)) && !std::signbit(greater(-0.0f, 0.0f)));
+  EXPECT_EQ(lesser(kNan, 1.0), 1);
+  EXPECT_EQ(greater(kNan, 1.0), 1);
+  EXPECT_TRUE(std::isnan(lesser(1.0, kNan)) && std::isnan(greater(1.0, kNan)));
 }
 
 // The digits are those of Abramowitz and Stegun, Handbook of Mathematical Functions, tables 1.1 and 4.4.

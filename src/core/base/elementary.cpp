@@ -1,8 +1,12 @@
 #include "base/elementary.h"
 
 #include <bit>
+#include <cfloat>
 #include <cstdint>
 #include <limits>
+
+static_assert(FLT_EVAL_METHOD == 0, "floats and doubles must be computed as such, not as longer numbers");
+static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 
 namespace psim {
 namespace {
@@ -34,6 +38,8 @@ double exponential(double x) {
   const auto whole = static_cast<std::int64_t>(n);
   return power_of_two(whole / 2) * part * power_of_two(whole - whole / 2);
 }
+
+double power(double x, double y) { return exponential(y * logarithm(x)); }
 
 double exponential_less_one(double x) {
   if (x > -0.35 && x < 0.35) return x + x * x * exponential_tail(x);

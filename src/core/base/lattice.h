@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "psim/types.h"
 
@@ -40,7 +41,7 @@ class Lattice {
       return;
     }
     int exponent = 0;
-    std::frexp(std::fmax(b.xmax - b.xmin, b.ymax - b.ymin) / 2, &exponent);  // half the width <= 2^exponent
+    std::frexp(greater(b.xmax - b.xmin, b.ymax - b.ymin) / 2, &exponent);  // half the width <= 2^exponent
     pitch_x_ = pitch_y_ = std::ldexp(1.0, exponent - 29);
     centre_ = {std::nearbyint((b.xmin / 2 + b.xmax / 2) / pitch_x_) * pitch_x_,
                std::nearbyint((b.ymin / 2 + b.ymax / 2) / pitch_y_) * pitch_y_};
@@ -51,7 +52,7 @@ class Lattice {
 
   /// The lattice place of a world position (clamped to the lattice where it does not wrap).
   LatticePoint to_lattice(Vec2 p) const {
-    const auto finite = [](double d) { return std::fmin(std::fmax(d, -0x1p100), 0x1p100); };  // as a float
+    const auto finite = [](double d) { return lesser(greater(d, -0x1p100), 0x1p100); };  // as a float
     return moved({}, {finite(p.x - centre_.x), finite(p.y - centre_.y)});
   }
 
@@ -83,8 +84,8 @@ class Lattice {
     const auto cut = [&](double from, double along, double half) {
       if (along == 0) return std::fabs(from) <= half;
       const double a = (-half - from) / along, b = (half - from) / along;
-      begin = std::fmax(begin, std::fmin(a, b));
-      end = std::fmin(end, std::fmax(a, b));
+      begin = greater(lesser(a, b), begin);
+      end = lesser(greater(a, b), end);
       return begin < end;
     };
     constexpr double kReach = 0x1p30 - 0x1p20;  // lattice steps

@@ -21,7 +21,8 @@ const cpu_features::X86Features& cpu() {
   return features;
 }
 
-constexpr std::uint32_t kStepFloatSettings = 0x9FC0;  // a value of MXCSR
+constexpr std::uint32_t kStepFloatSettings = 0x1F80;  // a value of MXCSR
+constexpr std::uint32_t kRaised = 0x3F;               // what calculations set: they stay set
 
 }  // namespace
 
@@ -32,8 +33,8 @@ bool cpu_has(kernels::CpuNeed need) {
 
 void pause_briefly() { _mm_pause(); }
 
-FloatSettings::FloatSettings() : before_(_mm_getcsr()) { _mm_setcsr(kStepFloatSettings); }
-FloatSettings::~FloatSettings() { _mm_setcsr(before_); }
+FloatSettings::FloatSettings() : before_{.control = _mm_getcsr()} { _mm_setcsr(kStepFloatSettings); }
+FloatSettings::~FloatSettings() { _mm_setcsr(before_.control | (_mm_getcsr() & kRaised)); }
 
 #else
 
@@ -41,8 +42,11 @@ bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; 
 
 void pause_briefly() { std::this_thread::yield(); }
 
-FloatSettings::FloatSettings() : before_(0) {}
-FloatSettings::~FloatSettings() { (void)before_; }
+FloatSettings::FloatSettings() {
+  std::fegetenv(&before_.all);
+  std::fesetenv(FE_DFL_ENV);
+}
+FloatSettings::~FloatSettings() { std::fesetenv(&before_.all); }
 
 #endif
 

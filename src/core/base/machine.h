@@ -3,6 +3,7 @@
 // with PSIM_PORTABLE, the functions here do nothing or use standard C++.
 #pragma once
 
+#include <cfenv>
 #include <cstdint>
 
 #include "psim/isa.h"
@@ -23,9 +24,9 @@ const kernels::KernelTable& kernels_of(Isa isa);
 /// A hint to the CPU that the thread waits in a loop.
 void pause_briefly();
 
-/// Sets the calling thread to the floating-point settings of a step, from construction to destruction: round to
-/// nearest, no traps, denormals are flushed and read as zero. Denormals cost twenty times as much as other numbers and
-/// mean nothing here. The host's own settings come back at the end.
+/// Sets the calling thread to the floating-point settings of IEEE 754, from construction to destruction: round to
+/// nearest, denormals are numbers like others, no traps. Every public function that computes has one. The host's own
+/// settings come back at the end. Flags that were raised meanwhile stay raised on x86-64, as after any function.
 class FloatSettings {
  public:
   FloatSettings();
@@ -34,7 +35,10 @@ class FloatSettings {
   FloatSettings& operator=(const FloatSettings&) = delete;
 
  private:
-  std::uint32_t before_;
+  union {
+    std::uint32_t control;  // x86-64: MXCSR
+    std::fenv_t all;
+  } before_;
 };
 
 }  // namespace psim

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <span>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -109,8 +111,8 @@ bool moving_properties(const BodyDesc& d, HullSet& hulls, BodyProperties& proper
   if (!error.empty()) return false;
   float reach = 0;
   for (const Hull& hull : hulls.parts) {
-    reach = std::fmax(reach, hull.reach);
-    kind.inner = std::fmax(kind.inner, hull.inner);
+    reach = greater(hull.reach, reach);
+    kind.inner = greater(hull.inner, kind.inner);
   }
   kind.centre_x = static_cast<float>(hulls.mass.centre.x);
   kind.centre_y = static_cast<float>(hulls.mass.centre.y);

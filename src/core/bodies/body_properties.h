@@ -8,19 +8,17 @@
 #include <limits>
 #include <vector>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
+#include "least.h"
 #include "psim/desc.h"
 
 namespace psim {
 
 class ShapeTable;
 
-/// Restitution or friction as a float. A step flushes denormals to zero (FloatSettings); this function does the same,
-/// so that bodies with a coefficient above 0 are the same ones inside and outside of a step.
-inline float coefficient(double value) {
-  const auto as_float = static_cast<float>(value);
-  return as_float < std::numeric_limits<float>::min() ? 0.0f : as_float;
-}
+/// Restitution or friction as a float, which is no denormal.
+inline float coefficient(double value) { return kernels::snapped(value); }
 
 /// Equal bodies share one entry: a million equal discs have a single one.
 struct BodyProperties {
@@ -117,8 +115,8 @@ class BodyPropertyTable : public SharedTable<BodyProperties, 0xFFFFFFFFu, 0> {
     float least = std::numeric_limits<float>::infinity(), most = 0;
     for (const Entry& e : list_) {
       if (e.users == 0 || !(e.value.mass > 0)) continue;
-      least = std::fmin(least, e.value.mass);
-      most = std::fmax(most, e.value.mass);
+      least = lesser(e.value.mass, least);
+      most = greater(e.value.mass, most);
     }
     return most > 0 ? double{most} / least : 1;
   }

@@ -20,6 +20,7 @@
 #include "base/lattice.h"
 #include "bodies/body_properties.h"
 #include "bodies/shape_table.h"
+#include "least.h"
 #include "psim/desc.h"
 #include "views.h"
 
@@ -175,8 +176,8 @@ class BodyStore {
   void put_point(std::size_t slot, const LatticePoint& p) {
     pos[2 * slot] = p.x;
     pos[2 * slot + 1] = p.y;
-    disp[2 * slot] = p.dx;
-    disp[2 * slot + 1] = p.dy;
+    disp[2 * slot] = kernels::snapped(p.dx, kernels::kLeastOffset);
+    disp[2 * slot + 1] = kernels::snapped(p.dy, kernels::kLeastOffset);
   }
   double angle_of(std::size_t slot) const { return angle.empty() ? 0 : angle[slot]; }
   float rim_speed_of(std::size_t slot) const { return rim_speed.empty() ? 0.0f : rim_speed[slot]; }
@@ -186,12 +187,17 @@ class BodyStore {
 
   /// Sets the velocity of a slot, m/s. Where remainders are kept, the part that does not fit into a float goes there.
   void put_velocity(std::size_t slot, Vec2 v) {
-    vel[2 * slot] = static_cast<float>(v.x);
-    vel[2 * slot + 1] = static_cast<float>(v.y);
+    vel[2 * slot] = kernels::snapped(v.x);
+    vel[2 * slot + 1] = kernels::snapped(v.y);
     if (vel_remainder.empty()) return;
     const Vec2 rest = v - velocity(slot);
     vel_remainder[2 * slot] = static_cast<float>(rest.x);
     vel_remainder[2 * slot + 1] = static_cast<float>(rest.y);
+  }
+
+  /// Sets the rim speed of a slot, m/s, where there is rotation.
+  void put_rim_speed(std::size_t slot, double u) {
+    if (!rim_speed.empty()) rim_speed[slot] = kernels::snapped(u);
   }
 
   /// Fills up the last block with neutral records: at the place of the last body, at rest, unlinked.

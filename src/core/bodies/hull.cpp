@@ -7,6 +7,7 @@
 #include <numbers>
 #include <variant>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 
 namespace psim {
@@ -110,7 +111,7 @@ bool check_rounding(double radius, std::string& error) {
 double extent_of(const Points& points) {
   const auto [left, right] = std::ranges::minmax(points, {}, &Vec2::x);
   const auto [bottom, top] = std::ranges::minmax(points, {}, &Vec2::y);
-  return std::fmax(right.x - left.x, top.y - bottom.y);
+  return greater(right.x - left.x, top.y - bottom.y);
 }
 
 /// Leaves out vertices that repeat the one before them or lie on the line of their neighbours.
@@ -272,18 +273,18 @@ void finish_hull(Hull& hull) {
   double reach = 0, inner = 0;
   for (int k = 0; k < hull.count; ++k) {
     const Vec2 v = hull.vertex(k);
-    reach = std::fmax(reach, length_of(v));
+    reach = greater(length_of(v), reach);
     if (hull.count == 1) break;
     const Vec2 e = hull.vertex(hull.next(k)) - v;
     const double edge = length_of(e);
     const Vec2 normal = edge > 0 ? Vec2{e.y / edge, -e.x / edge} : Vec2{1, 0};
     hull.nx[k] = static_cast<float>(normal.x);
     hull.ny[k] = static_cast<float>(normal.y);
-    inner = k == 0 ? dot(normal, v) : std::fmin(inner, dot(normal, v));
+    inner = k == 0 ? dot(normal, v) : lesser(inner, dot(normal, v));
   }
   // Rounds to floats: the reach upwards, the inner radius downwards.
   reach += hull.radius;
-  inner = std::fmax(inner, 0.0) + hull.radius;
+  inner = greater(inner, 0.0) + hull.radius;
   hull.reach = static_cast<float>(reach);
   if (hull.reach < reach) hull.reach *= 1 + 0x1p-23f;
   hull.inner = static_cast<float>(inner);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/elementary.h"
 #include "bodies/body_desc.h"
 #include "bodies/hull.h"
 #include "bodies/static_pieces.h"
@@ -40,16 +41,16 @@ std::string cut_into_pieces(const BodyDesc& d, Pieces pieces) {
 }
 
 // omega r, m/s, within what floats can square.
-float rim_speed_of(double omega, float radius) {
+double rim_speed_of(double omega, float radius) {
   constexpr double kMost = 1e15;
-  return static_cast<float>(std::fmin(std::fmax(omega * radius, -kMost), kMost));
+  return lesser(greater(omega * radius, -kMost), kMost);
 }
 
 }  // namespace
 
 double speed_limit(const Lattice& lattice, double dt) {
-  const double pitch = std::fmin(lattice.pitch_x(), lattice.pitch_y());
-  return std::fmin(kFarSteps * pitch / dt, 1e15);
+  const double pitch = lesser(lattice.pitch_x(), lattice.pitch_y());
+  return lesser(kFarSteps * pitch / dt, 1e15);
 }
 
 Population::Population(const WorldDesc& desc, const Lattice& lattice, MemoryMeter& meter)
@@ -177,7 +178,7 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   // In open worlds steps remove bodies and give their ids back, which must not allocate.
   if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
   const std::uint32_t slot = bodies.enter(id, lattice_.to_lattice(d.position, arm_of(kind, d.angle)), d.angle);
-  if (!bodies.rim_speed.empty()) bodies.rim_speed[slot] = rim_speed_of(d.angular_velocity, properties.radius);
+  bodies.put_rim_speed(slot, rim_speed_of(d.angular_velocity, properties.radius));
   const Vec2 velocity = capped(d.velocity);
   bodies.put_velocity(slot, velocity);
   if (properties.type == BodyType::kinematic_body) {
@@ -187,7 +188,7 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   if (kind.bullet) bullets.push_back(id);
   if (traits.moving == 0) first_radius = least_radius = properties.radius;
   if (traits.discs == 0 && kind.hull_count == 0) first_properties = properties;
-  least_radius = std::fmin(least_radius, properties.radius);
+  least_radius = lesser(properties.radius, least_radius);
 }
 
 // The centre of a kinematic body that turns about another place has a velocity of its own.
@@ -250,8 +251,8 @@ void Population::place(std::uint32_t id, Vec2 position, double angle) {
   const std::size_t i = bodies.info[id].slot;
   if (desc_.boundary == Boundary::walls) {
     const Bounds& b = desc_.bounds;
-    position.x = std::fmin(std::fmax(position.x, b.xmin), b.xmax);
-    position.y = std::fmin(std::fmax(position.y, b.ymin), b.ymax);
+    position.x = lesser(greater(position.x, b.xmin), b.xmax);
+    position.y = lesser(greater(position.y, b.ymin), b.ymax);
   }
   bodies.put_point(i, lattice_.to_lattice(position, arm_of(bodies.kind(id), angle)));
   if (!bodies.angle.empty()) bodies.angle[i] = angle;
@@ -261,7 +262,7 @@ void Population::place(std::uint32_t id, Vec2 position, double angle) {
 void Population::set_velocity(std::uint32_t id, Vec2 velocity, double angular_velocity) {
   const std::size_t i = bodies.info[id].slot;
   velocity = capped(velocity);
-  if (!bodies.rim_speed.empty()) bodies.rim_speed[i] = rim_speed_of(angular_velocity, bodies.radius[i]);
+  bodies.put_rim_speed(i, rim_speed_of(angular_velocity, bodies.radius[i]));
   bodies.clear_remainders(i);
   bodies.put_velocity(i, velocity);
   if (bodies.properties(id).type != BodyType::kinematic_body) return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "bodies/body_desc.h"
 
 namespace psim {
@@ -89,10 +90,10 @@ void Quarantine::bring_back(Population& population, const Lattice& lattice, cons
       for (const std::size_t k : {2 * i, 2 * i + 1}) bodies.pos[k] = std::clamp(bodies.pos[k], -kFarSteps, kFarSteps);
       continue;
     }
-    const float e = std::fmax(properties.restitution, static_cast<float>(desc.wall.restitution));
+    const float e = greater(properties.restitution, static_cast<float>(desc.wall.restitution));
     const auto back = [&](double& x, float& v, double low, double high) {
       if (x >= low && x <= high) return false;
-      const double room = std::fmin(properties.radius, (high - low) / 2);
+      const double room = lesser(double{properties.radius}, (high - low) / 2);
       const bool left = x < low;
       x = left ? low + room : high - room;
       if ((v < 0) == left) v = -e * v;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "base/elementary.h"
 #include "base/lattice.h"
 #include "base/rotor.h"
 #include "bodies/hull.h"
@@ -33,8 +34,8 @@ class Pieces {
     if (lattice_.wraps()) {
       const Vec2 way = turned(turn_, q - p);
       const double quarters =
-          std::fmax(std::fabs(way.x) / lattice_.pitch_x(), std::fabs(way.y) / lattice_.pitch_y()) / 0x1p30;
-      parts = static_cast<int>(std::fmin(std::fmax(std::ceil(quarters), 1.0), kMost));
+          greater(std::fabs(way.x) / lattice_.pitch_x(), std::fabs(way.y) / lattice_.pitch_y()) / 0x1p30;
+      parts = static_cast<int>(lesser(greater(std::ceil(quarters), 1.0), kMost));
     }
     for (int k = 0; k < parts; ++k) {
       const auto at = [&](int n) { return n == parts ? q : p + (1.0 * n / parts) * (q - p); };

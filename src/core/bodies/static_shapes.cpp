@@ -1,4 +1,5 @@
 #include "bodies/static_shapes.h"
+#include "base/elementary.h"
 #include "base/sort_keys.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ void cut_to(Vec2 (&ends)[2], double size) {
   if (low > 0 && low < length) ends[0] = begin + low / length * way;
 }
 
-std::uint32_t steps_of(double steps) { return static_cast<std::uint32_t>(std::fmin(steps, 0x1p31)); }
+std::uint32_t steps_of(double steps) { return static_cast<std::uint32_t>(lesser(steps, 0x1p31)); }
 
 // The ratio of the pitches as the nearest power of two.
 int shift_of(const Lattice& lattice) { return std::ilogb(lattice.pitch_x() / lattice.pitch_y() / 0.75); }
@@ -146,7 +147,7 @@ StaticShapes::Cells StaticShapes::cells_of(const StaticShape& s, std::int64_t ro
   const double y0 = origin_y_ + static_cast<double>(row) * cell_ - slack, y1 = y0 + cell_ * 1.02;
   const auto crossing = [&](double y) { return p.x + std::clamp((y - p.y) / (q.y - p.y), 0.0, 1.0) * (q.x - p.x); };
   const double xa = crossing(y0 - round), xb = crossing(y1 + round);
-  return cells_of({std::fmin(xa, xb) - slack - round, y0, std::fmax(xa, xb) + slack + round, y1});
+  return cells_of({lesser(xa, xb) - slack - round, y0, greater(xa, xb) + slack + round, y1});
 }
 
 bool StaticShapes::meets_grid(const Bounds& box) const {
@@ -174,16 +175,15 @@ void StaticShapes::make_grid() {
     if (!statics_[i].alive || statics_[i].asleep) continue;
     standing.push_back(i);
     const Bounds b = box_of(statics_[i]);
-    all = {std::fmin(all.xmin, b.xmin), std::fmin(all.ymin, b.ymin), std::fmax(all.xmax, b.xmax),
-           std::fmax(all.ymax, b.ymax)};
-    extent_sum += std::fmax(b.xmax - b.xmin, b.ymax - b.ymin);
+    all = {lesser(all.xmin, b.xmin), lesser(all.ymin, b.ymin), greater(all.xmax, b.xmax), greater(all.ymax, b.ymax)};
+    extent_sum += greater(b.xmax - b.xmin, b.ymax - b.ymin);
   }
   if (standing.empty()) return;
-  const double width = std::fmax(all.xmax - all.xmin, 1e-9), height = std::fmax(all.ymax - all.ymin, 1e-9);
+  const double width = greater(all.xmax - all.xmin, 1e-9), height = greater(all.ymax - all.ymin, 1e-9);
   const double n = static_cast<double>(standing.size());
   // There are about four cells for each shape, and no cell is smaller than a quarter of the mean shape.
-  cell_ = std::fmax(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
-  cell_ = std::fmax(cell_, std::fmax(width, height) / 30000);
+  cell_ = greater(std::sqrt(width * height / (4 * n + 16)), extent_sum / n / 4);
+  cell_ = greater(greater(width, height) / 30000, cell_);
   origin_x_ = all.xmin;
   origin_y_ = all.ymin;
   cols_ = static_cast<std::int64_t>(width / cell_) + 1;
@@ -284,8 +284,7 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   const auto beyond = [&](const StaticShape& s) {
     const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
     const double far = r + 2 * px + 2 * py + size_of(s);
-    return std::fmin(a.x, b.x) > far || std::fmax(a.x, b.x) < -far || std::fmin(a.y, b.y) > far ||
-           std::fmax(a.y, b.y) < -far;
+    return lesser(a.x, b.x) > far || greater(a.x, b.x) < -far || lesser(a.y, b.y) > far || greater(a.y, b.y) < -far;
   };
   const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {
@@ -319,7 +318,7 @@ void StaticShapes::near_way(const LatticePoint& place, Vec2 offset, Vec2 way, fl
                             std::vector<std::uint32_t>& out) const {
   // Bounded, since a body thrown out of the world may have moved by any amount.
   const auto steps = [](double d, double pitch) {
-    return static_cast<std::int32_t>(std::clamp(std::nearbyint(d / pitch), -0x1p30, 0x1p30));
+    return static_cast<std::int32_t>(lesser(greater(std::nearbyint(d / pitch), -0x1p30), 0x1p30));
   };
   const Vec2 middle = offset + 0.5 * way;
   near(wrap_add(place.x, steps(middle.x, lattice_->pitch_x())), wrap_add(place.y, steps(middle.y, lattice_->pitch_y())),

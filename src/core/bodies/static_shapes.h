@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/column.h"
+#include "base/elementary.h"
 #include "base/lattice.h"
 #include "bodies/hash_grid.h"
 #include "bodies/hull.h"
@@ -136,7 +137,7 @@ class StaticShapes {
   Bounds box_of(const StaticShape& s) const {
     const Vec2 p = metres(s.p), q = s.segment ? metres(s.q) : p;
     const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-    return {std::fmin(p.x, q.x) - r, std::fmin(p.y, q.y) - r, std::fmax(p.x, q.x) + r, std::fmax(p.y, q.y) + r};
+    return {lesser(p.x, q.x) - r, lesser(p.y, q.y) - r, greater(p.x, q.x) + r, greater(p.y, q.y) + r};
   }
   bool beside(const StaticShape& s, Vec2 at, double reach) const;
   bool is_inside(const StaticShape& whole, const LatticePoint& at) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 
 namespace psim {
@@ -27,7 +28,7 @@ double beyond_end(const Edge& edge, double at) {
     const bool given = corner.length > 0 && corner.other_has_end && !rises(corner);
     return given ? out + kGiven * kSeam * edge.radius : out;
   };
-  return std::fmax(past(edge.begin - at, edge.before), past(at - edge.end, edge.after));
+  return greater(past(edge.begin - at, edge.before), past(at - edge.end, edge.after));
 }
 
 // What a disc meets beyond an end: `out` from it along the edge, at `height` over the line of the edge.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "contacts/contact_store.h"
 
@@ -104,7 +105,7 @@ class EdgeFollower {
   void settle(std::uint32_t at) const {
     const Vec2 n = normal_of(at);
     const double had = std::max(c_.impulse[at], 0.0f);
-    const double l = std::fmax(had - dot(n, record(b_.vel)) / weight_of(at), 0.0);
+    const double l = greater(had - dot(n, record(b_.vel)) / weight_of(at), 0.0);
     push(b_.vel, change_of(weight_of(at), n, l - had, 0));
     c_.impulse[at] = static_cast<float>(l);
   }
@@ -122,7 +123,7 @@ class EdgeFollower {
       const double closing = -dot(n, v);
       if (!(closing > 0) || -dot(n, v0) < 0.5 * closing) continue;
       const double mean = 0.5 * (closing - dot(n, v0));  // the disc goes at the mean velocity
-      const double when = std::fmax((static_cast<double>(c_.gap[to]) + dot(n, moved)) / mean, time);
+      const double when = greater((static_cast<double>(c_.gap[to]) + dot(n, moved)) / mean, time);
       if (when >= soonest || (from != nullptr && !lifts(from->lane, v, n, closing))) continue;
       soonest = when;
       next = &edge;
@@ -134,7 +135,7 @@ class EdgeFollower {
   // Whether an impact along n lifts the disc off an edge.
   bool lifts(std::uint32_t from, Vec2 v, Vec2 n, double closing) const {
     const Vec2 mine = normal_of(from);
-    const double load = weight_of(from) * std::fmax(static_cast<double>(c_.impulse[from]), 0.0), cosine = dot(mine, n);
+    const double load = weight_of(from) * greater(static_cast<double>(c_.impulse[from]), 0.0), cosine = dot(mine, n);
     return cosine > 0 && dot(mine, v) + closing * cosine >= load * (1 - cosine * cosine);
   }
 
@@ -157,11 +158,11 @@ class EdgeFollower {
     if (model_.rough()) {
       const double slip = cross(n, v) - static_cast<double>(b_.rim_speed[i_]),
                    most = static_cast<double>(c_.mu[to]) * l;
-      t = std::fmin(std::fmax(-slip * static_cast<double>(c_.tmass[to]), -most), most);
+      t = lesser(greater(-slip * static_cast<double>(c_.tmass[to]), -most), most);
       spin(to, t, t);
     }
     const Vec2 change = change_of(weight, n, l, t);
-    const double lasts = std::fmax(l + dot(n, record(b_.vel0)) / weight, 0.0);  // holds it against the kick
+    const double lasts = greater(l + dot(n, record(b_.vel0)) / weight, 0.0);  // holds it against the kick
     const Vec2 change_before = change - weight * lasts * n;
     push(b_.vel, change);
     push(b_.vel0, change_before);

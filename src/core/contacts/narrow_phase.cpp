@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "base/elementary.h"
 #include "contacts/contact_store.h"
 
 namespace psim {
@@ -80,8 +81,8 @@ class StaticGeometry {
     NearEdge& n = edges_.emplace_back(NearEdge{at, &s, -1 * from_p, u - from_p, {}, {}, old});
     n.edge = {along, cross(along, from_p), 0, 0, static_cast<double>(r + s.radius), {}, {}};
     const double to_p = dot(along, n.p), to_q = dot(along, n.q);
-    n.edge.begin = std::fmin(to_p, to_q);
-    n.edge.end = std::fmax(to_p, to_q);
+    n.edge.begin = lesser(to_p, to_q);
+    n.edge.end = greater(to_p, to_q);
   }
 
   // Finds what the body meets of an edge.
@@ -210,7 +211,7 @@ class StaticGeometry {
 
   static double distance_to(const NearEdge& edge, Vec2 point) {
     const Vec2 u = edge.q - edge.p, a = point - edge.p;
-    return length_of(a - std::fmin(std::fmax(dot(a, u) / dot(u, u), 0), 1) * u);
+    return length_of(a - lesser(greater(dot(a, u) / dot(u, u), 0), 1) * u);
   }
 
   const BodyStore& b_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "joints/articulation_solve.h"
 
 namespace psim {
@@ -44,7 +45,7 @@ void Articulations::Solve::settle() {
   gain += gained_;
   double noise = 0;  // J: as far as places are exact
   for_rows([&](const Row& row, const Joint&) { noise += std::fabs(row.impulse) * kExact / h_; });
-  const double credit = std::fmin(kCredit * island_.apart, kMostCredit * energy_within(moving_with()));
+  const double credit = lesser(kCredit * island_.apart, kMostCredit * energy_within(moving_with()));
   const double least = -credit - noise;
   if (gain < least) {  // what an impact took
     change(account, least - gain);
@@ -54,7 +55,7 @@ void Articulations::Solve::settle() {
   const JointedMotion common = common_motion();
   const double energy = energy_within(common);
   if (!(energy > 0)) return;
-  double taken = gain > noise ? std::fmin(gain, kMostTaken * energy) : 0;
+  double taken = gain > noise ? lesser(gain, kMostTaken * energy) : 0;
   change(account, -taken);
   if (all_.calm_) {
     double mass = 0;

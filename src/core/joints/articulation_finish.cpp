@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/elementary.h"
 #include "joints/articulation_solve.h"
 
 namespace psim {
@@ -22,10 +23,10 @@ bool Articulations::Solve::take_errors_out(double* angle) {
     const double error = row.now.error;
     row.wanted = 0;
     if (row.use == Use::keep) row.wanted = -error;
-    if (row.use == Use::pull) row.wanted = -std::fmax(error, 0);
-    if (row.state == State::low) row.wanted = std::fmax(j.lower - error, 0);
-    if (row.state == State::high) row.wanted = std::fmin(j.upper - error, 0);
-    worst = std::fmax(worst, std::fabs(row.wanted));
+    if (row.use == Use::pull) row.wanted = -greater(error, 0);
+    if (row.state == State::low) row.wanted = greater(j.lower - error, 0);
+    if (row.state == State::high) row.wanted = lesser(j.upper - error, 0);
+    worst = greater(std::fabs(row.wanted), worst);
   });
   if (worst <= kSmall) return false;
   assemble(false, kSturdy);
@@ -36,7 +37,7 @@ bool Articulations::Solve::take_errors_out(double* angle) {
   push(false, [](const Row& row, const Joint&) { return row.wanted; });
   double most = 0;
   for_bodies([&](const Body& b) {
-    most = std::fmax(most, std::fmax(length_of(b.now.velocity), std::fabs(b.now.omega) * b.radius));
+    most = greater(greater(length_of(b.now.velocity), std::fabs(b.now.omega) * b.radius), most);
   });
   const double share = most > kPush * h_ ? kPush * h_ / most : 1;
   for_bodies([&](Body& b) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "joints/articulation_solve.h"
 
 namespace psim {
@@ -21,7 +22,7 @@ void Articulations::Solve::set_length(double h, double share) {
   h_ = h;
   for_joints([&](Joint& j) {
     if (j.mass > 0) j.set_spring(h);
-    j.motor_most = std::fmin(j.motor_most * share, 1e30);
+    j.motor_most = lesser(j.motor_most * share, 1e30);
   });
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 #include "joints/articulation_solve.h"
 
 namespace psim {
@@ -22,16 +24,16 @@ bool Articulations::Solve::choose(Row& row, const Joint& j) const {
   const double error = row.now.error;
   if (row.use == Use::pull) {
     if (row.on() && row.impulse > 0) row.state = State::free;
-    if (!row.on() && error > std::fmax(row.start.error, 0) + kExact) row.state = State::bound;
+    if (!row.on() && error > greater(row.start.error, 0) + kExact) row.state = State::bound;
   } else if (row.use == Use::drive) {
     const State motor = j.motor_most > 0 ? State::bound : State::free;
     const double ahead = error - row.start.error - h_ * j.motor_speed;
-    if (error < std::fmin(j.lower, row.start.error) - kExact) {
+    if (error < lesser(j.lower, row.start.error) - kExact) {
       row.state = State::low;
-      row.impulse = std::fmax(row.impulse, 0);
-    } else if (error > std::fmax(j.upper, row.start.error) + kExact) {
+      row.impulse = greater(row.impulse, 0);
+    } else if (error > greater(j.upper, row.start.error) + kExact) {
       row.state = State::high;
-      row.impulse = std::fmin(row.impulse, 0);
+      row.impulse = lesser(row.impulse, 0);
     } else if ((row.state == State::low && row.impulse < 0) || (row.state == State::high && row.impulse > 0)) {
       row.state = motor;
       row.impulse = 0;
@@ -49,11 +51,11 @@ bool Articulations::Solve::choose(Row& row, const Joint& j) const {
 double Articulations::Solve::residual(const Row& row, const Joint& j) const {
   const double from = row.start.error, to = row.now.error;
   if (!row.on()) return 0;
-  if (row.use == Use::pull) return to - std::fmax(from, 0);
+  if (row.use == Use::pull) return to - greater(from, 0);
   if (row.use == Use::spring) return (to - from) + h_ * row.softness * (spring_rest(row, j) + row.impulse);
   if (row.use == Use::drive) {
-    if (row.state == State::low) return to - std::fmin(j.lower, from);
-    if (row.state == State::high) return to - std::fmax(j.upper, from);
+    if (row.state == State::low) return to - lesser(j.lower, from);
+    if (row.state == State::high) return to - greater(j.upper, from);
     return to - from - h_ * j.motor_speed;
   }
   return to - from;
@@ -95,7 +97,7 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     });
     if (worst <= kExact && !changed) return true;
     if (step == kMostSteps || !(worst < kMostError) || (exact && step > 1 && worst > least)) return worst < kConverged;
-    if (!changed) least = std::fmin(least, worst);
+    if (!changed) least = lesser(worst, least);
     assemble(exact, exact ? kAlike : kSturdy);
     eliminate();
     substitute();

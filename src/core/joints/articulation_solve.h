@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "joints/articulations.h"
+#include "least.h"
 
 namespace psim {
 
@@ -114,7 +115,7 @@ class Articulations::Solve {
 inline Vec2 load_record(const float* records, std::size_t n) {
   return {static_cast<double>(records[2 * n]), static_cast<double>(records[2 * n + 1])};
 }
-inline void change(float& to, double v) { to = static_cast<float>(static_cast<double>(to) + v); }
+inline void change(float& to, double v) { to = kernels::snapped(static_cast<double>(to) + v); }
 inline void change(float* records, std::size_t n, Vec2 v) {
   change(records[2 * n], v.x);
   change(records[2 * n + 1], v.y);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/elementary.h"
 #include "joints/articulation_solve.h"
 
 namespace psim {
@@ -29,7 +30,7 @@ double Articulations::Solve::speed_before(const JointRow& row, const Joint& j) c
 double Articulations::Solve::spring_rest(const Row& row, const Joint& j) const {
   const double before = speed_before(row.start, j), mean = speed(row.start, j);
   const double after = 2 * speed(row.now, j) - speed_before(row.now, j), sum = 0.5 * (row.before + after);
-  const double share = mean * sum > 0 ? std::fmin(sum / mean, 1.5) : 0;
+  const double share = mean * sum > 0 ? lesser(sum / mean, 1.5) : 0;
   const double turned = share * (after - row.before) - 2 * (mean - before);
   return 0.5 * (j.spring.push * row.start.error + j.spring.lag * before - j.spring.lighter * turned);
 }
@@ -47,7 +48,7 @@ void Articulations::Solve::begin_springs() {
   each_spring([&](Row&, const Joint& j) { any = any || j.spring.light > 0; });
   if (!any) return;
   const double reach = std::exchange(reach_, 1);
-  each_spring([](Row& row, const Joint& j) { row.softness = -1 / std::fmax(j.spring.light, kLeast); });
+  each_spring([](Row& row, const Joint& j) { row.softness = -1 / greater(j.spring.light, kLeast); });
   assemble(false, kAlike);
   eliminate();
   for_rows([&](Row& row, const Joint& j) { row.wanted = row.use == Use::spring ? -speed_before(row.now, j) : 0; });

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "joints/joint_store.h"
+#include "least.h"
 
 namespace psim {
 
@@ -22,7 +24,7 @@ constexpr std::uint32_t kFew = 32, kMany = 256, kManyOfNets = 1024;  // blocks
 constexpr std::uint32_t kShareBlocks = 512;                          // blocks of bodies in a job
 constexpr std::uint32_t kSmallGap = 8;                               // blocks without joints that a range may contain
 
-float narrow(double v) { return static_cast<float>(v); }
+float narrow(double v) { return kernels::snapped(v, kernels::kLeastOffset); }
 
 // The effective mass of pulling the anchors apart, kg, along the line `apart` from one to the other.
 double line_mass(const JointMember& ma, const JointMember& mb, Vec2 arm_a, Vec2 arm_b, Vec2 apart) {
@@ -65,14 +67,14 @@ void fill_drive(kernels::Drive& at, std::uint32_t k, const JointDesc& d, double 
   at.lower[k] = narrow(way > 0 ? lower : -upper);
   at.upper[k] = narrow(way > 0 ? upper : -lower);
   at.speed[k] = narrow(way * d.motor_speed);
-  at.most[k] = narrow(std::fmin(d.motor_limit * h, 1e30));
+  at.most[k] = narrow(lesser(d.motor_limit * h, 1e30));
 }
 
 template <class Block>
 void fill_spring(Block& at, std::uint32_t k, const SpringRow& row) {
-  at.push[k] = narrow(std::fmin(row.push, 1e30));
-  at.drag[k] = narrow(std::fmin(row.drag, 1e30));
-  at.lag[k] = narrow(std::fmax(row.lag, -1e30));
+  at.push[k] = narrow(lesser(row.push, 1e30));
+  at.drag[k] = narrow(lesser(row.drag, 1e30));
+  at.lag[k] = narrow(greater(row.lag, -1e30));
 }
 
 // The axis in the frame of side A. If A is body b, it points the other way and is turned by the reference angle.
@@ -148,8 +150,8 @@ void JointStore::find_shares(const SolverBodies& solved) {
 // Sweeps do not follow springs that are stiffer: of nets they would gain energy.
 SpringRow JointStore::spring_of(const Joint& j, double mass) const {
   const double most = kStiffest * mass / h_;
-  return spring_row(std::fmin(acting_ * j.desc.stiffness, most / h_), std::fmin(acting_ * j.desc.damping, most), mass,
-                    h_, crowd_of(j));
+  return spring_row(lesser(acting_ * j.desc.stiffness, most / h_), lesser(acting_ * j.desc.damping, most), mass, h_,
+                    crowd_of(j));
 }
 
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
@@ -251,7 +253,7 @@ void JointStore::set_articulations(bool calm) {
     to.upper = flipped ? -lower : upper;
     if (lower == upper) (joint.kind == JointKind::slide ? to.geometry.length : to.geometry.reference) += to.lower;
     to.motor_speed = (flipped ? -1 : 1) * d.motor_speed;
-    to.motor_most = std::fmin(d.motor_limit * h_, 1e30);
+    to.motor_most = lesser(d.motor_limit * h_, 1e30);
     to.stiffness = acting_ * d.stiffness;
     to.damping = acting_ * d.damping;
     to.mass = 0;

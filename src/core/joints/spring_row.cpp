@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -50,9 +52,9 @@ SpringRow spring_row(double stiffness, double damping, double mass, double h, st
   if (!(mass > 0) || !(stiffness > 0 || damping > 0)) return out;
   const double turn = std::sqrt(stiffness / mass) * h;
   const double room = kMostLight / std::max<std::uint32_t>(crowd, 1);
-  const double less = std::fmin(less_than_one(std::fmin(turn, 1) / 2), 1 - std::sqrt(1 - room));
+  const double less = lesser(less_than_one(lesser(turn, 1) / 2), 1 - std::sqrt(1 - room));
   const double lighter = mass * less * (2 - less);
-  const double blur = std::fmin(std::fmax(turn - 1, 0), 1) / 3, late = blur * blur / 2;
+  const double blur = lesser(greater(turn - 1, 0), 1) / 3, late = blur * blur / 2;
   const double pull = stiffness * h * h, friction = damping * h;
   const double end = end_share(friction / mass);
   out.push = stiffness * h;

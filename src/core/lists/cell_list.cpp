@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/invariant.h"
 #include "base/sort_keys.h"
 
@@ -44,7 +45,7 @@ bool CellList::lay(const std::int32_t box[4], const double edge[2], bool periodi
     const double steps = periodic ? 0x1p32 : static_cast<double>(box[2 + k]) - box[k];
     cells *= steps / edge[k] + 64;
   }
-  const double wider = std::sqrt(std::fmax(cells / std::ldexp(0.5, 64 - slot_bits), 1.0));
+  const double wider = std::sqrt(greater(cells / std::ldexp(0.5, 64 - slot_bits), 1.0));
   const double least[2] = {wider * edge[0], wider * edge[1]};
   if (periodic == periodic_ && slot_bits == slot_bits_ && serves(0, box, least[0], periodic) &&
       serves(1, box, least[1], periodic)) {

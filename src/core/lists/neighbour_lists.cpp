@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "bodies/body_store.h"
 
@@ -28,7 +29,7 @@ struct Sample {
   Vec2 mean;                            // m/s
   double square = 0;                    // mean |v|^2
   double fastest = 0, fastest_off = 0;  // largest |v| and |v - mean|, m/s
-  double off() const { return std::sqrt(std::fmax(square - mean.x * mean.x - mean.y * mean.y, 0)); }
+  double off() const { return std::sqrt(greater(square - mean.x * mean.x - mean.y * mean.y, 0)); }
 };
 
 Sample sample_bodies(const BodyStore& b, double least_radius) {
@@ -40,7 +41,7 @@ Sample sample_bodies(const BodyStore& b, double least_radius) {
     s.square += dot(v, v);
     s.mean = s.mean + v;
     s.radius += static_cast<double>(b.radius[i]);
-    s.fastest = std::fmax(s.fastest, length_of(v));
+    s.fastest = greater(length_of(v), s.fastest);
   });
   if (n == 0) {  // every body that was looked at is gone: as if all were at rest
     s.radius = least_radius;
@@ -49,7 +50,7 @@ Sample sample_bodies(const BodyStore& b, double least_radius) {
   s.square /= n;
   s.mean = {s.mean.x / n, s.mean.y / n};
   s.radius /= n;
-  b.each_sampled([&](std::uint32_t i) { s.fastest_off = std::fmax(s.fastest_off, length_of(b.velocity(i) - s.mean)); });
+  b.each_sampled([&](std::uint32_t i) { s.fastest_off = greater(length_of(b.velocity(i) - s.mean), s.fastest_off); });
   return s;
 }
 
@@ -61,7 +62,7 @@ double share_above(const BodyStore& b, double speed) {
     n += 1;
     above += !(dot(v, v) <= speed * speed);
   });
-  return above / std::fmax(n, 1);
+  return above / greater(n, 1);
 }
 
 // How far impacts within a step may move a body, m, at such a speed: little in a thin gas of equals, more where discs
@@ -85,7 +86,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
   const double area =
       lists.broad.cells().area_about(r, (desc.bounds.xmax - desc.bounds.xmin) * (desc.bounds.ymax - desc.bounds.ymin));
   // Where bodies lie in heaps their number in the box says little: the last grid says more.
-  const double density = std::fmax(count / area, lists.broad.cells().density());
+  const double density = greater(count / area, lists.broad.cells().density());
   // Without restitution impacts only slow bodies down.
   if (world.restitution) {
     out.made.crowding = std::clamp(3 * count / area * 3.14159 * r * r, 0.1, 1.0);
@@ -94,10 +95,10 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
   // Candidates of a body up to `outer` away: hard discs leave a distance of 2 r around it empty, but where they are
   // packed every other body is a candidate.
   const auto pairs = [&](double outer) {
-    return std::fmax(1.5708 * density * (outer * outer - 4 * r * r), 1.5708 * density * outer * outer - 0.5);
+    return greater(1.5708 * density * (outer * outer - 4 * r * r), 1.5708 * density * outer * outer - 0.5);
   };
   const auto build = [&](double reach) {
-    const double edge = std::fmax(2 * reach, std::sqrt(0.7 * area / count));
+    const double edge = greater(2 * reach, std::sqrt(0.7 * area / count));
     return kBuild + kTest * 4.5 * density * edge * edge;
   };
   const double half = kMarginFrames * dt / 2;
@@ -114,7 +115,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
     const double cost = favour(k) * (build(reach) / k + kSelect * pairs(2 * r + 3 * k * frame));
     if (!(cost < best)) continue;
     best = cost;
-    const double room = std::fmax(desc.skin * k, 1);  // frames; a step needs one
+    const double room = greater(desc.skin * k, 1);  // frames; a step needs one
     p.outer = 2 * r + 3 * room * frame;
     p.margin = {static_cast<float>(0.02 * r + room * 1.2 * frame), static_cast<float>(room * kMarginFrames * dt * 0.3),
                 0, 0};
@@ -136,13 +137,13 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
   out.made.speed = s.off();
   out.made.crowding = 0.1;
   // A skin that is thinner than the usual one still allows for what impacts may do within a step.
-  const double thin = std::fmin(impact_slack(world, out.made.speed, 1, dt) / r, kSkinOfRadius);
-  const double skin_of_radius = std::fmax(desc.skin * kSkinOfRadius, thin);
+  const double thin = lesser(impact_slack(world, out.made.speed, 1, dt) / r, kSkinOfRadius);
+  const double skin_of_radius = greater(desc.skin * kSkinOfRadius, thin);
   out.broad.margin.skin = static_cast<float>(skin_of_radius * r);
   out.broad.margin.time = static_cast<float>(kMarginFrames * dt);
   out.broad.outer = 2 * (1 + skin_of_radius) * r;
   // Impacts in a two-dimensional gas: 2 D n v g(c) sqrt(pi), where c is the share of the area that bodies cover.
-  const double density = lists.broad.cells().density(), covered = std::fmin(density * 3.14159 * r * r, 0.8);
+  const double density = lists.broad.cells().density(), covered = lesser(density * 3.14159 * r * r, 0.8);
   out.made.impact_rate = 7 * r * density * out.made.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   if (kMarginFrames * dt * speed > kSkinOfRadius * r && std::isfinite(speed)) {
@@ -210,11 +211,11 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
   surroundings.pool.run(end - begin, [&](std::size_t n) {
     Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
-    const double speed = std::fmin(made.speed, kReserve * speeds.at(begin + n));
+    const double speed = lesser(made.speed, kReserve * speeds.at(begin + n));
     // A row that meets a heap stops within the step, and the next row, which moves as it did, is to be known to follow.
     const double met = kMarginFrames * speeds.closing(begin + n) * dt;
-    mine.slack = static_cast<float>(
-        std::fmax(impact_slack(world, speed, made.crowding, dt), impact_slack(world, 0, 1, dt) + met));
+    mine.slack =
+        static_cast<float>(greater(impact_slack(world, speed, made.crowding, dt), impact_slack(world, 0, 1, dt) + met));
     mine.out_owner = picked_owner.data() + s.pair_begin;
     mine.out_other = picked_other.data() + s.pair_begin;
     s.pair_end = s.pair_begin + surroundings.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);

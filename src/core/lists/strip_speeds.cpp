@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -17,18 +19,18 @@ constexpr double kChance = 0.5;
 double StripSpeeds::Sum::spread(Vec2 about) const {
   if (!(weight > 0)) return 0;
   const Vec2 common = mean(), off = common - about;
-  const double own = std::fmax(square / weight - common.x * common.x - common.y * common.y, 0);
+  const double own = greater(square / weight - common.x * common.x - common.y * common.y, 0);
   return std::sqrt(own + off.x * off.x + off.y * off.y);
 }
 
 void StripSpeeds::Box::add(const Box& o) {
-  low = {std::fmin(low.x, o.low.x), std::fmin(low.y, o.low.y)};
-  high = {std::fmax(high.x, o.high.x), std::fmax(high.y, o.high.y)};
+  low = {lesser(o.low.x, low.x), lesser(o.low.y, low.y)};
+  high = {greater(o.high.x, high.x), greater(o.high.y, high.y)};
 }
 
 double StripSpeeds::Box::farthest(Vec2 from) const {
   if (low.x > high.x) return 0;
-  return length_of({std::fmax(high.x - from.x, from.x - low.x), std::fmax(high.y - from.y, from.y - low.y)});
+  return length_of({greater(high.x - from.x, from.x - low.x), greater(high.y - from.y, from.y - low.y)});
 }
 
 void StripSpeeds::Stir::look(const BodyStore& b, const Strip& strip, bool uneven) {
@@ -67,8 +69,7 @@ void StripSpeeds::place_large(const Strip& large, double time) {
     if (b.id[i] == kNoSlot) continue;
     const Vec2 v = b.velocity(i);
     const double far = static_cast<double>(b.radius[i]) + std::fabs(v.y) * time;
-    const auto reach =
-        static_cast<std::int64_t>(std::fmin(far / s_.lattice.pitch_y(), static_cast<double>(kRound))) + 1;
+    const auto reach = static_cast<std::int64_t>(lesser(far / s_.lattice.pitch_y(), static_cast<double>(kRound))) + 1;
     for (std::int64_t round = -copies; round <= copies; round += kRound) {
       const std::int64_t at = b.pos[2 * std::size_t{i} + 1] + round;
       const auto end = std::ranges::upper_bound(stirs_, at + reach, {}, &Stir::low);
@@ -100,10 +101,10 @@ void StripSpeeds::measure(const std::vector<Strip>& strips, bool uneven, double 
     if (s != 0 || s_.lattice.wraps()) join(s == 0 ? grid - 1 : s - 1);
     if (s + 1 != grid || s_.lattice.wraps()) join(s + 1 == grid ? 0 : s + 1);
     const Vec2 common = about.bodies.mean();
-    speed_[s] = std::fmax(about.bodies.spread(about.masses.weight > 0 ? about.masses.mean() : common),
-                          about.heavy.farthest(common));
+    speed_[s] = greater(about.bodies.spread(about.masses.weight > 0 ? about.masses.mean() : common),
+                        about.heavy.farthest(common));
     if (std::isnan(speed_[s])) speed_[s] = std::numeric_limits<double>::infinity();
-    closing_[s] = std::fmax(means.farthest(means.low) - kChance * about.bodies.spread(common), 0);
+    closing_[s] = greater(means.farthest(means.low) - kChance * about.bodies.spread(common), 0);
   }
   speed_[grid] = std::numeric_limits<double>::infinity();
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/elementary.h"
 #include "manifolds/manifold_look.h"
 
 namespace psim {
@@ -26,7 +27,7 @@ struct End {
 // The height of a hull above the centre of the body, along a normal.
 float top_of(const Hull& hull, float nx, float ny) {
   float top = nx * hull.x[0] + ny * hull.y[0];
-  for (int k = 1; k < hull.count; ++k) top = std::fmax(top, nx * hull.x[k] + ny * hull.y[k]);
+  for (int k = 1; k < hull.count; ++k) top = greater(nx * hull.x[k] + ny * hull.y[k], top);
   return top + hull.radius;
 }
 
@@ -66,7 +67,7 @@ bool join(std::span<ManifoldPair* const> group, float inner, const auto& arm_on_
   const auto take = [&](const ManifoldPair& from_pair, int k, float share) {  // share: of the far point
     const float weight[2] = {1 - share, share};
     for (int n = 0; n < 2; ++n) {
-      impulse[n] += weight[n] * std::fmax(from_pair.impulse[k], 0.0f);
+      impulse[n] += weight[n] * greater(from_pair.impulse[k], 0.0f);
       friction[n] += weight[n] * from_pair.friction[k];
     }
   };
@@ -170,8 +171,8 @@ Hull Manifolds::floor_of(const ManifoldPair& pair) const {
     const Hull hull = look.seen_from_b(other);
     for (int k = 0; k < hull.count; ++k) {
       if (m.nx * hull.x[k] + m.ny * hull.y[k] + hull.radius < height - kLevel * inner_of(pair.b)) continue;
-      low = std::fmin(low, along(m, hull.x[k], hull.y[k]));
-      high = std::fmax(high, along(m, hull.x[k], hull.y[k]));
+      low = lesser(along(m, hull.x[k], hull.y[k]), low);
+      high = greater(along(m, hull.x[k], hull.y[k]), high);
     }
   };
   add(pair);

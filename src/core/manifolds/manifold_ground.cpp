@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "manifolds/manifold_look.h"
@@ -56,7 +57,7 @@ EdgeCorner Manifolds::Look::corner_at(const ManifoldPair& pair, Vec2 corner, Vec
   double most = -3;
   const auto edge = [&](Vec2 p, Vec2 q, bool one_sided) {
     const Vec2 u = q - p, a = corner - p;
-    const double share = std::fmin(std::fmax(dot(a, u) / dot(u, u), 0.0), 1.0);
+    const double share = lesser(greater(dot(a, u) / dot(u, u), 0.0), 1.0);
     if (length_of(a - share * u) > same) return;
     for (const Vec2 far : {p, q}) {
       const Vec2 way = far - corner;
@@ -190,7 +191,7 @@ void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const
       if (!at_plane) continue;
       if (piece.count == 0) piece = look.seen_from_b(pair);
       float highest = above(piece.x[0], piece.y[0]);
-      for (int n = 1; n < piece.count; ++n) highest = std::fmax(highest, above(piece.x[n], piece.y[n]));
+      for (int n = 1; n < piece.count; ++n) highest = greater(above(piece.x[n], piece.y[n]), highest);
       if (highest + piece.radius <= near) pair.ghost = true;
     }
     if (pair.ghost) pair.active = false;

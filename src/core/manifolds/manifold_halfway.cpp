@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "manifolds/manifold_look.h"
 
 namespace psim {
@@ -45,7 +46,7 @@ bool Manifolds::halfway(const ManifoldPair& pair, float dt, Manifold& m, float (
   const double time = half_time(pair, dt), turn_a = time * spin_a, turn_b = time * spin_b;
   Vec2 u{b.vel[2 * j], b.vel[2 * j + 1]};
   if (!fixed) u = u - Vec2{b.vel[2 * i], b.vel[2 * i + 1]};
-  if (!(std::fmax(std::fabs(turn_a), std::fabs(turn_b)) < kMostTurn) || time * length_of(u) > kMostWay * inner_of(j)) {
+  if (!(greater(std::fabs(turn_a), std::fabs(turn_b)) < kMostTurn) || time * length_of(u) > kMostWay * inner_of(j)) {
     return false;
   }
   const int kind = pair.of_wall() ? 0 : (pair.manifold.point[0].feature >> 6) & 3;

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 #include "contacts/contact_model.h"
+#include "least.h"
 #include "manifolds/manifolds.h"
 #include "manifolds/stacks.h"
 
@@ -15,6 +17,7 @@ namespace {
 
 using kernels::kBlock;
 using kernels::ManifoldBlock;
+using kernels::snapped;
 
 constexpr std::uint32_t kColours = ManifoldPair::kColours;  // one more class has blocks with a single lane
 constexpr float kOpen = -0.0f;
@@ -65,10 +68,10 @@ void fill_points(ManifoldBlock& c, std::uint32_t l, const ManifoldPair& pair, co
     const ManifoldPoint& from = m.point[k];
     const auto along = [&](float x, float y) { return m.nx * x + m.ny * y; };
     const auto across = [&](float x, float y) { return x * m.ny - y * m.nx; };
-    p.an[l] = fixed ? 0.0f : along(from.ax, from.ay) / size_a;
-    p.at[l] = fixed ? 0.0f : across(from.ax, from.ay) / size_a;
-    p.bn[l] = along(from.bx, from.by) / size_b;
-    p.bt[l] = across(from.bx, from.by) / size_b;
+    p.an[l] = fixed ? 0.0f : snapped(along(from.ax, from.ay) / size_a);
+    p.at[l] = fixed ? 0.0f : snapped(across(from.ax, from.ay) / size_a);
+    p.bn[l] = snapped(along(from.bx, from.by) / size_b);
+    p.bt[l] = snapped(across(from.bx, from.by) / size_b);
     p.gap[l] = pair.gap[k];
     p.impulse[l] = pair.impulse[k];
     p.friction[l] = pair.friction[k];
@@ -108,7 +111,7 @@ void balance(const BodyStore& b, ManifoldPair& pair, const ManifoldBlock& c, std
     const ManifoldBlock::Point& p = c.point[k];
     const float own = c.wa[l] + c.wb[l] + c.ga[l] * p.at[l] * p.at[l] + c.gb[l] * p.bt[l] * p.bt[l];
     const float wanted = -c.soft[l] * own * pair.impulse[k] / c.rate[l];
-    const float most = std::fmax(small, -pair.gap[k]);
+    const float most = greater(small, -pair.gap[k]);
     pair.offset[k] = pair.impulse[k] > 0 ? std::clamp(wanted - pair.gap[k], -small, most) : 0.0f;
   }
   pair.balanced = c.soft[l];
@@ -300,9 +303,9 @@ struct Manifolds::Layout {
     const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;  // on two points, so that it does not turn
     const bool turns = !stands && m.halfway(pair, static_cast<float>(params.dt), turned, lead);
     const Manifold& at = turns ? turned : std::as_const(pair.manifold);
-    c.lead_a[l] = lead[0], c.lead_b[l] = lead[1];
-    c.nx[l] = at.nx;
-    c.ny[l] = at.ny;
+    c.lead_a[l] = snapped(lead[0]), c.lead_b[l] = snapped(lead[1]);
+    c.nx[l] = snapped(at.nx);
+    c.ny[l] = snapped(at.ny);
     c.apart[l] = fixed ? 0.0f : at.nx * (at.point[0].ax - at.point[0].bx) + at.ny * (at.point[0].ay - at.point[0].by);
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
     fill_points(c, l, pair, at, size_a, size_b);
@@ -315,7 +318,7 @@ struct Manifolds::Layout {
     c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
     c.round_b[l] = pair.round_b / size_b;
     c.mu[l] = std::sqrt(sa.friction * sb.friction);
-    c.e[l] = std::fmax(sa.restitution, sb.restitution);
+    c.e[l] = greater(sa.restitution, sb.restitution);
     const bool loaded = is_loaded(pair, loads);
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);

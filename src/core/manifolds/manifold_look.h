@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "contacts/edge_contact.h"
 #include "manifolds/collide_batch.h"
@@ -244,7 +245,7 @@ struct Manifolds::Look {
   // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
   bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
     const BodyProperties& of_a = pair.of_wall() ? params.wall : b.properties(pair.id_a);
-    if (std::fmax(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
+    if (greater(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
     const float reach = pair.fixed_a ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
     return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
   }

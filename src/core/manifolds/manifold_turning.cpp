@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/elementary.h"
 #include "contacts/contact_model.h"
+#include "least.h"
 #include "manifolds/manifold_look.h"
 
 namespace psim {
@@ -12,6 +14,7 @@ namespace {
 
 using kernels::kBlock;
 using kernels::ManifoldBlock;
+using kernels::snapped;
 
 constexpr float kFastTurn = 0.01f;  // rad in a step: a body that turns less is as good as one that goes straight
 
@@ -110,15 +113,15 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
   for (int k = 0; k < m.count; ++k) {
     for (int o = 0; o < pair.manifold.count; ++o) {
       if (pair.manifold.point[o].feature != m.point[k].feature) continue;
-      impulse[k] = std::fmax(c.point[o].impulse[l], 0.0f);
+      impulse[k] = greater(c.point[o].impulse[l], 0.0f);
       friction[k] = c.point[o].friction[l];
     }
   }
-  c.nx[l] = m.nx;
-  c.ny[l] = m.ny;
+  c.nx[l] = snapped(m.nx);
+  c.ny[l] = snapped(m.ny);
   c.apart[l] = fixed ? 0.0f : m.nx * (m.point[0].ax - m.point[0].bx) + m.ny * (m.point[0].ay - m.point[0].by);
   const auto lead = [&](std::size_t n) {
-    return view.angle_change[n] + static_cast<float>(ahead) * (view.rim_speed[n] / b.radius[n]);
+    return snapped(view.angle_change[n] + static_cast<float>(ahead) * (view.rim_speed[n] / b.radius[n]));
   };
   c.lead_a[l] = fixed ? 0.0f : lead(i);
   c.lead_b[l] = lead(j);
@@ -132,10 +135,10 @@ void Manifolds::put_turned(const ManifoldPair& pair, const Manifold& m, Manifold
     p.an[l] = p.at[l] = p.bn[l] = p.bt[l] = 0;
     if (k >= m.count) continue;
     const ManifoldPoint& from = m.point[k];
-    p.an[l] = fixed ? 0.0f : along(from.ax, from.ay) / b.radius[i];
-    p.at[l] = fixed ? 0.0f : across(from.ax, from.ay) / b.radius[i];
-    p.bn[l] = along(from.bx, from.by) / b.radius[j];
-    p.bt[l] = across(from.bx, from.by) / b.radius[j];
+    p.an[l] = fixed ? 0.0f : snapped(along(from.ax, from.ay) / b.radius[i]);
+    p.at[l] = fixed ? 0.0f : snapped(across(from.ax, from.ay) / b.radius[i]);
+    p.bn[l] = snapped(along(from.bx, from.by) / b.radius[j]);
+    p.bt[l] = snapped(across(from.bx, from.by) / b.radius[j]);
     // The gap is such that the kernel finds the separation that is right at that time.
     const float* const ta = view.arm_change + 2 * i;
     const float* const tb = view.arm_change + 2 * j;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rotor.h"
 #include "base/tasks.h"
 #include "manifolds/stacks.h"
 
@@ -36,8 +37,7 @@ bool rocks(const BodyStore& b, const ManifoldPair& pair, double g, double dt) {
   const bool fixed = pair.of_piece();
   const Vec2 moves = b.velocity(pair.b) - (fixed ? Vec2{} : b.velocity(pair.a));
   const double turns_a = fixed ? 0 : std::fabs(b.rim_speed[pair.a]), turns_b = std::fabs(b.rim_speed[pair.b]);
-  return std::hypot(moves.x, moves.y) + turns_a + turns_b >
-         (pair.was_stack == ManifoldPair::kNoStack ? kCalm : kShaken) * g * dt;
+  return length_of(moves) + turns_a + turns_b > (pair.was_stack == ManifoldPair::kNoStack ? kCalm : kShaken) * g * dt;
 }
 
 }  // namespace

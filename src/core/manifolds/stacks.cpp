@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "least.h"
+
 namespace psim {
 namespace {
 
@@ -232,7 +234,7 @@ void apply(const kernels::BodyView& v, const StackLink& link, double step) {
     up += d * link.up[i];
     low += d * link.low[i];
   }
-  const auto add = [](float& to, double what) { to = static_cast<float>(to + what); };
+  const auto add = [](float& to, double what) { to = kernels::snapped(to + what); };
   add(v.vel[2 * upper], link.wu * push.x);
   add(v.vel[2 * upper + 1], link.wu * push.y);
   add(v.rim_speed[upper], link.gu * up);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "manifolds/collide.h"
 
@@ -38,10 +39,10 @@ RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, dou
     const double span2 = dot(e, e), span = std::sqrt(span2);
     const Vec2 n = span > 0 ? Vec2{e.y / span, -e.x / span} : Vec2{};
     const double height = dot(n, start - p);
-    deepest = std::fmax(deepest, height);
+    deepest = greater(height, deepest);
     const double share = span2 > 0 ? dot(start - p, e) / span2 : 0;
-    const Vec2 u = start - p - std::fmin(std::fmax(share, 0.0), 1.0) * e;
-    nearest2 = std::fmin(nearest2, dot(u, u));
+    const Vec2 u = start - p - lesser(greater(share, 0.0), 1.0) * e;
+    nearest2 = lesser(dot(u, u), nearest2);
     // The ray comes in through the edge, which is moved out by the radius.
     const double fall = -dot(n, way);
     if (!(fall > 0) || height < radius) continue;
@@ -55,7 +56,7 @@ RayCast cast_ray(const Hull& hull, Rotor q, double ox, double oy, double rx, dou
   }
   for (int k = 0; k < hull.count; ++k) {
     const Vec2 v = hull.vertex(k) - start;
-    nearest2 = std::fmin(nearest2, dot(v, v));
+    nearest2 = lesser(dot(v, v), nearest2);
     if (!moves || !(radius > 0)) continue;
     const double fraction = enter_circle(v.x, v.y, radius, way.x, way.y);
     if (fraction < best) {

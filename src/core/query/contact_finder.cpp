@@ -9,6 +9,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/elementary.h"
 #include "base/sort_keys.h"
 #include "base/tasks.h"
 #include "query/contact_list.h"
@@ -95,7 +96,7 @@ class ContactFinder {
     gather();
     double most = 0;
     for (const std::vector<Contact>& some : list_.found) {
-      for (const Contact& c : some) most = std::fmax(most, -c.separation);
+      for (const Contact& c : some) most = greater(-c.separation, most);
     }
     return most;
   }

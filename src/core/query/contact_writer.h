@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/elementary.h"
 #include "manifolds/collide.h"
 #include "manifolds/manifolds.h"
 #include "psim/contact.h"
@@ -126,7 +127,7 @@ class ContactWriter {
       const auto [normal, height] = fixed(b.at, 0, pair.shape, {});
       const auto nx = static_cast<float>(normal.x), ny = static_cast<float>(normal.y);
       const Manifold m = meet_plane(hull_b, b.q, nx, ny, static_cast<float>(height), kAny);
-      return wide(m.count == 2 ? std::fmin(m.point[0].gap, m.point[1].gap) : m.point[0].gap);
+      return wide(m.count == 2 ? lesser(m.point[0].gap, m.point[1].gap) : m.point[0].gap);
     }
     if (pair.of_piece()) {
       const double reach = wide(b_.properties(pair.id_b).radius) + wide(statics_[pair.shape].radius);
@@ -163,7 +164,7 @@ class ContactWriter {
     const BodyKind& kind = b_.kind(id);
     const double radius = wide(b_.properties(id).radius);
     if (kind.hull_count == 0) return {at, {}, radius, kStill * radius};
-    const double inner = std::fmax(wide(kind.inner), 0.2 * radius);
+    const double inner = greater(wide(kind.inner), 0.2 * radius);
     return {at, rotor_of(angle), 0, kStill * inner, &b_.hulls[kind.first_hull], kind.hull_count};
   }
 
@@ -177,7 +178,7 @@ class ContactWriter {
     const Still sa = still(a), sb = still(b);
     const double factor = times(touch, sa.hulls == nullptr ? a : b);
     const Vec2 to = world_.lattice.way(sa.at, sb.at);
-    const double margin = std::fmin(sa.margin, sb.margin);
+    const double margin = lesser(sa.margin, sb.margin);
     if (sa.hulls == nullptr && sb.hulls == nullptr) {
       const Meeting m = discs(to, sa.radius + sb.radius, {0, 1});
       const Load load{factor, touch.impulse[0], touch.friction[0]};

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "query/events.h"
 
@@ -69,9 +70,9 @@ struct Approach {
     }
     c.speed = -dot(c.normal, u);
     if (!(c.speed > least_speed)) return;
-    if (!(s.reach > 0)) time = std::fmax(s.gap, 0) / c.speed;
+    if (!(s.reach > 0)) time = greater(s.gap, 0) / c.speed;
     c.meets = time >= 0 && time <= kMarginFrames * dt;
-    time = std::fmin(std::fmax(time, 0), dt);
+    time = lesser(greater(time, 0), dt);
     c.point = world.lattice.to_world(b.point(c.b.slot)) + time * b.velocity(c.b.slot) + (c.b.arm + s.beyond * c.normal);
     out.push_back(c);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/elementary.h"
 #include "base/rotor.h"
 #include "base/sort_keys.h"
 #include "bodies/hull.h"
@@ -86,8 +87,8 @@ struct Ray {
     if (!(length > 0)) return;
     u = {way.x / length, way.y / length};
     const Vec2 period = q.period;
-    if (period.x > 0 && u.x != 0) length = std::fmin(length, period.x / std::fabs(u.x));
-    if (period.y > 0 && u.y != 0) length = std::fmin(length, period.y / std::fabs(u.y));
+    if (period.x > 0 && u.x != 0) length = lesser(period.x / std::fabs(u.x), length);
+    if (period.y > 0 && u.y != 0) length = lesser(period.y / std::fabs(u.y), length);
   }
 
   RayHit answer(const Question& q, Vec2 p, const Met& e) const {
@@ -177,8 +178,8 @@ std::vector<BodyId> Queries::in_region(const Bounds& region, const QueryFilter& 
   const Question q{index, world, filter};
   const Vec2 middle = Box{low, high}.middle();
   Vec2 half = high - middle;
-  if (q.period.x > 0) half.x = std::fmin(half.x, q.period.x / 2);
-  if (q.period.y > 0) half.y = std::fmin(half.y, q.period.y / 2);
+  if (q.period.x > 0) half.x = lesser(q.period.x / 2, half.x);
+  if (q.period.y > 0) half.y = lesser(q.period.y / 2, half.y);
   const Outline box{{-1 * half, {half.x, -half.y}, half, {-half.x, half.y}}, 4};
   std::vector<std::uint32_t> ids;
   q.gather(box, middle, half, ids);

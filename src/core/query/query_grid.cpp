@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/elementary.h"
 #include "base/sort_keys.h"
 
 namespace psim {
@@ -62,14 +63,14 @@ void QueryGrid::choose(Level& g, std::span<const QueryItem> members) {
     const std::size_t few = sample_.size() / 64;
     const double inner_low = sample_[few], inner_high = sample_[sample_.size() - 1 - few];
     const double margin = (inner_high - inner_low) / 4 + 2 * g.most;
-    axis.low = std::fmax(low, inner_low - margin);
-    return std::fmin(high, inner_high + margin) - axis.low;
+    axis.low = greater(inner_low - margin, low);
+    return lesser(high, inner_high + margin) - axis.low;
   };
   const double width = bound(g.x, &Vec2::x), height = bound(g.y, &Vec2::y);
-  double edge = std::fmax(2 * g.most, std::sqrt(width * height / n));
-  edge = std::fmax(edge, std::fmax(width, height) / (4 * n + 16));
+  double edge = greater(2 * g.most, std::sqrt(width * height / n));
+  edge = greater(greater(width, height) / (4 * n + 16), edge);
   const auto cut = [&](Axis& axis, double size) {
-    axis.count = static_cast<std::int64_t>(std::fmax(edge > 0 ? std::floor(size / edge) : 0, 1));
+    axis.count = static_cast<std::int64_t>(greater(edge > 0 ? std::floor(size / edge) : 0, 1));
     axis.edge = edge > 0 ? edge : 1;
     if (!axis.ends()) {
       axis.edge = size / static_cast<double>(axis.count);
@@ -80,7 +81,7 @@ void QueryGrid::choose(Level& g, std::span<const QueryItem> members) {
   };
   cut(g.x, width);
   cut(g.y, height);
-  g.most = g.most * kSlack + 1e-9 * std::fmax(g.x.edge, g.y.edge);
+  g.most = g.most * kSlack + 1e-9 * greater(g.x.edge, g.y.edge);
 }
 
 void QueryGrid::build() {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/column.h"
+#include "base/elementary.h"
 #include "base/rotor.h"
 
 namespace psim {
@@ -57,9 +58,9 @@ class QueryGrid {
   void around(Vec2 at, const double& reach, const Each& each) const {
     for (const Level& g : levels_) {
       // The first square reaches as far as a cell, from a point outside of the grid as far as the grid and a cell.
-      double half = std::fmax(g.x.distance(at.x), g.y.distance(at.y)) + std::fmin(g.x.edge, g.y.edge);
+      double half = greater(g.x.distance(at.x), g.y.distance(at.y)) + lesser(g.x.edge, g.y.edge);
       for (;; half *= 2) {
-        const double side = std::fmin(half, reach);
+        const double side = lesser(half, reach);
         const Range x = g.x.cells(at.x - side - g.most, at.x + side + g.most);
         const Range y = g.y.cells(at.y - side - g.most, at.y + side + g.most);
         visit(g, x, y, each);
@@ -131,7 +132,7 @@ class QueryGrid {
     // How far a point lies outside of the cells, m.
     double distance(double at) const {
       const double high = low + edge * static_cast<double>(count);
-      return ends() ? std::fmax(0.0, std::fmax(low - at, at - high)) : 0;
+      return ends() ? greater(0.0, greater(low - at, at - high)) : 0;
     }
     // In a periodic world: takes a cell of any copy to the first one. `shift` leads from there to the copy, m.
     std::int64_t first_copy(std::int64_t at, double& shift) const {

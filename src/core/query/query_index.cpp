@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -83,7 +85,7 @@ struct Filler {
     const Outline o = QueryIndex::outline(world, part, item, {});
     const Vec2 middle = box_of(o).middle();
     double reach = 0;
-    for (std::int32_t k = 0; k < o.count; ++k) reach = std::fmax(reach, length_of(o.v[k] - middle));
+    for (std::int32_t k = 0; k < o.count; ++k) reach = greater(length_of(o.v[k] - middle), reach);
     part.pieces.back().at = -1 * middle;
     item.at = at + middle;
     item.radius = static_cast<float>((reach + o.radius) * (1 + 0x1p-22));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -51,8 +53,8 @@ bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
 Box box_of(const Outline& o) {
   Box box{o.v[0], o.v[0]};
   for (int k = 1; k < o.count; ++k) {
-    box.low = {std::fmin(box.low.x, o.v[k].x), std::fmin(box.low.y, o.v[k].y)};
-    box.high = {std::fmax(box.high.x, o.v[k].x), std::fmax(box.high.y, o.v[k].y)};
+    box.low = {lesser(o.v[k].x, box.low.x), lesser(o.v[k].y, box.low.y)};
+    box.high = {greater(o.v[k].x, box.high.x), greater(o.v[k].y, box.high.y)};
   }
   return box;
 }
@@ -70,7 +72,7 @@ RayEntry enter(Vec2 centre, double radius, Vec2 u, double length) {
   const double along = dot(centre, u), miss = cross(centre, u);
   const double half2 = radius * radius - miss * miss;  // half the chord, squared
   if (!(half2 >= 0) || !(along > 0)) return {};
-  const double at = std::fmax(along - std::sqrt(half2), 0.0);
+  const double at = greater(along - std::sqrt(half2), 0.0);
   if (at > length) return {};
   return {at, radius > 0 ? 1 / radius * (at * u - centre) : Vec2{}};
 }

@@ -15,9 +15,9 @@ namespace {
 // Mixes 64 bits into a running hash.
 std::uint64_t mix(std::uint64_t hash, std::uint64_t value) { return mixed(hash * 0x9E3779B97F4A7C15u + value); }
 
-// Adding zero makes -0 the same as 0.
-std::uint64_t bits(float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); }
-std::uint64_t bits(double v) { return std::bit_cast<std::uint64_t>(v + 0.0); }
+// Adding zero makes -0 the same as 0. All NaN are alike: their bits differ from one processor to another.
+std::uint64_t bits(float v) { return v == v ? std::bit_cast<std::uint32_t>(v + 0.0f) : 0x7FC00000u; }
+std::uint64_t bits(double v) { return v == v ? std::bit_cast<std::uint64_t>(v + 0.0) : 0x7FF8000000000000u; }
 
 std::uint64_t pair(std::uint64_t low, std::uint64_t high) { return low | high << 32; }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/elementary.h"
 #include "sleep/sleep_contacts.h"
 
 namespace psim {
@@ -105,7 +106,7 @@ class SleepChoice {
       if (contact.a == kNoSlot) return;
       // Gaps are those of the start of the frame: they may have closed within the frame, or may close in the next.
       const float near =
-          kTouching * Sleepers::ball(std::fmin(bodies_.radius[contact.a], bodies_.radius[contact.b])) +
+          kTouching * Sleepers::ball(lesser(bodies_.radius[contact.a], bodies_.radius[contact.b])) +
           2 * kClosing * static_cast<float>(dt) * (population.speed_of(contact.a) + population.speed_of(contact.b));
       if (!contact.loaded && contact.gap > near) return;
       for (const auto& [i, other] : {std::pair{contact.a, contact.b}, std::pair{contact.b, contact.a}}) {

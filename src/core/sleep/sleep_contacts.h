@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "bodies/body_store.h"
 #include "sleep/sleep.h"
 
@@ -35,7 +36,7 @@ inline void order_points(const ManifoldPair& pair, Touch& touch) {
 
 inline float gap_of(const ManifoldPair& pair) {
   if (pair.manifold.count != 0) return pair.least_gap();
-  return std::fmax(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
+  return greater(pair.margin, 0.0f);  // nothing was found within the margin: the gap is at least as wide
 }
 
 /// Calls each(contact) for the discs' contacts of a strip.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "base/elementary.h"
+
 namespace psim {
 
 bool Sleepers::anyone_slow() const {
@@ -29,7 +31,7 @@ struct Sleepers::Ball {
   Ball(const BodyProperties& properties, const Lattice& lattice, BallKind which) : kind(which) {
     const bool smooth = kind == kWide && properties.friction == 0;
     far = kind == kRest      ? ball(properties.radius)
-          : kind == kTremble ? std::fmin(kTrembleOfRadius * properties.radius, kLargestTremble)
+          : kind == kTremble ? lesser(kTrembleOfRadius * properties.radius, kLargestTremble)
                              : wide_ball(properties.radius, smooth);
     most_spin = far * static_cast<float>(1 / (smooth ? kCreepTime : kind == kTremble ? kTrembleTime : kRestTime));
     const double size = static_cast<double>(far / kUnits);

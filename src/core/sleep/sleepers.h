@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 #include "bodies/surroundings.h"
 #include "contacts/touch_memory.h"
@@ -72,10 +73,10 @@ class Sleepers {
   static constexpr std::uint32_t kFewSlow = 64;
 
   /// How far a body may move, m, and still rest.
-  static float ball(float radius) { return std::fmin(kBallOfRadius * radius, kLargestBall); }
+  static float ball(float radius) { return lesser(kBallOfRadius * radius, kLargestBall); }
   /// The second ball, m: a body without friction that stays in it creeps; another one that leaves it wakes others.
   static float wide_ball(float radius, bool smooth) {
-    return smooth ? std::fmin(kCreepOfRadius * radius, kLargestCreep) : kWaking * ball(radius);
+    return smooth ? lesser(kCreepOfRadius * radius, kLargestCreep) : kWaking * ball(radius);
   }
 
   /// For saved states; behind the bodies and the fixed geometry, into which those that are read are put.

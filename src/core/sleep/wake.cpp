@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "sleep/sleep.h"
 #include "sleep/sleep_contacts.h"
 
@@ -15,7 +16,7 @@ constexpr std::uint32_t kMostRings = 7;
 
 // The rings of neighbours that wake with a body when another one hits it at `speed`.
 std::uint32_t rings_of(float speed, float mass, float hit_mass) {
-  speed *= std::fmin(std::fmax(mass / hit_mass, 1.0f), 1000.0f);
+  speed *= lesser(greater(mass / hit_mass, 1.0f), 1000.0f);
   std::uint32_t n = 0;
   for (; speed > kDeeper && n < kMostRings; speed /= 2) ++n;
   return n;
@@ -28,7 +29,7 @@ bool touches(const LatticePoint& at, double reach, const StaticShape& shape, con
   double round = static_cast<double>(shape.radius);
   if (shape.segment) {
     const Vec2 along = lattice.steps(shape.p, shape.q);
-    way = way - std::fmin(std::fmax(dot(way, along) / dot(along, along), 0), 1) * along;
+    way = way - lesser(greater(dot(way, along) / dot(along, along), 0), 1) * along;
   } else if (shape.whole) {
     round = static_cast<double>(statics.hull(shape).reach);
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -13,7 +15,7 @@ Rotor as_rotor(SineCosine q) { return {static_cast<float>(q.cosine), static_cast
 }  // namespace
 
 double time_to_close(double gap, double speed, double growth) {
-  const double root = std::sqrt(std::fmax(speed * speed + 2 * growth * gap, 0));
+  const double root = std::sqrt(greater(speed * speed + 2 * growth * gap, 0));
   if (speed > 0) return 2 * gap / (speed + root);
   return growth > 0 ? (root - speed) / growth : 1e30;
 }
@@ -45,9 +47,9 @@ Approach::Stand Approach::stand(double share, double limit) const {
   if (turn_ == 0 || reach == 0) return s;
   double swing = -1e300;
   for (int k = 0; k < b_.count; ++k) {
-    swing = std::fmax(swing, -turn_ * dot(n, upright(turned(qb, b_.vertex(k)))));
+    swing = greater(-turn_ * dot(n, upright(turned(qb, b_.vertex(k)))), swing);
   }
-  s.advance = std::fmax(s.advance, time_to_close(gap, closing + swing, growth + turn_ * turn_ * reach));
+  s.advance = greater(time_to_close(gap, closing + swing, growth + turn_ * turn_ * reach), s.advance);
   return s;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 #include "solver/flight.h"
 
@@ -70,8 +71,7 @@ Bounds box_of(const Surroundings& s, std::size_t i) {
   const BodyStore& b = s.bodies;
   const Vec2 at = s.lattice.metres(b.pos[2 * i], b.pos[2 * i + 1]), end = at + Vec2{b.disp[2 * i], b.disp[2 * i + 1]};
   const double r = b.radius[i];
-  return {std::fmin(at.x, end.x) - r, std::fmin(at.y, end.y) - r, std::fmax(at.x, end.x) + r,
-          std::fmax(at.y, end.y) + r};
+  return {lesser(at.x, end.x) - r, lesser(at.y, end.y) - r, greater(at.x, end.x) + r, greater(at.y, end.y) + r};
 }
 
 // Whether fixed geometry may lie along the way of a body.
@@ -130,7 +130,7 @@ void Continuous::sort_kinematics(const ContinuousInput& in) {
     kinematics_.push_back(
         {box_of(s, slot), slot, hull_box(s.bodies, slot), sine_cosine(s.bodies.angle_of(slot) - change), change});
     const Bounds& box = kinematics_.back().box;
-    widest_ = std::fmax(widest_, box.xmax - box.xmin);
+    widest_ = greater(box.xmax - box.xmin, widest_);
   }
   // Total order: the left edge, then the slot.
   std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+#include "least.h"
+
 namespace psim {
 namespace {
 
@@ -57,7 +60,7 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
   int impacts = 0;
   for (; impacts < kMostImpacts; ++impacts) {
     find(near, partners);
-    const double share = std::fmin(first_.share, 1);
+    const double share = lesser(first_.share, 1);
     at_ = at_ + share * left_ * way_.along;
     angle_ += share * left_ * way_.turn;
     // From the mean velocity of this part of the way to that of its end: gravity bends it a little.
@@ -190,15 +193,15 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
   const double spin = std::fabs(theirs.turn), span = length_of(mine.way - theirs.way);
   const double bulge = spin * (2 * span + spin * (length_of(from + theirs.arm) + span)) / 8;
   const double r = double{b_.radius[slot_]} + bulge;
-  const Bounds way{std::fmin(from.x, to.x) - r, std::fmin(from.y, to.y) - r, std::fmax(from.x, to.x) + r,
-                   std::fmax(from.y, to.y) + r};
+  const Bounds way{lesser(from.x, to.x) - r, lesser(from.y, to.y) - r, greater(from.x, to.x) + r,
+                   greater(from.y, to.y) + r};
   for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
     const Hull& hull = b_.hulls[kind.first_hull + k];
     Bounds box{1e300, 1e300, -1e300, -1e300};
     for (int n = 0; n < hull.count; ++n) {
       const double x = hull.x[n], y = hull.y[n], round = hull.radius;
-      box = {std::fmin(box.xmin, x - round), std::fmin(box.ymin, y - round), std::fmax(box.xmax, x + round),
-             std::fmax(box.ymax, y + round)};
+      box = {lesser(x - round, box.xmin), lesser(y - round, box.ymin), greater(x + round, box.xmax),
+             greater(y + round, box.ymax)};
     }
     if (overlap(box, way)) meet_hull(hull, other);
   }
@@ -207,14 +210,14 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
-  const bool bounced = !disc_ && other.fixed && std::fmax(properties_.restitution, other.restitution) > 0 &&
+  const bool bounced = !disc_ && other.fixed && greater(properties_.restitution, other.restitution) > 0 &&
                        length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
     if (bounced && !passes(pair)) continue;
-    const double share = strikes(pair, part, std::fmin(inner_, other.inner), pressed, normal);
+    const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
   }
 }
@@ -233,7 +236,7 @@ double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool
   const double size = inner, deep = -kDeep * size;
   const double tolerance = kTolerance * size + 1e-6 * (double{mine.reach} + length_of(at_));
   const Approach::Stand start = pair.stand(0, 0);
-  sunk_ = std::fmax(sunk_, std::fmin(-start.distance, kDeep * size));
+  sunk_ = greater(lesser(-start.distance, kDeep * size), sunk_);
   const double struck = -kDeeper * size - sunk_;
   const auto strikes_from = [&](double from) {
     const double share = pair.falls_to(0, tolerance, from);
@@ -248,7 +251,7 @@ double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool
     const double later = pair.falls_to(start.distance - 2 * tolerance, tolerance / 2, 0);
     return later < 1 || through ? 0 : Approach::kNever;
   }
-  const double limit = std::fmax(std::fmin(start.distance, 0) - kDeeper * size, deep);
+  const double limit = greater(lesser(start.distance, 0) - kDeeper * size, deep);
   const double share = pair.falls_to(limit, tolerance, 0);
   if (share > 1) return Approach::kNever;
   const double from = parts(pair, mine, tolerance);
@@ -332,7 +335,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   ImpactSurface s{0, 0, properties_.inv_mass, inertia(properties_)};
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
-  s.restitution = slow ? 0.0 : double{std::fmax(properties_.restitution, other.restitution)};
+  s.restitution = slow ? 0.0 : double{greater(properties_.restitution, other.restitution)};
   s.friction = std::sqrt(properties_.friction * other.friction);
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its centre
     n = first_.normal;
@@ -361,18 +364,18 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   collide_rates(their_velocity, velocity_, s, n, points);
   way_ = {other.way.along, 0};
   b_.put_velocity(other.slot, their_velocity.along);
-  if (!b_.rim_speed.empty()) b_.rim_speed[other.slot] = static_cast<float>(their_velocity.turn * b_.radius[other.slot]);
+  b_.put_rim_speed(other.slot, their_velocity.turn * b_.radius[other.slot]);
   return true;
 }
 
 void Flight::store() const {
   const std::size_t i = slot_;
   b_.clear_remainders(i);
-  b_.disp[2 * i] = static_cast<float>(at_.x);
-  b_.disp[2 * i + 1] = static_cast<float>(at_.y);
+  b_.disp[2 * i] = kernels::snapped(at_.x, kernels::kLeastOffset);
+  b_.disp[2 * i + 1] = kernels::snapped(at_.y, kernels::kLeastOffset);
   b_.put_velocity(i, velocity_.along);
   if (b_.rim_speed.empty()) return;
-  b_.rim_speed[i] = static_cast<float>(velocity_.turn * b_.radius[i]);
+  b_.put_rim_speed(i, velocity_.turn * b_.radius[i]);
   if (b_.angle_change.empty()) return;
   b_.angle_change[i] = static_cast<float>(angle_ - (b_.angle[i] - double{b_.angle_change[i]}));
   b_.angle[i] = angle_;

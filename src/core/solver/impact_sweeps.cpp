@@ -6,6 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/elementary.h"
 #include "solver/solver_run.h"
 
 namespace psim {
@@ -27,13 +28,13 @@ double pressing(const BodyStore& b, double gravity) {
     const double x = static_cast<double>(b.acc[2 * i]), y = static_cast<double>(b.acc[2 * i + 1]);
     sum += std::sqrt(x * x + y * y);
   }
-  return std::fmax(gravity, sum / samples);
+  return greater(gravity, sum / samples);
 }
 
 }  // namespace
 
 void Solver::Run::set_sweeps() {
-  sweeps_.slices = 1 + static_cast<int>(std::fmin(kSlices * params_.impacts, kMostSlices - 1));
+  sweeps_.slices = 1 + static_cast<int>(lesser(kSlices * params_.impacts, kMostSlices - 1));
   sweeps_.most = kImpactSweeps + sweeps_.slices - 1;
   sweeps_.limited = params_.most_sweeps != 0 && params_.most_sweeps < sweeps_.most;
   if (!sweeps_.limited) return;
@@ -44,8 +45,8 @@ void Solver::Run::set_sweeps() {
 void Solver::Run::set_floors() {
   const double pressed = pressing(s_.bodies, gravity_), threshold = params_.restitution_threshold;
   for (ContactParams* p : {&discs_.pair, &discs_.fixed, &loaded_.pair, &loaded_.fixed}) {
-    p->bounce_floor = static_cast<float>(std::fmax(pressed * h_ / 2, threshold));
-    p->impact_floor = static_cast<float>(std::fmax(2 * pressed * h_, threshold));
+    p->bounce_floor = static_cast<float>(greater(pressed * h_ / 2, threshold));
+    p->impact_floor = static_cast<float>(greater(2 * pressed * h_, threshold));
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elementary.h"
+
 namespace psim {
 namespace {
 
@@ -24,7 +26,7 @@ void collide_rates(Rates& a, Rates& b, const ImpactSurface& s, Vec2 n, std::span
   };
   double impulse[2] = {};
   const double u0 = closing(points[0]), u1 = points.size() == 2 ? closing(points[1]) : 0;
-  const double factor = -std::fmin(u0, u1) < s.least ? 1 : 1 + s.restitution;
+  const double factor = -lesser(u0, u1) < s.least ? 1 : 1 + s.restitution;
   if (u0 < 0 && u1 < 0) {
     const double k00 = weight(points[0], points[0], n), k01 = weight(points[0], points[1], n),
                  k11 = weight(points[1], points[1], n), det = k00 * k11 - k01 * k01;
@@ -35,7 +37,7 @@ void collide_rates(Rates& a, Rates& b, const ImpactSurface& s, Vec2 n, std::span
   }
   if (!(impulse[0] > 0 && impulse[1] > 0)) {
     const std::size_t k = u1 < u0 ? 1 : 0;
-    const double u = std::fmin(u0, u1);
+    const double u = lesser(u0, u1);
     impulse[0] = impulse[1] = 0;
     if (u < 0) impulse[k] = -factor * u / weight(points[k], points[k], n);
   }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/rotor.h"
+#include "least.h"
 #include "solver/approach.h"
 #include "solver/shape_hit.h"
 #include "solver/solver_run.h"
@@ -186,7 +187,7 @@ class ShapeImpact {
     const double reach = in_.s.bodies.radius[i];
     move(m, t * force, t * m.alpha, 0.5 * t);
     move(m, dv, spin, t);
-    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    const auto add = [](float& to, double what) { to = kernels::snapped(double{to} + what, kernels::kLeastOffset); };
     add(view.vel0[2 * i], h * force.x), add(view.vel0[2 * i + 1], h * force.y);
     add(view.rim_speed0[i], reach * h * m.alpha);
   }
@@ -405,7 +406,7 @@ class ShapeImpact {
     const kernels::BodyView& view = in_.view;
     BodyStore& b = in_.s.bodies;
     const std::size_t i = m.slot;
-    const auto add = [](float& to, double what) { to = static_cast<float>(double{to} + what); };
+    const auto add = [](float& to, double what) { to = kernels::snapped(double{to} + what, kernels::kLeastOffset); };
     const double reach = b.radius[i];
     for (float* v : {view.vel, view.vel0}) add(v[2 * i], dv.x), add(v[2 * i + 1], dv.y);
     for (float* u : {view.rim_speed, view.rim_speed0}) add(u[i], reach * spin);
@@ -417,7 +418,7 @@ class ShapeImpact {
     view.arm_change[2 * i] = static_cast<float>(reach * (q.cosine - 1));
     view.arm_change[2 * i + 1] = static_cast<float>(reach * q.sine);
     if (view.event_time == nullptr) return;
-    view.event_time[i] = std::max(static_cast<float>(time), 1e-30f);  // 0: no impact yet
+    view.event_time[i] = std::max(static_cast<float>(time), kernels::kLeastTime);  // 0: no impact yet
   }
 
   const Around& in_;

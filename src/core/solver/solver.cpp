@@ -9,6 +9,7 @@
 
 #include "base/elementary.h"
 #include "base/tasks.h"
+#include "least.h"
 #include "solver/solver_run.h"
 
 namespace psim {
@@ -79,10 +80,10 @@ kernels::StreamParams kick_params(Vec2 gravity, double damping, double h, int ag
   kernels::StreamParams p;
   p.again = static_cast<float>(again);
   p.h = static_cast<float>(h);
-  p.damp = static_cast<float>(kept);
-  p.damp_remainder = static_cast<float>(kept - static_cast<double>(p.damp));
-  p.kick_x = static_cast<float>(gravity.x * span);
-  p.kick_y = static_cast<float>(gravity.y * span);
+  p.damp = kernels::snapped(kept);
+  p.damp_remainder = kernels::snapped(kept - static_cast<double>(p.damp));
+  p.kick_x = kernels::snapped(gravity.x * span);
+  p.kick_y = kernels::snapped(gravity.y * span);
   p.coast = static_cast<float>(span);
   return p;
 }
@@ -95,7 +96,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       loaded_sweeps_(solver.loaded_.empty() && !contacts.manifolds.totals().loaded ? 0 : HeavyLoads::kSweeps) {
   constexpr double kMostDamped = 80;  // what exp(-80) leaves of a velocity is nothing to a float
   // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
-  const double kept = exponential(-std::fmin(params.damping * h_, kMostDamped));
+  const double kept = exponential(-lesser(params.damping * h_, kMostDamped));
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
   drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
   turn_.smooth_limit2 = drift_.smooth_limit2;
@@ -183,7 +184,7 @@ void Solver::Run::kick(bool first) {
     if (!fields_.advance) kernel(view_, stream_, r.begin, r.end);
     if (!params_.model.rough() && !params_.turns) return;
     for (std::size_t i = std::size_t{r.begin} * 8; i < std::size_t{r.end} * 8; ++i) {
-      const float u = view_.rim_speed[i];
+      const float u = kernels::snapped(view_.rim_speed[i]);
       view_.rim_speed[i] = first ? u : u + (u - view_.rim_speed0[i]);
       view_.rim_speed0[i] = u;
     }
@@ -303,34 +304,21 @@ void Solver::Run::drift() {
   });
 }
 
-// The angles, in double precision, as turn_bodies() turns the arms: scenes that have only discs know no mean.
+// The angles, in double precision. Where there are only discs they go by the last rim speeds, else as turn_bodies() turns
+// the arms.
 void Solver::Run::turn_angles(BlockRange r) {
-  constexpr std::uint32_t kChunk = 256;  // bodies: long enough for loops that compilers make vectors of
-  float bound[kChunk], mean[kChunk], size[kChunk];
+  float mean[kTurnChunk], size[kTurnChunk];
   BodyStore& b = s_.bodies;
-  const float share = params_.turns ? 0.5f : 0.0f;  // of a smooth change
   const double h = h_;
   const std::uint32_t end = std::min(r.end * 8, contacts.solved.count());
-  for (std::uint32_t begin = r.begin * 8; begin < end; begin += kChunk) {
-    const std::uint32_t n = std::min(kChunk, end - begin);
-    const float *const last = view_.rim_speed + begin, *const first = view_.rim_speed0 + begin;
+  for (std::uint32_t begin = r.begin * 8; begin < end; begin += kTurnChunk) {
+    const std::uint32_t n = std::min(kTurnChunk, end - begin);
+    if (params_.turns) {
+      find_mean_rim_speeds(begin, n, mean);
+    } else {
+      std::copy_n(view_.rim_speed + begin, n, mean);
+    }
     const float* const radius = b.radius.data() + begin;
-    std::fill_n(bound, n, turn_.smooth_limit2);
-    if (view_.acc != nullptr) {
-      const float* const acc = view_.acc + 2 * std::size_t{begin};
-      for (std::uint32_t l = 0; l < n; ++l) {
-        bound[l] += 4 * turn_.h * turn_.h * (acc[2 * l] * acc[2 * l] + acc[2 * l + 1] * acc[2 * l + 1]);
-      }
-    }
-    // One choice a loop, of constants: compilers make vectors of such.
-    for (std::uint32_t l = 0; l < n; ++l) {
-      const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
-      bound[l] = bound[l] < spun ? bound[l] : spun;
-    }
-    for (std::uint32_t l = 0; l < n; ++l) {
-      const float change = last[l] - first[l], part = change * change <= bound[l] ? share : 0.0f;
-      mean[l] = last[l] - part * change;
-    }
     const std::uint8_t* const linked = view_.linked + begin;
     for (std::uint32_t l = 0; l < n; ++l) mean[l] = linked[l] != 0 ? mean[l] : 0.0f;
     if (contacts.solved.compact()) {
@@ -343,6 +331,30 @@ void Solver::Run::turn_angles(BlockRange r) {
     double* const angle = b.angle.data() + begin;
     for (std::uint32_t l = 0; l < n; ++l) size[l] = std::max(radius[l], 1e-30f);
     for (std::uint32_t l = 0; l < n; ++l) angle[l] += h * double{mean[l]} / double{size[l]};
+  }
+}
+
+// The rim speeds by which turn_bodies() turned n bodies from `begin` on.
+void Solver::Run::find_mean_rim_speeds(std::uint32_t begin, std::uint32_t n, float* mean) const {
+  float bound[kTurnChunk];
+  const float *const last = view_.rim_speed + begin, *const first = view_.rim_speed0 + begin;
+  const float* const radius = s_.bodies.radius.data() + begin;
+  std::fill_n(bound, n, turn_.smooth_limit2);
+  if (view_.acc != nullptr) {
+    const float* const acc = view_.acc + 2 * std::size_t{begin};
+    for (std::uint32_t l = 0; l < n; ++l) {
+      bound[l] += 4 * turn_.h * turn_.h * (acc[2 * l] * acc[2 * l] + acc[2 * l + 1] * acc[2 * l + 1]);
+    }
+  }
+  // One choice a loop, of constants: compilers make vectors of such.
+  for (std::uint32_t l = 0; l < n; ++l) {
+    const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
+    bound[l] = bound[l] < spun ? bound[l] : spun;
+  }
+  for (std::uint32_t l = 0; l < n; ++l) mean[l] = kernels::squarable(last[l] - first[l]);
+  for (std::uint32_t l = 0; l < n; ++l) {
+    const float part = mean[l] * mean[l] <= bound[l] ? 0.5f : 0.0f;
+    mean[l] = last[l] - part * (last[l] - first[l]);
   }
 }
 

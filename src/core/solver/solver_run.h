@@ -20,8 +20,7 @@ inline std::uint32_t mask_from(float x, float least) {
   const auto from = std::bit_cast<std::uint32_t>(least), inf = 0x7F800000u;
   return 0u - static_cast<std::uint32_t>(std::bit_cast<std::uint32_t>(x) - from <= inf - from);
 }
-inline constexpr float kTiniest =
-    std::numeric_limits<float>::min();  // x >= kTiniest means x > 0, since denormals are zero
+inline constexpr float kTiniest = std::numeric_limits<float>::min();  // below it nothing presses
 
 class Solver::Run : SolverInput {
   using ContactParams = kernels::ContactParams;
@@ -106,7 +105,9 @@ class Solver::Run : SolverInput {
   void solve();
   void drift();
   void turn_by_impacts(BlockRange r);
+  static constexpr std::uint32_t kTurnChunk = 256;  // bodies: long enough for loops that compilers make vectors of
   void turn_angles(BlockRange r);
+  void find_mean_rim_speeds(std::uint32_t begin, std::uint32_t n, float* mean) const;
   void carry_kinematics();
   void relax();
   void spend();

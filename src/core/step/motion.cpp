@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/elementary.h"
 #include "base/tasks.h"
 #include "base/trace.h"
 #include "bodies/quarantine.h"
+#include "least.h"
 
 namespace psim {
 namespace {
@@ -53,7 +55,7 @@ SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) 
   c.dynamics.stiff_substep = c.dynamics.next_stiff_substep(h);
   p.stiff_substep = c.dynamics.stiff_substep;
   // Loads grow with the step, but impacts do not: not many times over.
-  p.warm = c.dynamics.last_substep > 0 ? static_cast<float>(std::fmin(h / c.dynamics.last_substep, kMostWarm)) : 1.0f;
+  p.warm = c.dynamics.last_substep > 0 ? static_cast<float>(lesser(h / c.dynamics.last_substep, kMostWarm)) : 1.0f;
   p.model = c.plan.model;
   p.turns = c.plan.turns;
   p.most_sweeps = detail.sweeps;
@@ -68,8 +70,8 @@ kernels::StreamParams stream_params(const StepContext& c, double dt) {
   const double fall = damping * dt > 1e-4 ? (dt - span) / damping : dt * dt / 2 * (1 - damping * dt / 3);
   kernels::StreamParams p = kick_params(desc.gravity, damping, dt);
   p.drop = static_cast<float>(fall);
-  p.fall_x = static_cast<float>(desc.gravity.x * fall);
-  p.fall_y = static_cast<float>(desc.gravity.y * fall);
+  p.fall_x = kernels::snapped(desc.gravity.x * fall, kernels::kLeastOffset);
+  p.fall_y = kernels::snapped(desc.gravity.y * fall, kernels::kLeastOffset);
   p.pitch_x = static_cast<float>(c.lattice.pitch_x());
   p.pitch_y = static_cast<float>(c.lattice.pitch_y());
   p.inv_pitch_x = static_cast<float>(1 / c.lattice.pitch_x());
@@ -190,6 +192,7 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
     bool sound = c.kernels.integrate(view, p, r.begin, r.end);
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count);
     for (std::size_t i = std::size_t{r.begin} * kBlock; turning && i < end; ++i) {
+      bodies.rim_speed[i] = kernels::snapped(bodies.rim_speed[i]);
       if (bodies.linked[i] == 0) {  // others turned with the substeps
         bodies.angle[i] += dt * (static_cast<double>(bodies.rim_speed[i]) / static_cast<double>(bodies.radius[i]));
       }

@@ -1,16 +1,15 @@
 #include "step/plan.h"
 
-#include "base/machine.h"
+#include "bodies/body_properties.h"
 #include "lists/heavy_loads.h"
 #include "solver/forces.h"
 
 namespace psim {
 
 void take_traits(const WorldDesc& d, Traits& traits) {
-  const FloatSettings settings;  // what counts as 0 in a step, such as a friction of 1e-320, does here
   traits.walls = d.boundary == Boundary::walls;
-  traits.wall_bounce = d.wall.restitution > 0;
-  traits.wall_rough = d.wall.friction > 0;
+  traits.wall_bounce = coefficient(d.wall.restitution) > 0;
+  traits.wall_rough = coefficient(d.wall.friction) > 0;
   traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
   traits.integrator = d.integrator;

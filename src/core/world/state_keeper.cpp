@@ -279,7 +279,10 @@ void go_back(Owners& w, std::span<const std::byte> state) {
   PSIM_ASSERT(loader.ok());
 }
 
-void World::save(std::vector<std::byte>& out) { psim::save(*impl_, out); }
+void World::save(std::vector<std::byte>& out) {
+  const FloatSettings settings;
+  psim::save(*impl_, out);
+}
 
 bool World::restore(std::span<const std::byte> state, std::string& error) {
   Owners& w = *impl_;
@@ -301,6 +304,7 @@ bool World::restore(std::span<const std::byte> state, std::string& error) {
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options,
                                          std::string& error) {
+  const FloatSettings settings;
   StateLoader loader(state);
   error = loader.error();
   if (!error.empty()) return nullptr;

@@ -2,7 +2,6 @@
 // lists and contacts is a table of parts (step/step_table.h). World::prepare does a first step's work ahead of it.
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
 #include "step/motion.h"
 #include "world/world_impl.h"
@@ -189,9 +188,12 @@ void spare_room(Owners& w) {
 
 }  // namespace
 
+// s: the square of a substep of it is no denormal.
+constexpr double kLeastStep = 1e-15;
+
 StepReport step(Owners& w, double dt, const StepDetail* given) {
-  if (!(dt > 0 && dt <= 10)) return {};                   // World::create has the same limits
-  dt = std::max(dt, std::numeric_limits<double>::min());  // FloatSettings would make a shorter one zero
+  if (!(dt > 0 && dt <= 10)) return {};  // World::create has the same limits
+  dt = std::max(dt, kLeastStep);
   const FloatSettings settings;
   const Tracer::Clock::time_point begin = w.tracer.begin();
   const WorkerPool::Awake awake(w.pool);

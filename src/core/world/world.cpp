@@ -1,6 +1,7 @@
 // The World's face: creation and the small questions. Bodies: world_bodies.cpp. The step: step.cpp. What is read out:
 // world_queries.cpp.
 #include "psim/world.h"
+#include "base/elementary.h"
 
 #include <cmath>
 #include <utility>
@@ -34,8 +35,8 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   if (!finite(Vec2{b.xmin, b.ymin}) || !finite(Vec2{b.xmax, b.ymax}) || !(b.xmin < b.xmax) || !(b.ymin < b.ymax)) {
     return "bounds must be finite with xmin < xmax and ymin < ymax";
   }
-  if (std::fmax(width, height) > 1e12) return "bounds must span at most 1e12 m";
-  if (std::fmax(width, height) < 1e-9) return "bounds must span at least 1e-9 m";
+  if (greater(width, height) > 1e12) return "bounds must span at most 1e12 m";
+  if (greater(width, height) < 1e-9) return "bounds must span at least 1e-9 m";
   if (!finite(d.gravity)) return "gravity must be finite";
   if (!(d.dt > 0 && d.dt <= 10)) return "dt must be above 0 and at most 10 s";
   if (d.substeps < 1 || d.substeps > 64) return "substeps must be 1 to 64";
@@ -56,6 +57,7 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
 }
 
 std::unique_ptr<World> World::create(const WorldDesc& desc, const RunOptions& options, std::string& error) {
+  const FloatSettings settings;
   error = check(desc, options);
   if (!error.empty()) return nullptr;
   return std::unique_ptr<World>(new World(std::make_unique<Impl>(desc, options)));
@@ -68,6 +70,7 @@ StepReport World::step() { return psim::step(*impl_, impl_->desc.dt); }
 StepReport World::step(double dt) { return psim::step(*impl_, dt); }
 
 bool World::set_governor(const GovernorDesc& desc) {
+  const FloatSettings settings;
   if (!Governor::sound(desc)) return false;
   impl_->settled().governor.set(desc);
   return true;
@@ -85,6 +88,7 @@ StepReport World::replay(const StepDetail& detail, double dt) {
 }
 
 bool World::set_skin(double factor) {
+  const FloatSettings settings;
   if (!is_skin(factor)) return false;
   if (factor == impl_->desc.skin) return true;
   Owners& w = impl_->settled();
@@ -94,6 +98,7 @@ bool World::set_skin(double factor) {
 }
 
 bool World::set_gravity(Vec2 gravity) {
+  const FloatSettings settings;
   if (!finite(gravity)) return false;
   if (gravity.x == impl_->desc.gravity.x && gravity.y == impl_->desc.gravity.y) return true;
   Owners& w = impl_->settled();

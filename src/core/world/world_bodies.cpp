@@ -99,6 +99,7 @@ bool Owners::note_sleep(bool changed) {
 }
 
 BodyId World::add_body(const BodyDesc& d, std::string& error) {
+  const FloatSettings settings;
   Owners& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
@@ -108,6 +109,7 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
 }
 
 std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
+  const FloatSettings settings;
   Owners& w = impl_->settled();
   error = check(batch, w.desc.bounds);
   if (!error.empty()) return 0;
@@ -146,11 +148,13 @@ BodyId World::id_of(std::uint32_t index) const {
 }
 
 std::optional<BodyState> World::body(BodyId id) const {
+  const FloatSettings settings;
   if (!is_valid(id)) return std::nullopt;
   return impl_->observed().state_of(id.index);
 }
 
 bool World::set_transform(BodyId id, Vec2 position, double angle) {
+  const FloatSettings settings;
   Owners& w = *impl_;
   if (!can_move(w, id)) return false;
   if (!finite(position) || !finite(angle)) {
@@ -168,6 +172,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
 }
 
 bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
+  const FloatSettings settings;
   return push(*impl_, id, [&](std::uint32_t) {
     if (!finite(velocity) || !finite(angular_velocity)) return false;
     if (angular_velocity != 0) let_turn(*impl_);
@@ -177,6 +182,7 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
 }
 
 bool World::apply_impulse(BodyId id, Vec2 impulse) {
+  const FloatSettings settings;
   Population& population = impl_->population;
   return push(*impl_, id, [&](std::uint32_t slot) {
     const BodyState now = population.state_of(id.index);
@@ -189,6 +195,7 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
 }
 
 bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
+  const FloatSettings settings;
   if (!apply_impulse(id, impulse)) return false;
   const BodyStore& bodies = impl_->bodies;
   const Vec2 period = impl_->observed().period();
@@ -203,16 +210,17 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
 // The angular velocity changes by impulse / I; with the rim speed u = omega R and the gain g = R^2 / I that is
 // du = g impulse / R.
 bool World::apply_angular_impulse(BodyId id, double impulse) {
+  const FloatSettings settings;
   Population& population = impl_->population;
   const bool turns = is_valid(id) && population.bodies.properties(id.index).rim_gain != 0 && impulse != 0;
   if (!turns) return can_move(*impl_, id);
   return push(*impl_, id, [&](std::uint32_t slot) {
     const BodyProperties& properties = population.bodies.properties(id.index);
     const double change = static_cast<double>(properties.rim_gain) * impulse / static_cast<double>(properties.radius);
-    const auto rim_speed = static_cast<float>(static_cast<double>(population.motion_of(slot).rim_speed) + change);
-    if (!finite(static_cast<double>(rim_speed))) return false;
+    const double rim_speed = static_cast<double>(population.motion_of(slot).rim_speed) + change;
+    if (!std::isfinite(static_cast<float>(rim_speed))) return false;
     let_turn(*impl_);
-    population.bodies.rim_speed[slot] = rim_speed;
+    population.bodies.put_rim_speed(slot, rim_speed);
     return true;
   });
 }

@@ -72,6 +72,7 @@ void remove_joints_of(Owners& w, std::uint32_t body) {
 }
 
 JointId World::add_joint(const JointDesc& desc, std::string& error) {
+  const FloatSettings settings;
   Owners& w = impl_->settled();
   error.clear();
   const auto refuse = [&](std::string what) {
@@ -116,6 +117,7 @@ bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id)
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) {
+  const FloatSettings settings;
   if (!finite(speed) || !not_negative(limit) || !is_valid_joint(id)) return false;
   Owners& w = impl_->settled();
   disturb_both(w, w.joints.desc(id));
@@ -123,6 +125,7 @@ bool World::set_motor(JointId id, double speed, double limit) {
 }
 
 std::optional<JointState> World::joint(JointId id) const {
+  const FloatSettings settings;
   if (!is_valid_joint(id)) return std::nullopt;
   const JointDesc& d = impl_->joints.desc(id);
   const Observed seen = impl_->observed();

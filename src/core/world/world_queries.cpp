@@ -45,30 +45,42 @@ void World::set_event_options(const EventOptions& options) {
 Events World::events() const { return impl_->observers.events.view(); }
 
 std::optional<RayHit> World::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+  const FloatSettings settings;
   return ask(*impl_).ray_cast(from, to, filter);
 }
 
 std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+  const FloatSettings settings;
   return ask(*impl_).ray_cast_all(from, to, filter);
 }
 
 std::vector<BodyId> World::overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter) const {
+  const FloatSettings settings;
   return ask(*impl_).overlap(shape, position, angle, filter);
 }
 
 std::vector<BodyId> World::in_region(const Bounds& region, const QueryFilter& filter) const {
+  const FloatSettings settings;
   return ask(*impl_).in_region(region, filter);
 }
 
 std::optional<ClosestHit> World::closest(Vec2 point, double reach, const QueryFilter& filter) const {
+  const FloatSettings settings;
   return ask(*impl_).closest(point, reach, filter);
 }
 
-std::uint64_t World::state_hash() const { return psim::state_hash(impl_->observed()); }
+std::uint64_t World::state_hash() const {
+  const FloatSettings settings;
+  return psim::state_hash(impl_->observed());
+}
 
-PublishedState World::published() { return impl_->observers.columns.fill(impl_->observed()); }
+PublishedState World::published() {
+  const FloatSettings settings;
+  return impl_->observers.columns.fill(impl_->observed());
+}
 
 Diagnostics World::diagnostics() const {
+  const FloatSettings settings;
   Owners& w = impl_->settled();
   Diagnostics d = sum_motion(w.observed());
   if (w.ledger.steps == 0) return d;

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/machine.h"
 namespace psim {
 namespace builtin {
 namespace {
@@ -116,6 +117,7 @@ const std::vector<BuiltinScene>& builtin_scenes() {
 
 std::optional<Scene> make_builtin(std::string_view name, std::uint64_t particles, std::uint64_t seed,
                                   std::string& error) {
+  const FloatSettings settings;
   for (const builtin::Entry& entry : builtin::kScenes) {
     if (entry.info.name != name) continue;
     const BuiltinScene& info = entry.info;

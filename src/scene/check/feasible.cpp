@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/rotor.h"
 #include "check/rules.h"
 #include "number_text.h"
 #include "place/links.h"
@@ -60,7 +61,7 @@ class Ways {
     if (!is_rod(k)) return 0;
     if (joints_[k].joint.length) return *joints_[k].joint.length;
     const Vec2 a = place(k, joints_[k].a), b = place(k, joints_[k].b);
-    return std::hypot(b.x - a.x, b.y - a.y);
+    return length_of(b - a);
   }
   std::uint64_t other(std::size_t k, std::uint64_t id) const {
     return joints_[k].a == id ? joints_[k].b : joints_[k].a;
@@ -73,7 +74,7 @@ class Ways {
   // Between the anchors of two joints of a body.
   double inside(std::uint64_t id, std::size_t in, std::size_t out) const {
     const Vec2 a = anchor(in, id), b = anchor(out, id);
-    return std::hypot(b.x - a.x, b.y - a.y);
+    return length_of(b - a);
   }
 
  private:
@@ -116,7 +117,7 @@ void check_supports(const Scene& scene, const Ways& ways, Lines& lines) {
       const double all = at.length + met.length + ways.inside(at.body, at.joint, met.joint);
       const Vec2 g = scene.world.gravity, a = ways.place(at.support, held(at.support)),
                  b = ways.place(met.support, held(met.support));
-      const double apart = std::hypot(b.x - a.x, b.y - a.y);
+      const double apart = length_of(b - a);
       const double across = std::fabs(g.x * (b.y - a.y) - g.y * (b.x - a.x));
       const double slack = apart > 0 ? all / apart - 1 : 1;
       if (slack >= kSlack || (slack > -kShort && across <= 1e-9 * apart)) continue;
@@ -212,10 +213,10 @@ void check_room(const Scene& scene, const Ways& ways, Lines& lines) {
     const double arm = length_of(a_moves ? j.joint.anchor_a : j.joint.anchor_b);
     const double x = std::max({b.xmin + r - p.x, p.x - (b.xmax - r), 0.0});
     const double y = std::max({b.ymin + r - p.y, p.y - (b.ymax - r), 0.0});
-    if (std::hypot(x, y) <= (length + arm) * (1 + kShort)) continue;
+    if (length_of({x, y}) <= (length + arm) * (1 + kShort)) continue;
     lines.push_back("joints[" + std::to_string(k) + "]: its length is " + number_text(length) +
                     " m, but a disc of radius " + number_text(r) + " m between the walls stays " +
-                    number_text(std::hypot(x, y)) +
+                    number_text(length_of({x, y})) +
                     " m from its anchor: the wall and the joint will pull; make it longer");
   }
 }

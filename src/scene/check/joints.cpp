@@ -89,7 +89,7 @@ void check_spring(const Scene& scene, const std::unordered_map<std::uint64_t, do
   const double h = scene.world.dt / scene.world.substeps;
   const double swing = 2 * std::numbers::pi / std::sqrt(stiffness * inverse);
   if (!(swing < kSubstepsASwing * h)) return;
-  const double soft = std::pow(2 * std::numbers::pi / (kSubstepsASwing * h), 2) / inverse;
+  const double fastest = 2 * std::numbers::pi / (kSubstepsASwing * h), soft = fastest * fastest / inverse;
   lines.push_back(name + ": stiffness " + number_text(stiffness) + " N/m on " + number_text(1 / inverse) +
                   " kg swings in " + number_text(swing) + " s, less than " + number_text(kSubstepsASwing) +
                   " substeps of " + number_text(h) + " s: it will be softer than that; make stiffness at most " +

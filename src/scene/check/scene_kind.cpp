@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/elementary.h"
+#include "base/rotor.h"
 #include "bodies/hull.h"
 #include "number_text.h"
 #include "place/links.h"
@@ -46,7 +48,7 @@ double field_rate(const WorldDesc& world, Vec2 at, double speed) {
       const double d2 = squared(at.x - well->position.x) + squared(at.y - well->position.y);
       if (well->range > 0 && d2 > squared(well->range)) continue;
       const double s = d2 + squared(well->softening);
-      if (s > 0) steepness += std::abs(well->strength) / std::pow(s, 0.5 * (well->exponent + 1));
+      if (s > 0) steepness += std::abs(well->strength) / power(s, 0.5 * (well->exponent + 1));
     } else if (const auto* resistance = std::get_if<DragField>(&field)) {
       drag += resistance->quadratic * speed;
     }
@@ -57,7 +59,7 @@ double field_rate(const WorldDesc& world, Vec2 at, double speed) {
 void see(const WorldDesc& world, const BodyDesc& body, Vec2 at, Vec2 velocity, double radius, DiscSums& survey) {
   const double area = std::numbers::pi * radius * radius;
   const double mass = body.mass > 0 ? body.mass : body.material.density * area;
-  const double speed = std::hypot(velocity.x, velocity.y);
+  const double speed = length_of(velocity);
   survey.count += 1;
   survey.area += area;
   survey.mass += mass;
@@ -198,7 +200,7 @@ std::optional<SceneKind> parse_scene_kind(std::string_view name) {
 SceneTraits traits_of(const Scene& scene) {
   const WorldDesc& world = scene.world;
   const DiscSums s = sums_of(scene);
-  const double g = std::hypot(world.gravity.x, world.gravity.y);
+  const double g = length_of(world.gravity);
   const bool dense = s.count > 0 && s.area > kDense * s.width() * s.height();
   SceneTraits traits;
   traits.moving = static_cast<std::uint64_t>(s.count);

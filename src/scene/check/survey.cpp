@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/rotor.h"
 #include "place/links.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
@@ -78,7 +79,7 @@ void see(Survey& survey, Owner& owner, const WorldDesc& world, const BodyDesc& b
     owner.fastest_radius = r;
   }
   placed.hulls = kind.hulls;
-  placed.turn = {static_cast<float>(std::cos(body.angle)), static_cast<float>(std::sin(body.angle))};
+  placed.turn = rotor_of(body.angle);
   placed.filter = body.filter;
   if (body.type == BodyType::dynamic_body && leaves(world, body, placed)) ++owner.outside;
   if (!body.sensor) survey.bodies.push_back(std::move(placed));

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/rotor.h"
 #include "file/parse_limits.h"
 #include "file/parse_parts.h"
 #include "place/links.h"
@@ -115,7 +116,7 @@ void read_axis(const Node& node, JointDesc& joint) {
   const std::optional<Node> axis = node.find("axis");
   if (!axis) return;
   joint.axis = axis->vec2(kCoordinate);
-  if (!(std::hypot(joint.axis.x, joint.axis.y) > 1e-9)) {
+  if (!(length_of(joint.axis) > 1e-9)) {
     axis->fail("is no direction: [x, y], not both zero");
   }
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/rotor.h"
 #include "file/parse_limits.h"
 #include "file/rube.h"
 #include "place/links.h"
@@ -69,7 +70,7 @@ void read_limits_and_motor(const Node& node, Range range, std::string_view limit
 
 void read_rube_axis(const Node& node, JointDesc& joint) {
   joint.axis = rube_vec2_or(node, "localAxisA", joint.axis, kCoordinate);
-  if (!(std::hypot(joint.axis.x, joint.axis.y) > 1e-9)) {
+  if (!(length_of(joint.axis) > 1e-9)) {
     node.fail_at_key("localAxisA", "is no direction: x and y, not both zero");
   }
 }

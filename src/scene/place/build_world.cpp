@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/machine.h"
 #include "place/links.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
@@ -125,6 +126,7 @@ bool add_joints(World& world, const Scene& scene, std::string& error) {
 }  // namespace
 
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error) {
+  const FloatSettings settings;
   std::unique_ptr<World> world = World::create(scene.world, options, error);
   if (!world) return nullptr;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {

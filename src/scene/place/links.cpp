@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rotor.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
 
@@ -71,7 +72,7 @@ std::optional<double> SceneBodies::anchor_distance(const SceneJoint& joint) cons
   const BodyDesc &body_a = scene_.bodies[joint.a], &body_b = scene_.bodies[joint.b];
   const Vec2 a = to_world(joint.joint.anchor_a, body_a.position, body_a.angle);
   const Vec2 b = to_world(joint.joint.anchor_b, body_b.position, body_b.angle);
-  return std::hypot(b.x - a.x, b.y - a.y);
+  return length_of(b - a);
 }
 
 bool is_pinned(const GroupDesc& group, std::uint64_t k) {

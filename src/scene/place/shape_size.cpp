@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/rotor.h"
+
 namespace psim {
 namespace {
 
@@ -30,10 +32,7 @@ double bounding_radius(const Shape& shape) {
   return most + line.radius;
 }
 
-Vec2 to_world(Vec2 point, Vec2 position, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {position.x + c * point.x - s * point.y, position.y + s * point.x + c * point.y};
-}
+Vec2 to_world(Vec2 point, Vec2 position, double angle) { return position + turned(sine_cosine(angle), point); }
 
 Bounds extent(const Shape& shape, Vec2 position, double angle) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
