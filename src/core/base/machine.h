@@ -1,6 +1,6 @@
 // This header tells what the machine can run: its instruction sets, the kernels for them and the floating-point mode of
-// a step. Only machine.cpp and src/kernels/lanes_*.h know one processor. On processors other than x86-64, and in builds
-// with PSIM_PORTABLE, the functions here do nothing or use standard C++.
+// a step. Only machine.cpp and src/kernels/lanes_*.h know one processor. On processors other than x86-64 and aarch64, and
+// in builds with PSIM_PORTABLE, the functions here do nothing or use standard C++.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ const kernels::KernelTable& kernels_of(Isa isa);
 void pause_briefly();
 
 /// Sets the calling thread to the floating-point settings of a step, from construction to destruction: round to
-/// nearest, no traps, denormals are flushed and read as zero. Denormals cost twenty times as much as other numbers and
-/// mean nothing here. The host's own settings come back at the end.
+/// nearest, no traps. On x86-64 denormals are flushed and read as zero: they cost twenty times as much as other numbers
+/// and mean nothing here. The host's own settings come back at the end.
 class FloatSettings {
  public:
   FloatSettings();
