@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2154
 # This machine without one intrinsic (PSIM_PORTABLE), for tools/cross; to be sourced after tools/setup.sh.
 
 # cross_portable: the quick suite, golden hashes, states that travel.
