@@ -18,6 +18,11 @@ function(psim_target_defaults target)
     POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wconversion -ffp-contract=off -fno-math-errno)
+  if(PSIM_PROCESSOR STREQUAL "aarch64" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
+     CMAKE_CXX_COMPILER_VERSION VERSION_LESS 12.3)
+    # There g++ fails on loops over std::fmin and std::fmax: internal error in vect_transform_reduction.
+    target_compile_options(${target} PRIVATE -fno-tree-loop-vectorize)
+  endif()
   if(PSIM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

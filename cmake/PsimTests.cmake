@@ -3,6 +3,18 @@
 # SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
 
+# psim_program(NAME OUT): where tests find a program of this build. Where an emulator runs it, that is a script.
+function(psim_program name out)
+  set(_path "${PROJECT_BINARY_DIR}/${name}")
+  if(CMAKE_CROSSCOMPILING_EMULATOR)
+    list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " _emulator)
+    file(CONFIGURE OUTPUT emulated/${name} CONTENT "#!/bin/sh\nexec ${_emulator} '${_path}' \"$@\"\n" @ONLY)
+    set(_path "${PROJECT_BINARY_DIR}/emulated/${name}")
+    file(CHMOD "${_path}" FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  endif()
+  set(${out} "${_path}" PARENT_SCOPE)
+endfunction()
+
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
 list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|view)/")
 if(_test_sources AND TARGET psim_scene)
@@ -28,9 +40,10 @@ if(_test_sources AND TARGET psim_scene)
   endif()
   psim_rooms(psim_tests)
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
+  psim_program(psim _psim)
   target_compile_definitions(psim_tests PRIVATE
     "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
-    "PSIM_PROGRAM=\"${PROJECT_BINARY_DIR}/psim\"")
+    "PSIM_PROGRAM=\"${_psim}\"")
   if(TARGET psim)
     add_dependencies(psim_tests psim)
   endif()
@@ -65,12 +78,15 @@ if(_test_sources AND TARGET psim_scene)
 endif()
 
 # The worker pool alone: small, so that the thread sanitizer's build of it takes seconds.
-add_executable(psim_pool_tests tests/pool/worker_pool_test.cpp src/core/base/worker_pool.cpp
-               src/core/base/machine.cpp)
+file(GLOB _pool_tests CONFIGURE_DEPENDS tests/pool/*_test.cpp)
+add_executable(psim_pool_tests ${_pool_tests} src/core/base/worker_pool.cpp src/core/base/machine.cpp)
 psim_target_defaults(psim_pool_tests)
 target_include_directories(psim_pool_tests PRIVATE include src/core src/kernels)
 target_link_libraries(psim_pool_tests PRIVATE GTest::gtest GTest::gtest_main Threads::Threads
-                      CpuFeatures::cpu_features)
+                      ${PSIM_CPU_FEATURES})
+if(PSIM_PORTABLE)
+  target_compile_definitions(psim_pool_tests PRIVATE PSIM_PORTABLE)
+endif()
 gtest_discover_tests(psim_pool_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 
 # The table of a step's parts in docs/step.md is the one that the step runs by.

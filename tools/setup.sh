@@ -32,12 +32,13 @@ psim_quietly() {
   return "$status"
 }
 
-# psim_install PACKAGE...: installs those that are missing. Where there is no dpkg, CMake says what
+# psim_install PACKAGE...: installs those that are missing; PACKAGE:ARCHITECTURE for another processor. Where there is no dpkg, CMake says what
 # it does not find.
 psim_install() {
   command -v dpkg-query >/dev/null || return 0
   local installed package missing=() as_root=()
-  installed=" $(dpkg-query -W -f '${db:Status-Status}:${Package} ' "$@" 2>/dev/null)"
+  installed=" $(dpkg-query -W -f '${db:Status-Status}:${Package} ${db:Status-Status}:${Package}:${Architecture} ' \
+    "$@" 2>/dev/null)"
   for package in "$@"; do
     [[ $installed == *" installed:$package "* ]] || missing+=("$package")
   done

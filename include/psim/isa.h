@@ -13,13 +13,14 @@ namespace psim {
 enum class Isa : std::uint8_t {
   scalar,  ///< one lane, standard C++
   sse,     ///< SSE4.1
-  avx2     ///< AVX2
+  avx2,    ///< AVX2
+  neon     ///< NEON of aarch64
 };
 
-/// All of them, the best last.
-inline constexpr Isa kAllIsas[] = {Isa::scalar, Isa::sse, Isa::avx2};
+/// All of them, of each processor the best last.
+inline constexpr Isa kAllIsas[] = {Isa::scalar, Isa::sse, Isa::avx2, Isa::neon};
 
-/// "scalar", "sse" or "avx2".
+/// "scalar", "sse", "avx2" or "neon".
 PSIM_API std::string_view isa_name(Isa isa);
 
 /// The reverse of isa_name; nothing for any other text.

@@ -20,7 +20,7 @@
 /// The world, its last error, and copies of what C cannot see in place.
 struct psim_world {
   std::unique_ptr<psim::World> world;
-  std::atomic<bool> broken{false};  // something threw: what is inside is not known
+  std::atomic<bool> broken{false};  // something threw: what is inside is not known, and nothing of it is read any more
 
   // Fixed room: an error must be kept where there is no memory.
   static constexpr std::size_t kErrorRoom = 512;

@@ -92,8 +92,8 @@ psim_result create(const Call& call, const psim_world_desc* desc, const psim_run
 // caller's code: it is kept, and thrown on the thread that steps.
 struct HostLoop {
   const std::function<void(std::size_t)>& job;
-  std::atomic<std::size_t> done{0};
-  std::atomic<bool> failed{false};
+  std::atomic<std::size_t> done{0};  // each job adds by release; read by acquire, it shows `error`, too
+  std::atomic<bool> failed{false};   // chooses the one job that writes `error`
   std::exception_ptr error;
 };
 
@@ -102,9 +102,9 @@ extern "C" void run_host_job(void* loop_pointer, size_t index) {
   try {
     loop.job(index);
   } catch (...) {
-    if (!loop.failed.exchange(true)) loop.error = std::current_exception();
+    if (!loop.failed.exchange(true, std::memory_order_relaxed)) loop.error = std::current_exception();
   }
-  loop.done.fetch_add(1, std::memory_order_acq_rel);
+  loop.done.fetch_add(1, std::memory_order_release);
 }
 
 psim::JobSystem job_system(const psim_job_system& jobs) {
@@ -113,8 +113,9 @@ psim::JobSystem job_system(const psim_job_system& jobs) {
   out.parallel_for = [jobs](std::size_t count, const std::function<void(std::size_t)>& job) {
     HostLoop loop{job, {}, {}, {}};
     jobs.parallel_for(jobs.user, count, &run_host_job, &loop);
+    const std::size_t done = loop.done.load(std::memory_order_acquire);  // before `error` is read
     if (loop.error) std::rethrow_exception(loop.error);
-    if (const std::size_t done = loop.done.load(); done != count) {
+    if (done != count) {
       throw std::runtime_error("the job system ran " + std::to_string(done) + " jobs of " + std::to_string(count) +
                                "; the world can only be destroyed");
     }

@@ -1,6 +1,10 @@
 // Code with every fault that tools/asm-inspect must find; compiled three times by check_faults.py
 // as if it were the kernels. Never linked.
+#ifdef __aarch64__
+#include <arm_neon.h>
+#else
 #include <immintrin.h>
+#endif
 
 #include <cstddef>
 
@@ -21,6 +25,15 @@ void cold_call_is_fine(float* x, std::size_t n) {
   }
 }
 
+#ifdef __aarch64__
+void estimate(float* x) { vst1q_f32(x, vrecpeq_f32(vld1q_f32(x))); }
+void other_minimum(float* x) { vst1q_f32(x, vminq_f32(vld1q_f32(x), vdupq_n_f32(0))); }
+void fused(float* x) {
+  const float32x4_t a = vld1q_f32(x);
+  vst1q_f32(x, vfmaq_f32(a, a, a));
+}
+void above_base(int* x) { __atomic_fetch_add(x, 1, __ATOMIC_SEQ_CST); }
+#else
 void estimate(float* x) { _mm_storeu_ps(x, _mm_rcp_ps(_mm_loadu_ps(x))); }
 
 #ifdef WITH_AVX
@@ -34,4 +47,5 @@ void above_sse2(float* x) {
   const __m128 a = _mm_loadu_ps(x);
   _mm_storeu_ps(x, _mm_hadd_ps(a, a));
 }
+#endif
 #endif

@@ -166,7 +166,7 @@ int print_frames(const std::string& scene, std::uint64_t count, std::uint64_t fr
 int usage() {
   std::fprintf(stderr,
                "golden: print small|default | check FILE.csv | frames NAME COUNT FRAMES, each with "
-               "[--isa scalar|sse|avx2] [--threads N] [--scene NAME]\n");
+               "[--isa NAME] [--threads N] [--scene NAME]\n");
   return 2;
 }
 

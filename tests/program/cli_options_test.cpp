@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_runner.h"
+#include "psim/isa.h"
 
 namespace psim::test {
 namespace {
@@ -32,7 +33,7 @@ TEST(CliOptions, MistakesAreOneLineThatNamesWhatWouldBeRight) {
       {{"--dt", "1e-7"}, {"--dt 1e-7", "seconds"}},
       {{"--substeps", "65"}, {"--substeps 65", "1 to 64"}},
       {{"--integrator", "rk5"}, {"--integrator rk5", "verlet, euler, rk4 or symplectic4"}},
-      {{"--isa", "mmx"}, {"--isa mmx", "auto, scalar, sse or avx2"}},
+      {{"--isa", "mmx"}, {"--isa mmx", "auto, scalar, sse, avx2 or neon"}},
       {{"--report", "xml"}, {"--report xml", "text or json"}},
       {{"--budget", "0"}, {"--budget 0", "above 0"}},
       {{"--budget", "-nan"}, {"--budget", "above 0"}},
@@ -92,8 +93,19 @@ TEST(CliOptions, HelpNamesEveryOption) {
 TEST(CliOptions, VersionNamesCompilerBuildAndIsas) {
   const Outcome outcome = run_psim({"--version"});
   EXPECT_EQ(outcome.status, 0);
-  for (const char* word : {"psim ", "compiler ", "build ", "scalar", "sse", "avx2"}) {
+  for (const char* word : {"psim ", "compiler ", "build ", "scalar"}) {
     EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
+  }
+  for (const Isa isa : kAllIsas) {
+    EXPECT_EQ(outcome.out.find(isa_name(isa)) != std::string::npos, isa_lanes(isa) != 0) << isa_name(isa);
+  }
+}
+
+TEST(CliOptions, AnInstructionSetOfAnotherProcessorIsRefusedWithThoseOfTheBuild) {
+  for (const Isa isa : kAllIsas) {
+    if (isa_lanes(isa) != 0) continue;
+    const std::string name(isa_name(isa));
+    expect_refused(run_psim({"--isa", name, "--frames", "1"}), {"--isa " + name, "this build", "scalar"});
   }
 }
 

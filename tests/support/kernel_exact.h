@@ -18,7 +18,9 @@ namespace psim::test::exact {
 /// psim's detection cannot leave a test empty.
 inline std::vector<Isa> wide_isas() {
   std::vector<Isa> isas;
-#ifdef __x86_64__
+#if defined(__aarch64__)
+  if (isa_lanes(Isa::neon) != 0) isas.push_back(Isa::neon);  // every aarch64 CPU has it
+#elif defined(__x86_64__)
   if (isa_lanes(Isa::sse) != 0 && __builtin_cpu_supports("sse4.1")) isas.push_back(Isa::sse);
   if (isa_lanes(Isa::avx2) != 0 && __builtin_cpu_supports("avx2")) isas.push_back(Isa::avx2);
 #endif
@@ -106,7 +108,7 @@ class KernelExact : public ::testing::Test {
     if (!wide_isas().empty()) return;
     if (std::getenv("PSIM_SCALAR_CPU") != nullptr)
       GTEST_SKIP() << "this CPU has no wide variant, as PSIM_SCALAR_CPU says";
-    FAIL() << "this CPU has no SSE4.1, so that nothing can be compared; set PSIM_SCALAR_CPU=1 if that is intended";
+    FAIL() << "no wide variant is here to be compared; set PSIM_SCALAR_CPU=1 if that is intended";
   }
   void TearDown() override {
     if (IsSkipped() || HasFailure()) return;

@@ -1,6 +1,6 @@
 // This header tells what the machine can run: its instruction sets, the kernels for them and the floating-point mode of
-// a step. Only machine.cpp and src/kernels/lanes_*.h know one processor. On processors other than x86-64, and in builds
-// with PSIM_PORTABLE, the functions here do nothing or use standard C++.
+// a step. Only machine.cpp and src/kernels/lanes_*.h know one processor. On processors other than x86-64 and aarch64, and
+// in builds with PSIM_PORTABLE, the functions here do nothing or use standard C++.
 #pragma once
 
 #include <cfenv>
@@ -36,7 +36,7 @@ class FloatSettings {
 
  private:
   union {
-    std::uint32_t control;  // x86-64: MXCSR
+    std::uint32_t control;  // x86-64: MXCSR; aarch64: FPCR
     std::fenv_t all;
   } before_;
 };

@@ -47,7 +47,9 @@ class Tracer {
   std::vector<TraceEvent> take() { return std::exchange(spans_, {}); }
 
  private:
-  std::atomic<bool> on_ = false;  // atomic, because a late worker may read it between two steps
+  // Atomic, because a late worker may read it between two steps. Relaxed: a worker adds a span only after it took a job,
+  // and the run that gave it the job was opened after start() wrote `origin_` and set_stage() the stage.
+  std::atomic<bool> on_ = false;
   const char* stage_ = "";
   Clock::time_point origin_, stage_end_;
   std::mutex adding_;

@@ -53,7 +53,8 @@ void WorkerPool::wait_a_moment(int spins) const {
 
 // Opens a run, works on it and waits for the last claimed job. A worker that reads the call under a
 // ticket and then claims under the same ticket is safe: while any job of the run is unfinished the
-// call stands. The odd ticket closes the shares while they are rewritten.
+// call stands. The odd ticket closes the shares while they are rewritten. done_ is reset by a relaxed store:
+// whoever adds to it has read a share that was opened after the reset, and nobody adds for an earlier run any more.
 void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   const std::uint32_t closed = ticket_.load(std::memory_order_relaxed);
   const std::uint32_t open = closed + 1;
@@ -90,6 +91,8 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
       if (number >= end) break;
       // An eighth of what is left at a time: small jobs cost less than claiming them would.
       const std::uint32_t claimed = std::max(1u, (end - number) / 8);
+      // Acquire and release keep the chain from the caller's opening store through all claims. A failed exchange has
+      // read a newer `next`, whose ticket is looked at before `end` and the call are read again: acquire.
       if (!share.next.compare_exchange_weak(next, pack(ticket, number + claimed), std::memory_order_acq_rel,
                                             std::memory_order_acquire)) {
         continue;

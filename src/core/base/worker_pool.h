@@ -5,6 +5,11 @@
 // Each thread starts on its own share of the numbers, so that a range meets the same cache again, then helps the
 // others. Between the runs of a step workers spin; between steps they sleep. A late worker never delays a run,
 // because run() waits for claimed jobs only.
+//
+// What a job wrote is seen after run() and by the jobs of all later runs, on processors with a weak memory order, too:
+// the worker adds to done_ (release), the caller reads it (acquire) and opens the next run by Share::next (release),
+// which a worker reads (acquire) before it takes a job. Flags and counters that jobs of one run share can therefore be
+// relaxed if nothing but their own value is read from them during the run.
 #pragma once
 
 #include <atomic>
@@ -65,7 +70,9 @@ class WorkerPool {
   }
 
  private:
-  // One thread's share of a run: the next number to claim, with the ticket of the run above it.
+  // One thread's share of a run: the next number to claim, with the ticket of the run above it. The caller writes `next`
+  // by release after `end`, the call and the context, and a worker reads it by acquire before them: under the ticket of a
+  // run it finds those of this run, or of a later one, and then its claim fails.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> next{0};  // ticket << 32 | number
     std::atomic<std::uint32_t> end{0};
@@ -83,12 +90,18 @@ class WorkerPool {
   int awake_ = 0;  // how many Awake there are
   JobSystem host_;
   std::unique_ptr<Share[]> shares_;
+  // The call of the open run. Relaxed: Share::next orders both.
   std::atomic<Call> call_{nullptr};
   std::atomic<const void*> context_{nullptr};
-  alignas(64) std::atomic<std::uint32_t> ticket_{1};  // even: open run; odd: none open
+  // Even: open run; odd: none open. Only the caller writes it, by release, so that a worker that reads a run's ticket by
+  // acquire finds its shares open or closed, and never as an earlier run left them.
+  alignas(64) std::atomic<std::uint32_t> ticket_{1};
+  // Finished jobs. Each worker adds by release and every addition continues the chain, so the caller that reads the full
+  // count by acquire sees what all workers wrote.
   alignas(64) std::atomic<std::size_t> done_{0};
+  // Says when to spin and carries no data. It is set under the lock, so that no worker sleeps through it.
   std::atomic<bool> stepping_{false};
-  std::atomic<bool> quit_{false};
+  std::atomic<bool> quit_{false};  // written and read under the lock
   std::mutex sleep_mutex_;
   std::condition_variable wake_;
   std::vector<std::thread> workers_;

@@ -96,6 +96,8 @@ class BodyStore {
     }
     slots_stale.store(false, std::memory_order_release);
   }
+  /// Cleared by release after the slots were written, read by acquire before they are. The thread that sorts sets it; no
+  /// other thread may look at the world meanwhile.
   mutable std::atomic<bool> slots_stale = false;
 
   /// Calls each(slot) for every so many bodies, some 2,000 in all.

@@ -54,6 +54,7 @@ bool NearSearch::run(PairTable& table, std::size_t begin, std::size_t end) {
 
 void link_strip(const PairTable& table, std::size_t index, std::uint8_t* linked) {
   const Strip& s = table.strips[index];
+  // Relaxed: several strips may store the same mark, which is read after the run.
   const auto mark = [=](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(linked[slot]).store(0xFF, std::memory_order_relaxed);
   };

@@ -12,7 +12,7 @@ using kernels::kBlock;
 
 bool BroadPhase::lists_serve(float time) const {
   const auto beyond = beyond_margins(time);
-  std::atomic<bool> serve{true};
+  std::atomic<bool> serve{true};  // relaxed: read during the run it only saves work, and it is read again after it
   run_stream(s_.bodies.blocks(), s_.pool, [&](BlockRange r) {
     if (!serve.load(std::memory_order_relaxed)) return;  // another task already found that the lists do not serve
     if (!(beyond(r.begin, r.end) <= 0)) serve.store(false, std::memory_order_relaxed);

@@ -20,7 +20,8 @@ std::uint32_t most_contacts(std::uint64_t pairs) {
   return std::max(kFewContacts, static_cast<std::uint32_t>(pairs) / kShare);
 }
 
-// Adds the pairs of a strip to the counts of their classes. A class below 0 has no count.
+// Adds the pairs of a strip to the counts of their classes. A class below 0 has no count. Relaxed: a sum of whole
+// numbers has no order, and it is read after the run.
 template <class Counts, class ClassOf>
 void count_pairs(const PairTable& table, const Strip& s, Counts& counts, const ClassOf& class_of) {
   std::array<std::uint32_t, std::tuple_size_v<Counts>> mine{};

@@ -23,6 +23,7 @@ bool ListRenewal::find(float time) {
   const std::uint32_t most = b_.count / kShare;
   const auto beyond = broad_.beyond_margins(time);
   const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
+  // Relaxed: each number gives one place of found_ to one job. Places are read and sorted after the run.
   std::atomic<std::uint32_t> count{0};
   const auto too_many = [&] { return count.load(std::memory_order_relaxed) > most; };
   found_.resize(most);

@@ -63,6 +63,8 @@ class QueryIndex {
   std::size_t bytes() const;
 
  private:
+  // A part is made under the lock by the first query that needs it. Its flag is set by release after it was made and read
+  // by acquire before it is used. forget() is relaxed: whoever changes the world is alone with it.
   mutable std::mutex making_;
   mutable std::atomic<bool> ready_[3]{};
   mutable Part parts_[3];

@@ -46,6 +46,10 @@ class Publisher {
 
  private:
   static constexpr unsigned kFresh = 4;  // set in middle_: a frame the reader has not taken
+  // The buffer in the middle changes hands by an exchange with acquire and release on both sides: release, so that the
+  // other thread sees the frame that was written, or has been read to its end; acquire, to see the same of the buffer
+  // that comes back. back_ belongs to the writer, front_ to the reader. The reader's first look is relaxed, because
+  // nothing but the exchange that follows gives it a buffer.
   std::array<Snapshot, 3> frames_;
   unsigned back_ = 0;
   std::atomic<unsigned> middle_{1};

@@ -56,6 +56,8 @@ void Solver::Run::impacts() {
   for_bodies([&](BlockRange r) {
     std::fill(view_.event_time + std::size_t{r.begin} * 8, view_.event_time + std::size_t{r.end} * 8, 0.0f);
   });
+  // Relaxed, as is `last`: the next sweep is another run of the pool. A strip that sees a note of the present run looks
+  // once more and finds nothing, so the result does not depend on when a note is seen.
   std::atomic<bool> any{true};
   std::vector<int>& last = solver_.last_sweep_;
   last.assign(table.strips.size(), -1);
@@ -123,6 +125,7 @@ void Solver::touch_resting(const SolverInput& in) {
   constexpr std::uint32_t kLine = 64;  // bytes: a strip marks bodies of no other strip in its own cache line
   touched_.resize(std::max<std::size_t>(touched_.size(), bodies + kLine * strips));
   std::fill(touched_.begin(), touched_.end(), std::uint8_t{0});
+  // Relaxed: several strips may store the same 1, which is read after the run.
   const auto touch = [&](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(touched_[slot]).store(1, std::memory_order_relaxed);
   };

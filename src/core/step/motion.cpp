@@ -187,7 +187,7 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
   BodyStore& bodies = c.bodies;
   const kernels::BodyView view = bodies.view();
   const bool bounded = c.desc.boundary != Boundary::periodic, turning = !bodies.rim_speed.empty();
-  std::atomic<bool> fine{true}, inside{true};
+  std::atomic<bool> fine{true}, inside{true};  // relaxed: read after the run
   run_stream(bodies.blocks(), c.pool, [&](BlockRange r) {
     bool sound = c.kernels.integrate(view, p, r.begin, r.end);
     const std::size_t end = std::min<std::size_t>(std::size_t{r.end} * kBlock, bodies.count);

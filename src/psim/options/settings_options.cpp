@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostThreads = 256;
 
-// "auto, scalar, sse or avx2".
+// "auto, scalar, sse, avx2 or neon".
 std::string isa_choices() {
   std::string text = "auto";
   for (const Isa isa : kAllIsas) {
@@ -23,10 +23,20 @@ std::string isa_choices() {
   return text;
 }
 
+// "scalar, sse, avx2": what a build for x86-64 has.
+std::string isas_built_in() {
+  std::string text;
+  for (const Isa isa : kAllIsas) {
+    if (isa_lanes(isa) != 0) text.append(text.empty() ? "" : ", ").append(isa_name(isa));
+  }
+  return text;
+}
+
 Isa choose_isa(const std::string& text, bool given) {
   if (!given || text == "auto") return best_isa();
   const std::optional<Isa> isa = parse_isa(text);
   if (!isa) refuse("--isa", text, "must be " + isa_choices());
+  if (isa_lanes(*isa) == 0) refuse("--isa", text, "this build lacks it and has " + isas_built_in());
   if (!isa_available(*isa)) {
     refuse("--isa", text, fmt::format("this CPU lacks it; its best is {}", isa_name(best_isa())));
   }
