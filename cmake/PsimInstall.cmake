@@ -32,7 +32,7 @@ install(FILES "${PROJECT_BINARY_DIR}/psimConfig.cmake" "${PROJECT_BINARY_DIR}/ps
 # there is only libpsim.a everybody needs it. The file finds its prefix from its own place, so that
 # an installation may be moved.
 set(_static_libs "-lstdc++ -lm -pthread")
-if(NOT PSIM_PORTABLE)
+if(PSIM_CPU_FEATURES)
   string(PREPEND _static_libs "-lcpu_features ")
 endif()
 if(TARGET psim_shared)

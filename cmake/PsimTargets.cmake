@@ -1,14 +1,8 @@
 # What every target of the tree has in common.
 
-# Auto-vectorisation off, in the words of the compiler at hand.
-if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-  set(PSIM_NO_AUTO_VECTORIZATION -fno-vectorize -fno-slp-vectorize)
-else()
-  set(PSIM_NO_AUTO_VECTORIZATION -fno-tree-vectorize -fno-tree-slp-vectorize)
-endif()
+include(PsimCompilers)
 
-# Language, warnings and floating point. -ffp-contract=off is part of the promise that all builds
-# give the same bits: without it a compiler may fuse a multiply and an add.
+# Language, warnings and floating point (PsimCompilers.cmake).
 function(psim_target_defaults target)
   target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES
@@ -16,10 +10,10 @@ function(psim_target_defaults target)
     CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON
     POSITION_INDEPENDENT_CODE ON)
-  target_compile_options(${target} PRIVATE
-    -Wall -Wextra -Wconversion -ffp-contract=off -fno-math-errno)
+  target_compile_options(${target} PRIVATE ${PSIM_WARNINGS} ${PSIM_EXACT_FLOATS})
+  target_compile_definitions(${target} PRIVATE ${PSIM_SYSTEM_DEFINITIONS})
   if(PSIM_WERROR)
-    target_compile_options(${target} PRIVATE -Werror)
+    target_compile_options(${target} PRIVATE ${PSIM_WARNINGS_ARE_ERRORS})
   endif()
   if(PSIM_ASSERTS)
     target_compile_definitions(${target} PRIVATE PSIM_ENABLE_ASSERTS _GLIBCXX_ASSERTIONS)
@@ -35,6 +29,16 @@ function(psim_target_defaults target)
       target_compile_options(${target} PRIVATE -Wno-error=tsan)  # says that fences are not seen
     endif()
   endif()
+endfunction()
+
+# Files whose names end in _posix or _windows are for these systems alone. All that differs between systems is in them.
+function(psim_for_this_system list)
+  if(WIN32)
+    list(FILTER ${list} EXCLUDE REGEX "_posix\\.cpp$")
+  else()
+    list(FILTER ${list} EXCLUDE REGEX "_windows\\.cpp$")
+  endif()
+  set(${list} "${${list}}" PARENT_SCOPE)
 endfunction()
 
 # A third of the time of most files is these headers. Off by default, for files that lack an include would go unseen
@@ -96,6 +100,9 @@ endfunction()
 # A shared library exports what the public headers mark with PSIM_API. The version script takes out
 # what the compiler marks by itself: the standard library's templates, made for our types.
 function(psim_export_public_names target)
+  if(WIN32 OR APPLE)  # their linkers have no such script
+    return()
+  endif()
   target_link_options(${target} PRIVATE
     "LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/psim.map" "LINKER:--no-undefined")
   set_property(TARGET ${target} APPEND PROPERTY

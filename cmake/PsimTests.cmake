@@ -5,6 +5,10 @@ include(GoogleTest)
 
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
 list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|view)/")
+if(WIN32)  # what needs fork, signals, shell scripts as programs, libpng
+  list(FILTER _test_sources EXCLUDE REGEX
+    "/(output_file|cli_pictures|png_write|accuracy_cli|malformed_scene|fuzz)_test\\.cpp$")
+endif()
 if(_test_sources AND TARGET psim_scene)
   if(NOT TARGET accuracy)
     list(FILTER _test_sources EXCLUDE REGEX "/accuracy_cli_test\\.cpp$")
@@ -12,8 +16,10 @@ if(_test_sources AND TARGET psim_scene)
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
   target_include_directories(psim_tests PRIVATE tests tests/support src/kernels src/core src/scene)
-  target_link_libraries(psim_tests PRIVATE psim_parts psim_reference psim_fuzz_inputs PNG::PNG ZLIB::ZLIB
-                                           GTest::gtest GTest::gtest_main)
+  target_link_libraries(psim_tests PRIVATE psim_parts psim_reference ZLIB::ZLIB GTest::gtest GTest::gtest_main)
+  if(NOT WIN32)
+    target_link_libraries(psim_tests PRIVATE psim_fuzz_inputs PNG::PNG)
+  endif()
   # A quarter to a half of the time of compilation; what is tested keeps the preset's optimisation.
   if(PSIM_SANITIZE)
     target_compile_options(psim_tests PRIVATE -O0)
@@ -30,7 +36,7 @@ if(_test_sources AND TARGET psim_scene)
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
   target_compile_definitions(psim_tests PRIVATE
     "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
-    "PSIM_PROGRAM=\"${PROJECT_BINARY_DIR}/psim\"")
+    "PSIM_PROGRAM=\"${PROJECT_BINARY_DIR}/psim${CMAKE_EXECUTABLE_SUFFIX}\"")
   if(TARGET psim)
     add_dependencies(psim_tests psim)
   endif()
@@ -67,10 +73,13 @@ endif()
 # The worker pool alone: small, so that the thread sanitizer's build of it takes seconds.
 add_executable(psim_pool_tests tests/pool/worker_pool_test.cpp src/core/base/worker_pool.cpp
                src/core/base/machine.cpp)
+if(NOT WIN32)
+  target_sources(psim_pool_tests PRIVATE tests/pool/stopped_workers_test.cpp)
+endif()
 psim_target_defaults(psim_pool_tests)
 target_include_directories(psim_pool_tests PRIVATE include src/core src/kernels)
 target_link_libraries(psim_pool_tests PRIVATE GTest::gtest GTest::gtest_main Threads::Threads
-                      CpuFeatures::cpu_features)
+                      ${PSIM_CPU_FEATURES})
 gtest_discover_tests(psim_pool_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 
 # The table of a step's parts in docs/step.md is the one that the step runs by.

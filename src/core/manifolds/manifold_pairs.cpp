@@ -181,7 +181,7 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
       kind_[i] = kDisc;
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
-      const bool held = properties.type == BodyType::kinematic_body;
+      const bool held = properties.type() == BodyType::kinematic_body;
       const BodyKind& kind = b.kinds[properties.kind];
       const bool shape = kind.hull_count != 0;
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
