@@ -7,10 +7,12 @@
 // as it likes. Signs is what `negative` gives: the sign bit of each lane, which -0 has too.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
 #include "block_layout.h"
+#include "compiler.h"
 
 namespace psim::kernels {
 namespace {
@@ -69,8 +71,8 @@ struct ScalarLanes {
   friend F operator-(F a) { return -a.v; }  // turns the sign of a zero or a NaN, too
   friend F& operator+=(F& a, F b) { return a = a + b; }
   friend F& operator-=(F& a, F b) { return a = a - b; }
-  friend F sqrt(F a) { return __builtin_sqrtf(a.v); }
-  friend F abs(F a) { return __builtin_fabsf(a.v); }
+  friend F sqrt(F a) { return std::sqrt(a.v); }
+  friend F abs(F a) { return std::fabs(a.v); }
   friend F min(F a, F b) { return a.v < b.v ? a.v : b.v; }  // b where one is a NaN
   friend F max(F a, F b) { return a.v > b.v ? a.v : b.v; }
   friend M operator<(F a, F b) { return {a.v < b.v}; }
@@ -105,34 +107,34 @@ struct ScalarLanes {
 
   // ---- gathers and scatters: lane k is at slots[Step * k] ----
   template <int Step>
-  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+  PSIM_INLINE static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     const float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     x = p[0];
     y = p[1];
   }
   template <int Step>
-  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+  PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const std::int32_t* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     x = I{p[0]};
     y = I{p[1]};
   }
   /// Four floats in a row of every lane, from at[lane] + offset.
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+  PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     const float* p = at[0] + offset;
     a = p[0], b = p[1], c = p[2], d = p[3];
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+  PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     p[0] = x.v;
     p[1] = y.v;
   }
   template <int Step>
-  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+  PSIM_INLINE static F gather1(const float* col, const std::uint32_t* slots) {
     return col[slots[0]];
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+  PSIM_INLINE static void scatter1(float* col, const std::uint32_t* slots, F a) {
     col[slots[0]] = a.v;
   }
 
@@ -154,7 +156,7 @@ struct ScalarLanes {
   friend Rec operator+(Rec a, Rec b) { return {a.x + b.x, a.y + b.y}; }
   friend Rec operator-(Rec a, Rec b) { return {a.x - b.x, a.y - b.y}; }
   friend Rec operator*(Rec a, Rec b) { return {a.x * b.x, a.y * b.y}; }
-  friend Rec sqrt(Rec a) { return {__builtin_sqrtf(a.x), __builtin_sqrtf(a.y)}; }
+  friend Rec sqrt(Rec a) { return {std::sqrt(a.x), std::sqrt(a.y)}; }
   friend Rec min(Rec a, Rec b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
   friend Rec max(Rec a, Rec b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
   /// x^2 + y^2 of each record, in both of its places.
@@ -195,7 +197,7 @@ struct ScalarLanes {
   friend D operator-(D a, D b) { return a.v - b.v; }
   friend D operator*(D a, D b) { return a.v * b.v; }
   friend D operator/(D a, D b) { return a.v / b.v; }
-  friend D sqrt(D a) { return __builtin_sqrt(a.v); }
+  friend D sqrt(D a) { return std::sqrt(a.v); }
   friend MD operator<(D a, D b) { return {a.v < b.v}; }
   friend MD operator<=(D a, D b) { return {a.v <= b.v}; }
   friend MD but_not(MD a, MD b) { return {(a.v & !b.v) != 0}; }
@@ -221,12 +223,12 @@ struct ScalarLanes {
   /// j1 on that lie below end1, at most 4. Writes i to owner and the number of each near body to other, packed
   /// and in order, and returns how many. May write 8 numbers in any case, and may read 4 bodies from either place.
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
-                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
-                                                            std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach, std::uint32_t j0,
+                                                 std::uint32_t end0, std::uint32_t j1, std::uint32_t end1,
+                                                 std::uint32_t i, std::uint32_t* owner, std::uint32_t* other,
+                                                 const Near& near) {
     std::uint32_t count = 0;
-    const auto ask = [&](std::uint32_t j) __attribute__((always_inline)) {
+    const auto ask = [&](std::uint32_t j) PSIM_INLINE_LAMBDA {
       owner[count] = i;
       other[count] = j;
       count += bits(near(I{pos[2 * std::size_t{j}]}, I{pos[2 * std::size_t{j} + 1]}, F{reach[j]}));
