@@ -19,7 +19,7 @@ elseif(MSVC)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 19.30)
     message(FATAL_ERROR "psim: MSVC ${CMAKE_CXX_COMPILER_VERSION} fuses multiply and add: Visual Studio 2022 does not")
   endif()
-  set(PSIM_WARNINGS /W4 /utf-8 /permissive- /Zc:__cplusplus)
+  set(PSIM_WARNINGS /W4 /wd4068 /utf-8 /permissive- /Zc:__cplusplus)  # 4068: pragmas of g++
   set(PSIM_WARNINGS_ARE_ERRORS /WX)
   set(PSIM_EXACT_FLOATS /fp:precise)
 else()

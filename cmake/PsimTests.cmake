@@ -190,8 +190,21 @@ if(TARGET psim_shared)
     COMMAND ${CMAKE_COMMAND} ${_install_arguments}
       -D "EXAMPLES_DIR=${PROJECT_SOURCE_DIR}/examples"
       -P "${PROJECT_SOURCE_DIR}/tests/install/check_examples.cmake")
+  add_test(NAME SourcesServeAProjectAroundThem
+    COMMAND ${CMAKE_COMMAND} ${_install_arguments} -D "SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+      -D "CONSUMER_DIR=${PROJECT_SOURCE_DIR}/tests/install"
+      -P "${PROJECT_SOURCE_DIR}/tests/install/check_subproject.cmake")
   set_tests_properties(InstalledLibraryServesAConsumer ExamplesRunOnAnInstalledLibrary PROPERTIES
     LABELS install TIMEOUT 300)
+  set_tests_properties(SourcesServeAProjectAroundThem PROPERTIES LABELS install TIMEOUT 900)
+  if(TARGET psim AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    add_test(NAME DebianPackageServesAConsumer
+      COMMAND ${CMAKE_COMMAND} ${_install_arguments} -D "WITH_VIEW=$<TARGET_EXISTS:psim-view>"
+        -D "CONSUMER_DIR=${PROJECT_SOURCE_DIR}/tests/install"
+        -P "${PROJECT_SOURCE_DIR}/tests/install/check_deb.cmake")
+    set_tests_properties(DebianPackageServesAConsumer PROPERTIES
+      LABELS install TIMEOUT 300 SKIP_REGULAR_EXPRESSION "packages are not tested")
+  endif()
 endif()
 
 # Every public name has its words.
