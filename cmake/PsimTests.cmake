@@ -5,6 +5,7 @@ include(GoogleTest)
 
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
 list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|view)/")
+psim_for_this_system(_test_sources)
 if(WIN32)  # what needs fork, signals, shell scripts as programs, libpng
   list(FILTER _test_sources EXCLUDE REGEX
     "/(output_file|cli_pictures|png_write|accuracy_cli|malformed_scene|fuzz)_test\\.cpp$")
@@ -16,9 +17,10 @@ if(_test_sources AND TARGET psim_scene)
   add_executable(psim_tests ${_test_sources})
   psim_target_defaults(psim_tests)
   target_include_directories(psim_tests PRIVATE tests tests/support src/kernels src/core src/scene)
-  target_link_libraries(psim_tests PRIVATE psim_parts psim_reference ZLIB::ZLIB GTest::gtest GTest::gtest_main)
+  target_link_libraries(psim_tests PRIVATE psim_parts psim_reference psim_fuzz_inputs ZLIB::ZLIB
+                                           GTest::gtest GTest::gtest_main)
   if(NOT WIN32)
-    target_link_libraries(psim_tests PRIVATE psim_fuzz_inputs PNG::PNG)
+    target_link_libraries(psim_tests PRIVATE PNG::PNG)
   endif()
   # A quarter to a half of the time of compilation; what is tested keeps the preset's optimisation.
   if(PSIM_SANITIZE)
@@ -33,8 +35,15 @@ if(_test_sources AND TARGET psim_scene)
     endif()
   endif()
   psim_rooms(psim_tests)
+  # In the place of ffmpeg, with a folder of its own for PATH.
+  add_executable(stand_in_ffmpeg tests/program/stand_in/ffmpeg.cpp)
+  psim_target_defaults(stand_in_ffmpeg)
+  set_target_properties(stand_in_ffmpeg PROPERTIES OUTPUT_NAME ffmpeg
+    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/stand-in")
+  add_dependencies(psim_tests stand_in_ffmpeg)
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
   target_compile_definitions(psim_tests PRIVATE
+    "PSIM_STAND_IN_FOLDER=\"${PROJECT_BINARY_DIR}/stand-in\""
     "PSIM_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\""
     "PSIM_PROGRAM=\"${PROJECT_BINARY_DIR}/psim${CMAKE_EXECUTABLE_SUFFIX}\"")
   if(TARGET psim)

@@ -62,10 +62,10 @@ std::vector<std::string> command(const std::string& ffmpeg, const std::string& t
 
 std::string find_ffmpeg(const std::string& label) {
   if (std::string path = os::find_program("ffmpeg"); !path.empty()) return path;
-  throw UserError(
-      fmt::format("{}: needs the program ffmpeg, which PATH does not have; apt install ffmpeg, or "
-                  "--frames-dir DIR for the pictures alone",
-                  label));
+  throw UserError(fmt::format(
+      "{}: needs the program ffmpeg, which PATH does not have; install it (on Debian: apt install ffmpeg), or "
+      "--frames-dir DIR for the pictures alone",
+      label));
 }
 
 VideoWriter::VideoWriter(AtomicFile& file, const std::string& ffmpeg, PictureSize size, double fps) try
