@@ -98,6 +98,9 @@ function(psim_library_properties target name)
     EXPORT_NAME ${name}
     VERSION ${PROJECT_VERSION}
     SOVERSION ${PSIM_SOVERSION})
+  if(MSVC AND name STREQUAL "psim_shared")  # psim.lib is the static library
+    set_target_properties(${target} PROPERTIES ARCHIVE_OUTPUT_NAME psim_dll)
+  endif()
 endfunction()
 
 # A shared library exports what the public headers mark with PSIM_API. The version script takes out

@@ -27,7 +27,7 @@ if(_test_sources AND TARGET psim_scene)
     target_compile_options(psim_tests PRIVATE -O0)
   else()
     if(CMAKE_BUILD_TYPE STREQUAL "Release")
-      target_compile_options(psim_tests PRIVATE -O1)
+      target_compile_options(psim_tests PRIVATE $<IF:$<BOOL:${MSVC}>,/O1,-O1>)
     endif()
     psim_precompile(psim_tests <gtest/gtest.h>)
     if(PSIM_PRECOMPILE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # false alarms in + of strings, only with these
@@ -169,8 +169,11 @@ endif()
 # The C API, from strict C99, and its layout.
 add_executable(psim_c99 tests/capi/c99.c tests/capi/abi_v1.c)
 set_target_properties(psim_c99 PROPERTIES C_STANDARD 99 C_EXTENSIONS OFF LINKER_LANGUAGE CXX)
-target_compile_options(psim_c99 PRIVATE -pedantic -Wall -Wextra -Wpadded -Werror)
-target_link_libraries(psim_c99 PRIVATE psim::psim m)
+target_link_libraries(psim_c99 PRIVATE psim::psim)
+if(NOT MSVC)
+  target_compile_options(psim_c99 PRIVATE -pedantic -Wall -Wextra -Wpadded -Werror)
+  target_link_libraries(psim_c99 PRIVATE m)
+endif()
 if(PSIM_SANITIZE)
   target_link_options(psim_c99 PRIVATE -fsanitize=${PSIM_SANITIZE})
 endif()
@@ -186,7 +189,7 @@ set_tests_properties(PublicHeadersAreSilent PROPERTIES LABELS install TIMEOUT 30
 # What the compiler made of the kernels, and what an installation is good for. Neither means
 # anything in a sanitizer build.
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
-if(TARGET psim_shared)
+if(TARGET psim_shared AND NOT CMAKE_CROSSCOMPILING)
   set(_install_arguments
     -D "BUILD_DIR=${PROJECT_BINARY_DIR}" -D "CXX=${CMAKE_CXX_COMPILER}" -D "CC=${CMAKE_C_COMPILER}"
     -D "GENERATOR=${CMAKE_GENERATOR}" -D "PYTHON=${Python3_EXECUTABLE}")

@@ -4,17 +4,22 @@
 psim_windows_packages=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine wine64 cmake ninja-build libcli11-dev
                        nlohmann-json3-dev libfmt-dev googletest python3)
 
-# on_windows PROGRAM ARGUMENTS...: with a Windows of its own under build/, without a screen.
-on_windows() {
-  local wine=wine
-  command -v wine64 >/dev/null && wine=wine64
-  env -u DISPLAY WINEPREFIX="$psim_root/build/windows/wine" WINEDEBUG=-all WINEDLLOVERRIDES="mscoree,mshtml=" \
-    "$wine" "$@" 2> >(grep -v -e '^it looks like wine32' -e '^multiarch needs' -e '^execute' -e '^wine: ' >&2)
+# as_windows COMMAND...: with a Windows of its own under build/, without a screen.
+as_windows() {
+  env -u DISPLAY WINEPREFIX="$psim_root/build/windows/wine" WINEDEBUG=-all WINEDLLOVERRIDES="mscoree,mshtml=" "$@"
 }
 
-# What only POSIX has: devices, links, limits of memory.
+windows_wine() { command -v wine64 || echo wine; }
+
+# on_windows PROGRAM ARGUMENTS...
+on_windows() { as_windows "$(windows_wine)" "$@"; }
+
+# What only POSIX has: devices, links, limits of memory. And the sine of mingw-w64, with which psim's own is compared, is
+# off by 1.3e-15. Wine sends Ctrl-Break to no process without a console: windows_ctrl_c has one.
 windows_without=(CliFiles.AnOldFileIsReplacedAndALinkFollowed CliFiles.DevicesAreWrittenStraight
-                 CliOptions.TooManyBodiesForTheMemoryAreNamedWithTheBytesNeeded)
+                 CliOptions.TooManyBodiesForTheMemoryAreNamedWithTheBytesNeeded CliReplay.OneLineSaysWhatIsWrong
+                 CliReplay.AnInterruptedReplayHasNotComparedAll CliReport.CtrlCEndsTheRunAndStillReports
+                 Rotor.AgreesWithTheLibrary)
 
 windows_passed=0 windows_failed=0
 
@@ -88,6 +93,13 @@ windows_dll() {
   on_windows "$dir/c99_dll.exe"
 }
 
+# Ctrl-C in a console.
+windows_ctrl_c() {
+  rm -f "$psim_root/build/windows/ctrl-c.csv"
+  as_windows python3 "$psim_root/tests/program/console_windows.py" "$(windows_wine)" \
+    "$psim_root/build/windows/psim.exe" build/windows/ctrl-c.csv
+}
+
 # cross_windows: installs, builds build/windows/psim.exe and the tests, runs them. The last line is
 # `N passed, N failed`.
 cross_windows() {
@@ -107,6 +119,7 @@ cross_windows() {
         on_windows build/windows/golden.exe check tests/golden/small.csv --isa "$isa" --threads "$threads"
     done
   done
+  windows_check "Ctrl-C in a console" windows_ctrl_c
   windows_check "states and recordings travel" windows_states_travel
   echo "$windows_passed passed, $windows_failed failed"
   ((windows_failed == 0 && windows_passed > 0))

@@ -11,7 +11,7 @@ namespace psim::test {
 namespace {
 
 constexpr UINT kKilled = 0x6B696C6C;
-constexpr DWORD kTimeToListen_ms = 1000;
+constexpr DWORD kTimeToListen_ms = 300;
 
 HANDLE made(const std::string& name) {
   SECURITY_ATTRIBUTES inherited{sizeof inherited, nullptr, TRUE};

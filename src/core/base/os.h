@@ -26,7 +26,7 @@ using FileToRead = std::unique_ptr<std::FILE, CloseFile>;
 /// inherit the file.
 FileToRead open_to_read(const std::string& name);
 
-/// The time that the calling thread has worked, in ns: waiting and other programs do not count.
+/// The time that the calling thread has worked, in ns: waiting and other programs do not count, except on Windows.
 double thread_work_ns();
 
 }  // namespace psim::os

@@ -1,4 +1,5 @@
-#include <windows.h>
+#include <cerrno>
+#include <chrono>
 
 #include "base/os.h"
 
@@ -13,15 +14,17 @@ std::string name_of(const std::filesystem::path& path) {
   return {name.begin(), name.end()};
 }
 
-FileToRead open_to_read(const std::string& name) { return FileToRead(::_wfopen(path_of(name).c_str(), L"rbN")); }
+FileToRead open_to_read(const std::string& name) {
+  const std::filesystem::path path = path_of(name);
+  FileToRead file(::_wfopen(path.c_str(), L"rbN"));
+  std::error_code ignored;
+  if (!file && is_directory(path, ignored)) errno = EISDIR;  // it says EACCES
+  return file;
+}
 
+// The thread's own times come in steps of 16 ms, so the clock has to do: who measures takes the least of several.
 double thread_work_ns() {
-  FILETIME created, ended, in_kernel, in_program;
-  if (::GetThreadTimes(::GetCurrentThread(), &created, &ended, &in_kernel, &in_program) == 0) return 0;
-  const auto ns = [](const FILETIME& t) {
-    return 100 * (4294967296.0 * static_cast<double>(t.dwHighDateTime) + static_cast<double>(t.dwLowDateTime));
-  };
-  return ns(in_kernel) + ns(in_program);
+  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace psim::os

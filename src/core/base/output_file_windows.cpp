@@ -19,6 +19,7 @@ struct OutputFile::Old {
 namespace {
 
 constexpr int kMostNames = 1000;
+constexpr std::size_t kLongestName = 255;  // of a file without its folders, on NTFS
 constexpr std::size_t kMostAtOnce = 1 << 30;
 
 // The errors of the C library are what psim words.
@@ -110,6 +111,7 @@ bool OutputFile::find_target(const std::string& name, bool exists) {
   std::error_code failed;
   if (path.empty()) return fail(ENOENT);
   if (!path.has_filename()) return fail(EISDIR);
+  if (path.filename().native().size() > kLongestName) return fail(ENAMETOOLONG);
   path = exists ? canonical(path, failed) : absolute(path, failed);
   if (failed) return fail(failed.default_error_condition().value());
   target_ = os::name_of(path);
