@@ -98,7 +98,7 @@ function(psim_library_properties target name)
     EXPORT_NAME ${name}
     VERSION ${PROJECT_VERSION}
     SOVERSION ${PSIM_SOVERSION})
-  if(MSVC AND name STREQUAL "psim_shared")  # psim.lib is the static library
+  if(WIN32 AND name STREQUAL "psim_shared")  # psim.lib is the static library, libpsim.dll.a what psim.exe exports
     set_target_properties(${target} PROPERTIES ARCHIVE_OUTPUT_NAME psim_dll)
   endif()
 endfunction()

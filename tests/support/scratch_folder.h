@@ -41,22 +41,29 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  std::string file(std::string_view name) const { return (path_ / name).string(); }
+  /// All names are UTF-8, on every system.
+  std::string file(std::string_view name) const { return name_of(path_ / path_of(name)); }
   std::string write(std::string_view name, std::string_view text) const {
-    std::ofstream(file(name), std::ios::binary) << text;
+    std::ofstream(path_ / path_of(name), std::ios::binary) << text;
     return file(name);
   }
   /// Names of everything in it, sorted.
   std::vector<std::string> names() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) {
-      names.push_back(entry.path().filename().string());
+      names.push_back(name_of(entry.path().filename()));
     }
     std::sort(names.begin(), names.end());
     return names;
   }
 
  private:
+  static std::filesystem::path path_of(std::string_view name) { return std::u8string(name.begin(), name.end()); }
+  static std::string name_of(const std::filesystem::path& path) {
+    const std::u8string name = path.u8string();
+    return {name.begin(), name.end()};
+  }
+
   std::filesystem::path path_;
 };
 

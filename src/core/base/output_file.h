@@ -33,7 +33,7 @@ class OutputFile {
   /// For a program that writes the file in our place: the open descriptor, and a path that names the file in a process
   /// where the descriptor has the number `there`.
   int descriptor() const { return fd_; }
-  std::string path_for_program(int there) const;
+  std::string path_for_program(int there);
 
  private:
   struct Old;  // what the system says of a file that is there

@@ -120,7 +120,7 @@ void OutputFile::open_beside(bool exists) {
   if (fd_ < 0) fail(error);
 }
 
-std::string OutputFile::path_for_program(int there) const { return temporary_.empty() ? path_of(there) : temporary_; }
+std::string OutputFile::path_for_program(int there) { return temporary_.empty() ? path_of(there) : temporary_; }
 
 void OutputFile::write(const void* data, std::size_t size) {
   const char* from = static_cast<const char*>(data);

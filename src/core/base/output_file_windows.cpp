@@ -80,9 +80,8 @@ OutputFile::OutputFile(const std::string& path) {
 }
 
 OutputFile::~OutputFile() {
-  if (fd_ < 0) return;
-  if (!temporary_.empty()) mark_to_go(handle_of(fd_), true);  // path_for_program took the mark off
-  ::_close(fd_);
+  if (fd_ >= 0) ::_close(fd_);
+  if (!temporary_.empty()) ::DeleteFileW(os::path_of(temporary_).c_str());  // after path_for_program
 }
 
 bool OutputFile::fail(int error) {
@@ -131,7 +130,7 @@ int OutputFile::take_name(const std::function<bool(const std::string&)>& take) {
   return error;
 }
 
-// MoveFileEx and ffmpeg open the file beside us, so it is shared.
+// MoveFileEx opens the file beside us, so it is shared.
 void OutputFile::open_beside(bool) {
   HANDLE file = INVALID_HANDLE_VALUE;
   const int error = take_name([&](const std::string& name) {
@@ -151,9 +150,13 @@ void OutputFile::open_beside(bool) {
   }
 }
 
-// The other program has to open the file by its name, which a file that is marked to go refuses.
-std::string OutputFile::path_for_program(int) const {
-  mark_to_go(handle_of(fd_), false);
+// Other programs do not open a file that is marked to go, nor one that is open here to be deleted.
+std::string OutputFile::path_for_program(int) {
+  if (fd_ >= 0 && !target_.empty()) {
+    mark_to_go(handle_of(fd_), false);
+    ::_close(fd_);
+    fd_ = -1;
+  }
   return temporary_;
 }
 
@@ -171,9 +174,11 @@ void OutputFile::write(const void* data, std::size_t size) {
 }
 
 bool OutputFile::give_name(bool to_disk) {
-  const HANDLE file = handle_of(fd_);
-  if (to_disk && ::FlushFileBuffers(file) == 0) return fail(errno_of(::GetLastError()));
-  if (!mark_to_go(file, false)) return fail(errno_of(::GetLastError()));
+  if (fd_ >= 0) {  // or another program has written it
+    const HANDLE file = handle_of(fd_);
+    if (to_disk && ::FlushFileBuffers(file) == 0) return fail(errno_of(::GetLastError()));
+    if (!mark_to_go(file, false)) return fail(errno_of(::GetLastError()));
+  }
   const DWORD how = MOVEFILE_REPLACE_EXISTING | (to_disk ? MOVEFILE_WRITE_THROUGH : 0);
   if (::MoveFileExW(os::path_of(temporary_).c_str(), os::path_of(target_).c_str(), how) == 0) {
     return fail(errno_of(::GetLastError()));
@@ -185,7 +190,7 @@ bool OutputFile::give_name(bool to_disk) {
 bool OutputFile::commit(bool to_disk) {
   if (error_ != 0) return false;
   if (!target_.empty() && !give_name(to_disk)) return false;
-  const int closed = ::_close(fd_);
+  const int closed = fd_ >= 0 ? ::_close(fd_) : 0;
   fd_ = -1;
   return closed == 0 || fail(errno);
 }
