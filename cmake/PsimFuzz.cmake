@@ -3,6 +3,7 @@
 # docs/hardening.md says how to run them.
 file(GLOB _fuzz_sources CONFIGURE_DEPENDS tests/fuzz/*.cpp)
 list(FILTER _fuzz_sources EXCLUDE REGEX "/libfuzzer_main\\.cpp$")
+psim_for_this_system(_fuzz_sources)
 add_library(psim_fuzz_inputs STATIC EXCLUDE_FROM_ALL ${_fuzz_sources})
 psim_target_defaults(psim_fuzz_inputs)
 target_include_directories(psim_fuzz_inputs PUBLIC tests/fuzz)

@@ -12,7 +12,7 @@ install(EXPORT psimStaticTargets NAMESPACE psim:: DESTINATION "${_config_dir}"
 if(TARGET psim_shared)
   install(TARGETS psim_shared EXPORT psimSharedTargets
     LIBRARY COMPONENT psim_library NAMELINK_COMPONENT psim_library
-    RUNTIME COMPONENT psim_library)
+    RUNTIME COMPONENT psim_library ARCHIVE COMPONENT psim_library)
   install(EXPORT psimSharedTargets NAMESPACE psim:: DESTINATION "${_config_dir}"
     COMPONENT psim_library)
 endif()

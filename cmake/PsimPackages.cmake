@@ -12,8 +12,14 @@ endmacro()
 
 set(PSIM_CPU_FEATURES "")
 if(PSIM_PROCESSOR STREQUAL "x86-64" AND NOT PSIM_PORTABLE)  # every aarch64 CPU has NEON: nothing is asked there
-  psim_need(CpuFeatures libcpu-features-dev CONFIG)
-  set(PSIM_CPU_FEATURES CpuFeatures::cpu_features)
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    psim_need(CpuFeatures libcpu-features-dev CONFIG)
+  else()  # machine.cpp then asks the processor itself
+    find_package(CpuFeatures CONFIG QUIET)
+  endif()
+  if(CpuFeatures_FOUND)
+    set(PSIM_CPU_FEATURES CpuFeatures::cpu_features)
+  endif()
 endif()
 psim_need(Threads libc6-dev)
 if(PSIM_BUILD_PROGRAMS OR PSIM_BUILD_TESTS OR PSIM_BUILD_BENCH)
@@ -35,7 +41,9 @@ if(PSIM_BUILD_BENCH)
 endif()
 if(PSIM_BUILD_TESTS)
   psim_need(GTest libgtest-dev)
-  psim_need(PNG libpng-dev)  # reads the pictures
+  if(NOT WIN32)
+    psim_need(PNG libpng-dev)  # reads the pictures
+  endif()
 endif()
 
 if(_psim_missing)

@@ -1,14 +1,8 @@
 # What every target of the tree has in common.
 
-# Auto-vectorisation off, in the words of the compiler at hand.
-if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-  set(PSIM_NO_AUTO_VECTORIZATION -fno-vectorize -fno-slp-vectorize)
-else()
-  set(PSIM_NO_AUTO_VECTORIZATION -fno-tree-vectorize -fno-tree-slp-vectorize)
-endif()
+include(PsimCompilers)
 
-# Language, warnings and floating point. -ffp-contract=off is part of the promise that all builds
-# give the same bits: without it a compiler may fuse a multiply and an add.
+# Language, warnings and floating point (PsimCompilers.cmake).
 function(psim_target_defaults target)
   target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES
@@ -16,15 +10,10 @@ function(psim_target_defaults target)
     CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON
     POSITION_INDEPENDENT_CODE ON)
-  target_compile_options(${target} PRIVATE
-    -Wall -Wextra -Wconversion -ffp-contract=off -fno-math-errno)
-  if(PSIM_PROCESSOR STREQUAL "aarch64" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
-     CMAKE_CXX_COMPILER_VERSION VERSION_LESS 12.3)
-    # There g++ fails on loops over std::fmin and std::fmax: internal error in vect_transform_reduction.
-    target_compile_options(${target} PRIVATE -fno-tree-loop-vectorize)
-  endif()
+  target_compile_options(${target} PRIVATE ${PSIM_WARNINGS} ${PSIM_EXACT_FLOATS})
+  target_compile_definitions(${target} PRIVATE ${PSIM_SYSTEM_DEFINITIONS})
   if(PSIM_WERROR)
-    target_compile_options(${target} PRIVATE -Werror)
+    target_compile_options(${target} PRIVATE ${PSIM_WARNINGS_ARE_ERRORS})
   endif()
   if(PSIM_ASSERTS)
     target_compile_definitions(${target} PRIVATE PSIM_ENABLE_ASSERTS _GLIBCXX_ASSERTIONS)
@@ -40,6 +29,16 @@ function(psim_target_defaults target)
       target_compile_options(${target} PRIVATE -Wno-error=tsan)  # says that fences are not seen
     endif()
   endif()
+endfunction()
+
+# Files whose names end in _posix or _windows are for these systems alone. All that differs between systems is in them.
+function(psim_for_this_system list)
+  if(WIN32)
+    list(FILTER ${list} EXCLUDE REGEX "_posix\\.cpp$")
+  else()
+    list(FILTER ${list} EXCLUDE REGEX "_windows\\.cpp$")
+  endif()
+  set(${list} "${${list}}" PARENT_SCOPE)
 endfunction()
 
 # A third of the time of most files is these headers. Off by default, for files that lack an include would go unseen
@@ -63,6 +62,9 @@ function(psim_rooms target)
     cmake_path(GET source PARENT_PATH room)
     cmake_path(GET room FILENAME room)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
+    if(source MATCHES "_windows\\.cpp$")  # windows.h makes macros of common words
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP UNITY_BUILD_UNIQUE_ID "")
 endfunction()
@@ -96,11 +98,17 @@ function(psim_library_properties target name)
     EXPORT_NAME ${name}
     VERSION ${PROJECT_VERSION}
     SOVERSION ${PSIM_SOVERSION})
+  if(WIN32 AND name STREQUAL "psim_shared")  # psim.lib is the static library, libpsim.dll.a what psim.exe exports
+    set_target_properties(${target} PROPERTIES ARCHIVE_OUTPUT_NAME psim_dll)
+  endif()
 endfunction()
 
 # A shared library exports what the public headers mark with PSIM_API. The version script takes out
 # what the compiler marks by itself: the standard library's templates, made for our types.
 function(psim_export_public_names target)
+  if(WIN32 OR APPLE)  # their linkers have no such script
+    return()
+  endif()
   target_link_options(${target} PRIVATE
     "LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/psim.map" "LINKER:--no-undefined")
   set_property(TARGET ${target} APPEND PROPERTY

@@ -22,11 +22,11 @@ constexpr float kLengthNoise = 1e-6f;
 
 /// `q` holds cosine and sine.
 template <class T>
-[[gnu::always_inline]] inline Vec2<T> rotate(Vec2<T> q, Vec2<T> v) {
+PSIM_INLINE inline Vec2<T> rotate(Vec2<T> q, Vec2<T> v) {
   return {q.x * v.x - q.y * v.y, q.y * v.x + q.x * v.y};
 }
 template <class T>
-[[gnu::always_inline]] inline Vec2<T> unrotate(Vec2<T> q, Vec2<T> v) {
+PSIM_INLINE inline Vec2<T> unrotate(Vec2<T> q, Vec2<T> v) {
   return {q.x * v.x + q.y * v.y, q.x * v.y - q.y * v.x};
 }
 
@@ -37,11 +37,11 @@ struct LaneCore {
   F<L> radius, reach;
 
   static constexpr int size() { return kN; }
-  [[gnu::always_inline]] Vec<L> corner(int k) const { return vertex[k]; }
+  PSIM_INLINE Vec<L> corner(int k) const { return vertex[k]; }
 };
 
 template <class L, int kN>
-[[gnu::always_inline]] inline LaneCore<L, kN> load_core(const float* const* hull) {
+PSIM_INLINE inline LaneCore<L, kN> load_core(const float* const* hull) {
   F<L> x[4], y[4], nx[4], ny[4], inner, count;
   L::gather4(hull, kHullX, x[0], x[1], x[2], x[3]);
   L::gather4(hull, kHullY, y[0], y[1], y[2], y[3]);
@@ -66,7 +66,7 @@ struct LaneEdge {
 
 /// The edge along whose normal the other core is farthest.
 template <class L, int kN, int kM>
-[[gnu::always_inline]] inline LaneEdge<L> best_axis(const LaneCore<L, kN>& core, const LaneCore<L, kM>& other) {
+PSIM_INLINE inline LaneEdge<L> best_axis(const LaneCore<L, kN>& core, const LaneCore<L, kM>& other) {
   LaneEdge<L> best;
 #pragma GCC unroll 4  // vertices stay in registers
   for (int k = 0; k < kN; ++k) {
@@ -91,7 +91,7 @@ template <class L, int kN, int kM>
 
 /// The number of the vertex after number `at`, of `count` vertices.
 template <class L>
-[[gnu::always_inline]] inline F<L> next_of(F<L> at, F<L> count) {
+PSIM_INLINE inline F<L> next_of(F<L> at, F<L> count) {
   const auto next = at + 1;
   return select(next < count, next, 0);
 }
@@ -100,13 +100,12 @@ template <class L>
 /// vertex is the end of the incident edge, even where a corner of the reference edge is nearer: otherwise boxes of the
 /// same width on each other would change names all the time.
 template <class L>
-[[gnu::always_inline]] inline F<L> feature_of(F<L> kind, F<L> first, F<L> second) {
+PSIM_INLINE inline F<L> feature_of(F<L> kind, F<L> first, F<L> second) {
   return kind * 64 + first * 8 + second;
 }
 
 template <class L>
-[[gnu::always_inline]] inline void store_point(HullPairs::Point& p, std::uint32_t k, Vec<L> b, Vec<L> d, F<L> gap,
-                                               F<L> feature) {
+PSIM_INLINE inline void store_point(HullPairs::Point& p, std::uint32_t k, Vec<L> b, Vec<L> d, F<L> gap, F<L> feature) {
   L::store(p.ax + k, b.x + d.x);
   L::store(p.ay + k, b.y + d.y);
   L::store(p.bx + k, b.x);
@@ -126,7 +125,7 @@ struct LanePair {
 };
 
 template <class L, int kA, int kB>
-[[gnu::always_inline]] inline LanePair<L, kA, kB> load_pair(const HullPairs& c, std::uint32_t k) {
+PSIM_INLINE inline LanePair<L, kA, kB> load_pair(const HullPairs& c, std::uint32_t k) {
   LanePair<L, kA, kB> p;
   p.a = load_core<L, kA>(c.a + k);
   p.b = load_core<L, kB>(c.b + k);
@@ -159,7 +158,7 @@ struct LaneEdges {
 
 /// The other core's edge that faces the normal most squarely.
 template <class L, int kA, int kB>
-[[gnu::always_inline]] inline void find_facing(const LanePair<L, kA, kB>& p, LaneEdges<L>& e) {
+PSIM_INLINE inline void find_facing(const LanePair<L, kA, kB>& p, LaneEdges<L>& e) {
   constexpr int kMost = kA > kB ? kA : kB;
   const F<L> zero = 0, far = kFarAway;
   F<L> least_turn = far;
@@ -197,7 +196,7 @@ struct LaneClip {
 
 /// Every number is made the same way from either end, so that a mirrored scene gives mirrored bits.
 template <class L>
-[[gnu::always_inline]] inline LaneClip<L> clip_edge(const LaneEdges<L>& e, F<L> other_count) {
+PSIM_INLINE inline LaneClip<L> clip_edge(const LaneEdges<L>& e, F<L> other_count) {
   const F<L> zero = 0, half = 0.5f, one = 1;
   LaneClip<L> c;
   c.tangent = {-e.normal.y, e.normal.x};
@@ -231,8 +230,8 @@ struct LanePoint {
 /// The points over a face, in the same order whoever the reference is. `two`: they lie far enough from each other.
 /// Nearly parallel edges have the same names, whichever of them is the reference.
 template <class L, class Pair>
-[[gnu::always_inline]] inline void face_points(const Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c,
-                                               Vec<L> outward, M<L> two, LanePoint<L>& point1, LanePoint<L>& point2) {
+PSIM_INLINE inline void face_points(const Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c, Vec<L> outward,
+                                    M<L> two, LanePoint<L>& point1, LanePoint<L>& point2) {
   const F<L> zero = 0, half = 0.5f, one = 1;
   const F<L> radii = p.a.radius + p.b.radius;
   const F<L> ahead = select(e.use_b, p.b.radius - p.a.radius, p.a.radius - p.b.radius);
@@ -253,8 +252,8 @@ template <class L, class Pair>
 /// The nearest two of the ends of A's edge and of B's. In the lanes of `at_vertices`, point 1 and the normal become
 /// theirs; `hard` are the lanes whose nearest points lie elsewhere.
 template <class L, class Pair>
-[[gnu::always_inline]] inline void vertex_points(Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c, Vec<L> outward,
-                                                 M<L> at_vertices, M<L>& hard, Vec<L>& n, LanePoint<L>& point1) {
+PSIM_INLINE inline void vertex_points(Pair& p, const LaneEdges<L>& e, const LaneClip<L>& c, Vec<L> outward,
+                                      M<L> at_vertices, M<L>& hard, Vec<L>& n, LanePoint<L>& point1) {
   const F<L> half = 0.5f, one = 1;
   const Vec<L> ref[2] = {e.first, e.last};
   F<L> square = kFarAway;

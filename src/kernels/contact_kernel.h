@@ -46,8 +46,8 @@ void prepare_contacts(const BodyView& b, const ContactView& c, const ContactPara
 /// vA -= wA (px, py), vB += wB (px, py) in the lanes of `moved`. Subtractions only: adding a zero
 /// would turn a velocity of -0 into +0.
 template <class L, Model kModel>
-[[gnu::always_inline]] inline void push_apart(const BodyView& b, const ContactView& c, std::size_t k, M<L> moved,
-                                              F<L> px, F<L> py, F<L> vax, F<L> vay, F<L> vbx, F<L> vby) {
+PSIM_INLINE inline void push_apart(const BodyView& b, const ContactView& c, std::size_t k, M<L> moved, F<L> px, F<L> py,
+                                   F<L> vax, F<L> vay, F<L> vbx, F<L> vby) {
   const std::uint32_t* slot = c.body + 2 * k;
   auto ax = px, ay = py, bx = -px, by = -py;
   if constexpr (kModel != Model::plain) {
@@ -63,9 +63,8 @@ template <class L, Model kModel>
 /// the lanes in `stale` get the normal at their present displacement and a gap that gives the exact
 /// separation there. Impulses that the velocities hold along the old normal are turned with it.
 template <class L, Model kModel>
-[[gnu::cold, gnu::noinline]] void refresh_normals(const BodyView& b, const ContactView& c, const ContactParams& p,
-                                                  std::size_t k, M<L> stale, F<L> ddx, F<L> ddy, F<L>& nx, F<L>& ny,
-                                                  F<L>& gap) {
+PSIM_COLD void refresh_normals(const BodyView& b, const ContactView& c, const ContactParams& p, std::size_t k,
+                               M<L> stale, F<L> ddx, F<L> ddy, F<L>& nx, F<L>& ny, F<L>& gap) {
   const std::uint32_t* slot = c.body + 2 * k;
   I<L> ax, ay, bx, by;
   L::template gather_int<2>(b.pos, slot, ax, ay);
@@ -80,8 +79,7 @@ template <class L, Model kModel>
 
 /// The rim speeds alike: uA -= qA dt, uB -= qB dt.
 template <class L>
-[[gnu::always_inline]] inline void turn_apart(const BodyView& b, const ContactView& c, std::size_t k, F<L> dt, F<L> ua,
-                                              F<L> ub) {
+PSIM_INLINE inline void turn_apart(const BodyView& b, const ContactView& c, std::size_t k, F<L> dt, F<L> ua, F<L> ub) {
   const std::uint32_t* slot = c.body + 2 * k;
   const auto turned = dt != 0;
   const auto da = L::load(c.qa + k) * dt, db = L::load(c.qb + k) * dt;
@@ -125,8 +123,8 @@ void warm_contacts(const BodyView& b, const ContactView& c, const ContactParams&
 
 /// row_bounces with the approach of the two bodies before the kick.
 template <class L>
-[[gnu::always_inline]] inline M<L> bouncing(const BodyView& b, const ContactView& c, const ContactParams& p,
-                                            std::size_t k, F<L> nx, F<L> ny, F<L> s, F<L>& target) {
+PSIM_INLINE inline M<L> bouncing(const BodyView& b, const ContactView& c, const ContactParams& p, std::size_t k,
+                                 F<L> nx, F<L> ny, F<L> s, F<L>& target) {
   const std::uint32_t* slot = c.body + 2 * k;
   F<L> ax, ay, bx, by;
   L::template gather<2>(b.vel0, slot, ax, ay);

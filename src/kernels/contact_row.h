@@ -11,7 +11,7 @@ namespace {
 
 /// The impulse vector l n + t (-ny, nx) of a normal and a tangent impulse.
 template <class L>
-[[gnu::always_inline]] inline Vec<L> impulse_of(Vec<L> n, F<L> l, F<L> t) {
+PSIM_INLINE inline Vec<L> impulse_of(Vec<L> n, F<L> l, F<L> t) {
   return {l * n.x - t * n.y, l * n.y + t * n.x};
 }
 
@@ -25,8 +25,8 @@ struct Turned {
 /// The normal and the gap anew in the lanes of `stale`. `d` leads from the first centre to the second now, `moved`
 /// is the part of it that is displacement since `prepare`: the gap is such that n.moved + gap is exact.
 template <class L, Model kModel, class View>
-[[gnu::always_inline]] inline Turned<L> turn_normal(const View& c, std::size_t k, M<L> stale, Vec<L> d, Vec<L> moved,
-                                                    F<L>& nx, F<L>& ny, F<L>& gap) {
+PSIM_INLINE inline Turned<L> turn_normal(const View& c, std::size_t k, M<L> stale, Vec<L> d, Vec<L> moved, F<L>& nx,
+                                         F<L>& ny, F<L>& gap) {
   const auto far = sqrt(d.x * d.x + d.y * d.y);
   const auto use = stale & (0 < far);
   const F<L> inverse = 1 / select(use, far, 1);
@@ -50,8 +50,8 @@ template <class L, Model kModel, class View>
 /// Where touching bodies meet with restitution: the lanes whose approach vn0 (before the kick, negative) is faster
 /// than the floor and closes the gap s within the substep. `target` is what to add to vn, e vn0.
 template <class L, class View>
-[[gnu::always_inline]] inline M<L> row_bounces(const View& c, const ContactParams& p, std::size_t k, F<L> vn0, F<L> s,
-                                               F<L>& target) {
+PSIM_INLINE inline M<L> row_bounces(const View& c, const ContactParams& p, std::size_t k, F<L> vn0, F<L> s,
+                                    F<L>& target) {
   target = L::load(c.e + k) * vn0;
   const auto fast = vn0 < -p.impact_floor;
   const auto near = s + vn0 * p.h < 0;
@@ -63,7 +63,7 @@ template <class L, class View>
 ///   (D x u)^2 > R^2 u^2,  that is  vt^2 s (s + 2 R) > R^2 vn^2.
 /// A contact stops what crosses its tangent line within the substep; these never touch.
 template <class L>
-[[gnu::always_inline]] inline M<L> passing(F<L> s, F<L> radius, F<L> vn, F<L> vt) {
+PSIM_INLINE inline M<L> passing(F<L> s, F<L> radius, F<L> vn, F<L> vt) {
   const auto miss = vt * vt * (s * (s + (radius + radius)));
   const auto reach = radius * vn;
   return reach * reach < miss;
@@ -86,7 +86,7 @@ struct Aim {
 
 /// For the separation s: the approach of a gap that would close is stopped, an overlap is pushed out softly.
 template <class L>
-[[gnu::always_inline]] inline Aim<L> aim_of(const Softness<L>& soft, F<L> s) {
+PSIM_INLINE inline Aim<L> aim_of(const Softness<L>& soft, F<L> s) {
   const auto apart = 0 < s;
   return {apart, select(apart, s * soft.inv_h, max(s * soft.rate, soft.push)), select(apart, 1, soft.mass),
           select(apart, 0, soft.impulse)};
@@ -94,7 +94,7 @@ template <class L>
 
 /// In the lanes of `hit` the row parts with the velocity `target` instead, rigidly.
 template <class L>
-[[gnu::always_inline]] inline void aim_at_bounce(Aim<L>& aim, M<L> hit, F<L> target) {
+PSIM_INLINE inline void aim_at_bounce(Aim<L>& aim, M<L> hit, F<L> target) {
   aim.bias = select(hit, min(target, aim.bias), aim.bias);
   aim.mass = select(hit, 1, aim.mass);
   aim.impulse = select(hit, 0, aim.impulse);
@@ -102,7 +102,7 @@ template <class L>
 
 /// A friction impulse within the cone: |t'| <= mu l.
 template <class L>
-[[gnu::always_inline]] inline F<L> within_cone(F<L> t, F<L> mu, F<L> l) {
+PSIM_INLINE inline F<L> within_cone(F<L> t, F<L> mu, F<L> l) {
   const auto cap = mu * max(l, 0);
   return max(min(t, cap), -cap);
 }
@@ -110,7 +110,7 @@ template <class L>
 /// After the last relax pass of a substep: of an impact's impulse l only min(l, l0) lasts, where l0 is the impulse
 /// at the substep's start. The rest is left in `start` for the spend pass.
 template <class L, class View>
-[[gnu::always_inline]] inline void part_impact(const View& c, std::size_t k, M<L> was, F<L> l) {
+PSIM_INLINE inline void part_impact(const View& c, std::size_t k, M<L> was, F<L> l) {
   const auto lasts = min(l, max(L::load(c.start + k), 0));
   L::store(c.start + k, keep(was, l - lasts));
   L::store(c.impulse + k, select(was, lasts, l));
@@ -119,7 +119,7 @@ template <class L, class View>
 /// The impulse to be spent in the lanes of `hit`, with the friction that is beyond the cone of what lasts; `rest` is
 /// that friction.
 template <class L, Model kModel, class View>
-[[gnu::always_inline]] inline Vec<L> spent_impulse(const View& c, std::size_t k, F<L> spent, M<L> hit, F<L>& rest) {
+PSIM_INLINE inline Vec<L> spent_impulse(const View& c, std::size_t k, F<L> spent, M<L> hit, F<L>& rest) {
   const Vec<L> n = load_vec<L>(c.nx, c.ny, k);
   if constexpr (kModel == Model::rough) {
     const auto t = L::load(c.friction + k);

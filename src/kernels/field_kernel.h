@@ -19,31 +19,31 @@ namespace psim::kernels {
 namespace {
 
 template <class L>
-[[gnu::always_inline]] inline VecD<L> load_pair(const float* records) {
+PSIM_INLINE inline VecD<L> load_pair(const float* records) {
   VecD<L> a;
   L::load_rec_d(records, a.x, a.y);
   return a;
 }
 template <class L>
-[[gnu::always_inline]] inline void store_pair(float* records, VecD<L> a) {
+PSIM_INLINE inline void store_pair(float* records, VecD<L> a) {
   L::store_rec_d(records, a.x, a.y);
 }
 /// The nearest floats.
 template <class L>
-[[gnu::always_inline]] inline VecD<L> rounded(VecD<L> a) {
+PSIM_INLINE inline VecD<L> rounded(VecD<L> a) {
   return {round_to_float(a.x), round_to_float(a.y)};
 }
 
 /// Zero for |a| <= kLeast, in x and in y; a NaN stays one.
 template <class L>
-[[gnu::always_inline]] inline VecD<L> snapped(VecD<L> a) {
+PSIM_INLINE inline VecD<L> snapped(VecD<L> a) {
   const D<L> zero = 0, least = double{kLeast}, under = -double{kLeast};
   return {select(but_not(a.x <= least, a.x < under), zero, a.x), select(but_not(a.y <= least, a.y < under), zero, a.y)};
 }
 
 /// s^((n+1)/2): whole powers by squaring, the fraction's bits by square roots.
 template <class L>
-[[gnu::always_inline]] inline D<L> power(D<L> s, const WellTerms& w) {
+PSIM_INLINE inline D<L> power(D<L> s, const WellTerms& w) {
   D<L> result = 1, square = s, root = s;
   for (std::uint32_t n = w.whole; n != 0; n >>= 1) {
     if ((n & 1u) != 0) result = result * square;
@@ -58,14 +58,14 @@ template <class L>
 
 /// The way to the nearest copy of a well. Adding and taking away 1.5 x 2^52 rounds to a whole number.
 template <class L>
-[[gnu::always_inline]] inline D<L> to_nearest(D<L> way, double period) {
+PSIM_INLINE inline D<L> to_nearest(D<L> way, double period) {
   const D<L> whole = 0x1.8p52;
   return way - period * ((way * (1 / period) + whole) - whole);
 }
 
 /// Gravity and wells at a place.
 template <class L>
-[[gnu::always_inline]] inline VecD<L> pull_at(const FieldParams& p, D<L> pull, VecD<L> at) {
+PSIM_INLINE inline VecD<L> pull_at(const FieldParams& p, D<L> pull, VecD<L> at) {
   const D<L> zero = 0, one = 1;
   VecD<L> a = {p.gravity_x * pull, p.gravity_y * pull};
   for (std::uint32_t n = 0; n < p.well_count; ++n) {
@@ -93,12 +93,12 @@ struct Change {
 };
 
 template <class L>
-[[gnu::always_inline]] inline D<L> pull_of(const BodyView& b, std::size_t body) {
+PSIM_INLINE inline D<L> pull_of(const BodyView& b, std::size_t body) {
   return b.pull ? L::load_d(b.pull + body) : 1;
 }
 
 template <class L>
-[[gnu::always_inline]] inline VecD<L> place_of(const BodyView& b, const FieldParams& p, std::size_t body) {
+PSIM_INLINE inline VecD<L> place_of(const BodyView& b, const FieldParams& p, std::size_t body) {
   VecD<L> x;
   L::load_rec_int_d(b.pos + 2 * body, x.x, x.y);
   x = {x.x * p.pitch_x, x.y * p.pitch_y};
@@ -133,13 +133,13 @@ void accelerate(const BodyView& b, const FieldParams& p, std::uint32_t begin, st
 
 /// c + q |v|, 1/s.
 template <class L>
-[[gnu::always_inline]] inline D<L> drag_rate(const FieldParams& p, VecD<L> v) {
+PSIM_INLINE inline D<L> drag_rate(const FieldParams& p, VecD<L> v) {
   return p.linear + p.quadratic * norm(v);
 }
 
 /// f - (c + q |v|) v.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline VecD<L> with_drag(const FieldParams& p, VecD<L> f, VecD<L> v) {
+PSIM_INLINE inline VecD<L> with_drag(const FieldParams& p, VecD<L> f, VecD<L> v) {
   if constexpr (!kDrag) return f;
   return f - drag_rate<L>(p, v) * v;
 }
@@ -147,7 +147,7 @@ template <class L, bool kDrag>
 /// Semi-implicit Euler, order 1, implicit in the drag: v' = (v + h f(x)) / (1 + h (c + q |v|)),
 /// x' = x + h v'. Stable however strong the drag is.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline Change<L> euler(const FieldParams& p, const Flight<L>& s) {
+PSIM_INLINE inline Change<L> euler(const FieldParams& p, const Flight<L>& s) {
   VecD<L> v = s.v + p.h * pull_at<L>(p, s.pull, s.x);
   if constexpr (kDrag) {
     const D<L> one = 1;
@@ -159,7 +159,7 @@ template <class L, bool kDrag>
 
 /// The classical Runge-Kutta method (Kutta 1901), order 4, four evaluations.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline Change<L> rk4(const FieldParams& p, const Flight<L>& s) {
+PSIM_INLINE inline Change<L> rk4(const FieldParams& p, const Flight<L>& s) {
   const D<L> half = p.h / 2, h = p.h, two = 2;
   const D<L> sixth = p.h / 6;
   const auto a = [&](VecD<L> x, VecD<L> v) { return with_drag<L, kDrag>(p, pull_at<L>(p, s.pull, x), v); };
@@ -172,7 +172,7 @@ template <class L, bool kDrag>
 
 /// A kick of t seconds at one place: dv/dt = f - (c + q |v|) v, the drag by a Runge-Kutta step in v.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline VecD<L> kicked(const FieldParams& p, double t, VecD<L> f, VecD<L> v) {
+PSIM_INLINE inline VecD<L> kicked(const FieldParams& p, double t, VecD<L> f, VecD<L> v) {
   if constexpr (!kDrag) return v + t * f;
   const D<L> half = t / 2, whole = t, two = 2;
   const auto a = [&](VecD<L> at) { return with_drag<L, true>(p, f, at); };
@@ -185,13 +185,12 @@ template <class L, bool kDrag>
 /// Optimised Forest-Ruth (Omelyan, Mryglod, Folk 2002, "PEFRL"), order 4, four evaluations:
 /// drifts and kicks in turn, symmetric in time; symplectic where there is no drag.
 template <class L, bool kDrag>
-[[gnu::always_inline]] inline Change<L> symplectic4(const FieldParams& p, const Flight<L>& s) {
+PSIM_INLINE inline Change<L> symplectic4(const FieldParams& p, const Flight<L>& s) {
   constexpr double kXi = 0.1786178958448091, kLambda = -0.2123418310626054, kChi = -0.06626458266981849;
   const double outer = (1 - 2 * kLambda) / 2 * p.h, inner = kLambda * p.h;
   VecD<L> v = s.v, way = kXi * p.h * v;
-  const auto kick = [&](double t) __attribute__((always_inline)) {
-    v = kicked<L, kDrag>(p, t, pull_at<L>(p, s.pull, s.x + way), v);
-  };
+  const auto kick = [&](double t)
+                        PSIM_INLINE_LAMBDA { v = kicked<L, kDrag>(p, t, pull_at<L>(p, s.pull, s.x + way), v); };
   const auto drift = [&](double share) { way = way + share * p.h * v; };
   kick(outer);
   drift(kChi);
@@ -208,7 +207,7 @@ template <class L, bool kDrag>
 /// what a body takes whose drag is too strong for a method. `calm`: it is not,
 /// (c + q (|v| + h |f|)) h <= 1/2.
 template <class L>
-[[gnu::always_inline]] inline Change<L> leap(const FieldParams& p, const Flight<L>& s, typename L::MD& calm) {
+PSIM_INLINE inline Change<L> leap(const FieldParams& p, const Flight<L>& s, typename L::MD& calm) {
   const D<L> half = p.h / 2, one = 1, q = p.quadratic;
   const VecD<L> out = half * s.v;
   const VecD<L> f = pull_at<L>(p, s.pull, s.x + out);
@@ -222,7 +221,7 @@ template <class L>
 }
 
 template <class L, Method kMethod, bool kDrag>
-[[gnu::always_inline]] inline Change<L> change_of(const FieldParams& p, const Flight<L>& s) {
+PSIM_INLINE inline Change<L> change_of(const FieldParams& p, const Flight<L>& s) {
   if constexpr (kMethod == Method::euler) return euler<L, kDrag>(p, s);
   const Change<L> c = kMethod == Method::rk4 ? rk4<L, kDrag>(p, s) : symplectic4<L, kDrag>(p, s);
   if constexpr (!kDrag) return c;

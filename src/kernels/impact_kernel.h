@@ -30,7 +30,7 @@ constexpr float kSlow = 1e-12f;
 /// -(1 + e) vn m / |n|^2. A float normal is not quite of length 1, for R = 1 m on average 2e-8 too
 /// long, and an elastic impact along it would gain as much energy each time.
 template <class L>
-[[gnu::always_inline]] inline F<L> impulse_along(F<L> nx, F<L> ny, F<L> e, F<L> vn, F<L> m) {
+PSIM_INLINE inline F<L> impulse_along(F<L> nx, F<L> ny, F<L> e, F<L> vn, F<L> m) {
   const F<L> half = 0.5f;
   const auto excess = nx * nx - half + (ny * ny - half);
   const auto j = (1 + e) * vn * m;

@@ -10,7 +10,7 @@ namespace {
 /// The new impulse of a row with two ends: the one nearest to 0 that keeps lower <= x <= upper at the
 /// substep's end. An end that is passed pushes back.
 template <class L>
-[[gnu::always_inline]] inline F<L> limited(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> inv_h) {
+PSIM_INLINE inline F<L> limited(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> inv_h) {
   const F<L> zero = 0, l = L::load(d.limit_l + k);
   const auto over = x - L::load(d.lower + k), under = L::load(d.upper + k) - x;
   const auto low_bias = max(over, zero) * inv_h;
@@ -22,7 +22,7 @@ template <class L>
 
 /// The same for the relax pass, where an end keeps the velocity at 0 as long as it pushes.
 template <class L>
-[[gnu::always_inline]] inline F<L> limited_rigid(const Drive& d, std::uint32_t k, F<L> v, F<L> mass) {
+PSIM_INLINE inline F<L> limited_rigid(const Drive& d, std::uint32_t k, F<L> v, F<L> mass) {
   const F<L> zero = 0, l = L::load(d.limit_l + k);
   const auto next = l - mass * v;
   const auto locked = L::load(d.upper + k) <= L::load(d.lower + k);
@@ -31,7 +31,7 @@ template <class L>
 }
 
 template <class L>
-[[gnu::always_inline]] inline F<L> motored(const Drive& d, std::uint32_t k, F<L> v, F<L> mass) {
+PSIM_INLINE inline F<L> motored(const Drive& d, std::uint32_t k, F<L> v, F<L> mass) {
   const auto most = L::load(d.most + k);
   const auto next = L::load(d.motor_l + k) - mass * (v - L::load(d.speed + k));
   return max(min(next, most), -most);
@@ -39,8 +39,8 @@ template <class L>
 
 /// The motor, then the ends, of a row at x[k]: speed() is its velocity, push(dl) adds an impulse.
 template <class L, bool kRelax, class Speed, class Push>
-[[gnu::always_inline]] inline void drive_row(Drive& d, std::uint32_t k, const float* x, F<L> mass, F<L> inv_h,
-                                             const Speed& speed, const Push& push) {
+PSIM_INLINE inline void drive_row(Drive& d, std::uint32_t k, const float* x, F<L> mass, F<L> inv_h, const Speed& speed,
+                                  const Push& push) {
   const auto motor = motored<L>(d, k, speed(), mass);
   push(motor - L::load(d.motor_l + k));
   L::store(d.motor_l + k, motor);
@@ -52,13 +52,13 @@ template <class L, bool kRelax, class Speed, class Push>
 
 /// The sum of the impulses of the ends and of the motor.
 template <class L>
-[[gnu::always_inline]] inline F<L> driven_impulse(const Drive& d, std::uint32_t k) {
+PSIM_INLINE inline F<L> driven_impulse(const Drive& d, std::uint32_t k) {
   return L::load(d.limit_l + k) + L::load(d.motor_l + k);
 }
 
 /// Scales the stored impulses by a factor and returns their sum.
 template <class L>
-[[gnu::always_inline]] inline F<L> warm_drive(Drive& d, std::uint32_t k, F<L> warm) {
+PSIM_INLINE inline F<L> warm_drive(Drive& d, std::uint32_t k, F<L> warm) {
   L::store(d.limit_l + k, warm * L::load(d.limit_l + k));
   L::store(d.motor_l + k, warm * L::load(d.motor_l + k));
   return driven_impulse<L>(d, k);
@@ -66,7 +66,7 @@ template <class L>
 
 /// The impulse of the push pass for a row at x with velocity v. It is 0 between the ends.
 template <class L>
-[[gnu::always_inline]] inline F<L> push_back(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> rate) {
+PSIM_INLINE inline F<L> push_back(const Drive& d, std::uint32_t k, F<L> x, F<L> v, F<L> mass, F<L> rate) {
   const F<L> zero = 0;
   const auto under = min(x - L::load(d.lower + k), zero);
   const auto beyond = under + max(x - L::load(d.upper + k), zero);

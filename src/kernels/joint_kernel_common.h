@@ -38,7 +38,7 @@ struct Arms {
 };
 
 template <class L>
-[[gnu::always_inline]] inline Arms<L> load_arms(const JointBodies& j, std::uint32_t k) {
+PSIM_INLINE inline Arms<L> load_arms(const JointBodies& j, std::uint32_t k) {
   return {load_vec<L>(j.ax, j.ay, k), load_vec<L>(j.bx, j.by, k), L::load(j.wa + k), L::load(j.wb + k),
           L::load(j.ga + k),          L::load(j.gb + k),          L::load(j.ra + k), L::load(j.rb + k)};
 }
@@ -46,8 +46,8 @@ template <class L>
 /// Calls each(block, first lane, arms, motion) for all lanes of some blocks. The motion is that of b.vel
 /// and b.rim_speed and goes back there.
 template <class L, bool kFixedA, class Block, class Each>
-[[gnu::always_inline]] inline void by_lane(const BodyView& b, JointBlocks blocks, std::uint32_t begin,
-                                           std::uint32_t end, const Each& each) {
+PSIM_INLINE inline void by_lane(const BodyView& b, JointBlocks blocks, std::uint32_t begin, std::uint32_t end,
+                                const Each& each) {
   auto* all = static_cast<Block*>(blocks);
   for (Block* j = all + begin; j != all + end; ++j) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
@@ -64,7 +64,7 @@ template <class L, bool kFixedA, class Block, class Each>
 
 /// Adds the impulse p to B and takes it from A; qa and qb are arm / R x impulse, which change the rim speeds.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void push(TwoBodies<L>& m, const Arms<L>& j, Vec<L> p, F<L> qa, F<L> qb) {
+PSIM_INLINE inline void push(TwoBodies<L>& m, const Arms<L>& j, Vec<L> p, F<L> qa, F<L> qb) {
   apply_impulse<L, kFixedA>(m, p.x, p.y, qa, qb, j.wa, j.wb, j.ga, j.gb);
 }
 
@@ -77,24 +77,24 @@ struct Row {
 
 /// The row of the anchors along n.
 template <class L>
-[[gnu::always_inline]] inline Row<L> anchor_row(const Arms<L>& j, Vec<L> n) {
+PSIM_INLINE inline Row<L> anchor_row(const Arms<L>& j, Vec<L> n) {
   return {n, cross(j.a, n), cross(j.b, n)};
 }
 
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void push_row(TwoBodies<L>& m, const Arms<L>& j, const Row<L>& row, F<L> l) {
+PSIM_INLINE inline void push_row(TwoBodies<L>& m, const Arms<L>& j, const Row<L>& row, F<L> l) {
   push<L, kFixedA>(m, j, l * row.n, l * row.sa, l * row.sb);
 }
 
 template <class L>
-[[gnu::always_inline]] inline F<L> safe_inverse(F<L> a) {
+PSIM_INLINE inline F<L> safe_inverse(F<L> a) {
   const auto sound = 0 < a;
   return keep(sound, 1 / select(sound, a, 1));
 }
 
 /// The impulses of two rows solved together that take the velocities v away: -K^-1 v.
 template <class L, class Block>
-[[gnu::always_inline]] inline Vec<L> stop_both(const Block& j, std::uint32_t k, Vec<L> v) {
+PSIM_INLINE inline Vec<L> stop_both(const Block& j, std::uint32_t k, Vec<L> v) {
   const auto m12 = L::load(j.m12 + k);
   return {-(L::load(j.m11 + k) * v.x + m12 * v.y), -(m12 * v.x + L::load(j.m22 + k) * v.y)};
 }
@@ -102,8 +102,8 @@ template <class L, class Block>
 /// An impulse after a pass over a row with a spring, from `l`:
 ///   l' = -push (C + h curve/4) - drag (vn0 + vn') - lag vn0,  vn' = vn + (l' - l) / mass
 template <class L, class Block>
-[[gnu::always_inline]] inline F<L> spring_impulse(const Block& j, std::uint32_t k, F<L> l, F<L> mass, F<L> stretch,
-                                                  F<L> vn0, F<L> vn) {
+PSIM_INLINE inline F<L> spring_impulse(const Block& j, std::uint32_t k, F<L> l, F<L> mass, F<L> stretch, F<L> vn0,
+                                       F<L> vn) {
   const auto drag = L::load(j.drag + k);
   const auto pull = L::load(j.push + k) * stretch + drag * (vn0 + vn) + L::load(j.lag + k) * vn0;
   const auto sum = drag * l - mass * pull;
@@ -115,13 +115,13 @@ template <class L, class Block>
 
 /// Velocity of B's anchor against A's.
 template <class L>
-[[gnu::always_inline]] inline Vec<L> anchor_velocity(const TwoBodies<L>& m, const Arms<L>& j) {
+PSIM_INLINE inline Vec<L> anchor_velocity(const TwoBodies<L>& m, const Arms<L>& j) {
   return {m.vbx - m.ub * j.b.y - (m.vax - m.ua * j.a.y), m.vby + m.ub * j.b.x - (m.vay + m.ua * j.a.x)};
 }
 
 /// h x centripetal acceleration of B's anchor against A's, -rB wB^2 + rA wA^2. Turns are limited to what h resolves.
 template <class L>
-[[gnu::always_inline]] inline Vec<L> anchor_pull(const TwoBodies<L>& m, const Arms<L>& j, F<L> h) {
+PSIM_INLINE inline Vec<L> anchor_pull(const TwoBodies<L>& m, const Arms<L>& j, F<L> h) {
   const F<L> most = kResolvedTurn;
   const auto ta = min(h * (abs(m.ua) * j.ra), most);
   const auto tb = min(h * (abs(m.ub) * j.rb), most);
@@ -130,14 +130,14 @@ template <class L>
 
 /// Angular velocity of B against A.
 template <class L>
-[[gnu::always_inline]] inline F<L> turning(const TwoBodies<L>& m, const Arms<L>& j) {
+PSIM_INLINE inline F<L> turning(const TwoBodies<L>& m, const Arms<L>& j) {
   return m.ub * j.rb - m.ua * j.ra;
 }
 
 /// Arms as the bodies lie now, stored; and how far B's anchor has moved against A's since the frame's
 /// start, m.
 template <class L>
-[[gnu::always_inline]] inline Vec<L> turn_arms(const BodyView& b, JointBodies& j, std::uint32_t k, Arms<L>& arms) {
+PSIM_INLINE inline Vec<L> turn_arms(const BodyView& b, JointBodies& j, std::uint32_t k, Arms<L>& arms) {
   const std::uint32_t* slot = j.body + 2 * k;
   Vec<L> ta, tb, da, db;
   L::template gather<2>(b.arm_change, slot, ta.x, ta.y);
@@ -156,7 +156,7 @@ template <class L>
 
 /// Angle of B against A now, rad.
 template <class L, class Block>
-[[gnu::always_inline]] inline F<L> present_angle(const BodyView& b, const Block& j, std::uint32_t k) {
+PSIM_INLINE inline F<L> present_angle(const BodyView& b, const Block& j, std::uint32_t k) {
   const std::uint32_t* slot = j.body + 2 * k;
   const auto swung = L::template gather1<2>(b.angle_change, slot + 1) - L::template gather1<2>(b.angle_change, slot);
   return L::load(j.angle0 + k) + swung;
@@ -167,8 +167,7 @@ template <class L, class Block>
 /// Adds half of what turning the impulses adds: e to the impulse, sa and sb to those of the levers. The arms of a
 /// pin turn and its axes do not, so that e = 0 there. The half is kept, since the next solve adds it again.
 template <class L, bool kFixedA, class Block>
-[[gnu::always_inline]] inline void turn_half(TwoBodies<L>& m, const Arms<L>& arms, Block& j, std::uint32_t k,
-                                             const Row<L>& e) {
+PSIM_INLINE inline void turn_half(TwoBodies<L>& m, const Arms<L>& arms, Block& j, std::uint32_t k, const Row<L>& e) {
   if constexpr (requires { j.ex; }) store_vec<L>(j.ex, j.ey, k, e.n);
   store_vec<L>(j.ea, j.eb, k, {e.sa, e.sb});
   push<L, kFixedA>(m, arms, e.n, e.sa, e.sb);
@@ -176,7 +175,7 @@ template <class L, bool kFixedA, class Block>
 
 /// Adds the other half of what turning the impulses of the last substep adds.
 template <class L, bool kFixedA, class Block>
-[[gnu::always_inline]] inline void turn_on(TwoBodies<L>& m, const Arms<L>& arms, const Block& j, std::uint32_t k) {
+PSIM_INLINE inline void turn_on(TwoBodies<L>& m, const Arms<L>& arms, const Block& j, std::uint32_t k) {
   Vec<L> e{0, 0};
   if constexpr (requires { j.ex; }) e = load_vec<L>(j.ex, j.ey, k);
   push<L, kFixedA>(m, arms, e, L::load(j.ea + k), L::load(j.eb + k));
@@ -184,7 +183,7 @@ template <class L, bool kFixedA, class Block>
 
 /// Sets what turning adds to zero: the next solve has no half to add.
 template <class L, class Block>
-[[gnu::always_inline]] inline void forget_turn(Block& j, std::uint32_t k) {
+PSIM_INLINE inline void forget_turn(Block& j, std::uint32_t k) {
   const Vec<L> none{0, 0};
   if constexpr (requires { j.ex; }) store_vec<L>(j.ex, j.ey, k, none);
   store_vec<L>(j.ea, j.eb, k, none);

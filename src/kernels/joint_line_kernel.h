@@ -7,13 +7,13 @@ namespace psim::kernels {
 namespace {
 
 template <class L>
-[[gnu::always_inline]] inline Row<L> load_line(const LineBlock& j, std::uint32_t k, const Arms<L>& arms) {
+PSIM_INLINE inline Row<L> load_line(const LineBlock& j, std::uint32_t k, const Arms<L>& arms) {
   return anchor_row<L>(arms, load_vec<L>(j.nx, j.ny, k));
 }
 
 /// Row, error and mass at the bodies' present places.
 template <class L>
-[[gnu::always_inline]] inline Row<L> find_line(const BodyView& b, LineBlock& j, std::uint32_t k, Arms<L>& arms) {
+PSIM_INLINE inline Row<L> find_line(const BodyView& b, LineBlock& j, std::uint32_t k, Arms<L>& arms) {
   const auto dd = turn_arms<L>(b, j, k, arms);
   const auto d0 = load_vec<L>(j.dx0, j.dy0, k);
   const auto far0 = L::load(j.far0 + k);
@@ -39,8 +39,8 @@ template <class L>
 /// h x acceleration at which the distance of the anchors grows by itself. It counts as far as h resolves the turn: `most`
 /// is the largest h omega that counts in full.
 template <class L>
-[[gnu::always_inline]] inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v,
-                                              F<L> curvature, F<L> h, F<L> most) {
+PSIM_INLINE inline F<L> line_curve(const TwoBodies<L>& m, const Arms<L>& arms, Vec<L> n, Vec<L> v, F<L> curvature,
+                                   F<L> h, F<L> most) {
   const auto sideways = snapped<L>(abs(cross(n, v)));
   const auto share = min(sideways * curvature * h, most);
   return sideways * share + dot(n, anchor_pull<L>(m, arms, h));
@@ -49,7 +49,7 @@ template <class L>
 template <class L, bool kFixedA>
 void warm_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> warm = p.warm;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto row = find_line<L>(b, j, k, arms);
     const auto l = L::load(j.l + k) * warm;
     push_row<L, kFixedA>(m, arms, row, l);
@@ -63,7 +63,7 @@ template <class L, bool kFixedA, bool kSpring>
 void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0, h = p.h, inv_h = p.inv_h;
   const F<L> half_h = 0.5f * p.h, quarter_h = 0.25f * p.h, resolved = kSpring ? 1.0f : kResolvedTurn;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto row = load_line<L>(j, k, arms);
     if (!p.again) turn_on<L, kFixedA>(m, arms, j, k);
     const auto v = anchor_velocity<L>(m, arms);
@@ -92,7 +92,7 @@ void solve_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, st
 template <class L, bool kFixedA>
 void push_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0, rate = p.rate;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto row = load_line<L>(j, k, arms);
     const auto c = L::load(j.c + k);
     const auto vn = dot(row.n, anchor_velocity<L>(m, arms));
@@ -111,7 +111,7 @@ void push_nothing(const BodyView&, JointBlocks, const JointParams&, std::uint32_
 template <class L, bool kFixedA, bool kSpring>
 void relax_lines(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0, half = 0.5f, one = 1, h = p.h;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     auto row = load_line<L>(j, k, arms);
     const auto l = L::load(j.l + k);
     if (!p.again) {

@@ -21,7 +21,7 @@ inline constexpr bool kIsWeld<WeldBlock> = true;
 /// its angle. What h cannot resolve (leapfrog: chi > 4, of all joints together) would gain energy, so
 /// such bodies turn as slowly as h can follow.
 template <class L>
-[[gnu::always_inline]] inline void slow_turns(JointBodies& b, std::uint32_t k, Arms<L>& j, Vec<L> p, F<L> h) {
+PSIM_INLINE inline void slow_turns(JointBodies& b, std::uint32_t k, Arms<L>& j, Vec<L> p, F<L> h) {
   const F<L> one = 1;
   const auto size = h * (abs(p.x) + abs(p.y));
   const auto ga = L::load(b.ga0 + k), gb = L::load(b.gb0 + k);
@@ -35,7 +35,7 @@ template <class L>
 
 /// Errors and masses at the bodies' present places.
 template <class L, class Block>
-[[gnu::always_inline]] inline void find_pin(const BodyView& b, Block& j, std::uint32_t k, Arms<L>& arms, F<L> h) {
+PSIM_INLINE inline void find_pin(const BodyView& b, Block& j, std::uint32_t k, Arms<L>& arms, F<L> h) {
   const auto moved = turn_arms<L>(b, j, k, arms);
   slow_turns<L>(j, k, arms, load_vec<L>(j.px, j.py, k), h);
   store_vec<L>(j.cx, j.cy, k, load_vec<L>(j.cx0, j.cy0, k) + moved);
@@ -65,20 +65,20 @@ template <class L, class Block>
 
 /// Impulse p at the anchors.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void push_anchors(TwoBodies<L>& m, const Arms<L>& j, Vec<L> p) {
+PSIM_INLINE inline void push_anchors(TwoBodies<L>& m, const Arms<L>& j, Vec<L> p) {
   push<L, kFixedA>(m, j, p, cross(j.a, p), cross(j.b, p));
 }
 
 /// Change of a row of angles by dl, N m s, alone.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void twist(TwoBodies<L>& m, const Arms<L>& j, F<L> dl) {
+PSIM_INLINE inline void twist(TwoBodies<L>& m, const Arms<L>& j, F<L> dl) {
   if constexpr (!kFixedA) m.ua = m.ua - j.ga * (j.ra * dl);
   m.ub = m.ub + j.gb * (j.rb * dl);
 }
 
 /// And with what it takes along in the pin, which is added to i.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void twist_pinned(TwoBodies<L>& m, const Arms<L>& j, Vec<L> g, F<L> dl, Vec<L>& i) {
+PSIM_INLINE inline void twist_pinned(TwoBodies<L>& m, const Arms<L>& j, Vec<L> g, F<L> dl, Vec<L>& i) {
   const auto p = dl * g;
   i = i + p;
   push<L, kFixedA>(m, j, p, cross(j.a, p) + j.ra * dl, cross(j.b, p) + j.rb * dl);
@@ -87,7 +87,7 @@ template <class L, bool kFixedA>
 template <class L, bool kFixedA, class Block>
 void warm_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> warm = p.warm;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     find_pin<L>(b, j, k, arms, p.h);
     const auto i = warm * load_vec<L>(j.px, j.py, k);
     store_vec<L>(j.px, j.py, k, i);
@@ -106,8 +106,8 @@ void warm_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std:
 
 /// Adds to i what takes the anchors' velocity v away, in solve and in relax: the angle first.
 template <class L, bool kFixedA, bool kRelax, class Block>
-[[gnu::always_inline]] inline void hold_pin(const BodyView& b, const JointParams& p, Block& j, std::uint32_t k,
-                                            const Arms<L>& arms, TwoBodies<L>& m, Vec<L> v, Vec<L> i) {
+PSIM_INLINE inline void hold_pin(const BodyView& b, const JointParams& p, Block& j, std::uint32_t k,
+                                 const Arms<L>& arms, TwoBodies<L>& m, Vec<L> v, Vec<L> i) {
   if constexpr (!kPlainPin<Block>) {
     const auto g = load_vec<L>(j.gx, j.gy, k);
     const auto mass = L::load(j.mass + k), along = dot(g, v);
@@ -136,7 +136,7 @@ template <class L, bool kFixedA, bool kRelax, class Block>
 template <class L, bool kFixedA, class Block>
 void solve_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> h = p.h;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     if (!p.again) turn_on<L, kFixedA>(m, arms, j, k);
     const auto v = anchor_velocity<L>(m, arms) + anchor_pull<L>(m, arms, h);
     hold_pin<L, kFixedA, false>(b, p, j, k, arms, m, v, load_vec<L>(j.px, j.py, k));
@@ -147,7 +147,7 @@ void solve_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std
 template <class L, bool kFixedA, class Block>
 void push_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> rate = p.rate;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto v = anchor_velocity<L>(m, arms) + rate * load_vec<L>(j.cx, j.cy, k);
     if constexpr (!kPlainPin<Block>) {
       const auto g = load_vec<L>(j.gx, j.gy, k);
@@ -171,7 +171,7 @@ void push_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std:
 template <class L, bool kFixedA, class Block>
 void relax_pins(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> half = 0.5f, zero = 0;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto i = load_vec<L>(j.px, j.py, k);
     if (!p.again) {
       const auto a = arms.a, c = arms.b;

@@ -15,7 +15,7 @@ struct SlideRows {
 };
 
 template <class L>
-[[gnu::always_inline]] inline SlideRows<L> load_slide(const SlideBlock& j, std::uint32_t k) {
+PSIM_INLINE inline SlideRows<L> load_slide(const SlideBlock& j, std::uint32_t k) {
   SlideRows<L> r;
   r.along.n = load_vec<L>(j.ux, j.uy, k);
   r.along.sa = L::load(j.pull_a + k);
@@ -29,8 +29,7 @@ template <class L>
 
 /// Rows, errors and masses at the bodies' present places.
 template <class L>
-[[gnu::always_inline]] inline SlideRows<L> find_slide(const BodyView& b, SlideBlock& j, std::uint32_t k,
-                                                      Arms<L>& arms) {
+PSIM_INLINE inline SlideRows<L> find_slide(const BodyView& b, SlideBlock& j, std::uint32_t k, Arms<L>& arms) {
   const F<L> one = 1;
   const auto moved = turn_arms<L>(b, j, k, arms);
   const auto u0 = load_vec<L>(j.ux0, j.uy0, k);
@@ -83,27 +82,26 @@ template <class L>
 }
 
 template <class L>
-[[gnu::always_inline]] inline F<L> slide_speed(const TwoBodies<L>& m, const Row<L>& r) {
+PSIM_INLINE inline F<L> slide_speed(const TwoBodies<L>& m, const Row<L>& r) {
   const Vec<L> v{m.vbx - m.vax, m.vby - m.vay};
   return dot(r.n, v) + (m.ub * r.sb - m.ua * r.sa);
 }
 
 /// Speed along once the other rows are held, that miss their aim by v.
 template <class L>
-[[gnu::always_inline]] inline F<L> held_speed(const TwoBodies<L>& m, const SlideRows<L>& r, Vec<L> v) {
+PSIM_INLINE inline F<L> held_speed(const TwoBodies<L>& m, const SlideRows<L>& r, Vec<L> v) {
   return slide_speed<L>(m, r.along) + dot(r.g, v);
 }
 
 /// Impulses across (i.x) and of the angle (i.y).
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void push_across(TwoBodies<L>& m, const Arms<L>& arms, const SlideRows<L>& r, Vec<L> i) {
+PSIM_INLINE inline void push_across(TwoBodies<L>& m, const Arms<L>& arms, const SlideRows<L>& r, Vec<L> i) {
   push<L, kFixedA>(m, arms, i.x * r.across.n, i.x * r.across.sa + i.y * arms.ra, i.x * r.across.sb + i.y * arms.rb);
 }
 
 /// Along, with what that takes along in the other rows, which is added to i.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void push_held(TwoBodies<L>& m, const Arms<L>& arms, const SlideRows<L>& r, F<L> dl,
-                                             Vec<L>& i) {
+PSIM_INLINE inline void push_held(TwoBodies<L>& m, const Arms<L>& arms, const SlideRows<L>& r, F<L> dl, Vec<L>& i) {
   push_row<L, kFixedA>(m, arms, r.along, dl);
   const auto taken = dl * r.g;
   i = i + taken;
@@ -113,7 +111,7 @@ template <class L, bool kFixedA>
 template <class L, bool kFixedA>
 void warm_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> warm = p.warm;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto r = find_slide<L>(b, j, k, arms);
     const auto i = warm * load_vec<L>(j.l, j.turn_l, k);
     store_vec<L>(j.l, j.turn_l, k, i);
@@ -126,8 +124,8 @@ void warm_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, st
 
 /// Impulses that take the velocities v across and of the angle away, in solve and in relax: along first.
 template <class L, bool kFixedA, bool kRelax>
-[[gnu::always_inline]] inline void hold_slide(const JointParams& p, SlideBlock& j, std::uint32_t k, const Arms<L>& arms,
-                                              TwoBodies<L>& m, const SlideRows<L>& r, Vec<L> v) {
+PSIM_INLINE inline void hold_slide(const JointParams& p, SlideBlock& j, std::uint32_t k, const Arms<L>& arms,
+                                   TwoBodies<L>& m, const SlideRows<L>& r, Vec<L> v) {
   auto i = load_vec<L>(j.l, j.turn_l, k);
   drive_row<L, kRelax>(
       j.drive, k, j.along, L::load(j.mass + k), p.inv_h, [&] { return held_speed<L>(m, r, v); },
@@ -140,7 +138,7 @@ template <class L, bool kFixedA, bool kRelax>
 template <class L, bool kFixedA>
 void solve_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> h = p.h, two = 2;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto r = load_slide<L>(j, k);
     if (!p.again) turn_on<L, kFixedA>(m, arms, j, k);
     // d^2/dt^2 of n.d, where n turns with A: n.d'' - 2 w u.d' - w^2 n.d
@@ -157,7 +155,7 @@ void solve_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, s
 template <class L, bool kFixedA>
 void push_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> rate = p.rate;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     const auto r = load_slide<L>(j, k);
     const auto error = load_vec<L>(j.off, j.angle, k);
     const auto v = Vec<L>{slide_speed<L>(m, r.across), turning<L>(m, arms)} + rate * error;
@@ -172,7 +170,7 @@ void push_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, st
 template <class L, bool kFixedA>
 void relax_slides(const BodyView& b, JointBlocks blocks, const JointParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> half = 0.5f;
-  const auto each = [&](auto& j, auto k, auto& arms, auto& m) __attribute__((always_inline)) {
+  const auto each = [&](auto& j, auto k, auto& arms, auto& m) PSIM_INLINE_LAMBDA {
     auto r = load_slide<L>(j, k);
     if (!p.again) {
       const auto old = r;

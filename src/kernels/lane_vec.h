@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "block_layout.h"
+#include "compiler.h"
 #include "least.h"
 
 namespace psim::kernels {
@@ -25,21 +26,21 @@ using RecI = typename L::RecI;
 
 /// Zero where |a| <= least; a NaN stays one.
 template <class L>
-[[gnu::always_inline]] inline Rec<L> snapped(Rec<L> a, float least = kLeast) {
+PSIM_INLINE inline Rec<L> snapped(Rec<L> a, float least = kLeast) {
   const auto zero = Rec<L>(0, 0);
   return select(max(a, zero - a) <= Rec<L>(least, least), zero, a);
 }
 template <class L>
-[[gnu::always_inline]] inline F<L> snapped(F<L> a, F<L> least = kLeast) {
+PSIM_INLINE inline F<L> snapped(F<L> a, F<L> least = kLeast) {
   return select(abs(a) <= least, F<L>(0), a);
 }
 /// |a|, or, if that is larger, a size whose square is no denormal.
 template <class L>
-[[gnu::always_inline]] inline Rec<L> squarable(Rec<L> a) {
+PSIM_INLINE inline Rec<L> squarable(Rec<L> a) {
   return max(Rec<L>(kLeastOffset, kLeastOffset), max(a, Rec<L>(0, 0) - a));
 }
 template <class L>
-[[gnu::always_inline]] inline F<L> squarable(F<L> a) {
+PSIM_INLINE inline F<L> squarable(F<L> a) {
   return max(F<L>(kLeastOffset), abs(a));
 }
 
@@ -48,18 +49,18 @@ template <class T>
 struct Vec2 {
   T x, y;
 
-  [[gnu::always_inline]] friend Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-  [[gnu::always_inline]] friend Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-  [[gnu::always_inline]] friend Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
-  [[gnu::always_inline]] friend Vec2 operator*(T s, Vec2 a) { return {s * a.x, s * a.y}; }
-  [[gnu::always_inline]] friend T dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-  [[gnu::always_inline]] friend T cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
-  [[gnu::always_inline]] friend T norm2(Vec2 a) { return dot(a, a); }
-  [[gnu::always_inline]] friend T norm(Vec2 a) { return sqrt(norm2(a)); }
+  PSIM_INLINE friend Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+  PSIM_INLINE friend Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+  PSIM_INLINE friend Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
+  PSIM_INLINE friend Vec2 operator*(T s, Vec2 a) { return {s * a.x, s * a.y}; }
+  PSIM_INLINE friend T dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+  PSIM_INLINE friend T cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+  PSIM_INLINE friend T norm2(Vec2 a) { return dot(a, a); }
+  PSIM_INLINE friend T norm(Vec2 a) { return sqrt(norm2(a)); }
   /// A quarter turn to the left.
-  [[gnu::always_inline]] friend Vec2 left_of(Vec2 a) { return {-a.y, a.x}; }
+  PSIM_INLINE friend Vec2 left_of(Vec2 a) { return {-a.y, a.x}; }
   template <class Mask>
-  [[gnu::always_inline]] friend Vec2 select(Mask m, Vec2 yes, Vec2 no) {
+  PSIM_INLINE friend Vec2 select(Mask m, Vec2 yes, Vec2 no) {
     return {select(m, yes.x, no.x), select(m, yes.y, no.y)};
   }
 };
@@ -70,23 +71,23 @@ template <class L>
 using VecD = Vec2<D<L>>;
 
 template <class L>
-[[gnu::always_inline]] inline Vec<L> load_vec(const float* x, const float* y, std::size_t k) {
+PSIM_INLINE inline Vec<L> load_vec(const float* x, const float* y, std::size_t k) {
   return {L::load(x + k), L::load(y + k)};
 }
 template <class L>
-[[gnu::always_inline]] inline void store_vec(float* x, float* y, std::size_t k, Vec<L> v) {
+PSIM_INLINE inline void store_vec(float* x, float* y, std::size_t k, Vec<L> v) {
   L::store(x + k, v.x);
   L::store(y + k, v.y);
 }
 /// The records of some lanes' bodies; lane k is at slots[kStep * k].
 template <class L, int kStep>
-[[gnu::always_inline]] inline Vec<L> gather(const float* records, const std::uint32_t* slots) {
+PSIM_INLINE inline Vec<L> gather(const float* records, const std::uint32_t* slots) {
   Vec<L> v;
   L::template gather<kStep>(records, slots, v.x, v.y);
   return v;
 }
 template <class L, int kStep>
-[[gnu::always_inline]] inline void scatter(float* records, const std::uint32_t* slots, Vec<L> v) {
+PSIM_INLINE inline void scatter(float* records, const std::uint32_t* slots, Vec<L> v) {
   L::template scatter<kStep>(records, slots, v.x, v.y);
 }
 

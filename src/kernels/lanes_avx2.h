@@ -10,6 +10,7 @@
 
 #include "block_layout.h"
 #include "compact_table.h"
+#include "compiler.h"
 
 namespace psim::kernels {
 namespace {
@@ -108,17 +109,17 @@ struct AvxLanes {
 
   // ---- gathers and scatters ----
   template <int Step>
-  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+  PSIM_INLINE static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     gather_raw<Step>(rec, slots, x.v, y.v);
   }
   template <int Step>
-  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+  PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     __m256 fx, fy;
     gather_raw<Step>(rec, slots, fx, fy);
     x = _mm256_castps_si256(fx);
     y = _mm256_castps_si256(fy);
   }
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+  PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     const __m256 p = two_halves(at[0] + offset, at[4] + offset), q = two_halves(at[1] + offset, at[5] + offset);
     const __m256 r = two_halves(at[2] + offset, at[6] + offset), s = two_halves(at[3] + offset, at[7] + offset);
     const __m256 pq_low = _mm256_unpacklo_ps(p, q), pq_high = _mm256_unpackhi_ps(p, q);
@@ -129,7 +130,7 @@ struct AvxLanes {
     d = _mm256_shuffle_ps(pq_high, rs_high, 0xEE);
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+  PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     const auto at = [&](int lane) {
       return reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[Step * lane]));
     };
@@ -147,14 +148,14 @@ struct AvxLanes {
     _mm_storeh_pi(at(7), high1);
   }
   template <int Step>
-  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+  PSIM_INLINE static F gather1(const float* col, const std::uint32_t* slots) {
     const auto at = [&](int lane) { return _mm_load_ss(col + slots[Step * lane]); };
     const __m128 a = _mm_movelh_ps(_mm_unpacklo_ps(at(0), at(1)), _mm_unpacklo_ps(at(2), at(3)));
     const __m128 b = _mm_movelh_ps(_mm_unpacklo_ps(at(4), at(5)), _mm_unpacklo_ps(at(6), at(7)));
     return _mm256_insertf128_ps(_mm256_castps128_ps256(a), b, 1);
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+  PSIM_INLINE static void scatter1(float* col, const std::uint32_t* slots, F a) {
     const __m128 low = _mm256_castps256_ps128(a.v), high = _mm256_extractf128_ps(a.v, 1);
     _mm_store_ss(col + slots[0], low);
     _mm_store_ss(col + slots[Step], _mm_shuffle_ps(low, low, 1));
@@ -256,10 +257,10 @@ struct AvxLanes {
   // ---- pair search ----
   /// One register holds all eight candidates: 4 from j0 on in lanes 0 to 3, 4 from j1 on in lanes 4 to 7.
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
-                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
-                                                            std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach, std::uint32_t j0,
+                                                 std::uint32_t end0, std::uint32_t j1, std::uint32_t end1,
+                                                 std::uint32_t i, std::uint32_t* owner, std::uint32_t* other,
+                                                 const Near& near) {
     const float* p0 = reinterpret_cast<const float*>(pos + 2 * std::size_t{j0});
     const float* p1 = reinterpret_cast<const float*>(pos + 2 * std::size_t{j1});
     const __m256 a = two_halves(p0, p1);
@@ -285,12 +286,12 @@ struct AvxLanes {
   static __m256 two_halves(const float* low, const float* high) {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high), 1);
   }
-  [[gnu::always_inline]] static __m128 join(const void* p, const void* q) {
+  PSIM_INLINE static __m128 join(const void* p, const void* q) {
     const __m128 low = _mm_castsi128_ps(_mm_loadl_epi64(static_cast<const __m128i*>(p)));
     return _mm_loadh_pi(low, static_cast<const __m64*>(q));
   }
   template <int Step, class T>
-  [[gnu::always_inline]] static void gather_raw(const T* rec, const std::uint32_t* slots, __m256& x, __m256& y) {
+  PSIM_INLINE static void gather_raw(const T* rec, const std::uint32_t* slots, __m256& x, __m256& y) {
     const auto at = [&](int lane) { return rec + 2 * static_cast<std::size_t>(slots[Step * lane]); };
     const __m256 a = _mm256_insertf128_ps(_mm256_castps128_ps256(join(at(0), at(1))), join(at(4), at(5)), 1);
     const __m256 b = _mm256_insertf128_ps(_mm256_castps128_ps256(join(at(2), at(3))), join(at(6), at(7)), 1);

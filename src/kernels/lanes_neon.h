@@ -107,20 +107,20 @@ struct NeonLanes {
 
   // ---- gathers and scatters ----
   template <int Step>
-  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+  PSIM_INLINE static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     const auto at = [&](int lane) { return vld1_f32(rec + 2 * static_cast<std::size_t>(slots[Step * lane])); };
     const float32x4_t a = vcombine_f32(at(0), at(1)), b = vcombine_f32(at(2), at(3));
     x = vuzp1q_f32(a, b);
     y = vuzp2q_f32(a, b);
   }
   template <int Step>
-  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+  PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const auto at = [&](int lane) { return vld1_s32(rec + 2 * static_cast<std::size_t>(slots[Step * lane])); };
     const int32x4_t a = vcombine_s32(at(0), at(1)), b = vcombine_s32(at(2), at(3));
     x = vuzp1q_s32(a, b);
     y = vuzp2q_s32(a, b);
   }
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+  PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     const float32x4_t p = vld1q_f32(at[0] + offset), q = vld1q_f32(at[1] + offset);
     const float32x4_t r = vld1q_f32(at[2] + offset), s = vld1q_f32(at[3] + offset);
     const float32x4_t pr_low = vzip1q_f32(p, r), pr_high = vzip2q_f32(p, r);  // p0 r0 p1 r1 | p2 r2 p3 r3
@@ -131,7 +131,7 @@ struct NeonLanes {
     d = vzip2q_f32(pr_high, qs_high);
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+  PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     const auto at = [&](int lane) { return rec + 2 * static_cast<std::size_t>(slots[Step * lane]); };
     const float32x4_t low = vzip1q_f32(x.v, y.v), high = vzip2q_f32(x.v, y.v);
     vst1_f32(at(0), vget_low_f32(low));
@@ -140,14 +140,14 @@ struct NeonLanes {
     vst1_f32(at(3), vget_high_f32(high));
   }
   template <int Step>
-  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+  PSIM_INLINE static F gather1(const float* col, const std::uint32_t* slots) {
     float32x4_t a = vld1q_dup_f32(col + slots[0]);
     a = vld1q_lane_f32(col + slots[Step], a, 1);
     a = vld1q_lane_f32(col + slots[2 * Step], a, 2);
     return vld1q_lane_f32(col + slots[3 * Step], a, 3);
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+  PSIM_INLINE static void scatter1(float* col, const std::uint32_t* slots, F a) {
     vst1q_lane_f32(col + slots[0], a.v, 0);
     vst1q_lane_f32(col + slots[Step], a.v, 1);
     vst1q_lane_f32(col + slots[2 * Step], a.v, 2);
@@ -228,7 +228,7 @@ struct NeonLanes {
   // ---- pair search ----
   /// Two registers of four candidates, one after the other.
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
                                                             std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
                                                             std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
                                                             std::uint32_t* other, const Near& near) {
@@ -250,7 +250,7 @@ struct NeonLanes {
     return vbslq_s32(vcltq_f32(a, vdupq_n_f32(2147483648.0f)), converted, vdupq_n_s32(-2147483647 - 1));
   }
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j,
+  PSIM_INLINE static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j,
                                                    std::uint32_t end, std::uint32_t i, std::uint32_t* owner,
                                                    std::uint32_t* other, const Near& near) {
     const int32x4x2_t at = vld2q_s32(pos + 2 * std::size_t{j});

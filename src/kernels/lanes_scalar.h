@@ -13,6 +13,7 @@
 #include <cstring>
 
 #include "block_layout.h"
+#include "compiler.h"
 
 namespace psim::kernels {
 namespace {
@@ -107,34 +108,34 @@ struct ScalarLanes {
 
   // ---- gathers and scatters: lane k is at slots[Step * k] ----
   template <int Step>
-  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+  PSIM_INLINE static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     const float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     x = p[0];
     y = p[1];
   }
   template <int Step>
-  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+  PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const std::int32_t* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     x = I{p[0]};
     y = I{p[1]};
   }
   /// Four floats in a row of every lane, from at[lane] + offset.
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+  PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     const float* p = at[0] + offset;
     a = p[0], b = p[1], c = p[2], d = p[3];
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+  PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     float* p = rec + 2 * static_cast<std::size_t>(slots[0]);
     p[0] = x.v;
     p[1] = y.v;
   }
   template <int Step>
-  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+  PSIM_INLINE static F gather1(const float* col, const std::uint32_t* slots) {
     return col[slots[0]];
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+  PSIM_INLINE static void scatter1(float* col, const std::uint32_t* slots, F a) {
     col[slots[0]] = a.v;
   }
 
@@ -223,12 +224,12 @@ struct ScalarLanes {
   /// j1 on that lie below end1, at most 4. Writes i to owner and the number of each near body to other, packed
   /// and in order, and returns how many. May write 8 numbers in any case, and may read 4 bodies from either place.
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
-                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
-                                                            std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach, std::uint32_t j0,
+                                                 std::uint32_t end0, std::uint32_t j1, std::uint32_t end1,
+                                                 std::uint32_t i, std::uint32_t* owner, std::uint32_t* other,
+                                                 const Near& near) {
     std::uint32_t count = 0;
-    const auto ask = [&](std::uint32_t j) __attribute__((always_inline)) {
+    const auto ask = [&](std::uint32_t j) PSIM_INLINE_LAMBDA {
       owner[count] = i;
       other[count] = j;
       count += bits(near(I{pos[2 * std::size_t{j}]}, I{pos[2 * std::size_t{j} + 1]}, F{reach[j]}));

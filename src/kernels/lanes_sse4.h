@@ -9,6 +9,7 @@
 
 #include "block_layout.h"
 #include "compact_table.h"
+#include "compiler.h"
 
 namespace psim::kernels {
 namespace {
@@ -107,7 +108,7 @@ struct SseLanes {
 
   // ---- gathers and scatters ----
   template <int Step>
-  [[gnu::always_inline]] static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
+  PSIM_INLINE static void gather(const float* rec, const std::uint32_t* slots, F& x, F& y) {
     const __m128 a =
         join(rec + 2 * static_cast<std::size_t>(slots[0]), rec + 2 * static_cast<std::size_t>(slots[Step]));
     const __m128 b =
@@ -115,12 +116,12 @@ struct SseLanes {
     x = _mm_shuffle_ps(a, b, 0x88);
     y = _mm_shuffle_ps(a, b, 0xDD);
   }
-  [[gnu::always_inline]] static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
+  PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     a = load(at[0] + offset), b = load(at[1] + offset), c = load(at[2] + offset), d = load(at[3] + offset);
     _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v);
   }
   template <int Step>
-  [[gnu::always_inline]] static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
+  PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {
     const __m128 a =
         join(rec + 2 * static_cast<std::size_t>(slots[0]), rec + 2 * static_cast<std::size_t>(slots[Step]));
     const __m128 b =
@@ -129,7 +130,7 @@ struct SseLanes {
     y = _mm_castps_si128(_mm_shuffle_ps(a, b, 0xDD));
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
+  PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {
     const __m128 low = _mm_unpacklo_ps(x.v, y.v);
     const __m128 high = _mm_unpackhi_ps(x.v, y.v);
     _mm_storel_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[0])), low);
@@ -138,13 +139,13 @@ struct SseLanes {
     _mm_storeh_pi(reinterpret_cast<__m64*>(rec + 2 * static_cast<std::size_t>(slots[3 * Step])), high);
   }
   template <int Step>
-  [[gnu::always_inline]] static F gather1(const float* col, const std::uint32_t* slots) {
+  PSIM_INLINE static F gather1(const float* col, const std::uint32_t* slots) {
     const __m128 a = _mm_unpacklo_ps(_mm_load_ss(col + slots[0]), _mm_load_ss(col + slots[Step]));
     const __m128 b = _mm_unpacklo_ps(_mm_load_ss(col + slots[2 * Step]), _mm_load_ss(col + slots[3 * Step]));
     return _mm_movelh_ps(a, b);
   }
   template <int Step>
-  [[gnu::always_inline]] static void scatter1(float* col, const std::uint32_t* slots, F a) {
+  PSIM_INLINE static void scatter1(float* col, const std::uint32_t* slots, F a) {
     _mm_store_ss(col + slots[0], a.v);
     _mm_store_ss(col + slots[Step], _mm_shuffle_ps(a.v, a.v, 1));
     _mm_store_ss(col + slots[2 * Step], _mm_movehl_ps(a.v, a.v));
@@ -233,10 +234,10 @@ struct SseLanes {
   // ---- pair search ----
   /// Two registers of four candidates, one after the other.
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
-                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
-                                                            std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach, std::uint32_t j0,
+                                                 std::uint32_t end0, std::uint32_t j1, std::uint32_t end1,
+                                                 std::uint32_t i, std::uint32_t* owner, std::uint32_t* other,
+                                                 const Near& near) {
     const std::uint32_t first = four(pos, reach, j0, end0, i, owner, other, near);
     return first + four(pos, reach, j1, end1, i, owner + first, other + first, near);
   }
@@ -251,14 +252,13 @@ struct SseLanes {
   static constexpr auto kCompact4 = make_compact4();
 
   // Two records at p and q: p.x p.y q.x q.y, by movq and movhps.
-  [[gnu::always_inline]] static __m128 join(const void* p, const void* q) {
+  PSIM_INLINE static __m128 join(const void* p, const void* q) {
     const __m128 low = _mm_castsi128_ps(_mm_loadl_epi64(static_cast<const __m128i*>(p)));
     return _mm_loadh_pi(low, static_cast<const __m64*>(q));
   }
   template <class Near>
-  [[gnu::always_inline]] static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j,
-                                                   std::uint32_t end, std::uint32_t i, std::uint32_t* owner,
-                                                   std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j, std::uint32_t end,
+                                        std::uint32_t i, std::uint32_t* owner, std::uint32_t* other, const Near& near) {
     const __m128 a = _mm_loadu_ps(reinterpret_cast<const float*>(pos + 2 * std::size_t{j}));
     const __m128 b = _mm_loadu_ps(reinterpret_cast<const float*>(pos + 2 * std::size_t{j} + 4));
     const I x = _mm_castps_si128(_mm_shuffle_ps(a, b, 0x88));

@@ -27,8 +27,7 @@ struct TwoBodies {
 };
 
 template <class L>
-[[gnu::always_inline]] inline TwoBodies<L> gather_motion(const float* vel, const float* rim_speed,
-                                                         const std::uint32_t* slot) {
+PSIM_INLINE inline TwoBodies<L> gather_motion(const float* vel, const float* rim_speed, const std::uint32_t* slot) {
   TwoBodies<L> m;
   L::template gather<2>(vel, slot, m.vax, m.vay);
   L::template gather<2>(vel, slot + 1, m.vbx, m.vby);
@@ -39,8 +38,7 @@ template <class L>
 
 /// kSnap: between sweeps of one pass, by which velocities would decay into denormals.
 template <class L, bool kFixedA, bool kSnap = false>
-[[gnu::always_inline]] inline void scatter_motion(float* vel, float* rim_speed, const std::uint32_t* slot,
-                                                  TwoBodies<L> m) {
+PSIM_INLINE inline void scatter_motion(float* vel, float* rim_speed, const std::uint32_t* slot, TwoBodies<L> m) {
   if constexpr (kSnap) {
     m = {snapped<L>(m.vax), snapped<L>(m.vay), snapped<L>(m.ua),
          snapped<L>(m.vbx), snapped<L>(m.vby), snapped<L>(m.ub)};
@@ -55,8 +53,8 @@ template <class L, bool kFixedA, bool kSnap = false>
 
 /// Impulses along n, which change the rim speeds by at and bt, or, with the arms exchanged, along t.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void apply_impulse(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b, F<L> wa,
-                                                 F<L> wb, F<L> ga, F<L> gb) {
+PSIM_INLINE inline void apply_impulse(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b, F<L> wa, F<L> wb,
+                                      F<L> ga, F<L> gb) {
   if constexpr (!kFixedA) {
     m.vax = m.vax - wa * px;
     m.vay = m.vay - wa * py;
@@ -69,7 +67,7 @@ template <class L, bool kFixedA>
 
 /// The smaller of l' that solve the two-point problem; q is without the stored impulses.
 template <class L>
-[[gnu::always_inline]] inline void solve_two(F<L> a11, F<L> a12, F<L> a22, F<L> q1, F<L> q2, F<L>& l1, F<L>& l2) {
+PSIM_INLINE inline void solve_two(F<L> a11, F<L> a12, F<L> a22, F<L> q1, F<L> q2, F<L>& l1, F<L>& l2) {
   const F<L> zero = 0, one = 1;
   const auto det = a11 * a22 - a12 * a12;
   // Points that all but coincide carry the load alone, one of them.
@@ -125,8 +123,8 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, float scale, std::
 /// The lanes in which the approach of a point before the kick is an impact. `target` is the velocity with which the
 /// point should part.
 template <class L>
-[[gnu::always_inline]] inline M<L> manifold_bounces(const TwoBodies<L>& before, F<L> nx, F<L> ny, F<L> at, F<L> bt,
-                                                    F<L> s, F<L> e, const ContactParams& p, F<L>& target) {
+PSIM_INLINE inline M<L> manifold_bounces(const TwoBodies<L>& before, F<L> nx, F<L> ny, F<L> at, F<L> bt, F<L> s, F<L> e,
+                                         const ContactParams& p, F<L>& target) {
   const auto vn0 = nx * (before.vbx - before.vax) + ny * (before.vby - before.vay) + (before.ub * bt - before.ua * at);
   target = e * vn0;
   const auto fast = vn0 < -p.impact_floor;
@@ -153,8 +151,8 @@ struct SolvePoint {
 };
 
 template <class L, bool kBounce, bool kInner>
-[[gnu::always_inline]] inline SolvePoint<L> solve_point(ManifoldBlock::Point& point, std::uint32_t k,
-                                                        const SolveLanes<L>& lanes, const ContactParams& p) {
+PSIM_INLINE inline SolvePoint<L> solve_point(ManifoldBlock::Point& point, std::uint32_t k, const SolveLanes<L>& lanes,
+                                             const ContactParams& p) {
   const F<L> zero = 0;
   SolvePoint<L> x;
   const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
@@ -246,14 +244,14 @@ struct RelaxLanes {
 
   /// An impulse of the pass; a body takes its share.
   template <bool kFixedA>
-  [[gnu::always_inline]] void apply(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b) const {
+  PSIM_INLINE void apply(TwoBodies<L>& m, F<L> px, F<L> py, F<L> turn_a, F<L> turn_b) const {
     apply_impulse<L, kFixedA>(m, px, py, turn_a, turn_b, wa * share_a, wb * share_b, ga * share_a, gb * share_b);
   }
 };
 
 /// Whether all points are open, nothing is to be taken back, and nothing is owed from this substep.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline bool lies_open(const ManifoldBlock& c, std::uint32_t k, F<L> l1, F<L> l2) {
+PSIM_INLINE inline bool lies_open(const ManifoldBlock& c, std::uint32_t k, F<L> l1, F<L> l2) {
   const F<L> zero = 0;
   const auto& p1 = c.point[0];
   const auto& p2 = c.point[1];
@@ -264,7 +262,7 @@ template <class L, bool kFixedA>
 
 /// Finds the normal impulses for the velocities vn1, vn2 of the points and applies them.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void relax_normals(RelaxLanes<L>& x, TwoBodies<L>& m, F<L> vn1, F<L> vn2) {
+PSIM_INLINE inline void relax_normals(RelaxLanes<L>& x, TwoBodies<L>& m, F<L> vn1, F<L> vn2) {
   const F<L> zero = 0;
   const auto w = x.wa + x.wb;
   const auto k11 = w + (x.ga * (x.at1 * x.at1) + x.gb * (x.bt1 * x.bt1));
@@ -293,7 +291,7 @@ template <class L, bool kFixedA>
 /// after the other would do differently in a scene and in its mirror image. No share is kept back: bodies on ice keep
 /// their momentum.
 template <class L, bool kFixedA>
-[[gnu::always_inline]] inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k) {
+PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k) {
   const F<L> zero = 0, one = 1;
   auto& p1 = c.point[0];
   auto& p2 = c.point[1];
@@ -317,8 +315,7 @@ template <class L, bool kFixedA>
 
 /// What shares kept back is the next substep's from its start: it repeats v - v0.
 template <class L, bool kBounce>
-[[gnu::always_inline]] inline void owe_shares(const BodyView& b, const ManifoldBlock& c, std::uint32_t k,
-                                              const RelaxLanes<L>& x) {
+PSIM_INLINE inline void owe_shares(const BodyView& b, const ManifoldBlock& c, std::uint32_t k, const RelaxLanes<L>& x) {
   const F<L> zero = 0, one = 1;
   if (!any((x.share_a < one) | (x.share_b < one))) return;
   const auto lasts = [&](const ManifoldBlock::Point& point, F<L> n, M<L> was) {
@@ -337,7 +334,7 @@ template <class L, bool kBounce>
 
 /// Does for a point what part_impact of contact_row.h does for a contact.
 template <class L>
-[[gnu::always_inline]] inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t k, F<L> n, M<L> was) {
+PSIM_INLINE inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t k, F<L> n, M<L> was) {
   const auto lasts = min(n, max(L::load(point.start + k), 0));
   L::store(point.start + k, keep(was, n - lasts));
   L::store(point.impulse + k, select(was, lasts, n));

@@ -25,12 +25,12 @@ class PairSearch {
   std::uint32_t count() const { return list_.count; }
   bool full() const { return list_.count + kBlock > list_.capacity; }
 
-  [[gnu::always_inline]] void among(std::uint32_t i, std::uint32_t j0, std::uint32_t j1) {
+  PSIM_INLINE void among(std::uint32_t i, std::uint32_t j0, std::uint32_t j1) {
     aim(i);
     run(j0, j1);
   }
 
-  [[gnu::always_inline]] void body(std::uint32_t i) {
+  PSIM_INLINE void body(std::uint32_t i) {
     aim(i);
     list_.first[i] = list_.count;
     const std::uint32_t key = row_.key[i];
@@ -56,7 +56,7 @@ class PairSearch {
   }
 
  private:
-  [[gnu::always_inline]] void aim(std::uint32_t i) {
+  PSIM_INLINE void aim(std::uint32_t i) {
     i_ = i;
     x_ = I<L>(row_.pos[2 * std::size_t{i}]);
     y_ = I<L>(row_.pos[2 * std::size_t{i} + 1]);
@@ -64,7 +64,7 @@ class PairSearch {
   }
 
   // Lanes whose body is within reach.
-  [[gnu::always_inline]] M<L> close(I<L> x, I<L> y, F<L> reach) const {
+  PSIM_INLINE M<L> close(I<L> x, I<L> y, F<L> reach) const {
     const auto dx = to_float(x - x_) * pitch_x_;
     const auto dy = to_float(y - y_) * pitch_y_;
     const auto sum = reach_ + reach;
@@ -72,13 +72,13 @@ class PairSearch {
   }
 
   /// Candidates j0 .. j0+3 below end0 and j1 .. j1+3 below end1.
-  [[gnu::always_inline]] void take(std::uint32_t j0, std::uint32_t end0, std::uint32_t j1, std::uint32_t end1) {
-    const auto near = [&](I<L> x, I<L> y, F<L> reach) __attribute__((always_inline)) { return close(x, y, reach); };
+  PSIM_INLINE void take(std::uint32_t j0, std::uint32_t end0, std::uint32_t j1, std::uint32_t end1) {
+    const auto near = [&](I<L> x, I<L> y, F<L> reach) PSIM_INLINE_LAMBDA { return close(x, y, reach); };
     list_.count += L::four_and_four(row_.pos, row_.reach, j0, end0, j1, end1, i_, list_.owner + list_.count,
                                     list_.other + list_.count, near);
   }
 
-  [[gnu::always_inline]] void run(std::uint32_t j, std::uint32_t end) {
+  PSIM_INLINE void run(std::uint32_t j, std::uint32_t end) {
     for (; j < end; j += 8) {
       if (list_.count + kBlock > list_.capacity) {  // full: the caller sees it and grows the list
         list_.count = list_.capacity;

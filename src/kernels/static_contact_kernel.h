@@ -42,8 +42,8 @@ void warm_statics(const BodyView& b, const StaticContactView& c, const ContactPa
 
 /// As refresh_normals of contact_kernel.h, for round fixed shapes; (vx, vy) are the body's velocity.
 template <class L, Model kModel>
-[[gnu::cold, gnu::noinline]] void refresh_static(const StaticContactView& c, std::size_t k, M<L> stale, F<L> dx,
-                                                 F<L> dy, F<L>& nx, F<L>& ny, F<L>& gap, F<L>& vx, F<L>& vy) {
+PSIM_COLD void refresh_static(const StaticContactView& c, std::size_t k, M<L> stale, F<L> dx, F<L> dy, F<L>& nx,
+                              F<L>& ny, F<L>& gap, F<L>& vx, F<L>& vy) {
   const Vec<L> d{L::load(c.base_x + k) + dx, L::load(c.base_y + k) + dy};
   const auto turned = turn_normal<L, kModel>(c, k, stale, d, {dx, dy}, nx, ny, gap);
   auto change = -turned.impulse;
@@ -53,9 +53,8 @@ template <class L, Model kModel>
 }
 
 template <class L>
-[[gnu::always_inline]] inline M<L> bouncing_static(const BodyView& b, const StaticContactView& c,
-                                                   const ContactParams& p, std::size_t k, F<L> nx, F<L> ny, F<L> s,
-                                                   F<L>& target) {
+PSIM_INLINE inline M<L> bouncing_static(const BodyView& b, const StaticContactView& c, const ContactParams& p,
+                                        std::size_t k, F<L> nx, F<L> ny, F<L> s, F<L>& target) {
   F<L> x, y;
   L::template gather<1>(b.vel0, c.body + k, x, y);
   const auto vn0 = nx * x + ny * y;

@@ -18,7 +18,7 @@ namespace {
 
 /// True if any body of the block takes substeps.
 template <class L>
-[[gnu::always_inline]] inline bool any_linked(const std::uint8_t* linked, std::uint32_t block) {
+PSIM_INLINE inline bool any_linked(const std::uint8_t* linked, std::uint32_t block) {
   std::uint64_t eight;
   std::memcpy(&eight, linked + static_cast<std::size_t>(block) * kBlock, sizeof eight);
   return eight != 0;

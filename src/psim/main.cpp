@@ -5,9 +5,12 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "options/about.h"
 #include "options/options.h"
+#include "os/console.h"
 #include "output/user_error.h"
 #include "run/benchmark.h"
 #include "run/diff.h"
@@ -48,7 +51,11 @@ int run_mode(const Options& options) {
 int main(int argc, char** argv) {
   constexpr int kUserErrorStatus = 2;
   try {
-    const auto options = psim::cli::parse_options(argc, argv);
+    const psim::os::Console console;
+    const std::vector<std::string> words = psim::os::command_line(argc, argv);
+    std::vector<const char*> utf8;
+    for (const std::string& word : words) utf8.push_back(word.c_str());
+    const auto options = psim::cli::parse_options(static_cast<int>(utf8.size()), utf8.data());
     if (!options) return 0;
     return psim::cli::run_mode(*options);
   } catch (const psim::cli::UserError& error) {

@@ -1,5 +1,9 @@
+#ifdef __linux__
 #include <sched.h>
+#endif
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "engines/engine.h"
@@ -35,8 +39,12 @@ Engine chipmunk_engine() {
 std::vector<Engine> all_engines() { return {psim_engine(), box2d24_engine(), box2d3_engine(), chipmunk_engine()}; }
 
 int usable_threads() {
+#ifdef __linux__
   cpu_set_t mine;  // hardware_concurrency would count cores that this process is kept off
   return sched_getaffinity(0, sizeof mine, &mine) == 0 ? CPU_COUNT(&mine) : 1;
+#else
+  return static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
+#endif
 }
 
 }  // namespace psim::accuracy

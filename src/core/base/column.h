@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <type_traits>
@@ -52,12 +51,11 @@ class Column {
     if (n <= capacity_) return;
     const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
     const std::size_t size = bytes_for(wanted);
-    T* fresh = static_cast<T*>(std::aligned_alloc(kernels::kAlign, size));
-    if (fresh == nullptr) throw std::bad_alloc();
+    T* fresh = static_cast<T*>(::operator new(size, kAlignment));
     const std::size_t before = bytes();
     if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
     std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + before), 0, size - before);
-    std::free(data_);
+    ::operator delete(data_, kAlignment);
     data_ = fresh;
     capacity_ = wanted;
     meter_->bytes += size - before;
@@ -71,7 +69,7 @@ class Column {
 
   /// Gives the memory back.
   void release() {
-    std::free(data_);
+    ::operator delete(data_, kAlignment);
     meter_->bytes -= bytes();
     data_ = nullptr;
     capacity_ = 0;
@@ -91,6 +89,7 @@ class Column {
   std::size_t bytes() const { return capacity_ == 0 ? 0 : bytes_for(capacity_); }
 
  private:
+  static constexpr std::align_val_t kAlignment{kernels::kAlign};
   static std::size_t bytes_for(std::size_t capacity) {
     const std::size_t size = (capacity + kernels::kReadPad) * sizeof(T);
     return (size + kernels::kAlign - 1) / kernels::kAlign * kernels::kAlign;

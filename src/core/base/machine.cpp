@@ -1,13 +1,21 @@
 #include "base/machine.h"
 
+#include <array>
 #include <thread>
 
 #include "isa_list.h"
 
-#if defined(__x86_64__) && !defined(PSIM_PORTABLE)
-#include <cpuinfo_x86.h>
+#if (defined(__x86_64__) || defined(_M_X64)) && !defined(PSIM_PORTABLE)
 #include <immintrin.h>
 #define PSIM_X86_64 1
+#if __has_include(<cpuinfo_x86.h>)
+#include <cpuinfo_x86.h>
+#define PSIM_CPU_FEATURES 1
+#elif defined(_MSC_VER)
+#include <intrin.h>
+#else
+#include <cpuid.h>
+#endif
 #elif defined(__aarch64__) && !defined(PSIM_PORTABLE)
 #define PSIM_AARCH64 1
 #endif
@@ -18,8 +26,48 @@ namespace psim {
 
 namespace {
 
-const cpu_features::X86Features& cpu() {
-  static const cpu_features::X86Features features = cpu_features::GetX86Info().features;
+struct X86Features {
+  bool sse4_1, avx2;
+};
+
+#ifdef PSIM_CPU_FEATURES
+X86Features ask_cpu() {
+  const cpu_features::X86Features features = cpu_features::GetX86Info().features;
+  return {features.sse4_1 != 0, features.avx2 != 0};
+}
+#else
+// Where there is no cpu_features, the processor is asked directly: leaf 1 of cpuid has SSE4.1, OSXSAVE and AVX, leaf 7
+// has AVX2, and XCR0 says whether the system keeps the registers of AVX (Intel SDM, volume 1, 14.3 and 14.7.1).
+std::array<std::uint32_t, 4> cpuid(int leaf) {
+  std::array<std::uint32_t, 4> r{};
+#ifdef _MSC_VER
+  __cpuidex(reinterpret_cast<int*>(r.data()), leaf, 0);
+#else
+  __cpuid_count(leaf, 0, r[0], r[1], r[2], r[3]);
+#endif
+  return r;
+}
+
+std::uint32_t xcr0() {
+#ifdef _MSC_VER
+  return static_cast<std::uint32_t>(_xgetbv(0));
+#else
+  std::uint32_t low = 0, high = 0;
+  __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return low;
+#endif
+}
+
+X86Features ask_cpu() {
+  constexpr std::uint32_t kSse41 = 1u << 19, kOsXsaveAndAvx = 3u << 27, kAvx2 = 1u << 5, kXmmAndYmm = 6;
+  const std::uint32_t ecx = cpuid(1)[2];
+  const bool keeps_avx = (ecx & kOsXsaveAndAvx) == kOsXsaveAndAvx && (xcr0() & kXmmAndYmm) == kXmmAndYmm;
+  return {(ecx & kSse41) != 0, keeps_avx && cpuid(0)[0] >= 7 && (cpuid(7)[1] & kAvx2) != 0};
+}
+#endif
+
+const X86Features& cpu() {
+  static const X86Features features = ask_cpu();
   return features;
 }
 
@@ -33,9 +81,9 @@ bool cpu_has(kernels::CpuNeed need) {
     case kernels::CpuNeed::nothing:
       return true;
     case kernels::CpuNeed::sse41:
-      return cpu().sse4_1 != 0;
+      return cpu().sse4_1;
     case kernels::CpuNeed::avx2:
-      return cpu().avx2 != 0;
+      return cpu().avx2;
     case kernels::CpuNeed::neon:
       return false;
   }

@@ -3,10 +3,9 @@
 // The constructor proves that the file can be written, before a long run begins. The data goes to a nameless file in
 // the same folder (O_TMPFILE; on file systems without it, a new file with an unused name). commit() renames that file.
 // A process that is killed before leaves the old file as it was. Devices, pipes and the process's own stdout and
-// stderr cannot be replaced, so they are written directly.
+// stderr cannot be replaced, so they are written directly. On Windows the new file has an unused name and is marked to
+// go with its last handle, until commit() takes the mark off.
 #pragma once
-
-#include <sys/stat.h>
 
 #include <cstddef>
 #include <functional>
@@ -34,13 +33,14 @@ class OutputFile {
   /// For a program that writes the file in our place: the open descriptor, and a path that names the file in a process
   /// where the descriptor has the number `there`.
   int descriptor() const { return fd_; }
-  std::string path_for_program(int there) const;
+  std::string path_for_program(int there);
 
  private:
-  bool open_straight(const std::string& path, const struct stat& old);
-  bool find_target(const std::string& name, bool exists);
+  struct Old;  // what the system says of a file that is there
+  bool open_straight(const std::string& path, const Old& old);
+  bool find_target(const std::string& path, bool exists);
   void open_beside(bool exists);
-  int take_name(const std::function<bool(const char*)>& take);
+  int take_name(const std::function<bool(const std::string&)>& take);
   bool give_name(bool to_disk);
   bool fail(int error);
 

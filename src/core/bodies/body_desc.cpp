@@ -81,7 +81,7 @@ BodyDesc disc_of(const DiscBatch& batch, std::size_t i) {
 
 BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   BodyProperties properties;
-  properties.type = d.type;
+  properties.type_bits = static_cast<std::uint32_t>(d.type);
   properties.radius = static_cast<float>(radius);
   properties.restitution = coefficient(d.material.restitution);
   properties.friction = coefficient(d.material.friction);

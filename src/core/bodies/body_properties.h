@@ -29,8 +29,9 @@ struct BodyProperties {
   float gravity_scale = 1;
   float restitution = 0;
   float friction = 0;
-  std::uint32_t kind : 24 = 0;  ///< in BodyStore::kinds; 0: a plain disc that collides with all
-  BodyType type : 8 = BodyType::dynamic_body;
+  std::uint32_t kind : 24 = 0;      ///< in BodyStore::kinds; 0: a plain disc that collides with all
+  std::uint32_t type_bits : 8 = 0;  ///< a BodyType; bit-fields of one word have one type: MSVC packs no others
+  BodyType type() const { return static_cast<BodyType>(type_bits); }
   friend bool operator==(const BodyProperties&, const BodyProperties&) = default;
 };
 static_assert(sizeof(BodyProperties) == 32);

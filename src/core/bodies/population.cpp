@@ -73,7 +73,7 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   const bool disc = kind.hull_count == 0;
   add(t.filtered, kind.filter != Filter{});
   add(t.sensors, kind.sensor);
-  if (p.type == BodyType::static_body) {
+  if (p.type() == BodyType::static_body) {
     add(t.fixed, true);
     add(t.fixed_bounce, p.restitution > 0);
     add(t.fixed_rough, p.friction > 0);
@@ -88,9 +88,9 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   add(t.moving_bounce, p.restitution > 0);
   add(t.moving_rough, p.friction > 0);
   add(t.rough_discs, disc && p.friction > 0);
-  add(t.kinematic_discs, disc && p.type == BodyType::kinematic_body);
-  add(t.kinematic, p.type == BodyType::kinematic_body);
-  add(t.odd_gravity, p.type == BodyType::dynamic_body && p.gravity_scale != 1);
+  add(t.kinematic_discs, disc && p.type() == BodyType::kinematic_body);
+  add(t.kinematic, p.type() == BodyType::kinematic_body);
+  add(t.odd_gravity, p.type() == BodyType::dynamic_body && p.gravity_scale != 1);
   add(t.cornered, !disc);
   add(t.bullets, kind.bullet);
 }
@@ -181,7 +181,7 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   bodies.put_rim_speed(slot, rim_speed_of(d.angular_velocity, properties.radius));
   const Vec2 velocity = capped(d.velocity);
   bodies.put_velocity(slot, velocity);
-  if (properties.type == BodyType::kinematic_body) {
+  if (properties.type() == BodyType::kinematic_body) {
     kinematics.emplace_back(id, velocity);
     go_round(id, velocity);
   }
@@ -207,7 +207,7 @@ void Population::leave_columns(std::uint32_t id) {
   bodies.id[bodies.info[id].slot] = kNoSlot;
   ++bodies.dead;
   count(properties, -1, traits);
-  if (properties.type == BodyType::kinematic_body) {
+  if (properties.type() == BodyType::kinematic_body) {
     std::erase_if(kinematics, [id](const auto& k) { return k.first == id; });
   }
   if (bodies.kinds[properties.kind].bullet) std::erase(bullets, id);
@@ -265,7 +265,7 @@ void Population::set_velocity(std::uint32_t id, Vec2 velocity, double angular_ve
   bodies.put_rim_speed(i, rim_speed_of(angular_velocity, bodies.radius[i]));
   bodies.clear_remainders(i);
   bodies.put_velocity(i, velocity);
-  if (bodies.properties(id).type != BodyType::kinematic_body) return;
+  if (bodies.properties(id).type() != BodyType::kinematic_body) return;
   for (auto& [kinematic, v] : kinematics) {
     if (kinematic == id) v = velocity;
   }
@@ -277,7 +277,7 @@ BodyState Population::bare_state(std::uint32_t id) const {
   BodyState s;
   s.id = {id, bodies.info[id].generation};
   s.radius = properties.radius;
-  s.type = properties.type;
+  s.type = properties.type();
   return s;
 }
 

@@ -86,7 +86,7 @@ void Quarantine::bring_back(Population& population, const Lattice& lattice, cons
   for (std::size_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const BodyProperties& properties = bodies.properties(bodies.id[i]);
-    if (properties.type == BodyType::kinematic_body) {
+    if (properties.type() == BodyType::kinematic_body) {
       for (const std::size_t k : {2 * i, 2 * i + 1}) bodies.pos[k] = std::clamp(bodies.pos[k], -kFarSteps, kFarSteps);
       continue;
     }

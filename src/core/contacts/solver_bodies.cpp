@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/tasks.h"
+#include "compiler.h"
 
 namespace psim {
 
@@ -131,9 +132,9 @@ void SolverBodies::each_copy(const Each& each) const {
 void SolverBodies::load() {
   const bool turning = turns();
   each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
-    __builtin_prefetch(b_.pos.data() + 2 * soon);
-    __builtin_prefetch(b_.vel.data() + 2 * soon);
-    __builtin_prefetch(b_.disp.data() + 2 * soon);
+    PSIM_PREFETCH(b_.pos.data() + 2 * soon);
+    PSIM_PREFETCH(b_.vel.data() + 2 * soon);
+    PSIM_PREFETCH(b_.disp.data() + 2 * soon);
     copy_record(b_.pos, i, pos_, n);
     copy_record(b_.vel, i, vel_, n);
     copy_record(b_.disp, i, disp_, n);
@@ -144,8 +145,8 @@ void SolverBodies::load() {
 void SolverBodies::store() const {
   const bool turning = turns();
   each_copy([&, turning](std::size_t n, std::size_t i, std::size_t soon) {
-    __builtin_prefetch(b_.vel.data() + 2 * soon, 1);
-    __builtin_prefetch(b_.disp.data() + 2 * soon, 1);
+    PSIM_PREFETCH_TO_WRITE(b_.vel.data() + 2 * soon);
+    PSIM_PREFETCH_TO_WRITE(b_.disp.data() + 2 * soon);
     copy_record(vel_, n, b_.vel, i);
     copy_record(disp_, n, b_.disp, i);
     if (turning) b_.rim_speed[i] = rim_speed_[n];

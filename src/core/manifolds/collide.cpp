@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "collide_kernel.h"
+#include "compiler.h"
 #include "lanes_scalar.h"
 
 namespace psim {
@@ -175,8 +176,7 @@ inline void deepest_point(const Pair& p, const Edges& e, const Clip& c, Vec outw
 
 // Two hulls in the frame of A, with the origin at B's centre.
 template <int kA, int kB>
-[[gnu::always_inline]] inline void place_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin,
-                                               Pair& p) {
+PSIM_INLINE inline void place_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, Vec d, float margin, Pair& p) {
   p.frame = {qa.c, qa.s};
   p.d = d;
   p.margin = margin;

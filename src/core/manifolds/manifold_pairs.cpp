@@ -1,6 +1,7 @@
 // Decides which pairs are manifolds, and takes them out of the lists that the broad phase made for all bodies.
 #include <algorithm>
 
+#include "compiler.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
@@ -139,7 +140,7 @@ struct Manifolds::Sorter {
     return true;
   }
 
-  [[gnu::always_inline]] std::uint32_t parts(std::uint32_t slot) const {
+  PSIM_INLINE std::uint32_t parts(std::uint32_t slot) const {
     return m.has_corners(slot) ? std::max(1u, b.kind(b.id[slot]).hull_count) : 1u;
   }
 
@@ -181,7 +182,7 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
       kind_[i] = kDisc;
       if (b.id[i] == kNoSlot) continue;
       const BodyProperties& properties = b.properties(b.id[i]);
-      const bool held = properties.type == BodyType::kinematic_body;
+      const bool held = properties.type() == BodyType::kinematic_body;
       const BodyKind& kind = b.kinds[properties.kind];
       const bool shape = kind.hull_count != 0;
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |

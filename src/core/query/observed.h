@@ -39,7 +39,7 @@ struct Observed {
   /// fixed geometry (kNoSlot).
   bool tells_of(std::uint32_t a, std::uint32_t b = kNoSlot) const {
     const auto dynamic = [&](std::uint32_t id) {
-      return id != kNoSlot && bodies.properties(id).type == BodyType::dynamic_body;
+      return id != kNoSlot && bodies.properties(id).type() == BodyType::dynamic_body;
     };
     return !any_kinematic() || dynamic(a) || dynamic(b);
   }

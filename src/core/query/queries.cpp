@@ -28,8 +28,8 @@ struct Question {
     const BodyKind& kind = world.bodies.kinds[properties.kind];
     if (kind.sensor && !filter.sensors) return false;
     if ((kind.filter.category & filter.mask) == 0) return false;
-    if (properties.type == BodyType::static_body) return filter.fixed;
-    return properties.type == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
+    if (properties.type() == BodyType::static_body) return filter.fixed;
+    return properties.type() == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
   }
 
   // Calls each(part) for the grids that may hold wanted bodies.

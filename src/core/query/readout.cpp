@@ -61,7 +61,7 @@ Diagnostics sum_motion(const Observed& world) {
     const BodyInfo& info = b.info[id];
     if (info.place != Place::moving && info.place != Place::asleep) continue;
     const BodyProperties& properties = b.property_table[info.properties];
-    if (properties.type != BodyType::dynamic_body) continue;
+    if (properties.type() != BodyType::dynamic_body) continue;
     const BodyState s = world.state_of(id);
     const Vec2 at = Vec2{s.x, s.y} + arm_of(b.kinds[properties.kind], s.angle), v{s.vx, s.vy};
     const double m = wide(properties.mass), gain = wide(properties.rim_gain), u = s.omega * s.radius;

@@ -32,7 +32,7 @@ bool is_fast_disc(const BodyStore& b, std::size_t i) {
 
 bool is_free(const BodyStore& b, std::size_t i) {
   if (b.id[i] == kNoSlot || b.linked[i] == 0) return false;
-  return b.properties(b.id[i]).type == BodyType::dynamic_body && !b.kind(b.id[i]).sensor;
+  return b.properties(b.id[i]).type() == BodyType::dynamic_body && !b.kind(b.id[i]).sensor;
 }
 
 float inner_of(const BodyStore& b, std::size_t i) {
@@ -168,7 +168,7 @@ void Continuous::find_shapes(const ContinuousInput& in) {
     if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
     const BodyProperties& properties = b.properties(b.id[i]);
     const BodyKind& kind = b.kinds[properties.kind];
-    if (!is_fast(b, i, kind.inner) || properties.type != BodyType::dynamic_body || kind.sensor) return;
+    if (!is_fast(b, i, kind.inner) || properties.type() != BodyType::dynamic_body || kind.sensor) return;
     jobs_[n].fast = true;
     if ((fixed && near_fixed(in, i)) || may_come_upon(s, i)) jobs_[n].found.push_back(i);
   });
@@ -226,7 +226,7 @@ void Continuous::find_pressed(const ContinuousInput& in) {
     }
   }
   // Pairs of a disc and a kinematic disc are among those of discs.
-  const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type == BodyType::kinematic_body; };
+  const auto held = [&](std::uint32_t i) { return b.properties(b.id[i]).type() == BodyType::kinematic_body; };
   const auto is_disc = [&](std::uint32_t i) { return b.kind(b.id[i]).hull_count == 0; };
   if (std::ranges::none_of(kinematic_slots_, is_disc)) return;
   for (const Strip& strip : in.table.strips) {
@@ -250,7 +250,7 @@ void Continuous::find_bullets(const ContinuousInput& in) {
   }
   if (!any) return;
   const auto meet_pair = [&](std::uint32_t i, std::uint32_t j) {
-    const auto free = [&](std::uint32_t k) { return b.properties(b.id[k]).type == BodyType::dynamic_body; };
+    const auto free = [&](std::uint32_t k) { return b.properties(b.id[k]).type() == BodyType::dynamic_body; };
     if (fast_[i] != 0 && free(j)) partners_.emplace_back(i, j);
     if (fast_[j] != 0 && free(i)) partners_.emplace_back(j, i);
   };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/tasks.h"
+#include "compiler.h"
 #include "solver/solver.h"
 
 namespace psim {
@@ -54,7 +55,7 @@ class Solver::Run : SolverInput {
     });
   }
   template <class Each>
-  [[gnu::always_inline]] void for_manifolds(bool fixed, bool loaded, const Each& each) {
+  PSIM_INLINE void for_manifolds(bool fixed, bool loaded, const Each& each) {
     if (contacts.manifolds.any()) go_over_manifolds(fixed, loaded, each);
   }
   // Manifolds between moving bodies run in the order of for_pairs; those with a fixed side in that of static contacts.

@@ -57,11 +57,11 @@ inline void one_value(Archive& a, Hull& h) {
 inline void one_value(Archive& a, BodyProperties& s) {
   values(a, s.inv_mass, s.mass, s.rim_gain, s.radius, s.gravity_scale, s.restitution, s.friction);
   std::uint32_t kind = s.kind;
-  BodyType type = s.type;
+  BodyType type = s.type();
   a.index(kMostKinds + std::uint64_t{1}, kind);
   a.value(type);
   s.kind = kind & kMostKinds;
-  s.type = type;
+  s.type_bits = static_cast<std::uint8_t>(type);
   a.require(s.inv_mass >= 0 && s.mass >= 0 && s.rim_gain >= 0 && s.radius >= 0 && s.restitution >= 0 &&
             s.restitution <= 1 && s.friction >= 0);
 }

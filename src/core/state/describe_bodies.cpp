@@ -129,9 +129,9 @@ void check_users(Archive& a, const BodyStore& b) {
     if (!a.ok()) return;
     ++of_properties[b.info[k].properties];
     const BodyProperties& s = b.properties(k);
-    a.require((place == Place::fixed) == (s.type == BodyType::static_body));
+    a.require((place == Place::fixed) == (s.type() == BodyType::static_body));
     if (place != Place::moving && place != Place::asleep) continue;
-    a.require(s.radius > 0 && (s.type == BodyType::dynamic_body ? s.mass > 0 : s.inv_mass == 0));
+    a.require(s.radius > 0 && (s.type() == BodyType::dynamic_body ? s.mass > 0 : s.inv_mass == 0));
   }
   for (std::uint32_t k = 0; k < of_properties.size() && a.ok(); ++k) {
     a.require(of_properties[k] == b.property_table.users(k));
@@ -184,7 +184,7 @@ void describe_population(Archive& a, Population& p, bool lists) {
     a.index(bodies.id_count, k.first);
     values(a, k.second);
     a.require(a.ok() && bodies.info[k.first].place == Place::moving &&
-              bodies.properties(k.first).type == BodyType::kinematic_body);
+              bodies.properties(k.first).type() == BodyType::kinematic_body);
   });
   a.list(p.bullets, [&](std::uint32_t& id) {
     a.index(bodies.id_count, id);

@@ -1,13 +1,13 @@
 #include "psim/saved_state.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
+#include "base/os.h"
 #include "base/output_file.h"
 #include "psim/recording.h"
 #include "state/archive.h"
@@ -19,13 +19,6 @@ struct PackHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304B50'6D697370u;  // "psimPK01"
   void seal(std::span<const std::byte> state) {
     static_cast<FileHeader&>(*this) = {kMagic, ArchiveHeader::kFormat, state.size(), hash_of(state)};
-  }
-};
-
-struct Descriptor {
-  int number = -1;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
   }
 };
 
@@ -121,22 +114,27 @@ bool read_bytes(const std::string& path, std::vector<std::byte>& bytes, std::str
     bytes.clear();
     return false;
   };
-  struct stat what = {};
-  if (::stat(path.c_str(), &what) != 0) return refuse(because());  // before it is opened, which a device may notice
-  if (S_ISDIR(what.st_mode)) return refuse(std::strerror(EISDIR));
-  if (!S_ISREG(what.st_mode) && !S_ISFIFO(what.st_mode)) return refuse("is a device; a file or a pipe is read");
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.number < 0) return refuse(because());
+  std::error_code failed;
+  const auto place = os::path_of(path);
+  const std::filesystem::file_type type =
+      status(place, failed).type();  // before it is opened: a device may notice that
+  const bool is_pipe = type == std::filesystem::file_type::fifo;
+  if (failed) return refuse(failed.message());
+  if (type == std::filesystem::file_type::directory) return refuse(std::strerror(EISDIR));
+  if (type != std::filesystem::file_type::regular && !is_pipe) return refuse("is a device; a file or a pipe is read");
+  const os::FileToRead file = os::open_to_read(path);
+  if (!file) return refuse(because());
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);  // the pieces are large
+  if (!is_pipe) bytes.reserve(static_cast<std::size_t>(file_size(place, failed)) + 1);
   std::size_t size = 0;
-  if (S_ISREG(what.st_mode)) bytes.reserve(static_cast<std::size_t>(what.st_size) + 1);
-  for (;;) {
+  while (std::feof(file.get()) == 0) {
     if (size == bytes.size()) bytes.resize(std::max(bytes.capacity(), size + kPiece));
-    const ssize_t n = ::read(file.number, bytes.data() + size, bytes.size() - size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return refuse(because());
-    if (n == 0) break;
-    size += static_cast<std::size_t>(n);
-    if (S_ISFIFO(what.st_mode) && size > kMostOfAPipe) return refuse("more than 4 GiB through a pipe");
+    size += std::fread(bytes.data() + size, 1, bytes.size() - size, file.get());
+    if (std::ferror(file.get()) != 0) {
+      if (errno != EINTR) return refuse(because());
+      std::clearerr(file.get());
+    }
+    if (is_pipe && size > kMostOfAPipe) return refuse("more than 4 GiB through a pipe");
   }
   bytes.resize(size);
   return true;

@@ -3,8 +3,8 @@
 // cost_table.h. It counts the time that the calling thread worked, so that other programs do not spoil it.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
+#include "base/os.h"
 #include "world/world_impl.h"
 
 namespace psim {
@@ -38,13 +38,6 @@ std::unique_ptr<World> heap(const RunOptions& options, std::size_t bodies, bool 
   return world;
 }
 
-// ns that the calling thread worked: what it waits for others, while their programs run, does not count.
-double worked_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e9 + static_cast<double>(now.tv_nsec);
-}
-
 // The lower quartile: other programs only ever add.
 double quiet(std::vector<double> of) {
   // Total order: equal times are alike.
@@ -58,9 +51,9 @@ HeapShares shares_of(Owners& w) {
   constexpr int kFew = 2, kMany = 8;
   const auto step_ns = [&w](int substeps) {
     const StepDetail detail{.substeps = static_cast<std::uint8_t>(substeps)};
-    const double begin = worked_ns();
+    const double begin = os::thread_work_ns();
     step(w, w.desc.dt, &detail);
-    return worked_ns() - begin;
+    return os::thread_work_ns() - begin;
   };
   std::vector<double> anew, few, many;
   for (int k = 0; k < 9; ++k) {

@@ -12,7 +12,7 @@ namespace {
 
 // Sleepers see a body that moves, and a dynamic one that leans on them. A kinematic body may do neither.
 void wake_around_kinematic(Owners& w, std::uint32_t id) {
-  if (w.bodies.properties(id).type != BodyType::kinematic_body || w.sleep.sleepers.empty()) return;
+  if (w.bodies.properties(id).type() != BodyType::kinematic_body || w.sleep.sleepers.empty()) return;
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));
 }

@@ -23,6 +23,8 @@ std::string_view build_type() {
 std::string compiler_name() {
 #if defined(__clang__)
   return fmt::format("clang++ {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#elif defined(_MSC_VER)
+  return fmt::format("MSVC {}", _MSC_FULL_VER);
 #else
   return fmt::format("g++ {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
 #endif

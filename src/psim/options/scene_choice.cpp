@@ -1,49 +1,20 @@
 #include "options/scene_choice.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "base/os.h"
+#include "os/console.h"
 #include "output/text.h"
 #include "output/user_error.h"
 
 namespace psim::cli {
 namespace {
-
-constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
-
-// A line like "MemAvailable:   12345 kB" of /proc/meminfo or /proc/self/status.
-std::uint64_t kib_line(const char* file, std::string_view key, std::uint64_t if_missing) {
-  std::ifstream lines(file);
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with(key)) continue;
-    const std::size_t digit = line.find_first_of("0123456789");
-    if (digit != std::string::npos) return 1024 * std::stoull(line.substr(digit));
-  }
-  return if_missing;
-}
-
-// What this process may still take: of the machine, of its control group, of its own limit.
-std::uint64_t available_bytes() {
-  std::uint64_t available = kib_line("/proc/meminfo", "MemAvailable:", kUnlimited);
-  std::uint64_t group = 0;
-  if (std::ifstream limit("/sys/fs/cgroup/memory.max"); limit >> group) {
-    available = std::min(available, group);
-  }
-  struct rlimit own = {};
-  if (::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY) {
-    const std::uint64_t used = kib_line("/proc/self/status", "VmSize:", 0);
-    available = std::min<std::uint64_t>(available, own.rlim_cur - std::min<std::uint64_t>(used, own.rlim_cur));
-  }
-  return available;
-}
 
 Scene builtin_scene(const Options& options) {
   std::string error;
@@ -55,7 +26,7 @@ Scene builtin_scene(const Options& options) {
 
 Scene file_scene(const Options& options) {
   std::error_code ignored;
-  if (!std::filesystem::exists(options.scene, ignored)) {
+  if (!exists(os::path_of(options.scene), ignored)) {
     std::vector<std::string> names;
     for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
     const std::string hint = did_you_mean(options.scene, names);
@@ -72,7 +43,7 @@ Scene file_scene(const Options& options) {
   for (const std::string& note : scene->notes) {
     fmt::print(stderr, "psim: {}: {}\n", one_line(options.scene), one_line(note));
   }
-  if (scene->name.empty()) scene->name = std::filesystem::path(options.scene).stem().string();
+  if (scene->name.empty()) scene->name = os::name_of(os::path_of(options.scene).stem());
   if (options.seed) scene->seed = *options.seed;
   return std::move(*scene);
 }
@@ -103,7 +74,7 @@ void check_memory(const Scene& scene) {
   constexpr std::uint64_t kPlacementBytesPerBody = 5 * sizeof(double);
   const std::uint64_t bodies = scene.body_count();
   const std::uint64_t needed = estimate_memory_bytes(bodies) + bodies * kPlacementBytesPerBody;
-  const std::uint64_t available = available_bytes();
+  const std::uint64_t available = os::available_bytes();
   if (needed > available) {
     throw UserError(fmt::format("scene {}: {} bodies need {} bytes ({}), and {} are free", one_line(scene.name),
                                 grouped(bodies), needed, bytes_text(needed), bytes_text(available)));

@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/os.h"
 #include "output/text.h"
 #include "output/user_error.h"
 
@@ -57,9 +58,10 @@ void refuse(std::string_view option, std::string_view text, std::string_view rig
 }
 
 void require_ending(std::string_view option, const std::string& file, std::string_view ending) {
-  if (file.ends_with('/') || file.starts_with("/dev/")) return;
+  const std::string file_name = os::name_of(os::path_of(file).filename());
+  if (file_name.empty() || file.starts_with("/dev/")) return;  // a folder is refused when it is opened
   const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
-  const std::string_view name = std::string_view(file).substr(file.rfind('/') + 1);
+  const std::string_view name = file_name;
   if (name.size() > ending.size() && std::ranges::equal(name.substr(name.size() - ending.size()), ending, same)) {
     return;
   }

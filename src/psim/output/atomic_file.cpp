@@ -22,7 +22,7 @@ void AtomicFile::refuse() const {
 }
 
 int AtomicFile::descriptor() const { return file_->descriptor(); }
-std::string AtomicFile::path_for_program(int there) const { return file_->path_for_program(there); }
+std::string AtomicFile::path_for_program(int there) { return file_->path_for_program(there); }
 
 void AtomicFile::flush() {
   file_->write(buffer_.data(), buffer_.size());

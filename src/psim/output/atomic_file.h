@@ -45,7 +45,7 @@ class AtomicFile {
   /// For another program that writes the file in our place: the open file, and a path that means it where that
   /// descriptor has the number `there`.
   int descriptor() const;
-  std::string path_for_program(int there) const;
+  std::string path_for_program(int there);
 
   /// Option and path as the user wrote them.
   const std::string& label() const { return label_; }

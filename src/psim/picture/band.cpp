@@ -196,9 +196,8 @@ void Band::paint(const Look& look) {
 }
 
 void Band::write(std::uint8_t* out, Light light) const {
-  using Steps = std::int32_t __attribute__((vector_size(16)));
   constexpr std::int32_t kLast = kToneSteps - 1;
-  const auto steps = __builtin_convertvector(light * static_cast<float>(kLast) + 0.5f, Steps);
+  const Int4 steps = to_int(light * static_cast<float>(kLast) + 0.5f);
   for (int k = 0; k < 3; ++k) out[k] = tones_[static_cast<std::size_t>(std::min(steps[k], kLast))];
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "picture/figure.h"
+#include "picture/packed.h"
 
 namespace psim::cli {
 
@@ -28,8 +29,8 @@ class Band {
 
  private:
   // The light of the figures in a pixel, r, g, b already multiplied by the share of it that they cover, and
-  // that share: one register. (A type of g++ and clang++.)
-  using Light = float __attribute__((vector_size(16)));
+  // that share.
+  using Light = Float4;
   struct Look {
     Light light, rim;
     float opacity;

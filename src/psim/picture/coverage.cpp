@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "picture/packed.h"
+
 namespace psim::cli {
 
 PixelBox pixel_box(double x0, double y0, double x1, double y1, int width, int height) {
@@ -36,17 +38,13 @@ void Coverage::begin(const PixelBox& box, int first, int end) {
 
 void Coverage::polygon(std::span<const Point> corners, Point centre, double scale) {
   if (corners.empty()) return;
-  using Pair = double __attribute__((vector_size(16)));  // x and y in one register; a type of g++ and clang++
-  const Pair shift = {centre.x - left_, centre.y - top_}, most = {width_, height_}, none = {};
-  const auto place = [&](const Point& p) { return shift + scale * Pair{p.x, p.y}; };
-  const auto is_inside = [&](Pair p) {
-    const auto good = (p >= none) & (p <= most);
-    return (good[0] & good[1]) != 0;
-  };
-  Pair from = place(corners.back());
+  const Double2 shift = {centre.x - left_, centre.y - top_}, most = {width_, height_}, none = {};
+  const auto place = [&](const Point& p) { return shift + scale * Double2{p.x, p.y}; };
+  const auto is_inside = [&](Double2 p) { return is_within(p, none, most); };
+  Double2 from = place(corners.back());
   bool was_inside = is_inside(from);
   for (const Point& corner : corners) {
-    const Pair to = place(corner);
+    const Double2 to = place(corner);
     const bool inside = is_inside(to);
     if (was_inside && inside) {
       add(static_cast<float>(from[0]), static_cast<float>(from[1]), static_cast<float>(to[0]),

@@ -1,14 +1,14 @@
 #include "picture/film.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
+#include "base/os.h"
+#include "os/console.h"
 #include "output/text.h"
 #include "output/user_error.h"
 #include "picture/png_write.h"
@@ -19,14 +19,10 @@ namespace {
 constexpr PictureSize kFilmSize{1920, 1080};
 
 void require_directory(const std::string& path) {
-  const auto refuse = [&](int error) {
+  if (const int error = os::folder_error(path); error != 0) {
     throw UserError(fmt::format("--frames-dir {}: needs a directory that can be written to: {}", one_line(path),
                                 std::strerror(error)));
-  };
-  struct stat file = {};
-  if (::stat(path.c_str(), &file) != 0) refuse(errno);
-  if (!S_ISDIR(file.st_mode)) refuse(ENOTDIR);
-  if (::access(path.c_str(), W_OK | X_OK) != 0) refuse(errno);
+  }
 }
 
 }  // namespace
@@ -94,7 +90,8 @@ void Film::write_frame_file() {
 // A film that was longer leaves frames that would be taken for this one's.
 void Film::warn_of_old_frames() const {
   const std::string next = frame_path(written_);
-  if (options_.frames_dir.empty() || ::access(next.c_str(), F_OK) != 0) return;
+  std::error_code ignored;
+  if (options_.frames_dir.empty() || !exists(os::path_of(next), ignored)) return;
   fmt::print(stderr, "psim: --frames-dir {}: {} pictures were written; {} and what follows it is from before\n",
              one_line(options_.frames_dir), written_, fmt::format("frame_{:06}.png", written_));
 }

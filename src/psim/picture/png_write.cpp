@@ -52,7 +52,7 @@ struct Worker {
     z_stream stream{};
     if (deflateInit2(&stream, kLevel, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_DEFAULT_STRATEGY) != Z_OK)
       throw std::bad_alloc();  // the settings are right
-    std::string bytes(deflateBound(&stream, rows.size()) + kFlushBytes, '\0');
+    std::string bytes(deflateBound(&stream, static_cast<uLong>(rows.size())) + kFlushBytes, '\0');
     stream.next_in = rows.data();
     stream.avail_in = static_cast<uInt>(rows.size());
     stream.next_out = reinterpret_cast<Bytef*>(bytes.data());

@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "options/scene_choice.h"
+#include "os/interrupt.h"
 #include "output/text.h"
 #include "output/user_error.h"
 #include "psim/version.h"
 #include "report/samples.h"
-#include "run/interrupt.h"
 
 namespace psim::cli {
 namespace {
@@ -41,12 +41,12 @@ struct Timing {
 // Runs kWarmUpFrames and then `frames` frames, or as many as fit into kMostSeconds if not given.
 Timing measure(const Scene& scene, Isa isa, int threads, std::optional<std::uint64_t> frames) {
   const auto world = make_world(scene, isa, threads);
-  for (std::uint64_t frame = 0; frame < kWarmUpFrames && !interrupted(); ++frame) world->step();
+  for (std::uint64_t frame = 0; frame < kWarmUpFrames && !os::interrupted(); ++frame) world->step();
   Samples total;
   std::array<Samples, kStageCount> stages;
   const Clock::time_point start = Clock::now();
   const auto wants_more = [&] {
-    if (interrupted()) return false;
+    if (os::interrupted()) return false;
     if (frames) return total.count() < *frames;
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return total.count() < kFewestFrames || (total.count() < kMostFrames && seconds < kMostSeconds);
@@ -97,7 +97,7 @@ void table_by_particles(const Options& options) {
     return;
   }
   for (const std::uint64_t count : particle_counts(options)) {
-    if (interrupted()) return;
+    if (os::interrupted()) return;
     Options sized = options;
     sized.particles = count;
     std::optional<Scene> scene;
@@ -121,7 +121,7 @@ void table_by_threads(const Options& options, const Scene& scene) {
   std::optional<Timing> one;
   for (const int threads : counts) {
     const Timing timing = measure(scene, options.isa, threads, one ? std::optional(one->frames) : options.frames);
-    if (interrupted() || timing.frames == 0) return;
+    if (os::interrupted() || timing.frames == 0) return;
     if (!one) one = timing;
     const double speed_up = timing.frame_ms > 0 ? one->frame_ms / timing.frame_ms : 1;
     print_out(fmt::format("{:>11}{:>11.4f}{:>10.2f}x{:>11.1f} %{:>9}\n", threads, timing.frame_ms, speed_up,
@@ -138,7 +138,7 @@ void table_by_isa(const Options& options, const Scene& scene) {
     }
     const auto frames = columns.empty() ? options.frames : std::optional(columns[0].second.frames);
     columns.emplace_back(isa, measure(scene, isa, 1, frames));
-    if (interrupted() || columns.back().second.frames == 0) return;
+    if (os::interrupted() || columns.back().second.frames == 0) return;
   }
   std::string text = fmt::format("\nBy instruction set, 1 thread, {} bodies, {} frames\n{:<14}",
                                  grouped(scene.body_count()), columns[0].second.frames, "stage");
@@ -167,15 +167,15 @@ void table_by_isa(const Options& options, const Scene& scene) {
 }  // namespace
 
 int benchmark_scene(const Options& options) {
-  catch_interrupts();
+  os::catch_interrupts();
   const Scene scene = choose_scene(options);
   check_memory(scene);
   print_out(fmt::format("psim {}  scene {}  median of the frames after {} warm-up frames\n", PSIM_VERSION_STRING,
                         one_line(scene.name), kWarmUpFrames));
   table_by_particles(options);
-  if (!interrupted()) table_by_threads(options, scene);
-  if (!interrupted()) table_by_isa(options, scene);
-  if (interrupted()) fmt::print(stderr, "psim: interrupted\n");
+  if (!os::interrupted()) table_by_threads(options, scene);
+  if (!os::interrupted()) table_by_isa(options, scene);
+  if (os::interrupted()) fmt::print(stderr, "psim: interrupted\n");
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/os.h"
 #include "output/text.h"
 #include "output/user_error.h"
 
@@ -28,7 +29,7 @@ void write_details_row(AtomicFile& file, std::uint64_t frame, const StepDetail& 
 }
 
 std::vector<StepDetail> read_details(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file(os::path_of(path), std::ios::binary);
   if (!file) throw UserError(fmt::format("--governor-replay {}: cannot be read", one_line(path)));
   const auto refuse = [&](std::size_t line, const std::string& what) -> UserError {
     return UserError(fmt::format("--governor-replay {}: line {}: {}", one_line(path), line, what));

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "options/scene_choice.h"
+#include "os/interrupt.h"
 #include "output/text.h"
 #include "output/user_error.h"
-#include "run/interrupt.h"
 #include "run/progress.h"
 #include "run/state_comparison.h"
 #include "run/state_file.h"
@@ -158,7 +158,7 @@ std::unique_ptr<World> side_world(const Options& side) {
 }
 
 int diff_settings(const Options& side_a, const Options& side_b) {
-  catch_interrupts();
+  os::catch_interrupts();
   const auto a = side_world(side_a), b = side_world(side_b);
   require_same_bodies({"side A", "side B"}, view_of(a->published()), view_of(b->published()));
   print_out(fmt::format("A: {}\nB: {}\n", side_text(side_a, *a), side_text(side_b, *b)));
@@ -169,7 +169,7 @@ int diff_settings(const Options& side_a, const Options& side_b) {
   if (!states.add(0, view_of(a->published()), view_of(b->published()))) parting.emplace();
   Progress progress("A and B", frames);
   for (std::uint64_t frame = 1; frame <= frames; ++frame) {
-    if (interrupted()) {
+    if (os::interrupted()) {
       fmt::print(stderr, "psim: interrupted before the comparison was complete\n");
       return 1;
     }

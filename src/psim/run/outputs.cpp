@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "base/os.h"
 #include "options/scene_choice.h"
 #include "output/text.h"
 #include "output/user_error.h"
@@ -16,8 +17,8 @@ OutputFiles::OutputFiles(const Options& options) {
   std::map<std::string, std::string> taken;  // path -> the option that has it
   const auto key = [](const std::string& path) {
     std::error_code ignored;
-    const auto absolute = std::filesystem::absolute(path, ignored);
-    return std::filesystem::weakly_canonical(absolute, ignored).string();
+    const auto absolute = std::filesystem::absolute(os::path_of(path), ignored);
+    return os::name_of(std::filesystem::weakly_canonical(absolute, ignored));
   };
   if (!is_builtin(options.scene)) taken[key(options.scene)] = "--scene";
 
@@ -27,7 +28,7 @@ OutputFiles::OutputFiles(const Options& options) {
     if (path.empty()) return;
     const auto [other, is_new] = taken.emplace(key(path), option);
     std::error_code ignored;
-    if (!is_new && !std::filesystem::is_character_file(path, ignored)) {
+    if (!is_new && !is_character_file(os::path_of(path), ignored)) {
       throw UserError(fmt::format("{} {}: is the file of {} too", option, one_line(path), other->second));
     }
     file.emplace(option, path);

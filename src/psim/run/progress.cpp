@@ -1,10 +1,11 @@
 #include "run/progress.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
+
+#include "os/console.h"
 
 namespace psim::cli {
 namespace {
@@ -22,7 +23,7 @@ std::string time_left(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string what, std::uint64_t frames)
-    : what_(std::move(what)), frames_(frames), is_terminal_(::isatty(STDERR_FILENO) == 1) {}
+    : what_(std::move(what)), frames_(frames), is_terminal_(os::stderr_is_terminal()) {}
 
 void Progress::draw(std::uint64_t frames_done, Clock::time_point now) {
   next_ = now + kRedrawEvery;

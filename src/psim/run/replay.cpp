@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "options/scene_choice.h"
+#include "os/interrupt.h"
 #include "output/text.h"
 #include "output/user_error.h"
 #include "psim/psim.h"
-#include "run/interrupt.h"
 
 namespace psim::cli {
 namespace {
@@ -39,13 +39,13 @@ std::unique_ptr<World> restored_world(const Options& options) {
 }
 
 int replay_recording(const Options& options) {
-  catch_interrupts();
+  os::catch_interrupts();
   std::string error;
   std::vector<std::byte> bytes;
   if (!read_bytes(options.replay, bytes, error)) throw UserError(fmt::format("--replay {}", one_line(error)));
   const auto replay = Replay::open(bytes, how_to_run(options), error);
   if (!replay) throw UserError(fmt::format("--replay {}: {}", one_line(options.replay), error));
-  while (!interrupted() && replay->differs_at() == 0 && replay->next()) {
+  while (!os::interrupted() && replay->differs_at() == 0 && replay->next()) {
   }
   const std::string name = one_line(options.replay);
   if (replay->differs_at() != 0) {
@@ -54,7 +54,7 @@ int replay_recording(const Options& options) {
     return 1;
   }
   if (!replay->complete()) {
-    if (!interrupted()) {
+    if (!os::interrupted()) {
       throw UserError(fmt::format("--replay {}: it is damaged: it says {} steps and breaks off after {}", name,
                                   replay->steps_in_all(), replay->steps()));
     }

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "options/scene_choice.h"
+#include "os/interrupt.h"
 #include "output/text.h"
 #include "picture/film.h"
 #include "picture/image.h"
@@ -20,7 +21,6 @@
 #include "report/run_report.h"
 #include "report/trace.h"
 #include "run/details.h"
-#include "run/interrupt.h"
 #include "run/outputs.h"
 #include "run/progress.h"
 #include "run/replay.h"
@@ -113,7 +113,7 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   }
   if (film != nullptr) film->after(0, world);
   Progress progress(one_line(report.scene), report.frames_wanted);
-  for (std::uint64_t frame = 1; frame <= report.frames_wanted && !interrupted(); ++frame) {
+  for (std::uint64_t frame = 1; frame <= report.frames_wanted && !os::interrupted(); ++frame) {
     const bool looked_at = report.profile && report.profile->looks_at(frame);
     if (looked_at) world.start_trace();
     const Clock::time_point begin = Clock::now();
@@ -180,7 +180,7 @@ void say_what_was_odd(const RunReport& report) {
 }  // namespace
 
 int run_scene(const Options& options) {
-  catch_interrupts();
+  os::catch_interrupts();
   Scene scene = choose_scene(options);
   check_memory(scene);
   const std::optional<Target> target = apply_target(options, scene);

@@ -1,8 +1,6 @@
 #include "run/state_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -43,12 +41,11 @@ Number take_number(std::string_view& line, std::string_view column, const LineRe
 
 }  // namespace
 
-LineReader::LineReader(const std::string& path) : name_(one_line(path)), buffer_(kBufferBytes) {
-  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd_ < 0) throw UserError(fmt::format("{}: {}", name_, std::strerror(errno)));
+LineReader::LineReader(const std::string& path)
+    : name_(one_line(path)), file_(os::open_to_read(path)), buffer_(kBufferBytes) {
+  if (!file_) throw UserError(fmt::format("{}: {}", name_, std::strerror(errno)));
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // buffer_ does it
 }
-
-LineReader::~LineReader() { ::close(fd_); }
 
 void LineReader::refuse(std::string_view what) const { throw UserError(fmt::format("{}:{}: {}", name_, line_, what)); }
 
@@ -57,12 +54,9 @@ bool LineReader::refill() {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  ssize_t n = 0;
-  do {
-    n = ::read(fd_, buffer_.data() + end_, buffer_.size() - end_);
-  } while (n < 0 && errno == EINTR);
-  if (n < 0) throw UserError(fmt::format("{}: {}", name_, std::strerror(errno)));
-  end_ += static_cast<std::size_t>(n);
+  const std::size_t n = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
+  if (std::ferror(file_.get()) != 0) throw UserError(fmt::format("{}: {}", name_, std::strerror(errno)));
+  end_ += n;
   return n > 0;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/os.h"
 #include "run/state_comparison.h"
 
 namespace psim::cli {
@@ -17,9 +18,6 @@ class LineReader {
  public:
   /// Throws UserError if the file cannot be read.
   explicit LineReader(const std::string& path);
-  ~LineReader();
-  LineReader(const LineReader&) = delete;
-  LineReader& operator=(const LineReader&) = delete;
 
   /// The next line without its end, valid until the next call; false after the last one.
   bool next(std::string_view& line);
@@ -31,7 +29,7 @@ class LineReader {
   bool refill();
 
   std::string name_;
-  int fd_ = -1;
+  os::FileToRead file_;
   std::uint64_t line_ = 0;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // what of the buffer is still to be read

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "options/scene_choice.h"
+#include "os/interrupt.h"
 #include "output/text.h"
-#include "run/interrupt.h"
 #include "run/progress.h"
 #include "run/state_comparison.h"
 #include "run/trail.h"
@@ -43,7 +43,7 @@ std::vector<Trail> record(const Scene& scene, const Variant& variant, std::uint6
   const auto world = make_world(scene, variant.isa, variant.threads);
   std::vector<Trail> trail;
   Progress progress(variant.name(), frames);
-  for (std::uint64_t frame = 1; frame <= frames && !interrupted(); ++frame) {
+  for (std::uint64_t frame = 1; frame <= frames && !os::interrupted(); ++frame) {
     trail.push_back(step_and_trail(*world));
     progress.update(frame, Progress::Clock::now());
   }
@@ -55,7 +55,7 @@ std::uint64_t agreeing_frames(const Scene& scene, const Variant& variant, const 
                               Trail& other) {
   const auto world = make_world(scene, variant.isa, variant.threads);
   Progress progress(variant.name(), trail.size());
-  for (std::uint64_t frame = 0; frame < trail.size() && !interrupted(); ++frame) {
+  for (std::uint64_t frame = 0; frame < trail.size() && !os::interrupted(); ++frame) {
     other = step_and_trail(*world);
     if (other != trail[frame]) return frame;
     progress.update(frame + 1, Progress::Clock::now());
@@ -86,7 +86,7 @@ std::string describe(const Scene& scene, const Variant& reference, const Variant
 }  // namespace
 
 int verify_scene(const Options& options) {
-  catch_interrupts();
+  os::catch_interrupts();
   const Scene scene = choose_scene(options);
   check_memory(scene);
   const std::vector<Variant> all = variants();
@@ -100,13 +100,13 @@ int verify_scene(const Options& options) {
   const auto final_hash = [&] {
     return trail.empty() ? make_world(scene, reference.isa, 1)->state_hash() : trail.back().hash;
   }();
-  if (!interrupted()) line(reference, hash_text(final_hash) + "\n");
+  if (!os::interrupted()) line(reference, hash_text(final_hash) + "\n");
 
   std::size_t different = 0;
-  for (std::size_t i = 1; i < all.size() && !interrupted(); ++i) {
+  for (std::size_t i = 1; i < all.size() && !os::interrupted(); ++i) {
     Trail other;
     const std::uint64_t agreeing = agreeing_frames(scene, all[i], trail, other);
-    if (interrupted()) break;
+    if (os::interrupted()) break;
     if (agreeing == trail.size()) {
       line(all[i], hash_text(final_hash) + "\n");
       continue;
@@ -114,7 +114,7 @@ int verify_scene(const Options& options) {
     ++different;
     line(all[i], describe(scene, reference, all[i], agreeing + 1, trail[agreeing], other));
   }
-  if (interrupted()) {
+  if (os::interrupted()) {
     fmt::print(stderr, "psim: interrupted before the check was complete\n");
     return 1;
   }

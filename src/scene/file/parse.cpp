@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <memory>
 #include <new>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "base/os.h"
 #include "file/parse_parts.h"
 #include "file/rube.h"
 
@@ -55,13 +55,9 @@ std::string error_line(std::string_view text, std::string_view file, const scene
          ": " + scene::path_text(error.path) + ": " + error.message;
 }
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 // False, with errno set, if the file cannot be read.
 bool read_file(const std::string& path, std::size_t most, std::string& text) {
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  const os::FileToRead file = os::open_to_read(path);
   if (!file) return false;
   constexpr std::size_t kChunk = std::size_t{1} << 16;
   for (std::size_t used = 0;;) {

@@ -1,13 +1,17 @@
-#include "base/output_file.h"
-
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <filesystem>
 
+#include "base/output_file.h"
+
 namespace psim {
+
+struct OutputFile::Old : stat {};
+
 namespace {
 
 constexpr mode_t kAnyoneByUmask = 0666, kOwner = 0600, kGroup = 0070, kPermissions = 0777;
@@ -34,7 +38,7 @@ std::string folder_of(const std::string& path) { return path.substr(0, path.rfin
 }  // namespace
 
 OutputFile::OutputFile(const std::string& path) {
-  struct stat old = {};
+  Old old = {};
   const bool exists = ::stat(path.c_str(), &old) == 0;
   if (!exists && errno != ENOENT) {
     fail(errno);
@@ -58,7 +62,7 @@ bool OutputFile::fail(int error) {
   return false;
 }
 
-bool OutputFile::open_straight(const std::string& path, const struct stat& old) {
+bool OutputFile::open_straight(const std::string& path, const Old& old) {
   for (const int standard : {STDOUT_FILENO, STDERR_FILENO}) {
     if (fd_ < 0 && is_same_file(old, standard)) fd_ = ::fcntl(standard, F_DUPFD_CLOEXEC, 0);
   }
@@ -89,12 +93,12 @@ bool OutputFile::find_target(const std::string& name, bool exists) {
 }
 
 // Gives `take` names beside the target until it takes one. Returns its last error.
-int OutputFile::take_name(const std::function<bool(const char*)>& take) {
+int OutputFile::take_name(const std::function<bool(const std::string&)>& take) {
   static std::atomic<unsigned> count = 0;
   int error = EEXIST;
   for (int k = 0; error == EEXIST && k < kMostNames; ++k) {
     temporary_ = folder_of(target_) + ".psim-" + std::to_string(::getpid()) + "." + std::to_string(count++);
-    error = take(temporary_.c_str()) ? 0 : errno;
+    error = take(temporary_) ? 0 : errno;
   }
   if (error != 0) temporary_.clear();
   return error;
@@ -108,15 +112,15 @@ void OutputFile::open_beside(bool exists) {
     error = errno;
   }
   if (fd_ < 0 && (error == EOPNOTSUPP || error == EISDIR || error == EINVAL)) {
-    error = take_name([&](const char* name) {
-      fd_ = ::open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
+    error = take_name([&](const std::string& name) {
+      fd_ = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
       return fd_ >= 0;
     });
   }
   if (fd_ < 0) fail(error);
 }
 
-std::string OutputFile::path_for_program(int there) const { return temporary_.empty() ? path_of(there) : temporary_; }
+std::string OutputFile::path_for_program(int there) { return temporary_.empty() ? path_of(there) : temporary_; }
 
 void OutputFile::write(const void* data, std::size_t size) {
   const char* from = static_cast<const char*>(data);
@@ -137,8 +141,8 @@ bool OutputFile::give_name(bool to_disk) {
   const auto no_disk = [] { return errno == EINVAL || errno == EOPNOTSUPP || errno == EROFS; };
   if (to_disk && ::fsync(fd_) != 0 && !no_disk()) return fail(errno);
   if (temporary_.empty()) {
-    const int error = take_name([&](const char* name) {
-      return ::linkat(AT_FDCWD, path_of(fd_).c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+    const int error = take_name([&](const std::string& name) {
+      return ::linkat(AT_FDCWD, path_of(fd_).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
     });
     if (error != 0) return fail(error);
   }

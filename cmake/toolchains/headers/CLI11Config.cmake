@@ -1,0 +1,1 @@
+psim_headers(CLI11::CLI11 CLI)

@@ -1,0 +1,1 @@
+psim_headers(nlohmann_json::nlohmann_json nlohmann)
