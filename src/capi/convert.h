@@ -58,8 +58,9 @@ static_assert(static_cast<int>(Integrator::symplectic4) == PSIM_INTEGRATOR_SYMPL
 static_assert(static_cast<int>(Isa::scalar) == PSIM_ISA_SCALAR);
 static_assert(static_cast<int>(Isa::sse) == PSIM_ISA_SSE);
 static_assert(static_cast<int>(Isa::avx2) == PSIM_ISA_AVX2);
+static_assert(static_cast<int>(Isa::simd128) == PSIM_ISA_SIMD128);
 inline constexpr Isa kLastIsa = std::end(kAllIsas)[-1];
-static_assert(kLastIsa == Isa::avx2);
+static_assert(kLastIsa == Isa::simd128);
 static_assert(static_cast<int>(JointType::spring) == PSIM_JOINT_SPRING);
 static_assert(static_cast<int>(JointType::rope) == PSIM_JOINT_ROPE);
 static_assert(static_cast<int>(JointType::revolute) == PSIM_JOINT_REVOLUTE);

@@ -10,29 +10,35 @@
 namespace psim::kernels {
 
 /// A CPU runs a variant only if it has this; cpu_has() of src/core/base/machine.cpp asks it.
-enum class CpuNeed { nothing, sse41, avx2 };
+enum class CpuNeed { nothing, sse41, avx2, simd128 };
 
 struct IsaRow {
   const char* name;          ///< in options, reports and benchmarks
   const char* unit;          ///< kernels_<unit>.cpp, on the lane types of lanes_<unit>.h
+  const char* processor;     ///< that the unit is built for; "" for all
   const char* flag;          ///< of the compiler, for that file alone
   int lanes;                 ///< floats a register
   CpuNeed need;              ///< of the CPU
   const KernelTable* table;  ///< null: not in this build
 };
 
-/// A build for any processor has the scalar kernels alone; the tables of the others are not even named.
-#ifdef PSIM_PORTABLE
-constexpr const KernelTable* unless_portable(const KernelTable&) { return nullptr; }
+/// A build holds the kernels of its own processor; a portable one the scalar kernels alone. The tables of others are
+/// not even named.
+#if defined(PSIM_PORTABLE)
+inline constexpr bool kIsX86 = false, kIsWasm = false;
+#elif defined(__wasm__)
+inline constexpr bool kIsX86 = false, kIsWasm = true;
 #else
-constexpr const KernelTable* unless_portable(const KernelTable& table) { return &table; }
+inline constexpr bool kIsX86 = true, kIsWasm = false;
 #endif
+constexpr const KernelTable* only_if(bool held, const KernelTable& table) { return held ? &table : nullptr; }
 
 /// The best last.
 inline constexpr IsaRow kIsaList[] = {
-    {"scalar", "scalar", "", 1, CpuNeed::nothing, &kScalarKernels},
-    {"sse", "sse4", "-msse4.1", 4, CpuNeed::sse41, unless_portable(kSseKernels)},
-    {"avx2", "avx2", "-mavx2", 8, CpuNeed::avx2, unless_portable(kAvx2Kernels)},
+    {"scalar", "scalar", "", "", 1, CpuNeed::nothing, &kScalarKernels},
+    {"sse", "sse4", "x86-64", "-msse4.1", 4, CpuNeed::sse41, only_if(kIsX86, kSseKernels)},
+    {"avx2", "avx2", "x86-64", "-mavx2", 8, CpuNeed::avx2, only_if(kIsX86, kAvx2Kernels)},
+    {"simd128", "wasm", "wasm", "-msimd128", 4, CpuNeed::simd128, only_if(kIsWasm, kWasmKernels)},
 };
 
 }  // namespace psim::kernels

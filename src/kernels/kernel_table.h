@@ -76,5 +76,6 @@ struct KernelTable {
 extern const KernelTable kScalarKernels;
 extern const KernelTable kSseKernels;
 extern const KernelTable kAvx2Kernels;
+extern const KernelTable kWasmKernels;
 
 }  // namespace psim::kernels

@@ -59,7 +59,8 @@ enum psim_isa {
   PSIM_ISA_BEST = -1,   ///< the best that this CPU has
   PSIM_ISA_SCALAR = 0,  ///< one lane
   PSIM_ISA_SSE = 1,     ///< SSE4.1
-  PSIM_ISA_AVX2 = 2     ///< AVX2
+  PSIM_ISA_AVX2 = 2,    ///< AVX2
+  PSIM_ISA_SIMD128 = 3  ///< WebAssembly SIMD
 };
 
 /// Kinds of psim_shape.

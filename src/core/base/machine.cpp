@@ -37,7 +37,11 @@ FloatSettings::~FloatSettings() { _mm_setcsr(before_); }
 
 #else
 
-bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; }
+/// A WebAssembly module with SIMD instructions only starts where they are there.
+bool cpu_has(kernels::CpuNeed need) {
+  const bool on_wasm = need == kernels::CpuNeed::simd128 && kernels::kIsWasm;
+  return need == kernels::CpuNeed::nothing || on_wasm;
+}
 
 void pause_briefly() { std::this_thread::yield(); }
 
