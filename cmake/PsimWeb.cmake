@@ -8,6 +8,11 @@ if(PSIM_WEB_THREADS)
 endif()
 set(_memory -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=32MB)
 
+# What is no kernel is inlined less than by default: a sixth less code for a few percent of the time.
+foreach(_target psim_core_objects psim_capi_objects psim_scene)
+  target_compile_options(${_target} PRIVATE "SHELL:-mllvm -inline-threshold=50")
+endforeach()
+
 # Node's own files; the program's thread is not Node's first one, so that it may wait for others.
 set_target_properties(psim PROPERTIES OUTPUT_NAME "program${_suffix}")
 target_link_options(psim PRIVATE ${_memory} -sMAXIMUM_MEMORY=4GB -sENVIRONMENT=node -sNODERAWFS=1 -sMODULARIZE

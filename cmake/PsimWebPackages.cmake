@@ -3,6 +3,11 @@ option(PSIM_WEB_THREADS "Threads in shared memory: the page needs COOP and COEP 
 set(PSIM_ZLIB_SOURCE "${PROJECT_SOURCE_DIR}/build/packages/zlib" CACHE PATH
     "zlib's source, for pictures; tools/cross web fetches it")
 
+# A page loads all of it: small code, but for the kernels (CMakeLists.txt); see PsimWeb.cmake, too. -Os and -Oz of clang
+# 14 inline so little that templates become larger by them.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -fno-unroll-loops -DNDEBUG")
+set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
+
 # libc++ lacks what the sources take for granted; see the file.
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-include> $<$<COMPILE_LANGUAGE:CXX>:${PROJECT_SOURCE_DIR}/cmake/standard_gaps.h>)
 # WebAssembly's own exceptions: without a cost where nothing is thrown, and smaller than emulated ones.
