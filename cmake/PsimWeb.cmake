@@ -34,7 +34,7 @@ list(JOIN _exported "," _exported)
 function(psim_web_module name)
   add_executable(${name} src/web/flat_scene.cpp src/web/flat_world.cpp ${ARGN})
   psim_target_defaults(${name})
-  target_include_directories(${name} PRIVATE include src src/scene src/core src/kernels)
+  target_include_directories(${name} PRIVATE include src/capi src/scene src/core src/kernels)
   target_link_libraries(${name} PRIVATE psim_scene)
   set_target_properties(${name} PROPERTIES OUTPUT_NAME "${name}${_suffix}" SUFFIX .mjs)
   target_link_options(${name} PRIVATE -O3 ${_memory} -sMAXIMUM_MEMORY=2GB -sENVIRONMENT=web,worker --no-entry

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bodies/hull.h"
-#include "capi/handle.h"
 #include "flat.h"
+#include "handle.h"
 #include "place/links.h"
 #include "place/shape_size.h"
 #include "psim/scene.h"

@@ -26,8 +26,15 @@ PSIM_FLAT int psim_flat_desc(const psim_world* world, double* out) {
   psim_world_desc d;
   psim_world_desc_init(&d);
   const psim_result result = psim_world_get_desc(world, &d);
-  const double all[] = {d.bounds.xmin, d.bounds.ymin, d.bounds.xmax, d.bounds.ymax, static_cast<double>(d.boundary),
-                        d.gravity.x,   d.gravity.y,   d.dt,          static_cast<double>(d.substeps)};
+  const double all[] = {d.bounds.xmin,
+                        d.bounds.ymin,
+                        d.bounds.xmax,
+                        d.bounds.ymax,
+                        static_cast<double>(d.boundary),
+                        d.gravity.x,
+                        d.gravity.y,
+                        d.dt,
+                        static_cast<double>(d.substeps)};
   for (int k = 0; k < 9; ++k) out[k] = all[k];
   return result;
 }
@@ -157,8 +164,7 @@ PSIM_FLAT int psim_flat_closest(const psim_world* world, double x, double y, dou
 PSIM_FLAT int psim_flat_in_region(const psim_world* world, double xmin, double ymin, double xmax, double ymax,
                                   psim_body_id* ids, std::uint32_t capacity) {
   std::size_t count = 0;
-  const psim_result result =
-      psim_world_in_region(world, {xmin, ymin, xmax, ymax}, nullptr, ids, capacity, &count);
+  const psim_result result = psim_world_in_region(world, {xmin, ymin, xmax, ymax}, nullptr, ids, capacity, &count);
   return result == PSIM_OK ? static_cast<int>(count) : result;
 }
 /// Six numbers a contact: indices of a and b (-1: a wall), point (2), normal impulse, separation.

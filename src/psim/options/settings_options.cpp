@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostThreads = 256;
 
-// "auto, scalar, sse or avx2".
+// "auto, scalar, ... or simd128": all of them, also those that this build lacks.
 std::string isa_choices() {
   std::string text = "auto";
   for (const Isa isa : kAllIsas) {
