@@ -53,16 +53,16 @@ test('--verify compares them itself', () => {
 test('files are written and read', () => {
   const made = report('--scene', `${root}scenes/arch.json`, '--frames', '20', '--state', 'end.csv', '--metrics', 'frames.csv',
                       '--save', 'saved.state', '--image', 'end.png', '--image-size', '200x150');
-  assert.equal(readFileSync(`${folder}/end.csv`, 'utf8').trim().split('\n').length, made.bodies_final ? made.bodies_final + 1 : 22);
+  assert.equal(readFileSync(`${folder}/end.csv`, 'utf8').trim().split('\n').length, made.bodies.total + 1);
   assert.equal(readFileSync(`${folder}/frames.csv`, 'utf8').trim().split('\n').length, 21);
   assert.equal(readFileSync(`${folder}/end.png`).subarray(1, 4).toString(), 'PNG');
   const straight = report('--scene', `${root}scenes/arch.json`, '--frames', '50');
-  const restored = report('--restore', 'saved.state', '--frames', '30');
+  const restored = report('--scene', `${root}scenes/arch.json`, '--restore', 'saved.state', '--frames', '30');
   assert.equal(restored.state_hash, straight.state_hash);
   const bytes = readFileSync(`${folder}/saved.state`);
   bytes[bytes.length >> 1] ^= 1;
   writeFileSync(`${folder}/broken.state`, bytes);
-  refused(/^psim: .*broken\.state.*damaged/, '--restore', 'broken.state', '--frames', '1');
+  refused(/^psim: .*broken\.state.*damaged/, '--scene', `${root}scenes/arch.json`, '--restore', 'broken.state', '--frames', '1');
 });
 
 // What the native program of the same tree saved goes on here with the same bits, and its files have the same bytes.
@@ -75,8 +75,8 @@ test('states and files of the native program', { skip: !existsSync(native) }, ()
   for (const kind of ['state', 'png', 'csv']) {
     assert.ok(readFileSync(`${folder}/native.${kind}`).equals(readFileSync(`${folder}/web.${kind}`)), kind);
   }
-  const there = JSON.parse(spawnSync(native, ['--restore', 'web.state', '--frames', '60', '--report', 'json'], { cwd: folder, encoding: 'utf8' }).stdout);
-  assert.equal(report('--restore', 'native.state', '--frames', '60').state_hash, there.state_hash);
+  const there = JSON.parse(spawnSync(native, ['--scene', 'card_house', '--restore', 'web.state', '--frames', '60', '--report', 'json'], { cwd: folder, encoding: 'utf8' }).stdout);
+  assert.equal(report('--scene', 'card_house', '--restore', 'native.state', '--frames', '60').state_hash, there.state_hash);
 });
 
 test('mistakes are one line and exit 2', () => {
