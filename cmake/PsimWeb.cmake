@@ -16,9 +16,9 @@ endforeach()
 # Node's own files; the program's thread is not Node's first one, so that it may wait for others.
 set_target_properties(psim PROPERTIES OUTPUT_NAME "program${_suffix}")
 target_link_options(psim PRIVATE ${_memory} -sMAXIMUM_MEMORY=4GB -sENVIRONMENT=node -sNODERAWFS=1 -sMODULARIZE
-                    -sEXIT_RUNTIME)
+                    -sEXPORT_NAME=psim -sEXIT_RUNTIME)
 if(PSIM_WEB_THREADS)
-  target_link_options(psim PRIVATE -sPROXY_TO_PTHREAD)
+  target_link_options(psim PRIVATE -sPROXY_TO_PTHREAD -sENVIRONMENT=node,worker)
 endif()
 
 # The functions of the C API that JavaScript calls as they are; those of src/web mark themselves.

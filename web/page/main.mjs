@@ -75,11 +75,17 @@ function choose() {
 }
 
 function lookAtAll() {
-  const { x, y, radius, origin, count } = show.world.snapshot();
+  const { id, x, y, radius, origin, count } = show.world.snapshot();
+  const reaches = show.shapes.all.map((shape) => {
+    if (shape.kind === 'line') return 0; // a ground that is much longer than what stands on it
+    const far = Array.from(shape.points.subarray(0, shape.points.length / 2), (_, k) => Math.hypot(shape.points[2 * k], shape.points[2 * k + 1]));
+    return shape.radius + Math.max(0, ...far);
+  });
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   for (let k = 0; k < count; ++k) {
-    box[0] = Math.min(box[0], x[k] - radius[k]), box[1] = Math.min(box[1], y[k] - radius[k]);
-    box[2] = Math.max(box[2], x[k] + radius[k]), box[3] = Math.max(box[3], y[k] + radius[k]);
+    const reach = Math.max(radius[k], reaches[show.meshOf[id[k]]]);
+    box[0] = Math.min(box[0], x[k] - reach), box[1] = Math.min(box[1], y[k] - reach);
+    box[2] = Math.max(box[2], x[k] + reach), box[3] = Math.max(box[3], y[k] + reach);
   }
   const { bounds } = show.world.settings;
   const within = box.map((v, k) => (k < 2 ? Math.max(v + origin[k], bounds[k]) : Math.min(v + origin[k - 2], bounds[k])));
@@ -161,6 +167,7 @@ function listen() {
     show.paused = !show.paused;
     find('pause').textContent = show.paused ? 'go on' : 'pause';
   });
+  find('message').addEventListener('click', () => say(''));
   find('fold').addEventListener('click', () => find('panel').classList.toggle('folded'));
   for (const id of ['bodies', 'substeps']) find(id).addEventListener('change', () => tellErrors(start));
   find('gravity').addEventListener('input', () => show.world.setGravity(show.world.settings.gravity[0], Number(find('gravity').value)));
