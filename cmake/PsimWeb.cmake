@@ -24,7 +24,7 @@ endif()
 # The functions of the C API that JavaScript calls as they are; those of src/web mark themselves.
 set(_exported _malloc _free)
 foreach(_name version isa_name parse_isa isa_available best_isa world_destroy last_error world_enable_snapshots
-        world_set_sleeping world_prepare world_memory_bytes world_isa world_threads world_body_count
+        world_set_sleeping world_prepare world_memory_bytes world_isa world_body_count
         world_dynamic_count world_joint_count)
   list(APPEND _exported _psim_${_name})
 endforeach()

@@ -10,7 +10,7 @@ export interface Abilities {
 export function abilities(): Abilities;
 
 export interface LoadOptions {
-  /** 1 to 16, in pages alone; all worlds of the module have so many. 1 by default. */
+  /** 1 to 16, in pages alone; the worlds of the module share them. 1 by default. */
   threads?: number;
   /** Instead of what was found, for tests. */
   abilities?: Abilities;

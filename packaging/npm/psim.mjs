@@ -47,6 +47,7 @@ class Psim {
     this.#memory = memory;
     this.module = module;
     this.threads = threads;
+    memory.call('_psim_flat_start_workers', threads);
     this.notes = notes;
     this.version = memory.text(memory.call('_psim_version'));
     this.isas = [0, 1, 2, 3, 4, 5, 6, 7]
@@ -93,7 +94,7 @@ class Psim {
     return m.withBytes(2 * bytes.length, (at) => {
       m.u8.set(bytes, at);
       const isa = this.isaNumber(options.isa);
-      const world = m.call('_psim_flat_restore', at, bytes.length, at + bytes.length, isa, this.threads);
+      const world = m.call('_psim_flat_restore', at, bytes.length, at + bytes.length, isa);
       return new World(m, m.need(world), this);
     });
   }

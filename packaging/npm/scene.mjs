@@ -47,7 +47,7 @@ export class Scene {
   world(options = {}) {
     const m = this.#memory;
     const isa = this.#psim.isaNumber(options.isa);
-    return new World(m, m.need(m.call('_psim_flat_scene_world', this.#at, isa, this.#psim.threads)), this.#psim);
+    return new World(m, m.need(m.call('_psim_flat_scene_world', this.#at, isa)), this.#psim);
   }
 
   /** Adds the scene's bodies, not its groups and joints, to a world. */

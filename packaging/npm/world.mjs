@@ -40,7 +40,7 @@ export class World {
   get dynamicCount() { return this.#memory.call('_psim_world_dynamic_count', this.address); }
   get jointCount() { return this.#memory.call('_psim_world_joint_count', this.address); }
   get memoryBytes() { return this.#memory.call('_psim_world_memory_bytes', this.address); }
-  get threads() { return this.#memory.call('_psim_world_threads', this.address); }
+  get threads() { return this.#psim.threads; }
   get isa() {
     const m = this.#memory;
     return m.text(m.call('_psim_isa_name', m.call('_psim_world_isa', this.address)));

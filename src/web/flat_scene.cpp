@@ -100,14 +100,15 @@ PSIM_FLAT void psim_flat_scene_substeps(psim_flat_scene* scene, int substeps) {
   scene->scene.world.substeps = substeps;
 }
 
-PSIM_FLAT psim_world* psim_flat_scene_world(const psim_flat_scene* scene, int isa, int threads) {
+PSIM_FLAT psim_world* psim_flat_scene_world(const psim_flat_scene* scene, int isa) {
   psim_world* world = nullptr;
   psim::capi::make_handle("psim_flat_scene_world", &world, error, sizeof error, [&](const psim::capi::Call& call) {
-    const psim::RunOptions options{isa < 0 ? psim::best_isa() : static_cast<psim::Isa>(isa), threads};
+    const psim::RunOptions options{isa < 0 ? psim::best_isa() : static_cast<psim::Isa>(isa), 1};
     std::string wrong;
     call.world->world = psim::build_world(scene->scene, options, wrong);
     return call.world->world ? static_cast<psim_result>(PSIM_OK) : call.fail(PSIM_ERROR_ARGUMENT, wrong);
   });
+  psim::web::share_workers(world);
   return world;
 }
 

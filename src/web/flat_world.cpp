@@ -1,18 +1,39 @@
 // Worlds for JavaScript: functions of the C API whose structs are passed by value or filled in, with plain numbers
 // instead. All others JavaScript calls as they are.
 #include <cstdint>
+#include <optional>
 
 #include "flat.h"
 
 namespace {
 
+void run_jobs(void*, std::size_t count, psim_job_function function, void* job) {
+  psim::web::workers->run(count, [&](std::size_t k) { function(job, k); });
+}
+
 psim_body_id body_of(std::uint32_t index, std::uint32_t generation) { return {index, generation}; }
 
 }  // namespace
 
+void psim::web::share_workers(psim_world* world) {
+  if (workers == nullptr || world == nullptr) return;
+  psim_job_system jobs;
+  psim_job_system_init(&jobs);
+  jobs.workers = workers->threads();
+  jobs.parallel_for = run_jobs;
+  psim_world_set_job_system(world, &jobs);
+}
+
+/// Once, before the first world.
+PSIM_FLAT void psim_flat_start_workers(int threads) {
+  if (psim::web::workers == nullptr && threads > 1) psim::web::workers = new psim::WorkerPool(threads);
+}
+
 // ---- steps -----------------------------------------------------------------------------------------------------
 /// out: milliseconds, contacts, awake, asleep, pairs, escaped, quarantined.
 PSIM_FLAT int psim_flat_step(psim_world* world, double dt, double* out) {
+  std::optional<psim::WorkerPool::Awake> awake;
+  if (psim::web::workers != nullptr) awake.emplace(*psim::web::workers);
   psim_step_report report;
   psim_step_report_init(&report);
   const psim_result result = dt > 0 ? psim_world_step_by(world, dt, &report) : psim_world_step(world, &report);
@@ -191,15 +212,15 @@ PSIM_FLAT int psim_flat_save(psim_world* world, void* packed, std::uint32_t capa
   return result == PSIM_OK ? static_cast<int>(size) : result;
 }
 /// A world that goes on from a packed state, or null. `state` has room for `size` bytes.
-PSIM_FLAT psim_world* psim_flat_restore(const void* packed, std::uint32_t size, void* state, int isa, int threads) {
+PSIM_FLAT psim_world* psim_flat_restore(const void* packed, std::uint32_t size, void* state, int isa) {
   psim_run_options options;
   psim_run_options_init(&options);
   options.isa = isa;
-  options.threads = threads;
   std::size_t length = 0;
   psim_world* world = nullptr;
   char* const error = psim::web::error;
   if (psim_unpack_state(packed, size, state, size, &length, error, sizeof psim::web::error) != PSIM_OK) return nullptr;
   psim_world_from_state(state, length, &options, &world, error, sizeof psim::web::error);
+  psim::web::share_workers(world);
   return world;
 }
