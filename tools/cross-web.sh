@@ -1,4 +1,5 @@
 # shellcheck shell=bash
+# shellcheck disable=SC2154  # psim_root comes from tools/setup.sh
 # WebAssembly, for tools/cross and tools/web; to be sourced after tools/setup.sh.
 # cross_web builds build/web: psim.mjs (Node), index.html (a page) and npm/ (the package), and runs their tests.
 
@@ -50,35 +51,39 @@ psim_web_build() {
   psim_web_gather
 }
 
+# psim_web_count LOG PASSED FAILED: adds what two patterns find in a log. Without a word of what passed, one failed.
+psim_web_count() {
+  local passed failed
+  passed="$(sed -n "$2" "$1" | tail -n 1)" failed="$(sed -n "$3" "$1" | tail -n 1)"
+  [[ -n $passed ]] || failed=$((${failed:-0} + 1))
+  ((${failed:-0} == 0)) || cut -c1-300 "$1" | tail -n 60 >&2
+  psim_web_passed=$((psim_web_passed + ${passed:-0})) psim_web_failed=$((psim_web_failed + ${failed:-0}))
+}
+
+# cross_web [--quick]: builds and tests. --quick leaves psim_tests out, and the golden hashes of scalar kernels.
 cross_web() {
-  psim_web_build golden psim_tests || return 1
-  local threads passed=0 failed=0 log tap
-  threads="$psim_root/build/web-threads"
+  local targets=(golden psim_tests) isas=(scalar simd128) isa log counts threads="$psim_root/build/web-threads"
+  if [[ ${1:-} == --quick ]]; then targets=(golden) isas=(simd128); fi
+  psim_web_build "${targets[@]}" || return 1
   local node=(node --no-experimental-fetch)  # by which emscripten's older code would look for files
+  psim_web_passed=0 psim_web_failed=0
   log="$(mktemp)"
-
-  psim_say "golden hashes in Node, on both instruction sets"
-  local isa
-  for isa in scalar simd128; do
-    if "${node[@]}" "$threads/golden.js" check "$psim_root/tests/golden/small.csv" --isa "$isa" --threads 2 >"$log" 2>&1
-    then passed=$((passed + 1)); else failed=$((failed + 1)); cut -c1-300 "$log" | tail -20 >&2; fi
+  for isa in "${isas[@]}"; do
+    psim_say "golden hashes, $isa"
+    "${node[@]}" "$threads/golden.js" check "$psim_root/tests/golden/small.csv" --isa "$isa" --threads 2 >"$log" 2>&1
+    counts="$(awk '/ scenes, [0-9]+ differ$/ { print "golden", $1 - $3, $3 }' "$log")"
+    echo "$counts" >>"$log"
+    psim_web_count "$log" 's/^golden \([0-9]*\) .*/\1/p' 's/^golden [0-9]* \(.*\)/\1/p'
   done
-
-  psim_say "psim_tests in Node"
-  "${node[@]}" "$threads/psim_tests.js" --gtest_brief=1 --gtest_filter='-Slow*:*/Slow*:Stress*' >"$log" 2>&1
-  passed=$((passed + $(sed -n 's/.*PASSED.* \([0-9]*\) tests\?\..*/\1/p' "$log" | tail -1)))
-  tap=$(sed -n 's/.*FAILED.* \([0-9]*\) tests\?, listed.*/\1/p' "$log" | tail -1)
-  grep -q 'PASSED' "$log" || tap=$((${tap:-0} + 1))
-  ((${tap:-0})) && cut -c1-300 "$log" | tail -40 >&2
-  failed=$((failed + ${tap:-0}))
-
+  if [[ ${1:-} != --quick ]]; then
+    psim_say "psim_tests"
+    "${node[@]}" "$threads/psim_tests.js" --gtest_color=no --gtest_filter='-Slow*:*/Slow*:Stress*' >"$log" 2>&1
+    psim_web_count "$log" 's/^\[  PASSED  \] \([0-9]*\) tests*\.$/\1/p' 's/^\[  FAILED  \] \([0-9]*\) tests*, listed.*/\1/p'
+  fi
   psim_say "the package, the program and the page"
   node --test --test-reporter=tap "$psim_root"/tests/web/ >"$log" 2>&1
-  passed=$((passed + $(sed -n 's/^# pass \([0-9]*\)/\1/p' "$log" | tail -1)))
-  tap=$(sed -n 's/^# fail \([0-9]*\)/\1/p' "$log" | tail -1)
-  ((${tap:-1})) && cut -c1-300 "$log" | tail -60 >&2
-  failed=$((failed + ${tap:-1}))
+  psim_web_count "$log" 's/^# pass \([0-9]*\)/\1/p' 's/^# fail \([0-9]*\)/\1/p'
   rm -f "$log"
-  echo "$passed passed, $failed failed"
-  ((failed == 0))
+  echo "$psim_web_passed passed, $psim_web_failed failed"
+  ((psim_web_failed == 0))
 }

@@ -1,6 +1,6 @@
 // Milliseconds a step of psim and other engines in Node on the same scenes, one thread: node compare.mjs [FRAMES].
-// Each engine runs in a process of its own, so that none inherits another's heap. The mean is over the last half of the
-// frames; an engine that took more than two minutes stops and shows how far it came. The mean height of the bodies at the
+// Each engine runs in a process of its own, so that none inherits another's heap. The figure is the median of the last
+// half of the frames; an engine that took more than two minutes stops and shows how far it came. The mean height of the bodies at the
 // end tells whether they did the same.
 import { spawnSync } from 'node:child_process';
 import { fileURLToPath } from 'node:url';
@@ -19,11 +19,11 @@ async function measure(scene, engine, frames) {
     times.push(performance.now() - begin);
     all += times.at(-1);
   }
-  const half = times.slice(times.length >> 1);
+  const half = times.slice(times.length >> 1).sort((a, b) => a - b);
   let height = 0;
   for (let k = 0; k < scene.bodies.length; ++k) height += world.height(k) / scene.bodies.length;
   world.free();
-  return { ms: half.reduce((sum, ms) => sum + ms, 0) / half.length, frames: times.length, height };
+  return { ms: half[half.length >> 1], frames: times.length, height };
 }
 
 const [first, second, third] = process.argv.slice(2);
