@@ -8,10 +8,15 @@ function(psim_target_defaults target)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden
-    VISIBILITY_INLINES_HIDDEN ON
-    POSITION_INDEPENDENT_CODE ON)
+    VISIBILITY_INLINES_HIDDEN ON)
+  if(NOT EMSCRIPTEN)  # whose modules are linked once, and are slower with it
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_compile_options(${target} PRIVATE ${PSIM_WARNINGS} ${PSIM_EXACT_FLOATS})
   target_compile_definitions(${target} PRIVATE ${PSIM_SYSTEM_DEFINITIONS})
+  if(EMSCRIPTEN)  # std::size_t has 32 bits; what files say is compared as 64 before it becomes one
+    target_compile_options(${target} PRIVATE -Wno-sign-conversion -Wno-shorten-64-to-32)
+  endif()
   if(PSIM_WERROR)
     target_compile_options(${target} PRIVATE ${PSIM_WARNINGS_ARE_ERRORS})
   endif()

@@ -10,7 +10,7 @@
 namespace psim::kernels {
 
 /// A CPU runs a variant only if it has this; cpu_has() of src/core/base/machine.cpp asks it.
-enum class CpuNeed { nothing, sse41, avx2, neon };
+enum class CpuNeed { nothing, sse41, avx2, neon, simd128 };
 
 struct IsaRow {
   const char* name;          ///< in options, reports and benchmarks
@@ -25,11 +25,13 @@ struct IsaRow {
 /// A build holds the kernels of its own processor; a portable one the scalar kernels alone. The tables of others are
 /// not even named.
 #if defined(PSIM_PORTABLE)
-inline constexpr bool kIsX86 = false, kIsArm = false;
+inline constexpr bool kIsX86 = false, kIsArm = false, kIsWasm = false;
 #elif defined(__aarch64__) || defined(_M_ARM64)
-inline constexpr bool kIsX86 = false, kIsArm = true;
+inline constexpr bool kIsX86 = false, kIsArm = true, kIsWasm = false;
+#elif defined(__wasm__)
+inline constexpr bool kIsX86 = false, kIsArm = false, kIsWasm = true;
 #else
-inline constexpr bool kIsX86 = true, kIsArm = false;
+inline constexpr bool kIsX86 = true, kIsArm = false, kIsWasm = false;
 #endif
 constexpr const KernelTable* only_if(bool held, const KernelTable& table) { return held ? &table : nullptr; }
 
@@ -39,6 +41,7 @@ inline constexpr IsaRow kIsaList[] = {
     {"sse", "sse4", "x86-64", "-msse4.1", 4, CpuNeed::sse41, only_if(kIsX86, kSseKernels)},
     {"avx2", "avx2", "x86-64", "-mavx2", 8, CpuNeed::avx2, only_if(kIsX86, kAvx2Kernels)},
     {"neon", "neon", "aarch64", "", 4, CpuNeed::neon, only_if(kIsArm, kNeonKernels)},
+    {"simd128", "wasm", "wasm", "-msimd128", 4, CpuNeed::simd128, only_if(kIsWasm, kWasmKernels)},
 };
 
 }  // namespace psim::kernels

@@ -77,5 +77,6 @@ extern const KernelTable kScalarKernels;
 extern const KernelTable kSseKernels;
 extern const KernelTable kAvx2Kernels;
 extern const KernelTable kNeonKernels;
+extern const KernelTable kWasmKernels;
 
 }  // namespace psim::kernels

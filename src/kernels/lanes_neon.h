@@ -9,6 +9,7 @@
 
 #include "block_layout.h"
 #include "compact_table.h"
+#include "compiler.h"
 
 namespace psim::kernels {
 namespace {

@@ -33,7 +33,7 @@ TEST(CliOptions, MistakesAreOneLineThatNamesWhatWouldBeRight) {
       {{"--dt", "1e-7"}, {"--dt 1e-7", "seconds"}},
       {{"--substeps", "65"}, {"--substeps 65", "1 to 64"}},
       {{"--integrator", "rk5"}, {"--integrator rk5", "verlet, euler, rk4 or symplectic4"}},
-      {{"--isa", "mmx"}, {"--isa mmx", "auto, scalar, sse, avx2 or neon"}},
+      {{"--isa", "mmx"}, {"--isa mmx", "auto, scalar, sse, avx2, neon or simd128"}},
       {{"--report", "xml"}, {"--report xml", "text or json"}},
       {{"--budget", "0"}, {"--budget 0", "above 0"}},
       {{"--budget", "-nan"}, {"--budget", "above 0"}},

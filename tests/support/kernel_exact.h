@@ -24,6 +24,7 @@ inline std::vector<Isa> wide_isas() {
   if (isa_lanes(Isa::sse) != 0 && __builtin_cpu_supports("sse4.1")) isas.push_back(Isa::sse);
   if (isa_lanes(Isa::avx2) != 0 && __builtin_cpu_supports("avx2")) isas.push_back(Isa::avx2);
 #endif
+  if (isa_lanes(Isa::simd128) != 0) isas.push_back(Isa::simd128);  // without it the module would not have started
   return isas;
 }
 

@@ -17,7 +17,7 @@ PSIM_API uint32_t psim_version_number(void);
 /// A result in words, such as "out of memory"; "unknown result" for any other number. Never NULL.
 PSIM_API const char* psim_result_string(psim_result result);
 
-/// "scalar", "sse", "avx2" or "neon"; NULL for any other number.
+/// "scalar", "sse", "avx2", "neon" or "simd128"; NULL for any other number.
 PSIM_API const char* psim_isa_name(int32_t isa);
 
 /// The reverse of psim_isa_name. PSIM_ERROR_ARGUMENT for any other text.

@@ -60,7 +60,8 @@ enum psim_isa {
   PSIM_ISA_SCALAR = 0,  ///< one lane
   PSIM_ISA_SSE = 1,     ///< SSE4.1
   PSIM_ISA_AVX2 = 2,    ///< AVX2
-  PSIM_ISA_NEON = 3     ///< NEON of aarch64
+  PSIM_ISA_NEON = 3,    ///< NEON of aarch64
+  PSIM_ISA_SIMD128 = 4  ///< WebAssembly SIMD
 };
 
 /// Kinds of psim_shape.

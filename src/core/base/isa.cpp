@@ -19,6 +19,7 @@ static_assert(row_of(Isa::scalar).name == std::string_view("scalar"));
 static_assert(row_of(Isa::sse).name == std::string_view("sse"));
 static_assert(row_of(Isa::avx2).name == std::string_view("avx2"));
 static_assert(row_of(Isa::neon).name == std::string_view("neon"));
+static_assert(row_of(Isa::simd128).name == std::string_view("simd128"));
 
 }  // namespace
 

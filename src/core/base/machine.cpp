@@ -85,6 +85,7 @@ bool cpu_has(kernels::CpuNeed need) {
     case kernels::CpuNeed::avx2:
       return cpu().avx2;
     case kernels::CpuNeed::neon:
+    case kernels::CpuNeed::simd128:
       return false;
   }
   return false;
@@ -125,7 +126,11 @@ FloatSettings::~FloatSettings() { set_fpcr(before_.control); }
 
 #else
 
-bool cpu_has(kernels::CpuNeed need) { return need == kernels::CpuNeed::nothing; }
+/// A WebAssembly module with SIMD instructions only starts where they are there.
+bool cpu_has(kernels::CpuNeed need) {
+  const bool on_wasm = need == kernels::CpuNeed::simd128 && kernels::kIsWasm;
+  return need == kernels::CpuNeed::nothing || on_wasm;
+}
 
 void pause_briefly() { std::this_thread::yield(); }
 

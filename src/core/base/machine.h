@@ -21,6 +21,13 @@ bool cpu_has(kernels::CpuNeed need);
 /// The kernel table of an ISA (isa.cpp). The caller has checked isa_available.
 const kernels::KernelTable& kernels_of(Isa isa);
 
+/// False where threads cannot be started: in WebAssembly without shared memory. One thread then does all the work.
+#if defined(__wasm__) && !defined(__EMSCRIPTEN_PTHREADS__)
+inline constexpr bool kHasThreads = false;
+#else
+inline constexpr bool kHasThreads = true;
+#endif
+
 /// A hint to the CPU that the thread waits in a loop.
 void pause_briefly();
 

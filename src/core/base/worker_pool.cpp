@@ -12,7 +12,7 @@ constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
 }  // namespace
 
 WorkerPool::WorkerPool(int threads, Tracer* tracer)
-    : threads_(static_cast<std::size_t>(threads)),
+    : threads_(kHasThreads ? static_cast<std::size_t>(threads) : 1),
       tracer_(tracer),
       crowded_(threads_ > std::thread::hardware_concurrency()),
       shares_(std::make_unique<Share[]>(threads_)) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 #include "base/sort_keys.h"
 #include "base/tasks.h"
@@ -167,7 +168,7 @@ void ListRenewal::put_statics(PairTable& table) {
   for (const std::uint32_t slot : found_) {
     std::vector<StaticPair>& list = table.static_contacts[table.strip_of(slot)];
     const auto [first, last] = contacts_of(near_, slot);
-    const std::span<StaticPair> mine(first, last);
+    const std::span<StaticPair> mine(std::to_address(first), static_cast<std::size_t>(last - first));
     const auto [begin, end] = contacts_of(list, slot);
     bool same = end - begin == std::ssize(mine);
     for (StaticPair& pair : mine) {

@@ -127,6 +127,7 @@ class Archive {
 
   template <Number T>
   void value(T& v) {
+    if constexpr (kIsSize<T>) return size(v);
     auto bits = std::bit_cast<BitsOf<sizeof(T)>>(v);
     transfer(&bits, sizeof bits);
     if (!loading_) return;
@@ -150,7 +151,7 @@ class Archive {
   }
   template <class T>
   void plain(T* data, std::size_t n) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && !kIsSize<T>);
     if (n != 0) transfer(data, n * sizeof(T));
   }
   template <class T>
@@ -168,6 +169,7 @@ class Archive {
   template <class At>
   void packed(std::size_t n, const At& at) {
     using T = std::remove_cvref_t<decltype(at(std::size_t{0}))>;
+    static_assert(!kIsSize<T>);
     using Bits = BitsOf<sizeof(T)>;
     Bits run[kPackedRun];
     for (std::size_t begin = 0; begin < n && ok(); begin += kPackedRun) {
@@ -226,6 +228,15 @@ class Archive {
     at_ += n;
   }
   bool make_room(std::size_t n);
+  // A std::size_t takes 8 bytes in every state, also where it has 4: states go from machine to machine.
+  template <class T>
+  static constexpr bool kIsSize = std::is_same_v<T, std::size_t> && sizeof(T) < sizeof(std::uint64_t);
+  void size(std::size_t& v) {
+    std::uint64_t wide = v;
+    value(wide);
+    require(wide <= std::numeric_limits<std::size_t>::max());
+    if (loading_) v = ok() ? static_cast<std::size_t>(wide) : 0;
+  }
   // Makes room for a list whose elements take at least so many bytes each; 0: packed.
   template <class T>
   void length(std::vector<T>& v, std::size_t bytes) {

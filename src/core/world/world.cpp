@@ -128,7 +128,7 @@ std::uint64_t World::frame() const { return impl_->ledger.frames; }
 std::uint64_t World::escaped_total() const { return impl_->quarantine.escaped; }
 const WorldDesc& World::desc() const { return impl_->desc; }
 Isa World::isa() const { return impl_->options.isa; }
-int World::threads() const { return impl_->options.threads; }
+int World::threads() const { return impl_->pool.threads(); }
 LaneCounts World::lane_counts() const { return impl_->ledger.lanes; }
 
 std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const { return impl_->ledger.skipped(); }

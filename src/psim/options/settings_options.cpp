@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostThreads = 256;
 
-// "auto, scalar, sse, avx2 or neon".
+// "auto, scalar, ... or simd128": all of them, also those that this build lacks.
 std::string isa_choices() {
   std::string text = "auto";
   for (const Isa isa : kAllIsas) {

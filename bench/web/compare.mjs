@@ -1,0 +1,50 @@
+// Milliseconds a step of psim and other engines in Node on the same scenes, one thread: node compare.mjs [FRAMES].
+// Each engine runs in a process of its own, so that none inherits another's heap. The figure is the median of the last
+// half of the frames; an engine that took more than two minutes stops and shows how far it came. The mean height of the bodies at the
+// end tells whether they did the same.
+import { spawnSync } from 'node:child_process';
+import { fileURLToPath } from 'node:url';
+import { engines } from './engines.mjs';
+import { discs, pyramid } from './scenes.mjs';
+
+const scenes = [discs(2000), discs(10000), discs(50000), pyramid(40)];
+const mostMs = 120000;
+
+async function measure(scene, engine, frames) {
+  const world = await engine.make(scene);
+  const times = [];
+  for (let all = 0; times.length < frames && all < mostMs;) {
+    const begin = performance.now();
+    world.step();
+    times.push(performance.now() - begin);
+    all += times.at(-1);
+  }
+  const half = times.slice(times.length >> 1).sort((a, b) => a - b);
+  let height = 0;
+  for (let k = 0; k < scene.bodies.length; ++k) height += world.height(k) / scene.bodies.length;
+  world.free();
+  return { ms: half[half.length >> 1], frames: times.length, height };
+}
+
+const [first, second, third] = process.argv.slice(2);
+if (first === '--one') {
+  const result = await measure(scenes[second], engines[third], Number(process.argv[5]));
+  process.stdout.write(`\n${JSON.stringify(result)}\n`, () => process.exit(0));
+} else {
+  const frames = Number(first ?? 240);
+  console.log(`Node ${process.version}, ${frames} frames\n\n| scene | engine | ms a step | times psim | frames | mean height, m |\n|---|---|---|---|---|---|`);
+  scenes.forEach((scene, s) => {
+    let own;
+    engines.forEach((engine, e) => {
+      const words = [fileURLToPath(import.meta.url), '--one', `${s}`, `${e}`, `${frames}`];
+      const { stdout, stderr } = spawnSync('node', words, { encoding: 'utf8' });
+      try {
+        const r = JSON.parse(stdout.trim().split('\n').at(-1));
+        own ??= r.ms;
+        console.log(`| ${scene.name} | ${engine.name} | ${r.ms.toPrecision(3)} | ${(r.ms / own).toPrecision(3)} | ${r.frames} | ${r.height.toFixed(2)} |`);
+      } catch {
+        console.log(`| ${scene.name} | ${engine.name} | failed: ${stderr.trim().split('\n').at(-1).slice(0, 80)} | | | |`);
+      }
+    });
+  });
+}

@@ -1,0 +1,67 @@
+// A scene: what worlds are made of.
+import { World } from './world.mjs';
+
+const kinds = ['disc', 'area', 'line', 'loop'];
+
+export class Scene {
+  #memory;
+  #at;
+  #psim;
+
+  constructor(memory, at, psim) {
+    this.#memory = memory;
+    this.#at = memory.need(at);
+    this.#psim = psim;
+  }
+
+  get json() { return this.#memory.text(this.#memory.need(this.#memory.call('_psim_flat_scene_json', this.#at))); }
+  get bodies() { return this.#memory.call('_psim_flat_scene_bodies', this.#at); }
+
+  set substeps(count) {
+    if (!Number.isInteger(count) || count < 1 || count > 64) throw new Error('psim: substeps must be 1 to 64');
+    this.#memory.call('_psim_flat_scene_substeps', this.#at, count);
+  }
+
+  /** What the bodies look like: `of[id]` is a row of `all`. Bodies alike share a row. */
+  shapes() {
+    const m = this.#memory;
+    const first = m.need(m.call('_psim_flat_scene_shape_of', this.#at)) >> 2;
+    const starts = m.u32.slice(first, first + this.bodies);
+    const numbers = m.call('_psim_flat_scene_shape_numbers', this.#at);
+    const begin = m.call('_psim_flat_scene_shapes', this.#at) >> 3;
+    const flat = m.f64.slice(begin, begin + numbers);
+    const all = [];
+    const row = new Map(); // where a shape begins, and what it is: its row
+    for (let at = 0, end; at < numbers; at = end) {
+      end = at + 4 + 2 * flat[at + 3];
+      const key = flat.subarray(at, end).join();
+      if (!row.has(key)) {
+        row.set(key, all.length);
+        all.push({ kind: kinds[flat[at]], radius: flat[at + 1], mass: flat[at + 2], points: flat.slice(at + 4, end) });
+      }
+      row.set(at, row.get(key));
+    }
+    return { of: starts.map((start) => row.get(start)), all };
+  }
+
+  world(options = {}) {
+    const m = this.#memory;
+    const isa = this.#psim.isaNumber(options.isa);
+    return new World(m, m.need(m.call('_psim_flat_scene_world', this.#at, isa)), this.#psim);
+  }
+
+  /** Adds the scene's bodies, not its groups and joints, to a world. */
+  addTo(world) {
+    const m = this.#memory;
+    return m.withBytes(8 * this.bodies, (at) => {
+      const added = m.call('_psim_flat_scene_add_bodies', this.#at, world.address, at);
+      if (added < 0) m.check(added, world.address);
+      return Array.from({ length: added }, (_, k) => ({ index: m.u32[(at >> 2) + 2 * k], generation: m.u32[(at >> 2) + 2 * k + 1] }));
+    });
+  }
+
+  free() {
+    this.#memory.call('_psim_flat_scene_free', this.#at);
+    this.#at = 0;
+  }
+}

@@ -1,0 +1,129 @@
+// The page in headless Chromium, with played input. Screenshots stay in build/web/pictures to be looked at.
+import assert from 'node:assert/strict';
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { serve } from '../../build/web/serve.mjs';
+import { Chromium, browser } from './chromium.mjs';
+import { built } from './places.mjs';
+
+const skip = browser ? false : 'no Chromium here';
+
+async function onPage(options, use) {
+  const { server, address } = await serve(built, 0, options.isolated ?? true);
+  const page = await Chromium.open(`${address}${options.query ?? ''}`, { width: 1100, height: 800, ...options });
+  try {
+    await page.until('window.psimPage?.world?.frame > 5');
+    await use(page);
+    assert.deepEqual(page.errors, []);
+    mkdirSync(`${built}pictures`, { recursive: true });
+    writeFileSync(`${built}pictures/${options.name}.png`, await page.picture());
+  } finally {
+    await page.close();
+    server.close();
+  }
+}
+
+const state = (name) => `psimPage.world.${name}`;
+/** CSS pixels of a place of the world. */
+const onCanvas = (x, y) => `(() => { const c = document.getElementById('view'), m = psimPage.camera;
+  const s = m.pixelsAMetre(c.clientWidth, c.clientHeight);
+  return [c.clientWidth / 2 + (${x} - m.x) * s, c.clientHeight / 2 - (${y} - m.y) * s]; })()`;
+/** How many different colours the middle of the canvas has. */
+const colours = `(() => { const c = document.getElementById('view'), gl = c.getContext('webgl2');
+  const p = new Uint8Array(4 * c.width * c.height), seen = new Set();
+  gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p);
+  for (let k = 0; k < p.length; k += 4) seen.add(p[k] << 16 | p[k + 1] << 8 | p[k + 2]);
+  return seen.size; })()`;
+
+test('scenes, sliders and hands on a desk', { skip }, async () => {
+  await onPage({ name: 'desk', query: '?scene=pyramid&threads=2' }, async (page) => {
+    assert.equal(await page.ask('psimPage.psim.module'), 'psim-simd-threads');
+    assert.equal(await page.ask(state('threads')), 2);
+    assert.equal(await page.ask('document.getElementById("message").textContent'), '');
+    assert.ok((await page.ask('document.getElementById("scene").length')) > 30);
+    assert.match(await page.ask('document.getElementById("hash").textContent'), /^frame \d+ {2}0x[0-9a-f]{16}$/);
+    assert.ok((await page.ask(colours)) > 20, 'bodies are drawn');
+
+    // The hand pulls a box out of the pyramid.
+    const top = await page.ask(`(() => { const s = ${state('state()')}; let k = 0;
+      for (let j = 0; j < s.count; ++j) if (s.type[j] === 0 && s.y[j] > s.y[k]) k = j;
+      return [s.id[k], s.x[k], s.y[k]]; })()`);
+    const [x, y] = await page.ask(onCanvas(top[1], top[2]));
+    await page.mouse('mousePressed', x, y);
+    for (let k = 1; k <= 10; ++k) await page.mouse('mouseMoved', x + 20 * k, y - 6 * k);
+    await page.until(`psimPage.world.body({ index: ${top[0]}, generation: 0 }).x > ${top[1]} + 2`);
+    assert.equal(await page.ask(state('jointCount')), 2);
+    await page.mouse('mouseReleased', x + 200, y - 60);
+    await page.until(`${state('jointCount')} === 0`);
+
+    // A box is put in, and all are kicked.
+    const before = await page.ask(state('bodyCount'));
+    await page.ask('document.querySelector("[name=tool][value=box]").click()');
+    await page.mouse('mousePressed', x - 200, y);
+    await page.mouse('mouseReleased', x - 200, y);
+    await page.until(`${state('bodyCount')} === ${before} + 1`);
+    await page.ask('document.querySelector("[name=tool][value=kick]").click()');
+    const [cx, cy] = await page.ask(onCanvas(top[1], 1));
+    await page.mouse('mousePressed', cx, cy);
+    await page.mouse('mouseReleased', cx, cy);
+    await page.until(`(() => { const s = ${state('state()')}; return Math.max(...s.vx.map(Math.abs)) > 2; })()`);
+
+    // Sliders.
+    await page.ask('(e => { e.value = 20; e.dispatchEvent(new Event("input")); })(document.getElementById("gravity"))');
+    assert.equal(await page.ask(state('settings.gravity[1]')), 20);
+    await page.ask('(e => { e.value = 2; e.dispatchEvent(new Event("change")); })(document.getElementById("substeps"))');
+    assert.equal(await page.ask(state('settings.substeps')), 2);
+    await page.until(`${state('frame')} > 60`);
+  });
+});
+
+test('the hash on the page is that of Node', { skip }, async () => {
+  const { load } = await import('../../build/web/npm/psim.mjs');
+  const world = (await load()).builtin('rough-pile', { bodies: 2000 }).world();
+  const inNode = [];
+  for (let frame = 0; frame <= 120; ++frame) inNode.push(world.hash()), world.step();
+  await onPage({ name: 'pile', query: '?scene=rough-pile&bodies=2000&threads=3' }, async (page) => {
+    const inPage = await page.ask(`(() => { const scene = psimPage.psim.builtin('rough-pile', { bodies: 2000 });
+      const world = scene.world(), hashes = [];
+      for (let frame = 0; frame <= 120; ++frame) hashes.push(world.hash()), world.step();
+      world.free(); scene.free();
+      return hashes; })()`);
+    assert.deepEqual(inPage, inNode);
+  });
+});
+
+test('every scene of the gallery starts', { skip }, async () => {
+  await onPage({ name: 'gallery', query: '?scene=washer&threads=1' }, async (page) => {
+    const scenes = await page.ask('[...document.getElementById("scene").options].map((o) => o.value)');
+    for (const name of scenes) {
+      await page.ask(`(e => { e.value = ${JSON.stringify(name)}; e.dispatchEvent(new Event('change')); })(document.getElementById('scene'))`);
+      await page.until(`${state('frame')} > 2`);
+      assert.equal(await page.ask('document.getElementById("message").textContent'), '', name);
+    }
+    await page.ask(`(e => { e.value = 'washer'; e.dispatchEvent(new Event('change')); })(document.getElementById('scene'))`);
+    await page.until(`${state('frame')} > 60`, 120);
+  });
+});
+
+test('on a phone, by touch, without shared memory', { skip }, async () => {
+  await onPage({ name: 'phone', query: '?scene=bridge', width: 390, height: 780, touch: true, isolated: false }, async (page) => {
+    assert.equal(await page.ask('psimPage.psim.module'), 'psim-simd');
+    assert.match(await page.ask('document.getElementById("message").textContent'), /COOP and COEP/);
+    assert.equal(await page.ask('document.documentElement.scrollWidth'), 390);
+    const disc = await page.ask(`(() => { const s = ${state('state()')}; const k = s.type.lastIndexOf(0);
+      return [s.id[k], s.x[k], s.y[k]]; })()`);
+    await page.ask('document.getElementById("pause").click()');
+    const [x, y] = await page.ask(onCanvas(disc[1], disc[2]));
+    await page.ask('document.getElementById("pause").click()');
+    await page.touch('touchStart', [x, y]);
+    await page.until(`${state('jointCount')} > 0`);
+    for (let k = 1; k <= 5; ++k) await page.touch('touchMove', [x, y - 10 * k]);
+    await page.touch('touchEnd');
+    // Two fingers zoom.
+    const span = await page.ask('psimPage.camera.span[0]');
+    await page.touch('touchStart', [150, 300], [250, 300]);
+    await page.touch('touchMove', [100, 300], [300, 300]);
+    await page.touch('touchEnd');
+    assert.ok((await page.ask('psimPage.camera.span[0]')) < 0.7 * span);
+  });
+});
