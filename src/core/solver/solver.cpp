@@ -347,7 +347,7 @@ void Solver::Run::find_mean_rim_speeds(std::uint32_t begin, std::uint32_t n, flo
   }
   for (std::uint32_t l = 0; l < n; ++l) {
     const float change = last[l] - first[l], way = kernels::squarable(change);
-    const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
+    const float spin = kernels::squarable(first[l]), spun = spin * spin - turn_.least_spin2 * (radius[l] * radius[l]);
     mean[l] = last[l] - (way * way <= std::min(bound[l], spun) ? 0.5f * change : 0.0f);
   }
 }
