@@ -219,7 +219,7 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
       soon = closing & (hit_t < h);
       t = select(soon, hit_t, t);
     }
-    t = select(flat, flat_t, t);
+    t = snapped<L>(select(flat, flat_t, t), kLeastTime);
     const auto deep = select(flat, s0 < half * deepest, gap0 < deepest * radius) & (e < one);
     soon = but_not(eligible & select(flat, flat_soon, soon), deep);
     const auto clear = select(negative(mark), eligible, zero < select(flat, s0, gap0));
@@ -228,13 +228,14 @@ bool sweep_statics(const BodyView& b, const StaticContactView& c, const ContactP
     F<L> vn = zero;
     if (any(soon)) {
       const auto fall = half * t * t;
-      const auto xt = x + t * vx + fall * gx;
-      const auto yt = y + t * vy + fall * gy;
+      const auto wx = snapped<L>(vx), wy = snapped<L>(vy);
+      const auto xt = snapped<L>(x + t * wx + fall * gx, kLeastOffset);
+      const auto yt = snapped<L>(y + t * wy + fall * gy, kLeastOffset);
       const auto length = sqrt(xt * xt + yt * yt);
       const auto inverse = one / select(zero < length, length, one);
       nx = select(flat, nx, snapped<L>(xt * inverse));
       ny = select(flat, ny, snapped<L>(yt * inverse));
-      vn = nx * (vx + gx * t) + ny * (vy + gy * t);
+      vn = nx * (wx + gx * t) + ny * (wy + gy * t);
       const auto keen = floor <= e * abs(vn);
       hit = (soon & (least_e <= e)) & (keen & (vn < zero));
       const auto later = but_not(hit, t < due);

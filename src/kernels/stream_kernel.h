@@ -289,7 +289,7 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
       const F<L> last = L::load(b.rim_speed + i), first = L::load(b.rim_speed0 + i), none = 0;
       const F<L> before = L::load(b.angle_change + i);
       if (!any((last != none) | (first != none) | (before != none))) continue;
-      const auto change = last - first, way = squarable<L>(change);
+      const auto change = last - first, way = squarable<L>(change), spin = squarable<L>(first);
       auto bound = limit;
       if (b.acc != nullptr) {
         std::uint32_t slots[L::width];
@@ -299,7 +299,7 @@ void turn_bodies(const BodyView& b, const float* radius, const StreamParams& p, 
         bound = limit + four_h2 * (x * x + y * y);
       }
       const auto size = L::load(radius + i);
-      const auto spun = first * first - least * (size * size);
+      const auto spun = spin * spin - least * (size * size);
       const auto rim_speed = last - keep(way * way <= min(bound, spun), 0.5f * change);
       const auto safe = select(0 < size, size, one);
       auto d = snapped<L>(before + step * (rim_speed / safe));

@@ -63,7 +63,6 @@ TEST(StressFar, AWorldAboutADistantPointHasTheSameBits) {
   for (const double x : {1e4, -1e6, 1e8}) EXPECT_EQ(difference_at(x), 0) << x;
 }
 
-// With denormals computed instead of taken for zero it is 22.
 TEST(SlowStressDenormals, DoNotSlowAStepDown) { EXPECT_LT(denormal_slowdown(), 5); }
 
 // ---- long runs --------------------------------------------------------------------------------

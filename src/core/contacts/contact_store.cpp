@@ -208,8 +208,8 @@ void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, 
     fixed.body[at] = solved_.number(pair.body);
     fixed.shape[at] = pair.shape;
     BodyProperties side;  // without inverse mass
-    side.restitution = wall ? static_cast<float>(wall_.restitution) : s_.statics[pair.shape].restitution;
-    side.friction = wall ? static_cast<float>(wall_.friction) : s_.statics[pair.shape].friction;
+    side.restitution = wall ? coefficient(wall_.restitution) : s_.statics[pair.shape].restitution;
+    side.friction = wall ? coefficient(wall_.friction) : s_.statics[pair.shape].friction;
     fixed.fill(model_, at, side, s_.bodies.properties(id));
     fixed.carry(model_, at, before);
     // The narrow phase keeps a pressed contact on the side where it was.

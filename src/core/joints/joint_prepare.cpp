@@ -24,7 +24,9 @@ constexpr std::uint32_t kFew = 32, kMany = 256, kManyOfNets = 1024;  // blocks
 constexpr std::uint32_t kShareBlocks = 512;                          // blocks of bodies in a job
 constexpr std::uint32_t kSmallGap = 8;                               // blocks without joints that a range may contain
 
-float narrow(double v) { return kernels::snapped(v, kernels::kLeastOffset); }
+float narrow(double v) { return static_cast<float>(v); }
+// The same for what may be next to nothing.
+float narrow_small(double v) { return kernels::snapped(v, kernels::kLeastOffset); }
 
 // The effective mass of pulling the anchors apart, kg, along the line `apart` from one to the other.
 double line_mass(const JointMember& ma, const JointMember& mb, Vec2 arm_a, Vec2 arm_b, Vec2 apart) {
@@ -52,10 +54,10 @@ double pinned_inertia(const JointMember& ma, const JointMember& mb, Vec2 a, Vec2
 
 void fill_line(kernels::LineBlock& at, std::uint32_t k, double length, bool rope, Vec2 apart) {
   const double far = length_of(apart);
-  at.dx0[k] = narrow(apart.x);
-  at.dy0[k] = narrow(apart.y);
+  at.dx0[k] = narrow_small(apart.x);
+  at.dy0[k] = narrow_small(apart.y);
   at.far0[k] = narrow(far);
-  at.c0[k] = narrow(far - length);
+  at.c0[k] = narrow_small(far - length);
   at.top[k] = rope ? 0.0f : 1e30f;
   if (at.nx[k] == 0 && at.ny[k] == 0) at.ny[k] = 1;
 }
@@ -72,9 +74,9 @@ void fill_drive(kernels::Drive& at, std::uint32_t k, const JointDesc& d, double 
 
 template <class Block>
 void fill_spring(Block& at, std::uint32_t k, const SpringRow& row) {
-  at.push[k] = narrow(lesser(row.push, 1e30));
-  at.drag[k] = narrow(lesser(row.drag, 1e30));
-  at.lag[k] = narrow(greater(row.lag, -1e30));
+  at.push[k] = narrow_small(lesser(row.push, 1e30));
+  at.drag[k] = narrow_small(lesser(row.drag, 1e30));
+  at.lag[k] = narrow_small(greater(row.lag, -1e30));
 }
 
 // The axis in the frame of side A. If A is body b, it points the other way and is turned by the reference angle.
@@ -168,10 +170,10 @@ inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) 
   at.gb[k] = at.gb0[k] = narrow(mb.rim_gain);
   const Vec2 arm_a = turned(ma.turn, ends.anchor[0] - ma.centre);
   const Vec2 arm_b = turned(mb.turn, ends.anchor[1] - mb.centre);
-  at.ax0[k] = narrow(arm_a.x * ma.inverse_radius);
-  at.ay0[k] = narrow(arm_a.y * ma.inverse_radius);
-  at.bx0[k] = narrow(arm_b.x * mb.inverse_radius);
-  at.by0[k] = narrow(arm_b.y * mb.inverse_radius);
+  at.ax0[k] = narrow_small(arm_a.x * ma.inverse_radius);
+  at.ay0[k] = narrow_small(arm_a.y * ma.inverse_radius);
+  at.bx0[k] = narrow_small(arm_b.x * mb.inverse_radius);
+  at.by0[k] = narrow_small(arm_b.y * mb.inverse_radius);
   return s_.lattice.way(ma.at, mb.at) + (arm_b - arm_a);
 }
 
@@ -184,7 +186,8 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   const Vec2 apart = fill_arms(at, k, ends);
   const auto arm = [&](const JointMember& m, int side) { return turned(m.turn, ends.anchor[side] - m.centre); };
   const double sign = joint.swapped ? -1 : 1;
-  if constexpr (requires { at.angle0; }) at.angle0[k] = narrow((mb.angle - ma.angle) - sign * d.reference.value_or(0));
+  if constexpr (requires { at.angle0; })
+    at.angle0[k] = narrow_small((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
     fill_line(at, k, *d.length, d.type == JointType::rope, apart);
     if (joint.kind == JointKind::spring) {
@@ -192,14 +195,14 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
     }
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
-    at.ux0[k] = narrow(u.x);
-    at.uy0[k] = narrow(u.y);
-    at.along0[k] = narrow(dot(u, apart));
-    at.off0[k] = narrow(cross(u, apart));
+    at.ux0[k] = narrow_small(u.x);
+    at.uy0[k] = narrow_small(u.y);
+    at.along0[k] = narrow_small(dot(u, apart));
+    at.off0[k] = narrow_small(cross(u, apart));
     fill_drive(at.drive, k, d, 1, h_);
   } else {
-    at.cx0[k] = narrow(apart.x);
-    at.cy0[k] = narrow(apart.y);
+    at.cx0[k] = narrow_small(apart.x);
+    at.cy0[k] = narrow_small(apart.y);
   }
   if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
   if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {

@@ -298,7 +298,8 @@ inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rot
 inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin,
                             float preference) {
   const float reach = a.reach + b.reach + margin;
-  if (dx * dx + dy * dy > reach * reach) return {};
+  const float x = kernels::squarable(dx), y = kernels::squarable(dy);
+  if (x * x + y * y > reach * reach) return {};
   if (b.count == 1) return collide_vertex(a, qa, b, qb, {dx, dy}, margin);
   if (a.count == 1) return swapped(collide_vertex(b, qb, a, qa, {-dx, -dy}, margin));
   const Vec d{dx, dy};

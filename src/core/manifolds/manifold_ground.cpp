@@ -143,7 +143,9 @@ void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
   const std::size_t j = pair.b;
   std::optional<Hull> disc;
   const Hull& hull = hull_of(j, pair.part_b, disc);
-  const auto fall = [&](double gravity) { return static_cast<float>(gravity * params.dt * params.dt / 2); };
+  const auto fall = [&](double gravity) {
+    return kernels::snapped(gravity * params.dt * params.dt / 2, kernels::kLeastOffset);
+  };
   float mx = b.vel[2 * j] * dt + fall(params.gravity.x), my = b.vel[2 * j + 1] * dt + fall(params.gravity.y);
   const float inner = manifolds.has_corners(j) ? b.kind(b.id[j]).inner : b.radius[j];
   if (pair.of_piece()) return foresee(pair, seen_from_b(pair), Rotor{}, hull, {}, mx, my, inner);

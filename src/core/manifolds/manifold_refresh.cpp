@@ -140,7 +140,7 @@ void Manifolds::order_scattered(std::vector<std::uint32_t>& active, const auto& 
 void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::size_t end) {
   if (begin == 0) {
     keep_impulses();
-    g_ = static_cast<float>(length_of(params.gravity));
+    g_ = kernels::snapped(length_of(params.gravity));
     if (!fixed_known_) {
       any_kinematic_ = std::ranges::any_of(pairs_, &PairName::of_kinematic);
       list_fixed([&](const auto& each) {

@@ -20,13 +20,13 @@ constexpr float kFastTurn = 0.01f;  // rad in a step: a body that turns less is 
 
 // The sums of what the points of a lane do along the normal: their impulses, and those times their arms on B.
 struct Push {
-  float impulse = 0, turn = 0;
+  double impulse = 0, turn = 0;
 };
 Push push_of(const ManifoldBlock& c, std::uint32_t l) {
   Push sum;
   for (const ManifoldBlock::Point& p : c.point) {
-    sum.impulse += p.impulse[l];
-    sum.turn += p.impulse[l] * p.bt[l];
+    sum.impulse += double{p.impulse[l]};
+    sum.turn += double{p.impulse[l]} * double{p.bt[l]};
   }
   return sum;
 }
@@ -70,16 +70,16 @@ void Manifolds::follow_turning(const kernels::BodyView& view, double ahead) {
       return has_corners(n) ? rotor_of(b.angle[n] + turn_ahead(n)) : Rotor{};
     };
     const Hull &hull_a = hull_of(i, pair.part_a, own_a), &hull_b = hull_of(j, pair.part_b, own_b);
-    const Manifold m = collide(hull_a, rotor_at(i), hull_b, rotor_at(j), static_cast<float>(way.x),
-                               static_cast<float>(way.y), std::numeric_limits<float>::infinity());
+    const Manifold m = collide(hull_a, rotor_at(i), hull_b, rotor_at(j), snapped(way.x, kernels::kLeastOffset),
+                               snapped(way.y, kernels::kLeastOffset), std::numeric_limits<float>::infinity());
     if (m.count == 0) continue;
     const Push before = push_of(c, l);
     const Vec2 old{c.nx[l], c.ny[l]};
     put_turned(pair, m, c, l, view, moved, u, ahead);
     const Push now = push_of(c, l);
-    const Vec2 change = static_cast<double>(now.impulse) * Vec2{m.nx, m.ny} - static_cast<double>(before.impulse) * old;
-    const float x = c.wb[l] * static_cast<float>(change.x), y = c.wb[l] * static_cast<float>(change.y);
-    const float turn = c.gb[l] * (now.turn - before.turn);
+    const Vec2 change = now.impulse * Vec2{m.nx, m.ny} - before.impulse * old;
+    const float x = snapped(c.wb[l] * change.x), y = snapped(c.wb[l] * change.y);
+    const float turn = snapped(c.gb[l] * (now.turn - before.turn));
     if (ahead > 0) {  // what the kick repeated is to be along the new normal
       view.vel[2 * j] += x;
       view.vel[2 * j + 1] += y;

@@ -115,8 +115,8 @@ void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
         if (properties.inv_mass > 0) scale = properties.gravity_scale;
       }
       b.pull[i] = scale;
-      b.acc[2 * std::size_t{i}] = static_cast<float>(world_.gravity.x * static_cast<double>(scale));
-      b.acc[2 * std::size_t{i} + 1] = static_cast<float>(world_.gravity.y * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i}] = kernels::snapped(world_.gravity.x * static_cast<double>(scale));
+      b.acc[2 * std::size_t{i} + 1] = kernels::snapped(world_.gravity.y * static_cast<double>(scale));
     }
   });
 }

@@ -123,7 +123,7 @@ void Solver::list_rocking(const SolverInput& in, double dt, double slowest) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;
       if (!stands &&
-          rocks(in.contacts.surroundings.bodies, pair, static_cast<float>(dt), static_cast<float>(slowest))) {
+          rocks(in.contacts.surroundings.bodies, pair, static_cast<float>(dt), kernels::snapped(slowest))) {
         rocking_[index].push_back(k);
       }
     }

@@ -15,6 +15,8 @@
 namespace psim {
 namespace {
 
+constexpr float kLeastSquare = 1e-36f;  // of kLeastOffset
+
 using kernels::ContactParams;
 
 // Contact stiffness: frequency kStiffness / h, damping ratio kDamping. This is the highest frequency at which deep
@@ -98,7 +100,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
   // The drift covers coast_time() at the velocity before damping, which v0 has already lost.
   const double kept = exponential(-lesser(params.damping * h_, kMostDamped));
   drift_.h = static_cast<float>(coast_time(params.damping, h_) / kept);
-  drift_.smooth_limit2 = forces != nullptr ? 0.0f : static_cast<float>(4 * gravity_ * gravity_ * h_ * h_);
+  drift_.smooth_limit2 = forces != nullptr ? 0.0f : kernels::snapped(4 * gravity_ * gravity_ * h_ * h_, kLeastSquare);
   turn_.smooth_limit2 = drift_.smooth_limit2;
   constexpr double kTrembles = 1e-3;  // rad in a step
   turn_.least_spin2 = static_cast<float>(kTrembles * kTrembles / (params.dt * params.dt));
@@ -133,8 +135,8 @@ void Solver::Run::set_contacts() {
   p.push = static_cast<float>(kPush);
   p.refresh = params_.refresh;
   p.warm = params_.warm;
-  p.gravity_x = static_cast<float>(params_.gravity.x);
-  p.gravity_y = static_cast<float>(params_.gravity.y);
+  p.gravity_x = kernels::snapped(params_.gravity.x);
+  p.gravity_y = kernels::snapped(params_.gravity.y);
   const auto soft = [&](double stiffness, double damping) {
     OfDiscs of{p, p};
     set_soft(of.pair, h_, stiffness / params_.stiff_substep, damping);
@@ -348,7 +350,7 @@ void Solver::Run::find_mean_rim_speeds(std::uint32_t begin, std::uint32_t n, flo
   }
   // One choice a loop, of constants: compilers make vectors of such.
   for (std::uint32_t l = 0; l < n; ++l) {
-    const float spun = first[l] * first[l] - turn_.least_spin2 * (radius[l] * radius[l]);
+    const float spin = kernels::squarable(first[l]), spun = spin * spin - turn_.least_spin2 * (radius[l] * radius[l]);
     bound[l] = bound[l] < spun ? bound[l] : spun;
   }
   for (std::uint32_t l = 0; l < n; ++l) mean[l] = kernels::squarable(last[l] - first[l]);

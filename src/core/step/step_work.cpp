@@ -17,8 +17,8 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   p.dt = dt;
   p.gravity = desc.gravity;
   p.walls = walls;
-  p.wall.restitution = static_cast<float>(desc.wall.restitution);
-  p.wall.friction = static_cast<float>(desc.wall.friction);
+  p.wall.restitution = coefficient(desc.wall.restitution);
+  p.wall.friction = coefficient(desc.wall.friction);
   return p;
 }
 
