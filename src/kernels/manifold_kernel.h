@@ -36,7 +36,8 @@ PSIM_INLINE inline TwoBodies<L> gather_motion(const float* vel, const float* rim
   return m;
 }
 
-/// kSnap: between sweeps of one pass, by which velocities would decay into denormals.
+/// kSnap: between sweeps of the solve pass, by which velocities would decay into denormals. The relax pass leaves open
+/// lanes alone, so that it may not change their velocities.
 template <class L, bool kFixedA, bool kSnap = false>
 PSIM_INLINE inline void scatter_motion(float* vel, float* rim_speed, const std::uint32_t* slot, TwoBodies<L> m) {
   if constexpr (kSnap) {
@@ -385,7 +386,7 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       L::store(p1.impulse + k, x.n1);
       L::store(p2.impulse + k, x.n2);
       rub<L, kFixedA>(x, m, *c, k);
-      scatter_motion<L, kFixedA, kInner>(b.vel, b.rim_speed, slot, m);
+      scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
       if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {
         settle_impact<L>(p1, k, x.n1, x.was1);

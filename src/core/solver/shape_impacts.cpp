@@ -122,8 +122,7 @@ void Solver::list_rocking(const SolverInput& in, double dt, double slowest) {
     for (const std::uint32_t k : manifolds.strip(index).open) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       const bool stands = pair.impulse[0] > 0 && pair.impulse[1] > 0;
-      if (!stands &&
-          rocks(in.contacts.surroundings.bodies, pair, static_cast<float>(dt), kernels::snapped(slowest))) {
+      if (!stands && rocks(in.contacts.surroundings.bodies, pair, static_cast<float>(dt), kernels::snapped(slowest))) {
         rocking_[index].push_back(k);
       }
     }
