@@ -1,6 +1,6 @@
-// The parts of the C++20 standard library that psim uses and that an older standard library lacks. CMakeLists.txt
-// includes this file ahead of every source where a test program does not compile without it (emscripten 3.1.6, whose
-// libc++ is that of LLVM 13). Each part asks for the library's own feature macro and disappears where it is there.
+// The parts of the C++20 standard library that psim uses and that an older standard library lacks: that of emscripten
+// 3.1.6 is libc++ of LLVM 13. PsimWebPackages.cmake includes this file ahead of every source. Each part asks for the
+// library's own feature macro and disappears where it is there.
 //
 // Names go into namespace std, so that the sources stay plain C++20. Only the overloads that psim calls are here.
 #pragma once

@@ -15,7 +15,7 @@ async function psim(scene) {
       position: [x, y], material: 'm', shape: scene.disc ? { disc: { radius: 0.5 } } : { box: { size: [1, 1] } },
     })),
   });
-  return { step: () => world.step(), height: (k) => world.state().y[k], free: () => world.free() };
+  return { step: () => world.step(), height: (k) => world.body({ index: k, generation: 0 }).y, free: () => world.free() };
 }
 
 async function box2d(scene) {
