@@ -36,12 +36,18 @@ function(psim_target_defaults target)
   endif()
 endfunction()
 
-# Files whose names end in _posix or _windows are for these systems alone. All that differs between systems is in them.
+# Files whose names end in _posix or _windows are for these systems alone, _absent for those that can do no such thing.
+# All that differs between systems is in them.
 function(psim_for_this_system list)
   if(WIN32)
     list(FILTER ${list} EXCLUDE REGEX "_posix\\.cpp$")
   else()
     list(FILTER ${list} EXCLUDE REGEX "_windows\\.cpp$")
+  endif()
+  if(EMSCRIPTEN)  # no other program can be started
+    list(FILTER ${list} EXCLUDE REGEX "/program_posix\\.cpp$")
+  else()
+    list(FILTER ${list} EXCLUDE REGEX "_absent\\.cpp$")
   endif()
   set(${list} "${${list}}" PARENT_SCOPE)
 endfunction()

@@ -13,6 +13,9 @@
 
 namespace psim::os {
 
+/// False where no other program can be started.
+bool can_start_programs();
+
 /// The path of a program that PATH has; empty if there is none.
 std::string find_program(std::string_view name);
 

@@ -68,6 +68,8 @@ std::string quoted(const std::vector<std::string>& words) {
   return line;
 }
 
+bool can_start_programs() { return true; }
+
 std::string find_program(std::string_view name) {
   const wchar_t* const path = ::_wgetenv(L"PATH");
   std::wstring_view left = path != nullptr ? path : L"";

@@ -61,6 +61,9 @@ std::vector<std::string> command(const std::string& ffmpeg, const std::string& t
 }  // namespace
 
 std::string find_ffmpeg(const std::string& label) {
+  if (!os::can_start_programs()) {
+    throw UserError(label + ": psim cannot start ffmpeg on this platform; --frames-dir writes the pictures of a film");
+  }
   if (std::string path = os::find_program("ffmpeg"); !path.empty()) return path;
   throw UserError(fmt::format(
       "{}: needs the program ffmpeg, which PATH does not have; install it (on Debian: apt install ffmpeg), or "
