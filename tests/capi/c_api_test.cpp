@@ -122,8 +122,8 @@ TEST(CApi, VersionsAndInstructionSets) {
     EXPECT_EQ(psim_world_isa(c.world), options.isa);
     EXPECT_EQ(psim_world_threads(c.world), 2);
   }
-  EXPECT_EQ(psim_isa_name(4), nullptr);
-  EXPECT_EQ(psim_isa_available(4), 0);
+  EXPECT_EQ(psim_isa_name(5), nullptr);
+  EXPECT_EQ(psim_isa_available(5), 0);
   std::int32_t integrator = -7;
   EXPECT_EQ(psim_parse_integrator("rk4", &integrator), PSIM_OK);
   EXPECT_STREQ(psim_integrator_name(integrator), "rk4");
