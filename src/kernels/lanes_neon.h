@@ -229,10 +229,10 @@ struct NeonLanes {
   // ---- pair search ----
   /// Two registers of four candidates, one after the other.
   template <class Near>
-  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach,
-                                                            std::uint32_t j0, std::uint32_t end0, std::uint32_t j1,
-                                                            std::uint32_t end1, std::uint32_t i, std::uint32_t* owner,
-                                                            std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four_and_four(const std::int32_t* pos, const float* reach, std::uint32_t j0,
+                                                 std::uint32_t end0, std::uint32_t j1, std::uint32_t end1,
+                                                 std::uint32_t i, std::uint32_t* owner, std::uint32_t* other,
+                                                 const Near& near) {
     const std::uint32_t first = four(pos, reach, j0, end0, i, owner, other, near);
     return first + four(pos, reach, j1, end1, i, owner + first, other + first, near);
   }
@@ -251,9 +251,8 @@ struct NeonLanes {
     return vbslq_s32(vcltq_f32(a, vdupq_n_f32(2147483648.0f)), converted, vdupq_n_s32(-2147483647 - 1));
   }
   template <class Near>
-  PSIM_INLINE static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j,
-                                                   std::uint32_t end, std::uint32_t i, std::uint32_t* owner,
-                                                   std::uint32_t* other, const Near& near) {
+  PSIM_INLINE static std::uint32_t four(const std::int32_t* pos, const float* reach, std::uint32_t j, std::uint32_t end,
+                                        std::uint32_t i, std::uint32_t* owner, std::uint32_t* other, const Near& near) {
     const int32x4x2_t at = vld2q_s32(pos + 2 * std::size_t{j});
     vst1q_u32(owner, vdupq_n_u32(i));
     const uint32x4_t number = vaddq_u32(vdupq_n_u32(j), uint32x4_t{0, 1, 2, 3});
