@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
     const psim::os::Console console;
     const std::vector<std::string> words = psim::os::command_line(argc, argv);
     std::vector<const char*> utf8;
+    utf8.reserve(words.size() + 1);
     for (const std::string& word : words) utf8.push_back(word.c_str());
     const auto options = psim::cli::parse_options(static_cast<int>(utf8.size()), utf8.data());
     if (!options) return 0;
