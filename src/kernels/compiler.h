@@ -1,4 +1,4 @@
-// What compilers say in different words. g++, clang++ and clang-cl have the left ones, MSVC the right ones.
+// Compilers have different words for the same thing. g++, clang++ and clang-cl have the left ones, MSVC the right ones.
 #pragma once
 
 #if defined(__GNUC__) || defined(__clang__)

@@ -35,7 +35,7 @@ inline constexpr bool kIsX86 = true, kIsArm = false, kIsWasm = false;
 #endif
 constexpr const KernelTable* only_if(bool held, const KernelTable& table) { return held ? &table : nullptr; }
 
-/// Of each processor the best last.
+/// All variants; of those for one processor the best one stands last.
 inline constexpr IsaRow kIsaList[] = {
     {"scalar", "scalar", "", "", 1, CpuNeed::nothing, &kScalarKernels},
     {"sse", "sse4", "x86-64", "-msse4.1", 4, CpuNeed::sse41, only_if(kIsX86, kSseKernels)},

@@ -1,5 +1,5 @@
-// What the operating systems do in different ways, as far as the engine needs it: paths, files to read, the time of a
-// thread. os_posix.cpp and os_windows.cpp hold the two versions, as output_file_posix.cpp and output_file_windows.cpp
+// Operating systems do some things in different ways. This header has those that the engine needs: paths, files to read,
+// the time of a thread. os_posix.cpp and os_windows.cpp hold the two versions, as output_file_posix.cpp and output_file_windows.cpp
 // do for files to write. No other file of the engine knows its system.
 #pragma once
 

@@ -7,7 +7,7 @@
 
 namespace psim {
 
-// What impacts of discs within the substep did to the ways of their rims. Most blocks of eight bodies had none.
+// Adds to the angles what impacts of discs within the substep did to the ways of their rims. Most blocks of eight bodies had none.
 void Solver::Run::turn_by_impacts(BlockRange r) {
   BodyStore& b = s_.bodies;
   for (std::uint32_t block = r.begin; block < r.end; ++block) {
