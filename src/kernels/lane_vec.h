@@ -27,17 +27,16 @@ using RecI = typename L::RecI;
 /// Zero where |a| <= least; a NaN stays one.
 template <class L>
 PSIM_INLINE inline Rec<L> snapped(Rec<L> a, float least = kLeast) {
-  const auto zero = Rec<L>(0, 0);
-  return select(max(a, zero - a) <= Rec<L>(least, least), zero, a);
+  return drop(abs(a) <= Rec<L>(least, least), a);
 }
 template <class L>
 PSIM_INLINE inline F<L> snapped(F<L> a, F<L> least = kLeast) {
-  return select(abs(a) <= least, F<L>(0), a);
+  return drop(abs(a) <= least, a);
 }
 /// |a|, or, if that is larger, a size whose square is no denormal.
 template <class L>
 PSIM_INLINE inline Rec<L> squarable(Rec<L> a) {
-  return max(Rec<L>(kLeastOffset, kLeastOffset), max(a, Rec<L>(0, 0) - a));
+  return max(Rec<L>(kLeastOffset, kLeastOffset), abs(a));
 }
 template <class L>
 PSIM_INLINE inline F<L> squarable(F<L> a) {

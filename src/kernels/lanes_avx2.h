@@ -91,6 +91,7 @@ struct AvxLanes {
   friend M operator|(M a, M b) { return {_mm256_or_ps(a.v, b.v)}; }
   friend M but_not(M a, M b) { return {_mm256_andnot_ps(b.v, a.v)}; }
   friend F keep(M m, F a) { return _mm256_and_ps(m.v, a.v); }
+  friend F drop(M m, F a) { return _mm256_andnot_ps(m.v, a.v); }
   friend F select(M m, F yes, F no) { return _mm256_blendv_ps(no.v, yes.v, m.v); }
   friend M select(M m, M yes, M no) { return {_mm256_blendv_ps(no.v, yes.v, m.v)}; }
   friend std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(m.v)); }
@@ -189,6 +190,7 @@ struct AvxLanes {
   friend Rec operator-(Rec a, Rec b) { return _mm256_sub_ps(a.v, b.v); }
   friend Rec operator*(Rec a, Rec b) { return _mm256_mul_ps(a.v, b.v); }
   friend Rec sqrt(Rec a) { return _mm256_sqrt_ps(a.v); }
+  friend Rec abs(Rec a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
   friend Rec min(Rec a, Rec b) { return _mm256_min_ps(a.v, b.v); }
   friend Rec max(Rec a, Rec b) { return _mm256_max_ps(a.v, b.v); }
   friend Rec norm2(Rec a) {
@@ -198,6 +200,7 @@ struct AvxLanes {
   friend MRec operator<=(Rec a, Rec b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OS)}; }
   friend MRec operator&(MRec a, MRec b) { return {_mm256_and_ps(a.v, b.v)}; }
   friend Rec keep(MRec m, Rec a) { return _mm256_and_ps(m.v, a.v); }
+  friend Rec drop(MRec m, Rec a) { return _mm256_andnot_ps(m.v, a.v); }
   friend Rec select(MRec m, Rec yes, Rec no) { return _mm256_blendv_ps(no.v, yes.v, m.v); }
   friend bool all(MRec m) { return _mm256_movemask_ps(m.v) == 0xFF; }
   static MRec every_rec() { return {every().v}; }

@@ -90,6 +90,7 @@ struct NeonLanes {
   friend M operator|(M a, M b) { return {vorrq_u32(a.v, b.v)}; }
   friend M but_not(M a, M b) { return {vbicq_u32(a.v, b.v)}; }
   friend F keep(M m, F a) { return kept(m.v, a.v); }
+  friend F drop(M m, F a) { return dropped(m.v, a.v); }
   friend F select(M m, F yes, F no) { return vbslq_f32(m.v, yes.v, no.v); }
   friend M select(M m, M yes, M no) { return {vbslq_u32(m.v, yes.v, no.v)}; }
   friend std::uint32_t bits(M m) { return vaddvq_u32(vandq_u32(m.v, uint32x4_t{1, 2, 4, 8})); }
@@ -170,6 +171,7 @@ struct NeonLanes {
   friend Rec operator-(Rec a, Rec b) { return vsubq_f32(a.v, b.v); }
   friend Rec operator*(Rec a, Rec b) { return vmulq_f32(a.v, b.v); }
   friend Rec sqrt(Rec a) { return vsqrtq_f32(a.v); }
+  friend Rec abs(Rec a) { return vabsq_f32(a.v); }
   friend Rec min(Rec a, Rec b) { return vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v); }
   friend Rec max(Rec a, Rec b) { return vbslq_f32(vcgtq_f32(a.v, b.v), a.v, b.v); }
   friend Rec norm2(Rec a) {
@@ -179,6 +181,7 @@ struct NeonLanes {
   friend MRec operator<=(Rec a, Rec b) { return {vcleq_f32(a.v, b.v)}; }
   friend MRec operator&(MRec a, MRec b) { return {vandq_u32(a.v, b.v)}; }
   friend Rec keep(MRec m, Rec a) { return kept(m.v, a.v); }
+  friend Rec drop(MRec m, Rec a) { return dropped(m.v, a.v); }
   friend Rec select(MRec m, Rec yes, Rec no) { return vbslq_f32(m.v, yes.v, no.v); }
   friend bool all(MRec m) { return vminvq_u32(m.v) != 0; }
   static MRec every_rec() { return {every().v}; }
@@ -243,6 +246,9 @@ struct NeonLanes {
  private:
   static constexpr auto kCompact4 = make_compact4();
 
+  static float32x4_t dropped(uint32x4_t mask, float32x4_t a) {
+    return vreinterpretq_f32_u32(vbicq_u32(vreinterpretq_u32_f32(a), mask));
+  }
   static float32x4_t kept(uint32x4_t mask, float32x4_t a) {
     return vreinterpretq_f32_u32(vandq_u32(mask, vreinterpretq_u32_f32(a)));
   }

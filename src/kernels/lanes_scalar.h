@@ -89,6 +89,7 @@ struct ScalarLanes {
   friend M but_not(M a, M b) { return {(a.v & !b.v) != 0}; }
   /// The value where the mask is set, +0 elsewhere.
   friend F keep(M m, F a) { return m.v ? a.v : 0.0f; }
+  friend F drop(M m, F a) { return m.v ? 0.0f : a.v; }
   friend F select(M m, F yes, F no) { return m.v ? yes.v : no.v; }
   friend M select(M m, M yes, M no) { return {m.v ? yes.v : no.v}; }
   /// Bit k for lane k.
@@ -158,6 +159,7 @@ struct ScalarLanes {
   friend Rec operator-(Rec a, Rec b) { return {a.x - b.x, a.y - b.y}; }
   friend Rec operator*(Rec a, Rec b) { return {a.x * b.x, a.y * b.y}; }
   friend Rec sqrt(Rec a) { return {::sqrtf(a.x), ::sqrtf(a.y)}; }
+  friend Rec abs(Rec a) { return {::fabsf(a.x), ::fabsf(a.y)}; }
   friend Rec min(Rec a, Rec b) { return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y}; }
   friend Rec max(Rec a, Rec b) { return {a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y}; }
   /// x^2 + y^2 of each record, in both of its places.
@@ -168,6 +170,7 @@ struct ScalarLanes {
   friend MRec operator<=(Rec a, Rec b) { return {a.x <= b.x, a.y <= b.y}; }
   friend MRec operator&(MRec a, MRec b) { return {(a.x & b.x) != 0, (a.y & b.y) != 0}; }
   friend Rec keep(MRec m, Rec a) { return {m.x ? a.x : 0.0f, m.y ? a.y : 0.0f}; }
+  friend Rec drop(MRec m, Rec a) { return {m.x ? 0.0f : a.x, m.y ? 0.0f : a.y}; }
   friend Rec select(MRec m, Rec yes, Rec no) { return {m.x ? yes.x : no.x, m.y ? yes.y : no.y}; }
   friend bool all(MRec m) { return m.x && m.y; }
   static MRec every_rec() { return {true, true}; }

@@ -90,6 +90,7 @@ struct SseLanes {
   friend M operator|(M a, M b) { return {_mm_or_ps(a.v, b.v)}; }
   friend M but_not(M a, M b) { return {_mm_andnot_ps(b.v, a.v)}; }
   friend F keep(M m, F a) { return _mm_and_ps(m.v, a.v); }
+  friend F drop(M m, F a) { return _mm_andnot_ps(m.v, a.v); }
   friend F select(M m, F yes, F no) { return _mm_blendv_ps(no.v, yes.v, m.v); }
   friend M select(M m, M yes, M no) { return {_mm_blendv_ps(no.v, yes.v, m.v)}; }
   friend std::uint32_t bits(M m) { return static_cast<std::uint32_t>(_mm_movemask_ps(m.v)); }
@@ -172,6 +173,7 @@ struct SseLanes {
   friend Rec operator-(Rec a, Rec b) { return _mm_sub_ps(a.v, b.v); }
   friend Rec operator*(Rec a, Rec b) { return _mm_mul_ps(a.v, b.v); }
   friend Rec sqrt(Rec a) { return _mm_sqrt_ps(a.v); }
+  friend Rec abs(Rec a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v); }
   friend Rec min(Rec a, Rec b) { return _mm_min_ps(a.v, b.v); }
   friend Rec max(Rec a, Rec b) { return _mm_max_ps(a.v, b.v); }
   friend Rec norm2(Rec a) {
@@ -181,6 +183,7 @@ struct SseLanes {
   friend MRec operator<=(Rec a, Rec b) { return {_mm_cmple_ps(a.v, b.v)}; }
   friend MRec operator&(MRec a, MRec b) { return {_mm_and_ps(a.v, b.v)}; }
   friend Rec keep(MRec m, Rec a) { return _mm_and_ps(m.v, a.v); }
+  friend Rec drop(MRec m, Rec a) { return _mm_andnot_ps(m.v, a.v); }
   friend Rec select(MRec m, Rec yes, Rec no) { return _mm_blendv_ps(no.v, yes.v, m.v); }
   friend bool all(MRec m) { return _mm_movemask_ps(m.v) == 0xF; }
   static MRec every_rec() { return {every().v}; }

@@ -88,6 +88,7 @@ struct WasmLanes {
   friend M operator|(M a, M b) { return {wasm_v128_or(a.v, b.v)}; }
   friend M but_not(M a, M b) { return {wasm_v128_andnot(a.v, b.v)}; }
   friend F keep(M m, F a) { return wasm_v128_and(m.v, a.v); }
+  friend F drop(M m, F a) { return wasm_v128_andnot(a.v, m.v); }
   friend F select(M m, F yes, F no) { return wasm_v128_bitselect(yes.v, no.v, m.v); }
   friend M select(M m, M yes, M no) { return {wasm_v128_bitselect(yes.v, no.v, m.v)}; }
   friend std::uint32_t bits(M m) { return static_cast<std::uint32_t>(wasm_i32x4_bitmask(m.v)); }
@@ -161,6 +162,7 @@ struct WasmLanes {
   friend Rec operator-(Rec a, Rec b) { return wasm_f32x4_sub(a.v, b.v); }
   friend Rec operator*(Rec a, Rec b) { return wasm_f32x4_mul(a.v, b.v); }
   friend Rec sqrt(Rec a) { return wasm_f32x4_sqrt(a.v); }
+  friend Rec abs(Rec a) { return wasm_f32x4_abs(a.v); }
   friend Rec min(Rec a, Rec b) { return wasm_f32x4_pmin(b.v, a.v); }
   friend Rec max(Rec a, Rec b) { return wasm_f32x4_pmax(b.v, a.v); }
   friend Rec norm2(Rec a) {
@@ -170,6 +172,7 @@ struct WasmLanes {
   friend MRec operator<=(Rec a, Rec b) { return {wasm_f32x4_le(a.v, b.v)}; }
   friend MRec operator&(MRec a, MRec b) { return {wasm_v128_and(a.v, b.v)}; }
   friend Rec keep(MRec m, Rec a) { return wasm_v128_and(m.v, a.v); }
+  friend Rec drop(MRec m, Rec a) { return wasm_v128_andnot(a.v, m.v); }
   friend Rec select(MRec m, Rec yes, Rec no) { return wasm_v128_bitselect(yes.v, no.v, m.v); }
   friend bool all(MRec m) { return wasm_i32x4_all_true(m.v); }
   static MRec every_rec() { return {every().v}; }
