@@ -7,14 +7,6 @@
 namespace psim::test {
 namespace {
 
-void set_variable(const char* name, const std::string& value) {
-#ifdef _WIN32
-  ::_putenv_s(name, value.c_str());
-#else
-  ::setenv(name, value.c_str(), 1);
-#endif
-}
-
 bool is_there(const std::string& name) { return exists(os::path_of(name)); }
 
 TEST(Systems, NamesOfFilesAreUtf8) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,15 @@ namespace psim::test {
 
 inline Outcome run_psim(std::vector<std::string> arguments) {
   return Process(PSIM_PROGRAM, std::move(arguments)).wait();
+}
+
+/// Sets a variable of the environment, which the programs that this process starts inherit.
+inline void set_variable(const char* name, const std::string& value) {
+#ifdef _WIN32
+  ::_putenv_s(name, value.c_str());
+#else
+  ::setenv(name, value.c_str(), 1);
+#endif
 }
 
 /// What a user's mistake must look like: status 2, nothing on stdout, one line on stderr that

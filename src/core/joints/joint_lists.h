@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <tuple>
 #include <vector>
 
@@ -57,9 +58,12 @@ class JointLists {
   kernels::JointBlocks blocks(std::uint32_t list) {
     return visit(*this, list, [](auto& all) -> kernels::JointBlocks { return all.data(); });
   }
-  /// Replaces the blocks of a list by empty ones.
+  /// Replaces the blocks of a list by empty ones. Their padding is zero, too: saved states hold blocks as they are.
   void assign(std::uint32_t list, std::size_t count) {
-    visit(*this, list, [count](auto& all) { all.assign(count, {}); });
+    visit(*this, list, [count](auto& all) {
+      all.resize(count);
+      if (count > 0) std::memset(all.data(), 0, count * sizeof all[0]);
+    });
   }
   std::size_t bytes() const {
     std::size_t sum = 0;

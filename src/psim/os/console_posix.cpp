@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <fstream>
@@ -14,9 +15,10 @@
 namespace psim::os {
 namespace {
 
-volatile std::sig_atomic_t interrupt_flag = 0;
+std::atomic<bool> interrupt_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may write it");
 
-void on_signal(int) { interrupt_flag = 1; }
+void on_signal(int) { interrupt_flag.store(true, std::memory_order_relaxed); }
 
 // A line like "MemAvailable:   12345 kB" of /proc/meminfo or /proc/self/status.
 std::uint64_t kib_line(const char* file, std::string_view key, std::uint64_t if_missing) {
@@ -69,6 +71,6 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted() { return interrupt_flag != 0; }
+bool interrupted() { return interrupt_flag.load(std::memory_order_relaxed); }
 
 }  // namespace psim::os
