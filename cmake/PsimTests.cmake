@@ -95,7 +95,7 @@ endif()
 # The worker pool alone: small, so that the thread sanitizer's build of it takes seconds.
 file(GLOB _pool_tests CONFIGURE_DEPENDS tests/pool/*_test.cpp)
 if(WIN32)
-  list(FILTER _pool_tests EXCLUDE REGEX "/stopped_workers_test\\.cpp$")
+  list(FILTER _pool_tests EXCLUDE REGEX "/(stopped_workers|few_threads)_test\\.cpp$")
 endif()
 add_executable(psim_pool_tests ${_pool_tests} src/core/base/worker_pool.cpp src/core/base/machine.cpp)
 psim_target_defaults(psim_pool_tests)

@@ -217,7 +217,7 @@ class PSIM_API World {
   std::uint64_t escaped_total() const;  ///< bodies that left an open world
   const WorldDesc& desc() const;        ///< as created, with the present gravity, skin and sleeping
   Isa isa() const;                      ///< that its kernels use
-  int threads() const;                  ///< as created; 1 where no thread can be started
+  int threads() const;                  ///< as created; fewer where the system starts no more
 
   /// 64-bit hash over every living body's position, angle and velocities in id order; signed
   /// zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -35,13 +36,16 @@ class Tracer {
   void set_stage(const char* name) { stage_ = name; }
   const char* stage() const { return stage_; }
 
-  /// Adds a span; several threads may do so at once.
-  void add(std::size_t thread, const char* name, Clock::time_point begin, Clock::time_point end) {
+  /// Adds a span; several threads may do so at once. A span that there is no memory for is lost.
+  void add(std::size_t thread, const char* name, Clock::time_point begin, Clock::time_point end) noexcept {
     const auto ns = [this](Clock::time_point t) {
       return std::chrono::duration_cast<std::chrono::nanoseconds>(t - origin_).count();
     };
     const std::lock_guard lock(adding_);
-    spans_.push_back({name, static_cast<int>(thread), ns(begin), ns(end)});
+    try {
+      spans_.push_back({name, static_cast<int>(thread), ns(begin), ns(end)});
+    } catch (const std::bad_alloc&) {  // NOLINT(bugprone-empty-catch)
+    }
   }
 
   std::vector<TraceEvent> take() { return std::exchange(spans_, {}); }

@@ -1,6 +1,7 @@
 #include "base/worker_pool.h"
 
 #include <algorithm>
+#include <exception>
 
 namespace psim {
 namespace {
@@ -14,20 +15,30 @@ constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
 WorkerPool::WorkerPool(int threads, Tracer* tracer)
     : threads_(kHasThreads ? static_cast<std::size_t>(threads) : 1),
       tracer_(tracer),
-      crowded_(threads_ > std::thread::hardware_concurrency()),
       shares_(std::make_unique<Share[]>(threads_)) {
-  for (std::size_t i = 1; i < threads_; ++i) {
-    workers_.emplace_back([this, i] { worker(i); });
+  workers_.reserve(threads_);
+  try {
+    for (std::size_t i = 1; i < threads_; ++i) {
+      workers_.emplace_back([this, i] { worker(i); });
+    }
+  } catch (const std::exception&) {  // std::system_error, or no memory for what a thread needs
+    keep_workers(workers_.size() / 2);
   }
+  crowded_ = threads_ > std::thread::hardware_concurrency();
 }
 
-WorkerPool::~WorkerPool() {
+WorkerPool::~WorkerPool() { keep_workers(0); }
+
+// Ends all workers but the first `kept`. Where the system starts no more threads, it lacks memory: the stacks of half of
+// them are more use to the world.
+void WorkerPool::keep_workers(std::size_t kept) {
   {
     const std::lock_guard lock(sleep_mutex_);
-    quit_.store(true);
+    threads_ = kept + 1;
   }
   wake_.notify_all();
-  for (std::thread& t : workers_) t.join();
+  for (std::size_t i = kept; i < workers_.size(); ++i) workers_[i].join();
+  workers_.resize(kept);
 }
 
 WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
@@ -75,6 +86,13 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
   }
   ticket_.store(open + 1, std::memory_order_release);
+  throw_what_was_thrown();
+}
+
+void WorkerPool::throw_what_was_thrown() {
+  if (!failed_.load(std::memory_order_relaxed)) return;
+  failed_.store(false, std::memory_order_relaxed);
+  std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
 // Claims and runs jobs under the ticket until none is left; returns how many.
@@ -97,7 +115,9 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
                                             std::memory_order_acquire)) {
         continue;
       }
-      for (std::uint32_t n = number; n < number + claimed; ++n) call(context, n);
+      for (std::uint32_t n = number; n < number + claimed; ++n) {
+        attempt([=] { call(context, n); });
+      }
       finished += claimed;
       next = share.next.load(std::memory_order_acquire);
     }
@@ -111,8 +131,8 @@ void WorkerPool::worker(std::size_t index) {
   for (;;) {
     if (!stepping_.load(std::memory_order_acquire)) {
       std::unique_lock lock(sleep_mutex_);
-      wake_.wait(lock, [this] { return quit_.load() || stepping_.load(std::memory_order_acquire); });
-      if (quit_.load()) return;
+      wake_.wait(lock, [this, index] { return index >= threads_ || stepping_.load(std::memory_order_acquire); });
+      if (index >= threads_) return;
     }
     int spins = 0;
     std::uint32_t ticket = ticket_.load(std::memory_order_acquire);

@@ -6,6 +6,8 @@
 // others. Between the runs of a step workers spin; between steps they sleep. A late worker never delays a run,
 // because run() waits for claimed jobs only.
 //
+// A job that throws does not keep the others from running. When all are done, run() throws what the first one threw.
+//
 // What a job wrote is seen after run() and by the jobs of all later runs, on processors with a weak memory order, too:
 // the worker adds to done_ (release), the caller reads it (acquire) and opens the next run by Share::next (release),
 // which a worker reads (acquire) before it takes a job. Flags and counters that jobs of one run share can therefore be
@@ -16,6 +18,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -33,6 +36,7 @@ class WorkerPool {
   using Call = void (*)(const void* context, std::size_t i);
 
  public:
+  /// Starts threads - 1 workers; fewer, if the system starts no more (threads() says how many there are).
   explicit WorkerPool(int threads, Tracer* tracer = nullptr);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -57,10 +61,11 @@ class WorkerPool {
   void run(std::size_t count, const Job& job) {
     if (count == 0) return;
     if (host_.parallel_for) {
-      host_.parallel_for(count, [&job](std::size_t i) {
+      host_.parallel_for(count, [this, &job](std::size_t i) {
         const FloatSettings settings;
-        job(i);
+        attempt([&] { job(i); });
       });
+      throw_what_was_thrown();
     } else if (threads_ == 1 || count == 1) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
@@ -78,16 +83,26 @@ class WorkerPool {
     std::atomic<std::uint32_t> end{0};
   };
 
+  // Runs a job and keeps the first thing that one throws.
+  template <class Job>
+  void attempt(const Job& job) noexcept {
+    try {
+      job();
+    } catch (...) {
+      if (!failed_.exchange(true, std::memory_order_relaxed)) thrown_ = std::current_exception();
+    }
+  }
+  void throw_what_was_thrown();
   void run_here(std::size_t count, Call call, const void* context);
-  // noexcept: an exception in a job ends the program, because jobs of other threads still run.
   std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
   void worker(std::size_t index);
+  void keep_workers(std::size_t kept);
   void wait_a_moment(int spins) const;
 
-  std::size_t threads_;
+  std::size_t threads_;  // the caller's among them; written under the lock, where workers of a higher index end
   Tracer* tracer_;
-  bool crowded_;   // there are more threads than cores, so waiting yields the core
-  int awake_ = 0;  // how many Awake there are
+  bool crowded_ = false;  // there are more threads than cores, so waiting yields the core
+  int awake_ = 0;         // how many Awake there are
   JobSystem host_;
   std::unique_ptr<Share[]> shares_;
   // The call of the open run. Relaxed: Share::next orders both.
@@ -99,9 +114,11 @@ class WorkerPool {
   // Finished jobs. Each worker adds by release and every addition continues the chain, so the caller that reads the full
   // count by acquire sees what all workers wrote.
   alignas(64) std::atomic<std::size_t> done_{0};
+  // The first thing that a job of the open run threw. Relaxed: done_ orders both for the caller, who reads them last.
+  std::atomic<bool> failed_{false};
+  std::exception_ptr thrown_;
   // Says when to spin and carries no data. It is set under the lock, so that no worker sleeps through it.
   std::atomic<bool> stepping_{false};
-  std::atomic<bool> quit_{false};  // written and read under the lock
   std::mutex sleep_mutex_;
   std::condition_variable wake_;
   std::vector<std::thread> workers_;

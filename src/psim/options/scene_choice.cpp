@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/machine.h"
 #include "base/os.h"
 #include "os/console.h"
 #include "output/text.h"
@@ -81,6 +82,11 @@ void check_memory(const Scene& scene) {
   }
 }
 
+void say_if_threads_lack(const World& world, int asked) {
+  if (!kHasThreads || world.threads() >= asked) return;
+  fmt::print(stderr, "psim: the system has no room for {} threads; the world runs on {}\n", asked, world.threads());
+}
+
 std::unique_ptr<World> make_world(const Scene& scene, Isa isa, int threads) {
   RunOptions run;
   run.isa = isa;
@@ -88,6 +94,7 @@ std::unique_ptr<World> make_world(const Scene& scene, Isa isa, int threads) {
   std::string error;
   std::unique_ptr<World> world = build_world(scene, run, error);
   if (!world) throw UserError(fmt::format("scene {}: {}", one_line(scene.name), one_line(error)));
+  say_if_threads_lack(*world, threads);
   return world;
 }
 

@@ -24,6 +24,9 @@ bool is_sized(const std::string& name);
 /// Throws UserError with the bytes needed if the scene's bodies will not fit into memory.
 void check_memory(const Scene& scene);
 
+/// Says on stderr if the world has fewer threads than were asked for.
+void say_if_threads_lack(const World& world, int asked);
+
 /// Builds the world; throws UserError with what the library said.
 std::unique_ptr<World> make_world(const Scene& scene, Isa isa, int threads);
 
