@@ -82,6 +82,7 @@ class BodyStore {
 
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
   std::uint32_t dead = 0;
+  std::uint32_t listed = 0;  ///< slots since the last sort: lists and contacts may name them, and none behind them
   std::uint32_t awake() const { return count - dead; }
   std::size_t living() const { return id_count - free_ids.size(); }
 
@@ -138,6 +139,18 @@ class BodyStore {
     rim_speed[slot] = 0;
     angle[slot] = turn;
     return slot;
+  }
+
+  /// Takes the body of a slot out. A listed slot stays as a dead one; another one is given to the last body, so that
+  /// bodies that come and go between two steps take no more room than there are at once.
+  void leave(std::uint32_t slot) {
+    id[slot] = kNoSlot;
+    if (slot < listed) {
+      ++dead;
+    } else if (const std::uint32_t last = --count; slot != last) {
+      move_slot(last, slot);
+    }
+    if (dead == count) count = dead = listed = 0;  // nobody is awake
   }
 
   /// Makes room for n more slots.
@@ -238,6 +251,21 @@ class BodyStore {
   }
 
  private:
+  void move_slot(std::uint32_t from, std::uint32_t to) {
+    for (Column<float>* record : {&vel, &disp, &vel_remainder, &disp_remainder}) {
+      if (!record->empty())
+        std::copy_n(record->data() + 2 * std::size_t{from}, 2, record->data() + 2 * std::size_t{to});
+    }
+    std::copy_n(pos.data() + 2 * std::size_t{from}, 2, pos.data() + 2 * std::size_t{to});
+    for (Column<float>* value : {&radius, &rim_speed}) {
+      if (!value->empty()) (*value)[to] = (*value)[from];
+    }
+    if (!angle.empty()) angle[to] = angle[from];
+    linked[to] = linked[from];
+    id[to] = id[from];
+    if (id[to] != kNoSlot) info[id[to]].slot = to;
+  }
+
   mutable std::mutex finding_;
 };
 

@@ -204,8 +204,7 @@ void Population::go_round(std::uint32_t id, Vec2 velocity) {
 // A body is not among the moving ones any more.
 void Population::leave_columns(std::uint32_t id) {
   const BodyProperties& properties = bodies.properties(id);
-  bodies.id[bodies.info[id].slot] = kNoSlot;
-  ++bodies.dead;
+  bodies.leave(bodies.info[id].slot);
   count(properties, -1, traits);
   if (properties.type() == BodyType::kinematic_body) {
     std::erase_if(kinematics, [id](const auto& k) { return k.first == id; });

@@ -45,7 +45,7 @@ class Population {
   /// The id that the next body gets.
   std::uint32_t next_id() const { return bodies.free_ids.empty() ? bodies.id_count : bodies.free_ids.back(); }
 
-  /// Takes a body out that does not sleep. The slot of a moving one stays as a dead one until the next sort.
+  /// Takes a body out that does not sleep. Slots may change.
   void remove(std::uint32_t id);
   /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
   /// state.

@@ -56,7 +56,7 @@ void BodyMover::move(const std::uint32_t* from, bool mixed_radii, std::size_t be
 
 void BodyMover::finish(bool mixed_radii, std::uint32_t count) {
   each_column(mixed_radii, [](auto& column, auto& other, std::size_t) { column.swap(other); });
-  b_.count = count;
+  b_.count = b_.listed = count;
   b_.dead = 0;
   b_.slots_stale = true;
   // Both halves of every swapped pair must have room for what comes next.

@@ -91,7 +91,7 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
   }
   for (Sleeper& s : std::span(sleepers.list).subspan(first)) become_fixed(source, sleepers.pieces, s);
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
-  if (bodies.dead == bodies.count) bodies.count = bodies.dead = 0;  // nobody is awake
+  if (bodies.dead == bodies.count) bodies.count = bodies.dead = bodies.listed = 0;  // nobody is awake
   sleepers.changed = true;
   if (!source.joints.empty()) source.joints.follow_sleep();
 }

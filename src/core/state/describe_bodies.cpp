@@ -85,9 +85,10 @@ bool put(BodyStore& b, std::uint32_t body, Place place, std::size_t at) {
 void describe_slots(Archive& a, BodyStore& b, bool lists) {
   // Some worlds alone have these.
   bool turns = !b.rim_speed.empty(), remainders = !b.vel_remainder.empty(), offsets = !b.disp_remainder.empty();
-  values(a, b.count, turns, remainders, offsets);
+  values(a, b.count, b.listed, turns, remainders, offsets);
+  a.require(b.listed <= b.count);
   if (a.loading()) {
-    if (!a.fits(b.count)) b.count = 0;
+    if (!a.fits(b.count) || !a.ok()) b.count = b.listed = 0;
     b.reserve_slots(1);  // even of none: columns that the plan wants are there
     b.keep_rotation(turns);
     b.keep_remainders(remainders, remainders && offsets);

@@ -42,6 +42,11 @@ void body_goes(Owners& w, std::uint32_t id, bool same) {
   spoil_work(w);
 }
 
+// The impulses of the lists are nobody's once no body is awake.
+void forget_impulses_of_nobody(Owners& w) {
+  if (w.bodies.count == 0) w.contacts.impulses_valid = false;
+}
+
 // Whether the host may move or push a body. From now on it is awake and its slot is known.
 bool can_move(Owners& w, BodyId id) {
   w.settled();
@@ -80,21 +85,22 @@ void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
   body_goes(w, id, false);
   w.population.remove(id);
+  forget_impulses_of_nobody(w);
 }
 
 void freeze_body(Owners& w, const BodyState& last) {
   body_goes(w, last.id.index, true);
   w.population.freeze(last);
+  forget_impulses_of_nobody(w);
 }
 
 void disturb(Owners& w, std::uint32_t id) { w.note_sleep(w.sleep.disturb(w.sleep_source(), id)); }
 
-// The impulses of the lists are nobody's once no body is awake.
 bool Owners::note_sleep(bool changed) {
   if (!changed) return false;
   spoil_work(*this);
   observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping);
-  if (population.bodies.count == 0) contacts.impulses_valid = false;
+  forget_impulses_of_nobody(*this);
   return true;
 }
 
