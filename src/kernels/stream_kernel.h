@@ -199,12 +199,13 @@ void look_ahead(const BodyView& b, const StreamParams& p, float ahead, std::int3
   }
 }
 
-/// reach = radius + skin + |v - common| time: how far a body can touch before the lists are made
+/// reach = radius + skin + |v - common| time, with the skin of small bodies by their own radius: how far a body can touch before the lists are made
 /// again. Returns the largest.
 template <class L>
 float reaches(const BodyView& b, const float* radius, const ReachParams& p, float* reach, std::uint32_t begin,
               std::uint32_t end) {
-  const F<L> base = p.skin;
+  const F<L> skin = p.skin, share = p.of_radius;
+  const bool by_radius = p.of_radius != 0;
   const F<L> t = p.time;
   const F<L> common_x = p.common_x, common_y = p.common_y;
   F<L> most = 0;
@@ -218,8 +219,9 @@ float reaches(const BodyView& b, const float* radius, const ReachParams& p, floa
       x = x - common_x;
       y = y - common_y;
       const auto speed = sqrt(x * x + y * y);
-      const auto m = base + speed * t;
-      const auto total = L::load(radius + body) + m;
+      const auto size = L::load(radius + body);
+      const auto m = (by_radius ? min(share * size, skin) : skin) + speed * t;
+      const auto total = size + m;
       L::store(reach + body, total);
       most = max(total, most);
     }

@@ -86,9 +86,10 @@ inline constexpr int kMethods = 3;
 
 /// Margins of the neighbour lists.
 struct ReachParams {
-  float skin = 0;      ///< m
-  float time = 0;      ///< s of a body's own motion
-  float common_x = 0;  ///< m/s: velocity that motion is measured against
+  float skin = 0;       ///< m
+  float of_radius = 0;  ///< if not 0: the skin of a body is at most this share of its radius
+  float time = 0;       ///< s of a body's own motion
+  float common_x = 0;   ///< m/s: velocity that motion is measured against
   float common_y = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "lists/neighbour_lists.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/elementary.h"
@@ -25,14 +26,24 @@ struct ListPlan {
 
 // Radii and velocities of some 2,000 bodies, chosen by slot.
 struct Sample {
-  double radius = 0;                    // mean, m
+  double radius = 0;                    // typical, m
   Vec2 mean;                            // m/s
   double square = 0;                    // mean |v|^2
   double fastest = 0, fastest_off = 0;  // largest |v| and |v - mean|, m/s
   double off() const { return std::sqrt(greater(square - mean.x * mean.x - mean.y * mean.y, 0)); }
 };
 
-Sample sample_bodies(const BodyStore& b, double least_radius) {
+// The typical radius of bodies of several sizes: their mean, unless a few giants make it large.
+double typical_radius(const BodyStore& b, double mean) {
+  std::array<float, 4096> radii{};  // each_sampled() gives fewer
+  std::size_t n = 0;
+  b.each_sampled([&](std::uint32_t i) { radii[n++] = b.radius[i]; });
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(radii.begin(), middle, radii.begin() + static_cast<std::ptrdiff_t>(n));
+  return lesser(mean, 2.0 * static_cast<double>(*middle));
+}
+
+Sample sample_bodies(const BodyStore& b, double least_radius, bool mixed_radii) {
   Sample s;
   double n = 0;
   b.each_sampled([&](std::uint32_t i) {
@@ -50,6 +61,7 @@ Sample sample_bodies(const BodyStore& b, double least_radius) {
   s.square /= n;
   s.mean = {s.mean.x / n, s.mean.y / n};
   s.radius /= n;
+  if (mixed_radii) s.radius = typical_radius(b, s.radius);
   b.each_sampled([&](std::uint32_t i) { s.fastest_off = greater(length_of(b.velocity(i) - s.mean), s.fastest_off); });
   return s;
 }
@@ -107,8 +119,10 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
   const auto favour = [&](double frames) { return lists.selects() && frames == lists.made.frames ? 0.97 : 1.0; };
   p.outer = 2 * (r + skin + 1.2 * half * out.made.speed);
   double best = favour(0) * (build(r + skin + half * s.fastest_off) + kSelect * pairs(p.outer));
-  p.margin = {static_cast<float>(skin), static_cast<float>(half), static_cast<float>(s.mean.x),
-              static_cast<float>(s.mean.y)};
+  p.margin = {.skin = static_cast<float>(skin),
+              .time = static_cast<float>(half),
+              .common_x = static_cast<float>(s.mean.x),
+              .common_y = static_cast<float>(s.mean.y)};
   p.ahead = static_cast<float>(half);
   for (const double k : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
     const double reach = r + k * (1.2 * frame + 0.3 * kMarginFrames * dt * s.fastest);
@@ -117,8 +131,8 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
     best = cost;
     const double room = greater(desc.skin * k, 1);  // frames; a step needs one
     p.outer = 2 * r + 3 * room * frame;
-    p.margin = {static_cast<float>(0.02 * r + room * 1.2 * frame), static_cast<float>(room * kMarginFrames * dt * 0.3),
-                0, 0};
+    p.margin = {.skin = static_cast<float>(0.02 * r + room * 1.2 * frame),
+                .time = static_cast<float>(room * kMarginFrames * dt * 0.3)};
     out.mode = ListMode::selected_each_step;
     p.ahead = 0;
     out.made.frames = k;
@@ -128,7 +142,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
 ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
   const BodyStore& bodies = lists.surroundings.bodies;
-  const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius));
+  const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius), world.mixed_radii);
   const double r = s.radius;
   ListPlan out;
   out.made = lists.made;
@@ -140,6 +154,7 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
   const double thin = lesser(impact_slack(world, out.made.speed, 1, dt) / r, kSkinOfRadius);
   const double skin_of_radius = greater(desc.skin * kSkinOfRadius, thin);
   out.broad.margin.skin = static_cast<float>(skin_of_radius * r);
+  if (world.mixed_radii) out.broad.margin.of_radius = static_cast<float>(skin_of_radius);
   out.broad.margin.time = static_cast<float>(kMarginFrames * dt);
   out.broad.outer = 2 * (1 + skin_of_radius) * r;
   // Impacts in a two-dimensional gas: 2 D n v g(c) sqrt(pi), where c is the share of the area that bodies cover.

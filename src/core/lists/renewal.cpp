@@ -224,7 +224,8 @@ bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& marg
     if (mark_[i] == kListed) renewed_.push_back(place_of(slot));
     mark_[i] = kFound;
     const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
-    const float room = margin.skin + std::sqrt(u * u + v * v) * margin.time;
+    const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * b_.radius[i], margin.skin) : margin.skin;
+    const float room = skin + std::sqrt(u * u + v * v) * margin.time;
     place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + room});
   }
   std::ranges::inplace_merge(renewed_, renewed_.begin() + before, {}, &Renewed::slot);

@@ -23,8 +23,8 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   bool fixed = s_.statics.any();  // kept in the format, but known from the fixed shapes
   kernels::GridView& g = grid.view;
   a.refuse_nan(true);
-  values(a, p.margin.skin, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer, p.sample, p.growth,
-         p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
+  values(a, p.margin.skin, p.margin.of_radius, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer,
+         p.sample, p.growth, p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
   values(a, c.extent_.most, c.extent_.box, c.sorted_);
   values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
   values(a, grid.cell, grid.periodic, grid.keys, c.listed_, c.large_, c.most_, c.box_, c.area_, c.density_, pad_reach_,
@@ -38,7 +38,7 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   a.refuse_nan(false);
   c.list_.describe(a, periodic, cells && c.listed_);
   if (!a.loading()) return;
-  a.require(p.margin.skin >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
+  a.require(p.margin.skin >= 0 && p.margin.of_radius >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
   a.require(c.most_ >= 0 && c.box_ >= 0 && c.area_ >= 0 && c.density_ >= 0 && c.tests_ >= 0 && s.pairs_a_large_ >= 0 &&
             s.pairs_a_large_ <= kMostGuess);
   if (!cells) return;
