@@ -17,6 +17,7 @@ struct Surroundings {
   StaticShapes& statics;
   const kernels::KernelTable& kernels;
   WorkerPool& pool;
+  const KinematicBodies& kinematics;
 };
 
 }  // namespace psim

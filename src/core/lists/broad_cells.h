@@ -10,6 +10,7 @@
 #include "lists/body_mover.h"
 #include "lists/cell_list.h"
 #include "lists/grid_sort.h"
+#include "lists/held_bodies.h"
 #include "lists/pair_table.h"
 
 namespace psim {
@@ -63,9 +64,9 @@ class BroadCells {
 
   /// Cuts the rows into strips of about equal numbers of bodies. O(rows); with listed cells O(strips log cells).
   void cut_strips(PairTable& table) const;
-  /// Appends the pairs that the bodies of a strip form with those of the strip and of the next one. False if the list is
-  /// full.
-  bool find_pairs(const Strip& strip, kernels::PairList& list) const;
+  /// Appends the pairs that the bodies of a strip form with those of the strip and of the next one, but for pairs of two
+  /// `held` bodies. False if the list is full.
+  bool find_pairs(const Strip& strip, const HeldBodies& held, kernels::PairList& list) const;
   /// Appends the bodies in cells within reach of any body. False if the list is full.
   bool find_around(std::uint32_t body, kernels::PairList& list) const;
   kernels::PairRow view() const;
@@ -111,8 +112,10 @@ class BroadCells {
   /// The length of the box around all bodies along an axis, in lattice steps.
   double length(int axis) const { return static_cast<double>(extent_.box[axis + 2]) - extent_.box[axis]; }
   kernels::PairRow row_view(std::uint32_t row) const;
-  bool find_listed(const Strip& strip, kernels::PairList& list) const;
-  bool find_at_seam(std::uint32_t cell, kernels::PairList& list) const;
+  bool find_listed(const Strip& strip, const HeldBodies& held, kernels::PairList& list) const;
+  bool find_at_seam(std::uint32_t cell, const HeldBodies& held, kernels::PairList& list) const;
+  bool find_run(const kernels::PairRow& row, std::uint32_t begin, std::uint32_t end, const HeldBodies& held,
+                kernels::PairList& list) const;
 
   const Surroundings s_;
   GridSort sort_;

@@ -108,36 +108,47 @@ bool BroadCells::surely_within(std::uint32_t begin, std::uint32_t end, const Bou
          within(g.mid_y * s_.lattice.pitch_y(), g.offset_y, grid_.cell[1], row, row, inner.ymin, inner.ymax);
 }
 
-bool BroadCells::find_pairs(const Strip& s, kernels::PairList& list) const {
-  if (listed_) return find_listed(s, list);
+// Bodies that meet held ones are searched one by one, so that pairs of two held bodies go before there are many.
+bool BroadCells::find_run(const kernels::PairRow& row, std::uint32_t begin, std::uint32_t end, const HeldBodies& held,
+                          kernels::PairList& list) const {
+  if (!held.any(begin, end)) return s_.kernels.find_pairs(row, begin, end, list);
+  for (std::uint32_t i = begin; i < end; ++i) {
+    if (!s_.kernels.find_pairs(row, i, i + 1, list)) return false;
+    held.drop_pairs(i, list);
+  }
+  return true;
+}
+
+bool BroadCells::find_pairs(const Strip& s, const HeldBodies& held, kernels::PairList& list) const {
+  if (listed_) return find_listed(s, held, list);
   const std::uint32_t* const start = sort_.start();
   for (std::uint32_t row = s.row_begin; row < s.row_end; ++row) {
     const std::uint32_t begin = start[row * grid_.view.stride], end = start[(row + 1) * grid_.view.stride];
-    if (begin != end && !s_.kernels.find_pairs(row_view(row), begin, end, list)) return false;
+    if (begin != end && !find_run(row_view(row), begin, end, held, list)) return false;
   }
   return true;
 }
 
 // Listed cells know the bodies of the row above, so a strip is one run. In a
 // periodic world the first and the last cell of a row are searched one by one.
-bool BroadCells::find_listed(const Strip& s, kernels::PairList& list) const {
+bool BroadCells::find_listed(const Strip& s, const HeldBodies& held, kernels::PairList& list) const {
   if (s.body_begin == s.body_end) return true;
-  if (!list_.periodic()) return s_.kernels.find_pairs(view(), s.body_begin, s.body_end, list);
+  if (!list_.periodic()) return find_run(view(), s.body_begin, s.body_end, held, list);
   const std::uint32_t end = keys_[s.body_end - 1] / 4 + 1;
   for (std::uint32_t cell = keys_[s.body_begin] / 4; cell < end;) {
     if (list_.column(cell) == 0 || list_.column(cell) == list_.last_column()) {
-      if (!find_at_seam(cell++, list)) return false;
+      if (!find_at_seam(cell++, held, list)) return false;
       continue;
     }
     const std::uint32_t next = list_.find(list_.row(cell), list_.last_column(), cell);
-    if (!s_.kernels.find_pairs(view(), list_.first(cell), list_.first(next), list)) return false;
+    if (!find_run(view(), list_.first(cell), list_.first(next), held, list)) return false;
     cell = next;
   }
   return true;
 }
 
 // Searches a cell at the west or the east end of a row, also across the seam.
-bool BroadCells::find_at_seam(std::uint32_t cell, kernels::PairList& list) const {
+bool BroadCells::find_at_seam(std::uint32_t cell, const HeldBodies& held, kernels::PairList& list) const {
   const kernels::PairRow v = view();
   const std::uint32_t* const s = list_.start() + 4 * std::size_t{cell};
   const std::uint64_t row = list_.row(cell);
@@ -155,6 +166,7 @@ bool BroadCells::find_at_seam(std::uint32_t cell, kernels::PairList& list) const
         !s_.kernels.find_near(v, i, across_above[0], across_above[1], list)) {
       return false;
     }
+    held.drop_pairs(i, list);
   }
   return true;
 }

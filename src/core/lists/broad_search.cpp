@@ -27,7 +27,8 @@ double PairSearch::expected(std::size_t n, std::size_t strips) const {
 
 void PairSearch::begin(PairTable& table, double pairs_a_body, double growth) {
   const BodyStore& b = s_.bodies;
-  if (pairs_a_body > 0) pairs_a_body_.assign(table.strips.size() - 1, pairs_a_body);
+  held_.find(s_);
+  if (pairs_a_body > 0) pairs_a_body_.assign(table.strips.size() - 1, held_.share_of_pairs() * pairs_a_body);
   for (std::vector<double>* pairs : {&pairs_a_body_, &pairs_a_piece_}) {
     for (double& each : *pairs) each *= growth;
   }
@@ -91,7 +92,7 @@ bool PairSearch::search(std::size_t n, PairTable& table) {
   Strip& s = job(n, table);
   kernels::PairList list{table.owner.data(), table.other.data(), table.first.data(), s.pair_begin, s.pair_end};
   const bool strip = n + 1 < table.strips.size();
-  if (!(strip ? cells_.find_pairs(s, list) : search_large(s, list))) return false;
+  if (!(strip ? cells_.find_pairs(s, held_, list) : search_large(s, list))) return false;
   s.pair_end = list.count;
   return true;
 }
@@ -106,6 +107,7 @@ bool PairSearch::search_large(const Strip& piece, kernels::PairList& list) const
                              : k.find_near(cells_.view(), i, i + 1, s_.bodies.count, list))) {
       return false;
     }
+    held_.drop_pairs(i, list);
   }
   return true;
 }

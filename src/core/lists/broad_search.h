@@ -20,6 +20,8 @@ class PairSearch {
   void begin(PairTable& table, double pairs_a_body, double growth);
   /// Runs the searches [begin, end). True when all are done; their number grows when a search ran out of room.
   bool run(PairTable& table, std::size_t begin, std::size_t end);
+  /// Which slots hold kinematic bodies.
+  const HeldBodies& held() const { return held_; }
   std::size_t searches() const { return searched_ + pending_.size(); }
 
   /// Expected work of a search: the number of bodies (of a strip, or some of the large ones), the pairs that each
@@ -51,7 +53,8 @@ class PairSearch {
 
   const Surroundings s_;
   const BroadCells& cells_;
-  LargeCells large_cells_;              // cells of the bodies that are not in the grid, if there are many
+  LargeCells large_cells_;  // cells of the bodies that are not in the grid, if there are many
+  HeldBodies held_;
   std::vector<Strip> large_;            // pieces of the large bodies
   std::vector<std::uint32_t> pending_;  // jobs still to be searched: strips, then pieces of the large bodies
   std::vector<std::uint8_t> full_;      // by job: its room was too small

@@ -95,7 +95,9 @@ void ListRenewal::place(const Renewed& at) {
 
 // Finds the pairs of a found body that no strip has. Of two found bodies the one with the lower slot takes the pair.
 void ListRenewal::search(const PairTable& table, std::uint32_t slot, Scratch& s) const {
+  const HeldBodies& held = broad_.pairs().held();
   const auto keep = [&](std::uint32_t other) {
+    if (held.at(slot) && held.at(other)) return;
     if (b_.id[other] == kNoSlot || table.find_listed(slot, other) != PairTable::kNoPair) return;
     s.pairs.push_back(pair_key(slot, other));
   };
