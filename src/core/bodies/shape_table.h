@@ -46,6 +46,7 @@ class ShapeTable {
     by_hash_.emplace(key, index);
     sets_[index].users = 1;
     std::copy(parts.begin(), parts.end(), hulls_.begin() + sets_[index].first);
+    ++changes_;
     return sets_[index].first;
   }
 
@@ -56,9 +57,15 @@ class ShapeTable {
     free_.push_back(index);
   }
 
+  /// How often a set was added: what was made of the hulls of a set is out of date if this changed.
+  std::uint64_t changes() const { return changes_; }
+
   /// Gives all memory back if no body has a shape.
   void give_back() {
-    if (by_hash_.empty() && bytes() != 0) *this = ShapeTable();
+    if (!by_hash_.empty() || bytes() == 0) return;
+    const std::uint64_t changes = changes_;
+    *this = ShapeTable();
+    changes_ = changes + 1;
   }
 
   /// Memory in use; the entry that stands for discs does not count.
@@ -86,6 +93,7 @@ class ShapeTable {
   std::vector<Hull> hulls_{1};
   std::vector<Set> sets_;  // by their first hull
   std::vector<std::uint32_t> free_;
+  std::uint64_t changes_ = 0;
   // The sets with users. Look-up only: they differ in content, so that no order matters.
   std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;
 };

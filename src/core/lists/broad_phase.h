@@ -74,6 +74,8 @@ class BroadPhase {
   BodyMover& mover() { return cells_.mover(); }
   /// The margin of the last build.
   const kernels::ReachParams& margin() const { return params_.margin; }
+  /// s: it used the places that bodies would have after this time.
+  float ahead() const { return params_.ahead; }
 
   /// Makes room for the cells of `bodies` bodies, and for moving `all` slots.
   void spare(std::size_t bodies, std::size_t all) { cells_.spare(bodies, all); }

@@ -71,7 +71,7 @@ struct Manifolds::Look {
   };
 
   // The hull of a body. That of a disc is made in `disc`.
-  const Hull& hull_of(std::size_t slot, std::uint16_t part, std::optional<Hull>& disc) const {
+  const Hull& hull_of(std::size_t slot, std::uint32_t part, std::optional<Hull>& disc) const {
     if (!manifolds.has_corners(slot)) return disc.emplace(disc_hull(b.radius[slot]));
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
   }

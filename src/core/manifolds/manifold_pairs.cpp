@@ -86,6 +86,7 @@ struct Manifolds::Sorter {
   const Joined* joined;
   const std::vector<ManifoldPair>& known;  // the pairs of the index
   std::vector<FoundPair>& out;
+  mutable std::vector<std::uint32_t> near_a = {}, near_b = {}, all_parts = {};  // scratch
   const BodyStore& b = m.s_.bodies;
   const StaticShapes& statics = m.s_.statics;
 
@@ -127,17 +128,63 @@ struct Manifolds::Sorter {
   bool note(const Sides&... sides) const {
     FoundPair& first = out.emplace_back();
     name(sides..., first);
-    first.before = m.index_.find(first, known);
     const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
-    if (parts_a * parts_b == 1) return true;
-    FoundPair other = first;
-    for (std::uint32_t k = 1; k < parts_a * parts_b; ++k) {
-      other.part_a = static_cast<std::uint16_t>(k / parts_b);
-      other.part_b = static_cast<std::uint16_t>(k % parts_b);
-      other.before = m.index_.find(other, known);
-      out.push_back(other);
+    if (parts_a == 1 && parts_b == 1) {
+      first.before = m.index_.find(first, known);
+      return true;
     }
+    FoundPair pair = first;
+    out.pop_back();
+    const auto add = [&](std::uint32_t part_a, std::uint32_t part_b) {
+      pair.part_a = part_a;
+      pair.part_b = part_b;
+      pair.before = m.index_.find(pair, known);
+      out.push_back(pair);
+    };
+    each_near(pair, parts_a, parts_b, sides..., add);
     return true;
+  }
+
+  // Calls add(part of A, part of B) for the parts of a pair that may meet, in order.
+  template <class Add>
+  static void all(std::span<const std::uint32_t> of_a, std::span<const std::uint32_t> of_b, const Add& add) {
+    for (const std::uint32_t a : of_a) {
+      for (const std::uint32_t b : of_b) add(a, b);
+    }
+  }
+  std::span<const std::uint32_t> first_parts(std::uint32_t parts) const {
+    while (all_parts.size() < parts) all_parts.push_back(static_cast<std::uint32_t>(all_parts.size()));
+    return std::span(all_parts).first(parts);
+  }
+  template <class Add>
+  void each_near(const PairName& pair, std::uint32_t, std::uint32_t parts_b, const StaticPair& of,
+                 const Add& add) const {
+    near_b.clear();
+    if (!m.parts_.has(pair.b)) return all(first_parts(1), first_parts(parts_b), add);
+    m.parts_.near_piece(of, m.walls_, near_b);
+    all(first_parts(1), near_b, add);
+  }
+  template <class Add>
+  void each_near(const PairName& pair, std::uint32_t parts_a, std::uint32_t parts_b, std::uint32_t, std::uint32_t,
+                 const Add& add) const {
+    const bool many_a = m.parts_.has(pair.a), many_b = m.parts_.has(pair.b);
+    near_a.clear();
+    near_b.clear();
+    if (many_a) m.parts_.near_body(pair.a, pair.b, near_a);
+    if (many_a && many_b) {
+      for (const std::uint32_t a : near_a) {
+        near_b.clear();
+        m.parts_.near_part(pair.b, pair.a, a, near_b);
+        for (const std::uint32_t b : near_b) add(a, b);
+      }
+      return;
+    }
+    if (many_b) m.parts_.near_body(pair.b, pair.a, near_b);
+    if (many_a) return all(near_a, first_parts(parts_b), add);
+    if (many_b) return all(first_parts(parts_a), near_b, add);
+    for (std::uint32_t a = 0; a < parts_a; ++a) {
+      for (std::uint32_t b = 0; b < parts_b; ++b) add(a, b);
+    }
   }
 
   PSIM_INLINE std::uint32_t parts(std::uint32_t slot) const {
@@ -166,10 +213,11 @@ struct Manifolds::Sorter {
   }
 };
 
-void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sorted) {
+void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& table, bool sorted) {
   const BodyStore& b = s_.bodies;
   keep_impulses();
-  any_filter_ = any_filter;
+  any_filter_ = settings.any_filter;
+  walls_ = settings.walls;
   const std::size_t strips = table.strips.size(), slots = kernels::round_up_block(b.count);
   found_.resize(std::max(found_.size(), strips));
   kind_.reserve(slots);
@@ -189,7 +237,9 @@ void Manifolds::begin_collect(bool any_filter, const PairTable& table, bool sort
                                            (kind.sensor ? kSensor : 0) | (held ? kKinematic : 0));
       if (shape) shaped_.push_back(i);
     }
+    parts_.note(shaped_, settings.margin, settings.ahead);
   }
+  parts_.prepare();
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
@@ -302,6 +352,7 @@ void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t
   keep_impulses();
   if (!indexed_) index_.make(std::span(pairs_).first(own_end_), s_.bodies.id_count);
   indexed_ = true;
+  parts_.prepare();
   renewed_.clear();
   const Sorter sorter{*this, joined, pairs_, renewed_};
   std::erase_if(pairs, [&](std::uint64_t pair) {

@@ -63,7 +63,7 @@ void Manifolds::follow_turning(const kernels::BodyView& view, double ahead) {
     const Vec2 moved = record(view.disp, j) - record(view.disp, i), u = record(view.vel, j) - record(view.vel, i);
     const Vec2 way = s_.lattice.steps(b.point(i), b.point(j)) + moved + ahead * u;
     std::optional<Hull> own_a, own_b;
-    const auto hull_of = [&](std::size_t n, std::uint16_t part, std::optional<Hull>& own) -> const Hull& {
+    const auto hull_of = [&](std::size_t n, std::uint32_t part, std::optional<Hull>& own) -> const Hull& {
       return has_corners(n) ? b.hulls[b.kind(b.id[n]).first_hull + part] : own.emplace(disc_hull(b.radius[n]));
     };
     const auto rotor_at = [&](std::size_t n) {

@@ -32,6 +32,7 @@
 #include "lists/heavy_loads.h"
 #include "lists/pair_table.h"
 #include "manifolds/collide.h"
+#include "manifolds/part_search.h"
 #include "psim/desc.h"
 #include "views.h"
 
@@ -46,7 +47,7 @@ struct PairName {
   std::uint32_t shape = kNone;         ///< the number of the piece of fixed geometry, or a wall
   std::uint32_t id_a = kNone, id_b = kNone;
   std::uint32_t owner = kNone;  ///< id of the smaller body, which has few such pairs
-  std::uint16_t part_a = 0, part_b = 0;
+  std::uint32_t part_a = 0, part_b = 0;
   bool fixed_a = false;  ///< A is static or kinematic
   bool moved = false;    ///< a body of it was renewed: the pair is found anew behind those of the last strip
 
@@ -59,7 +60,7 @@ struct PairName {
            fixed_a == o.fixed_a;
   }
   std::uint32_t mark() const {  ///< a hash that tells most pairs of an owner apart
-    return (id_a * 0x9E3779B1u) ^ (id_b * 0x85EBCA77u) ^ (shape * 0xC2B2AE3Du) ^ (std::uint32_t{part_a} << 16 | part_b);
+    return (id_a * 0x9E3779B1u) ^ (id_b * 0x85EBCA77u) ^ (shape * 0xC2B2AE3Du) ^ (part_a << 16) ^ part_b;
   }
 };
 
@@ -154,6 +155,14 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 struct ManifoldsAround;
 
+/// What the collection of pairs goes by.
+struct CollectSettings {
+  bool any_filter = false;
+  Walls walls;
+  kernels::ReachParams margin;  ///< of the lists
+  float ahead = 0;              ///< s: the lists use the places that bodies will have
+};
+
 class Manifolds {
   const Surroundings s_;
 
@@ -206,7 +215,7 @@ class Manifolds {
   /// Takes over the pairs of `table` that are not two discs, and drops those that must not collide. Three parts; the
   /// last two go over strips [begin, end) in order. `sorted`: slots changed. `recent` has the impulses of contacts
   /// whose sides fell asleep or woke. O(pairs).
-  void begin_collect(bool any_filter, const PairTable& table, bool sorted);
+  void begin_collect(const CollectSettings& settings, const PairTable& table, bool sorted);
   void sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end);
   void keep(const TouchMemory& recent, std::size_t begin, std::size_t end);
 
@@ -214,6 +223,8 @@ class Manifolds {
   /// those of discs stay, and those that are manifolds are noted. O(pairs of `found`), and once O(pairs).
   void sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& near);
   /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
+  /// Whether bodies of many parts have not turned too far for the lists, and will not within `time` seconds.
+  bool parts_serve(float time) const { return parts_.serve(time); }
   void put_renewed(const std::function<bool(std::uint32_t)>& found);
   /// Whether the pairs of a saved state are those of so many strips, which were made again. In the middle of a step the
   /// last strip may have had more pairs, which are not there yet.
@@ -407,6 +418,8 @@ class Manifolds {
   }
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
+  PartSearch parts_{s_};
+  Walls walls_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
   std::vector<Cut> cuts_;             // the pieces of all strips, in order
   std::uint32_t own_end_ = 0;         // the first pair of renewed bodies that belongs to no strip

@@ -255,12 +255,13 @@ void Continuous::find_bullets(const ContinuousInput& in) {
     if (fast_[j] != 0 && free(i)) partners_.emplace_back(j, i);
   };
   for (const ManifoldPair& pair : in.contacts.manifolds.pairs()) {
-    if (pair.a != ManifoldPair::kNone && pair.part_a == 0 && pair.part_b == 0 && !pair.moved) meet_pair(pair.a, pair.b);
+    if (pair.a != ManifoldPair::kNone && !pair.moved) meet_pair(pair.a, pair.b);
   }
   for (const Strip& s : in.table.strips) {
     for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) meet_pair(in.table.owner[p], in.table.other[p]);
   }
-  std::ranges::sort(partners_);  // total order: both slots
+  std::ranges::sort(partners_);                                                       // total order: both slots
+  partners_.erase(std::unique(partners_.begin(), partners_.end()), partners_.end());  // bodies of several parts
 }
 
 // Finds all bodies to look at.

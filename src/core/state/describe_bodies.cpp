@@ -41,6 +41,7 @@ void ShapeTable::describe(Archive& a) {
   });
   describe_free(a, free_, 0, sets_.size(), [&](std::size_t k) { return sets_[k].users == 0; });
   if (!a.loading()) return;
+  ++changes_;
   by_hash_.clear();
   std::uint32_t end = 1;  // of the sets before
   for (std::uint32_t k = 0; k < sets_.size() && a.ok(); ++k) {

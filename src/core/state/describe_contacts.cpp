@@ -114,8 +114,20 @@ void one_value(Archive& a, ManifoldPair& p) {
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
 
+void PartSearch::describe(Archive& a) {
+  const BodyStore& b = s_.bodies;
+  values(a, common_way_);
+  a.list(wide_, [&](Wide& w) {
+    a.index(b.count, w.slot);
+    values(a, w.angle, w.turn);
+    a.require(a.ok() && b.id[w.slot] != kNoSlot && b.kind(b.id[w.slot]).hull_count >= kMany && w.turn >= 0);
+  });
+  a.require(std::ranges::is_sorted(wide_, std::ranges::less_equal{}, &Wide::slot) || wide_.empty());
+}
+
 void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   const std::uint32_t slots = s_.bodies.count;
+  parts_.describe(a);
   values(a, pairs_);
   a.packed(begin_);
   a.list(strips_, [&](StripBlocks& s) {

@@ -50,6 +50,8 @@ void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
     } else {
       lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
     }
+    const double turning = lists.selects() ? span.step : kMarginFrames * span.frame;
+    lists.stale = lists.stale || !c.contacts.manifolds.parts_serve(static_cast<float>(turning));
   }
   c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
   if (lists.stale || (!lists.selects() && lists.renewal.any())) return;
@@ -131,7 +133,9 @@ void loads(StepContext& c, const Span&, StepReport&, PieceRange p) {
 }
 
 void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
-  c.contacts.manifolds.begin_collect(c.plan.filters, c.neighbours.table, c.neighbours.stale);
+  const BroadPhase& broad = c.neighbours.broad;
+  c.contacts.manifolds.begin_collect({c.plan.filters, c.walls, broad.margin(), broad.ahead()}, c.neighbours.table,
+                                     c.neighbours.stale);
 }
 
 void sort_out(StepContext& c, const Span&, StepReport&, PieceRange p) {

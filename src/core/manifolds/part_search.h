@@ -1,0 +1,73 @@
+// Which parts of a body of many parts may meet another body while the lists last. The lists know each body as a circle
+// around its centre; a chain of 10,000 segments may have all others in its circle and few near any segment.
+//
+// In: bodies in cell order, their margins. Out: the parts within those margins, and whether the bodies of many parts have
+// turned no further than they may. A search takes O(log bodies of many parts + parts nearby).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "bodies/hash_grid.h"
+#include "bodies/surroundings.h"
+#include "lists/pair_table.h"
+
+namespace psim {
+
+class PartSearch {
+ public:
+  /// A body of fewer parts has all of them near.
+  static constexpr std::uint32_t kMany = 9;
+
+  explicit PartSearch(const Surroundings& s) : s_(s) {}
+
+  void describe(class Archive& a);  ///< for saved states
+
+  /// Notes how the bodies of many parts among those in `slots`, ascending, lie when lists are made with such margins.
+  void note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead);
+  /// Makes the grids of their shapes, if they are not there. Call before find().
+  void prepare();
+  /// Whether the bodies of many parts turn no further than the lists allow for `time` seconds more.
+  bool serve(float time) const;
+
+  /// Whether a body has so many parts that they are searched for.
+  bool has(std::uint32_t slot) const { return !wide_.empty() && wide_of(slot) != nullptr; }
+  /// The parts of a body of many parts that may meet any part of another body, ascending.
+  void near_body(std::uint32_t slot, std::uint32_t other, std::vector<std::uint32_t>& out) const;
+  /// Those that may meet one part of another body of many parts.
+  void near_part(std::uint32_t slot, std::uint32_t other, std::uint32_t part, std::vector<std::uint32_t>& out) const;
+  /// Those that may meet a piece of fixed geometry or a wall.
+  void near_piece(const StaticPair& pair, const Walls& walls, std::vector<std::uint32_t>& out) const;
+
+ private:
+  struct Wide {
+    std::uint32_t slot = 0;
+    double angle = 0;  // rad, when the lists were made
+    float turn = 0;    // m: how far the rim may turn from there
+  };
+  // The parts of a shape by place, in its own frame.
+  struct Grid {
+    Grid(MemoryMeter& meter, std::span<const Hull> parts);
+    void near(const Bounds& box, std::vector<std::uint32_t>& out) const;
+    HashGrid grid;
+    std::vector<Bounds> boxes;  // of the parts, m
+    double steps = 1;           // of the grid in a metre
+    double reach = 0;           // m, of all parts
+  };
+
+  const Wide* wide_of(std::uint32_t slot) const;
+  const Grid& grid_of(std::uint32_t slot) const;
+  double margin_of(std::uint32_t slot) const;
+  Vec2 way(std::uint32_t from, std::uint32_t to) const;
+
+  const Surroundings s_;
+  std::vector<Wide> wide_;                                          // by slot
+  double common_way_ = 0;                                           // m: how far all bodies go together meanwhile
+  std::unordered_map<std::uint32_t, std::unique_ptr<Grid>> grids_;  // by the first part; looked up only
+  std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that grids_ are made for
+};
+
+}  // namespace psim
