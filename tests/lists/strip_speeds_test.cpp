@@ -66,12 +66,13 @@ class StripSpeedsTest : public testing::Test {
 
   MemoryMeter memory;
   WorkerPool pool{1};
+  KinematicBodies kinematics;
   BodyStore bodies{memory};
   Lattice lattice;
   StaticShapes shapes{memory, lattice};
   const kernels::KernelTable kernels = kernels_of(best_isa());
   std::vector<Strip> strips;
-  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool}};
+  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool, kinematics}};
 };
 
 TEST_F(StripSpeedsTest, ACommonFallIsNoSpeed) {

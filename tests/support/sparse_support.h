@@ -102,7 +102,8 @@ struct Broad {
   StaticShapes shapes{memory, lattice};
   kernels::KernelTable kernels = kernels_of(best_isa());
   WorkerPool pool;
-  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool}};
+  KinematicBodies kinematics;
+  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool, kinematics}};
   PairTable table{memory};
   std::uint32_t next_id = 0;
 };

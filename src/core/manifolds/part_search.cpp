@@ -30,51 +30,69 @@ Bounds moved(const Bounds& box, SineCosine turn, Vec2 by) {
   return {middle.x - half_x, middle.y - half_y, middle.x + half_x, middle.y + half_y};
 }
 
-constexpr double kGridReach = 0x1p29;  // of HashGrid's places
-constexpr double kRounding = 1e-5;     // share of a body's size: what floats and the grid may lose
+// Places near each other mostly get numbers near each other (Morton 1966).
+std::uint32_t place_number(double x, double y) {
+  const auto spread = [](double at) {
+    auto bits = static_cast<std::uint32_t>(lesser(greater(at, 0.0), 1.0) * 65535);
+    for (const int k : {8, 4, 2, 1})
+      bits = (bits | bits << k) & (k == 8 ? 0x00FF00FFu : k == 4 ? 0x0F0F0F0Fu : k == 2 ? 0x33333333u : 0x55555555u);
+    return bits;
+  };
+  return spread(x) | spread(y) << 1;
+}
+
+constexpr std::size_t kFan = 4;
+constexpr double kRounding = 1e-5;  // share of a body's size: what floats may lose
+
+Bounds around(const Bounds& a, const Bounds& b) {
+  return {lesser(a.xmin, b.xmin), lesser(a.ymin, b.ymin), greater(a.xmax, b.xmax), greater(a.ymax, b.ymax)};
+}
 
 }  // namespace
 
-PartSearch::Grid::Grid(MemoryMeter& meter, std::span<const Hull> parts) : grid(meter, 0) {
-  boxes.reserve(parts.size());
+PartSearch::Tree::Tree(std::span<const Hull> parts) {
   for (const Hull& hull : parts) {
     boxes.push_back(box_of(hull));
     const Bounds& b = boxes.back();
     for (const double edge : {-b.xmin, -b.ymin, b.xmax, b.ymax}) reach = greater(edge, reach);
   }
-  steps = kGridReach / greater(reach, 1e-30);
-  grid.make_room(static_cast<std::uint32_t>(parts.size()), parts.size());
+  std::vector<std::uint64_t> by_place;
   for (std::uint32_t k = 0; k < boxes.size(); ++k) {
     const Bounds& b = boxes[k];
-    const auto middle = [this](double low, double high) {
-      return static_cast<std::int32_t>(std::floor((low + high) / 2 * steps));
-    };
-    const auto half = [this](double low, double high) {
-      return static_cast<std::uint32_t>(std::ceil((high - low) / 2 * steps)) + 1;
-    };
-    grid.insert(k, middle(b.xmin, b.xmax), middle(b.ymin, b.ymax), half(b.xmin, b.xmax), half(b.ymin, b.ymax));
+    const double x = (b.xmin + b.xmax) / 4 / greater(reach, 1e-300) + 0.5,
+                 y = (b.ymin + b.ymax) / 4 / greater(reach, 1e-300) + 0.5;
+    by_place.push_back(std::uint64_t{place_number(x, y)} << 32 | k);
   }
+  std::ranges::sort(by_place);
+  for (const std::uint64_t place : by_place) order.push_back(static_cast<std::uint32_t>(place));
+  std::size_t below = order.size();
+  do {
+    const bool leaves = levels.empty();
+    std::vector<Bounds> level((below + kFan - 1) / kFan);
+    for (std::size_t k = 0; k < below; ++k) {
+      const Bounds& box = leaves ? boxes[order[k]] : levels.back()[k];
+      level[k / kFan] = k % kFan == 0 ? box : around(level[k / kFan], box);
+    }
+    below = level.size();
+    levels.push_back(std::move(level));
+  } while (below > 1);
 }
 
 // Appends the parts whose boxes meet a box in the frame of the shape, ascending.
-void PartSearch::Grid::near(const Bounds& box, std::vector<std::uint32_t>& out) const {
-  const Bounds all{greater(box.xmin, -reach), greater(box.ymin, -reach), lesser(box.xmax, reach),
-                   lesser(box.ymax, reach)};
-  if (!(all.xmin <= all.xmax && all.ymin <= all.ymax)) return;
-  const auto middle = [this](double low, double high) {
-    return static_cast<std::int32_t>(std::floor((low + high) / 2 * steps));
-  };
-  const auto half = [this](double low, double high) {
-    return static_cast<std::uint32_t>(std::ceil((high - low) / 2 * steps)) + 2;
-  };
+void PartSearch::Tree::near(const Bounds& box, std::vector<std::uint32_t>& out) const {
   const auto first = static_cast<std::ptrdiff_t>(out.size());
-  grid.near(middle(all.xmin, all.xmax), middle(all.ymin, all.ymax), half(all.xmin, all.xmax), half(all.ymin, all.ymax),
-            out);
-  const auto misses = [&](std::uint32_t k) {
-    const Bounds& b = boxes[k];
-    return b.xmax < box.xmin || b.xmin > box.xmax || b.ymax < box.ymin || b.ymin > box.ymax;
+  const auto down = [&](const auto& self, std::size_t level, std::size_t k) -> void {
+    if (!overlap(levels[level][k], box)) return;
+    const std::size_t begin = k * kFan;
+    if (level == 0) {
+      for (std::size_t p = begin; p < std::min(begin + kFan, order.size()); ++p) {
+        if (overlap(boxes[order[p]], box)) out.push_back(order[p]);
+      }
+      return;
+    }
+    for (std::size_t n = begin; n < std::min(begin + kFan, levels[level - 1].size()); ++n) self(self, level - 1, n);
   };
-  out.erase(std::remove_if(out.begin() + first, out.end(), misses), out.end());
+  down(down, levels.size() - 1, 0);
   std::sort(out.begin() + first, out.end());
 }
 
@@ -94,12 +112,12 @@ void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::Reach
 
 void PartSearch::prepare() {
   const ShapeTable& shapes = s_.bodies.hulls;
-  if (of_shapes_ != shapes.changes()) grids_.clear();
+  if (of_shapes_ != shapes.changes()) trees_.clear();
   of_shapes_ = shapes.changes();
   for (const Wide& w : wide_) {
     const BodyKind& kind = s_.bodies.kind(s_.bodies.id[w.slot]);
-    std::unique_ptr<Grid>& grid = grids_[kind.first_hull];
-    if (grid == nullptr) grid = std::make_unique<Grid>(s_.memory, std::span(&shapes[kind.first_hull], kind.hull_count));
+    std::unique_ptr<Tree>& tree = trees_[kind.first_hull];
+    if (tree == nullptr) tree = std::make_unique<Tree>(std::span(&shapes[kind.first_hull], kind.hull_count));
   }
 }
 
@@ -116,8 +134,8 @@ const PartSearch::Wide* PartSearch::wide_of(std::uint32_t slot) const {
   return at != wide_.end() && at->slot == slot ? &*at : nullptr;
 }
 
-const PartSearch::Grid& PartSearch::grid_of(std::uint32_t slot) const {
-  return *grids_.at(s_.bodies.kind(s_.bodies.id[slot]).first_hull);
+const PartSearch::Tree& PartSearch::tree_of(std::uint32_t slot) const {
+  return *trees_.at(s_.bodies.kind(s_.bodies.id[slot]).first_hull);
 }
 
 // How far a body may go from where the lists were made.
@@ -134,39 +152,39 @@ Vec2 PartSearch::way(std::uint32_t from, std::uint32_t to) const {
 
 void PartSearch::near_body(std::uint32_t slot, std::uint32_t other, std::vector<std::uint32_t>& out) const {
   const Wide& w = *wide_of(slot);
-  const Grid& grid = grid_of(slot);
+  const Tree& tree = tree_of(slot);
   const Vec2 at = turned(sine_cosine(-w.angle), way(slot, other));
   const double within = static_cast<double>(s_.bodies.reach[other]) + margin_of(slot) + static_cast<double>(w.turn) +
-                        kRounding * grid.reach;
-  grid.near(grown({at.x, at.y, at.x, at.y}, within), out);
+                        kRounding * tree.reach;
+  tree.near(grown({at.x, at.y, at.x, at.y}, within), out);
 }
 
 void PartSearch::near_part(std::uint32_t slot, std::uint32_t other, std::uint32_t part,
                            std::vector<std::uint32_t>& out) const {
   const Wide &mine = *wide_of(slot), &theirs = *wide_of(other);
-  const Grid &grid = grid_of(slot), &of_other = grid_of(other);
+  const Tree &tree = tree_of(slot), &of_other = tree_of(other);
   const Bounds there = moved(of_other.boxes[part], sine_cosine(theirs.angle - mine.angle),
                              turned(sine_cosine(-mine.angle), way(slot, other)));
   const double within = margin_of(slot) + margin_of(other) + static_cast<double>(mine.turn + theirs.turn) +
-                        kRounding * (grid.reach + of_other.reach);
-  grid.near(grown(there, within), out);
+                        kRounding * (tree.reach + of_other.reach);
+  tree.near(grown(there, within), out);
 }
 
 void PartSearch::near_piece(const StaticPair& pair, const Walls& walls, std::vector<std::uint32_t>& out) const {
   const Wide& w = *wide_of(pair.body);
-  const Grid& grid = grid_of(pair.body);
-  const double within = margin_of(pair.body) + static_cast<double>(w.turn) + common_way_ + kRounding * grid.reach;
+  const Tree& tree = tree_of(pair.body);
+  const double within = margin_of(pair.body) + static_cast<double>(w.turn) + common_way_ + kRounding * tree.reach;
   const std::size_t at = 2 * std::size_t{pair.body};
   const LatticePoint here{s_.bodies.built[at], s_.bodies.built[at + 1], 0, 0};
   if (pair.shape < kWallLeft) {
-    const Hull piece = s_.statics.seen_from(pair.shape, here, 4 * (grid.reach + within));
-    return grid.near(grown(moved(box_of(piece), sine_cosine(-w.angle), {}), within), out);
+    const Hull piece = s_.statics.seen_from(pair.shape, here, 4 * (tree.reach + within));
+    return tree.near(grown(moved(box_of(piece), sine_cosine(-w.angle), {}), within), out);
   }
   const SineCosine turn = sine_cosine(w.angle);
   const auto [nx, ny, height] = walls.face(pair.shape, here, s_.lattice);
   const Vec2 n{static_cast<double>(nx), static_cast<double>(ny)};
-  for (std::uint32_t k = 0; k < grid.boxes.size(); ++k) {
-    const Bounds box = moved(grid.boxes[k], turn, {});
+  for (std::uint32_t k = 0; k < tree.boxes.size(); ++k) {
+    const Bounds box = moved(tree.boxes[k], turn, {});
     const double low = (n.x > 0 ? box.xmin : box.xmax) * n.x + (n.y > 0 ? box.ymin : box.ymax) * n.y;
     if (static_cast<double>(height) + low <= within) out.push_back(k);
   }

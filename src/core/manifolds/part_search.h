@@ -11,7 +11,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "bodies/hash_grid.h"
 #include "bodies/surroundings.h"
 #include "lists/pair_table.h"
 
@@ -28,7 +27,7 @@ class PartSearch {
 
   /// Notes how the bodies of many parts among those in `slots`, ascending, lie when lists are made with such margins.
   void note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead);
-  /// Makes the grids of their shapes, if they are not there. Call before find().
+  /// Makes the trees of their shapes, if they are not there. Call before find().
   void prepare();
   /// Whether the bodies of many parts turn no further than the lists allow for `time` seconds more.
   bool serve(float time) const;
@@ -48,26 +47,26 @@ class PartSearch {
     double angle = 0;  // rad, when the lists were made
     float turn = 0;    // m: how far the rim may turn from there
   };
-  // The parts of a shape by place, in its own frame.
-  struct Grid {
-    Grid(MemoryMeter& meter, std::span<const Hull> parts);
+  // The parts of a shape by place, in its own frame: boxes of four neighbours, of four such boxes, and so on.
+  struct Tree {
+    explicit Tree(std::span<const Hull> parts);
     void near(const Bounds& box, std::vector<std::uint32_t>& out) const;
-    HashGrid grid;
-    std::vector<Bounds> boxes;  // of the parts, m
-    double steps = 1;           // of the grid in a metre
-    double reach = 0;           // m, of all parts
+    std::vector<Bounds> boxes;                // of the parts, m
+    std::vector<std::uint32_t> order;         // parts by place
+    std::vector<std::vector<Bounds>> levels;  // boxes of four of the level below, the first ones of four parts
+    double reach = 0;                         // m, of all parts
   };
 
   const Wide* wide_of(std::uint32_t slot) const;
-  const Grid& grid_of(std::uint32_t slot) const;
+  const Tree& tree_of(std::uint32_t slot) const;
   double margin_of(std::uint32_t slot) const;
   Vec2 way(std::uint32_t from, std::uint32_t to) const;
 
   const Surroundings s_;
   std::vector<Wide> wide_;                                          // by slot
   double common_way_ = 0;                                           // m: how far all bodies go together meanwhile
-  std::unordered_map<std::uint32_t, std::unique_ptr<Grid>> grids_;  // by the first part; looked up only
-  std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that grids_ are made for
+  std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; looked up only
+  std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that trees_ are made for
 };
 
 }  // namespace psim
