@@ -7,6 +7,7 @@ namespace psim::fuzz {
 namespace {
 
 bool finite(double v) { return std::isfinite(v); }
+double lesser_of(double a, double b) { return a < b ? a : b; }
 bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
 
 std::string text(double value) {
@@ -99,10 +100,45 @@ std::string plan_fault(const World& world) {
   return {};
 }
 
+std::string contact_fault(World& world) {
+  const auto there = [&](BodyId id) { return world.is_valid(id); };
+  for (const Contact& c : world.contacts()) {
+    if (!there(c.a) || (c.b != kNoBody && (!there(c.b) || c.a.index >= c.b.index))) return "contacts: their bodies";
+    if (!finite(c.point) || !finite(c.normal) || !finite(c.separation)) return "contacts: not finite";
+  }
+  std::size_t in_lists = 0;
+  for (const std::uint32_t strip : world.strips()) in_lists += strip != kNoStrip;
+  return in_lists <= world.dynamic_count() ? "" : "strips: more than moving bodies";
+}
+
+// Asks for all that is in the world, and why each of some bodies is awake.
+std::string query_fault(const World& world) {
+  const Bounds& b = world.desc().bounds;
+  const Vec2 middle{b.xmin / 2 + b.xmax / 2, b.ymin / 2 + b.ymax / 2};
+  const auto valid = [&](BodyId id) { return world.is_valid(id); };
+  for (const BodyId id : world.in_region(b)) {
+    if (!valid(id)) return "in_region: a body that is not";
+  }
+  const BoxShape box{lesser_of(b.xmax - b.xmin, 1e6), lesser_of(b.ymax - b.ymin, 1e6), 0};
+  for (const BodyId id : world.overlap(box, middle, 0.3)) {
+    if (!valid(id)) return "overlap: a body that is not";
+  }
+  for (const RayHit& hit : world.ray_cast_all({b.xmin, b.ymin}, {b.xmax, b.ymax})) {
+    if (!valid(hit.body) || !(hit.fraction >= 0 && hit.fraction <= 1)) return "ray_cast_all: a hit";
+  }
+  if (const auto hit = world.closest(middle, b.xmax - b.xmin); hit && !valid(hit->body)) return "closest: its body";
+  for (std::uint32_t id = 0; id < 24; ++id) {
+    const BodyId body = world.id_of(id);
+    if (valid(body) && world.why_awake(body).find('\n') != std::string::npos) return "why_awake: one line";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string broken_promise(World& world) {
-  for (const std::string& fault : {state_fault(world), event_fault(world), snapshot_fault(world), plan_fault(world)}) {
+  for (const std::string& fault : {state_fault(world), event_fault(world), snapshot_fault(world), plan_fault(world),
+                                   contact_fault(world), query_fault(world)}) {
     if (!fault.empty()) return fault;
   }
   if (world.dynamic_count() + world.static_count() > world.body_count()) return "counts by type";

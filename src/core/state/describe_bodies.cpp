@@ -286,7 +286,8 @@ struct NamedTouch {
   bool fixed = false;
 };
 
-void describe_touches(Archive& a, std::vector<NamedTouch>& named, std::uint32_t ids) {
+void describe_touches(Archive& a, std::vector<NamedTouch>& named, const BodyStore& bodies,
+                      const StaticShapes& statics) {
   for (NamedTouch& n : named) {
     const Touch& t = *n.touch;
     n.fixed = t.of_fixed();
@@ -302,21 +303,24 @@ void describe_touches(Archive& a, std::vector<NamedTouch>& named, std::uint32_t 
   columns(a, touches, &Touch::points, &Touch::per_mass);
   if (!a.loading()) return;
   for (const NamedTouch& n : named) {
-    a.require((n.fixed || n.other < ids) && n.touch->points <= 2);
+    const bool wall = n.other >= kWallLeft && n.other <= kWallTop;
+    a.require(n.fixed ? wall || n.other < statics.size()
+                      : n.other < bodies.id_count && bodies.info[n.other].place != Place::none);
+    a.require(n.touch->points <= 2);
     n.touch->key = n.fixed ? fixed_key(n.own, n.other) : pair_key(n.own, n.other);
   }
 }
 
-void describe_recent(Archive& a, TouchMemory& memory, std::uint32_t ids) {
+void describe_recent(Archive& a, TouchMemory& memory, const BodyStore& bodies, const StaticShapes& statics) {
   std::vector<Touch> touches;
   if (!a.loading()) touches = memory.all();
   std::vector<std::uint32_t> own(touches.size());
   std::ranges::transform(touches, own.begin(), &Touch::first);
-  a.packed(own, ids);
+  a.packed(own, bodies.id_count);
   touches.resize(own.size());
   std::vector<NamedTouch> named;
   for (std::size_t k = 0; k < own.size(); ++k) named.push_back({&touches[k], own[k]});
-  describe_touches(a, named, ids);
+  describe_touches(a, named, bodies, statics);
   if (!a.loading()) return;
   memory.clear();
   for (std::size_t k = 0; k < touches.size() && a.ok(); ++k) memory.add(touches[k]);
@@ -358,8 +362,8 @@ void Sleepers::describe(Archive& a, BodyStore& bodies, StaticShapes& statics) {
   for (const Sleeper& s : list) {
     for (std::uint32_t k = 0; k < s.touches; ++k) told.push_back({&touches[s.first_touch + k], s.id});
   }
-  describe_touches(a, told, bodies.id_count);
-  describe_recent(a, recent, bodies.id_count);
+  describe_touches(a, told, bodies, statics);
+  describe_recent(a, recent, bodies, statics);
   // For how long bodies that are awake have stayed where they are.
   if (a.loading()) std::fill_n(watched_.data(), watched_.capacity(), Watched{});
   if (!watching_ && list.empty()) return;

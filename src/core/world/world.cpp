@@ -36,7 +36,7 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
     return "bounds must be finite with xmin < xmax and ymin < ymax";
   }
   if (greater(width, height) > 1e12) return "bounds must span at most 1e12 m";
-  if (greater(width, height) < 1e-9) return "bounds must span at least 1e-9 m";
+  if (lesser(width, height) < 1e-9) return "bounds must span at least 1e-9 m";
   if (!finite(d.gravity)) return "gravity must be finite";
   if (!(d.dt > 0 && d.dt <= 10)) return "dt must be above 0 and at most 10 s";
   if (d.substeps < 1 || d.substeps > 64) return "substeps must be 1 to 64";
