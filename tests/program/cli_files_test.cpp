@@ -141,6 +141,16 @@ TEST_F(CliFiles, TwoOptionsCannotShareAFile) {
   expect_refused(run({"--state", folder_.file("a"), "--metrics", folder_.file("./a")}), {"--metrics", "--state"});
   expect_refused(run({"--state", scene_}), {"--state", "--scene"});
   EXPECT_EQ(read_file(scene_), kSmallScene);
+  // By links, too, also while the file is not there yet.
+  std::filesystem::create_symlink("new.csv", folder_.file("link.csv"));
+  std::filesystem::create_symlink("link.csv", folder_.file("link to it.csv"));
+  for (const std::string other : {"link.csv", "link to it.csv"}) {
+    expect_refused(run({"--state", folder_.file("new.csv"), "--trajectory", folder_.file(other)}),
+                   {"--trajectory", other, "--state"});
+    expect_refused(run({"--state", folder_.file(other), "--metrics", folder_.file("new.csv")}),
+                   {"--metrics", "new.csv", "--state"});
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("new.csv")));
 }
 
 TEST_F(CliFiles, AnOldFileIsReplacedAndALinkFollowed) {
