@@ -251,6 +251,7 @@ TEST(SceneParse, NamesNumbersOutOfRange) {
     expect_starts(radius(bad), at);
   }
   EXPECT_EQ(error_of(radius("-1")), at + "-1 is out of range: a number above 0 and up to 1e6");
+  EXPECT_EQ(error_of(radius("1e-10")), at + "1e-10 is too small: at least 1e-9");
   EXPECT_EQ(error_of(radius("300")), at + "300 is larger than the world: at most 200, the longer side of world.bounds");
   expect_starts(with("[-100, -100, 100, 100]", "[100, 100, -100, -100]"),
                 "f.json:3:24: world.bounds: [100, 100, -100, -100] is no area");

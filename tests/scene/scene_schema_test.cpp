@@ -60,6 +60,7 @@ bool beyond_the_schema(std::string_view error) {
                                         "must be convex",
                                         "must have an area",
                                         "must lie between 1e-9",
+                                        "is too small: at least 1e-9",
                                         "too far from the body's place",
                                         "is no direction",
                                         "is less than \"lower\"",

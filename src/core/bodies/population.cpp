@@ -10,6 +10,9 @@
 namespace psim {
 namespace {
 
+// m: the farthest point of a static segment, which is cut where the lattice ends; its square is finite.
+constexpr double kFarthest = 1e150;
+
 // Makes the pieces of a line. One line that says what is wrong with it, or nothing.
 std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
   const std::vector<Vec2>& points = chain.vertices;
@@ -18,7 +21,9 @@ std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
     return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
   }
   for (const Vec2 p : points) {
-    if (!finite(p)) return "segment points must be finite";
+    if (!(std::fabs(p.x) <= kFarthest && std::fabs(p.y) <= kFarthest)) {
+      return "segment points must be finite and within 1e150 m of the body's place";
+    }
   }
   for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
     const Vec2 from = points[k], to = points[(k + 1) % n];

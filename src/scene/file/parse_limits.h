@@ -14,6 +14,7 @@ inline constexpr double kMostMetres = 1e9;
 inline constexpr Range kCoordinate{-kMostMetres, kMostMetres};
 inline constexpr Range kLength{0, kMostMetres};
 inline constexpr Range kRadius{0, 1e6, true};
+inline constexpr double kLeastRadius = 1e-9;  // m: floats square it
 inline constexpr Range kRounding{0, 1e6};
 inline constexpr Range kDensity{1e-9, 1e9};
 inline constexpr Range kMass{1e-9, 1e12};

@@ -92,6 +92,7 @@ double read_radius(const Node& radius, const Context& context) {
   const double value = radius.number(kRadius);
   const Bounds& b = context.bounds;
   const double largest = std::max(b.xmax - b.xmin, b.ymax - b.ymin);
+  if (value < kLeastRadius) radius.fail(number_text(value) + " is too small: at least " + number_text(kLeastRadius));
   if (value > largest) {
     radius.fail(number_text(value) + " is larger than the world: at most " + number_text(largest) +
                 ", the longer side of world.bounds");
