@@ -53,6 +53,11 @@ class HeavyLoads {
   /// Whether the contacts of a body are under a heavy load.
   bool at(std::uint32_t slot) const { return any_ && level_[slot] >= cut_; }
 
+  /// Whether a partner of a body is heavy for it.
+  bool pressed(std::uint32_t slot) const { return any_ && level_[slot] == kTop; }
+  /// Whether a body with inverse mass `wa` is heavy for one with `wb`, or fixed.
+  static bool is_heavy(double wa, double wb) { return wb >= double{kLeastRatio} * wa; }
+
   double visits = 1;  ///< how often a pair was looked at in the costliest search; older searches fade
 
  private:

@@ -24,9 +24,10 @@ bool is_fast(const BodyStore& b, std::size_t i, float inner) {
   return (rest < 0 || way2 > rest * rest) && std::isfinite(way2 + rest);
 }
 
-// Whether a disc may have passed thin geometry.
-bool is_fast_disc(const BodyStore& b, std::size_t i) {
-  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], limit = kFastDisc * b.radius[i], way2 = x * x + y * y;
+// Whether a disc may have passed thin geometry, on its way or after a bounce that brought it back.
+bool is_fast_disc(const BodyStore& b, std::size_t i, float dt) {
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], vx = dt * b.vel[2 * i], vy = dt * b.vel[2 * i + 1];
+  const float limit = kFastDisc * b.radius[i], way2 = std::max(x * x + y * y, vx * vx + vy * vy);
   return way2 > limit * limit && std::isfinite(way2);
 }
 
@@ -179,13 +180,14 @@ void Continuous::find_deep_discs(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   const BodyStore& b = s.bodies;
   const StaticLanes& lanes = in.contacts.discs.fixed;
+  const auto dt = static_cast<float>(in.dt);
   jobs_.resize(std::max(jobs_.size(), in.table.strips.size()));
   s.pool.run(in.table.strips.size(), [&](std::size_t n) {
     Job& job = jobs_[n];
     for (const StaticPair& pair : in.table.static_contacts[n]) {
       const std::size_t i = pair.body, l = pair.contact;
       if (pair.shape >= kWallLeft || b.linked[i] == 0) continue;
-      job.fast = job.fast || is_fast_disc(b, i);
+      job.fast = job.fast || is_fast_disc(b, i, dt);
       const float end = lanes.gap[l] + (lanes.nx[l] * b.disp[2 * i] + lanes.ny[l] * b.disp[2 * i + 1]);
       if (end < -Flight::kDeep * b.radius[i] && is_free(b, i) && passes(s, i, pair.shape))
         job.found.push_back(pair.body);
@@ -198,10 +200,11 @@ void Continuous::find_deep_discs(const ContinuousInput& in) {
 void Continuous::find_fast_discs(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   const BodyStore& b = s.bodies;
+  const auto dt = static_cast<float>(in.dt);
   constexpr std::size_t kBodies = 2048;  // a job
   jobs_.resize(std::max(jobs_.size(), jobs_for(b.count, kBodies)));
   run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
-    if (b.linked[i] == 0 || !is_fast_disc(b, i) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
+    if (b.linked[i] == 0 || !is_fast_disc(b, i, dt) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
     Job& job = jobs_[n];
     const Vec2 way{b.disp[2 * i], b.disp[2 * i + 1]};
     job.near.clear();

@@ -44,7 +44,7 @@ void Solver::Run::set_sweeps() {
 
 void Solver::Run::set_floors() {
   const double pressed = pressing(s_.bodies, gravity_), threshold = params_.restitution_threshold;
-  for (ContactParams* p : {&discs_.pair, &discs_.fixed, &loaded_.pair, &loaded_.fixed}) {
+  for (ContactParams* p : {&discs_.pair, &discs_.fixed, &loaded_.pair, &loaded_.fixed, &squeezed_}) {
     p->bounce_floor = static_cast<float>(greater(pressed * h_ / 2, threshold));
     p->impact_floor = static_cast<float>(greater(2 * pressed * h_, threshold));
   }

@@ -28,6 +28,8 @@ constexpr double kDamping = 15;
 // (HeavyLoads::kSweeps).
 constexpr double kLoadedStiffness = 0.9;
 constexpr double kLoadedDamping = 10;
+// Light bodies between heavy ones are solved exactly, so that they may be stiff.
+constexpr double kSqueezedStiffness = 20;
 // Contacts of bodies that are not discs: weight goes down by half-reactions (manifold_layout.cpp), so that stiffer
 // contacts stay quiet (docs/decisions/007-manifolds.md).
 constexpr double kManifoldStiffness = 0.25;
@@ -105,6 +107,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
   constexpr double kTrembles = 1e-3;  // rad in a step
   turn_.least_spin2 = static_cast<float>(kTrembles * kTrembles / (params.dt * params.dt));
   set_contacts();
+  contacts.squeezed.find(s_.bodies, table, squeezed_);
   set_sweeps();
   if (forces != nullptr) {
     fields_.params = forces->params(h_);
@@ -145,6 +148,7 @@ void Solver::Run::set_contacts() {
   };
   discs_ = soft(kStiffness, kDamping);
   loaded_ = soft(kLoadedStiffness, kLoadedDamping);
+  squeezed_ = soft(kSqueezedStiffness, kLoadedDamping).pair;
 }
 
 void Solver::Run::substep(bool first_of_step) {
@@ -162,11 +166,13 @@ void Solver::Run::substep(bool first_of_step) {
   if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, h_ / 2);
   solve();
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
+  if (contacts.squeezed.any()) contacts.squeezed.solve(view_, squeezed_, true);
   if (joined_) joints.hold(view_, drift_);
   drift();
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.let_go(view_);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
+  if (contacts.squeezed.any()) contacts.squeezed.solve(view_, squeezed_, false);
   if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, 0);
   relax();
   if (bounce_) spend();
@@ -366,6 +372,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
   if (in.contacts.manifolds.any()) list_rocking(in, params.dt, length_of(params.gravity) * params.dt / params.substeps);
   Run run(*this, in, params);
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
+  in.contacts.squeezed.finish();
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;
   in.contacts.solved.store();
   sum_up(in, params.substeps);

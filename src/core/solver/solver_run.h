@@ -131,6 +131,7 @@ class Solver::Run : SolverInput {
     ContactParams pair, fixed;
   };
   OfDiscs discs_, loaded_;    // `loaded_`: under heavy loads
+  ContactParams squeezed_;    // of light bodies between heavy ones
   int loaded_sweeps_;         // number of sweeps over contacts under heavy loads in a pass
   int sweeps_of_shapes_ = 1;  // of a pass, over contacts of shapes under no heavy load
   struct {

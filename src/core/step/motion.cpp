@@ -162,8 +162,9 @@ void solve(StepContext& c, double dt, StepReport& report) {
   const std::uint64_t blocks = contacts.discs.pass_blocks() + contacts.manifolds.totals().blocks;
   lanes_counted(c) += (2u * substeps + 2) * kBlock * blocks + c.joints.lane_operations(p.substeps);
   if (c.kernels.width == 1) return;
-  // The geometry of contacts with fixed shapes and the contacts of stacks are done one by one.
-  c.ledger.lanes.scalar += contacts.discs.fixed.count + 2u * substeps * contacts.stacks.link_count();
+  // The geometry of contacts with fixed shapes and the contacts of stacks and of squeezed bodies are done one by one.
+  c.ledger.lanes.scalar += contacts.discs.fixed.count;
+  c.ledger.lanes.scalar += 2u * substeps * (contacts.stacks.link_count() + contacts.squeezed.row_count());
 }
 
 // Bodies that went far for their size do not pass what is solid.

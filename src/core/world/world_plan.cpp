@@ -86,7 +86,10 @@ void apply_plan(Owners& w) {
   }
   if (left(&Plan::joints)) w.joints.release_blocks();
   if (left(&Plan::continuous)) w.dynamics.continuous.release();
-  if (left(&Plan::loads)) w.contacts.loads.release();
+  if (left(&Plan::loads)) {
+    w.contacts.loads.release();
+    w.contacts.squeezed.release();
+  }
   // Sleepers may outlast the plan that let them sleep: their columns go once the last one is awake.
   Sleepers& sleepers = w.sleep.sleepers;
   if (!plan.sleep && sleepers.empty() && sleepers.column_bytes() != 0) sleepers.release();
@@ -123,7 +126,7 @@ std::vector<PlanEntry> World::plan() const {
   count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses",
         c.pairs.mass_bytes() + c.fixed.mass_bytes());
   count("solver.friction", c.pairs.friction_bytes() + c.fixed.friction_bytes());
-  count("solver.heavy_loads", w.contacts.loads.bytes());
+  count("solver.heavy_loads", w.contacts.loads.bytes() + w.contacts.squeezed.bytes());
   count("rotation",
         b.rotation_bytes() + w.neighbours.broad.mover().rotation_bytes() + w.contacts.solved.rotation_bytes());
   // What shapes have joints want, too, and what takes pairs out of the lists serves filters.

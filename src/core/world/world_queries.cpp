@@ -119,8 +119,8 @@ std::span<const Contact> World::contacts() {
 std::size_t World::memory_bytes() const {
   const Owners& w = *impl_;
   return w.memory.bytes + w.population.bytes() + w.neighbours.bytes() + w.contacts.manifolds.bytes() +
-         w.contacts.stacks.bytes() + w.joints.bytes() + w.dynamics.solver.bytes() + w.sleep.sleepers.bytes() +
-         w.observers.bytes() + w.unprepared.capacity() + sizeof(Owners);
+         w.contacts.stacks.bytes() + w.contacts.squeezed.bytes() + w.joints.bytes() + w.dynamics.solver.bytes() +
+         w.sleep.sleepers.bytes() + w.observers.bytes() + w.unprepared.capacity() + sizeof(Owners);
 }
 
 }  // namespace psim
