@@ -39,6 +39,7 @@ double typical_radius(const BodyStore& b, double mean) {
   std::size_t n = 0;
   b.each_sampled([&](std::uint32_t i) { radii[n++] = b.radius[i]; });
   const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  // Total order: equal numbers are alike.
   std::nth_element(radii.begin(), middle, radii.begin() + static_cast<std::ptrdiff_t>(n));
   return lesser(mean, 2.0 * static_cast<double>(*middle));
 }

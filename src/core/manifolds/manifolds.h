@@ -155,14 +155,6 @@ using Joined = std::function<bool(std::uint32_t, std::uint32_t)>;
 
 struct ManifoldsAround;
 
-/// What the collection of pairs goes by.
-struct CollectSettings {
-  bool any_filter = false;
-  Walls walls;
-  kernels::ReachParams margin;  ///< of the lists
-  float ahead = 0;              ///< s: the lists use the places that bodies will have
-};
-
 class Manifolds {
   const Surroundings s_;
 

@@ -63,7 +63,7 @@ PartSearch::Tree::Tree(std::span<const Hull> parts) {
                  y = (b.ymin + b.ymax) / 4 / greater(reach, 1e-300) + 0.5;
     by_place.push_back(std::uint64_t{place_number(x, y)} << 32 | k);
   }
-  std::ranges::sort(by_place);
+  std::ranges::sort(by_place);  // Total order: the parts are in the numbers
   for (const std::uint64_t place : by_place) order.push_back(static_cast<std::uint32_t>(place));
   std::size_t below = order.size();
   do {
@@ -93,7 +93,7 @@ void PartSearch::Tree::near(const Bounds& box, std::vector<std::uint32_t>& out) 
     for (std::size_t n = begin; n < std::min(begin + kFan, levels[level - 1].size()); ++n) self(self, level - 1, n);
   };
   down(down, levels.size() - 1, 0);
-  std::sort(out.begin() + first, out.end());
+  std::sort(out.begin() + first, out.end());  // Total order: each part once
 }
 
 void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead) {

@@ -16,6 +16,14 @@
 
 namespace psim {
 
+/// What the collection of pairs goes by.
+struct CollectSettings {
+  bool any_filter = false;
+  Walls walls;
+  kernels::ReachParams margin;  ///< of the lists
+  float ahead = 0;              ///< s: the lists use the places that bodies will have
+};
+
 class PartSearch {
  public:
   /// A body of fewer parts has all of them near.
@@ -65,7 +73,7 @@ class PartSearch {
   const Surroundings s_;
   std::vector<Wide> wide_;                                          // by slot
   double common_way_ = 0;                                           // m: how far all bodies go together meanwhile
-  std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; looked up only
+  std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; look-up only
   std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that trees_ are made for
 };
 
