@@ -33,8 +33,8 @@ class PairSearch : public Workload {
  public:
   PairSearch(const Margin& margin, std::uint32_t n) : discs_(scene_placement(margin.scene, n)) {
     const KernelTable& k = kernels_of(Isa::scalar);
-    const float most = k.reaches(discs_.view(), discs_.radius.data(), {margin.skin, margin.time}, discs_.reach.data(),
-                                 0, discs_.blocks());
+    const float most = k.reaches(discs_.view(), discs_.radius.data(), {.skin = margin.skin, .time = margin.time},
+                                 discs_.reach.data(), 0, discs_.blocks());
     choose_grid(k, most);
     sort_by_cell(k);
     first_.reserve(std::size_t{n} + 1);

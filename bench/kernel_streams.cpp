@@ -114,7 +114,7 @@ constexpr Entry kStreams[] = {
      }},
     {"Reaches", 0, 12 + 4,
      [](StreamState& s, const KernelTable& k) {
-       sink = k.reaches(s.bodies, s.radius.data(), {0.05f, 0.02f}, s.reach.data(), 0, s.block_end);
+       sink = k.reaches(s.bodies, s.radius.data(), {.skin = 0.05f, .time = 0.02f}, s.reach.data(), 0, s.block_end);
      }},
     {"Extent", 0, 8,
      [](StreamState& s, const KernelTable& k) {

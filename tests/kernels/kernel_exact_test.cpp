@@ -149,7 +149,8 @@ TEST_F(KernelExact, ListAgeAndReaches) {
       at.value = k.list_age(at.b.view(), at.b.built.data(), at.b.radius.data(), at.b.reach.data(), p, 0.02f, i, n);
     });
     compare(s, [&](const KernelTable& k, State& at) {
-      at.value = k.reaches(at.b.view(), at.b.radius.data(), {0.1f, 0.02f, 3, -1}, at.b.reach.data(), i, n);
+      at.value = k.reaches(at.b.view(), at.b.radius.data(),
+                           {.skin = 0.1f, .time = 0.02f, .common_x = 3, .common_y = -1}, at.b.reach.data(), i, n);
     });
   });
 }

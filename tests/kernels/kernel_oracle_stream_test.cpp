@@ -159,7 +159,8 @@ TEST(KernelOracle, ListAgeReachesAndExtentAreTheExtremes) {
   }
   EXPECT_NEAR(double{scalar().list_age(b.view(), b.built.data(), b.radius.data(), b.reach.data(), p, 0.02f, 1, 4)}, age,
               1e-6);
-  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), {0.1f, 0.02f}, b.reach.data(), 1, 4)}, most, 1e-6);
+  EXPECT_NEAR(double{scalar().reaches(b.view(), b.radius.data(), {.skin = 0.1f, .time = 0.02f}, b.reach.data(), 1, 4)},
+              most, 1e-6);
   scalar().look_ahead(b.view(), p, 0.02f, b.built.data(), 1, 4);
   for (std::size_t i = 16; i < 64; ++i) {
     const double steps = std::nearbyint(double{b.vel[i]} * time / double{kPitch});

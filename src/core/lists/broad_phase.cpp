@@ -43,7 +43,10 @@ void BroadPhase::measure(const BroadPhaseParams& p) {
   });
   cells_.cover(all);
   pad_reach_ = next_pad_reach_;
-  if (b.count % kBlock != 0) next_pad_reach_ = b.reach[b.count];
+  if (b.count % kBlock == 0) return;
+  // That of a body at rest with no radius; where skins go by radius, with the skin of the last body, whose moves it makes.
+  const kernels::ReachParams& m = p.margin;
+  next_pad_reach_ = m.of_radius != 0 ? std::min(m.of_radius * b.radius[b.count - 1], m.skin) : b.reach[b.count];
 }
 
 // Writes into `built` the places at which the bodies are searched for.

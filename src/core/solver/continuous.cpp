@@ -5,6 +5,7 @@
 
 #include "base/elementary.h"
 #include "base/tasks.h"
+#include "least.h"
 #include "solver/flight.h"
 
 namespace psim {
@@ -26,7 +27,9 @@ bool is_fast(const BodyStore& b, std::size_t i, float inner) {
 
 // Whether a disc may have passed thin geometry, on its way or after a bounce that brought it back.
 bool is_fast_disc(const BodyStore& b, std::size_t i, float dt) {
-  const float x = b.disp[2 * i], y = b.disp[2 * i + 1], vx = dt * b.vel[2 * i], vy = dt * b.vel[2 * i + 1];
+  const float x = b.disp[2 * i], y = b.disp[2 * i + 1];
+  const auto way = [&](float v) { return kernels::squarable(dt * kernels::snapped(v)); };
+  const float vx = way(b.vel[2 * i]), vy = way(b.vel[2 * i + 1]);
   const float limit = kFastDisc * b.radius[i], way2 = std::max(x * x + y * y, vx * vx + vy * vy);
   return way2 > limit * limit && std::isfinite(way2);
 }
