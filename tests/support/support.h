@@ -190,8 +190,10 @@ inline Discs lattice(std::size_t n, Bounds region, double radius, double speed, 
     const double jx = jitter * (0.5 * dx - radius), jy = jitter * (0.5 * dy - radius);
     const double px = region.xmin + (static_cast<double>(k % columns) + 0.5) * dx;
     const double py = region.ymin + (static_cast<double>(k / columns) + 0.5) * dy;
-    discs.push(px + random.uniform(-jx, jx), py + random.uniform(-jy, jy), radius, random.uniform(-speed, speed),
-               random.uniform(-speed, speed));
+    // One after the other: compilers evaluate arguments in different orders.
+    const double v = random.uniform(-speed, speed), u = random.uniform(-speed, speed);
+    const double y = py + random.uniform(-jy, jy), x = px + random.uniform(-jx, jx);
+    discs.push(x, y, radius, u, v);
   }
   return discs;
 }
