@@ -7,6 +7,9 @@ psim_windows_packages=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine wine64
 # A Windows of its own under build/, without a screen.
 as_windows=(env -u DISPLAY "WINEPREFIX=$psim_root/build/windows/wine" WINEDEBUG=-all "WINEDLLOVERRIDES=mscoree,mshtml=")
 
+# Made before two programs do so at once, which leaves half of it.
+windows_prepare() { psim_quietly "wineboot" timeout 300 "$@" wineboot --init; }
+
 windows_wine() { command -v wine64 || echo wine; }
 
 # What only POSIX has: devices, links, limits of memory. Wine sends Ctrl-Break to no process without a console:
@@ -37,6 +40,8 @@ cross_windows() {
   psim_install "${psim_windows_packages[@]}" "${psim_packages[@]}" || return 1
   wine=("${as_windows[@]}" "$(windows_wine)")
   psim_build release psim || return 1  # Linux, to compare with
+  mkdir -p "$psim_root/build/windows"
+  windows_prepare "${wine[@]}" || return 1
   cd "$psim_root" || return 1  # tests read scenes/ and docs/: Wine's drive Z: is this machine's root
   local golden=("${wine[@]}" build/windows/golden.exe check tests/golden/small.csv)
   if [[ ${1:-} == --quick ]]; then
