@@ -36,21 +36,20 @@ windows_ctrl_c() {
 # cross_windows [--quick]: the quick suite under Wine, the DLL, golden hashes, Ctrl-C, states that travel. With --quick
 # the worker pool and a few golden hashes alone.
 cross_windows() {
-  local isa threads scene wine
+  local isa threads scene wine targets=(psim golden psim_pool_tests)
+  [[ ${1:-} == --quick ]] || targets+=(psim_shared psim_tests psim_c99)
   psim_install "${psim_windows_packages[@]}" "${psim_packages[@]}" || return 1
   wine=("${as_windows[@]}" "$(windows_wine)")
   psim_build release psim || return 1  # Linux, to compare with
-  mkdir -p "$psim_root/build/windows"
+  psim_build windows "${targets[@]}" || return 1
   windows_prepare "${wine[@]}" || return 1
   cd "$psim_root" || return 1  # tests read scenes/ and docs/: Wine's drive Z: is this machine's root
   local golden=("${wine[@]}" build/windows/golden.exe check tests/golden/small.csv)
   if [[ ${1:-} == --quick ]]; then
-    psim_build windows psim golden psim_pool_tests || return 1
     for scene in rain card_house joint_grid; do
       cross_check "golden hashes of $scene" "${golden[@]}" --scene "$scene" --threads 2
     done
   else
-    psim_build windows psim psim_shared psim_tests psim_pool_tests psim_c99 golden || return 1
     psim_say "running the tests under Wine"
     cross_suite "-$(IFS=:; echo "Slow*:*/Slow*:Stress*:${windows_without[*]}")" "${wine[@]}" build/windows/psim_tests.exe
     cross_check "the C API in C99" "${wine[@]}" build/windows/psim_c99.exe
