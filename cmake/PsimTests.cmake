@@ -3,10 +3,11 @@
 # SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
 
-# psim_program(NAME OUT): where tests find a program of this build. Where an emulator runs it, that is a script.
+# psim_program(NAME OUT): where tests find a program of this build. Where an emulator runs it, that is a script; Wine
+# itself starts programs of Windows.
 function(psim_program name out)
-  set(_path "${PROJECT_BINARY_DIR}/${name}")
-  if(CMAKE_CROSSCOMPILING_EMULATOR)
+  set(_path "${PROJECT_BINARY_DIR}/${name}${CMAKE_EXECUTABLE_SUFFIX}")
+  if(CMAKE_CROSSCOMPILING_EMULATOR AND NOT WIN32)
     list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " _emulator)
     file(CONFIGURE OUTPUT emulated/${name} CONTENT "#!/bin/sh\nexec ${_emulator} '${_path}' \"$@\"\n" @ONLY)
     set(_path "${PROJECT_BINARY_DIR}/emulated/${name}")
