@@ -14,7 +14,9 @@ arm64_without=(CliOptions.TooManyBodiesForTheMemoryAreNamedWithTheBytesNeeded "W
                "CliReplay.AnInterrupted*" "CliReport.CtrlC*" "CliVideo.CtrlC*"
                "SavedState.OfADisc*" "SleepRest.*" "SleepDeterminism.*" "RenewalRandom.*" "RenewalShapes.*"
                "RigidDeterminism.*" "RigidSpeed*" "RigidLaws.*" "Substeps/*" "Net.*" "Floors.APlate*" "Gas.*" "Target.*"
-               "SparseWorld.Bodies*" "SceneSchema.BothJudge*" "Mixtures/*" "Pieces/*")
+               "SceneSchema.BothJudge*" "Mixtures/*" "Pieces/*" "SparseWorld.*" "MixedRadii.*" "LawFuzz.*" "WorldFuzz.*"
+               "Soak.*" "RigidStack.*" "RigidChain.*" "HullSweep.*" "Impact.OfACloud*" "SavedDamage.TheState*"
+               "Contacts.AreTheSame*" "Coverage.EveryPixel*" "Strips.ContactsOf*")
 
 # apt's packages for arm64, asked for once.
 arm64_packages() {
