@@ -32,7 +32,7 @@ endif()
 if(PSIM_BUILD_PROGRAMS OR PSIM_BUILD_TESTS OR PSIM_BUILD_BENCH OR PSIM_FUZZ)
   psim_need(fmt libfmt-dev CONFIG)
   set(PSIM_FMT fmt::fmt)
-  if(CMAKE_EXE_LINKER_FLAGS MATCHES "-static")  # Debian has no static libfmt
+  if(CMAKE_EXE_LINKER_FLAGS MATCHES "-static" AND TARGET fmt::fmt-header-only)  # Debian has no static libfmt
     set(PSIM_FMT fmt::fmt-header-only)
   endif()
 endif()

@@ -3,13 +3,18 @@
 # SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
 include(GoogleTest)
 
-# psim_program(NAME OUT): where tests find a program of this build. Where an emulator runs it, that is a script.
+# psim_program(NAME OUT [SCRIPT]): where tests find a program of this build. Where an emulator runs it, that is a script;
+# Wine itself starts programs of Windows.
 function(psim_program name out)
-  set(_path "${PROJECT_BINARY_DIR}/${name}")
-  if(CMAKE_CROSSCOMPILING_EMULATOR)
+  set(_path "${PROJECT_BINARY_DIR}/${name}${CMAKE_EXECUTABLE_SUFFIX}")
+  if(CMAKE_CROSSCOMPILING_EMULATOR AND NOT WIN32)
+    set(_script emulated/${name})
+    if(ARGN)
+      set(_script ${ARGN})
+    endif()
     list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " _emulator)
-    file(CONFIGURE OUTPUT emulated/${name} CONTENT "#!/bin/sh\nexec ${_emulator} '${_path}' \"$@\"\n" @ONLY)
-    set(_path "${PROJECT_BINARY_DIR}/emulated/${name}")
+    file(CONFIGURE OUTPUT ${_script} CONTENT "#!/bin/sh\nexec ${_emulator} '${_path}' \"$@\"\n" @ONLY)
+    set(_path "${PROJECT_BINARY_DIR}/${_script}")
     file(CHMOD "${_path}" FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
   endif()
   set(${out} "${_path}" PARENT_SCOPE)
@@ -50,8 +55,12 @@ if(_test_sources AND TARGET psim_scene)
   # In the place of ffmpeg, with a folder of its own for PATH.
   add_executable(stand_in_ffmpeg tests/program/stand_in/ffmpeg.cpp)
   psim_target_defaults(stand_in_ffmpeg)
-  set_target_properties(stand_in_ffmpeg PROPERTIES OUTPUT_NAME ffmpeg
-    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/stand-in")
+  if(CMAKE_CROSSCOMPILING_EMULATOR AND NOT WIN32)
+    psim_program(stand_in_ffmpeg _ffmpeg stand-in/ffmpeg)
+  else()
+    set_target_properties(stand_in_ffmpeg PROPERTIES OUTPUT_NAME ffmpeg
+      RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/stand-in")
+  endif()
   add_dependencies(psim_tests stand_in_ffmpeg)
   # Tests read scenes/ and docs/ from the source tree and start the program beside them.
   psim_program(psim _psim)

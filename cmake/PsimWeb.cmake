@@ -1,7 +1,7 @@
 # The modules of a WebAssembly build; with PSIM_WEB_THREADS their names end with -threads.
 #   program.js       psim itself for Node, which web/psim.mjs starts
-#   psim-simd.mjs    the library for pages and Node, which packaging/npm wraps
-#   psim-plain.mjs   the same for browsers without SIMD
+#   psim-simd.mjs    the library for pages and Node, which packaging/npm wraps, without the scalar kernels
+#   psim-plain.mjs   the same for browsers without SIMD, with no other kernels
 set(_suffix "")
 if(PSIM_WEB_THREADS)
   set(_suffix "-threads")
@@ -30,10 +30,12 @@ foreach(_name version isa_name parse_isa isa_available best_isa world_destroy la
 endforeach()
 list(JOIN _exported "," _exported)
 
-# psim_web_module(NAME [SOURCE...]): the library as an ES module. It sees no file.
-function(psim_web_module name)
-  add_executable(${name} src/web/flat_scene.cpp src/web/flat_world.cpp ${ARGN})
+# psim_web_module(NAME DEFINITION): the library as an ES module. It sees no file. What names the instruction sets comes
+# with the sources and not from the archive, and so do not the kernels that it does not name under the definition.
+function(psim_web_module name definition)
+  add_executable(${name} src/web/flat_scene.cpp src/web/flat_world.cpp src/core/base/isa.cpp)
   psim_target_defaults(${name})
+  target_compile_definitions(${name} PRIVATE ${definition})
   target_include_directories(${name} PRIVATE include src/capi src/scene src/core src/kernels)
   target_link_libraries(${name} PRIVATE psim_scene)
   set_target_properties(${name} PROPERTIES OUTPUT_NAME "${name}${_suffix}" SUFFIX .mjs)
@@ -44,10 +46,7 @@ function(psim_web_module name)
     target_link_options(${name} PRIVATE "-sPTHREAD_POOL_SIZE=Module.threads-1")
   endif()
 endfunction()
-psim_web_module(psim-simd)
+psim_web_module(psim-simd PSIM_SIMD_ALONE)
 if(NOT PSIM_WEB_THREADS)
-  # Without SIMD: what names the instruction sets comes with the sources and not from the archive, and so do not the
-  # kernels that it does not name.
-  psim_web_module(psim-plain src/core/base/isa.cpp)
-  target_compile_definitions(psim-plain PRIVATE PSIM_PORTABLE)
+  psim_web_module(psim-plain PSIM_PORTABLE)
 endif()

@@ -35,6 +35,7 @@ psim_web_headers(CLI11::CLI11 CLI libcli11-dev)
 psim_web_headers(nlohmann_json::nlohmann_json nlohmann nlohmann-json3-dev)
 psim_web_headers(fmt::fmt fmt libfmt-dev)
 target_compile_definitions(fmt::fmt INTERFACE FMT_HEADER_ONLY)
+set(PSIM_FMT fmt::fmt)
 
 if(NOT EXISTS "${PSIM_ZLIB_SOURCE}/deflate.c")
   message(FATAL_ERROR "psim: no zlib source in PSIM_ZLIB_SOURCE=${PSIM_ZLIB_SOURCE}; tools/cross web fetches it")

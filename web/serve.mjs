@@ -1,8 +1,9 @@
-// Serves a folder on localhost with the headers that shared memory needs: node serve.mjs FOLDER [PORT]. Prints the
-// address. Port 0 is any free one.
+// Serves a folder on localhost with the headers that shared memory needs: node serve.mjs FOLDER [PORT] [SCENE]. Prints the
+// address. Port 0 is any free one. The page opens with SCENE, a name or a scene file.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
-import { extname, join, normalize, resolve } from 'node:path';
+import { existsSync } from 'node:fs';
+import { basename, extname, join, normalize, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
 const types = {
@@ -10,12 +11,20 @@ const types = {
   '.wasm': 'application/wasm', '.json': 'application/json',
 };
 
-/** Without `isolated` the headers are missing, as on a plain server. */
-export function serve(folder, port = 0, isolated = true) {
+const given = '/given/';  // where a scene file appears, wherever it lies
+
+/** Without `isolated` the headers are missing, as on a plain server. With `scene` the address `/` leads to that scene. */
+export function serve(folder, port = 0, { isolated = true, scene } = {}) {
   const root = resolve(folder);
+  const isFile = scene !== undefined && existsSync(scene);
+  const shown = isFile ? `${given}${basename(scene)}` : scene;
   const server = createServer(async (request, response) => {
+    if (scene !== undefined && request.url === '/') {
+      response.writeHead(302, { Location: `/?scene=${encodeURIComponent(shown)}` }).end();
+      return;
+    }
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
-    const file = join(root, path.endsWith('/') ? `${path}index.html` : path);
+    const file = isFile && path === shown ? scene : join(root, path.endsWith('/') ? `${path}index.html` : path);
     try {
       const body = await readFile(file);
       if (isolated) {
@@ -35,7 +44,7 @@ export function serve(folder, port = 0, isolated = true) {
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? '').href) {
-  const [folder = '.', port = '8080'] = process.argv.slice(2);
-  const { address } = await serve(folder, Number(port));
+  const [folder = '.', port = '8080', scene] = process.argv.slice(2);
+  const { address } = await serve(folder, Number(port), { scene });
   console.log(address);
 }

@@ -10,4 +10,5 @@ set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
 set(CMAKE_EXE_LINKER_FLAGS_INIT -static)
 set(ZLIB_LIBRARY /usr/lib/aarch64-linux-gnu/libz.a)
 set(PNG_LIBRARY /usr/lib/aarch64-linux-gnu/libpng.a)
-set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64-static -L /usr/aarch64-linux-gnu)
+find_program(PSIM_QEMU qemu-aarch64-static)  # by its path: tests start programs with a PATH of their own
+set(CMAKE_CROSSCOMPILING_EMULATOR "${PSIM_QEMU}" -L /usr/aarch64-linux-gnu)

@@ -19,7 +19,7 @@ export interface LoadOptions {
 export function load(options?: LoadOptions): Promise<Psim>;
 
 export interface WorldOptions {
-  /** 'auto', 'simd128' or 'scalar'; all give the same bits. Another one is an error. */
+  /** 'auto' or what the module has, 'simd128' or 'scalar'; both give the same bits. Another one is an error. */
   isa?: string;
 }
 

@@ -33,11 +33,17 @@ inline constexpr bool kIsX86 = false, kIsArm = false, kIsWasm = true;
 #else
 inline constexpr bool kIsX86 = true, kIsArm = false, kIsWasm = false;
 #endif
+/// A module of WebAssembly with SIMD cannot even start where there is none: it is built without the scalar kernels.
+#if defined(PSIM_SIMD_ALONE)
+inline constexpr bool kHasScalar = false;
+#else
+inline constexpr bool kHasScalar = true;
+#endif
 constexpr const KernelTable* only_if(bool held, const KernelTable& table) { return held ? &table : nullptr; }
 
 /// All variants; of those for one processor the best one stands last.
 inline constexpr IsaRow kIsaList[] = {
-    {"scalar", "scalar", "", "", 1, CpuNeed::nothing, &kScalarKernels},
+    {"scalar", "scalar", "", "", 1, CpuNeed::nothing, only_if(kHasScalar, kScalarKernels)},
     {"sse", "sse4", "x86-64", "-msse4.1", 4, CpuNeed::sse41, only_if(kIsX86, kSseKernels)},
     {"avx2", "avx2", "x86-64", "-mavx2", 8, CpuNeed::avx2, only_if(kIsX86, kAvx2Kernels)},
     {"neon", "neon", "aarch64", "", 4, CpuNeed::neon, only_if(kIsArm, kNeonKernels)},

@@ -173,7 +173,8 @@ TEST(Denormals, GiveTheSameBitsEverywhere) {
     discs.m = material(0.5, 0.5);
     for (int j = 0; j < 10; ++j) {
       for (int i = 0; i < 10; ++i) {
-        discs.push(i * 1.0, j * 1.0, 0.5, random.uniform(-1e-40, 1e-40), random.uniform(-1e-41, 1e-41));
+        const double v = random.uniform(-1e-41, 1e-41), u = random.uniform(-1e-40, 1e-40);
+        discs.push(i * 1.0, j * 1.0, 0.5, u, v);
       }
     }
     add(*world, discs);

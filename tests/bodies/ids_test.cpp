@@ -102,7 +102,7 @@ TEST(Ids, ChurnAgreesWithAMap) {
         case 2: {
           Discs batch;
           for (std::size_t k = 1 + random.below(20); k > 0; --k) {
-            batch.push(random.uniform(1, 199), random.uniform(1, 199), mark);
+            batch.push(random, {1, 1, 199, 199}, mark);
           }
           const std::size_t before = world->body_count();
           std::vector<bool> had(100000);

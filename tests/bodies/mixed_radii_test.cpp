@@ -9,7 +9,7 @@ namespace {
 /// A disc whose place among the others is free by at least `gap`; false if none was found.
 bool place(Discs& discs, Random& random, Bounds region, double radius, double gap, reference::Periods periods = {}) {
   for (int attempt = 0; attempt < 2000; ++attempt) {
-    discs.push(random.uniform(region.xmin, region.xmax), random.uniform(region.ymin, region.ymax), radius);
+    discs.push(random, region, radius);
     const std::size_t last = discs.size() - 1;
     bool free = true;
     for (std::size_t k = 0; free && k < last; ++k) {
@@ -63,7 +63,7 @@ void expect_exactly_overlaps_are_felt(const WorldDesc& desc, const Discs& discs)
 TEST(MixedRadii, EveryOverlapOfEqualDiscsIsFelt) {
   Random random(1);
   Discs discs;
-  for (int k = 0; k < 800; ++k) discs.push(random.uniform(0, 80), random.uniform(0, 80), 0.5);
+  for (int k = 0; k < 800; ++k) discs.push(random, {0, 0, 80, 80}, 0.5);
   expect_exactly_overlaps_are_felt(unbounded(200, {0, 0}), discs);
 }
 
@@ -72,7 +72,7 @@ TEST(MixedRadii, EveryOverlapFromOneToFiftyIsFelt) {
     Random random(seed);
     Discs discs;
     for (int k = 0; k < 600; ++k) {
-      discs.push(random.uniform(0, 300), random.uniform(0, 300), log_uniform(random, 0.1, 5));
+      discs.push(random, {0, 0, 300, 300}, log_uniform(random, 0.1, 5));
     }
     SCOPED_TRACE(seed);
     expect_exactly_overlaps_are_felt(unbounded(500, {0, 0}), discs);
@@ -87,7 +87,7 @@ TEST(MixedRadii, EveryOverlapWithManyMiddlingOnesIsFelt) {
     for (int k = 0; k < 1000; ++k) {
       ASSERT_TRUE(place(discs, random, {1, 1, 299, 199}, log_uniform(random, 0.5, 1.5), 0.3));
     }
-    for (int k = 0; k < 6000; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), 0.03);
+    for (int k = 0; k < 6000; ++k) discs.push(random, {0, 0, 300, 200}, 0.03);
     SCOPED_TRACE(wraps ? "periodic" : "open");
     expect_exactly_overlaps_are_felt(wraps ? periodic(300, 200) : unbounded(500, {0, 0}), discs);
   }
@@ -97,9 +97,8 @@ TEST(MixedRadii, CandidatesOfManyMiddlingOnesHoldEveryDeepOverlap) {
   for (const bool wraps : {false, true}) {
     Random random(12);
     Discs discs;
-    for (int k = 0; k < 1500; ++k)
-      discs.push(random.uniform(0, 300), random.uniform(0, 200), log_uniform(random, 1, 3));
-    for (int k = 0; k < 4000; ++k) discs.push(random.uniform(0, 300), random.uniform(0, 200), 0.03);
+    for (int k = 0; k < 1500; ++k) discs.push(random, {0, 0, 300, 200}, log_uniform(random, 1, 3));
+    for (int k = 0; k < 4000; ++k) discs.push(random, {0, 0, 300, 200}, 0.03);
     auto world = make(wraps ? periodic(300, 200) : unbounded(500, {0, 0}));
     add(*world, discs);
     const reference::Periods periods = wraps ? reference::Periods{300, 200} : reference::Periods{};
@@ -122,7 +121,7 @@ TEST(MixedRadii, EveryOverlapAcrossTheSeamIsFelt) {
     Random random(seed);
     Discs discs;
     for (int k = 0; k < 500; ++k) {
-      discs.push(random.uniform(0, 100), random.uniform(0, 60), log_uniform(random, 0.2, 2));
+      discs.push(random, {0, 0, 100, 60}, log_uniform(random, 0.2, 2));
     }
     SCOPED_TRACE(seed);
     expect_exactly_overlaps_are_felt(periodic(100, 60), discs);

@@ -60,7 +60,10 @@ Hull random_hull(Random& random, int count, double size) {
     }
     return h;
   }
-  if (count == 2) return segment(size * random.uniform(0.2, 2), random.uniform(0, 7), radius);
+  if (count == 2) {
+    const double turn = random.uniform(0, 7);
+    return segment(size * random.uniform(0.2, 2), turn, radius);
+  }
   if (random.chance(0.6)) {
     return box(size, random.chance(0.5) ? size : size * random.uniform(0.02, 1), radius);
   }

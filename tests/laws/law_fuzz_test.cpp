@@ -66,7 +66,8 @@ FuzzScene make_scene(std::uint64_t seed) {
     const double edge = desc.boundary == Boundary::periodic ? 0 : 1.001 * radius;
     if (2 * edge >= std::min(width, height)) return false;
     for (int attempt = 0; attempt < 30; ++attempt) {
-      placed.push(x0 + random.uniform(edge, width - edge), y0 + random.uniform(edge, height - edge), radius);
+      const double up = random.uniform(edge, height - edge), along = random.uniform(edge, width - edge);
+      placed.push(x0 + along, y0 + up, radius);
       const std::size_t last = placed.size() - 1;
       bool free = true;
       for (std::size_t k = 0; free && k < last; ++k) {
@@ -116,9 +117,9 @@ FuzzScene make_scene(std::uint64_t seed) {
     const double radius = largest * std::pow(spread, -random.uniform(0, 1));
     if (!fits(radius)) continue;
     area += kPi * radius * radius;
-    BodyDesc body =
-        disc({placed.x.back(), placed.y.back()}, {random.uniform(-speed, speed), random.uniform(-speed, speed)}, radius,
-             one_material ? common : random_material(random));
+    const Material own = one_material ? common : random_material(random);
+    BodyDesc body = disc({placed.x.back(), placed.y.back()},
+                         {random.uniform(-speed, speed), random.uniform(-speed, speed)}, radius, own);
     if (random.chance(0.1)) body.angular_velocity = random.uniform(-10, 10);
     if (random.chance(0.05)) body.fixed_rotation = true;
     if (random.chance(0.05)) body.gravity_scale = random.uniform(0, 2);

@@ -288,8 +288,9 @@ TEST(RigidImpulse, ManyThatCollideKeepTheirMomentum) {
   double size = 0;
   for (int k = 0; k < 100; ++k) {
     const double x = k % 10 * 3.0 - 13.5, y = k / 10 * 3.0 - 13.5;
-    BodyDesc b = moving(turned(box({x, y}, 1, 1.4, material(0.5, 0.3)), random.uniform(0, 6)),
-                        {-x + random.uniform(-2, 2), -y}, random.uniform(-3, 3));
+    const double omega = random.uniform(-3, 3);
+    const Vec2 velocity{-x + random.uniform(-2, 2), -y};
+    BodyDesc b = moving(turned(box({x, y}, 1, 1.4, material(0.5, 0.3)), random.uniform(0, 6)), velocity, omega);
     size += 1.4 * std::hypot(b.velocity.x, b.velocity.y);
     add(*world, b);
   }
@@ -313,8 +314,9 @@ TEST(RigidEnergy, OfAnElasticGasOfBoxesStays) {
   Random random(3);
   for (int k = 0; k < 25; ++k) {
     const double x = k % 5 * 3.5 - 7, y = k / 5 * 3.5 - 7;
-    add(*world, moving(turned(box({x, y}, 1, 1, kElastic), random.uniform(0, 6)),
-                       {random.uniform(-4, 4), random.uniform(-4, 4)}, random.uniform(-3, 3)));
+    const double omega = random.uniform(-3, 3);
+    const Vec2 velocity{random.uniform(-4, 4), random.uniform(-4, 4)};
+    add(*world, moving(turned(box({x, y}, 1, 1, kElastic), random.uniform(0, 6)), velocity, omega));
   }
   const double before = world->diagnostics().kinetic;
   run_seconds(*world, 20);

@@ -110,8 +110,8 @@ TEST(RigidStack, OfNineteenStandsHoweverRoughlyItIsPutDown) {
       double y = rough.fall;
       for (int k = 0; k < 19; ++k, y += 1) {
         y += random.uniform(0, rough.gap);
-        p.put(turned(box({random.uniform(-1e-4, 1e-4), y + 0.5}, 1, 1, kGrip, 1),
-                     random.uniform(-rough.tilt, rough.tilt)));
+        const double tilt = random.uniform(-rough.tilt, rough.tilt);
+        p.put(turned(box({random.uniform(-1e-4, 1e-4), y + 0.5}, 1, 1, kGrip, 1), tilt));
       }
       run(*p.world, 600);
       EXPECT_NEAR(p.top().y, 18.5, 0.05) << rough.fall << " " << rough.gap << " " << rough.tilt << " " << seed;

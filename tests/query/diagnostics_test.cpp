@@ -90,9 +90,11 @@ struct Mixture {
   void add_one(Random& r, int k, const Material& m) {
     const Vec2 at{1.2 + 1.45 * (k % 9), 4.6 + 1.35 * (k / 9)};
     const std::size_t kind = !setting.shapes ? 0 : r.below(setting.discs ? 4 : 3) + (setting.discs ? 0 : 1);
+    // Drawn one after the other: compilers evaluate arguments in different orders.
+    const double second = kind == 1 ? r.uniform(0.4, 1) : kind == 2 ? r.uniform(0.15, 0.3) : 0;
     BodyDesc body = kind == 0   ? disc(at, {}, r.uniform(0.25, 0.55), m)
-                    : kind == 1 ? box(at, r.uniform(0.4, 1), r.uniform(0.4, 1), m)
-                    : kind == 2 ? capsule(at, r.uniform(0.2, 0.6), r.uniform(0.15, 0.3), m)
+                    : kind == 1 ? box(at, r.uniform(0.4, 1), second, m)
+                    : kind == 2 ? capsule(at, r.uniform(0.2, 0.6), second, m)
                                 : polygon({{-0.3, -0.4}, {0.6, -0.3}, {0.4, 0.5}, {-0.2, 0.4}}, at, m);
     body.angle = r.uniform(-3, 3);
     body.velocity = {r.uniform(-2, 2), r.uniform(-2, 2)};

@@ -56,9 +56,10 @@ TEST(Translation, OfAGasToo) {
     auto world = make(desc);
     Random random(12);
     for (int i = 0; i < 200; ++i) {
+      const Vec2 velocity{on_lattice(random.uniform(-2, 2)), on_lattice(random.uniform(-2, 2))};
       add(*world, disc({x + on_lattice((i % 15) * 1.3 + random.uniform(0, 0.2)),
                         y + on_lattice((i / 15) * 1.3 + random.uniform(0, 0.2))},
-                       {on_lattice(random.uniform(-2, 2)), on_lattice(random.uniform(-2, 2))}, 0.5, material(1)));
+                       velocity, 0.5, material(1)));
     }
     return world;
   };

@@ -155,6 +155,11 @@ struct Discs {
     vx.push_back(ux);
     vy.push_back(uy);
   }
+  /// Somewhere in a region. Numbers are drawn one after the other: compilers evaluate arguments in different orders.
+  void push(Random& random, Bounds in, double r) {
+    const double py = random.uniform(in.ymin, in.ymax), px = random.uniform(in.xmin, in.xmax);
+    push(px, py, r);
+  }
 };
 
 inline std::uint32_t add(World& world, const Discs& discs) {
@@ -190,8 +195,9 @@ inline Discs lattice(std::size_t n, Bounds region, double radius, double speed, 
     const double jx = jitter * (0.5 * dx - radius), jy = jitter * (0.5 * dy - radius);
     const double px = region.xmin + (static_cast<double>(k % columns) + 0.5) * dx;
     const double py = region.ymin + (static_cast<double>(k / columns) + 0.5) * dy;
-    discs.push(px + random.uniform(-jx, jx), py + random.uniform(-jy, jy), radius, random.uniform(-speed, speed),
-               random.uniform(-speed, speed));
+    const double v = random.uniform(-speed, speed), u = random.uniform(-speed, speed);
+    const double y = py + random.uniform(-jy, jy), x = px + random.uniform(-jx, jx);
+    discs.push(x, y, radius, u, v);
   }
   return discs;
 }

@@ -1,15 +1,16 @@
 // The page in headless Chromium, with played input. Screenshots stay in build/web/pictures to be looked at.
 import assert from 'node:assert/strict';
-import { mkdirSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { test } from 'node:test';
 import { serve } from '../../build/web/serve.mjs';
 import { Chromium, browser } from './chromium.mjs';
-import { built } from './places.mjs';
+import { built, root } from './places.mjs';
 
 const skip = browser ? false : 'no Chromium here';
 
 async function onPage(options, use) {
-  const { server, address } = await serve(built, 0, options.isolated ?? true);
+  const { server, address } = await serve(built, 0, { isolated: options.isolated ?? true, scene: options.scene });
   const page = await Chromium.open(`${address}${options.query ?? ''}`, { width: 1100, height: 800, ...options });
   try {
     await page.until('window.psimPage?.world?.frame > 5');
@@ -102,6 +103,28 @@ test('every scene of the gallery starts', { skip }, async () => {
     }
     await page.ask(`(e => { e.value = 'washer'; e.dispatchEvent(new Event('change')); })(document.getElementById('scene'))`);
     await page.until(`${state('frame')} > 60`, 120);
+  });
+});
+
+const shown = 'document.getElementById("scene").value', message = 'document.getElementById("message").textContent';
+
+test('the server leads to a scene, built in or a file', { skip }, async () => {
+  await onPage({ name: 'named', scene: 'bridge' }, async (page) => assert.equal(await page.ask(shown), 'bridge'));
+  const folder = mkdtempSync(`${tmpdir()}/psim-page-`), scene = `${folder}/two words.json`;
+  const card_house = readFileSync(`${root}scenes/card_house.json`, 'utf8');
+  writeFileSync(scene, JSON.stringify({ ...JSON.parse(card_house), name: 'mine' }));
+  await onPage({ name: 'file', scene }, async (page) => {
+    assert.equal(await page.ask(shown), 'mine');
+    assert.equal(await page.ask(message), '');
+    assert.equal(await page.ask(state('bodyCount')), JSON.parse(card_house).bodies.length);
+  });
+  rmSync(folder, { recursive: true });
+});
+
+test('a scene that is not there is said to be so', { skip }, async () => {
+  await onPage({ name: 'absent', query: '?scene=no-such' }, async (page) => {
+    assert.match(await page.ask(message), /no scene no-such/);
+    assert.equal(await page.ask(shown), 'washer');
   });
 });
 

@@ -80,7 +80,7 @@ test('states and files of the native program', { skip: !existsSync(native) }, ()
 });
 
 test('mistakes are one line and exit 2', () => {
-  refused(/^psim: --isa avx2: this CPU lacks it; its best is simd128$/m, '--isa', 'avx2');
+  refused(/^psim: --isa avx2: this build lacks it and has scalar, simd128$/m, '--isa', 'avx2');
   refused(/^psim: --scene nowhere\.json: no such file/, '--scene', 'nowhere.json');
   refused(/^psim: --frames/, '--frames', 'many');
   refused(/cannot start ffmpeg/, '--scene', 'arch', '--video', 'film.mp4', '--frames', '2');

@@ -35,6 +35,17 @@ TEST(Allocation, NoneInAPileAtRest) {
   }
 }
 
+TEST(Allocation, NoneWhereTheListsOfAFewBodiesAreMadeAnew) {
+  auto world = pile(1000, material(0.2, 0.5));
+  world->set_sleeping(false);
+  run(*world, 160);
+  std::uint64_t renewed = 0;
+  const std::uint64_t before = allocations();
+  for (int k = 0; k < 80; ++k) renewed += world->step().renewed;
+  EXPECT_EQ(allocations() - before, 0u);
+  EXPECT_GT(renewed, 30u);
+}
+
 TEST(Allocation, NoneInAPeriodicWorldWithFields) {
   WorldDesc desc = periodic(60, 60);
   desc.fields.push_back(WellField{{30, 30}, 100, 1, 2, 0});

@@ -25,9 +25,9 @@ std::unique_ptr<World> world_of(What what, std::uint64_t seed, Isa isa = best_is
   BodyId last;
   for (std::size_t k = 0; k < n; ++k) {
     const double speed = what == What::sleepers ? 0 : flies ? 30 : 4;
-    BodyDesc b = disc({random.uniform(1, 39), random.uniform(1, 39)},
-                      {random.uniform(-speed, speed), random.uniform(-speed, speed)},
-                      what == What::sizes ? random.uniform(0.05, 1.2) : 0.4);
+    const double radius = what == What::sizes ? random.uniform(0.05, 1.2) : 0.4;
+    const Vec2 velocity{random.uniform(-speed, speed), random.uniform(-speed, speed)};
+    BodyDesc b = disc({random.uniform(1, 39), random.uniform(1, 39)}, velocity, radius);
     b.material = material(flies ? 1 : 0.2, flies ? 0 : 0.5);
     if (what == What::boxes && k % 3 == 0) b.shape = BoxShape{0.7, 0.4, 0};
     const BodyId id = add(*world, b);

@@ -1,4 +1,5 @@
-// The page: a gallery of scenes, sliders, hands, and what a step cost. ?scene=NAME&bodies=N&threads=N choose at the start.
+// The page: a gallery of scenes, sliders, hands, and what a step cost. ?scene=NAME&bodies=N&threads=N choose at
+// the start. NAME may be the address of a scene file.
 import { load } from '../npm/psim.mjs';
 import { Camera, Picture } from './draw.mjs';
 import { Graph } from './graph.mjs';
@@ -36,13 +37,38 @@ function bodiesWanted() {
   return Math.max(1, Math.round(Math.exp(find('bodies').value * Math.log(mostBodies))));
 }
 
+/** The scene that was chosen, with so many bodies where their number is free. */
+function made(bodies) {
+  const { name, text, sized } = chosen();
+  return text ? show.psim.scene(text, name) : show.psim.builtin(name, { bodies: sized ? bodies : 0 });
+}
+
+/** What stands in a scene file as an entry of the gallery. */
+async function fetched(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(`${address} cannot be read`);
+  const text = await answer.text();
+  const { name = address, description = '' } = JSON.parse(text);
+  return { name, description, text, bodies: 1, sized: false };
+}
+
+/** Adds a scene file to the gallery and returns the name that is to be shown first. */
+async function firstOf(name) {
+  if (/[/.]/.test(name ?? '')) {
+    const scene = await fetched(name);
+    names = [scene, ...names.filter((other) => other.name !== scene.name)];
+    return scene.name;
+  }
+  if (name === null || names.some((scene) => scene.name === name)) return name ?? 'washer';
+  throw new Error(`there is no scene ${name} here, or it has more than ${mostBodies} bodies`);
+}
+
 function start() {
   hands.forget();
   show.world?.free();
   show.scene?.free();
   show.world = show.scene = undefined;
-  const { name, description } = chosen();
-  show.scene = show.psim.builtin(name, { bodies: chosen().sized ? bodiesWanted() : 0 });
+  show.scene = made(bodiesWanted());
   show.scene.substeps = Number(find('substeps').value);
   show.world = show.scene.world();
   show.world.setSnapshots(true);
@@ -51,7 +77,7 @@ function start() {
   show.addedMass.clear();
   picture.setShapes(show.shapes.all.length ? show.shapes.all : [{ kind: 'disc' }]);
   show.meshOf = Array.from(show.shapes.of);
-  find('words').textContent = description;
+  find('words').textContent = chosen().description;
   graph.times = [];
   frame();
   lookAtAll();
@@ -59,7 +85,7 @@ function start() {
 
 /** A scene was chosen: the sliders take its own settings. */
 function choose() {
-  const scene = show.psim.builtin(chosen().name, { bodies: chosen().sized ? Math.min(chosen().bodies, 1000) : 0 });
+  const scene = made(Math.min(chosen().bodies, 1000));
   const world = scene.world();
   const { gravity, substeps } = world.settings;
   world.free();
@@ -185,12 +211,13 @@ async function main() {
   show.psim = await load({ threads });
   say(show.psim.notes.join('\n'));
   names = show.psim.scenes.filter((scene) => scene.bodies <= mostBodies);
+  const first = await firstOf(query.get('scene')).catch((error) => (say(error.message), 'washer'));
   find('scene').append(...names.map(({ name, description }) => {
     const option = new Option(name, name);
     option.title = description;
     return option;
   }));
-  find('scene').value = names.some(({ name }) => name === query.get('scene')) ? query.get('scene') : 'washer';
+  find('scene').value = first;
   if (innerWidth <= 560) find('panel').classList.add('folded');
   listen();
   choose();

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <vector>
 
@@ -22,13 +23,39 @@ inline std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31);
 }
 
+/// Makes one sorted list of two that stand in it one behind the other, as std::inplace_merge, which allocates. `spare`
+/// keeps its memory.
+template <class T, class Less = std::less<>>
+void merge_parts(std::vector<T>& list, std::size_t first_part, std::vector<T>& spare, const Less& less = {}) {
+  const auto middle = list.begin() + static_cast<std::ptrdiff_t>(first_part);
+  spare.assign(middle, list.end());
+  auto first = middle, out = list.end();
+  for (auto second = spare.end(); second != spare.begin();) {
+    const bool from_first = first != list.begin() && less(second[-1], first[-1]);
+    *--out = from_first ? *--first : *--second;
+  }
+}
+
+/// Equal elements keep their order, as in std::stable_sort, which allocates.
+template <class T, class Less>
+void sort_stably(std::vector<T>& list, std::vector<T>& spare, const Less& less) {
+  for (std::size_t run = 1; run < list.size(); run *= 2) {
+    spare.clear();
+    const auto at = [&](std::size_t k) { return list.begin() + static_cast<std::ptrdiff_t>(std::min(k, list.size())); };
+    for (std::size_t k = 0; k < list.size(); k += 2 * run) {
+      std::merge(at(k), at(k + run), at(k + run), at(k + 2 * run), std::back_inserter(spare), less);
+    }
+    list.swap(spare);
+  }
+}
+
 /// Sorts by `less`, which goes by first_of(element) first, a number below `ids`. Where there are many elements, they
 /// are counted by their first number. Equal elements keep their order.
 template <class T, class FirstOf, class Less>
 void sort_by_first(std::vector<T>& list, std::vector<T>& scratch, std::vector<std::uint32_t>& count, std::uint32_t ids,
                    const FirstOf& first_of, const Less& less) {
   if (list.size() < 256 || list.size() < ids / 8) {
-    std::stable_sort(list.begin(), list.end(), less);
+    sort_stably(list, scratch, less);
     return;
   }
   count.assign(std::size_t{ids} + 1, 0);

@@ -61,6 +61,8 @@ void ListRenewal::spare(std::size_t bodies) {
   renewed_.reserve(2 * most);
   places_.reserve(2 * most);
   linked_.reserve(2 * most);
+  spare_renewed_.reserve(most);
+  spare_keys_.reserve(pairs);
   pairs_.reserve(pairs);
   fresh_.reserve(pairs);
   scratch_.resize(std::max(scratch_.size(), (most + kJob - 1) / kJob));
@@ -186,13 +188,13 @@ void ListRenewal::put_statics(PairTable& table) {
 
 void ListRenewal::search_all(const PairTable& table) {
   std::erase_if(places_, [&](std::uint64_t place) { return mark_[static_cast<std::uint32_t>(place)] == kFound; });
-  const auto before = static_cast<std::ptrdiff_t>(places_.size());
+  const std::size_t before = places_.size();
   for (const std::uint32_t slot : found_) {
     places_.push_back(std::uint64_t{along_axis(slot)} << 32 | slot);
     most_ = std::max(most_, b_.reach[slot]);
   }
-  sort_keys(places_.begin() + before, places_.end());
-  std::inplace_merge(places_.begin(), places_.begin() + before, places_.end());
+  sort_keys(places_.begin() + static_cast<std::ptrdiff_t>(before), places_.end());
+  merge_parts(places_, before, spare_keys_);
   const std::size_t jobs = (found_.size() + kJob - 1) / kJob;
   for (Scratch& s : scratch_) s.pairs.clear();
   s_.pool.run(jobs, [&](std::size_t job) {
@@ -220,7 +222,7 @@ void ListRenewal::search_all(const PairTable& table) {
 bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& margin, const PairTable& table) {
   known_ = false;
   if (renewed_.empty()) spare(b_.count);
-  const auto before = static_cast<std::ptrdiff_t>(renewed_.size());
+  const std::size_t before = renewed_.size();
   for (const std::uint32_t slot : found_) {
     const std::size_t i = slot;
     if (mark_[i] == kListed) renewed_.push_back(place_of(slot));
@@ -230,7 +232,7 @@ bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& marg
     const float room = skin + std::sqrt(u * u + v * v) * margin.time;
     place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + room});
   }
-  std::ranges::inplace_merge(renewed_, renewed_.begin() + before, {}, &Renewed::slot);
+  merge_parts(renewed_, before, spare_renewed_, [](const Renewed& a, const Renewed& b) { return a.slot < b.slot; });
   search_all(table);
   return loads == nullptr || std::none_of(fresh_.begin(), fresh_.end(), [&](std::uint64_t pair) {
            return loads->heavy(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
@@ -242,10 +244,10 @@ bool ListRenewal::put(PairTable& table) {
   for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
     if (!found(table.owner[p]) && !found(table.other[p])) pairs_.push_back(table.key_of(p));
   }
-  const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
+  const std::size_t kept = pairs_.size();
   pairs_.insert(pairs_.end(), fresh_.begin(), fresh_.end());
   if (pairs_.size() > kPairsABody * (b_.count / kShare)) return false;
-  std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
+  merge_parts(pairs_, kept, spare_keys_);
   put_pairs(table);
   put_statics(table);
   return true;
@@ -275,7 +277,8 @@ void ListRenewal::look_again(const PairTable& table) {
 }
 
 std::size_t ListRenewal::bytes() const {
-  std::size_t sum = mark_.bytes() + bytes_of(found_, renewed_, linked_, places_, pairs_, fresh_, near_);
+  std::size_t sum =
+      mark_.bytes() + bytes_of(found_, renewed_, linked_, places_, pairs_, fresh_, near_, spare_renewed_, spare_keys_);
   for (const Scratch& s : scratch_) sum += bytes_of(s.owner, s.other, s.pairs);
   return sum;
 }

@@ -104,6 +104,8 @@ class ListRenewal {
   Column<std::uint8_t> mark_{s_.memory};      // by slot
   std::vector<std::uint64_t> places_;         // of renewed bodies: place along the longer side << 32 | slot, ascending
   std::vector<std::uint64_t> pairs_, fresh_;  // as pair_key, ascending
+  std::vector<Renewed> spare_renewed_;        // for merging
+  std::vector<std::uint64_t> spare_keys_;     // for merging
   std::vector<Scratch> scratch_;              // by job
   std::vector<StaticPair> near_;              // pairs with fixed shapes of all found bodies
   std::vector<std::uint32_t> statics_;

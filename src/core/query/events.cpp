@@ -40,9 +40,8 @@ void add_difference(const Keys& from, const Keys& without, Keys& to) {
 // Moves the keys for which goes(key) holds to the end of another list. All keep their order.
 template <class Goes>
 void move_keys(Keys& from, Keys& to, const Goes& goes) {
-  const auto at = std::stable_partition(from.begin(), from.end(), std::not_fn(goes));
-  to.insert(to.end(), at, from.end());
-  from.erase(at, from.end());
+  std::copy_if(from.begin(), from.end(), std::back_inserter(to), goes);
+  std::erase_if(from, goes);
 }
 
 // Removes the keys that a sorted list has.
@@ -219,10 +218,10 @@ void EventList::settle_sleepers(const Observed& world) {
   add_difference(now_, began_, ended_);
   drop(began_, now_);
   // Pairs with a body that fell asleep go on.
-  const auto before = static_cast<std::ptrdiff_t>(slept_.size());
+  const std::size_t before = slept_.size();
   if (removed_.empty()) move_keys(ended_, slept_, asleep);
-  sort_keys(slept_.begin() + before, slept_.end());
-  std::inplace_merge(slept_.begin(), slept_.begin() + before, slept_.end());
+  sort_keys(slept_.begin() + static_cast<std::ptrdiff_t>(before), slept_.end());
+  merge_parts(slept_, before, now_);
 }
 
 void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
