@@ -66,11 +66,15 @@ double fastest_of_heap(std::uint64_t n, int substeps, bool sleeping) {
   return most;
 }
 
+// Heaps differ in when a box topples, so the middle of eight starts counts.
 TEST(SleepRest, BoxesAmongDiscsFallAsleepWithoutAJolt) {
   for (const int substeps : {4, 16}) {
-    for (const std::uint64_t n : {468u, 475u, 482u, 489u}) {
-      EXPECT_LT(fastest_of_heap(n, substeps, true), fastest_of_heap(n, substeps, false) + 0.5) << n << ' ' << substeps;
+    std::vector<double> faster;
+    for (std::uint64_t n = 468; n <= 517; n += 7) {
+      faster.push_back(fastest_of_heap(n, substeps, true) - fastest_of_heap(n, substeps, false));
     }
+    std::ranges::sort(faster);
+    EXPECT_LT(faster[faster.size() / 2], 0.2) << substeps;
   }
 }
 
