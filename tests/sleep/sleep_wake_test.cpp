@@ -303,9 +303,10 @@ TEST(SleepWake, AnotherMassFarAwayLeavesAPileWhatItCarries) {
   }
 }
 
-// A heap that fell asleep, with holes made in it, stands as well as one that never slept. In one heap of eight a body
-// still leans over slowly, asleep or not, and in one of thirty one falls: so most heaps must stand. In some, round ends roll on each
-// other to and fro for minutes, as they should without rolling resistance: those heaps do not fall asleep.
+// A heap that fell asleep, with holes made in it, stands. In one heap of eight a body still leans over slowly, asleep or
+// not. In one of thirty one falls, since a sleeper does not wake when what lies on it carries more or less than before.
+// In some, round ends roll on each other to and fro for minutes, as they should without rolling resistance: those heaps
+// do not fall asleep.
 TEST(SleepWake, NobodySleepsInTheAir) {
   const auto rests = [](World& world) {
     for (int frame = 0; frame < 3600; ++frame) {
