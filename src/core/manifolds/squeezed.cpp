@@ -19,6 +19,7 @@ constexpr int kSweeps = 64;  // most sweeps of a solve
 // substep.
 constexpr double kSettled = 1e-5, kStill = 1e-4;
 constexpr double kHeld = 1e-9;   // share of the diagonal that holds changes back, since rows may say the same
+constexpr double kSlack = 1e-3;  // share of the speeds before: what rounding may add to the energy
 constexpr double kFlat = 1e-12;  // share of the diagonal: what is smaller is nothing
 
 // Normals and arms of rows as pairs of numbers.
@@ -169,10 +170,7 @@ double Squeezed::settle(const BodyView& v, const Block& block) {
   }
   for (std::size_t i = 0; i < problem.n; ++i) {
     const SqueezedRow& x = rows[row_of[i]];
-    double& q = problem.q[i] = x.bias + dot(x.along, pair_at(v.vel, x.light));
-    if (x.other != kNoSlot) q -= dot(x.along, pair_at(v.vel, x.other));
-    if (x.block != nullptr) q += double{v.rim_speed[x.light]} * x.arm;
-    if (x.block != nullptr && x.other != kNoSlot) q -= double{v.rim_speed[x.other]} * x.arm_other;
+    double& q = problem.q[i] = x.bias + parting(v, x);
     const double own = block.a[row_of[i]][row_of[i]];
     for (std::size_t j = 0; j < problem.n; ++j) {
       const double a = block.a[row_of[i]][row_of[j]] + (i == j ? kHeld * own : 0);
@@ -193,6 +191,26 @@ double Squeezed::settle(const BodyView& v, const Block& block) {
   return most;
 }
 
+// m/s: the velocity with which the points of a row part.
+double Squeezed::parting(const BodyView& v, const SqueezedRow& x) {
+  double speed = dot(x.along, pair_at(v.vel, x.light));
+  if (x.other != kNoSlot) speed -= dot(x.along, pair_at(v.vel, x.other));
+  if (x.block == nullptr) return speed;
+  speed += double{v.rim_speed[x.light]} * x.arm;
+  return x.other == kNoSlot ? speed : speed - double{v.rim_speed[x.other]} * x.arm_other;
+}
+
+// Whether the impulses since `first` did more work than to part the bodies as fast as their rows ask for.
+bool Squeezed::gains_energy(const BodyView& v) const {
+  double gained = 0, allowed = 0;
+  for (const SqueezedRow& row : rows_) {
+    const double change = row.impulse - row.first, speed = parting(v, row);
+    gained += 0.5 * change * (row.speed + speed);
+    allowed += std::fabs(change) * (std::max(-row.bias, 0.0) + kSlack * std::fabs(row.speed));
+  }
+  return !(gained <= allowed);
+}
+
 // Sweeps over blocks, each followed by a step of conjugate gradients (Silcowitz, Niebe, Erleben 2010), which makes up for
 // how slowly heavy bodies come to an agreement with several light ones.
 void Squeezed::solve(const BodyView& v, const ContactParams& p, bool soft) {
@@ -201,6 +219,10 @@ void Squeezed::solve(const BodyView& v, const ContactParams& p, bool soft) {
       row.block != nullptr ? read_point(v, p, soft, row) : read_disc(v, p, soft, row);
     }
     couple(block);
+  }
+  for (SqueezedRow& row : rows_) {
+    row.first = row.impulse;
+    row.speed = parting(v, row);
   }
   const double still = kStill * double{p.h} * length_of(Vec2{p.gravity_x, p.gravity_y});
   double most = 0, before = 0;
@@ -218,6 +240,10 @@ void Squeezed::solve(const BodyView& v, const ContactParams& p, bool soft) {
       row.way = on + row.impulse - row.start;
       if (on != 0) press(v, row, on);
     }
+  }
+  if (gains_energy(v)) {  // the steps of conjugate gradients did not come to an end: it is as if there were no blocks
+    for (SqueezedRow& row : rows_) press(v, row, row.first - row.impulse);
+    return;
   }
   for (const SqueezedRow& row : rows_) {
     if (!row.active) continue;

@@ -46,6 +46,7 @@ struct SqueezedRow {
   double gl = 0, go = 0;                       // R^2 / I, 1/kg
   double bias = 0, softness = 0, impulse = 0;  // m/s; compliance, m/s for each N s; N s
   double start = 0, way = 0;                   // N s: the impulse before a sweep; the direction of the search
+  double first = 0, speed = 0;                 ///< N s, m/s: impulse and parting velocity before the solve
   bool apart = false, active = false;
 };
 
@@ -95,6 +96,8 @@ class Squeezed {
   void aim(const kernels::ContactParams& p, bool soft, double s, double vn0, double e, SqueezedRow& row);
   void couple(Block& block);
   double settle(const kernels::BodyView& v, const Block& block);
+  static double parting(const kernels::BodyView& v, const SqueezedRow& row);
+  bool gains_energy(const kernels::BodyView& v) const;
   static void put(const SqueezedRow& row, const SqueezedRow::Lane& lane);
   float& impulse_of(const SqueezedRow& row);
 
