@@ -124,6 +124,28 @@ TEST(Outsized, AWorldWithManyPartsGoesOnFromASavedState) {
   }
 }
 
+TEST(Outsized, AStateIsSoundAfterABodyOfManyPartsWasRemoved) {
+  for (const bool alone : {false, true}) {
+    BodyId outline;
+    std::vector<BodyId> inside;
+    auto world = ring(200, 1.5, outline, inside);
+    for (const BodyId id : inside) {
+      if (alone) world->remove_body(id);
+    }
+    for (int frame = 0; frame < 5; ++frame) world->step();
+    ASSERT_TRUE(world->remove_body(outline));
+    std::vector<std::byte> saved;
+    world->save(saved);
+    std::string error;
+    auto other = World::from_state(saved, {best_isa(), 1}, error);
+    ASSERT_NE(other, nullptr) << error;
+    for (World* w : {world.get(), other.get()}) {
+      for (int frame = 0; frame < 5; ++frame) w->step();
+    }
+    EXPECT_EQ(world->state_hash(), other->state_hash());
+  }
+}
+
 // ---- bodies that come and go
 
 TEST(Growth, BodiesThatComeAndGoTakeNoMoreRoomThanThereAreAtOnce) {

@@ -86,7 +86,7 @@ struct Manifolds::Sorter {
   const Joined* joined;
   const std::vector<ManifoldPair>& known;  // the pairs of the index
   std::vector<FoundPair>& out;
-  mutable std::vector<std::uint32_t> near_a = {}, near_b = {}, all_parts = {};  // scratch
+  mutable std::vector<std::uint32_t> near_a = {}, near_b = {};  // scratch
   const BodyStore& b = m.s_.bodies;
   const StaticShapes& statics = m.s_.statics;
 
@@ -145,45 +145,38 @@ struct Manifolds::Sorter {
     return true;
   }
 
-  // Calls add(part of A, part of B) for the parts of a pair that may meet, in order.
-  template <class Add>
-  static void all(std::span<const std::uint32_t> of_a, std::span<const std::uint32_t> of_b, const Add& add) {
-    for (const std::uint32_t a : of_a) {
-      for (const std::uint32_t b : of_b) add(a, b);
-    }
-  }
-  std::span<const std::uint32_t> first_parts(std::uint32_t parts) const {
-    while (all_parts.size() < parts) all_parts.push_back(static_cast<std::uint32_t>(all_parts.size()));
-    return std::span(all_parts).first(parts);
-  }
+  // Calls add(part of A, part of B) for the parts of a body and a fixed piece that may meet, in order.
   template <class Add>
   void each_near(const PairName& pair, std::uint32_t, std::uint32_t parts_b, const StaticPair& of,
                  const Add& add) const {
+    if (!m.parts_.has(pair.b)) {
+      for (std::uint32_t b = 0; b < parts_b; ++b) add(0, b);
+      return;
+    }
     near_b.clear();
-    if (!m.parts_.has(pair.b)) return all(first_parts(1), first_parts(parts_b), add);
     m.parts_.near_piece(of, m.walls_, near_b);
-    all(first_parts(1), near_b, add);
+    for (const std::uint32_t b : near_b) add(0, b);
   }
+  // The same for two bodies.
   template <class Add>
   void each_near(const PairName& pair, std::uint32_t parts_a, std::uint32_t parts_b, std::uint32_t, std::uint32_t,
                  const Add& add) const {
     const bool many_a = m.parts_.has(pair.a), many_b = m.parts_.has(pair.b);
     near_a.clear();
     near_b.clear();
-    if (many_a) m.parts_.near_body(pair.a, pair.b, near_a);
-    if (many_a && many_b) {
-      for (const std::uint32_t a : near_a) {
+    if (many_a) {
+      m.parts_.near_body(pair.a, pair.b, near_a);
+    } else {
+      for (std::uint32_t a = 0; a < parts_a; ++a) near_a.push_back(a);
+    }
+    if (many_b && !many_a) m.parts_.near_body(pair.b, pair.a, near_b);
+    for (std::uint32_t b = 0; !many_b && b < parts_b; ++b) near_b.push_back(b);
+    for (const std::uint32_t a : near_a) {
+      if (many_a && many_b) {
         near_b.clear();
         m.parts_.near_part(pair.b, pair.a, a, near_b);
-        for (const std::uint32_t b : near_b) add(a, b);
       }
-      return;
-    }
-    if (many_b) m.parts_.near_body(pair.b, pair.a, near_b);
-    if (many_a) return all(near_a, first_parts(parts_b), add);
-    if (many_b) return all(first_parts(parts_a), near_b, add);
-    for (std::uint32_t a = 0; a < parts_a; ++a) {
-      for (std::uint32_t b = 0; b < parts_b; ++b) add(a, b);
+      for (const std::uint32_t b : near_b) add(a, b);
     }
   }
 

@@ -16,7 +16,7 @@
 
 namespace psim {
 
-/// What the collection of pairs goes by.
+/// Manifolds collect their pairs by these settings.
 struct CollectSettings {
   bool any_filter = false;
   Walls walls;
@@ -44,9 +44,9 @@ class PartSearch {
   bool has(std::uint32_t slot) const { return !wide_.empty() && wide_of(slot) != nullptr; }
   /// The parts of a body of many parts that may meet any part of another body, ascending.
   void near_body(std::uint32_t slot, std::uint32_t other, std::vector<std::uint32_t>& out) const;
-  /// Those that may meet one part of another body of many parts.
+  /// The parts of a body of many parts that may meet one part of another such body, ascending.
   void near_part(std::uint32_t slot, std::uint32_t other, std::uint32_t part, std::vector<std::uint32_t>& out) const;
-  /// Those that may meet a piece of fixed geometry or a wall.
+  /// The parts of a body of many parts that may meet a piece of fixed geometry or a wall, ascending.
   void near_piece(const StaticPair& pair, const Walls& walls, std::vector<std::uint32_t>& out) const;
 
  private:

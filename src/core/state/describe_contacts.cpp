@@ -117,6 +117,9 @@ void one_value(Archive& a, ManifoldPair& p) {
 void PartSearch::describe(Archive& a) {
   const BodyStore& b = s_.bodies;
   values(a, common_way_);
+  if (!a.loading()) {  // bodies that were removed since are in no list any more
+    std::erase_if(wide_, [&](const Wide& w) { return w.slot >= b.count || b.id[w.slot] == kNoSlot; });
+  }
   a.list(wide_, [&](Wide& w) {
     a.index(b.count, w.slot);
     values(a, w.angle, w.turn);
