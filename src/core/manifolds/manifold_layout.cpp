@@ -385,7 +385,8 @@ std::uint64_t Manifolds::closed(std::size_t index) const {
 
 std::size_t Manifolds::bytes() const {
   std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_,
-                             crowded_, turned_, turning_, ties);
+                             crowded_, turned_, turning_, ties) +
+                    parts_.bytes();
   for (const StripBlocks& s : strips_)
     sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);

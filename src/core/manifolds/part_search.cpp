@@ -129,6 +129,15 @@ bool PartSearch::serve(float time) const {
   });
 }
 
+std::size_t PartSearch::bytes() const {
+  std::size_t sum = bytes_of(wide_);
+  for (const auto& [part, tree] : trees_) {  // a sum of whole numbers: no order matters
+    sum += sizeof(Tree) + bytes_of(tree->boxes, tree->order, tree->levels);
+    for (const std::vector<Bounds>& level : tree->levels) sum += bytes_of(level);
+  }
+  return sum;
+}
+
 const PartSearch::Wide* PartSearch::wide_of(std::uint32_t slot) const {
   const auto at = std::ranges::lower_bound(wide_, slot, {}, &Wide::slot);
   return at != wide_.end() && at->slot == slot ? &*at : nullptr;

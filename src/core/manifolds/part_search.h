@@ -40,6 +40,8 @@ class PartSearch {
   /// Whether the bodies of many parts turn no further than the lists allow for `time` seconds more.
   bool serve(float time) const;
 
+  std::size_t bytes() const;
+
   /// Whether a body has so many parts that they are searched for.
   bool has(std::uint32_t slot) const { return !wide_.empty() && wide_of(slot) != nullptr; }
   /// The parts of a body of many parts that may meet any part of another body, ascending.
@@ -73,7 +75,7 @@ class PartSearch {
   const Surroundings s_;
   std::vector<Wide> wide_;                                          // by slot
   double common_way_ = 0;                                           // m: how far all bodies go together meanwhile
-  std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; look-up only
+  std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; look-up only, but for a sum
   std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that trees_ are made for
 };
 
