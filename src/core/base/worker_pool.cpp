@@ -23,6 +23,7 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
     }
   } catch (const std::exception&) {  // std::system_error, or no memory for what a thread needs
     keep_workers(workers_.size() / 2);
+    threads_ = workers_.size() + 1;
   }
   crowded_ = threads_ > std::thread::hardware_concurrency();
 }
@@ -34,7 +35,7 @@ WorkerPool::~WorkerPool() { keep_workers(0); }
 void WorkerPool::keep_workers(std::size_t kept) {
   {
     const std::lock_guard lock(sleep_mutex_);
-    threads_ = kept + 1;
+    kept_ = kept;
   }
   wake_.notify_all();
   for (std::size_t i = kept; i < workers_.size(); ++i) workers_[i].join();
@@ -131,8 +132,8 @@ void WorkerPool::worker(std::size_t index) {
   for (;;) {
     if (!stepping_.load(std::memory_order_acquire)) {
       std::unique_lock lock(sleep_mutex_);
-      wake_.wait(lock, [this, index] { return index >= threads_ || stepping_.load(std::memory_order_acquire); });
-      if (index >= threads_) return;
+      wake_.wait(lock, [this, index] { return index > kept_ || stepping_.load(std::memory_order_acquire); });
+      if (index > kept_) return;
     }
     int spins = 0;
     std::uint32_t ticket = ticket_.load(std::memory_order_acquire);

@@ -99,7 +99,7 @@ class WorkerPool {
   void keep_workers(std::size_t kept);
   void wait_a_moment(int spins) const;
 
-  std::size_t threads_;  // the caller's among them; written under the lock, where workers of a higher index end
+  std::size_t threads_;  // the caller's among them; written before the first run
   Tracer* tracer_;
   bool crowded_ = false;  // there are more threads than cores, so waiting yields the core
   int awake_ = 0;         // how many Awake there are
@@ -119,6 +119,7 @@ class WorkerPool {
   std::exception_ptr thrown_;
   // Says when to spin and carries no data. It is set under the lock, so that no worker sleeps through it.
   std::atomic<bool> stepping_{false};
+  std::size_t kept_ = SIZE_MAX;  // workers of a higher index end; under the lock
   std::mutex sleep_mutex_;
   std::condition_variable wake_;
   std::vector<std::thread> workers_;
