@@ -17,9 +17,10 @@ using kernels::ManifoldBlock;
 constexpr int kSweeps = 64;  // most sweeps of a solve
 // A solve ends with a sweep whose changes are smaller than this share of the largest change, or of what gravity adds in a
 // substep.
-constexpr double kSettled = 1e-5, kStill = 1e-4;
-constexpr double kHeld = 1e-9;   // share of the diagonal that holds changes back, since rows may say the same
-constexpr double kSlack = 1e-3;  // share of the speeds before: what rounding may add to the energy
+constexpr double kSettled = 1e-5, kStill = 1e-7;
+constexpr double kHeld = 1e-9;  // share of the diagonal that holds changes back, since rows may say the same
+// What an error of the speeds may add to the energy: a share of those of rows, and of those of bodies, which are rounded.
+constexpr double kSlack = 1e-3, kOfBodies = 1e-6;
 constexpr double kFlat = 1e-12;  // share of the diagonal: what is smaller is nothing
 
 // Normals and arms of rows as pairs of numbers.
@@ -78,7 +79,6 @@ void Squeezed::read_disc(const BodyView& v, const ContactParams& p, bool soft, S
   const bool fixed = row.other == kNoSlot;
   const ContactLanes& c = lanes_of(row);
   const std::size_t at = row.lane;
-  row.along = (row.light_b ? 1.0 : -1.0) * Vec2{c.nx[at], c.ny[at]};
   const auto between = [&](const float* of) {
     return pair_at(of, row.light) - (fixed ? Vec2{} : pair_at(of, row.other));
   };
@@ -100,9 +100,6 @@ void Squeezed::read_point(const BodyView& v, const ContactParams& p, bool soft, 
   const std::size_t a = c.body[2 * l], b = c.body[2 * l + 1];
   const Vec2 n{c.nx[l], c.ny[l]};
   const double at = point.at[l], bt = point.bt[l];
-  row.along = (row.light_b ? 1.0 : -1.0) * n;
-  row.arm = row.light_b ? bt : -at, row.arm_other = row.light_b ? at : -bt;
-  row.gl = row.light_b ? c.gb[l] : c.ga[l], row.go = row.light_b ? c.ga[l] : c.gb[l];
   Vec2 turn_a = pair_at(v.arm_change, a), turn_b = pair_at(v.arm_change, b);
   turn_a.x += double{c.lead_a[l]} * turn_a.y;
   turn_b.x += double{c.lead_b[l]} * turn_b.y;
@@ -126,7 +123,7 @@ void Squeezed::aim(const ContactParams& p, bool soft, double s, double vn0, doub
   if (soft && row.apart) row.bias = s * double{p.inv_h};
   if (soft && !row.apart) {
     row.bias = std::max(s * double{p.soft_rate}, -double{p.push}) / double{p.soft_mass};
-    row.softness = double{p.soft_impulse} / double{p.soft_mass};
+    row.softness = row.compliance;
   }
   const bool bounces = e > 0 && vn0 < -double{p.impact_floor} && (soft ? s + vn0 * double{p.h} < 0 : was > 0);
   if (!bounces) return;
@@ -134,10 +131,19 @@ void Squeezed::aim(const ContactParams& p, bool soft, double s, double vn0, doub
   row.softness = 0;
 }
 
-// Finds what an impulse of each row adds at each other one. A soft contact gives way as it would to the heavy body if the
-// other bodies that squeeze the light one held it fast.
-void Squeezed::couple(Block& block) {
+// Finds along which directions the rows of a block push, what an impulse of each adds at each other one, and how they
+// give way: as they would to the heavy body if the other bodies that squeeze the light one held it fast.
+void Squeezed::couple(const ContactParams& p, Block& block) {
   const std::span<SqueezedRow> rows = rows_of(block);
+  for (SqueezedRow& row : rows) {
+    row.along = along(row);
+    if (row.block == nullptr) continue;
+    const ManifoldBlock& c = *row.block;
+    const std::uint32_t l = row.lane;
+    const double at = c.point[row.point].at[l], bt = c.point[row.point].bt[l];
+    row.arm = row.light_b ? bt : -at, row.arm_other = row.light_b ? at : -bt;
+    row.gl = row.light_b ? c.gb[l] : c.ga[l], row.go = row.light_b ? c.ga[l] : c.gb[l];
+  }
   Complementarity<kMost> whole;
   whole.n = rows.size();
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -150,13 +156,11 @@ void Squeezed::couple(Block& block) {
     }
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!(rows[i].softness > 0)) continue;
     Complementarity<kMost> rest = whole;
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const bool holds = rows[k].active && rows[k].other != rows[i].other;
-      if (holds && rest.m[k][k] > kHeld * whole.m[k][k]) rest.pivot(k);
+      if (rows[k].other != rows[i].other && rest.m[k][k] > kHeld * whole.m[k][k]) rest.pivot(k);
     }
-    rows[i].softness *= std::max(rest.m[i][i], 0.0);
+    rows[i].compliance = double{p.soft_impulse} / double{p.soft_mass} * std::max(rest.m[i][i], 0.0);
   }
 }
 
@@ -200,13 +204,14 @@ double Squeezed::parting(const BodyView& v, const SqueezedRow& x) {
   return x.other == kNoSlot ? speed : speed - double{v.rim_speed[x.other]} * x.arm_other;
 }
 
-// Whether the impulses since `first` did more work than to part the bodies as fast as their rows ask for.
+// Whether the impulses of all rows did more work than to part the bodies as fast as their rows ask for.
 bool Squeezed::gains_energy(const BodyView& v) const {
   double gained = 0, allowed = 0;
   for (const SqueezedRow& row : rows_) {
-    const double change = row.impulse - row.first, speed = parting(v, row);
-    gained += 0.5 * change * (row.speed + speed);
-    allowed += std::fabs(change) * (std::max(-row.bias, 0.0) + kSlack * std::fabs(row.speed));
+    if (!row.active) continue;
+    const double now = parting(v, row), rounding = kOfBodies * length_of(pair_at(v.vel, row.light));
+    gained += 0.5 * row.impulse * (row.speed + now);
+    allowed += row.impulse * (std::max(-row.bias, 0.0) + kSlack * (std::fabs(row.speed) + std::fabs(now)) + rounding);
   }
   return !(gained <= allowed);
 }
@@ -215,15 +220,20 @@ bool Squeezed::gains_energy(const BodyView& v) const {
 // how slowly heavy bodies come to an agreement with several light ones.
 void Squeezed::solve(const BodyView& v, const ContactParams& p, bool soft) {
   for (Block& block : blocks_) {
+    couple(p, block);  // normals and arms follow the bodies
     for (SqueezedRow& row : rows_of(block)) {
       row.block != nullptr ? read_point(v, p, soft, row) : read_disc(v, p, soft, row);
     }
-    couple(block);
   }
-  for (SqueezedRow& row : rows_) {
-    row.first = row.impulse;
-    row.speed = parting(v, row);
-  }
+  const auto press_active = [&](double sign) {
+    for (SqueezedRow& row : rows_) {
+      if (row.active) press(v, row, sign * row.first);
+    }
+  };
+  for (SqueezedRow& row : rows_) row.first = row.impulse;
+  press_active(-1);
+  for (SqueezedRow& row : rows_) row.speed = parting(v, row);
+  press_active(1);
   const double still = kStill * double{p.h} * length_of(Vec2{p.gravity_x, p.gravity_y});
   double most = 0, before = 0;
   for (int sweep = 1; sweep <= kSweeps; ++sweep) {

@@ -40,13 +40,15 @@ struct SqueezedRow {
   Lane was;         // numbers of its lane (ManifoldBlock), which has others meanwhile
   double unit = 1;  // kg where the impulses of the lane are m/s, else 1
 
+  Vec2 along;                     // the direction in which an impulse pushes the light body
+  double arm = 0, arm_other = 0;  // of both bodies, as in ManifoldBlock
+  double gl = 0, go = 0;          // R^2 / I, 1/kg
+  double compliance = 0;          // m/s for each N s, while it overlaps
+
   // In one solve:
-  Vec2 along;                                  // the direction in which an impulse pushes the light body
-  double arm = 0, arm_other = 0;               // of both bodies, as in ManifoldBlock
-  double gl = 0, go = 0;                       // R^2 / I, 1/kg
   double bias = 0, softness = 0, impulse = 0;  // m/s; compliance, m/s for each N s; N s
   double start = 0, way = 0;                   // N s: the impulse before a sweep; the direction of the search
-  double first = 0, speed = 0;                 ///< N s, m/s: impulse and parting velocity before the solve
+  double first = 0, speed = 0;                 // N s: the impulse before; m/s: the parting velocity without impulses
   bool apart = false, active = false;
 };
 
@@ -90,11 +92,13 @@ class Squeezed {
   template <class Take>
   void make_blocks(const Take& take);
   bool is_squeezed(std::span<const SqueezedRow> rows);
+  Vec2 along(const SqueezedRow& row);
+  void set_lanes(const kernels::ContactParams& p, const Block& block);
 
   void read_disc(const kernels::BodyView& v, const kernels::ContactParams& p, bool soft, SqueezedRow& row);
   void read_point(const kernels::BodyView& v, const kernels::ContactParams& p, bool soft, SqueezedRow& row);
   void aim(const kernels::ContactParams& p, bool soft, double s, double vn0, double e, SqueezedRow& row);
-  void couple(Block& block);
+  void couple(const kernels::ContactParams& p, Block& block);
   double settle(const kernels::BodyView& v, const Block& block);
   static double parting(const kernels::BodyView& v, const SqueezedRow& row);
   bool gains_energy(const kernels::BodyView& v) const;

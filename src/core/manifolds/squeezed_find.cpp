@@ -54,11 +54,26 @@ void Squeezed::find(const BodyStore& bodies, const PairTable& table, const kerne
     for (SqueezedRow& row : rows) row.w_heavy = row.wl;
     return true;
   });
-  for (SqueezedRow& row : rows_) {
+  for (Block& block : blocks_) {
+    couple(p, block);
+    set_lanes(p, block);
+  }
+}
+
+// Gives the lanes of shapes what the block has: no half-reactions, and the mean softness of their points.
+void Squeezed::set_lanes(const kernels::ContactParams& p, const Block& block) {
+  const std::span<SqueezedRow> rows = rows_of(block);
+  for (SqueezedRow& row : rows) {
     if (row.block == nullptr || row.point != 0) continue;
+    double soft = 0, points = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (rows[k].block != row.block || rows[k].lane != row.lane) continue;
+      soft += rows[k].compliance / block.a[k][k];
+      ++points;
+    }
     const std::uint32_t l = row.lane;
     row.was = {row.block->share_a[l], row.block->share_b[l], row.block->soft[l], row.block->rate[l]};
-    put(row, {1, 1, 0, p.soft_rate / p.soft_mass});
+    put(row, {1, 1, static_cast<float>(soft / points), p.soft_rate / p.soft_mass});
   }
 }
 
@@ -140,14 +155,16 @@ void Squeezed::add_shapes(std::size_t index, const Wanted& wanted) {
   }
 }
 
+// The direction in which an impulse of a row pushes the light body.
+Vec2 Squeezed::along(const SqueezedRow& row) {
+  const double sign = row.light_b ? 1 : -1;
+  if (row.block != nullptr) return sign * Vec2{row.block->nx[row.lane], row.block->ny[row.lane]};
+  const ContactLanes& c = lanes_of(row);
+  return sign * Vec2{c.nx[row.lane], c.ny[row.lane]};
+}
+
 // Whether some rows of a body squeeze it, and a moving one is among these.
 bool Squeezed::is_squeezed(std::span<const SqueezedRow> rows) {
-  const auto along = [&](const SqueezedRow& row) {
-    const double sign = row.light_b ? 1 : -1;
-    if (row.block != nullptr) return sign * Vec2{row.block->nx[row.lane], row.block->ny[row.lane]};
-    const ContactLanes& c = lanes_of(row);
-    return sign * Vec2{c.nx[row.lane], c.ny[row.lane]};
-  };
   return std::ranges::any_of(rows, [&](const SqueezedRow& row) {
     return row.wo > 0 && std::ranges::any_of(rows, [&](const SqueezedRow& against) {
              return dot(along(row), along(against)) < kOpposes;

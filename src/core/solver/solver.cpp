@@ -29,7 +29,7 @@ constexpr double kDamping = 15;
 constexpr double kLoadedStiffness = 0.9;
 constexpr double kLoadedDamping = 10;
 // Light bodies between heavy ones are solved exactly, so that they may be stiff.
-constexpr double kSqueezedStiffness = 20;
+constexpr double kSqueezedStiffness = 4;
 // Contacts of bodies that are not discs: weight goes down by half-reactions (manifold_layout.cpp), so that stiffer
 // contacts stay quiet (docs/decisions/007-manifolds.md).
 constexpr double kManifoldStiffness = 0.25;
