@@ -81,7 +81,7 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
 }
 
 // Takes the chosen bodies, the last ones of the list, out of the columns and stands them among the fixed shapes.
-void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t first) {
+void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t first, double dt) {
   BodyStore& bodies = source.population.bodies;
   if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses();
   group_stacks(source, sleepers);
@@ -89,7 +89,10 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
   for (std::uint32_t slot = 0; slot < bodies.count; ++slot) {
     if (sleepers.chosen(slot)) bodies.id[slot] = kNoSlot;
   }
-  for (Sleeper& s : std::span(sleepers.list).subspan(first)) become_fixed(source, sleepers.pieces, s);
+  for (Sleeper& s : std::span(sleepers.list).subspan(first)) {
+    s.substep = static_cast<float>(dt / source.substeps);
+    become_fixed(source, sleepers.pieces, s);
+  }
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = bodies.listed = 0;  // nobody is awake
   sleepers.changed = true;
@@ -99,14 +102,15 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
 }  // namespace
 
 bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
-  const bool woke = !sleepers.empty() && wake_reached(source, dt);
+  bool woke = !sleepers.empty() && wake_reached(source, dt);
   if (steps % Sleepers::kWatchFrames != 0) return woke;
+  woke = (!woke && !sleepers.empty() && wake_reloaded(source, dt)) || woke;
   if (!sleepers.watch()) return woke;
   make_room(source);
   if (steps % (2 * Sleepers::kWatchFrames) != 0) return woke;
   const std::size_t before = sleepers.list.size();
   if (!choose(source, steps, dt)) return woke;
-  fall_asleep(source, sleepers, before);
+  fall_asleep(source, sleepers, before, dt);
   return true;
 }
 

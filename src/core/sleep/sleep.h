@@ -24,6 +24,7 @@ struct SleepSource {
   Population& population;
   const Lattice& lattice;
   Vec2 gravity;  ///< m/s^2
+  int substeps;  ///< of the last step
   const PairTable& table;
   Contacts& contacts;
   JointStore& joints;
@@ -44,6 +45,8 @@ class Sleep {
 
   /// Wakes what moving bodies touch, or will touch within the next frame.
   bool wake_reached(const SleepSource& source, double dt);
+  /// Wakes what carries another load than when it fell asleep.
+  bool wake_reloaded(const SleepSource& source, double dt);
   /// The host moves or pushes a body: it wakes, and counts as moving.
   bool disturb(const SleepSource& source, std::uint32_t id);
   /// A body goes, or moves by the will of the host: what leaned on it wakes.

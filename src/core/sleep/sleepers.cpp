@@ -156,14 +156,14 @@ void Sleepers::tidy() {
 }
 
 void Sleepers::release() {
-  give_back(list, touches, queue, found, roots, pieces, kept_, watched_, state);
+  give_back(list, touches, queue, found, roots, pieces, presses, kept_, watched_, state);
   if (recent.empty()) give_back(recent);
   watching_ = false;
   room_of_ = 0;
 }
 
 std::size_t Sleepers::bytes() const {
-  return bytes_of(list, touches, queue, found, roots, pieces, kept_) + recent.bytes();
+  return bytes_of(list, touches, queue, found, roots, pieces, presses, kept_) + recent.bytes();
 }
 
 }  // namespace psim

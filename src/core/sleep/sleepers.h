@@ -30,6 +30,7 @@ struct Sleeper {
   std::uint32_t id = 0;
   std::uint32_t first_shape = 0, pieces = 0;   ///< in StaticShapes
   std::uint32_t first_touch = 0, touches = 0;  ///< in Sleepers::touches
+  float substep = 0;                           ///< s: its touches carried their impulses in so long a time
   std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
   bool creeps = false;  ///< it crept or trembled when it fell asleep: one that does so beside it does not wake it
 };
@@ -50,6 +51,13 @@ inline StaticShape lone_piece(const LatticePoint& at, std::uint32_t id, const Bo
 struct Waking {
   static constexpr std::uint32_t kAbove = 0xFFFFFFFFu;
   std::uint32_t id = 0, rings = 0;
+};
+
+/// With what force, N, a moving body presses on a sleeper.
+struct Press {
+  std::uint64_t key = 0;            ///< of their contact
+  std::uint32_t owner = 0, by = 0;  ///< id of the sleeper; slot of the body
+  double force = 0;
 };
 
 class Sleepers {
@@ -91,6 +99,7 @@ class Sleepers {
   std::vector<Waking> queue;
   std::vector<std::uint32_t> found, roots;
   std::vector<Piece> pieces;
+  std::vector<Press> presses;
   Column<std::uint8_t> state;  ///< by slot: marks of choosing (sleep_choice.cpp)
   /// The mark of the bodies that were chosen to sleep.
   static constexpr std::uint8_t kChosen = 8;

@@ -2,6 +2,7 @@
 // on them. Each caller fills the queue of those to wake; wake_queued() empties it.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/elementary.h"
 #include "sleep/sleep.h"
@@ -13,6 +14,8 @@ namespace {
 constexpr float kNear = 1.02f;    // neighbours are looked for within this many times the reach of a body
 constexpr float kDeeper = 0.25f;  // m/s: an impact twice as fast wakes one ring of neighbours more
 constexpr std::uint32_t kMostRings = 7;
+// Share of its weight, or of its largest load, by which the load of a sleeper may change.
+constexpr double kReload = 0.5;
 
 // The rings of neighbours that wake with a body when another one hits it at `speed`.
 std::uint32_t rings_of(float speed, float mass, float hit_mass) {
@@ -49,6 +52,13 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   bodies.enter(id, s.at, s.angle);
   sleepers.mark_woken(id, s.at, s.angle);
   sleepers.woke = sleepers.changed = true;
+}
+
+// N s: with what the points of a touch press together. `mass` is that of discs where all have the same.
+double impulse_of(const Touch& touch, float mass) {
+  double sum = 0;
+  for (std::uint32_t k = 0; k < touch.points; ++k) sum += static_cast<double>(touch.impulse[k]);
+  return sum * static_cast<double>(touch.times(false, mass));
 }
 
 // Queues those that are stacked or joined with a body that woke.
@@ -148,6 +158,39 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
       if (speed == 0 || bodies.kind(id).sensor) continue;
       ask_around(source, sleepers, bodies.point(i), bodies.radius[i] + speed * frame_s, 0);
     }
+  }
+  return wake_queued(source, sleepers);
+}
+
+bool Sleep::wake_reloaded(const SleepSource& source, double dt) {
+  const BodyStore& bodies = source.population.bodies;
+  const StaticShapes& statics = source.population.statics;
+  const auto mass_of = [&](std::uint32_t slot) { return bodies.properties(bodies.id[slot]).mass; };
+  if (source.contacts.manifolds.any()) source.contacts.manifolds.keep_impulses();
+  std::vector<Press>& presses = sleepers.presses;
+  presses.clear();
+  each_contact(source, [&](const SleepContact& contact) {
+    if (contact.a != kNoSlot || contact.shape >= kWallLeft) return;
+    const StaticShape& shape = statics[contact.shape];
+    if (!shape.asleep || !shape.alive) return;
+    const double force = impulse_of(contact.touch, mass_of(contact.b)) * source.substeps / dt;
+    presses.push_back({key_of(contact, bodies, statics), shape.owner, contact.b, contact.loaded ? force : 0});
+  });
+  // A body may touch several pieces of a sleeper. Total order: of two that are equal in all, either may be first.
+  std::ranges::sort(presses, {}, [](const Press& of) { return std::pair(of.key, of.force); });
+  for (std::size_t begin = 0, end = 0; begin < presses.size(); begin = end) {
+    const Press& of = presses[begin];
+    double change = 0;
+    for (; end < presses.size() && presses[end].key == of.key; ++end) change += presses[end].force;
+    const Sleeper& sleeper = sleepers.list[bodies.info[of.owner].slot];
+    double load = static_cast<double>(bodies.properties(of.owner).mass) * length_of(source.gravity);
+    for (std::uint32_t k = 0; k < sleeper.touches; ++k) {
+      const Touch& kept = sleepers.touches[sleeper.first_touch + k];
+      const double pressed = impulse_of(kept, mass_of(of.by)) / static_cast<double>(sleeper.substep);
+      load = greater(load, pressed);
+      if (kept.key == of.key) change -= pressed;
+    }
+    if (std::fabs(change) > kReload * load) sleepers.queue.push_back({of.owner, 0});
   }
   return wake_queued(source, sleepers);
 }

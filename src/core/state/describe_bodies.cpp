@@ -333,6 +333,7 @@ void put_sleepers(Archive& a, Sleepers& sleepers, BodyStore& bodies, StaticShape
   for (std::size_t k = 0; k < list.size() && a.ok(); ++k) {
     Sleeper& s = list[k];
     a.require(std::isfinite(s.at.dx) && std::isfinite(s.at.dy) && std::isfinite(s.angle));
+    a.require(s.substep > 0 && std::isfinite(s.substep));
     a.require(put(bodies, s.id, Place::asleep, k));
     if (!a.ok()) break;
     const StaticShape disc = lone_piece(s.at, s.id, bodies.properties(s.id));
@@ -355,7 +356,7 @@ void Sleepers::describe(Archive& a, BodyStore& bodies, StaticShapes& statics) {
   if (a.loading()) list.assign(count_of(bodies, Place::asleep), Sleeper{});
   using S = Sleeper;
   lattice_points(a, Mapped{list, &S::at});
-  columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::group, &S::creeps);
+  columns(a, list, &S::angle, &S::id, &S::first_shape, &S::pieces, &S::touches, &S::substep, &S::group, &S::creeps);
   if (a.loading()) put_sleepers(a, *this, bodies, statics);
   std::vector<NamedTouch> told;  // those of no sleeper are left out
   told.reserve(touches.size());

@@ -23,9 +23,8 @@ ManifoldParams StepContext::manifold_params(double dt) const {
 }
 
 SleepSource StepContext::sleep_source() {
-  return {population,       lattice,        desc.gravity,
-          neighbours.table, contacts,       joints,
-          contacts_stand(), plan.manifolds, plan.model.model == kernels::Model::plain};
+  return {population, lattice, desc.gravity,     dynamics.substeps, neighbours.table,
+          contacts,   joints,  contacts_stand(), plan.manifolds,    plan.model.model == kernels::Model::plain};
 }
 
 namespace {
