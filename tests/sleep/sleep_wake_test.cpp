@@ -303,9 +303,9 @@ TEST(SleepWake, AnotherMassFarAwayLeavesAPileWhatItCarries) {
   }
 }
 
-// A heap that fell asleep, with holes made in it, stands. In one heap of eight a body still leans over slowly, asleep or
-// not. A sleeper wakes when what lies on it presses otherwise than before. In some heaps, round ends roll on each other to and fro for minutes, as they should without rolling resistance: those heaps
-// do not fall asleep.
+// A heap that fell asleep, with holes made in it, stands: a sleeper wakes when what lies on it presses otherwise than
+// before. In one heap of eight a body still leans over slowly, asleep or not. In some heaps, round ends roll on each
+// other to and fro for minutes, as they should without rolling resistance: those do not fall asleep.
 TEST(SleepWake, NobodySleepsInTheAir) {
   const auto rests = [](World& world) {
     for (int frame = 0; frame < 3600; ++frame) {
