@@ -81,7 +81,7 @@ cross_web() {
     psim_web_count "$log" 's/^\[  PASSED  \] \([0-9]*\) tests*\.$/\1/p' 's/^\[  FAILED  \] \([0-9]*\) tests*, listed.*/\1/p'
   fi
   psim_say "the package, the program and the page"
-  node --test --test-reporter=tap "$psim_root"/tests/web/ >"$log" 2>&1
+  timeout 900 node --test --test-reporter=tap "$psim_root"/tests/web/ >"$log" 2>&1
   psim_web_count "$log" 's/^# pass \([0-9]*\)/\1/p' 's/^# fail \([0-9]*\)/\1/p'
   rm -f "$log"
   echo "$psim_web_passed passed, $psim_web_failed failed"

@@ -6,6 +6,8 @@ import { tmpdir } from 'node:os';
 export const browser = ['chromium', 'chromium-browser', 'google-chrome'].find((name) =>
   spawnSync('sh', ['-c', `command -v ${name}`]).status === 0);
 
+const patience = 60;  // s
+
 export class Chromium {
   #next = 1;
   #waiting = new Map();
@@ -13,22 +15,41 @@ export class Chromium {
 
   static async open(address, { width, height, touch = false }) {
     const chromium = new Chromium();
-    chromium.profile = mkdtempSync(`${tmpdir()}/psim-chromium-`);
-    const words = ['--headless=new', '--no-sandbox', '--remote-debugging-pipe', `--user-data-dir=${chromium.profile}`,
+    try {
+      await chromium.#open(address, width, height, touch);
+    } catch (error) {
+      await chromium.close();
+      throw error;
+    }
+    return chromium;
+  }
+
+  async #open(address, width, height, touch) {
+    this.profile = mkdtempSync(`${tmpdir()}/psim-chromium-`);
+    const words = ['--headless=new', '--no-sandbox', '--remote-debugging-pipe', `--user-data-dir=${this.profile}`,
                    '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run',
                    '--disable-dev-shm-usage', 'about:blank'];
-    chromium.process = spawn(browser, words, { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
-    chromium.#listen(chromium.process.stdio[4]);
-    const { targetInfos } = await chromium.send('Target.getTargets');
+    this.process = spawn(browser, words, { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+    this.#watch();
+    this.#listen(this.process.stdio[4]);
+    const { targetInfos } = await this.send('Target.getTargets');
     const { targetId } = targetInfos.find((target) => target.type === 'page');
-    ({ sessionId: chromium.session } = await chromium.send('Target.attachToTarget', { targetId, flatten: true }));
-    await chromium.send('Page.enable');
-    await chromium.send('Runtime.enable');
+    ({ sessionId: this.session } = await this.send('Target.attachToTarget', { targetId, flatten: true }));
+    await this.send('Page.enable');
+    await this.send('Runtime.enable');
     const mobile = touch;
-    await chromium.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile });
-    if (touch) await chromium.send('Emulation.setTouchEmulationEnabled', { enabled: true });
-    await chromium.send('Page.navigate', { url: address });
-    return chromium;
+    await this.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile });
+    if (touch) await this.send('Emulation.setTouchEmulationEnabled', { enabled: true });
+    await this.send('Page.navigate', { url: address });
+  }
+
+  /** A browser that ends, for whatever reason, answers nothing any more. */
+  #watch() {
+    this.process.stdio[3].on('error', () => {});
+    this.ended = new Promise((done) => this.process.once('exit', done));
+    this.ended.then(() => {
+      for (const { failed } of this.#waiting.values()) failed(new Error('Chromium has ended'));
+    });
   }
 
   #listen(stream) {
@@ -39,6 +60,7 @@ export class Chromium {
       rest = messages.pop();
       for (const message of messages.map((m) => JSON.parse(m))) {
         const waiting = this.#waiting.get(message.id);
+        this.#waiting.delete(message.id);
         if (!waiting) this.events.push(message);
         else if (message.error) waiting.failed(new Error(message.error.message));
         else waiting.done(message.result);
@@ -50,7 +72,11 @@ export class Chromium {
     const id = this.#next++;
     const message = { id, method, params, ...(this.session && { sessionId: this.session }) };
     this.process.stdio[3].write(`${JSON.stringify(message)}\0`);
-    return new Promise((done, failed) => this.#waiting.set(id, { done, failed }));
+    return new Promise((done, failed) => {
+      const late = setTimeout(() => failed(new Error(`no answer to ${method} within ${patience} s`)), 1000 * patience);
+      const settle = (how) => (what) => (clearTimeout(late), how(what));
+      this.#waiting.set(id, { done: settle(done), failed: settle(failed) });
+    });
   }
 
   /** The value of an expression in the page. */
@@ -89,8 +115,10 @@ export class Chromium {
   }
 
   async close() {
-    this.process.kill();
-    await new Promise((done) => this.process.once('exit', done));
-    rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+    const late = setTimeout(() => this.process.kill('SIGKILL'), 10_000);
+    this.send('Browser.close').catch(() => {});
+    await this.ended;
+    clearTimeout(late);
+    rmSync(this.profile, { recursive: true, force: true, maxRetries: 30, retryDelay: 100 });  // its children end later
   }
 }

@@ -11,16 +11,17 @@ const skip = browser ? false : 'no Chromium here';
 
 async function onPage(options, use) {
   const { server, address } = await serve(built, 0, { isolated: options.isolated ?? true, scene: options.scene });
-  const page = await Chromium.open(`${address}${options.query ?? ''}`, { width: 1100, height: 800, ...options });
+  let page;
   try {
+    page = await Chromium.open(`${address}${options.query ?? ''}`, { width: 1100, height: 800, ...options });
     await page.until('window.psimPage?.world?.frame > 5');
     await use(page);
     assert.deepEqual(page.errors, []);
     mkdirSync(`${built}pictures`, { recursive: true });
     writeFileSync(`${built}pictures/${options.name}.png`, await page.picture());
   } finally {
-    await page.close();
     server.close();
+    await page?.close();
   }
 }
 
