@@ -32,6 +32,21 @@ TEST(Outsized, EachSizeHasMarginsOfItsOwn) {
   EXPECT_LE(most_pairs(*world, 10), 200u);  // nobody is within a tenth of a radius of another one
 }
 
+// Far faster than the others: it has a margin of its own, in which all may be, and theirs stay as they are.
+TEST(Outsized, AFastBodyHasAMarginOfItsOwn) {
+  constexpr std::size_t kOthers = 1000;
+  const auto with = [](double speed) {
+    auto world = make(unbounded(1e5, {0, 0}));
+    add(*world, disc({-40, 60}, {speed, 0}, 0.3));
+    add(*world, lattice(kOthers, {-50, -40, 50, 50}, 0.4, 1, {}, 0.9));
+    return std::pair{most_pairs(*world, 20), world->memory_bytes()};
+  };
+  const auto [pairs, bytes] = with(30'000);
+  const auto [few, least] = with(0);
+  EXPECT_LE(pairs, kOthers + few);
+  EXPECT_LE(bytes, least + 1000 * kOthers);
+}
+
 TEST(Outsized, AHeapOfKinematicBodiesHasNoPairs) {
   for (const bool boxes : {false, true}) {
     auto world = make(unbounded(100, {0, 0}));

@@ -17,6 +17,9 @@ constexpr double kSkinOfRadius = 0.1;
 // A body is at rest if it goes less than kAtRest of the skin in a frame. Where no more than kFewMoving of all bodies
 // are faster, lists have room for kRoomFrames frames.
 constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRoomFrames = 8;
+// A body is far faster than the others if it is so many times as fast as all but kFewMoving of them, and goes so many
+// typical radii in a frame. A gas has hardly any of these.
+constexpr double kFarFaster = 3, kFarRadii = 4;
 
 struct ListPlan {
   ListMode mode = ListMode::persistent;
@@ -24,7 +27,8 @@ struct ListPlan {
   ListNumbers made;
 };
 
-// Radii and velocities of some 2,000 bodies, chosen by slot.
+// Radii and velocities of some 2,000 bodies, chosen by slot; without those that are far faster than nearly all. These
+// have margins of their own.
 struct Sample {
   double radius = 0;                    // typical, m
   Vec2 mean;                            // m/s
@@ -33,37 +37,53 @@ struct Sample {
   double off() const { return std::sqrt(greater(square - mean.x * mean.x - mean.y * mean.y, 0)); }
 };
 
-// The typical radius of bodies of several sizes: their mean, unless a few giants make it large.
-double typical_radius(const BodyStore& b, double mean) {
-  std::array<float, 4096> radii{};  // each_sampled() gives fewer
+// The k-th smallest of n numbers for each body that is looked at, k = share n.
+template <class Number>
+double quantile(const BodyStore& b, double share, const Number& number) {
+  std::array<double, 4096> numbers{};  // each_sampled() gives fewer
   std::size_t n = 0;
-  b.each_sampled([&](std::uint32_t i) { radii[n++] = b.radius[i]; });
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  b.each_sampled([&](std::uint32_t i) { numbers[n++] = number(i); });
+  const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(n));
   // Total order: equal numbers are alike.
-  std::nth_element(radii.begin(), middle, radii.begin() + static_cast<std::ptrdiff_t>(n));
-  return lesser(mean, 2.0 * static_cast<double>(*middle));
+  std::nth_element(numbers.begin(), at, numbers.begin() + static_cast<std::ptrdiff_t>(n));
+  return *at;
 }
 
-Sample sample_bodies(const BodyStore& b, double least_radius, bool mixed_radii) {
+// The typical radius of bodies of several sizes: their mean, unless a few giants make it large.
+double typical_radius(const BodyStore& b, double mean) {
+  return lesser(mean, 2 * quantile(b, 0.5, [&](std::uint32_t i) { return static_cast<double>(b.radius[i]); }));
+}
+
+Sample sample_bodies(const BodyStore& b, double least_radius, bool mixed_radii, double dt) {
   Sample s;
-  double n = 0;
+  double n = 0, slower = 0;
   b.each_sampled([&](std::uint32_t i) {
     n += 1;
-    const Vec2 v = b.velocity(i);
-    s.square += dot(v, v);
-    s.mean = s.mean + v;
     s.radius += static_cast<double>(b.radius[i]);
-    s.fastest = greater(length_of(v), s.fastest);
   });
   if (n == 0) {  // every body that was looked at is gone: as if all were at rest
     s.radius = least_radius;
     return s;
   }
-  s.square /= n;
-  s.mean = {s.mean.x / n, s.mean.y / n};
   s.radius /= n;
   if (mixed_radii) s.radius = typical_radius(b, s.radius);
-  b.each_sampled([&](std::uint32_t i) { s.fastest_off = greater(length_of(b.velocity(i) - s.mean), s.fastest_off); });
+  const auto square_of = [&](std::uint32_t i) { return dot(b.velocity(i), b.velocity(i)); };
+  const double far = kFarRadii * s.radius / dt;
+  const double most = greater(kFarFaster * kFarFaster * quantile(b, 1 - kFewMoving, square_of), far * far);
+  b.each_sampled([&](std::uint32_t i) {
+    const Vec2 v = b.velocity(i);
+    if (!(dot(v, v) <= most)) return;
+    slower += 1;
+    s.square += dot(v, v);
+    s.mean = s.mean + v;
+    s.fastest = greater(length_of(v), s.fastest);
+  });
+  if (slower == 0) return s;
+  s.square /= slower;
+  s.mean = {s.mean.x / slower, s.mean.y / slower};
+  b.each_sampled([&](std::uint32_t i) {
+    if (square_of(i) <= most) s.fastest_off = greater(length_of(b.velocity(i) - s.mean), s.fastest_off);
+  });
   return s;
 }
 
@@ -143,7 +163,7 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
 ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
   const BodyStore& bodies = lists.surroundings.bodies;
-  const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius), world.mixed_radii);
+  const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius), world.mixed_radii, dt);
   const double r = s.radius;
   ListPlan out;
   out.made = lists.made;
