@@ -2,6 +2,8 @@
 // public interface from seeds.
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +35,76 @@ TEST(FuzzCorpus, EveryInputIsServedOrRefused) {
       EXPECT_EQ(play(bytes_of(read_file(file))), "") << name << "/" << file.filename().string();
     }
   }
+}
+
+using Json = nlohmann::json;
+
+// Words of a scene, each behind the key that it stands under: "disc.radius", "boundary=open".
+class SchemaWords {
+ public:
+  explicit SchemaWords(const Json& schema) : schema_(schema) { walk(schema, ""); }
+  const std::set<std::string>& words() const { return words_; }
+
+  /// Takes out what a scene uses. Names that the scene chooses itself do not count as keys.
+  void use(const Json& scene, const std::string& under = "") {
+    if (scene.is_string()) words_.erase(under + "=" + scene.get<std::string>());
+    if (scene.is_array()) {
+      for (const Json& item : scene) use(item, under);
+    }
+    if (!scene.is_object()) return;
+    for (const auto& [key, value] : scene.items()) {
+      const std::string word = under + "." + key;
+      words_.erase(word);
+      use(value, all_.contains(word) ? key : under);
+    }
+  }
+
+ private:
+  void walk(const Json& part, const std::string& under) {
+    if (part.is_array()) {
+      for (const Json& item : part) walk(item, under);
+    }
+    if (!part.is_object()) return;
+    if (part.contains("$ref") && followed_.emplace(part["$ref"], under).second) {
+      walk(schema_.at(Json::json_pointer(part["$ref"].get<std::string>().substr(1))), under);
+    }
+    if (part.contains("properties")) {
+      for (const auto& [key, value] : part["properties"].items()) {
+        add(under + "." + key);
+        walk(value, key);
+      }
+    }
+    if (part.contains("enum")) {
+      for (const Json& value : part["enum"]) {
+        if (value.is_string()) add(under + "=" + value.get<std::string>());
+      }
+    }
+    for (const char* const inner :
+         {"items", "oneOf", "anyOf", "allOf", "prefixItems", "if", "then", "else", "additionalProperties"}) {
+      if (part.contains(inner)) walk(part[inner], under);
+    }
+  }
+  void add(const std::string& word) {
+    words_.insert(word);
+    all_.insert(word);
+  }
+
+  const Json& schema_;
+  std::set<std::string> words_, all_;
+  std::set<std::pair<std::string, std::string>> followed_;
+};
+
+// A fuzzer finds a key by itself only after a long time.
+TEST(FuzzCorpus, UsesEveryKeyOfTheSceneSchema) {
+  const Json schema = Json::parse(read_file(PSIM_SOURCE_DIR "/docs/scene.schema.json"));
+  SchemaWords unused(schema);
+  EXPECT_GT(unused.words().size(), 120u);
+  for (const auto& file : std::filesystem::directory_iterator(PSIM_SOURCE_DIR "/tests/fuzz/corpus/scene")) {
+    const std::string text = read_file(file.path());
+    std::string error;
+    if (parse_scene(text, "f", error)) unused.use(Json::parse(text));
+  }
+  for (const std::string& word : unused.words()) ADD_FAILURE() << "no seed uses " << word;
 }
 
 // Of another format they would all be refused at once, and the fuzzer would begin with nothing.
