@@ -123,7 +123,8 @@ class QueryGrid {
       const double a = (from - low) * per, b = (to - low) * per;
       const auto n = static_cast<double>(count);
       if (b - a < 3 * n) return {whole(a), whole(b)};
-      const double middle = (a + b) / 2;  // these copies suffice for a box no larger than the world
+      // These copies suffice for a box no larger than the world. One without ends has no middle.
+      const double middle = std::isnan(a + b) ? n / 2 : (a + b) / 2;
       return {whole(middle - 1.5 * n), whole(middle + 1.5 * n)};
     }
     bool covers(const Range& r) const {
@@ -142,6 +143,8 @@ class QueryGrid {
       return at - turns * count;
     }
     static std::int64_t whole(double at) {  // std::floor, which is a call without SSE4.1
+      constexpr double kFar = 0x1p53;       // beyond it, a double tells no cell from the next one
+      at = lesser(greater(at, -kFar), kFar);
       const auto cut = static_cast<std::int64_t>(at);
       return static_cast<double>(cut) > at ? cut - 1 : cut;
     }
