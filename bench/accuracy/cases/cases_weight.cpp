@@ -147,9 +147,8 @@ Case silo(Effort effort) {
   Case c;
   c.name = "silo";
   c.shows =
-      "200 smooth discs of two sizes in a silo 6 m wide: load of the floor in a second after 29 s, by the weight of "
-      "all "
-      "and the momentum that they gain; contacts that carry, by two a disc";
+      "200 smooth discs of two sizes in a silo 6 m wide: load of the floor in a second after 29 s, by the weight "
+      "of all and the momentum that they gain; contacts that carry, by two a disc";
   c.quantities = {{"silo-load", "relative", "analytic", {{4, 1e-5}}},
                   {"silo-contacts", "relative", "isostatic", {{4, 0.12}}}};
   c.scale = Scale::large;

@@ -56,10 +56,12 @@ double typical_radius(const BodyStore& b, double mean) {
 
 Sample sample_bodies(const BodyStore& b, double least_radius, bool mixed_radii, double dt) {
   Sample s;
-  double n = 0, slower = 0;
+  const auto square_of = [&](std::uint32_t i) { return dot(b.velocity(i), b.velocity(i)); };
+  double n = 0, slower = 0, largest = 0;
   b.each_sampled([&](std::uint32_t i) {
     n += 1;
     s.radius += static_cast<double>(b.radius[i]);
+    largest = greater(square_of(i), largest);
   });
   if (n == 0) {  // every body that was looked at is gone: as if all were at rest
     s.radius = least_radius;
@@ -67,9 +69,9 @@ Sample sample_bodies(const BodyStore& b, double least_radius, bool mixed_radii, 
   }
   s.radius /= n;
   if (mixed_radii) s.radius = typical_radius(b, s.radius);
-  const auto square_of = [&](std::uint32_t i) { return dot(b.velocity(i), b.velocity(i)); };
   const double far = kFarRadii * s.radius / dt;
-  const double most = greater(kFarFaster * kFarFaster * quantile(b, 1 - kFewMoving, square_of), far * far);
+  double most = far * far;
+  if (!(largest <= most)) most = greater(kFarFaster * kFarFaster * quantile(b, 1 - kFewMoving, square_of), most);
   b.each_sampled([&](std::uint32_t i) {
     const Vec2 v = b.velocity(i);
     if (!(dot(v, v) <= most)) return;

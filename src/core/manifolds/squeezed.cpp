@@ -19,7 +19,7 @@ constexpr int kSweeps = 64;  // most sweeps of a solve
 // substep.
 constexpr double kSettled = 1e-5, kStill = 1e-7;
 constexpr double kHeld = 1e-9;  // share of the diagonal that holds changes back, since rows may say the same
-// What an error of the speeds may add to the energy: a share of those of rows, and of those of bodies, which are rounded.
+// Errors of speeds may add so much energy: these shares of the speeds of rows and of bodies, times the impulse.
 constexpr double kSlack = 1e-3, kOfBodies = 1e-6;
 constexpr double kFlat = 1e-12;  // share of the diagonal: what is smaller is nothing
 

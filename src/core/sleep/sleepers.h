@@ -53,11 +53,11 @@ struct Waking {
   std::uint32_t id = 0, rings = 0;
 };
 
-/// With what force, N, a moving body presses on a sleeper.
+/// A moving body presses on a sleeper.
 struct Press {
   std::uint64_t key = 0;            ///< of their contact
   std::uint32_t owner = 0, by = 0;  ///< id of the sleeper; slot of the body
-  double force = 0;
+  double force = 0;                 ///< N
 };
 
 class Sleepers {
