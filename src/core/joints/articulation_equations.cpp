@@ -46,39 +46,45 @@ double Articulations::Solve::speed(const JointRow& row, const Joint& j) const {
   return row.speed(a, b);
 }
 
-// What an impulse along b changes in the speed of a. `shared`: bit 2 i + k if body i of a's joint, which is j, is body k
-// of b's.
-double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const {
+// What an impulse along b changes in the speed of a, which is a row of the bodies A and B. `linear`: what a unit of impulse
+// changes in their velocities, in the drift. `shared`: bit 2 i + k if body i of a's joint is body k of b's.
+double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const Ends& ends, std::uint8_t shared) {
+  const double along = dot(a.n, b.n);
   double sum = 0;
-  for (const int i : {0, 1}) {
-    const Body& body = side(j, i);
-    const double arm = i == 0 ? a.arm_a : a.arm_b;
-    for (const int k : {0, 1}) {
-      if ((shared >> (2 * i + k) & 1) == 0) continue;
-      const double both =
-          reach_ * body.inverse_mass * dot(a.n, b.n) + body.inverse_inertia * arm * (k == 0 ? b.arm_a : b.arm_b);
-      sum += i == k ? both : -both;
-    }
-  }
+  if ((shared & 1) != 0) sum += ends.linear[0] * along + ends.turning[0] * a.arm_a * b.arm_a;
+  if ((shared & 2) != 0) sum -= ends.linear[0] * along + ends.turning[0] * a.arm_a * b.arm_b;
+  if ((shared & 4) != 0) sum -= ends.linear[1] * along + ends.turning[1] * a.arm_b * b.arm_a;
+  if ((shared & 8) != 0) sum += ends.linear[1] * along + ends.turning[1] * a.arm_b * b.arm_b;
   return sum;
 }
 
-// The matrix of the rows that are on: what impulses along the rows of the start, or of now, change in the rows of now.
+// The matrix of the rows that are on: what impulses along the rows of the start (`across`), or of now, change in the rows
+// of now.
 void Articulations::Solve::assemble(bool across, double softness) {
   constexpr std::uint8_t kOwn = 0b1001;
   const auto right = [across](const Row& row) -> const JointRow& { return across ? row.start : row.now; };
   for_rows([&](Row& row, const Joint& j) {
-    const double own = couple(row.now, right(row), j, kOwn);
-    row.inverse = couple(right(row), right(row), j, kOwn) * (1 + softness) + row.softness;
+    Ends ends;
+    for (const int i : {0, 1}) {
+      ends.linear[i] = reach_ * side(j, i).inverse_mass;
+      ends.turning[i] = side(j, i).inverse_inertia;
+    }
+    const double own = couple(row.now, right(row), ends, kOwn);
+    row.inverse = (across ? couple(row.start, row.start, ends, kOwn) : own) * (1 + softness) + row.softness;
     row.diagonal = row.on() ? own + softness * row.inverse + row.softness : 1;
     for (std::uint32_t e = row.entries.begin; e < row.entries.end; ++e) {
       const Row& other = all_.rows_[all_.columns_[e]];
       const std::uint8_t shared = all_.couplings_[e];
       const bool any = row.on() && other.on() && shared != 0;
-      all_.upper_[e] = any ? couple(row.now, right(other), j, shared) : 0;
-      all_.lower_[e] = any ? couple(right(row), other.now, j, shared) : 0;
+      all_.upper_[e] = any ? couple(row.now, right(other), ends, shared) : 0;
+      all_.lower_[e] = any && across ? couple(row.start, other.now, ends, shared) : all_.upper_[e];
     }
   });
+}
+
+void Articulations::Solve::factorise(bool across, double softness) {
+  assemble(across, softness);
+  eliminate();
 }
 
 // Gauss without pivoting: the matrix is symmetric and positive, or near to such a one. Of a pivot that is not, the

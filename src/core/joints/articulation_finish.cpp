@@ -29,8 +29,7 @@ bool Articulations::Solve::take_errors_out(double* angle) {
     worst = greater(std::fabs(row.wanted), worst);
   });
   if (worst <= kSmall) return false;
-  assemble(false, kSturdy);
-  eliminate();
+  factorise(false, kSturdy);
   substitute();
   for_bodies([](Body& b) { b.start = b.now; });
   for_bodies([](Body& b) { b.now.velocity = {}, b.now.omega = 0; });
@@ -76,8 +75,7 @@ void Articulations::Solve::find_stopping() {
 // that would have to push the wrong way, or too much, give way in another round.
 void Articulations::Solve::stop_errors(double share) {
   for (int round = 0;; ++round) {
-    assemble(false, kAlike);
-    eliminate();
+    factorise(false, kAlike);
     find_stopping();
     if (round == kMostRounds) return;
     bool sound = true;

@@ -9,11 +9,24 @@
 namespace psim {
 namespace {
 
-constexpr std::uint32_t kFinest = 4096;        // of the shortest step: the substep has so many
-constexpr std::uint32_t kMostTries = 96;       // steps that are tried in a substep, and
-constexpr std::uint32_t kPatience = 8;         // tries after which twice as much will do
-constexpr double kFine = 2e-5;                 // as kResolved, of these steps
-constexpr std::uint32_t kMostRowTries = 2048;  // these times rows: no frame shall take long
+constexpr std::uint32_t kFinest = 4096;   // of the shortest step: the substep has so many
+constexpr std::uint32_t kMostTries = 96;  // steps that are tried in a substep, and
+constexpr std::uint32_t kPatience = 8;    // tries after which twice as much will do
+constexpr double kFine = 2e-5;            // as kResolved, of these steps
+constexpr double kMostRowTries = 2048;    // these times rows in a frame of 1/60 s, however many substeps it has,
+constexpr double kFewestRowTries = 512;   // but no fewer than so many in a substep: no frame shall take long
+
+// Behind a step that ends at `at`: steps grow again where they began to be halved.
+void grow(std::uint32_t at, std::uint32_t& size) {
+  if (size < kFinest / 2 && at % (2 * size) == 0) size *= 2;
+}
+
+// The fewest steps to the end of the substep.
+std::uint32_t fewest_steps(std::uint32_t at, std::uint32_t size) {
+  std::uint32_t steps = 0;
+  for (; at < kFinest; ++steps) grow(at += size, size);
+  return steps;
+}
 
 }  // namespace
 
@@ -72,6 +85,12 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
   return true;
 }
 
+// How many steps may be tried in a substep.
+std::uint32_t Articulations::Solve::most_tries() const {
+  const double most = greater(kMostRowTries * 60 * all_.h_, kFewestRowTries) / (island_.rows.end - island_.rows.begin);
+  return static_cast<std::uint32_t>(lesser(most, kMostTries));
+}
+
 // Goes through the substep in steps that are halved where they do not resolve the motion.
 bool Articulations::Solve::step_on(double drift) {
   for_bodies([](Body& b) {
@@ -81,15 +100,15 @@ bool Articulations::Solve::step_on(double drift) {
   });
   for_rows([](Row& row, const Joint&) { row.sum = 0; });
   gained_ = 0;
-  const std::uint32_t most_tries = std::min(kMostTries, kMostRowTries / (island_.rows.end - island_.rows.begin));
+  const std::uint32_t most_tries = this->most_tries();
   std::uint32_t size = kFinest / 2, tries = 0;
   double most = kFine;
   for (std::uint32_t at = 0; at < kFinest;) {
-    if (++tries > most_tries) return false;
+    if (tries + fewest_steps(at, size) > most_tries) return false;
+    ++tries;
     if (tries % kPatience == 0) most = std::min(2 * most, kMostGain);
     if (step_alone(drift, static_cast<double>(size) / kFinest, size > 1 ? most : kMostGain)) {
-      at += size;
-      if (size < kFinest / 2 && at % (2 * size) == 0) size *= 2;
+      grow(at += size, size);
     } else if (size == 1) {
       return false;
     } else {

@@ -98,8 +98,7 @@ bool Articulations::Solve::find_impulses(double drift, bool exact) {
     if (worst <= kExact && !changed) return true;
     if (step == kMostSteps || !(worst < kMostError) || (exact && step > 1 && worst > least)) return worst < kConverged;
     if (!changed) least = lesser(worst, least);
-    assemble(exact, exact ? kAlike : kSturdy);
-    eliminate();
+    factorise(exact, exact ? kAlike : kSturdy);
     substitute();
     for_rows([](Row& row, const Joint&) { row.impulse += row.wanted; });
     if (exact) continue;
@@ -168,17 +167,16 @@ void Articulations::Solve::begin_whole() {
   begin_springs();
 }
 
-// The substep as one step. The equations have other roots, far away: fails if the impulses add more than `most` of the
-// energy to the motion that the rows of the start allow.
-bool Articulations::Solve::step_whole(double drift, double most) {
+// Looks for the impulses of the substep as one step. Returns what share of the energy they add to the motion that the
+// rows of the start allow: the equations have other roots, far away. Infinity if none are found.
+double Articulations::Solve::try_whole(double drift) {
   begin_whole();
   const JointedMotion common = moving_with();
   const double energy = begin_impulses(common);
   const bool found = find_impulses(drift, true);
   island_.apart = from_tangent(common).square;
-  if (!found || island_.apart > most * energy) return false;
-  go_along_start();
-  return true;
+  if (!found) return HUGE_VAL;
+  return island_.apart > 0 ? island_.apart / energy : 0;
 }
 
 // The substep where no impulses are found: with less energy.
@@ -216,10 +214,16 @@ void Articulations::Solve::solve(double drift, double smooth_limit2) {
     const bool smooth = dot(b.kick, b.kick) <= smooth_limit2 + 4 * drift * drift * dot(acceleration, acceleration);
     b.pull = smooth ? b.kick : Vec2{};
   });
+  double added = try_whole(drift);
   island_.refined = false;
-  if (!step_whole(drift, kResolved)) {
-    island_.refined = moves() && refine(drift);
-    if (!island_.refined && !step_whole(drift, kMostGain)) step_damped(drift);
+  if (!(added <= kResolved) && most_tries() >= kFewestTries && moves()) {
+    island_.refined = refine(drift);
+    if (!island_.refined) added = try_whole(drift);
+  }
+  if (added <= kMostGain && !island_.refined) {
+    go_along_start();
+  } else if (!island_.refined) {
+    step_damped(drift);
   }
   for_bodies([](Body& b) { b.mark.velocity = b.begin.velocity - 0.5 * b.pull, b.mark.omega = b.begin.omega; });
   store_velocities();

@@ -20,7 +20,8 @@ class Articulations::Solve {
   static constexpr double kAlike = 1e-9;     // softness, of a row's own: rows that ask for the same share their impulse
   static constexpr double kMostGain = 0.3;   // of the energy: what rows of the start may add that those after take back
   static constexpr double kResolved = 1e-4;  // the same where a substep resolves the motion
-  static constexpr double kSturdy = 1e-3;    // the same where steps must not lead far: in rows that hardly move anybody
+  static constexpr std::uint32_t kFewestTries = 4;  // of steps in a substep: with fewer it is not tried
+  static constexpr double kSturdy = 1e-3;  // the same where steps must not lead far: in rows that hardly move anybody
 
   Solve(Articulations& all, Island& island, const kernels::BodyView& view)
       : all_(all), island_(island), view_(view), h_(all.h_) {}
@@ -57,9 +58,14 @@ class Articulations::Solve {
   void end_springs();
   bool choose(Row& row, const Joint& j) const;
   double residual(const Row& row, const Joint& j) const;
-  double couple(const JointRow& a, const JointRow& b, const Joint& j, std::uint8_t shared) const;
+  /// Inverse masses and inertias of a joint's bodies.
+  struct Ends {
+    double linear[2] = {}, turning[2] = {};
+  };
+  static double couple(const JointRow& a, const JointRow& b, const Ends& ends, std::uint8_t shared);
   void assemble(bool across, double softness);
   void eliminate();
+  void factorise(bool across, double softness);
   void substitute();
   void push_row(const JointRow& along, const Joint& j, double l);
   // Adds the impulses impulse(row, joint) along the rows of the start or of now.
@@ -80,9 +86,10 @@ class Articulations::Solve {
   bool find_impulses(double drift, bool exact);
   void go_along_start();
   void begin_whole();
-  bool step_whole(double drift, double most);
+  double try_whole(double drift);
   void step_damped(double drift);
   bool step_alone(double drift, double share, double most);
+  std::uint32_t most_tries() const;
   bool step_on(double drift);
   void set_length(double h, double share);
   bool refine(double drift);

@@ -49,8 +49,7 @@ void Articulations::Solve::begin_springs() {
   if (!any) return;
   const double reach = std::exchange(reach_, 1);
   each_spring([](Row& row, const Joint& j) { row.softness = -1 / greater(j.spring.light, kLeast); });
-  assemble(false, kAlike);
-  eliminate();
+  factorise(false, kAlike);
   for_rows([&](Row& row, const Joint& j) { row.wanted = row.use == Use::spring ? -speed_before(row.now, j) : 0; });
   substitute();
   push_wanted();
