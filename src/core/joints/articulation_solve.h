@@ -20,7 +20,7 @@ class Articulations::Solve {
   static constexpr double kAlike = 1e-9;     // softness, of a row's own: rows that ask for the same share their impulse
   static constexpr double kMostGain = 0.3;   // of the energy: what rows of the start may add that those after take back
   static constexpr double kResolved = 1e-4;  // the same where a substep resolves the motion
-  static constexpr std::uint32_t kFewestTries = 4;  // of steps in a substep: with fewer it is not tried
+  static constexpr std::uint32_t kFewestTries = 2;  // of steps in a substep: with fewer it is not tried
   static constexpr double kSturdy = 1e-3;  // the same where steps must not lead far: in rows that hardly move anybody
 
   Solve(Articulations& all, Island& island, const kernels::BodyView& view)
