@@ -15,6 +15,7 @@ windows_wine() { command -v wine64 || echo wine; }
 # What only POSIX has: devices, links, limits of memory. Wine sends Ctrl-Break to no process without a console:
 # windows_ctrl_c has one.
 windows_without=(CliFiles.AnOldFileIsReplacedAndALinkFollowed CliFiles.DevicesAreWrittenStraight
+                 CliFiles.TwoOptionsCannotShareAFile
                  CliOptions.TooManyBodiesForTheMemoryAreNamedWithTheBytesNeeded CliReplay.OneLineSaysWhatIsWrong
                  CliReplay.AnInterruptedReplayHasNotComparedAll CliReport.CtrlCEndsTheRunAndStillReports)
 

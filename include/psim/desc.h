@@ -150,6 +150,9 @@ struct WorldDesc {
   /// 0.25 to 4: factor on the skin that neighbour lists have around bodies. With less they are made anew more often,
   /// with more they name more pairs; no contact is missed (docs/step.md).
   double skin = 1;
+  /// Bytes that the world may take, 0 for any number. What would grow beyond it is refused, and the world stays as it
+  /// is. No part of the world's state.
+  std::size_t max_bytes = 0;
 };
 
 /// How the host wants the world run. None of it changes a bit of the result.

@@ -117,6 +117,8 @@ class PSIM_API World {
   bool set_gravity(Vec2 gravity);
   /// Changes WorldDesc::skin: the next step makes its lists anew. False if it is not 0.25 to 4.
   bool set_skin(double factor);
+  /// Changes WorldDesc::max_bytes; nothing is given back that the world has already. A recording does not hold it.
+  void set_max_bytes(std::size_t bytes);
   /// Lets bodies sleep from now on, or wakes all and keeps them awake.
   void set_sleeping(bool on);
   /// Whether a body takes part in the steps; false for static, sleeping and frozen ones.

@@ -122,6 +122,7 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   out.restitution_threshold = desc.restitution_threshold;
   out.sleeping = desc.sleeping != 0;
   out.skin = desc.skin;
+  out.max_bytes = static_cast<std::size_t>(desc.max_bytes);
   return {};
 }
 

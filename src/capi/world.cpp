@@ -49,7 +49,11 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
   }
   const psim::StepReport done = call.world->changed(advance);
   if (report != nullptr) write(report_of(done), report);
-  return PSIM_OK;
+  if (done.no_room_for == nullptr) return PSIM_OK;
+  const std::string what = done.no_room_for;
+  if (what != "motion") return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "no room for " + what + "; the world is as before");
+  call.world->broken = true;
+  return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "out of memory; the world can only be destroyed");
 }
 
 psim_result replay(const Call& call, psim_step_detail detail, double dt, psim_step_report* report) {
@@ -240,6 +244,7 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
     d.restitution_threshold = from.restitution_threshold;
     d.sleeping = from.sleeping;
     d.skin = from.skin;
+    d.max_bytes = from.max_bytes;
     write(d, desc);
     return PSIM_OK;
   });

@@ -40,6 +40,9 @@ TEST(CliOptions, MistakesAreOneLineThatNamesWhatWouldBeRight) {
       {{"--sleep", "maybe"}, {"--sleep maybe", "on or off"}},
       {{"--skin", "0.2"}, {"--skin 0.2", "0.25 to 4"}},
       {{"--skin", "nan"}, {"--skin nan", "0.25 to 4"}},
+      {{"--memory", "0"}, {"--memory 0", "whole number of million bytes, 1 to 1000000000"}},
+      {{"--memory", "1.5"}, {"--memory 1.5", "whole number of million bytes, 1 to 1000000000"}},
+      {{"--memory", "1", "--particles", "100000"}, {"100,000 bodies need", "976.6 KiB are allowed by --memory"}},
       {{"--governor", "maybe"}, {"--governor maybe", "on or off"}},
       {{"--every", "0", "--trajectory", "t.csv"}, {"--every 0", "1 to"}},
       {{"--every", "5"}, {"--every", "--trajectory"}},
@@ -81,11 +84,12 @@ TEST(CliOptions, HelpNamesEveryOption) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* option :
-       {"--scene",     "--list-scenes", "--particles", "--seed",    "--frames",     "--dt",         "--substeps",
-        "--threads",   "--isa",         "--report",    "--state",   "--metrics",    "--trajectory", "--every",
-        "--image",     "--trace",       "--explain",   "--verify",  "--check",      "--benchmark",  "--budget",
-        "--governor",  "--sleep",       "--skin",      "--version", "--help",       "--integrator", "--target-error",
-        "--target-ms", "--frames-dir",  "--video",     "--fps",     "--image-size", "--view",       "--colour"}) {
+       {"--scene",      "--list-scenes", "--particles", "--seed",       "--frames",       "--dt",
+        "--substeps",   "--threads",     "--isa",       "--report",     "--state",        "--metrics",
+        "--trajectory", "--every",       "--image",     "--trace",      "--explain",      "--verify",
+        "--check",      "--benchmark",   "--budget",    "--governor",   "--sleep",        "--memory",
+        "--skin",       "--version",     "--help",      "--integrator", "--target-error", "--target-ms",
+        "--frames-dir", "--video",       "--fps",       "--image-size", "--view",         "--colour"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }

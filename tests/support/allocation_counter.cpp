@@ -9,10 +9,12 @@
 
 namespace {
 
-std::atomic<std::uint64_t> g_allocations{0};
+std::atomic<std::uint64_t> g_allocations{0}, g_failing{0};
 
 void* counted(std::size_t bytes, std::size_t alignment) {
-  g_allocations.fetch_add(1, std::memory_order_relaxed);
+  if (g_allocations.fetch_add(1, std::memory_order_relaxed) + 1 == g_failing.load(std::memory_order_relaxed)) {
+    throw std::bad_alloc();
+  }
   const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
 #ifdef _WIN32
   void* p = _aligned_malloc(whole, alignment);
@@ -45,6 +47,7 @@ void give_back(void* p) {
 namespace psim::test {
 
 std::uint64_t allocations() { return g_allocations.load(); }
+void fail_allocation(std::uint64_t number) { g_failing.store(number); }
 
 }  // namespace psim::test
 

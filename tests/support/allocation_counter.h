@@ -1,4 +1,4 @@
-// Counts every operator new of the test program, on any thread.
+// Counts every operator new of the test program, on any thread, and lets one of them fail.
 #pragma once
 
 #include <cstdint>
@@ -7,5 +7,7 @@ namespace psim::test {
 
 /// Allocations since the program began.
 std::uint64_t allocations();
+/// The allocation of this number since the program began fails; 0: none does.
+void fail_allocation(std::uint64_t number);
 
 }  // namespace psim::test

@@ -28,6 +28,7 @@ typedef struct psim_world_desc {
   int32_t sleeping;              ///< flag: bodies at rest are left out of the steps; default 1
   int32_t reserved;              ///< 0
   double skin;                   ///< 0.25 to 4: factor on the skin of neighbour lists; default 1
+  uint64_t max_bytes;            ///< that the world may take, 0 (the default) for any number
 } psim_world_desc;
 
 /// How the caller wants the world run. None of it changes a bit of the result.

@@ -14,10 +14,12 @@
 
 namespace psim {
 
-/// Counts the bytes that the columns of a world hold, and how often one had to grow. Each world has one.
+/// Counts the bytes that the columns of a world hold, and how often one had to grow. Each world has one. A column that
+/// would grow beyond `most` throws std::bad_alloc instead.
 struct MemoryMeter {
   std::size_t bytes = 0;
   std::uint64_t growths = 0;
+  std::size_t most = SIZE_MAX;
 };
 
 /// Empties lists and columns and gives their memory back.
@@ -50,9 +52,9 @@ class Column {
   void reserve(std::size_t n) {
     if (n <= capacity_) return;
     const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
-    const std::size_t size = bytes_for(wanted);
+    const std::size_t size = bytes_for(wanted), before = bytes();
+    if (size - before > meter_->most - std::min(meter_->bytes, meter_->most)) throw std::bad_alloc();
     T* fresh = static_cast<T*>(::operator new(size, kAlignment));
-    const std::size_t before = bytes();
     if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
     std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + before), 0, size - before);
     ::operator delete(data_, kAlignment);

@@ -163,8 +163,8 @@ class BodyStore {
   }
 
   /// Makes the columns of rotation, filled with zero, or gives them back. Then no body may have an angle or an angular
-  /// velocity.
-  void keep_rotation(bool wanted) { keep_if(wanted, id.capacity(), rim_speed, angle, rim_speed0); }
+  /// velocity. The speeds come last: where they are, so is all of it.
+  void keep_rotation(bool wanted) { keep_if(wanted, id.capacity(), angle, rim_speed0, rim_speed); }
 
   /// Makes the columns of the remainders, filled with zero, or gives them back.
   void keep_remainders(bool of_velocities, bool of_offsets) {

@@ -51,6 +51,23 @@ double rim_speed_of(double omega, float radius) {
   return lesser(greater(omega * radius, -kMost), kMost);
 }
 
+// A size to reserve that has room for one more, and for as many again, when there is none.
+template <class T>
+std::size_t roomier(const std::vector<T>& list) {
+  return list.size() < list.capacity() ? list.capacity() : 2 * list.size() + 1;
+}
+
+// make(), or what it throws after undo().
+template <class Undo, class Make>
+auto or_else(const Undo& undo, const Make& make) {
+  try {
+    return make();
+  } catch (...) {
+    undo();
+    throw;
+  }
+}
+
 }  // namespace
 
 double speed_limit(const Lattice& lattice, double dt) {
@@ -67,8 +84,8 @@ Vec2 Population::capped(Vec2 v) const {
 }
 
 void Population::let_turn() {
-  traits.turning = true;
   bodies.keep_rotation(true);
+  traits.turning = true;
 }
 
 // A body comes (+1) or goes (-1).
@@ -131,20 +148,29 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
       if (!make_hulls(d.shape, false, hulls, error)) return kNoBody;
     }
   }
+  reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
   if (!hulls.parts.empty()) {
     kind.first_hull = bodies.hulls.acquire(hulls.parts);
     kind.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
   }
-  const std::uint32_t entry = bodies.kinds.acquire(kind);
-  if (entry > kMostKinds) {
+  const auto forget_hulls = [&] {
     if (kind.hull_count != 0) bodies.hulls.release(kind.first_hull);
+  };
+  const std::uint32_t entry = or_else(forget_hulls, [&] { return bodies.kinds.acquire(kind); });
+  if (entry > kMostKinds) {
+    forget_hulls();
     error = "too many kinds of body: at most 16,777,215";
     return kNoBody;
   }
   properties.kind = entry & kMostKinds;
+  const auto forget_kind = [&] {
+    bodies.kinds.release(properties.kind);
+    forget_hulls();
+  };
+  const std::uint32_t row = or_else(forget_kind, [&] { return bodies.property_table.acquire(properties); });
 
   const std::uint32_t id = bodies.take_id();
-  bodies.info[id].properties = bodies.property_table.acquire(properties);
+  bodies.info[id].properties = row;
   if (moves) {
     enter_columns(id, d);
   } else {
@@ -154,9 +180,28 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
   return {id, bodies.info[id].generation};
 }
 
-void Population::make_room(std::size_t moving) {
-  bodies.reserve_slots(moving);
-  bodies.info.reserve(bodies.id_count + moving);
+// Room for one body more, of so many pieces if it does not move.
+void Population::reserve(const BodyDesc& d, std::size_t pieces) {
+  bodies.info.reserve(std::size_t{bodies.id_count} + 1);
+  if (d.type == BodyType::static_body) {
+    fixed.reserve(roomier(fixed));
+    statics.reserve(pieces);
+    return;
+  }
+  bodies.reserve_slots(1);
+  if (traits.fields) bodies.keep_remainders(true, desc_.integrator != Integrator::verlet);
+  if (d.angle != 0 || d.angular_velocity != 0) let_turn();
+  // In open worlds steps remove bodies and give their ids back, which must not allocate.
+  if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
+  if (d.type == BodyType::kinematic_body) kinematics.reserve(roomier(kinematics));
+  if (d.bullet) bullets.reserve(roomier(bullets));
+}
+
+void Population::make_room(std::size_t count, bool fixed) {
+  bodies.info.reserve(bodies.id_count + count);
+  if (!fixed) return bodies.reserve_slots(count);
+  this->fixed.reserve(this->fixed.size() + count);
+  statics.reserve(count);
 }
 
 void Population::enter_statics(std::uint32_t id, const BodyDesc& d, std::vector<Piece>& pieces) {
@@ -177,11 +222,6 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   const BodyProperties& properties = bodies.properties(id);
   const BodyKind& kind = bodies.kind(id);
   bodies.find_slots();
-  bodies.reserve_slots(1);
-  if (traits.fields) bodies.keep_remainders(true, desc_.integrator != Integrator::verlet);
-  if (d.angle != 0 || d.angular_velocity != 0) let_turn();
-  // In open worlds steps remove bodies and give their ids back, which must not allocate.
-  if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
   const std::uint32_t slot = bodies.enter(id, lattice_.to_lattice(d.position, arm_of(kind, d.angle)), d.angle);
   bodies.put_rim_speed(slot, rim_speed_of(d.angular_velocity, properties.radius));
   const Vec2 velocity = capped(d.velocity);

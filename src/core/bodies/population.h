@@ -40,8 +40,8 @@ class Population {
 
   /// Adds a body whose description check() accepts. kNoBody, with a line in `error`, if its shape is refused.
   BodyId add(const BodyDesc& desc, std::string& error);
-  /// Makes room for so many more moving bodies.
-  void make_room(std::size_t moving);
+  /// Makes room for so many more bodies that move, or that are fixed and of one piece.
+  void make_room(std::size_t count, bool fixed);
   /// The id that the next body gets.
   std::uint32_t next_id() const { return bodies.free_ids.empty() ? bodies.id_count : bodies.free_ids.back(); }
 
@@ -94,6 +94,7 @@ class Population {
   float least_radius = 0;           ///< m: of all moving bodies that there ever were
 
  private:
+  void reserve(const BodyDesc& desc, std::size_t pieces);
   void enter_columns(std::uint32_t id, const BodyDesc& desc);
   void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);

@@ -78,6 +78,12 @@ std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
   return first;
 }
 
+void StaticShapes::reserve(std::size_t pieces) {
+  statics_.reserve(count_ + pieces);
+  const std::size_t hulls = hulls_.size() + pieces;
+  if (hulls > hulls_.capacity()) hulls_.reserve(std::max(hulls, 2 * hulls_.size()));
+}
+
 void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
   statics_.reserve(std::size_t{count_} + pieces);
   sleepers_.make_room(count_ + pieces, pieces);

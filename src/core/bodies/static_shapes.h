@@ -94,6 +94,8 @@ class StaticShapes {
   std::uint32_t add_sleeping(const std::vector<Piece>& pieces);
   /// Makes room for so many pieces of sleeping bodies, `hulls` of them with hulls: adding them allocates nothing.
   void make_room(std::uint32_t pieces, std::uint32_t hulls);
+  /// Makes room for so many pieces more, which then are added without an allocation.
+  void reserve(std::size_t pieces);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
   void remove_sleeping(std::uint32_t first, std::uint32_t count);
 

@@ -10,6 +10,7 @@ StepContext::StepContext(const WorldDesc& d, const RunOptions& o) : desc(d), opt
   const Lattice edges(d.bounds, false);  // walls never wrap
   walls = {edges.to_lattice({d.bounds.xmin, d.bounds.ymin}), edges.to_lattice({d.bounds.xmax, d.bounds.ymax})};
   take_traits(d, population.traits);
+  if (d.max_bytes != 0) memory.most = d.max_bytes;
 }
 
 ManifoldParams StepContext::manifold_params(double dt) const {

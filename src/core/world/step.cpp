@@ -2,6 +2,7 @@
 // lists and contacts is a table of parts (step/step_table.h). World::prepare does a first step's work ahead of it.
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include "step/motion.h"
 #include "world/world_impl.h"
@@ -106,19 +107,36 @@ void count_contacts(const Owners& w, StepReport& report) {
   report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
 }
 
-// Everything moves on; or time stands still, if bodies woke and there is no time for new lists.
-void advance(Owners& w, double frame_dt, StepReport& report) {
+// All that comes before bodies move. Time stands still after it, if bodies woke and there is no time for new lists.
+void get_ready(Owners& w, double frame_dt, StepReport& report) {
+  replan(w);
+  look_around(w);
+  work_on_lists(w, frame_dt, report);
   StepDetail& detail = report.detail;
+  if (!detail.solves && !detail.wakes) return;
   const double dt = frame_dt * detail.frames;
   const Span span{w.progress.untouched() ? dt : frame_dt, frame_dt * std::max(detail.frames, detail.horizon)};
   w.dynamics.substeps = detail.substeps != 0 ? detail.substeps : w.desc.substeps;
   detail.substeps = static_cast<std::uint8_t>(w.dynamics.substeps);
-  const bool anyone = w.bodies.awake() != 0;
-  detail.solves = !anyone || meet(w, dt, span, report);
-  if (!detail.solves) return;
-  detail.wakes = false;
+  detail.solves = w.bodies.awake() == 0 || meet(w, dt, span, report);
+}
+
+// No memory: the world is as before the step, but that its lists will be made again.
+void give_up(Owners& w, StepReport& report) {
+  const bool lists = !all_done(w.progress) && step_parts()[w.progress.part].stage == Stage::broad_phase;
+  report.no_room_for = lists ? "pairs" : "contacts";
+  spoil_work(w);
+  w.plan_stale = true;  // perhaps not all of its arrays were made
+  w.observers.events.clear();
+  report.detail.solves = report.detail.wakes = false;
+}
+
+// Everything moves on.
+void advance(Owners& w, double frame_dt, StepReport& report) {
+  const double dt = frame_dt * report.detail.frames;
+  report.detail.wakes = false;
   ++w.ledger.steps;
-  if (anyone) {
+  if (w.bodies.awake() != 0) {
     move(w, dt, report);
   } else {
     w.ledger.skip_all(w.plan.publish, w.plan.events);
@@ -188,23 +206,25 @@ void spare_room(Owners& w) {
 
 }  // namespace
 
+namespace {
+
 // s: the square of a substep of it is no denormal.
 constexpr double kLeastStep = 1e-15;
 
-StepReport step(Owners& w, double dt, const StepDetail* given) {
-  if (!(dt > 0 && dt <= 10)) return {};  // World::create has the same limits
-  dt = std::max(dt, kLeastStep);
+StepReport try_step(Owners& w, double dt, const StepDetail* given) {
   const FloatSettings settings;
   const Tracer::Clock::time_point begin = w.tracer.begin();
   const WorkerPool::Awake awake(w.pool);
   StepReport report = open_page(w, given);
   take_prepared(w, dt, report);
   report.quarantined = w.quarantine.freeze_doubtful(w.population, freezer(w));
-  replan(w);
-  look_around(w);
-  work_on_lists(w, dt, report);
-  if (report.detail.solves || report.detail.wakes) advance(w, dt, report);
-  if (report.detail.waits()) stand_still(w);
+  try {
+    get_ready(w, dt, report);
+  } catch (const std::bad_alloc&) {
+    give_up(w, report);
+  }
+  if (report.detail.solves) advance(w, dt, report);
+  if (report.detail.waits() && report.no_room_for == nullptr) stand_still(w);
   publish(w, report);
   fall_asleep(w, dt, report);
   w.ledger.end_step(w.memory, report);
@@ -212,18 +232,28 @@ StepReport step(Owners& w, double dt, const StepDetail* given) {
   return report;
 }
 
-// All of a first step but its substeps, for the room that it takes, and again as far as a step can be made ahead. Since
-// the host may still change anything, how it was before is kept until the step.
-void World::prepare() {
-  Owners& w = *impl_;
-  if (w.ledger.frames != 0 || !w.unprepared.empty() || w.bodies.awake() == 0 || !w.quarantine.doubtful.empty()) {
-    return;
+}  // namespace
+
+StepReport step(Owners& w, double dt, const StepDetail* given) {
+  if (!(dt > 0 && dt <= 10)) return {};  // World::create has the same limits
+  try {
+    if (!w.broken) return try_step(w, std::max(dt, kLeastStep), given);
+  } catch (const std::bad_alloc&) {
+    w.broken = true;
   }
+  StepReport report;
+  report.no_room_for = "motion";
+  report.detail.solves = false;
+  return report;
+}
+
+namespace {
+
+void prepare_first_step(Owners& w, const Ledger& counted) {
   std::vector<std::byte> before;
   psim::save(w, before);
   const FloatSettings settings;
   const WorkerPool::Awake awake(w.pool);
-  const Ledger counted = w.ledger;
   const Span span{w.desc.dt, w.desc.dt};
   StepReport ignored;
   replan(w);
@@ -240,8 +270,26 @@ void World::prepare() {
     w.dynamics.substeps = w.desc.substeps;
     lay_out_manifolds(w, w.desc.dt);
   }
-  w.ledger = counted;
   w.unprepared = std::move(before);
+}
+
+}  // namespace
+
+// All of a first step but its substeps, for the room that it takes, and again as far as a step can be made ahead. Since
+// the host may still change anything, how it was before is kept until the step.
+void World::prepare() {
+  Owners& w = *impl_;
+  if (w.ledger.frames != 0 || !w.unprepared.empty() || w.bodies.awake() == 0 || !w.quarantine.doubtful.empty()) {
+    return;
+  }
+  const Ledger counted = w.ledger;
+  try {
+    prepare_first_step(w, counted);
+  } catch (const std::bad_alloc&) {
+    spoil_work(w);  // the first step will tell
+    w.plan_stale = true;
+  }
+  w.ledger = counted;
 }
 
 Owners& Owners::settled() {

@@ -60,7 +60,19 @@ std::unique_ptr<World> World::create(const WorldDesc& desc, const RunOptions& op
   const FloatSettings settings;
   error = check(desc, options);
   if (!error.empty()) return nullptr;
-  return std::unique_ptr<World>(new World(std::make_unique<Impl>(desc, options)));
+  try {
+    return std::unique_ptr<World>(new World(std::make_unique<Impl>(desc, options)));
+  } catch (const std::bad_alloc&) {
+    error = "no room for a world";
+    return nullptr;
+  }
+}
+
+std::string no_room(const Owners& w, std::string_view what) {
+  std::string line = "no room for " + std::string(what) + ": the world holds " + std::to_string(w.memory.bytes);
+  line += w.desc.max_bytes != 0 ? " bytes and may hold " + std::to_string(w.desc.max_bytes)
+                                : " bytes, and the system gives no more";
+  return line;
 }
 
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -95,6 +107,11 @@ bool World::set_skin(double factor) {
   spoil_work(w);
   w.desc.skin = factor;
   return true;
+}
+
+void World::set_max_bytes(std::size_t bytes) {
+  impl_->desc.max_bytes = bytes;
+  impl_->memory.most = bytes != 0 ? bytes : SIZE_MAX;
 }
 
 bool World::set_gravity(Vec2 gravity) {

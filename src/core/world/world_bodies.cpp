@@ -109,9 +109,14 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) {
   Owners& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
-  const BodyId id = w.population.add(d, error);
-  if (id != kNoBody) body_came(w, id.index);
-  return id;
+  try {
+    const BodyId id = w.population.add(d, error);
+    if (id != kNoBody) body_came(w, id.index);
+    return id;
+  } catch (const std::bad_alloc&) {
+    error = no_room(w, "a body");
+    return kNoBody;
+  }
 }
 
 std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
@@ -121,12 +126,17 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   if (!error.empty()) return 0;
   const std::size_t n = batch.x.size();
   first = w.population.next_id();
-  if (batch.type == BodyType::static_body) {
-    w.population.fixed.reserve(w.population.fixed.size() + n);
+  const bool fixed = batch.type == BodyType::static_body;
+  try {
+    w.population.make_room(n, fixed);
+  } catch (const std::bad_alloc&) {
+    error = no_room(w, std::to_string(n) + " bodies");
+    return 0;
+  }
+  if (fixed) {
     for (std::size_t i = 0; i < n; ++i) add_body(disc_of(batch, i), error);
     return n;
   }
-  w.population.make_room(n);
   for (std::size_t i = 0; i < n; ++i) {
     const BodyId id = w.population.add(disc_of(batch, i), error);
     if (id == kNoBody) return i;  // none: all discs are of one kind

@@ -25,6 +25,7 @@ struct Owners : StepContext {
   Plan applied;                       // the plan that the arrays were made for
   bool sorted_out = false;            // whether manifolds had something then
   std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
+  bool broken = false;                // a step ran out of memory while bodies moved
 
   Observed observed() { return {desc, lattice, walls, population, sleep, neighbours.table, contacts, pool}; }
   /// The world without what prepare() made, which holds only as long as the host changes nothing and reads no lists.
@@ -37,6 +38,9 @@ struct Owners : StepContext {
 struct World::Impl : Owners {
   using Owners::Owners;
 };
+
+/// One line: there is no room for `what`.
+std::string no_room(const Owners& w, std::string_view what);
 
 /// A step with the detail that is given; else the governor chooses one, if it is on. The steps of a world: step.cpp.
 StepReport step(Owners& w, double dt, const StepDetail* given = nullptr);

@@ -30,6 +30,7 @@ struct Options {
   std::optional<Integrator> integrator;
   std::optional<bool> sleep;
   std::optional<double> skin;
+  std::uint64_t memory_bytes = 0;                 ///< that a run may take
   std::optional<double> target_error, target_ms;  ///< one of them at most
   int threads = 1;
   Isa isa = Isa::scalar;

@@ -67,6 +67,7 @@ Scene choose_scene(const Options& options) {
   if (options.integrator) scene.world.integrator = *options.integrator;
   if (options.sleep) scene.world.sleeping = *options.sleep;
   if (options.skin) scene.world.skin = *options.skin;
+  scene.world.max_bytes = static_cast<std::size_t>(options.memory_bytes);
   return scene;
 }
 
@@ -75,10 +76,12 @@ void check_memory(const Scene& scene) {
   constexpr std::uint64_t kPlacementBytesPerBody = 5 * sizeof(double);
   const std::uint64_t bodies = scene.body_count();
   const std::uint64_t needed = estimate_memory_bytes(bodies) + bodies * kPlacementBytesPerBody;
-  const std::uint64_t available = os::available_bytes();
-  if (needed > available) {
-    throw UserError(fmt::format("scene {}: {} bodies need {} bytes ({}), and {} are free", one_line(scene.name),
-                                grouped(bodies), needed, bytes_text(needed), bytes_text(available)));
+  const std::uint64_t free = os::available_bytes(), allowed = scene.world.max_bytes;
+  const std::uint64_t most = allowed != 0 ? std::min(free, allowed) : free;
+  if (needed > most) {
+    throw UserError(fmt::format("scene {}: {} bodies need {} bytes ({}) of memory, and {} are {}", one_line(scene.name),
+                                grouped(bodies), needed, bytes_text(needed), bytes_text(most),
+                                most < free ? "allowed by --memory" : "free"));
   }
 }
 

@@ -131,6 +131,7 @@ void declare_settings(CLI::App& app, TypedSettings& typed) {
   value("--sleep", typed.sleep, "on|off", "Run", "whether bodies at rest fall asleep (the scene's, else on)");
   value("--skin", typed.skin, "F", "Run",
         "margin of neighbour lists, as a factor of the usual one, 0.25..4 (the scene's, else 1)");
+  value("--memory", typed.memory, "MB", "Run", "what the run may take, in million bytes (what the machine has free)");
 }
 
 void read_settings(const CLI::App& app, const TypedSettings& typed, Options& options) {
@@ -153,6 +154,9 @@ void read_settings(const CLI::App& app, const TypedSettings& typed, Options& opt
           .value_or(std::clamp(cores, 1, kMostThreads));
   options.isa = choose_isa(typed.isa, given("--isa"));
   options.skin = number<double>("--skin", typed.skin, given("--skin"), 0.25, 4, "must be a number, 0.25 to 4");
+  const auto megabytes = number<std::uint64_t>("--memory", typed.memory, given("--memory"), 1, 1'000'000'000,
+                                               "must be a whole number of million bytes, 1 to 1000000000");
+  options.memory_bytes = megabytes ? *megabytes * 1'000'000 : os::available_bytes();
   options.sleep = on_off("--sleep", typed.sleep, given("--sleep"));
 }
 

@@ -16,14 +16,14 @@ namespace psim::cli {
 
 /// The words as they were typed; CLI11 fills them, read_settings turns them into values.
 struct TypedSettings {
-  std::string scene, particles, seed, frames, dt, substeps, integrator, threads, isa, sleep, skin;
+  std::string scene, particles, seed, frames, dt, substeps, integrator, threads, isa, sleep, skin, memory;
 };
 
 /// An option with a value; the last one given wins.
 CLI::Option* add_value(CLI::App& app, const char* name, std::string& target, const char* type, const char* group,
                        const char* what);
 
-/// Declares --scene to --skin.
+/// Declares --scene to --memory.
 void declare_settings(CLI::App& app, TypedSettings& typed);
 
 /// Fills the settings of `options`. Throws UserError.

@@ -35,6 +35,7 @@ std::unique_ptr<World> restored_world(const Options& options) {
     throw UserError(fmt::format("--restore {}: is no state of --scene {}: its bounds are others",
                                 one_line(options.restore), one_line(options.scene)));
   }
+  world->set_max_bytes(static_cast<std::size_t>(options.memory_bytes));
   say_if_threads_lack(*world, options.threads);
   return world;
 }

@@ -119,6 +119,11 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     const Clock::time_point begin = Clock::now();
     const StepReport step = one_step(frame);
     const Clock::time_point end = Clock::now();
+    if (step.no_room_for != nullptr) {
+      throw UserError(fmt::format("frame {}: no memory for {}; the world holds {}, and {} are allowed (--memory)",
+                                  frame, step.no_room_for, bytes_text(world.memory_bytes()),
+                                  bytes_text(world.desc().max_bytes)));
+    }
     const double total_ms = std::chrono::duration<double, std::milli>(end - begin).count();
 
     add_frame(report, total_ms, step, frame);

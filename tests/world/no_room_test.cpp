@@ -1,0 +1,130 @@
+// A call that finds no memory changes nothing: whichever of its allocations fails, and wherever the budget of a world
+// ends. Bodies that move already are the exception: a step that finds no memory then ends its world, and says so.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "allocation_counter.h"
+#include "psim/scene.h"
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+std::unique_ptr<World> late_world(const char* name, std::uint64_t bodies, int steps) {
+  std::string error;
+  const auto scene = make_builtin(name, bodies, 1, error);
+  if (!scene) throw std::runtime_error(error);
+  auto world = build_world(*scene, {.threads = 2}, error);
+  for (int k = 0; k < steps; ++k) world->step();
+  return world;
+}
+
+// All numbers of all bodies.
+std::vector<double> numbers_of(World& world) {
+  const PublishedState s = world.published();
+  std::vector<double> all;
+  for (const auto& column : {s.x, s.y, s.angle, s.vx, s.vy, s.omega})
+    all.insert(all.end(), column.begin(), column.end());
+  return all;
+}
+
+struct LateScene {
+  const char* scene;
+  std::uint64_t bodies;
+  int steps;   // before the one that fails
+  int broken;  // most allocations that fail while bodies move
+};
+
+class NoRoom : public ::testing::TestWithParam<LateScene> {};
+
+TEST_P(NoRoom, AStepThatFindsNoMemoryChangesNothing) {
+  const LateScene& late = GetParam();
+  const auto first = late_world(late.scene, late.bodies, late.steps);
+  std::vector<std::byte> state;
+  first->save(state);
+  const std::vector<double> before = numbers_of(*first);
+  first->step();
+  const std::vector<double> after = numbers_of(*first);
+  int refused = 0, broken = 0;
+  for (std::uint64_t n = 1;; ++n) {
+    std::string error;
+    const auto world = World::from_state(state, {.threads = 2}, error);
+    ASSERT_NE(world, nullptr) << error;
+    fail_allocation(allocations() + n);
+    const StepReport report = world->step();
+    fail_allocation(0);
+    if (report.no_room_for == nullptr) break;
+    if (std::string_view(report.no_room_for) == "motion") {
+      ++broken;
+      ASSERT_NE(world->step().no_room_for, nullptr) << "allocation " << n;
+      continue;
+    }
+    ++refused;
+    ASSERT_EQ(numbers_of(*world), before) << "allocation " << n << ", " << report.no_room_for;
+    ASSERT_EQ(world->step().no_room_for, nullptr);
+    ASSERT_EQ(numbers_of(*world), after) << "allocation " << n << ", " << report.no_room_for;
+  }
+  EXPECT_GE(refused, 1);
+  EXPECT_LE(broken, late.broken);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, NoRoom,
+                         ::testing::Values(LateScene{"discs", 300, 0, 0}, LateScene{"discs", 300, 40, 8},
+                                           LateScene{"rough-pile", 300, 3, 8}, LateScene{"tumbler", 100, 0, 20},
+                                           LateScene{"tumbler", 100, 30, 20}, LateScene{"rain", 55, 20, 40},
+                                           LateScene{"cloth", 100, 0, 400}, LateScene{"smash", 200, 30, 8},
+                                           LateScene{"card_house", 40, 60, 8}));
+
+// The first step of 2,000 discs, under budgets from what the world has to what the step needs.
+TEST(MemoryBudget, EndsAStepThatNeedsMore) {
+  const auto whole = late_world("pile", 2000, 0);
+  whole->step();
+  const std::vector<double> after = numbers_of(*whole);
+  int refused = 0;
+  for (const double share : std::array{0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.2}) {
+    const auto world = late_world("pile", 2000, 0);
+    const std::vector<double> before = numbers_of(*world);
+    const std::size_t has = world->memory_bytes(), needs = whole->memory_bytes();
+    world->set_max_bytes(has + static_cast<std::size_t>(share * static_cast<double>(needs - has)));
+    const StepReport report = world->step();
+    refused += report.no_room_for != nullptr ? 1 : 0;
+    EXPECT_EQ(numbers_of(*world), report.no_room_for != nullptr ? before : after) << share;
+    EXPECT_TRUE(report.no_room_for == nullptr || std::string_view(report.no_room_for) != "motion") << share;
+    world->set_max_bytes(0);
+    if (report.no_room_for != nullptr) world->step();
+    EXPECT_EQ(numbers_of(*world), after) << share;
+  }
+  EXPECT_GE(refused, 3);
+  EXPECT_LE(refused, 6);
+}
+
+TEST(MemoryBudget, RefusesBodies) {
+  std::string error;
+  WorldDesc desc;
+  desc.max_bytes = 1'000'000;
+  const auto world = World::create(desc, {}, error);
+  ASSERT_NE(world, nullptr) << error;
+  const std::vector<double> x(100'000), r{0.5};
+  DiscBatch batch;
+  batch.x = batch.y = x;
+  batch.radius = r;
+  std::uint32_t first = 0;
+  EXPECT_EQ(world->add_discs(batch, first, error), 0u);
+  EXPECT_EQ(error.rfind("no room for 100000 bodies: the world holds ", 0), 0u) << error;
+  EXPECT_EQ(world->body_count(), 0u);
+  std::size_t added = 0;
+  BodyDesc body;
+  while (world->add_body(body, error) != kNoBody) body.position.x = 0.001 * static_cast<double>(++added);
+  EXPECT_EQ(error.rfind("no room for a body: the world holds ", 0), 0u) << error;
+  EXPECT_EQ(world->body_count(), added);
+  EXPECT_GT(added, 2000u);
+  EXPECT_LE(world->memory_bytes(), 1'200'000u);
+}
+
+}  // namespace
+}  // namespace psim::test
