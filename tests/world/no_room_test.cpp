@@ -103,6 +103,24 @@ TEST(MemoryBudget, EndsAStepThatNeedsMore) {
   EXPECT_LE(refused, 6);
 }
 
+// 60,000 discs in one heap have 1.8 billion pairs; lists hold 2^28.
+TEST(NoRoomForPairs, EndsAStepThatNeedsMoreThanListsHold) {
+  std::string error;
+  const auto world = World::create({}, {}, error);
+  ASSERT_NE(world, nullptr) << error;
+  const std::vector<double> x(60'000), r{0.5};
+  DiscBatch batch;
+  batch.x = batch.y = x;
+  batch.radius = r;
+  std::uint32_t first = 0;
+  ASSERT_EQ(world->add_discs(batch, first, error), x.size()) << error;
+  const StepReport report = world->step();
+  ASSERT_NE(report.no_room_for, nullptr);
+  EXPECT_STREQ(report.no_room_for, "pairs");
+  EXPECT_LT(world->memory_bytes(), 50'000'000u);
+  EXPECT_EQ(world->body_count(), x.size());
+}
+
 TEST(MemoryBudget, RefusesBodies) {
   std::string error;
   WorldDesc desc;

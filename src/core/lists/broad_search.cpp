@@ -1,7 +1,9 @@
 #include "lists/broad_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <new>
 #include <numeric>
 
 namespace psim {
@@ -51,7 +53,7 @@ void PairSearch::give_room(PairTable& table, bool first) {
   const std::size_t strips = table.strips.size() - 1;
   const bool all = pending_.size() == full_.size();
   scattered_ = !all && (scattered_ || pending_.back() >= strips);
-  std::uint32_t room = all ? 0 : table.pair_room;
+  double room = all ? 0 : table.pair_room;
   for (const std::uint32_t n : pending_) {
     Strip& s = job(n, table);
     const double bodies = s.body_end - s.body_begin;
@@ -61,13 +63,15 @@ void PairSearch::give_room(PairTable& table, bool first) {
       const double done = reached - s.body_begin + 0.5;
       pairs = (s.pair_end - s.pair_begin) * std::min(kReserve * std::max(bodies / done, 1.0), kMost);
     }
-    s.pair_begin = room;
-    room += static_cast<std::uint32_t>(pairs) + kBlock;
-    s.pair_end = room;
+    s.pair_begin = static_cast<std::uint32_t>(room);
+    room += std::floor(pairs) + kBlock;
+    if (!(room <= PairTable::kMostPairs)) throw std::bad_alloc();
+    s.pair_end = static_cast<std::uint32_t>(room);
   }
-  table.owner.reserve_loosely(room + kBlock);
-  table.other.reserve_loosely(room + kBlock);
-  table.pair_room = room;
+  const auto pairs = static_cast<std::uint32_t>(room);
+  table.owner.reserve_loosely(pairs + kBlock);
+  table.other.reserve_loosely(pairs + kBlock);
+  table.pair_room = pairs;
 }
 
 // Which searches ran out of room is the same on every ISA.

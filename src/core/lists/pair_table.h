@@ -65,6 +65,9 @@ struct PairTable {
   std::uint32_t pair_room = 0;                 ///< number of pairs with the gaps between strips
   std::uint32_t renewed_begin = kNoneRenewed;  ///< first pair of renewed bodies; the last strip's end ends them
 
+  /// Gaps included. A table that would be longer throws std::bad_alloc: `first` has 31 bits, and a contact that finds no
+  /// colour takes eight lanes, of which there are 2^32.
+  static constexpr std::uint32_t kMostPairs = 1u << 28;
   static constexpr std::uint32_t kStripStart = 0x80000000u, kNoneRenewed = 0xFFFFFFFFu, kNoPair = 0xFFFFFFFFu;
 
   /// Makes room for `pairs` pairs, gaps included.
