@@ -88,9 +88,9 @@ class StaticGeometry {
   // Finds what the body meets of an edge.
   void meet(NearEdge& near, Vec2 way) {
     const double room = kMarginFrames * length_of(way) + kSideways * near.edge.radius;
-    near.loose = near.edge.begin > -room || near.edge.end < room;
+    const double far = room + near.edge.radius;  // along the line: others may press the body onto it
+    near.loose = std::fabs(near.edge.height) < far && (near.edge.begin > -room || near.edge.end < room);
     if (near.loose) {
-      const double far = room + near.edge.radius;  // along the line: others may press the body onto it
       const auto corner = [&](double to, EdgeCorner& of, bool end) {
         if (std::fabs(to) < far) of = corner_of(near, end);
       };
@@ -108,7 +108,9 @@ class StaticGeometry {
     EdgeCorner best;
     double most = -3;
     for (const NearEdge& other : edges_) {
-      if (&other == &of || other.shape->radius != of.shape->radius || distance_to(other, corner) > same) continue;
+      if (&other == &of || other.shape->radius != of.shape->radius) continue;
+      if (std::fabs(cross(other.edge.along, corner) + other.edge.height) > 2 * same) continue;  // not on its line
+      if (distance_to(other, corner) > same) continue;
       for (const Vec2 far : {other.p, other.q}) {
         const Vec2 way = far - corner;
         const double length = length_of(way);
@@ -132,15 +134,21 @@ class StaticGeometry {
   // Some edges of a polygon have the centre of a disc on their inner side. None of them counts if another edge has it
   // outside; else the nearest one counts, through which the disc leaves.
   void keep_nearest_faces() {
-    for (NearEdge& near : edges_) {
-      if (!is_inside(near)) continue;
-      for (const NearEdge& other : edges_) {
-        if (&other == &near || !other.shape->face || other.shape->owner != near.shape->owner) continue;
-        const double mine = near.edge.height, height = other.edge.height;
-        if (height < mine || (height == mine && &other > &near)) continue;
-        near.contact.kind = EdgeContact::nothing;
-        near.loose = false;
-        break;
+    for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
+      const std::uint32_t owner = edges_[begin].shape->owner;  // the edges of a polygon follow each other
+      while (end < edges_.size() && edges_[end].shape->owner == owner) ++end;
+      for (std::size_t k = begin; k < end; ++k) {
+        NearEdge& near = edges_[k];
+        if (!is_inside(near)) continue;
+        for (std::size_t n = begin; n < end; ++n) {
+          const NearEdge& other = edges_[n];
+          if (n == k || !other.shape->face) continue;
+          const double mine = near.edge.height, height = other.edge.height;
+          if (height < mine || (height == mine && n > k)) continue;
+          near.contact.kind = EdgeContact::nothing;
+          near.loose = false;
+          break;
+        }
       }
     }
   }
