@@ -1,6 +1,8 @@
 #include "convert.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace psim::capi {
@@ -122,7 +124,7 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   out.restitution_threshold = desc.restitution_threshold;
   out.sleeping = desc.sleeping != 0;
   out.skin = desc.skin;
-  out.max_bytes = static_cast<std::size_t>(desc.max_bytes);
+  out.max_bytes = static_cast<std::size_t>(std::min<std::uint64_t>(desc.max_bytes, SIZE_MAX));
   return {};
 }
 

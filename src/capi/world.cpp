@@ -1,7 +1,9 @@
 // Worlds, their steps, and how they are run.
 #include "psim/world.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -169,6 +171,13 @@ psim_result psim_world_replay_by(psim_world* world, psim_step_detail detail, dou
 psim_result psim_world_prepare(psim_world* world) {
   return guarded(world, __func__, [](psim::World& w, const Call&) -> psim_result {
     w.prepare();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_max_bytes(psim_world* world, uint64_t bytes) {
+  return guarded(world, __func__, [&](psim::World& w, const Call&) -> psim_result {
+    w.set_max_bytes(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, SIZE_MAX)));
     return PSIM_OK;
   });
 }

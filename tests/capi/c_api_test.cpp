@@ -154,6 +154,19 @@ TEST(CApi, WhatIsThrownInsideBecomesAResultAndTheWorldIsDone) {
   }
 }
 
+TEST(CApi, ABudgetOfMemoryEndsWhatWouldGrowBeyondIt) {
+  psim_world_desc desc = CWorld::defaults();
+  desc.max_bytes = 1;
+  CWorld c(desc);
+  ASSERT_NE(c.world, nullptr) << c.error;
+  psim_body_desc body;
+  psim_body_desc_init(&body);
+  EXPECT_EQ(psim_world_add_body(c.world, &body, nullptr), PSIM_ERROR_OUT_OF_MEMORY);
+  EXPECT_EQ(c.last().rfind("psim_world_add_body: no room for a body: the world holds ", 0), 0u) << c.last();
+  ASSERT_EQ(psim_world_set_max_bytes(c.world, UINT64_MAX), PSIM_OK);
+  EXPECT_EQ(psim_world_add_body(c.world, &body, nullptr), PSIM_OK) << c.last();
+}
+
 TEST(CApi, AStepThatFindsNoMemoryLeavesTheWorldAsItWas) {
   CWorld c;
   const psim_body_id id = c.add(psim_disc(0.5), {0, 0});

@@ -79,6 +79,8 @@ PSIM_API psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity
 
 /// Changes the factor on the skin of neighbour lists, 0.25 to 4: the next step makes its lists anew.
 PSIM_API psim_result psim_world_set_skin(psim_world* world, double factor);
+/// Changes psim_world_desc.max_bytes, 0 for any number; nothing is given back that the world has already.
+PSIM_API psim_result psim_world_set_max_bytes(psim_world* world, uint64_t bytes);
 
 /// Lets bodies sleep from now on (flag), or wakes all and keeps them awake.
 PSIM_API psim_result psim_world_set_sleeping(psim_world* world, int32_t on);

@@ -1,6 +1,7 @@
 #include "options/settings_options.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <thread>
 #include <vector>
@@ -156,7 +157,7 @@ void read_settings(const CLI::App& app, const TypedSettings& typed, Options& opt
   options.skin = number<double>("--skin", typed.skin, given("--skin"), 0.25, 4, "must be a number, 0.25 to 4");
   const auto megabytes = number<std::uint64_t>("--memory", typed.memory, given("--memory"), 1, 1'000'000'000,
                                                "must be a whole number of million bytes, 1 to 1000000000");
-  options.memory_bytes = megabytes ? *megabytes * 1'000'000 : os::available_bytes();
+  options.memory_bytes = std::min<std::uint64_t>(megabytes ? *megabytes * 1'000'000 : os::available_bytes(), SIZE_MAX);
   options.sleep = on_off("--sleep", typed.sleep, given("--sleep"));
 }
 
