@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/os.h"
+#include "os/console.h"
 #include "output/text.h"
 #include "output/user_error.h"
 

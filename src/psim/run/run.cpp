@@ -13,6 +13,7 @@
 #include "options/scene_choice.h"
 #include "os/interrupt.h"
 #include "output/text.h"
+#include "output/user_error.h"
 #include "picture/film.h"
 #include "picture/image.h"
 #include "psim/recording.h"
