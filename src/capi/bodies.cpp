@@ -8,7 +8,7 @@ using namespace psim::capi;
 
 namespace {
 
-// What the engine's line about a body that it did not take comes to.
+// The engine says in one line why it took no body: this tells want of memory from a wrong description.
 psim_result reason_of(std::string_view line) {
   return line.starts_with("no room for ") ? PSIM_ERROR_OUT_OF_MEMORY : PSIM_ERROR_ARGUMENT;
 }

@@ -46,8 +46,8 @@ double Articulations::Solve::speed(const JointRow& row, const Joint& j) const {
   return row.speed(a, b);
 }
 
-// What an impulse along b changes in the speed of a, which is a row of the bodies A and B. `linear`: what a unit of impulse
-// changes in their velocities, in the drift. `shared`: bit 2 i + k if body i of a's joint is body k of b's.
+// Returns by how much a unit of impulse along row b changes the speed of row a. `ends`: of the two bodies of a's joint.
+// `shared`: bit 2 i + k is set if body i of a's joint is body k of b's.
 double Articulations::Solve::couple(const JointRow& a, const JointRow& b, const Ends& ends, std::uint8_t shared) {
   const double along = dot(a.n, b.n);
   double sum = 0;

@@ -85,7 +85,7 @@ bool Articulations::Solve::step_alone(double drift, double share, double most) {
   return true;
 }
 
-// How many steps may be tried in a substep.
+// An articulation of many rows may try fewer steps in a substep than one of few.
 std::uint32_t Articulations::Solve::most_tries() const {
   const double most = greater(kMostRowTries * 60 * all_.h_, kFewestRowTries) / (island_.rows.end - island_.rows.begin);
   return static_cast<std::uint32_t>(lesser(most, kMostTries));
