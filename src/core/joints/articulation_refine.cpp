@@ -14,7 +14,7 @@ constexpr std::uint32_t kMostTries = 96;  // steps that are tried in a substep, 
 constexpr std::uint32_t kPatience = 8;    // tries after which twice as much will do
 constexpr double kFine = 2e-5;            // as kResolved, of these steps
 constexpr double kMostRowTries = 2048;    // these times rows in a frame of 1/60 s, however many substeps it has,
-constexpr double kFewestRowTries = 1024;  // but no fewer than so many in a substep: no frame shall take long
+constexpr double kFewestRowTries = 1280;  // but no fewer than so many in a substep: no frame shall take long
 
 // Behind a step that ends at `at`: steps grow again where they began to be halved.
 void grow(std::uint32_t at, std::uint32_t& size) {
