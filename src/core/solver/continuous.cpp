@@ -11,7 +11,8 @@
 namespace psim {
 namespace {
 
-constexpr std::size_t kTask = 512, kFlights = 16;
+constexpr std::size_t kTask = 512, kBodies = 2048, kFlights = 16;  // bodies of a job
+constexpr std::size_t kFastShare = 8, kFewFast = 32;  // room is made for a share of all bodies, and for so many
 constexpr std::size_t kFew = 8;     // kinematic bodies that are looked at one by one
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
 // Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
@@ -204,7 +205,6 @@ void Continuous::find_fast_discs(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   const BodyStore& b = s.bodies;
   const auto dt = static_cast<float>(in.dt);
-  constexpr std::size_t kBodies = 2048;  // a job
   jobs_.resize(std::max(jobs_.size(), jobs_for(b.count, kBodies)));
   run_each(b.count, kBodies, s.pool, [&](std::size_t i, std::size_t n) {
     if (b.linked[i] == 0 || !is_fast_disc(b, i, dt) || !is_free(b, i) || b.kind(b.id[i]).hull_count != 0) return;
@@ -325,6 +325,21 @@ void Continuous::follow(const ContinuousInput& in) {
     for (; p != partners_.end() && p->first == i; ++p) others_.push_back(p->second);
     fly(i, jobs_[0], others_);
   }
+}
+
+void Continuous::make_room(const ContinuousInput& in) {
+  const std::size_t bodies = in.contacts.surroundings.bodies.count, most = bodies / kFastShare + kFewFast;
+  jobs_.resize(std::max({jobs_.size(), jobs_for(in.contacts.manifolds.shaped().size(), kTask), jobs_for(bodies, kBodies),
+                         in.table.strips.size(), jobs_for(most, kFlights)}));
+  for (Job& job : jobs_) {
+    job.found.reserve(kFewFast);
+    job.near.reserve(kFewFast);
+  }
+  for (std::vector<std::uint32_t>* of : {&pressed_, &flying_, &others_}) of->reserve(most);
+  kinematics_.reserve(in.kinematics.size());
+  kinematic_slots_.reserve(in.kinematics.size());
+  fast_.reserve(in.bullets.empty() ? 0 : bodies);
+  partners_.reserve(in.bullets.size());
 }
 
 std::uint32_t Continuous::stop(const ContinuousInput& in) {

@@ -39,6 +39,9 @@ class Continuous {
  public:
   auto fields() { return std::tie(looked_); }  ///< for saved states
 
+  /// Makes room for the bodies that stop() may have to look at: if no more than an eighth of all are fast at once, it
+  /// allocates nothing.
+  void make_room(const ContinuousInput& in);
   /// Bends the ways of fast bodies. Returns how many were bent.
   /// O(shapes + contacts of discs with fixed geometry), plus the shapes along the ways of fast bodies.
   std::uint32_t stop(const ContinuousInput& in);

@@ -23,6 +23,7 @@ struct Dynamics {
   std::unique_ptr<Forces> forces;  ///< none where gravity is uniform
   bool forces_stale = true;        ///< the arrays of the forces do not fit the bodies' order
   Continuous continuous;
+  bool moving = false;       ///< this step has begun to move bodies: it cannot be given up any more
   int substeps = 4;          ///< of this step
   double last_substep = 0;   ///< s: of the last step
   double stiff_substep = 0;  ///< s, that contact stiffness is for

@@ -365,12 +365,14 @@ void Solver::manifold_softness(double h, double stiff_substep, ManifoldParams& p
   }
 }
 
-SolverReport Solver::run(const SolverInput& in, const SolverParams& params) {
+SolverReport Solver::run(const SolverInput& in, const SolverParams& params, bool& moving) {
   sums_.assign(in.table.strips.size(), {});
   find_loaded(in.table);
   if (params.model.bounce) mark_impacts(in);
   if (in.contacts.manifolds.any()) list_rocking(in, params.dt, length_of(params.gravity) * params.dt / params.substeps);
+  last_sweep_.reserve(in.table.strips.size());
   Run run(*this, in, params);
+  moving = true;
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);
   in.contacts.squeezed.finish();
   if (params.model.bounce) sweeps_ = run.swept() / params.substeps;

@@ -58,8 +58,8 @@ class Solver {
  public:
   auto fields() { return std::tie(closed_, sweeps_); }  ///< for saved states
 
-  /// Runs all substeps.
-  SolverReport run(const SolverInput& in, const SolverParams& params);
+  /// Runs all substeps. `moving` becomes true when bodies begin to move; std::bad_alloc is thrown before alone.
+  SolverReport run(const SolverInput& in, const SolverParams& params, bool& moving);
 
   /// Compliance and push-out rate of contacts for a substep of `h`, stiffness as of `stiff_substep`:
   /// between moving bodies, with fixed ones, and the same under heavy loads.

@@ -30,6 +30,7 @@ void prepare_forces(StepContext& c, StepReport& report) {
   BodyStore& bodies = c.bodies;
   if (!dynamics.forces || !(dynamics.forces_stale || bodies.acc.empty())) return;
   const StageTimer timer(report, c.tracer, Stage::forces);
+  dynamics.forces_stale = true;  // until all is there
   const std::size_t padded = kernels::round_up_block(bodies.count);
   const std::size_t all = std::max(2 * padded, bodies.vel0.capacity());  // padding lanes read it
   bodies.acc.reserve(all);
@@ -42,7 +43,7 @@ void prepare_forces(StepContext& c, StepReport& report) {
   dynamics.forces_stale = false;
 }
 
-SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) {
+SolverParams solver_params(const StepContext& c, double dt, const StepDetail& detail) {
   SolverParams p;
   p.dt = dt;
   p.substeps = c.dynamics.substeps;
@@ -52,8 +53,7 @@ SolverParams solver_params(StepContext& c, double dt, const StepDetail& detail) 
   p.refresh = kRefreshOfRadius * c.population.least_radius;
   const double h = dt / c.dynamics.substeps;
   p.impacts = c.neighbours.made.impact_rate * h;
-  c.dynamics.stiff_substep = c.dynamics.next_stiff_substep(h);
-  p.stiff_substep = c.dynamics.stiff_substep;
+  p.stiff_substep = c.dynamics.next_stiff_substep(h);
   // Loads grow with the step, but impacts do not: not many times over.
   p.warm = c.dynamics.last_substep > 0 ? static_cast<float>(lesser(h / c.dynamics.last_substep, kMostWarm)) : 1.0f;
   p.model = c.plan.model;
@@ -151,9 +151,10 @@ void solve(StepContext& c, double dt, StepReport& report) {
   }
   Contacts& contacts = c.contacts;
   if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h, coast_time(p.damping, h), c.plan.sleep);
+  const SolverInput input{contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics};
+  const SolverReport done = c.dynamics.solver.run(input, p, c.dynamics.moving);
   c.dynamics.last_substep = h;
-  const SolverReport done = c.dynamics.solver.run(
-      {contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics}, p);
+  c.dynamics.stiff_substep = p.stiff_substep;
   const bool per_mass = c.plan.model.model == kernels::Model::plain;  // impulses are divided by the common mass
   report.virial = done.virial * (per_mass ? double{c.population.first_properties.mass} : 1.0) + done.shapes;
   report.stage_ms[static_cast<std::size_t>(Stage::forces)] += done.forces_ms;
@@ -167,6 +168,13 @@ void solve(StepContext& c, double dt, StepReport& report) {
   c.ledger.lanes.scalar += 2u * substeps * (contacts.stacks.link_count() + contacts.squeezed.row_count());
 }
 
+ContinuousInput continuous_input(const StepContext& c, const ManifoldParams& p, double dt) {
+  const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
+  return {c.contacts,     c.neighbours.table, c.joints,  c.population.kinematics,      c.population.bullets,
+          c.plan.filters, dt,                 p.gravity, c.desc.restitution_threshold, walls,
+          p.wall};
+}
+
 // Bodies that went far for their size do not pass what is solid.
 void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   if (!c.plan.continuous) return;
@@ -174,10 +182,7 @@ void stop_fast_bodies(StepContext& c, double dt, StepReport& report) {
   Continuous& continuous = c.dynamics.continuous;
   if (c.plan.bullets || !c.population.kinematics.empty()) c.bodies.find_slots();
   const ManifoldParams p = c.manifold_params(dt);
-  const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
-  report.stopped =
-      continuous.stop({c.contacts, c.neighbours.table, c.joints, c.population.kinematics, c.population.bullets,
-                       c.plan.filters, dt, p.gravity, c.desc.restitution_threshold, walls, p.wall});
+  report.stopped = continuous.stop(continuous_input(c, p, dt));
   report.fast = continuous.fast();
 }
 
@@ -211,7 +216,9 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
 }  // namespace
 
 Moved move_bodies(StepContext& c, double dt, StepReport& report) {
+  if (c.plan.continuous) c.dynamics.continuous.make_room(continuous_input(c, c.manifold_params(dt), dt));
   solve(c, dt, report);
+  c.dynamics.moving = true;
   stop_fast_bodies(c, dt, report);
   return integrate(c, dt, report);
 }

@@ -15,7 +15,8 @@ struct Moved {
   bool sound = true;   ///< no body has a bad number or excessive speed
   bool inside = true;  ///< nobody is beyond the walls or the bounds
 };
-/// Substeps for those who may touch something; the closed form of the frame for free bodies. O(bodies).
+/// Substeps for those who may touch something; the closed form of the frame for free bodies. O(bodies). Almost all that
+/// takes memory is done before Dynamics::moving becomes true; std::bad_alloc until then leaves all bodies as they were.
 Moved move_bodies(StepContext& c, double dt, StepReport& report);
 
 }  // namespace psim

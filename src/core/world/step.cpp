@@ -89,7 +89,6 @@ void move(Owners& w, double dt, StepReport& report) {
   } else if (!moved.inside) {
     Quarantine::bring_back(w.population, w.lattice, w.desc);
   }
-  if (w.ledger.surveys()) survey_lanes(w, report.rebuilt);
 }
 
 void collect_events(Owners& w, StepReport& report) {
@@ -121,7 +120,7 @@ void get_ready(Owners& w, double frame_dt, StepReport& report) {
   detail.solves = w.bodies.awake() == 0 || meet(w, dt, span, report);
 }
 
-// No memory: the world is as before the step, but that its lists will be made again.
+// No memory, and nothing has moved: the world is as before the step, but that its lists will be made again.
 void give_up(Owners& w, StepReport& report) {
   const bool lists = !all_done(w.progress) && step_parts()[w.progress.part].stage == Stage::broad_phase;
   report.no_room_for = lists ? "pairs" : "contacts";
@@ -135,12 +134,14 @@ void give_up(Owners& w, StepReport& report) {
 void advance(Owners& w, double frame_dt, StepReport& report) {
   const double dt = frame_dt * report.detail.frames;
   report.detail.wakes = false;
-  ++w.ledger.steps;
-  if (w.bodies.awake() != 0) {
+  const bool awake = w.bodies.awake() != 0;
+  if (awake) {
     move(w, dt, report);
   } else {
     w.ledger.skip_all(w.plan.publish, w.plan.events);
   }
+  ++w.ledger.steps;
+  if (awake && w.ledger.surveys()) survey_lanes(w, report.rebuilt);
   w.observers.queries.forget(QueryIndex::kMoving);
   collect_events(w, report);
   if (w.bodies.awake() != 0) count_contacts(w, report);
@@ -218,12 +219,14 @@ StepReport try_step(Owners& w, double dt, const StepDetail* given) {
   StepReport report = open_page(w, given);
   take_prepared(w, dt, report);
   report.quarantined = w.quarantine.freeze_doubtful(w.population, freezer(w));
+  w.dynamics.moving = false;
   try {
     get_ready(w, dt, report);
+    if (report.detail.solves) advance(w, dt, report);
   } catch (const std::bad_alloc&) {
+    if (w.dynamics.moving) throw;
     give_up(w, report);
   }
-  if (report.detail.solves) advance(w, dt, report);
   if (report.detail.waits() && report.no_room_for == nullptr) stand_still(w);
   publish(w, report);
   fall_asleep(w, dt, report);
