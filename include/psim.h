@@ -9,9 +9,10 @@
 ///
 /// - SI units, y up, radians, seconds. A flag is 0 for no and anything else for yes.
 /// - **Results.** PSIM_OK is 0. Above 0: nothing was found. Below 0: refused, nothing changed, and
-///   psim_last_error says why in one line; only after PSIM_ERROR_OUT_OF_MEMORY and
-///   PSIM_ERROR_INTERNAL has the world to be destroyed, and refuses every other call. Nothing
-///   throws, prints or exits. A NULL where one is not allowed is PSIM_ERROR_ARGUMENT.
+///   psim_last_error says why in one line. After PSIM_ERROR_OUT_OF_MEMORY sleeping bodies may have
+///   woken, and the call can be made again. After PSIM_ERROR_INTERNAL the world has to be
+///   destroyed, and refuses every other call. Nothing throws, prints or exits. A NULL where one is
+///   not allowed is PSIM_ERROR_ARGUMENT.
 /// - **Structs that begin with `struct_size`** may grow in later versions. Their init function sets
 ///   it, and the defaults; it must be called before the struct is used, for input or for output.
 ///   A library newer than the caller takes defaults for fields that the caller does not have; one

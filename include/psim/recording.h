@@ -15,7 +15,8 @@
 namespace psim {
 
 /// Writes down what is done to a world through it. Each call does what the call of World by that name does. What
-/// changes the world past the recorder is missing from the recording, and a replay will say so.
+/// changes the world past the recorder is missing from the recording, and a replay will say so. A call that finds no
+/// memory (out_of_memory()) ends the recording: it holds what was done before.
 class PSIM_API Recorder {
  public:
   /// From the world's present state on, with a hash of the state after every `every` steps (at least 1) and at

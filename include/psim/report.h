@@ -88,8 +88,10 @@ struct StepReport {
   std::uint64_t arena_growths = 0;  ///< allocations that this step had to make (0 once warm)
   StepDetail detail;                ///< how much of it was done
   double predicted_ms = 0;          ///< by the governor's cost model; 0 without a governor
-  /// Why nothing was done: there was no room for "pairs" or "contacts", and the world is as before; or null. "motion":
-  /// bodies had begun to move, and no later step does anything.
+  /// Why nothing was done: there was no room for "pairs", "contacts" or, of a recorder, the "recording", and the world is
+  /// as before; or null. "motion": bodies had begun to move, and no later call does anything. "events", "snapshot": the
+  /// step was done, but there was no room for what it tells. After lost events the next step tells of all that touch then,
+  /// as if they began to.
   const char* no_room_for = nullptr;
   double virial = 0;  ///< N s m: sum over contacts of normal impulse x centre distance, see docs/queries-events.md
 };

@@ -1,5 +1,5 @@
 // A world of bodies, stepped in fixed frames. Many worlds may live at once; none shares state.
-// Nothing here throws on bad data, prints or exits: what is wrong comes back as a value.
+// Nothing here throws, prints or exits: what is wrong comes back as a value, want of memory too (out_of_memory()).
 #pragma once
 
 #include <cstddef>
@@ -264,6 +264,11 @@ class PSIM_API World {
   PSIM_LOCAL explicit World(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Whether a call of this thread found no memory since it last asked here: the budget of a world (WorldDesc::max_bytes)
+/// or the system gave none. Such a call changed nothing but that sleeping bodies may have woken, and its answer is empty:
+/// false, none, no list. It can be made again. The one exception is StepReport::no_room_for "motion".
+PSIM_API bool out_of_memory() noexcept;
 
 /// Bytes that `discs` dynamic discs need before the first step, an upper estimate for checks
 /// before a run.

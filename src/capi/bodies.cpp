@@ -8,11 +8,6 @@ using namespace psim::capi;
 
 namespace {
 
-// The engine says in one line why it took no body: this tells want of memory from a wrong description.
-psim_result reason_of(std::string_view line) {
-  return line.starts_with("no room for ") ? PSIM_ERROR_OUT_OF_MEMORY : PSIM_ERROR_ARGUMENT;
-}
-
 psim_result stale_body(const Call& call, std::uint32_t index) {
   return call.fail(PSIM_ERROR_STALE_ID, "there is no body " + std::to_string(index) + " of this generation");
 }
@@ -24,7 +19,7 @@ psim_result add(const Call& call, const psim_body_desc* desc, const std::string&
   std::string wrong = convert(given, body);
   psim::BodyId made = psim::kNoBody;
   if (wrong.empty()) made = call.world->changed([&](auto& w) { return w.add_body(body, wrong); });
-  if (made == psim::kNoBody) return call.fail(reason_of(wrong), who + wrong);
+  if (made == psim::kNoBody) return call.fail(PSIM_ERROR_ARGUMENT, who + wrong);
   if (id != nullptr) *id = to_c(made);
   return PSIM_OK;
 }
@@ -122,7 +117,7 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
     std::string error;
     std::uint32_t begin = 0;
     world->changed([&](auto& w) { return w.add_discs(discs, begin, error); });
-    if (!error.empty()) return call.fail(reason_of(error), error);
+    if (!error.empty()) return call.fail(PSIM_ERROR_ARGUMENT, error);
     if (first != nullptr) *first = begin;
     return PSIM_OK;
   });

@@ -12,6 +12,10 @@ std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity)
 }
 
 psim_result Call::fail(psim_result result, std::string_view what) const noexcept {
+  if (psim::out_of_memory()) {  // what the engine answered comes from that
+    result = PSIM_ERROR_OUT_OF_MEMORY;
+    if (what.find("no room") == what.npos) what = kNothingDone;
+  }
   const std::lock_guard lock(world->error_mutex);
   char* at = world->error;
   std::size_t room = psim_world::kErrorRoom;

@@ -64,14 +64,18 @@ struct Call {
 /// Copies text as the header says; the length of all of it.
 std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity) noexcept;
 
-/// What an exception of the engine comes to.
+inline constexpr std::string_view kNothingDone = "out of memory; nothing was done";
+
+/// What an exception of the engine comes to. Want of memory does no harm: the engine has values for its own, and what is
+/// thrown here is of copies for C.
 template <class Body>
 psim_result caught(const Call& call, const Body& body) noexcept {
+  psim::out_of_memory();  // forgets what earlier calls found
   try {
-    return body();
+    const psim_result result = body();
+    return psim::out_of_memory() ? call.fail(PSIM_ERROR_OUT_OF_MEMORY, kNothingDone) : result;
   } catch (const std::bad_alloc&) {
-    call.world->broken = true;
-    return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "out of memory; the world can only be destroyed");
+    return call.fail(PSIM_ERROR_OUT_OF_MEMORY, kNothingDone);
   } catch (const std::exception& e) {
     call.world->broken = true;
     return call.fail(PSIM_ERROR_INTERNAL, e.what());

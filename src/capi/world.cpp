@@ -53,6 +53,10 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
   if (report != nullptr) write(report_of(done), report);
   if (done.no_room_for == nullptr) return PSIM_OK;
   const std::string what = done.no_room_for;
+  psim::out_of_memory();  // this line says more
+  if (what == "events" || what == "snapshot") {
+    return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "no room for the " + what + " of a step, which was done");
+  }
   if (what != "motion") return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "no room for " + what + "; the world is as before");
   call.world->broken = true;
   return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "out of memory; the world can only be destroyed");

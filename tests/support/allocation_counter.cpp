@@ -9,10 +9,12 @@
 
 namespace {
 
-std::atomic<std::uint64_t> g_allocations{0}, g_failing{0};
+std::atomic<std::uint64_t> g_allocations{0}, g_first_failing{~0ull}, g_last_failing{0};
 
 void* counted(std::size_t bytes, std::size_t alignment) {
-  if (g_allocations.fetch_add(1, std::memory_order_relaxed) + 1 == g_failing.load(std::memory_order_relaxed)) {
+  const std::uint64_t number = g_allocations.fetch_add(1, std::memory_order_relaxed) + 1;
+  if (number >= g_first_failing.load(std::memory_order_relaxed) &&
+      number <= g_last_failing.load(std::memory_order_relaxed)) {
     throw std::bad_alloc();
   }
   const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
@@ -47,7 +49,11 @@ void give_back(void* p) {
 namespace psim::test {
 
 std::uint64_t allocations() { return g_allocations.load(); }
-void fail_allocation(std::uint64_t number) { g_failing.store(number); }
+void fail_allocation(std::uint64_t number, bool all) {
+  g_last_failing.store(0);
+  g_first_failing.store(number);
+  g_last_failing.store(number != 0 && all ? ~std::uint64_t{0} : number);
+}
 
 }  // namespace psim::test
 

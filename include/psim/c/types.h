@@ -27,9 +27,9 @@ enum psim_result_code {
   PSIM_ERROR_STALE_ID = -3,       ///< no such body or joint, or no more
   PSIM_ERROR_NOT_MOVABLE = -4,    ///< the body is static, or frozen for its broken numbers
   PSIM_ERROR_UNSUPPORTED = -5,    ///< the CPU lacks the instruction set
-  PSIM_ERROR_OUT_OF_MEMORY = -6,  ///< the world can only be destroyed
+  PSIM_ERROR_OUT_OF_MEMORY = -6,  ///< of the system, or of the world's budget; nothing was done
   PSIM_ERROR_INTERNAL = -7,       ///< something threw; the world can only be destroyed
-  PSIM_ERROR_BROKEN_WORLD = -8    ///< one of the two above happened before
+  PSIM_ERROR_BROKEN_WORLD = -8    ///< it happened before
 };
 
 /// What moves a body.

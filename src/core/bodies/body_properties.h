@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/elementary.h"
+#include "base/room.h"
 #include "base/rotor.h"
 #include "least.h"
 #include "psim/desc.h"
@@ -84,6 +85,8 @@ class SharedTable {
     }
     if (free_.empty()) {
       if (list_.size() > kMost) return kMost + 1;
+      list_.reserve(roomier(list_));
+      free_.reserve(list_.capacity());  // release() needs no memory
       free_.push_back(static_cast<std::uint32_t>(list_.size()));
       list_.emplace_back();
     }

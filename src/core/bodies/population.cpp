@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
+#include "base/room.h"
 #include "bodies/body_desc.h"
 #include "bodies/hull.h"
 #include "bodies/static_pieces.h"
@@ -49,23 +50,6 @@ std::string cut_into_pieces(const BodyDesc& d, Pieces pieces) {
 double rim_speed_of(double omega, float radius) {
   constexpr double kMost = 1e15;
   return lesser(greater(omega * radius, -kMost), kMost);
-}
-
-// A size to reserve that has room for one more, and for as many again, when there is none.
-template <class T>
-std::size_t roomier(const std::vector<T>& list) {
-  return list.size() < list.capacity() ? list.capacity() : 2 * list.size() + 1;
-}
-
-// make(), or what it throws after undo().
-template <class Undo, class Make>
-auto or_else(const Undo& undo, const Make& make) {
-  try {
-    return make();
-  } catch (...) {
-    undo();
-    throw;
-  }
 }
 
 }  // namespace
@@ -257,7 +241,25 @@ void Population::leave_columns(std::uint32_t id) {
   if (bodies.kinds[properties.kind].bullet) std::erase(bullets, id);
 }
 
+void Population::make_room_to_leave(std::size_t n) {
+  const std::size_t free = bodies.free_ids.size() + n;
+  if (free > bodies.free_ids.capacity()) bodies.free_ids.reserve(2 * free);
+  statics.make_room_to_leave(0);
+}
+
+void Population::lose_all() {
+  bodies.count = bodies.dead = bodies.id_count = 0;
+  bodies.free_ids.clear();
+  statics.lose_all();
+  fixed.clear();
+  frozen.clear();
+  kinematics.clear();
+  bullets.clear();
+  traits = {};
+}
+
 void Population::remove(std::uint32_t id) {
+  make_room_to_leave(1);
   BodyInfo& info = bodies.info[id];
   const BodyProperties& properties = bodies.properties(id);
   const BodyKind& kind = bodies.kinds[properties.kind];
@@ -284,6 +286,7 @@ void Population::remove(std::uint32_t id) {
 }
 
 void Population::freeze(const BodyState& last) {
+  frozen.reserve(roomier(frozen));
   leave_columns(last.id.index);
   BodyInfo& info = bodies.info[last.id.index];
   info.place = Place::frozen;

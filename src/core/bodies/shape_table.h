@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/room.h"
 #include "bodies/hull.h"
 
 namespace psim {
@@ -36,14 +37,21 @@ class ShapeTable {
     const auto count = static_cast<std::uint32_t>(parts.size());
     auto index = static_cast<std::uint32_t>(sets_.size());
     const auto gap = std::find_if(free_.begin(), free_.end(), [&](auto k) { return sets_[k].count == count; });
-    if (gap == free_.end()) {
+    const bool fresh = gap == free_.end();
+    if (fresh) {
+      sets_.reserve(roomier(sets_));
+      free_.reserve(sets_.capacity());  // release() needs no memory
+      if (hulls_.size() + count > hulls_.capacity()) hulls_.reserve(2 * hulls_.size() + count);
+    } else {
+      index = *gap;
+    }
+    by_hash_.emplace(key, index);  // the last that needs memory
+    if (fresh) {
       sets_.push_back({static_cast<std::uint32_t>(hulls_.size()), count, 0});
       hulls_.resize(hulls_.size() + count);
     } else {
-      index = *gap;
       free_.erase(gap);
     }
-    by_hash_.emplace(key, index);
     sets_[index].users = 1;
     std::copy(parts.begin(), parts.end(), hulls_.begin() + sets_[index].first);
     ++changes_;

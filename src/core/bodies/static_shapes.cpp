@@ -82,6 +82,7 @@ void StaticShapes::reserve(std::size_t pieces) {
   statics_.reserve(count_ + pieces);
   const std::size_t hulls = hulls_.size() + pieces;
   if (hulls > hulls_.capacity()) hulls_.reserve(std::max(hulls, 2 * hulls_.size()));
+  free_hulls_.reserve(hulls_.capacity());
 }
 
 void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
@@ -104,6 +105,12 @@ void StaticShapes::drop(std::uint32_t number) {
   statics_[number].alive = false;
   if (statics_[number].whole) free_hulls_.push_back(statics_[number].hull);
   --alive_;
+}
+
+void StaticShapes::make_room_to_leave(std::size_t bodies) {
+  free_hulls_.reserve(hulls_.capacity());
+  const std::size_t left = left_.size() + bodies;
+  if (left > left_.capacity()) left_.reserve(2 * left);
 }
 
 void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {

@@ -96,6 +96,13 @@ class StaticShapes {
   void make_room(std::uint32_t pieces, std::uint32_t hulls);
   /// Makes room for so many pieces more, which then are added without an allocation.
   void reserve(std::size_t pieces);
+  /// Forgets all pieces.
+  void lose_all() {
+    count_ = 0;
+    alive_ = 0;
+  }
+  /// Makes room for the places of so many bodies that wake or go, which need no memory then.
+  void make_room_to_leave(std::size_t bodies);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
   void remove_sleeping(std::uint32_t first, std::uint32_t count);
 

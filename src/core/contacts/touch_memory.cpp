@@ -41,6 +41,12 @@ void TouchMemory::make_room(std::size_t touches) {
   if (size > slot_.size()) rehash(size);
 }
 
+void TouchMemory::make_room_for_more(std::size_t touches) {
+  const std::size_t all = list_.size() + touches;
+  if (all > list_.capacity()) list_.reserve(std::max(all, 2 * list_.capacity()));
+  if (2 * all > slot_.size()) rehash(size_for(all));
+}
+
 const Touch* TouchMemory::find(std::uint64_t key) const {
   if (list_.empty()) return nullptr;
   const std::uint32_t slot = slot_[place_of(key)];

@@ -45,6 +45,8 @@ class TouchMemory {
   void clear();
   /// Makes room: adding up to `touches` of them allocates nothing.
   void make_room(std::size_t touches);
+  /// Makes room for so many more, if there is none.
+  void make_room_for_more(std::size_t touches);
   std::size_t bytes() const { return list_.capacity() * sizeof(Touch) + slot_.capacity() * 4; }
 
  private:

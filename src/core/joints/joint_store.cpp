@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/room.h"
 #include "base/sort_keys.h"
 
 namespace psim {
@@ -30,6 +31,12 @@ JointKind kind_of(const JointDesc& d) {
 
 }  // namespace
 
+// Room for the links of the bodies of a joint.
+void JointStore::link_room(const JointDesc& d) {
+  const std::size_t most = std::max(d.a.index, d.b.index);
+  if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
+}
+
 // A joint begins to count. This finds out what follows from its description and its bodies.
 void JointStore::enter(std::uint32_t index) {
   Joint& j = joints_[index];
@@ -37,8 +44,7 @@ void JointStore::enter(std::uint32_t index) {
   j.swapped = !dynamic(j.desc.b);
   j.held = j.swapped || !dynamic(j.desc.a);
   j.lane = j.articulated = kNoSlot;
-  const std::size_t most = std::max(j.desc.a.index, j.desc.b.index);
-  if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
+  link_room(j.desc);
   for (const BodyId body : {j.desc.a, j.desc.b}) {
     std::uint32_t* const link = link_to(index, body.index);
     j.next_of(body.index) = *link;
@@ -50,7 +56,10 @@ void JointStore::enter(std::uint32_t index) {
 }
 
 JointId JointStore::add(const JointDesc& d) {
+  link_room(d);
   if (free_.empty()) {
+    joints_.reserve(roomier(joints_));
+    free_.reserve(std::max(free_.capacity(), joints_.capacity()));  // to take joints out needs no memory
     free_.push_back(static_cast<std::uint32_t>(joints_.size()));
     joints_.emplace_back();
   }
@@ -113,10 +122,8 @@ std::uint32_t* JointStore::link_to(std::uint32_t index, std::uint32_t body) {
   return link;
 }
 
-bool JointStore::set_motor(JointId id, double speed, double limit) {
-  if (!is_valid(id)) return false;
+void JointStore::set_motor(JointId id, double speed, double limit) {
   Joint& j = joints_[id.index];
-  if (j.desc.type != JointType::revolute && j.desc.type != JointType::prismatic) return false;
   j.desc.motor_speed = speed;
   j.desc.motor_limit = limit;
   if (j.kind == JointKind::pin && limit > 0) {  // it moves to the blocks with a motor
@@ -124,7 +131,6 @@ bool JointStore::set_motor(JointId id, double speed, double limit) {
     leave_lane(j);
     j.kind = JointKind::driven;
   }
-  return true;
 }
 
 void JointStore::follow_sleep() {

@@ -48,13 +48,18 @@ class JointStore {
   /// Adds a joint. Its description was checked, and all optional values but the limits are set.
   JointId add(const JointDesc& d);
   bool remove(JointId id);
+  /// Forgets all joints.
+  void lose_all() {
+    joints_.clear();
+    count_ = exclusions_ = 0;
+  }
   void remove_of_body(std::uint32_t body);
 
   bool is_valid(JointId id) const {
     return id.index < joints_.size() && joints_[id.index].alive && joints_[id.index].generation == id.generation;
   }
   const JointDesc& desc(JointId id) const { return joints_[id.index].desc; }
-  bool set_motor(JointId id, double speed, double limit);
+  void set_motor(JointId id, double speed, double limit);
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
   std::size_t bytes() const;
@@ -224,6 +229,7 @@ class JointStore {
 
   std::uint32_t first_of(std::uint32_t body) const { return body < first_.size() ? first_[body] : kNoSlot; }
   std::uint32_t* link_to(std::uint32_t index, std::uint32_t body);
+  void link_room(const JointDesc& d);
   void enter(std::uint32_t index);
   void leave_lane(Joint& j);
   template <class Each>

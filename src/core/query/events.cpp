@@ -67,6 +67,12 @@ void EventList::clear() {
   hits_.hits.clear();
 }
 
+void EventList::start_over() {
+  const EventOptions kept = options_;
+  *this = EventList();
+  options_ = kept;
+}
+
 // Pairs of removed bodies have ended, even if other bodies have their ids now.
 void EventList::retire(Keys& known) {
   if (removed_.empty()) return;

@@ -71,6 +71,9 @@ class EventList {
   /// Empties the lists: nothing happens in a step that waits.
   void clear();
 
+  /// Forgets who touched: the next step tells of all that touch then, as if they began to.
+  void start_over();
+
   Events view() const { return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_}; }
   std::size_t bytes() const;
 

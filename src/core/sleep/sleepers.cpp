@@ -147,6 +147,11 @@ void Sleepers::tidy() {
   for (const Sleeper& s : list) used += s.touches;
   if (touches.size() < 2 * used + 4096) return;
   kept_.clear();
+  try {
+    kept_.reserve(used);
+  } catch (const std::bad_alloc&) {
+    return;  // another time
+  }
   for (Sleeper& s : list) {
     const auto first = touches.begin() + s.first_touch;
     s.first_touch = static_cast<std::uint32_t>(kept_.size());

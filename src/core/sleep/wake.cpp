@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/elementary.h"
+#include "base/room.h"
 #include "sleep/sleep.h"
 #include "sleep/sleep_contacts.h"
 
@@ -44,6 +45,10 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   BodyStore& bodies = source.population.bodies;
   const std::uint32_t k = bodies.info[id].slot;
   const Sleeper s = sleepers.list[k];
+  // What has no room, stays asleep.
+  bodies.reserve_slots(1);
+  source.population.statics.make_room_to_leave(1);
+  sleepers.recent.make_room_for_more(s.touches);
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
   sleepers.list.pop_back();
@@ -108,21 +113,25 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   BodyStore& bodies = source.population.bodies;
   std::vector<Waking>& queue = sleepers.queue;
   bool any = false;
-  for (std::size_t k = 0; k < queue.size(); ++k) {
-    const Waking now = queue[k];
-    if (bodies.info[now.id].place != Place::asleep) continue;
-    const Sleeper self = sleepers.list[bodies.info[now.id].slot];
-    if (!any) bodies.find_slots();
-    wake_one(source, sleepers, now.id);
-    any = true;
-    ask_joined_and_stacked(source, sleepers, self, now.rings);
-    if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
-  }
-  queue.clear();
-  if (!any) return false;
-  sleepers.tidy();
-  if (!source.joints.empty()) source.joints.follow_sleep();
-  return true;
+  const auto end = [&] {
+    queue.clear();
+    if (any && !source.joints.empty()) source.joints.follow_sleep();
+  };
+  or_else(end, [&] {
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      const Waking now = queue[k];
+      if (bodies.info[now.id].place != Place::asleep) continue;
+      const Sleeper self = sleepers.list[bodies.info[now.id].slot];
+      if (!any) bodies.find_slots();
+      wake_one(source, sleepers, now.id);
+      any = true;
+      ask_joined_and_stacked(source, sleepers, self, now.rings);
+      if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
+    }
+    if (any) sleepers.tidy();
+  });
+  end();
+  return any;
 }
 
 }  // namespace

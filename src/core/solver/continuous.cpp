@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kTask = 512, kBodies = 2048, kFlights = 16;  // bodies of a job
 constexpr std::size_t kFastShare = 8, kFewFast = 32;  // room is made for a share of all bodies, and for so many
-constexpr std::size_t kFew = 8;     // kinematic bodies that are looked at one by one
+constexpr std::size_t kFew = 8;                       // kinematic bodies that are looked at one by one
 constexpr float kFastDisc = 0.75f;  // share of its radius by which a disc moves before it could pass thin geometry
 // Share of the inner radius: a body that is deeper in a kinematic one is looked at, however slow.
 constexpr float kPressed = 0.25f;
@@ -329,8 +329,8 @@ void Continuous::follow(const ContinuousInput& in) {
 
 void Continuous::make_room(const ContinuousInput& in) {
   const std::size_t bodies = in.contacts.surroundings.bodies.count, most = bodies / kFastShare + kFewFast;
-  jobs_.resize(std::max({jobs_.size(), jobs_for(in.contacts.manifolds.shaped().size(), kTask), jobs_for(bodies, kBodies),
-                         in.table.strips.size(), jobs_for(most, kFlights)}));
+  jobs_.resize(std::max({jobs_.size(), jobs_for(in.contacts.manifolds.shaped().size(), kTask),
+                         jobs_for(bodies, kBodies), in.table.strips.size(), jobs_for(most, kFlights)}));
   for (Job& job : jobs_) {
     job.found.reserve(kFewFast);
     job.near.reserve(kFewFast);

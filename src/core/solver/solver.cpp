@@ -370,7 +370,7 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params, bool
   find_loaded(in.table);
   if (params.model.bounce) mark_impacts(in);
   if (in.contacts.manifolds.any()) list_rocking(in, params.dt, length_of(params.gravity) * params.dt / params.substeps);
-  last_sweep_.reserve(in.table.strips.size());
+  if (params.model.bounce) last_sweep_.reserve(in.table.strips.size());
   Run run(*this, in, params);
   moving = true;
   for (int substep = 0; substep < params.substeps; ++substep) run.substep(substep == 0);

@@ -211,6 +211,8 @@ class Archive {
     at_ = end_;
   }
 
+  bool make_room(std::size_t n);
+
  private:
   static constexpr std::uint64_t kThingsAByte = 16;
 
@@ -227,7 +229,6 @@ class Archive {
     }
     at_ += n;
   }
-  bool make_room(std::size_t n);
   // A std::size_t takes 8 bytes in every state, also where it has 4: states go from machine to machine.
   template <class T>
   static constexpr bool kIsSize = std::is_same_v<T, std::size_t> && sizeof(T) < sizeof(std::uint64_t);
@@ -321,6 +322,12 @@ class Saver : public Archive {
   explicit Saver(std::vector<std::byte> memory = {}) : Archive(std::move(memory)) {}
   /// What was written, without a header.
   std::span<const std::byte> bytes() const { return {memory_.data() + kHeader, at_ - kHeader}; }
+  /// Makes room for so many bytes more, which then need no memory.
+  void room_for(std::size_t bytes) {
+    if (bytes > left()) make_room(bytes);
+  }
+  /// Goes back to where bytes() had this size.
+  void cut(std::size_t size) { at_ = kHeader + size; }
   /// The same behind a header. The saver is of no use then.
   std::vector<std::byte> finish();
 };

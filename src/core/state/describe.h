@@ -102,6 +102,7 @@ void describe_free(Archive& a, std::vector<std::uint32_t>& list, std::size_t beg
     if (a.ok()) a.require(k >= begin && listed[k]++ == 0);
   }
   for (std::size_t k = begin; k < end && a.ok(); ++k) a.require(is_free(k) == (listed[k] != 0));
+  if (a.ok()) list.reserve(end);  // what is given back later needs no memory
 }
 
 /// Who is in a world. `lists`: with where they were when the lists were made.

@@ -3,6 +3,7 @@
 #include <array>
 #include <tuple>
 
+#include "base/room.h"
 #include "state/describe.h"
 
 namespace psim {
@@ -68,33 +69,87 @@ void describe(Archive& a, DiscBatch& b, Discs& discs) {
 // ---- recorder --------------------------------------------------------------------------------------
 
 struct Recorder::Log {
+  static constexpr std::size_t kEnd = 16, kStepAndHash = 64;  // bytes: no less than these entries take
+
   std::vector<std::byte> state;
   Saver saver;
+  bool ended = false;
   std::uint64_t every = 60, steps = 0;
 
   template <class... T>
   void add(std::uint8_t op, T... args) {
     values(saver, op, args...);
   }
+  // A call found no memory. It changed no number, but sleepers may have woken, which is not written down: the recording
+  // ends before it.
+  void end(const World& world, std::size_t before) {
+    saver.cut(before);
+    add(kHash, world.state_hash());  // kEnd bytes
+    ended = true;
+    ran_out_of_memory() = true;
+  }
+  // Writes down what write() writes, and does it by call(). What is refused is not written down.
+  template <class Write, class Call>
+  auto done(const World& world, const Write& write, const Call& call) {
+    if (ended) return call();
+    const std::size_t before = saver.bytes().size();
+    const bool told = std::exchange(ran_out_of_memory(), false);
+    decltype(call()) answer{}, none{};
+    try {
+      write();
+      saver.room_for(kEnd);
+      answer = call();
+    } catch (const std::bad_alloc&) {  // there is no room for the recording; the world has values
+      ran_out_of_memory() = true;
+    }
+    if (ran_out_of_memory()) {
+      end(world, before);
+    } else if (answer == none) {
+      saver.cut(before);
+    }
+    ran_out_of_memory() = told || ran_out_of_memory();
+    return answer;
+  }
   // Writes down a call of kCalls, and does it.
   template <std::size_t kCall, class... T>
   auto call(World& world, const T&... args) {
-    add(kCallsBegin + kCall, args...);
-    return (world.*std::get<kCall>(kCalls))(args...);
+    const auto does = [&] {
+      if constexpr (std::is_void_v<decltype((world.*std::get<kCall>(kCalls))(args...))>) {
+        (world.*std::get<kCall>(kCalls))(args...);
+        return true;
+      } else {
+        return (world.*std::get<kCall>(kCalls))(args...);
+      }
+    };
+    return done(
+        world, [&] { add(kCallsBegin + kCall, args...); }, does);
   }
   template <class Step>
   StepReport step(World& world, double dt, const Step& step) {
+    if (ended) return step();
     const std::uint64_t frame = world.frame();
-    const StepReport report = step();
-    if (world.frame() == frame) return report;  // refused
-    add(kStep, dt, report.detail);
-    if (++steps % every == 0) add(kHash, world.state_hash());
+    const std::size_t before = saver.bytes().size();
+    StepReport report;
+    try {
+      saver.room_for(kStepAndHash + kEnd);
+      report = step();
+    } catch (const std::bad_alloc&) {
+      report.no_room_for = "recording";
+      report.detail.solves = false;
+    }
+    if (world.frame() == frame) {  // refused
+      if (report.no_room_for != nullptr) end(world, before);
+    } else {
+      add(kStep, dt, report.detail);
+      if (++steps % every == 0) add(kHash, world.state_hash());
+    }
     return report;
   }
 };
 
 Recorder::Recorder(World& world, std::uint64_t every) : world_(world), log_(std::make_unique<Log>()) {
   log_->every = std::max<std::uint64_t>(every, 1);
+  log_->saver.room_for(Log::kEnd);
   world.save(log_->state);
 }
 Recorder::~Recorder() = default;
@@ -112,25 +167,23 @@ StepReport Recorder::replay(const StepDetail& detail, double dt) {
 }
 
 BodyId Recorder::add_body(const BodyDesc& desc, std::string& error) {
-  const BodyId id = world_.add_body(desc, error);
-  if (id != kNoBody) log_->add(kAddBody, desc);
-  return id;
+  return log_->done(
+      world_, [&] { log_->add(kAddBody, desc); }, [&] { return world_.add_body(desc, error); });
 }
 
 std::size_t Recorder::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
-  const std::size_t added = world_.add_discs(batch, first, error);
-  if (added == 0) return 0;
-  DiscBatch copy = batch;
-  Discs discs;
-  log_->add(kAddDiscs);
-  describe(log_->saver, copy, discs);
-  return added;
+  const auto write = [&] {
+    DiscBatch copy = batch;
+    Discs discs;
+    log_->add(kAddDiscs);
+    describe(log_->saver, copy, discs);
+  };
+  return log_->done(world_, write, [&] { return world_.add_discs(batch, first, error); });
 }
 
 JointId Recorder::add_joint(const JointDesc& desc, std::string& error) {
-  const JointId id = world_.add_joint(desc, error);
-  if (id != kNoJoint) log_->add(kAddJoint, desc);
-  return id;
+  return log_->done(
+      world_, [&] { log_->add(kAddJoint, desc); }, [&] { return world_.add_joint(desc, error); });
 }
 
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
@@ -154,7 +207,7 @@ bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); 
 
 std::vector<std::byte> Recorder::recording() const {
   Log end;
-  end.add(kHash, world_.state_hash());
+  if (!log_->ended) end.add(kHash, world_.state_hash());
   RecordHeader header;
   header.state = log_->state.size();
   header.steps = log_->steps;

@@ -170,8 +170,16 @@ void solve(StepContext& c, double dt, StepReport& report) {
 
 ContinuousInput continuous_input(const StepContext& c, const ManifoldParams& p, double dt) {
   const Walls* const walls = c.desc.boundary == Boundary::walls ? &p.walls : nullptr;
-  return {c.contacts,     c.neighbours.table, c.joints,  c.population.kinematics,      c.population.bullets,
-          c.plan.filters, dt,                 p.gravity, c.desc.restitution_threshold, walls,
+  return {c.contacts,
+          c.neighbours.table,
+          c.joints,
+          c.population.kinematics,
+          c.population.bullets,
+          c.plan.filters,
+          dt,
+          p.gravity,
+          c.desc.restitution_threshold,
+          walls,
           p.wall};
 }
 

@@ -1,6 +1,7 @@
 #include "step/step_table.h"
 
 #include <algorithm>
+#include <new>
 
 #include "base/trace.h"
 
@@ -34,6 +35,19 @@ void begin_again(StepContext& c) {
   StepProgress& now = c.progress;
   now = {.spread = now.spread, .waits = now.waits, .spoiled = now.spoiled, .horizon = now.horizon};
   c.done_so_far.clear();
+}
+
+// There is no memory to remember which slots the contacts of the last step speak of: the next ones begin without what
+// these carried.
+void forget_contacts(StepContext& c) {
+  c.neighbours.broad.origin.forget();
+  c.neighbours.table.body_count = c.neighbours.old_table.body_count = 0;
+  c.neighbours.table.strips.clear();
+  c.neighbours.renewal.forget();
+  c.contacts.manifolds.forget();
+  c.contacts.stacks.forget();
+  c.contacts.impulses_valid = false;
+  c.contacts.bare = true;
 }
 
 }  // namespace
@@ -85,7 +99,13 @@ void spoil_work(StepContext& c) {
   turn_back(c);
   c.contacts.discs.give_up();
   c.contacts.manifolds.accept();
-  if (c.progress.sorted()) c.neighbours.broad.origin.keep();
+  if (c.progress.sorted()) {
+    try {
+      c.neighbours.broad.origin.keep();
+    } catch (const std::bad_alloc&) {
+      forget_contacts(c);
+    }
+  }
   c.neighbours.stale = true;
   if (c.progress.waits != 0 && (!c.progress.untouched() || c.progress.at != 0)) ++c.progress.spoiled;
   begin_again(c);

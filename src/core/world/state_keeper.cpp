@@ -48,9 +48,17 @@ class StateKeeper {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
     if (w_.progress.sorted() || lists_.broad.origin.moved_on()) lists_.broad.origin.copy(origin_);
-    turn_back(w_);  // to the contacts of the last step
-    lists_.made.candidates = count_work(w_).lists.candidates;
     const bool stale = lists_.stale;
+    turn_back(w_);  // to the contacts of the last step
+    const struct TurnAgain {
+      StepContext& w;
+      bool stale;
+      ~TurnAgain() {
+        w.neighbours.stale = stale;
+        turn_back(w);
+      }
+    } again{w_, stale};
+    lists_.made.candidates = count_work(w_).lists.candidates;
     lists_.stale = stale || w_.progress.makes_lists();
     last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
             table.body_count != 0;
@@ -62,8 +70,6 @@ class StateKeeper {
     describe(saver);
     w_.contacts.manifolds.describe(saver, around_manifolds());
     out = saver.finish();
-    lists_.stale = stale;
-    turn_back(w_);
   }
 
   /// Reads the rest of a state. What is wrong is told to the loader; the world is of no use then.
@@ -279,12 +285,35 @@ void go_back(Owners& w, std::span<const std::byte> state) {
   PSIM_ASSERT(loader.ok());
 }
 
-void World::save(std::vector<std::byte>& out) {
-  const FloatSettings settings;
-  psim::save(*impl_, out);
+void Owners::go_back_or_lose(std::span<const std::byte> state) {
+  const std::size_t most = std::exchange(memory.most, SIZE_MAX);
+  for (int tries = 0; tries < 2; ++tries) {  // what a first one made room for, is there for the second one
+    try {
+      go_back(*this, state);
+      memory.most = most;
+      return;
+    } catch (const std::bad_alloc&) {
+    }
+  }
+  memory.most = most;
+  broken = true;
+  population.lose_all();
+  sleep.sleepers.list.clear();
+  joints.lose_all();
+  observers.events.clear();
+  observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
+  ledger.steps = 0;
 }
 
-bool World::restore(std::span<const std::byte> state, std::string& error) {
+void World::save(std::vector<std::byte>& out) try {
+  const FloatSettings settings;
+  psim::save(*impl_, out);
+} catch (const std::bad_alloc&) {
+  out.clear();
+  impl_->recover();
+}
+
+bool World::restore(std::span<const std::byte> state, std::string& error) try {
   Owners& w = *impl_;
   const FloatSettings settings;  // as in a step: what is made here is what a step would make
   StateLoader loader(state);
@@ -296,14 +325,17 @@ bool World::restore(std::span<const std::byte> state, std::string& error) {
   if (!error.empty()) return false;
   std::vector<std::byte> before;
   psim::save(w, before);
-  StateKeeper(w).load(loader);
+  or_else([&] { w.go_back_or_lose(before); }, [&] { StateKeeper(w).load(loader); });
   error = loader.error();
-  if (!error.empty()) go_back(w, before);
+  if (!error.empty()) w.go_back_or_lose(before);
   return error.empty();
+} catch (const std::bad_alloc&) {
+  say_no_room(*impl_, "a state", error);
+  return impl_->ran_out(false);
 }
 
 std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const RunOptions& options,
-                                         std::string& error) {
+                                         std::string& error) try {
   const FloatSettings settings;
   StateLoader loader(state);
   error = loader.error();
@@ -311,6 +343,10 @@ std::unique_ptr<World> World::from_state(std::span<const std::byte> state, const
   auto world = create(loader.desc, options, error);
   if (!world || !world->restore(state, error)) return nullptr;
   return world;
+} catch (const std::bad_alloc&) {
+  ran_out_of_memory() = true;
+  error = "no room";
+  return nullptr;
 }
 
 }  // namespace psim

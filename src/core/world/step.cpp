@@ -91,10 +91,21 @@ void move(Owners& w, double dt, StepReport& report) {
   }
 }
 
+// What is told of a step is lost, the step is not.
+void lose(StepReport& report, const char* what) {
+  report.no_room_for = what;
+  ran_out_of_memory() = true;
+}
+
 void collect_events(Owners& w, StepReport& report) {
   if (!w.plan.events) return;
   const StageTimer timer(report, w.tracer, Stage::publish);
-  w.observers.events.collect(w.observed(), w.observers.queries);
+  try {
+    w.observers.events.collect(w.observed(), w.observers.queries);
+  } catch (const std::bad_alloc&) {
+    w.observers.events.start_over();
+    lose(report, "events");
+  }
   w.sleep.sleepers.changed = false;
 }
 
@@ -124,8 +135,7 @@ void get_ready(Owners& w, double frame_dt, StepReport& report) {
 void give_up(Owners& w, StepReport& report) {
   const bool lists = !all_done(w.progress) && step_parts()[w.progress.part].stage == Stage::broad_phase;
   report.no_room_for = lists ? "pairs" : "contacts";
-  spoil_work(w);
-  w.plan_stale = true;  // perhaps not all of its arrays were made
+  w.recover();
   w.observers.events.clear();
   report.detail.solves = report.detail.wakes = false;
 }
@@ -158,7 +168,11 @@ void publish(Owners& w, StepReport& report) {
   ++w.ledger.frames;
   if (!w.plan.publish) return;
   const StageTimer timer(report, w.tracer, Stage::publish);
-  w.observers.publisher.publish(w.observed(), w.ledger.frames);
+  try {
+    w.observers.publisher.publish(w.observed(), w.ledger.frames);
+  } catch (const std::bad_alloc&) {
+    lose(report, "snapshot");
+  }
 }
 
 // Tells who was awake in this step, and who is asleep after it.
@@ -217,19 +231,23 @@ StepReport try_step(Owners& w, double dt, const StepDetail* given) {
   const Tracer::Clock::time_point begin = w.tracer.begin();
   const WorkerPool::Awake awake(w.pool);
   StepReport report = open_page(w, given);
-  take_prepared(w, dt, report);
-  report.quarantined = w.quarantine.freeze_doubtful(w.population, freezer(w));
   w.dynamics.moving = false;
+  bool refused = false;
   try {
+    take_prepared(w, dt, report);
+    report.quarantined = w.quarantine.freeze_doubtful(w.population, freezer(w));
     get_ready(w, dt, report);
     if (report.detail.solves) advance(w, dt, report);
   } catch (const std::bad_alloc&) {
     if (w.dynamics.moving) throw;
     give_up(w, report);
+    refused = true;
   }
-  if (report.detail.waits() && report.no_room_for == nullptr) stand_still(w);
-  publish(w, report);
-  fall_asleep(w, dt, report);
+  if (!refused) {
+    if (report.detail.waits()) stand_still(w);
+    publish(w, report);
+    fall_asleep(w, dt, report);
+  }
   w.ledger.end_step(w.memory, report);
   report.total_ms = std::chrono::duration<double, std::milli>(w.tracer.begin() - begin).count();
   return report;
@@ -244,6 +262,7 @@ StepReport step(Owners& w, double dt, const StepDetail* given) {
   } catch (const std::bad_alloc&) {
     w.broken = true;
   }
+  ran_out_of_memory() = true;
   StepReport report;
   report.no_room_for = "motion";
   report.detail.solves = false;
@@ -296,10 +315,11 @@ void World::prepare() {
 }
 
 Owners& Owners::settled() {
+  if (broken) throw std::bad_alloc();
   if (unprepared.empty()) return *this;
-  const std::vector<std::byte> before = std::move(unprepared);
+  std::vector<std::byte> before = std::move(unprepared);
   unprepared.clear();
-  go_back(*this, before);
+  go_back_or_lose(before);
   return *this;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/room.h"
 #include "bodies/body_desc.h"
 #include "world/world_impl.h"
 
@@ -63,16 +64,26 @@ std::unique_ptr<World> World::create(const WorldDesc& desc, const RunOptions& op
   try {
     return std::unique_ptr<World>(new World(std::make_unique<Impl>(desc, options)));
   } catch (const std::bad_alloc&) {
-    error = "no room for a world";
+    ran_out_of_memory() = true;
+    error = "no room";
     return nullptr;
   }
 }
 
-std::string no_room(const Owners& w, std::string_view what) {
-  std::string line = "no room for " + std::string(what) + ": the world holds " + std::to_string(w.memory.bytes);
-  line += w.desc.max_bytes != 0 ? " bytes and may hold " + std::to_string(w.desc.max_bytes)
-                                : " bytes, and the system gives no more";
-  return line;
+void say_no_room(const Owners& w, std::string_view what, std::string& error) try {
+  error = "no room for " + std::string(what) + ": the world holds " + std::to_string(w.memory.bytes);
+  error += w.desc.max_bytes != 0 ? " bytes and may hold " + std::to_string(w.desc.max_bytes)
+                                 : " bytes, and the system gives no more";
+} catch (const std::bad_alloc&) {
+  error = "no room";  // so short a text is held in place
+}
+
+void Owners::recover() {
+  ran_out_of_memory() = true;
+  if (broken) return;
+  spoil_work(*this);
+  observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
+  plan_stale = observers.placed = true;
 }
 
 World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -81,11 +92,13 @@ World::~World() = default;
 StepReport World::step() { return psim::step(*impl_, impl_->desc.dt); }
 StepReport World::step(double dt) { return psim::step(*impl_, dt); }
 
-bool World::set_governor(const GovernorDesc& desc) {
+bool World::set_governor(const GovernorDesc& desc) try {
   const FloatSettings settings;
   if (!Governor::sound(desc)) return false;
   impl_->settled().governor.set(desc);
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_->desc.dt); }
@@ -99,7 +112,7 @@ StepReport World::replay(const StepDetail& detail, double dt) {
   return psim::step(*impl_, dt, &detail);
 }
 
-bool World::set_skin(double factor) {
+bool World::set_skin(double factor) try {
   const FloatSettings settings;
   if (!is_skin(factor)) return false;
   if (factor == impl_->desc.skin) return true;
@@ -107,6 +120,8 @@ bool World::set_skin(double factor) {
   spoil_work(w);
   w.desc.skin = factor;
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 void World::set_max_bytes(std::size_t bytes) {
@@ -114,27 +129,31 @@ void World::set_max_bytes(std::size_t bytes) {
   impl_->memory.most = bytes != 0 ? bytes : SIZE_MAX;
 }
 
-bool World::set_gravity(Vec2 gravity) {
+bool World::set_gravity(Vec2 gravity) try {
   const FloatSettings settings;
   if (!finite(gravity)) return false;
   if (gravity.x == impl_->desc.gravity.x && gravity.y == impl_->desc.gravity.y) return true;
   Owners& w = impl_->settled();
+  w.note_sleep(w.sleep.wake_all(w.sleep_source()));
   if (!w.progress.untouched()) spoil_work(w);  // they were made for the old gravity
   w.desc.gravity = gravity;
   take_traits(w.desc, w.population.traits);
   w.dynamics.forces.reset();
   w.plan_stale = true;
-  w.note_sleep(w.sleep.wake_all(w.sleep_source()));
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
-void World::set_sleeping(bool on) {
+void World::set_sleeping(bool on) try {
   if (on == impl_->desc.sleeping) return;
   Owners& w = impl_->settled();
+  if (!on) w.note_sleep(w.sleep.wake_all(w.sleep_source()));
   w.desc.sleeping = on;
   take_traits(w.desc, w.population.traits);
   w.plan_stale = true;
-  if (!on) w.note_sleep(w.sleep.wake_all(w.sleep_source()));
+} catch (const std::bad_alloc&) {
+  impl_->recover();
 }
 
 std::size_t World::body_count() const { return impl_->bodies.living(); }
@@ -148,25 +167,39 @@ Isa World::isa() const { return impl_->options.isa; }
 int World::threads() const { return impl_->pool.threads(); }
 LaneCounts World::lane_counts() const { return impl_->ledger.lanes; }
 
-std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const { return impl_->ledger.skipped(); }
+std::vector<std::pair<std::string, std::uint64_t>> World::skipped() const try {
+  return impl_->ledger.skipped();
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<std::pair<std::string, std::uint64_t>>>();
+}
 
-void World::enable_snapshots(bool on) {
+void World::enable_snapshots(bool on) try {
   impl_->settled().population.traits.snapshots = on;
   impl_->observers.placed = true;
+} catch (const std::bad_alloc&) {
+  impl_->recover();
 }
 
 const Snapshot* World::latest_snapshot() { return impl_->observers.publisher.latest(); }
 
 void World::set_job_system(JobSystem jobs) { impl_->pool.set_job_system(std::move(jobs)); }
 
-void World::count_lane_use() {
+void World::count_lane_use() try {
   if (impl_->options.isa != Isa::scalar) impl_->ledger.survey_lanes();
+} catch (const std::bad_alloc&) {
+  impl_->recover();
 }
-std::vector<LaneUse> World::lane_use() const { return impl_->ledger.lane_use(); }
+std::vector<LaneUse> World::lane_use() const try { return impl_->ledger.lane_use(); } catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<LaneUse>>();
+}
 
-void World::start_trace() { impl_->tracer.start(); }
+void World::start_trace() try { impl_->tracer.start(); } catch (const std::bad_alloc&) {
+  impl_->recover();
+}
 void World::stop_trace() { impl_->tracer.stop(); }
-std::vector<TraceEvent> World::take_trace() { return impl_->tracer.take(); }
+std::vector<TraceEvent> World::take_trace() try { return impl_->tracer.take(); } catch (const std::bad_alloc&) {
+  return impl_->ran_out(std::vector<TraceEvent>());
+}
 
 // The columns of a disc in a gas, with room for lists (docs/memory.md).
 std::size_t estimate_memory_bytes(std::size_t discs) { return discs * 220 + (std::size_t{1} << 20); }

@@ -3,6 +3,7 @@
 // step freezes the body.
 #include <cmath>
 
+#include "base/room.h"
 #include "base/rotor.h"
 #include "bodies/body_desc.h"
 #include "world/world_impl.h"
@@ -32,12 +33,13 @@ void body_came(Owners& w, std::uint32_t id) {
 
 // Tells all others that a body goes out of the simulation. `same`: it keeps its id.
 void body_goes(Owners& w, std::uint32_t id, bool same) {
-  remove_joints_of(w, id);
+  disturb_joined(w, id);
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
   const BodyInfo& info = w.bodies.info[id];
-  w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
   if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
+  remove_joints_of(w, id);
+  w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
   if (info.place != Place::frozen) w.plan_stale = true;
   spoil_work(w);
 }
@@ -104,22 +106,22 @@ bool Owners::note_sleep(bool changed) {
   return true;
 }
 
-BodyId World::add_body(const BodyDesc& d, std::string& error) {
+BodyId World::add_body(const BodyDesc& d, std::string& error) try {
   const FloatSettings settings;
   Owners& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
-  try {
-    const BodyId id = w.population.add(d, error);
-    if (id != kNoBody) body_came(w, id.index);
-    return id;
-  } catch (const std::bad_alloc&) {
-    error = no_room(w, "a body");
-    return kNoBody;
-  }
+  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(1);  // to take it back, if others cannot wake
+  const BodyId id = w.population.add(d, error);
+  if (id == kNoBody) return kNoBody;
+  or_else([&] { w.population.remove(id.index); }, [&] { body_came(w, id.index); });
+  return id;
+} catch (const std::bad_alloc&) {
+  say_no_room(*impl_, "a body", error);
+  return impl_->ran_out(kNoBody);
 }
 
-std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) {
+std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error) try {
   const FloatSettings settings;
   Owners& w = impl_->settled();
   error = check(batch, w.desc.bounds);
@@ -127,32 +129,41 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   const std::size_t n = batch.x.size();
   first = w.population.next_id();
   const bool fixed = batch.type == BodyType::static_body;
-  try {
-    w.population.make_room(n, fixed);
-  } catch (const std::bad_alloc&) {
-    error = no_room(w, std::to_string(n) + " bodies");
-    return 0;
-  }
-  if (fixed) {
-    for (std::size_t i = 0; i < n; ++i) add_body(disc_of(batch, i), error);
+  w.population.make_room(n, fixed);
+  std::vector<std::uint32_t> came;
+  came.reserve(n);
+  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(n);
+  const auto take_back = [&] {
+    for (; !came.empty(); came.pop_back()) w.population.remove(came.back());
+  };
+  return or_else(take_back, [&]() -> std::size_t {
+    for (std::size_t i = 0; i < n; ++i) {
+      const BodyId id = w.population.add(disc_of(batch, i), error);
+      if (id == kNoBody) return i;  // none: all discs are of one kind
+      came.push_back(id.index);
+      if (fixed) {
+        body_came(w, id.index);
+      } else {
+        w.sleep.sleepers.mark_moving(id.index);
+        wake_around_kinematic(w, id.index);
+      }
+    }
+    if (n != 0) w.plan_stale = w.observers.placed = true;
+    w.observers.queries.forget(QueryIndex::kMoving);
+    spoil_work(w);
     return n;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    const BodyId id = w.population.add(disc_of(batch, i), error);
-    if (id == kNoBody) return i;  // none: all discs are of one kind
-    w.sleep.sleepers.mark_moving(id.index);
-    wake_around_kinematic(w, id.index);
-  }
-  if (n != 0) w.plan_stale = w.observers.placed = true;
-  w.observers.queries.forget(QueryIndex::kMoving);
-  spoil_work(w);
-  return n;
+  });
+} catch (const std::bad_alloc&) {
+  say_no_room(*impl_, std::to_string(batch.x.size()) + " bodies", error);
+  return impl_->ran_out(std::size_t{0});
 }
 
-bool World::remove_body(BodyId id) {
+bool World::remove_body(BodyId id) try {
   if (!is_valid(id)) return false;
   psim::remove_body(*impl_, id.index);
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 bool World::is_valid(BodyId id) const { return impl_->population.is_valid(id); }
@@ -169,7 +180,7 @@ std::optional<BodyState> World::body(BodyId id) const {
   return impl_->observed().state_of(id.index);
 }
 
-bool World::set_transform(BodyId id, Vec2 position, double angle) {
+bool World::set_transform(BodyId id, Vec2 position, double angle) try {
   const FloatSettings settings;
   Owners& w = *impl_;
   if (!can_move(w, id)) return false;
@@ -185,9 +196,11 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) {
   w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
-bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
+bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) try {
   const FloatSettings settings;
   return push(*impl_, id, [&](std::uint32_t) {
     if (!finite(velocity) || !finite(angular_velocity)) return false;
@@ -195,9 +208,11 @@ bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) {
     impl_->population.set_velocity(id.index, velocity, angular_velocity);
     return true;
   });
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
-bool World::apply_impulse(BodyId id, Vec2 impulse) {
+bool World::apply_impulse(BodyId id, Vec2 impulse) try {
   const FloatSettings settings;
   Population& population = impl_->population;
   return push(*impl_, id, [&](std::uint32_t slot) {
@@ -208,6 +223,8 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) {
     population.bodies.put_velocity(slot, population.capped(v));
     return true;
   });
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
@@ -225,7 +242,7 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
 
 // The angular velocity changes by impulse / I; with the rim speed u = omega R and the gain g = R^2 / I that is
 // du = g impulse / R.
-bool World::apply_angular_impulse(BodyId id, double impulse) {
+bool World::apply_angular_impulse(BodyId id, double impulse) try {
   const FloatSettings settings;
   Population& population = impl_->population;
   const bool turns = is_valid(id) && population.bodies.properties(id.index).rim_gain != 0 && impulse != 0;
@@ -239,21 +256,27 @@ bool World::apply_angular_impulse(BodyId id, double impulse) {
     population.bodies.put_rim_speed(slot, rim_speed);
     return true;
   });
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 bool World::is_awake(BodyId id) const { return is_valid(id) && impl_->bodies.info[id.index].place == Place::moving; }
 
-bool World::wake(BodyId id) {
+bool World::wake(BodyId id) try {
   if (!is_valid(id)) return false;
   Owners& w = impl_->settled();
   w.note_sleep(w.sleep.wake_body(w.sleep_source(), id.index));
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
-std::string World::why_awake(BodyId id) const {
+std::string World::why_awake(BodyId id) const try {
   if (!is_valid(id)) return "there is no such body";
   Owners& w = impl_->settled();
   return w.sleep.why_awake(w.sleep_source(), id.index, w.desc.sleeping, w.desc.dt);
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(std::string());
 }
 
 }  // namespace psim

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/machine.h"
+#include "base/room.h"
 #include "bodies/quarantine.h"
 #include "psim/world.h"
 #include "query/observers.h"
@@ -25,7 +26,7 @@ struct Owners : StepContext {
   Plan applied;                       // the plan that the arrays were made for
   bool sorted_out = false;            // whether manifolds had something then
   std::vector<std::byte> unprepared;  // the state before prepare(), until the first step
-  bool broken = false;                // a step ran out of memory while bodies moved
+  bool broken = false;                // there was no memory in the midst of a change: no call does anything any more
 
   Observed observed() { return {desc, lattice, walls, population, sleep, neighbours.table, contacts, pool}; }
   /// The world without what prepare() made, which holds only as long as the host changes nothing and reads no lists.
@@ -33,14 +34,31 @@ struct Owners : StepContext {
   Owners& settled();
   /// Bodies fell asleep or woke if `changed`.
   bool note_sleep(bool changed);
+  /// Back to a state that was saved here, whatever is in the world now. If there is no memory for it, even beyond the
+  /// budget, the world is broken and has no bodies.
+  void go_back_or_lose(std::span<const std::byte> state);
+  /// A call found no memory: what was made of lists and grids will be made again.
+  void recover();
+  /// The same, and the answer of the call.
+  template <class Answer>
+  Answer ran_out(Answer none) {
+    recover();
+    return none;
+  }
 };
 
 struct World::Impl : Owners {
   using Owners::Owners;
 };
 
-/// One line: there is no room for `what`.
-std::string no_room(const Owners& w, std::string_view what);
+/// One line: there is no room for `what`. Shorter, if there is none for the line either.
+void say_no_room(const Owners& w, std::string_view what, std::string& error);
+/// A call that changes nothing found no memory. This is its answer.
+template <class Answer>
+Answer nothing_found() {
+  ran_out_of_memory() = true;
+  return Answer();
+}
 
 /// A step with the detail that is given; else the governor chooses one, if it is on. The steps of a world: step.cpp.
 StepReport step(Owners& w, double dt, const StepDetail* given = nullptr);
@@ -56,6 +74,7 @@ void freeze_body(Owners& w, const BodyState& last);
 void disturb(Owners& w, std::uint32_t id);
 
 // world_joints.cpp
+void disturb_joined(Owners& w, std::uint32_t body);
 void remove_joints_of(Owners& w, std::uint32_t body);
 
 // state_keeper.cpp

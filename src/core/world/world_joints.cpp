@@ -64,14 +64,17 @@ void disturb_both(Owners& w, const JointDesc& joint) {
 
 }  // namespace
 
+void disturb_joined(Owners& w, std::uint32_t body) {
+  if (!w.joints.empty()) w.joints.each_joined(body, [&](std::uint32_t other) { disturb(w, other); });
+}
+
 void remove_joints_of(Owners& w, std::uint32_t body) {
   if (w.joints.empty()) return;
-  w.joints.each_joined(body, [&](std::uint32_t other) { disturb(w, other); });
   w.joints.remove_of_body(body);
   count_joints(w);
 }
 
-JointId World::add_joint(const JointDesc& desc, std::string& error) {
+JointId World::add_joint(const JointDesc& desc, std::string& error) try {
   const FloatSettings settings;
   Owners& w = impl_->settled();
   error.clear();
@@ -101,27 +104,37 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) {
   const JointId id = w.joints.add(d);
   count_joints(w);
   return id;
+} catch (const std::bad_alloc&) {
+  say_no_room(*impl_, "a joint", error);
+  return impl_->ran_out(kNoJoint);
 }
 
-bool World::remove_joint(JointId id) {
+bool World::remove_joint(JointId id) try {
   if (!is_valid_joint(id)) return false;
   Owners& w = impl_->settled();
   disturb_both(w, w.joints.desc(id));
   w.joints.remove(id);
   count_joints(w);
   return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id); }
 
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
-bool World::set_motor(JointId id, double speed, double limit) {
+bool World::set_motor(JointId id, double speed, double limit) try {
   const FloatSettings settings;
   if (!finite(speed) || !not_negative(limit) || !is_valid_joint(id)) return false;
   Owners& w = impl_->settled();
-  disturb_both(w, w.joints.desc(id));
-  return w.joints.set_motor(id, speed, limit);
+  const JointDesc& d = w.joints.desc(id);
+  if (d.type != JointType::revolute && d.type != JointType::prismatic) return false;
+  disturb_both(w, d);
+  w.joints.set_motor(id, speed, limit);
+  return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 std::optional<JointState> World::joint(JointId id) const {

@@ -105,7 +105,7 @@ void apply_plan(Owners& w) {
   w.applied = plan;
 }
 
-std::vector<PlanEntry> World::plan() const {
+std::vector<PlanEntry> World::plan() const try {
   Owners& w = *impl_;
   const Traits traits = present_traits(w);
   const Plan plan = make_plan(traits);
@@ -142,6 +142,8 @@ std::vector<PlanEntry> World::plan() const {
   count("events", w.observers.events.bytes());
   count("publish", w.observers.publisher.bytes());
   return entries;
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<PlanEntry>>();
 }
 
 }  // namespace psim

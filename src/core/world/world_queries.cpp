@@ -28,58 +28,77 @@ auto with_contacts(Owners& w, ContactList& list, const Find& find) {
   if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
   find_moved(w, list);
   turn_back(w);
+  const struct TurnAgain {
+    Owners& w;
+    ~TurnAgain() { turn_back(w); }
+  } again{w};
   if (last.begun && w.plan.manifolds) w.contacts.manifolds.keep_impulses();
-  const auto found = find(w.observed(), last, list);
-  turn_back(w);
-  return found;
+  return find(w.observed(), last, list);
 }
 
 }  // namespace
 
-void World::set_event_options(const EventOptions& options) {
+void World::set_event_options(const EventOptions& options) try {
   Owners& w = impl_->settled();
   w.observers.events.set_options(options);
   w.population.traits.events = w.observers.events.on();
+} catch (const std::bad_alloc&) {
+  impl_->recover();
 }
 
 Events World::events() const { return impl_->observers.events.view(); }
 
-std::optional<RayHit> World::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+std::optional<RayHit> World::ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter) const try {
   const FloatSettings settings;
   return ask(*impl_).ray_cast(from, to, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::optional<RayHit>>();
 }
 
-std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const {
+std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const try {
   const FloatSettings settings;
   return ask(*impl_).ray_cast_all(from, to, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<RayHit>>();
 }
 
-std::vector<BodyId> World::overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter) const {
+std::vector<BodyId> World::overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter) const
+    try {
   const FloatSettings settings;
   return ask(*impl_).overlap(shape, position, angle, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<BodyId>>();
 }
 
-std::vector<BodyId> World::in_region(const Bounds& region, const QueryFilter& filter) const {
+std::vector<BodyId> World::in_region(const Bounds& region, const QueryFilter& filter) const try {
   const FloatSettings settings;
   return ask(*impl_).in_region(region, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<BodyId>>();
 }
 
-std::optional<ClosestHit> World::closest(Vec2 point, double reach, const QueryFilter& filter) const {
+std::optional<ClosestHit> World::closest(Vec2 point, double reach, const QueryFilter& filter) const try {
   const FloatSettings settings;
   return ask(*impl_).closest(point, reach, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::optional<ClosestHit>>();
 }
 
-std::uint64_t World::state_hash() const {
+std::uint64_t World::state_hash() const try {
   const FloatSettings settings;
   return psim::state_hash(impl_->observed());
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::uint64_t>();
 }
 
-PublishedState World::published() {
+PublishedState World::published() try {
   const FloatSettings settings;
   return impl_->observers.columns.fill(impl_->observed());
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(PublishedState());
 }
 
-Diagnostics World::diagnostics() const {
+Diagnostics World::diagnostics() const try {
   const FloatSettings settings;
   Owners& w = impl_->settled();
   Diagnostics d = sum_motion(w.observed());
@@ -87,9 +106,11 @@ Diagnostics World::diagnostics() const {
   ContactList list;  // its own, so that the host's contacts stay
   d.max_penetration = with_contacts(w, list, deepest_contact);
   return d;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(Diagnostics());
 }
 
-std::span<const std::uint32_t> World::strips() {
+std::span<const std::uint32_t> World::strips() try {
   const FloatSettings settings;
   const WorkerPool::Awake awake(impl_->pool);
   Owners& w = impl_->settled();
@@ -108,12 +129,16 @@ std::span<const std::uint32_t> World::strips() {
   });
   turn_back(w);
   return list.strips;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(std::span<const std::uint32_t>());
 }
 
-std::span<const Contact> World::contacts() {
+std::span<const Contact> World::contacts() try {
   if (impl_->ledger.steps == 0) return {};
   Owners& w = impl_->settled();
   return with_contacts(w, w.observers.contacts, find_contacts);
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(std::span<const Contact>());
 }
 
 std::size_t World::memory_bytes() const {

@@ -1,0 +1,394 @@
+// Whichever allocation of a call fails, on whichever thread: the call says so by its answer and out_of_memory(), all
+// bodies and joints are as before, and the call can be made again.
+#include <gtest/gtest.h>
+#include <psim.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "allocation_counter.h"
+#include "psim/recording.h"
+#include "psim/scene.h"
+#include "support.h"
+
+namespace psim::test {
+namespace {
+
+BodyDesc disc_at(double x, double y) {
+  BodyDesc d;
+  d.position = {x, y};
+  d.shape = DiscShape{0.4};
+  d.material.friction = 0.5;
+  return d;
+}
+
+// Heaps that sleep, one of them on a joint; others that fall; a kinematic bar, a sensor, terrain.
+std::unique_ptr<World> yard() {
+  std::string error;
+  WorldDesc desc;
+  desc.bounds = {-40, -10, 40, 40};
+  auto world = World::create(desc, {.threads = 2}, error);
+  BodyDesc ground;
+  ground.type = BodyType::static_body;
+  ground.shape = ChainShape{{{30, 1}, {10, 0}, {-10, 0}, {-30, 1}}, false};
+  world->add_body(ground, error);
+  std::vector<BodyId> ids;
+  for (int k = 0; k < 12; ++k) {
+    BodyDesc box = disc_at(-8 + 1.5 * k, 0.4);
+    if (k % 2 == 0) box.shape = BoxShape{0.8, 0.8, 0};
+    ids.push_back(world->add_body(box, error));
+  }
+  BodyDesc bar = disc_at(20, 8);
+  bar.type = BodyType::kinematic_body;
+  bar.shape = BoxShape{4, 0.3, 0};
+  bar.angular_velocity = 1;
+  world->add_body(bar, error);
+  BodyDesc sensor = disc_at(0, 2);
+  sensor.sensor = true;
+  sensor.type = BodyType::static_body;
+  world->add_body(sensor, error);
+  JointDesc rod;
+  rod.a = ids[0], rod.b = ids[1];
+  world->add_joint(rod, error);
+  world->set_event_options({.contacts = true, .hits = true, .hit_speed = 0.1, .sensors = true});
+  world->enable_snapshots(true);
+  for (int k = 0; k < 150; ++k) world->step();
+  for (int k = 0; k < 20; ++k) world->add_body(disc_at(-9.7 + k, 6 + 0.1 * k), error);
+  for (int k = 0; k < 20; ++k) world->step();
+  return world;
+}
+
+// All that a call may not change, unless it is done.
+std::vector<double> all_of(World& world) {
+  std::vector<double> all{static_cast<double>(world.body_count()), static_cast<double>(world.joint_count()),
+                          static_cast<double>(world.static_count()), world.desc().gravity.y, world.desc().skin};
+  const PublishedState s = world.published();
+  for (const auto& column : {s.x, s.y, s.angle, s.vx, s.vy, s.omega})
+    all.insert(all.end(), column.begin(), column.end());
+  return all;
+}
+
+struct Named {
+  const char* name;
+  std::function<bool(World&)> call;  // false: nothing was done
+};
+
+BodyId nth(World& world, std::uint32_t index) { return world.id_of(index); }
+constexpr std::uint32_t kAsleep = 3, kJoined = 1, kAwake = 20;
+
+template <class S>
+BodyDesc of_shape(BodyType type, double x, double y, S shape) {
+  BodyDesc d = disc_at(x, y);
+  d.type = type;
+  d.shape = std::move(shape);
+  return d;
+}
+
+// What calls are given is made beforehand: only what the engine allocates shall fail.
+struct Given {
+  BodyDesc disc = disc_at(0, 20), above = disc_at(-3.5, 1.2);
+  BodyDesc polygon = of_shape(BodyType::dynamic_body, 3, 20, PolygonShape{{{0, 0}, {1, 0}, {0.5, 1}}, 0.1});
+  BodyDesc terrain = of_shape(BodyType::static_body, 0, 0, ChainShape{{{9, 0.5}, {0, 0.5}, {-9, 0.5}}, false});
+  BodyDesc bar = of_shape(BodyType::kinematic_body, -2, 0.9, BoxShape{1, 1, 0});
+  std::vector<double> x{1, 2, 3, 4}, y{30, 30, 30, 30}, r{0.5}, low_x{-6, -5, -3, 1}, low_y{0.5, 0.6, 0.5, 0.6};
+  DiscBatch discs, fixed;
+  Shape box = BoxShape{10, 10, 0};
+  std::vector<std::byte> state;
+
+  Given() {
+    discs.x = x, discs.y = y, discs.radius = r;
+    fixed.x = low_x, fixed.y = low_y, fixed.radius = r;
+    fixed.type = BodyType::static_body;
+    const auto later = yard();
+    for (int k = 0; k < 10; ++k) later->step();
+    later->save(state);
+  }
+};
+
+const Given& given() {
+  static const Given all;
+  return all;
+}
+
+const std::vector<Named>& calls() {
+  static std::string error;
+  static std::uint32_t first = 0;
+  static const auto add = [](BodyDesc Given::*which) {
+    return [which](World& w) { return w.add_body(given().*which, error) != kNoBody; };
+  };
+  static const std::vector<Named> all{
+      {"add a disc", add(&Given::disc)},
+      {"add a disc on a sleeper", add(&Given::above)},
+      {"add a polygon", add(&Given::polygon)},
+      {"add terrain on sleepers", add(&Given::terrain)},
+      {"add a kinematic box", add(&Given::bar)},
+      {"add discs", [](World& w) { return w.add_discs(given().discs, first, error) == 4; }},
+      {"add fixed discs", [](World& w) { return w.add_discs(given().fixed, first, error) == 4; }},
+      {"remove a sleeper", [](World& w) { return w.remove_body(nth(w, kAsleep)); }},
+      {"remove what is joined", [](World& w) { return w.remove_body(nth(w, kJoined)); }},
+      {"remove a moving body", [](World& w) { return w.remove_body(nth(w, kAwake)); }},
+      {"remove the ground", [](World& w) { return w.remove_body(nth(w, 0)); }},
+      {"place a sleeper",
+       [](World& w) {
+         return w.set_transform(nth(w, kAsleep), {1, 8}, 0.3);
+       }},
+      {"push a sleeper",
+       [](World& w) {
+         return w.set_velocity(nth(w, kAsleep), {1, 1}, 0.3);
+       }},
+      {"push what is joined",
+       [](World& w) {
+         return w.apply_impulse(nth(w, kJoined), {1, 1});
+       }},
+      {"push at a point",
+       [](World& w) {
+         return w.apply_impulse_at(nth(w, kAsleep), {1, 1}, {2, 2});
+       }},
+      {"turn a sleeper", [](World& w) { return w.apply_angular_impulse(nth(w, kAsleep), 0.1); }},
+      {"wake", [](World& w) { return w.wake(nth(w, kAsleep)); }},
+      {"gravity",
+       [](World& w) {
+         return w.set_gravity({0, -5});
+       }},
+      {"skin", [](World& w) { return w.set_skin(1.5); }},
+      {"join",
+       [](World& w) {
+         JointDesc d;
+         d.type = JointType::revolute;
+         d.a = nth(w, kAsleep), d.b = nth(w, kAwake);
+         return w.add_joint(d, error) != kNoJoint;
+       }},
+      {"part",
+       [](World& w) {
+         return w.remove_joint({0, 0});
+       }},
+      {"ray",
+       [](World& w) {
+         return w.ray_cast({-20, 0.4}, {20, 0.4}).has_value();
+       }},
+      {"rays",
+       [](World& w) {
+         return !w.ray_cast_all({-20, 0.4}, {20, 0.4}).empty();
+       }},
+      {"overlap",
+       [](World& w) {
+         return !w.overlap(given().box, {0, 0}, 0.1).empty();
+       }},
+      {"region",
+       [](World& w) {
+         return !w.in_region({-10, -10, 10, 10}).empty();
+       }},
+      {"closest",
+       [](World& w) {
+         return w.closest({0, 5}, 10).has_value();
+       }},
+      {"contacts", [](World& w) { return !w.contacts().empty(); }},
+      {"strips", [](World& w) { return !w.strips().empty(); }},
+      {"sums", [](World& w) { return w.diagnostics().kinetic > 0; }},
+      {"hash", [](World& w) { return w.state_hash() != 0; }},
+      {"why", [](World& w) { return !w.why_awake(nth(w, kAwake)).empty(); }},
+      {"plan", [](World& w) { return !w.plan().empty(); }},
+      {"trace",
+       [](World& w) {
+         w.start_trace();
+         w.stop_trace();
+         return true;
+       }},
+      {"save",
+       [](World& w) {
+         std::vector<std::byte> out;
+         w.save(out);
+         return !out.empty();
+       }},
+      {"restore", [](World& w) { return w.restore(given().state, error); }},
+  };
+  return all;
+}
+
+// The call, and whether all allocations fail after the n-th one, too.
+class NoRoomForCall : public ::testing::TestWithParam<std::tuple<std::size_t, bool>> {};
+
+TEST_P(NoRoomForCall, ChangesNothing) {
+  const auto [which, all] = GetParam();
+  const Named& named = calls()[which];
+  out_of_memory();
+  const auto first = yard();
+  std::vector<std::byte> state;
+  first->save(state);
+  const std::vector<double> before = all_of(*first);
+  ASSERT_TRUE(named.call(*first));
+  const std::vector<double> after = all_of(*first);
+  std::uint64_t n = 1;
+  for (;; ++n) {
+    std::string error;
+    const auto world = World::from_state(state, {.threads = 2}, error);
+    ASSERT_NE(world, nullptr) << error;
+    ASSERT_FALSE(out_of_memory());
+    fail_allocation(allocations() + n, all);
+    const bool done = named.call(*world);
+    fail_allocation(0);
+    if (!out_of_memory()) {
+      ASSERT_TRUE(done);
+      break;
+    }
+    ASSERT_FALSE(done) << named.name << ", allocation " << n;
+    ASSERT_FALSE(out_of_memory());
+    if (all && world->body_count() == 0) {  // there was none to go back to how it was, either
+      ASSERT_STREQ(named.name, "restore");
+      ASSERT_STREQ(world->step().no_room_for, "motion");
+      for (const Named& any : calls()) any.call(*world);
+      ASSERT_TRUE(out_of_memory());
+      continue;
+    }
+    ASSERT_EQ(all_of(*world), before) << named.name << ", allocation " << n;
+    ASSERT_TRUE(named.call(*world)) << named.name << ", allocation " << n;
+    ASSERT_EQ(all_of(*world), after) << named.name << ", allocation " << n;
+    ASSERT_EQ(world->step().no_room_for, nullptr);
+    for (const double v : all_of(*world)) ASSERT_TRUE(std::isfinite(v)) << named.name << ", allocation " << n;
+  }
+  RecordProperty("allocations", static_cast<int>(n - 1));
+}
+
+INSTANTIATE_TEST_SUITE_P(Calls, NoRoomForCall,
+                         ::testing::Combine(::testing::Range(std::size_t{0}, calls().size()), ::testing::Bool()),
+                         [](const auto& of) {
+                           std::string name = calls()[std::get<0>(of.param)].name;
+                           std::ranges::replace(name, ' ', '_');
+                           return name + (std::get<1>(of.param) ? "_and_all_others" : "");
+                         });
+
+// What a step tells may be lost, if the step is not: then the next one tells of all that touch.
+TEST(NoRoom, AStepIsDoneOrNot) {
+  const auto first = yard();
+  std::vector<std::byte> state;
+  first->save(state);
+  const std::vector<double> before = all_of(*first);
+  first->step();
+  const std::vector<double> after = all_of(*first);
+  first->set_event_options({});
+  first->set_event_options({.contacts = true, .hits = true, .hit_speed = 0.1, .sensors = true});
+  first->step();
+  const std::size_t told = first->events().begin.size();  // by who knows nothing of the steps before
+  int refused = 0, lost = 0;
+  for (std::uint64_t n = 1;; ++n) {
+    std::string error;
+    const auto world = World::from_state(state, {.threads = 2}, error);
+    const std::uint64_t frame = world->frame();
+    fail_allocation(allocations() + n, n % 2 == 0);
+    const StepReport report = world->step();
+    fail_allocation(0);
+    if (!out_of_memory()) break;
+    ASSERT_NE(report.no_room_for, nullptr);
+    ASSERT_STRNE(report.no_room_for, "motion") << "allocation " << n;
+    const bool done = world->frame() != frame;
+    (done ? lost : refused) += 1;
+    ASSERT_EQ(all_of(*world), done ? after : before) << "allocation " << n << ", " << report.no_room_for;
+    ASSERT_EQ(world->step().no_room_for, nullptr);
+    if (done && std::string(report.no_room_for) == "events") {
+      ASSERT_EQ(world->events().begin.size(), told);
+    }
+    if (!done) {
+      ASSERT_EQ(all_of(*world), after) << "allocation " << n;
+    }
+  }
+  EXPECT_GE(refused, 10);
+  EXPECT_GE(lost, 10);
+}
+
+TEST(NoRoom, AWorldIsMadeOrNot) {
+  for (std::uint64_t n = 1;; ++n) {
+    std::string error;
+    fail_allocation(allocations() + n);
+    const auto world = World::create({}, {.threads = 3}, error);
+    fail_allocation(0);
+    if (!out_of_memory()) {
+      ASSERT_NE(world, nullptr);
+      return;
+    }
+    ASSERT_EQ(world, nullptr) << "allocation " << n;
+  }
+}
+
+// C has a code for it, and the world goes on.
+TEST(NoRoom, InCIsACode) {
+  psim_world_desc desc;
+  psim_world_desc_init(&desc);
+  psim_body_desc body;
+  psim_body_desc_init(&body);
+  body.shape = psim_disc(0.5);
+  psim_world* world = nullptr;
+  ASSERT_EQ(psim_world_create(&desc, nullptr, &world, nullptr, 0), PSIM_OK);
+  const auto until_done = [&](const char* name, const auto& call) {
+    for (std::uint64_t n = 1;; ++n) {
+      fail_allocation(allocations() + n, n % 2 == 0);
+      const psim_result result = call();
+      fail_allocation(0);
+      if (result == PSIM_OK) return;
+      ASSERT_EQ(result, PSIM_ERROR_OUT_OF_MEMORY) << name << ", allocation " << n;
+      char line[200];
+      psim_last_error(world, line, sizeof line);
+      ASSERT_TRUE(std::string(line).find("no room") != std::string::npos ||
+                  std::string(line).find("out of memory") != std::string::npos)
+          << line;
+      ASSERT_LT(n, 1000u);
+    }
+  };
+  psim_body_id id[2];
+  for (std::size_t k = 0; k < 2; ++k) {
+    body.position = {2.0 * static_cast<double>(k), 0};
+    until_done("add", [&] { return psim_world_add_body(world, &body, id + k); });
+  }
+  psim_joint_desc rod;
+  psim_joint_desc_init(&rod);
+  rod.a = id[0], rod.b = id[1];
+  until_done("join", [&] { return psim_world_add_joint(world, &rod, nullptr); });
+  psim_step_report report;
+  psim_step_report_init(&report);
+  until_done("step", [&] { return psim_world_step(world, &report); });
+  std::size_t count = 0;
+  psim_body_id found[2];
+  until_done("region", [&] { return psim_world_in_region(world, {-1, -1, 3, 1}, nullptr, found, 2, &count); });
+  EXPECT_EQ(count, 2u);
+  const void* state = nullptr;
+  std::size_t size = 0;
+  until_done("save", [&] { return psim_world_save(world, &state, &size); });
+  until_done("remove", [&] { return psim_world_remove_body(world, id[0]); });
+  EXPECT_EQ(psim_world_body_count(world), 1u);
+  psim_world_destroy(world);
+}
+
+// What is not done is not written down: the recording that is left replays.
+TEST(NoRoom, ARecordingHoldsWhatWasDone) {
+  const auto first = yard();
+  std::vector<std::byte> state;
+  first->save(state);
+  std::uint64_t failed = 0;
+  for (std::uint64_t n = 1; n < 60; ++n) {
+    std::string error;
+    const auto world = World::from_state(state, {}, error);
+    Recorder recorder(*world, 1);
+    fail_allocation(allocations() + n);
+    recorder.add_body(disc_at(-3.5, 1.2), error);
+    recorder.apply_impulse(world->id_of(kAsleep), {1, 2});
+    recorder.step();
+    recorder.remove_body(world->id_of(kJoined));
+    recorder.step();
+    fail_allocation(0);
+    failed += out_of_memory() ? 1 : 0;
+    recorder.step();
+    const auto replay = Replay::open(recorder.recording(), {}, error);
+    ASSERT_NE(replay, nullptr) << error;
+    while (replay->next()) {
+    }
+    EXPECT_EQ(replay->differs_at(), 0u) << "allocation " << n;
+    EXPECT_TRUE(replay->complete());
+  }
+  EXPECT_GE(failed, 20u);
+}
+
+}  // namespace
+}  // namespace psim::test
