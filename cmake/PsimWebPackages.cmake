@@ -18,6 +18,18 @@ add_library(Threads::Threads INTERFACE IMPORTED)
 if(PSIM_WEB_THREADS)
   add_compile_options(-pthread)
   add_link_options(-pthread)
+  # clang 14 looks for the place where a handler is chosen among globals, emscripten's library puts it into thread-local
+  # memory: no `catch` of a type would catch anything. The library's file is compiled once more with a global one. Two
+  # threads must not catch by type at the same moment, then; jobs of workers catch all there is.
+  set(_unwind "${PSIM_EMSCRIPTEN_ROOT}/system/lib/libunwind")
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 15 AND EXISTS "${_unwind}/src/Unwind-wasm.c")
+    set(_object "${PROJECT_BINARY_DIR}/unwind.o")
+    execute_process(
+      COMMAND "${CMAKE_C_COMPILER}" -O2 -pthread -fwasm-exceptions -D__USING_WASM_EXCEPTIONS__ -DNDEBUG -D_Thread_local=
+              -D_LIBUNWIND_DISABLE_VISIBILITY_ANNOTATIONS "-I${_unwind}/include" -c "${_unwind}/src/Unwind-wasm.c" -o
+              "${_object}" COMMAND_ERROR_IS_FATAL ANY)
+    add_link_options("${_object}")
+  endif()
 endif()
 
 # /usr/include itself would bring the headers of another C library.

@@ -85,6 +85,9 @@ test('mistakes are one line and exit 2', () => {
   refused(/^psim: --frames/, '--frames', 'many');
   refused(/cannot start ffmpeg/, '--scene', 'arch', '--video', 'film.mp4', '--frames', '2');
   refused(/^psim: /, '--scene', 'arch', '--frames', '1', '--state', '/nowhere/at/all.csv');
+  // Of the build with threads, too, where a handler must be found in memory that they share.
+  refused(/^psim: --frames/, '--frames', 'many', '--threads', '2');
+  refused(/^psim: --scene nowhere\.json: no such file/, '--scene', 'nowhere.json', '--threads', '2');
 });
 
 test('without shared memory one thread does the work, and a line says so', () => {
