@@ -257,7 +257,7 @@ INSTANTIATE_TEST_SUITE_P(Calls, NoRoomForCall,
                          ::testing::Combine(::testing::Range(std::size_t{0}, calls().size()), ::testing::Bool()),
                          [](const auto& of) {
                            std::string name = calls()[std::get<0>(of.param)].name;
-                           std::ranges::replace(name, ' ', '_');
+                           std::replace(name.begin(), name.end(), ' ', '_');
                            return name + (std::get<1>(of.param) ? "_and_all_others" : "");
                          });
 
