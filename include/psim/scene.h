@@ -104,6 +104,17 @@ std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& erro
 /// Makes a world and puts every body of the scene into it: `bodies` in order, then `groups`.
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error);
 
+/// What a scene will take, told without building it.
+struct SceneForecast {
+  static constexpr std::uint64_t kMostPairs = std::uint64_t{1} << 28;  ///< that the lists of a world hold
+
+  std::uint64_t bodies = 0;
+  std::uint64_t pairs = 0;  ///< about so many pairs of moving bodies are near each other at the start
+  std::uint64_t bytes = 0;  ///< of its world after the first step, to within a factor of about 2
+};
+/// O(bodies log sizes).
+SceneForecast forecast(const Scene& scene);
+
 /// What would go wrong when the scene runs: one line each (mass ratio, speed x dt against size,
 /// sizes of very different scale, ...). Empty = nothing to say.
 std::vector<std::string> check_scene(const Scene& scene);

@@ -1,6 +1,7 @@
 // Handles: stable under removal, reused with another generation, in step with every list.
 #include <map>
 
+#include "bodies/population.h"
 #include "support.h"
 
 namespace psim::test {
@@ -166,6 +167,30 @@ TEST(Ids, RemovalInAPileKeepsTheOthersInPlace) {
     ASSERT_NEAR(state(*world, kept[k]).x, before[k].x, 0.1);
     ASSERT_NEAR(state(*world, kept[k]).y, before[k].y, 0.1);
   }
+}
+
+// Four milliards of bodies later: an index that had all its generations is given to nobody.
+TEST(Ids, NoneComesASecondTime) {
+  const WorldDesc desc = unbounded(100);
+  const Lattice lattice{desc.bounds, false};
+  MemoryMeter memory;
+  Population population{desc, lattice, memory};
+  std::string error;
+  const BodyId first = population.add(disc({0, 0}), error);
+  ASSERT_EQ(first, (BodyId{0, 0}));
+  population.bodies.info[0].generation = kLastGeneration - 1;
+  const BodyId last{0, kLastGeneration - 1};
+  ASSERT_TRUE(population.is_valid(last));
+  EXPECT_FALSE(population.is_valid(first));
+  population.remove(0);
+  EXPECT_EQ(population.bodies.living(), 0u);
+  for (const BodyId id : {first, last, BodyId{0, kLastGeneration}}) EXPECT_FALSE(population.is_valid(id));
+  const BodyId next = population.add(disc({0, 0}), error);
+  EXPECT_EQ(next, (BodyId{1, 0}));
+  EXPECT_EQ(population.bodies.living(), 1u);
+  for (const BodyId id : {first, last, BodyId{0, kLastGeneration}}) EXPECT_FALSE(population.is_valid(id));
+  population.remove(1);
+  EXPECT_EQ(population.add(disc({0, 0}), error), (BodyId{1, 1}));
 }
 
 TEST(Ids, HashChangesWithTheStateOnly) {

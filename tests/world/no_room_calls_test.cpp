@@ -78,7 +78,7 @@ struct Named {
 };
 
 BodyId nth(World& world, std::uint32_t index) { return world.id_of(index); }
-constexpr std::uint32_t kAsleep = 3, kJoined = 1, kAwake = 20;
+constexpr std::uint32_t kAsleep = 3, kJoined = 1, kBar = 13, kAwake = 20;
 
 template <class S>
 BodyDesc of_shape(BodyType type, double x, double y, S shape) {
@@ -135,6 +135,10 @@ const std::vector<Named>& calls() {
       {"place a sleeper",
        [](World& w) {
          return w.set_transform(nth(w, kAsleep), {1, 8}, 0.3);
+       }},
+      {"place a kinematic bar on sleepers",
+       [](World& w) {
+         return w.set_transform(nth(w, kBar), {0, 0.9}, 0);
        }},
       {"push a sleeper",
        [](World& w) {
@@ -310,6 +314,41 @@ TEST(NoRoom, AWorldIsMadeOrNot) {
       return;
     }
     ASSERT_EQ(world, nullptr) << "allocation " << n;
+  }
+}
+
+// A push beside the centre is a push and a turn: both or none, in a world where nothing turned yet.
+TEST(NoRoom, APushAtAPointIsWhole) {
+  for (std::uint64_t n = 1;; ++n) {
+    std::string error;
+    const auto world = World::create({}, {}, error);
+    const BodyId id = world->add_body(disc_at(0, 0), error);
+    fail_allocation(allocations() + n, n % 2 == 0);
+    const bool done = world->apply_impulse_at(id, {0, 1}, {0.3, 0});
+    fail_allocation(0);
+    const BodyState s = *world->body(id);
+    EXPECT_EQ(done, s.vy != 0);
+    EXPECT_EQ(done, s.omega != 0);
+    if (!out_of_memory()) break;
+    EXPECT_FALSE(done);
+  }
+}
+
+// What prepare() finds no memory for, is done by the first step, with the same bits.
+TEST(NoRoom, PreparedOrNot) {
+  std::string error;
+  const auto scene = make_builtin("pile", 300, 1, error);
+  const auto first = build_world(*scene, {}, error);
+  first->step();
+  for (std::uint64_t n = 1;; ++n) {
+    const auto world = build_world(*scene, {}, error);
+    fail_allocation(allocations() + n);
+    world->prepare();
+    fail_allocation(0);
+    const bool failed = out_of_memory();
+    ASSERT_EQ(world->step().no_room_for, nullptr) << "allocation " << n;
+    ASSERT_EQ(world->state_hash(), first->state_hash()) << "allocation " << n;
+    if (!failed) break;
   }
 }
 

@@ -28,6 +28,10 @@ namespace psim {
 
 inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
 
+/// An id is an index and a generation, which tells how many had the index before. What removes the last but one takes the
+/// index away: nobody ever has this generation, and no id comes a second time.
+inline constexpr std::uint32_t kLastGeneration = 0xFFFFFFFFu;
+
 enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep };
 
 /// One body, by id.
@@ -79,12 +83,13 @@ class BodyStore {
   const BodyProperties& properties(std::uint32_t body_id) const { return property_table[info[body_id].properties]; }
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;
+  std::uint32_t retired = 0;  ///< indices that are given to nobody any more
 
   std::uint32_t count = 0;  ///< slots in use; dead slots (id == kNoSlot) count until the next sort
   std::uint32_t dead = 0;
   std::uint32_t listed = 0;  ///< slots since the last sort: lists and contacts may name them, and none behind them
   std::uint32_t awake() const { return count - dead; }
-  std::size_t living() const { return id_count - free_ids.size(); }
+  std::size_t living() const { return id_count - free_ids.size() - retired; }
 
   /// Brings info[id].slot of moving bodies up to date, since a sort moves bodies to other slots and leaves `info` as it
   /// is. Comes before every read of such a slot. O(bodies) after a sort, else nothing. Threads may call it at once.

@@ -245,10 +245,11 @@ void Population::make_room_to_leave(std::size_t n) {
   const std::size_t free = bodies.free_ids.size() + n;
   if (free > bodies.free_ids.capacity()) bodies.free_ids.reserve(2 * free);
   statics.make_room_to_leave(0);
+  frozen.reserve(roomier(frozen));
 }
 
 void Population::lose_all() {
-  bodies.count = bodies.dead = bodies.id_count = 0;
+  bodies.count = bodies.dead = bodies.id_count = bodies.retired = 0;
   bodies.free_ids.clear();
   statics.lose_all();
   fixed.clear();
@@ -281,12 +282,14 @@ void Population::remove(std::uint32_t id) {
   bodies.property_table.release(info.properties);
   info.place = Place::none;
   info.slot = kNoSlot;
-  ++info.generation;
-  bodies.free_ids.push_back(id);
+  if (++info.generation != kLastGeneration) {
+    bodies.free_ids.push_back(id);
+  } else {
+    ++bodies.retired;
+  }
 }
 
 void Population::freeze(const BodyState& last) {
-  frozen.reserve(roomier(frozen));
   leave_columns(last.id.index);
   BodyInfo& info = bodies.info[last.id.index];
   info.place = Place::frozen;

@@ -85,8 +85,7 @@ bool JointStore::remove(JointId id) {
   if (!j.desc.collide) --exclusions_;
   --count_;
   j.alive = false;
-  ++j.generation;
-  free_.push_back(id.index);
+  if (++j.generation != kLastGeneration) free_.push_back(id.index);
   return true;
 }
 

@@ -1,5 +1,6 @@
 // Who is there: the tables of what bodies share, bodies by id, the columns of those that move, the lists of those that
 // do not, fixed geometry, and the bodies that sleep, which are part of it meanwhile.
+#include <algorithm>
 #include <span>
 
 #include "sleep/sleepers.h"
@@ -73,7 +74,11 @@ void describe_ids(Archive& a, BodyStore& b) {
   }
   const std::span known(b.info.data(), b.id_count);
   columns(a, known, &BodyInfo::place, &BodyInfo::generation, &BodyInfo::properties);
-  describe_free(a, b.free_ids, 0, b.id_count, [&](std::size_t k) { return known[k].place == Place::none; });
+  const auto retired = [](const BodyInfo& i) { return i.place == Place::none && i.generation == kLastGeneration; };
+  describe_free(a, b.free_ids, 0, b.id_count,
+                [&](std::size_t k) { return known[k].place == Place::none && !retired(known[k]); });
+  for (const BodyInfo& i : known) a.require(i.generation != kLastGeneration || i.place == Place::none);
+  if (a.loading()) b.retired = static_cast<std::uint32_t>(std::ranges::count_if(known, retired));
 }
 
 // Makes a body that is read the `at`-th of those at a place. False if it is not of them, or is there already.

@@ -283,7 +283,8 @@ static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) 
 void JointStore::describe(Archive& a) {
   if (!a.loading()) save_impulses();
   a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, j.gain); });
-  describe_free(a, free_, 0, joints_.size(), [&](std::size_t k) { return !joints_[k].alive; });
+  describe_free(a, free_, 0, joints_.size(),
+                [&](std::size_t k) { return !joints_[k].alive && joints_[k].generation != kLastGeneration; });
   a.list(tethers_, [&](Tether& t) { values(a, t.key[0], t.key[1], t.key[2], t.impulse); });
   bool laid = !stale_;
   values(a, laid, h_);

@@ -284,7 +284,7 @@ void prepare_first_step(Owners& w, const Ledger& counted) {
   if (w.governor.on()) spare_room(w);
   if (w.plan.sleep && w.sleep.sleepers.anyone_slow()) w.sleep.make_room(w.sleep_source());
   w.ledger = counted;
-  go_back(w, before);
+  w.go_back_or_lose(before);
   replan(w);
   w.tracer.begin();
   run_parts(w, span, ignored);
@@ -308,8 +308,7 @@ void World::prepare() {
   try {
     prepare_first_step(w, counted);
   } catch (const std::bad_alloc&) {
-    spoil_work(w);  // the first step will tell
-    w.plan_stale = true;
+    w.recover();  // the first step will tell
   }
   w.ledger = counted;
 }

@@ -73,6 +73,7 @@ bool push(Owners& w, BodyId id, const Change& change) {
   if (!can_move(w, id)) return false;
   const std::uint32_t slot = w.bodies.info[id.index].slot;
   const Motion before = w.population.motion_of(slot);
+  if (!w.progress.untouched()) w.done_so_far.reserve(roomier(w.done_so_far));  // note_push() needs no memory
   if (change(slot)) {
     note_push(w, id.index, before);
   } else {
@@ -85,12 +86,14 @@ bool push(Owners& w, BodyId id, const Change& change) {
 
 void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
+  w.population.make_room_to_leave(1);
   body_goes(w, id, false);
   w.population.remove(id);
   forget_impulses_of_nobody(w);
 }
 
 void freeze_body(Owners& w, const BodyState& last) {
+  w.population.make_room_to_leave(1);
   body_goes(w, last.id.index, true);
   w.population.freeze(last);
   forget_impulses_of_nobody(w);
@@ -190,8 +193,15 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) try {
   }
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));  // what leaned on it where it was
   if (angle != 0) let_turn(w);
+  const std::uint32_t slot = w.bodies.info[id.index].slot;
+  const LatticePoint at = w.bodies.point(slot);
+  const double turned = w.bodies.angle_of(slot);
   w.population.place(id.index, position, angle);
-  wake_around_kinematic(w, id.index);
+  const auto put_back = [&] {
+    w.bodies.put_point(slot, at);
+    if (!w.bodies.angle.empty()) w.bodies.angle[slot] = turned;
+  };
+  or_else(put_back, [&] { wake_around_kinematic(w, id.index); });
   spoil_work(w);
   w.observers.placed = true;
   w.observers.queries.forget(QueryIndex::kMoving);
@@ -227,9 +237,9 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) try {
   return impl_->ran_out(false);
 }
 
-bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
+bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) try {
   const FloatSettings settings;
-  if (!apply_impulse(id, impulse)) return false;
+  if (!can_move(*impl_, id)) return false;
   const BodyStore& bodies = impl_->bodies;
   const Vec2 period = impl_->observed().period();
   Vec2 arm = point - impl_->lattice.to_world(bodies.point(bodies.info[id.index].slot));
@@ -237,7 +247,11 @@ bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
     arm.x -= period.x * std::nearbyint(arm.x / period.x);
     arm.y -= period.y * std::nearbyint(arm.y / period.y);
   }
-  return apply_angular_impulse(id, cross(arm, impulse));
+  const double turn = cross(arm, impulse);
+  if (turn != 0 && bodies.properties(id.index).rim_gain != 0) let_turn(*impl_);
+  return apply_impulse(id, impulse) && apply_angular_impulse(id, turn);
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
 }
 
 // The angular velocity changes by impulse / I; with the rim speed u = omega R and the gain g = R^2 / I that is

@@ -79,7 +79,9 @@ int explain_scene(const Options& options) {
 
 int check_scene_file(const Options& options) {
   const Scene scene = choose_scene(options);
-  const std::vector<std::string> warnings = check_scene(scene);
+  check_memory(scene);
+  std::vector<std::string> warnings = check_scene(scene);
+  if (std::string line = memory_warning(scene); !line.empty()) warnings.push_back(std::move(line));
   std::string text;
   for (const std::string& warning : warnings) {
     fmt::format_to(std::back_inserter(text), "{}: {}\n", one_line(scene.name), one_line(warning));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/machine.h"
@@ -71,18 +72,39 @@ Scene choose_scene(const Options& options) {
   return scene;
 }
 
+namespace {
+
+// What a scene may take, and a text of it.
+std::pair<std::uint64_t, std::string> most_memory(const Scene& scene) {
+  const std::uint64_t free = os::available_bytes(), allowed = scene.world.max_bytes;
+  const std::uint64_t most = allowed != 0 ? std::min(free, allowed) : free;
+  return {most, bytes_text(most) + (most < free ? " are allowed by --memory" : " are free")};
+}
+
+}  // namespace
+
 void check_memory(const Scene& scene) {
   // Columns of x, y, radius, vx, vy live while the bodies are placed.
   constexpr std::uint64_t kPlacementBytesPerBody = 5 * sizeof(double);
   const std::uint64_t bodies = scene.body_count();
   const std::uint64_t needed = estimate_memory_bytes(bodies) + bodies * kPlacementBytesPerBody;
-  const std::uint64_t free = os::available_bytes(), allowed = scene.world.max_bytes;
-  const std::uint64_t most = allowed != 0 ? std::min(free, allowed) : free;
+  const auto [most, text] = most_memory(scene);
   if (needed > most) {
-    throw UserError(fmt::format("scene {}: {} bodies need {} bytes ({}) of memory, and {} are {}", one_line(scene.name),
-                                grouped(bodies), needed, bytes_text(needed), bytes_text(most),
-                                most < free ? "allowed by --memory" : "free"));
+    throw UserError(fmt::format("scene {}: {} bodies need {} bytes ({}) of memory, and {}", one_line(scene.name),
+                                grouped(bodies), needed, bytes_text(needed), text));
   }
+}
+
+std::string memory_warning(const Scene& scene) {
+  const SceneForecast needs = forecast(scene);
+  const auto [most, text] = most_memory(scene);
+  const std::string what =
+      fmt::format("{} bodies with about {} pairs of near ones", grouped(needs.bodies), grouped(needs.pairs));
+  if (needs.pairs > SceneForecast::kMostPairs) {
+    return fmt::format("{}: lists hold at most {}; spread them out", what, grouped(SceneForecast::kMostPairs));
+  }
+  if (needs.bytes <= most) return {};
+  return fmt::format("{} will take about {} of memory, and {}; spread them out", what, bytes_text(needs.bytes), text);
 }
 
 void say_if_threads_lack(const World& world, int asked) {

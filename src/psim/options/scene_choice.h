@@ -24,6 +24,9 @@ bool is_sized(const std::string& name);
 /// Throws UserError with the bytes needed if the scene's bodies will not fit into memory.
 void check_memory(const Scene& scene);
 
+/// One line if a scene is likely to take more memory than it may, or to have more pairs than lists hold; else empty.
+std::string memory_warning(const Scene& scene);
+
 /// Says on stderr if the world has fewer threads than were asked for.
 void say_if_threads_lack(const World& world, int asked);
 
