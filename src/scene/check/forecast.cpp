@@ -28,7 +28,7 @@ struct Cell {
 
 // The bodies that move, of radii from 2^exponent m up to twice that.
 struct Size {
-  double side = 0;  // m, of a cell
+  double side = 0;                                // m, of a cell
   std::unordered_map<std::uint64_t, Cell> cells;  // for look-up only
 
   std::uint64_t key(const PlacedBody& b) const {
