@@ -245,7 +245,6 @@ void Population::make_room_to_leave(std::size_t n) {
   const std::size_t free = bodies.free_ids.size() + n;
   if (free > bodies.free_ids.capacity()) bodies.free_ids.reserve(2 * free);
   statics.make_room_to_leave(0);
-  frozen.reserve(roomier(frozen));
 }
 
 void Population::lose_all() {

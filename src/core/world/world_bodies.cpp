@@ -93,7 +93,7 @@ void remove_body(Owners& w, std::uint32_t id) {
 }
 
 void freeze_body(Owners& w, const BodyState& last) {
-  w.population.make_room_to_leave(1);
+  w.population.frozen.reserve(roomier(w.population.frozen));
   body_goes(w, last.id.index, true);
   w.population.freeze(last);
   forget_impulses_of_nobody(w);
