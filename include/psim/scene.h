@@ -104,7 +104,7 @@ std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& erro
 /// Makes a world and puts every body of the scene into it: `bodies` in order, then `groups`.
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error);
 
-/// What a scene will take, told without building it.
+/// forecast() tells here what a scene will take, without building it.
 struct SceneForecast {
   static constexpr std::uint64_t kMostPairs = std::uint64_t{1} << 28;  ///< that the lists of a world hold
 

@@ -66,8 +66,8 @@ std::size_t copy_text(std::string_view text, char* buffer, std::size_t capacity)
 
 inline constexpr std::string_view kNothingDone = "out of memory; nothing was done";
 
-/// What an exception of the engine comes to. Want of memory does no harm: the engine has values for its own, and what is
-/// thrown here is of copies for C.
+/// Turns what body() throws into a result. Want of memory does not break the world: the engine answers it with values,
+/// and std::bad_alloc comes from the copies that are made for C alone.
 template <class Body>
 psim_result caught(const Call& call, const Body& body) noexcept {
   psim::out_of_memory();  // forgets what earlier calls found

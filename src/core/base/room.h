@@ -1,4 +1,4 @@
-// What to do where there may be no memory.
+// Helpers for code that may find no memory: they undo what was half done, and make room before anything changes.
 #pragma once
 
 #include <cstddef>

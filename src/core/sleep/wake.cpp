@@ -45,7 +45,7 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   BodyStore& bodies = source.population.bodies;
   const std::uint32_t k = bodies.info[id].slot;
   const Sleeper s = sleepers.list[k];
-  // What has no room, stays asleep.
+  // All room is made before anything changes: if there is none, the body stays asleep.
   bodies.reserve_slots(1);
   source.population.statics.make_room_to_leave(1);
   sleepers.recent.make_room_for_more(s.touches);

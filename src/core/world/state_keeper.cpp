@@ -303,6 +303,7 @@ void Owners::go_back_or_lose(std::span<const std::byte> state) {
   observers.events.clear();
   observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
   ledger.steps = 0;
+  throw std::bad_alloc();
 }
 
 void World::save(std::vector<std::byte>& out) try {

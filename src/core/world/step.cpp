@@ -91,7 +91,7 @@ void move(Owners& w, double dt, StepReport& report) {
   }
 }
 
-// What is told of a step is lost, the step is not.
+// The step was done, but its events or its snapshot found no memory: the report says so.
 void lose(StepReport& report, const char* what) {
   report.no_room_for = what;
   ran_out_of_memory() = true;

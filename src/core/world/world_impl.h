@@ -35,7 +35,7 @@ struct Owners : StepContext {
   /// Bodies fell asleep or woke if `changed`.
   bool note_sleep(bool changed);
   /// Back to a state that was saved here, whatever is in the world now. If there is no memory for it, even beyond the
-  /// budget, the world is broken and has no bodies.
+  /// budget, the world is broken and has no bodies, and std::bad_alloc is thrown.
   void go_back_or_lose(std::span<const std::byte> state);
   /// A call found no memory: what was made of lists and grids will be made again.
   void recover();
