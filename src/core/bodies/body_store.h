@@ -19,6 +19,7 @@
 #include "base/column.h"
 #include "base/lattice.h"
 #include "bodies/body_properties.h"
+#include "bodies/list_by_id.h"
 #include "bodies/shape_table.h"
 #include "least.h"
 #include "psim/desc.h"
@@ -42,8 +43,18 @@ struct BodyInfo {
   Place place = Place::none;
 };
 
-/// Ids of the kinematic bodies, with the velocities that the host gave them.
-using KinematicBodies = std::vector<std::pair<std::uint32_t, Vec2>>;
+/// A kinematic body, with the velocity that the host gave it.
+struct KinematicBody {
+  std::uint32_t id = 0;
+  Vec2 velocity;
+};
+using KinematicBodies = ListById<KinematicBody>;
+
+/// A body that does not pass other moving bodies either (BodyDesc::bullet).
+struct Bullet {
+  std::uint32_t id = 0;
+};
+using Bullets = ListById<Bullet>;
 
 /// Frames of a body's present motion that are looked ahead: what margins of lists allow for, who may touch, who wakes.
 /// A quarter more than one frame, since speeds change within a step.

@@ -177,8 +177,8 @@ void Population::reserve(const BodyDesc& d, std::size_t pieces) {
   if (d.angle != 0 || d.angular_velocity != 0) let_turn();
   // In open worlds steps remove bodies and give their ids back, which must not allocate.
   if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
-  if (d.type == BodyType::kinematic_body) kinematics.reserve(roomier(kinematics));
-  if (d.bullet) bullets.reserve(roomier(bullets));
+  if (d.type == BodyType::kinematic_body) kinematics.make_room();
+  if (d.bullet) bullets.make_room();
 }
 
 void Population::make_room(std::size_t count, bool fixed) {
@@ -211,10 +211,10 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
   const Vec2 velocity = capped(d.velocity);
   bodies.put_velocity(slot, velocity);
   if (properties.type() == BodyType::kinematic_body) {
-    kinematics.emplace_back(id, velocity);
+    kinematics.add({id, velocity});
     go_round(id, velocity);
   }
-  if (kind.bullet) bullets.push_back(id);
+  if (kind.bullet) bullets.add({id});
   if (traits.moving == 0) first_radius = least_radius = properties.radius;
   if (traits.discs == 0 && kind.hull_count == 0) first_properties = properties;
   least_radius = lesser(properties.radius, least_radius);
@@ -235,10 +235,8 @@ void Population::leave_columns(std::uint32_t id) {
   const BodyProperties& properties = bodies.properties(id);
   bodies.leave(bodies.info[id].slot);
   count(properties, -1, traits);
-  if (properties.type() == BodyType::kinematic_body) {
-    std::erase_if(kinematics, [id](const auto& k) { return k.first == id; });
-  }
-  if (bodies.kinds[properties.kind].bullet) std::erase(bullets, id);
+  if (properties.type() == BodyType::kinematic_body) kinematics.remove(id);
+  if (bodies.kinds[properties.kind].bullet) bullets.remove(id);
 }
 
 void Population::make_room_to_leave(std::size_t n) {
@@ -315,9 +313,7 @@ void Population::set_velocity(std::uint32_t id, Vec2 velocity, double angular_ve
   bodies.clear_remainders(i);
   bodies.put_velocity(i, velocity);
   if (bodies.properties(id).type() != BodyType::kinematic_body) return;
-  for (auto& [kinematic, v] : kinematics) {
-    if (kinematic == id) v = velocity;
-  }
+  kinematics.at(id).velocity = velocity;
   go_round(id, velocity);
 }
 

@@ -80,7 +80,7 @@ class Population {
   /// Memory that the meter does not count.
   std::size_t bytes() const {
     return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.kinds.bytes() +
-           fixed.capacity() * sizeof(FixedBody);
+           fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() + bullets.bytes();
   }
 
   /// Traits of the bodies that there are.
@@ -91,7 +91,7 @@ class Population {
   std::vector<FixedBody> fixed;
   std::vector<BodyState> frozen;
   KinematicBodies kinematics;
-  std::vector<std::uint32_t> bullets;  ///< ids
+  Bullets bullets;
   Traits traits;
   float first_radius = 0;           ///< of the first moving body: what Traits compares with
   BodyProperties first_properties;  ///< the same of the first disc

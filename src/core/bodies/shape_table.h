@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
+#include <span>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
@@ -36,8 +38,9 @@ class ShapeTable {
     }
     const auto count = static_cast<std::uint32_t>(parts.size());
     auto index = static_cast<std::uint32_t>(sets_.size());
-    const auto gap = std::find_if(free_.begin(), free_.end(), [&](auto k) { return sets_[k].count == count; });
-    const bool fresh = gap == free_.end();
+    // The set that became free last, since it mostly fits: to look from the front is O(free sets).
+    const auto gap = std::find_if(free_.rbegin(), free_.rend(), [&](auto k) { return sets_[k].count == count; });
+    const bool fresh = gap == free_.rend();
     if (fresh) {
       sets_.reserve(roomier(sets_));
       free_.reserve(sets_.capacity());  // release() needs no memory
@@ -50,7 +53,7 @@ class ShapeTable {
       sets_.push_back({static_cast<std::uint32_t>(hulls_.size()), count, 0});
       hulls_.resize(hulls_.size() + count);
     } else {
-      free_.erase(gap);
+      free_.erase(std::next(gap).base());
     }
     sets_[index].users = 1;
     std::copy(parts.begin(), parts.end(), hulls_.begin() + sets_[index].first);
@@ -60,8 +63,11 @@ class ShapeTable {
 
   void release(std::uint32_t first) {
     const std::uint32_t index = index_of(first);
-    if (--sets_[index].users != 0) return;
-    std::erase_if(by_hash_, [index](const auto& entry) { return entry.second == index; });
+    Set& set = sets_[index];
+    if (--set.users != 0) return;
+    auto entry = by_hash_.find(hash(std::span(hulls_).subspan(set.first, set.count)));
+    while (entry->second != index) ++entry;  // sets with equal hashes stand side by side
+    by_hash_.erase(entry);
     free_.push_back(index);
   }
 
@@ -88,7 +94,7 @@ class ShapeTable {
     std::uint32_t users = 0;
   };
 
-  static std::size_t hash(const std::vector<Hull>& parts) {
+  static std::size_t hash(std::span<const Hull> parts) {
     static_assert(sizeof(Hull) == (4 * Hull::kMost + 4) * sizeof(float), "no padding");
     const std::string_view bytes(reinterpret_cast<const char*>(parts.data()), parts.size() * sizeof(Hull));
     return std::hash<std::string_view>()(bytes);

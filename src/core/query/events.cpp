@@ -4,6 +4,7 @@
 #include <bit>
 #include <functional>
 #include <iterator>
+#include <utility>
 
 #include "base/sort_keys.h"
 #include "contacts/touch_memory.h"
@@ -73,13 +74,17 @@ void EventList::start_over() {
   options_ = kept;
 }
 
+// The first of the removed bodies that had this index, or the end.
+std::vector<BodyId>::const_iterator EventList::removed(std::uint32_t index) const {
+  const auto first = std::ranges::lower_bound(removed_, index, {}, &BodyId::index);
+  return first != removed_.end() && first->index == index ? first : removed_.end();
+}
+
 // Pairs of removed bodies have ended, even if other bodies have their ids now.
 void EventList::retire(Keys& known) {
   if (removed_.empty()) return;
-  move_keys(known, ended_, [&](std::uint64_t key) {
-    return std::any_of(removed_.begin(), removed_.end(),
-                       [&](BodyId id) { return id.index == first_of(key) || id.index == second_of(key); });
-  });
+  const auto gone = [&](std::uint32_t index) { return removed(index) != removed_.end(); };
+  move_keys(known, ended_, [&](std::uint64_t key) { return gone(first_of(key)) || gone(second_of(key)); });
 }
 
 // The pairs in now_ take the place of the known ones: those that were not known began, those that are gone ended.
@@ -95,8 +100,8 @@ void EventList::replace(Keys& known, std::uint32_t ids) {
 // Writes the events of what began and ended. A body that is gone has the handle that it had.
 void EventList::tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end) {
   const auto last_handle = [&](std::uint32_t id) {
-    const auto removed = std::find_if(removed_.begin(), removed_.end(), [&](BodyId gone) { return gone.index == id; });
-    return removed != removed_.end() ? *removed : world.handle(id);
+    const auto gone = removed(id);
+    return gone != removed_.end() ? *gone : world.handle(id);
   };
   sort_keys(began_.begin(), began_.end());
   sort_keys(ended_.begin(), ended_.end());
@@ -262,6 +267,8 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
 }
 
 void EventList::collect(const Observed& world, const QueryIndex& index) {
+  // Total order: an index comes again with a higher generation only.
+  std::ranges::sort(removed_, {}, [](BodyId id) { return std::pair(id.index, id.generation); });
   if (options_.contacts) {
     compare_lanes(world);
     compare_rest(world);

@@ -86,11 +86,13 @@ class EventList {
   void settle_sleepers(const Observed& world);
   void gather_sensed(const Observed& world, const QueryIndex& index);
   void replace(Keys& known, std::uint32_t ids);
+  std::vector<BodyId>::const_iterator removed(std::uint32_t index) const;
   void retire(Keys& known);
   void tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end);
 
   EventOptions options_;
-  std::vector<BodyId> removed_;  // since the last step, with the generation that they had
+  // Since the last step, with the generation that they had; for collect() by index, then by generation.
+  std::vector<BodyId> removed_;
   bool left_ = false;            // some body was removed or frozen since the last step
 
   // Contacts of two discs after the last step.

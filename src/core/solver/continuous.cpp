@@ -249,7 +249,7 @@ void Continuous::find_bullets(const ContinuousInput& in) {
   partners_.clear();
   fast_.assign(in.bullets.empty() ? 0 : b.count, 0);
   bool any = false;
-  for (const std::uint32_t id : in.bullets) {
+  for (const auto& [id] : in.bullets) {
     if (b.info[id].place != Place::moving) continue;  // it sleeps
     const std::uint32_t i = b.info[id].slot;
     if (is_free(b, i) && is_fast(b, i, inner_of(b, i))) fast_[i] = any = true;

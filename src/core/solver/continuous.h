@@ -26,7 +26,7 @@ struct ContinuousInput {
   const PairTable& table;
   const JointStore& joints;
   const KinematicBodies& kinematics;
-  const std::vector<std::uint32_t>& bullets;  ///< ids
+  const Bullets& bullets;
   bool filters = false;                       ///< some bodies do not collide with others
   double dt = 0;                              ///< s
   Vec2 gravity;                               ///< m/s^2

@@ -51,8 +51,7 @@ void ShapeTable::describe(Archive& a) {
     end = s.first + s.count;
     for (std::uint32_t h = s.first; h < end; ++h) a.require(hulls_[h].count >= 1);
     if (s.users == 0 || !a.ok()) continue;
-    const auto first = hulls_.begin() + s.first;
-    by_hash_.emplace(hash({first, first + s.count}), k);
+    by_hash_.emplace(hash(std::span(hulls_).subspan(s.first, s.count)), k);
   }
 }
 
@@ -187,17 +186,18 @@ void describe_population(Archive& a, Population& p, bool lists) {
     values(a, s);
     if (a.loading()) a.require(put(bodies, s.id.index, Place::frozen, at++));
   });
-  a.list(p.kinematics, [&](auto& k) {
-    a.index(bodies.id_count, k.first);
-    values(a, k.second);
-    a.require(a.ok() && bodies.info[k.first].place == Place::moving &&
-              bodies.properties(k.first).type() == BodyType::kinematic_body);
+  a.list(p.kinematics.entries(), [&](KinematicBody& k) {
+    a.index(bodies.id_count, k.id);
+    values(a, k.velocity);
+    a.require(a.ok() && bodies.info[k.id].place == Place::moving &&
+              bodies.properties(k.id).type() == BodyType::kinematic_body);
   });
-  a.list(p.bullets, [&](std::uint32_t& id) {
-    a.index(bodies.id_count, id);
-    const bool moves = a.ok() && (bodies.info[id].place == Place::moving || bodies.info[id].place == Place::asleep);
-    a.require(moves && bodies.kind(id).bullet);
+  a.list(p.bullets.entries(), [&](Bullet& b) {
+    a.index(bodies.id_count, b.id);
+    const bool moves = a.ok() && (bodies.info[b.id].place == Place::moving || bodies.info[b.id].place == Place::asleep);
+    a.require(moves && bodies.kind(b.id).bullet);
   });
+  if (a.loading()) a.require(p.kinematics.index() && p.bullets.index());
 }
 
 // ---- fixed geometry, and bodies that sleep

@@ -181,6 +181,7 @@ class StateKeeper {
     traits.joints = w_.joints.count();
     take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
+    a.require(w_.population.kinematics.size() == traits.kinematic && w_.population.bullets.size() == traits.bullets);
     for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
       a.require(w_.bodies.id[k] == kNoSlot ||
                 (std::isfinite(w_.bodies.disp[2 * k]) && std::isfinite(w_.bodies.disp[2 * k + 1])));
