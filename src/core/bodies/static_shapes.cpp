@@ -91,13 +91,24 @@ void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
   hulls_.reserve(hulls_.size() + hulls);
 }
 
-void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
+// The box of a piece, wider by `far`, m, on each side.
+StaticShapes::LatticeBox StaticShapes::around(std::uint32_t number, double far) const {
   const StaticShape& s = statics_[number];
   const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
   const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), room = size_of(s) + 2 * px + 2 * py;
+  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), room = size_of(s) + far + 2 * px + 2 * py;
   const auto half = [&](std::int32_t way, double pitch) { return steps_of(room / pitch + 2 + std::abs(way)); };
-  grid.insert(number, wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py));
+  return {wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py)};
+}
+
+void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
+  const LatticeBox box = around(number, 0);
+  grid.insert(number, box.x, box.y, box.half_x, box.half_y);
+}
+
+void StaticShapes::sleepers_near(std::uint32_t number, double far, std::vector<std::uint32_t>& out) const {
+  const LatticeBox box = around(number, far);
+  sleepers_.near(box.x, box.y, box.half_x, box.half_y, out);
 }
 
 // The reverse of put().

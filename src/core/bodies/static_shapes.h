@@ -124,6 +124,9 @@ class StaticShapes {
   void near(std::int32_t x, std::int32_t y, float reach, std::vector<std::uint32_t>& out) const;
   /// The same for a way that begins at an offset from a place, m, and for what lies within `radius` of it.
   void near_way(const LatticePoint& place, Vec2 offset, Vec2 way, float radius, std::vector<std::uint32_t>& out) const;
+  /// Appends the numbers of sleeping pieces whose box the box of a piece meets that is wider by `far`, m, on each side; in
+  /// no order.
+  void sleepers_near(std::uint32_t number, double far, std::vector<std::uint32_t>& out) const;
   /// Whether a look at cells says already that near() would find nothing for any square within a box (m).
   bool surely_none(const Bounds& box) const;
 
@@ -139,6 +142,11 @@ class StaticShapes {
   bool meets_grid(const Bounds& box) const;
   void put(std::uint32_t number, const Piece& piece);
   void drop(std::uint32_t number);
+  struct LatticeBox {
+    std::int32_t x, y;
+    std::uint32_t half_x, half_y;
+  };
+  LatticeBox around(std::uint32_t number, double far) const;
   void enter(HashGrid& grid, std::uint32_t number) const;
   double size_of(const StaticShape& s) const { return s.whole ? hulls_[s.hull].reach : s.radius; }
   Vec2 metres(const LatticePoint& p) const { return lattice_->metres(p.x, p.y); }

@@ -29,6 +29,13 @@ void JointStore::each_lane(const Each& each) {
 }
 
 // Impulses are stored in the blocks. While the blocks are made anew, the joints keep them.
+void JointStore::save_impulse(Joint& j) {
+  if (j.lane == kNoSlot) return;
+  JointLists::visit_lane(lists_, j.list(), j.lane, [&](auto& block, std::uint32_t k) {
+    JointLists::each_impulse(block, k, [&](int i, float l) { j.impulse[i] = l; });
+  });
+}
+
 void JointStore::save_impulses() {
   each_lane([](Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float l) { j.impulse[i] = l; });

@@ -2,6 +2,7 @@
 #include "joints/joint_store.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/room.h"
 #include "base/sort_keys.h"
@@ -45,11 +46,7 @@ void JointStore::enter(std::uint32_t index) {
   j.held = j.swapped || !dynamic(j.desc.a);
   j.lane = j.articulated = kNoSlot;
   link_room(j.desc);
-  for (const BodyId body : {j.desc.a, j.desc.b}) {
-    std::uint32_t* const link = link_to(index, body.index);
-    j.next_of(body.index) = *link;
-    *link = index;
-  }
+  for (const BodyId body : {j.desc.a, j.desc.b}) link(index, body.index);
   if (!j.desc.collide) ++exclusions_;
   ++count_;
   stale_ = true;
@@ -80,7 +77,7 @@ void JointStore::leave_lane(Joint& j) {
 bool JointStore::remove(JointId id) {
   if (!is_valid(id)) return false;
   Joint& j = joints_[id.index];
-  for (const BodyId body : {j.desc.a, j.desc.b}) *link_to(id.index, body.index) = j.next_of(body.index);
+  for (const BodyId body : {j.desc.a, j.desc.b}) unlink(id.index, body.index);
   leave_lane(j);
   if (!j.desc.collide) --exclusions_;
   --count_;
@@ -113,12 +110,21 @@ void JointStore::remove_of_body(std::uint32_t body) {
 }
 
 // The joints of a body form a linked list, the latest number first: it begins in first_ and goes on in `next` of the
-// joint's side. Its order does not depend on when the joints came, so it need not be saved. This finds the link where
-// joint `index` is, or belongs.
-std::uint32_t* JointStore::link_to(std::uint32_t index, std::uint32_t body) {
-  std::uint32_t* link = &first_[body];
-  while (*link != kNoSlot && *link > index) link = &joints_[*link].next_of(body);
-  return link;
+// joint's side. Its order does not depend on when the joints came, so it need not be saved. A new number comes first, in
+// O(1); one that is used again goes past those above it.
+void JointStore::link(std::uint32_t index, std::uint32_t body) {
+  std::uint32_t before = kNoSlot, next = first_[body];
+  while (next != kNoSlot && next > index) before = std::exchange(next, joints_[next].next_of(body));
+  joints_[index].before_of(body) = before;
+  joints_[index].next_of(body) = next;
+  (before == kNoSlot ? first_[body] : joints_[before].next_of(body)) = index;
+  if (next != kNoSlot) joints_[next].before_of(body) = index;
+}
+
+void JointStore::unlink(std::uint32_t index, std::uint32_t body) {
+  const std::uint32_t before = joints_[index].before_of(body), next = joints_[index].next_of(body);
+  (before == kNoSlot ? first_[body] : joints_[before].next_of(body)) = next;
+  if (next != kNoSlot) joints_[next].before_of(body) = before;
 }
 
 void JointStore::set_motor(JointId id, double speed, double limit) {
@@ -126,16 +132,16 @@ void JointStore::set_motor(JointId id, double speed, double limit) {
   j.desc.motor_speed = speed;
   j.desc.motor_limit = limit;
   if (j.kind == JointKind::pin && limit > 0) {  // it moves to the blocks with a motor
-    save_impulses();
+    save_impulse(j);
     leave_lane(j);
     j.kind = JointKind::driven;
   }
 }
 
-void JointStore::follow_sleep() {
+void JointStore::follow_sleep(std::uint32_t body) {
   const auto sleeps = [&](BodyId id) { return s_.bodies.info[id.index].place == Place::asleep; };
-  for (Joint& j : joints_) {
-    if (!j.alive) continue;
+  for (std::uint32_t i = first_of(body); i != kNoSlot; i = joints_[i].next_of(body)) {
+    Joint& j = joints_[i];
     const bool dormant = sleeps(j.desc.a) || sleeps(j.desc.b);
     stale_ = stale_ || dormant != j.dormant;
     j.dormant = dormant;

@@ -108,8 +108,8 @@ class JointStore {
       i = joints_[i].next_of(body);
     }
   }
-  /// Bodies fell asleep or woke: joints of bodies that sleep are left out from now on.
-  void follow_sleep();
+  /// A body fell asleep or woke: joints of bodies that sleep are left out from now on. O(joints of the body).
+  void follow_sleep(std::uint32_t body);
 
   /// The ids of bodies with joints that are not left out, ascending. The solver must number these bodies.
   const std::vector<std::uint32_t>& bodies();
@@ -146,6 +146,7 @@ class JointStore {
 
   struct Joint {
     std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< the next joint in the lists of the bodies a and b
+    std::uint32_t before[2] = {kNoSlot, kNoSlot};  ///< the one before it
     JointDesc desc;
     std::uint32_t generation = 0;
     bool alive = false;
@@ -163,6 +164,7 @@ class JointStore {
     std::uint32_t other(std::uint32_t id) const { return desc.a.index == id ? desc.b.index : desc.a.index; }
     std::uint32_t next_of(std::uint32_t id) const { return next[desc.a.index == id ? 0 : 1]; }
     std::uint32_t& next_of(std::uint32_t id) { return next[desc.a.index == id ? 0 : 1]; }
+    std::uint32_t& before_of(std::uint32_t id) { return before[desc.a.index == id ? 0 : 1]; }
     bool is_soft() const {
       return kind == kernels::JointKind::spring || (kind == kernels::JointKind::weld && desc.stiffness > 0);
     }
@@ -228,13 +230,15 @@ class JointStore {
   };
 
   std::uint32_t first_of(std::uint32_t body) const { return body < first_.size() ? first_[body] : kNoSlot; }
-  std::uint32_t* link_to(std::uint32_t index, std::uint32_t body);
+  void link(std::uint32_t index, std::uint32_t body);
+  void unlink(std::uint32_t index, std::uint32_t body);
   void link_room(const JointDesc& d);
   void enter(std::uint32_t index);
   void leave_lane(Joint& j);
   template <class Each>
   void each_lane(const Each& each);
   void save_impulses();
+  void save_impulse(Joint& j);
   void find_articulations();
   std::vector<Way> find_ways() const;
   void find_tethers();

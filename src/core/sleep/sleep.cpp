@@ -89,14 +89,16 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
   for (std::uint32_t slot = 0; slot < bodies.count; ++slot) {
     if (sleepers.chosen(slot)) bodies.id[slot] = kNoSlot;
   }
+  if (first == 0) sleepers.widest = 0;
   for (Sleeper& s : std::span(sleepers.list).subspan(first)) {
     s.substep = static_cast<float>(dt / source.substeps);
+    sleepers.widest = greater(bodies.properties(s.id).radius, sleepers.widest);
     become_fixed(source, sleepers.pieces, s);
+    if (!source.joints.empty()) source.joints.follow_sleep(s.id);
   }
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = bodies.listed = 0;  // nobody is awake
   sleepers.changed = true;
-  if (!source.joints.empty()) source.joints.follow_sleep();
 }
 
 }  // namespace

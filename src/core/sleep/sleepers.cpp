@@ -143,8 +143,7 @@ bool Sleepers::moves(std::size_t slot, bool creeps) const {
 }
 
 void Sleepers::tidy() {
-  std::size_t used = 0;
-  for (const Sleeper& s : list) used += s.touches;
+  const std::size_t used = touches.size() - dropped;
   if (touches.size() < 2 * used + 4096) return;
   kept_.clear();
   try {
@@ -158,6 +157,7 @@ void Sleepers::tidy() {
     kept_.insert(kept_.end(), first, first + s.touches);
   }
   touches.swap(kept_);
+  dropped = 0;
 }
 
 void Sleepers::release() {
@@ -165,6 +165,7 @@ void Sleepers::release() {
   if (recent.empty()) give_back(recent);
   watching_ = false;
   room_of_ = 0;
+  dropped = 0;
 }
 
 std::size_t Sleepers::bytes() const {

@@ -92,6 +92,8 @@ class Sleepers {
 
   std::vector<Sleeper> list;   ///< by BodyInfo::slot of sleeping bodies
   std::vector<Touch> touches;  ///< in runs: Sleeper::first_touch
+  std::size_t dropped = 0;     ///< number of touches in runs of bodies that woke
+  float widest = 0;            ///< m: no sleeper has a larger radius
   TouchMemory recent;
   bool woke = false;     ///< a body woke since the lists were made
   bool changed = false;  ///< a body fell asleep or woke since events were collected

@@ -6,6 +6,7 @@
 
 #include "base/elementary.h"
 #include "base/room.h"
+#include "base/sort_keys.h"
 #include "sleep/sleep.h"
 #include "sleep/sleep_contacts.h"
 
@@ -52,6 +53,7 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
   sleepers.list.pop_back();
+  sleepers.dropped += s.touches;
   source.population.statics.remove_sleeping(s.first_shape, s.pieces);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) sleepers.recent.add(sleepers.touches[t]);
   bodies.enter(id, s.at, s.angle);
@@ -113,24 +115,21 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   BodyStore& bodies = source.population.bodies;
   std::vector<Waking>& queue = sleepers.queue;
   bool any = false;
-  const auto end = [&] {
-    queue.clear();
-    if (any && !source.joints.empty()) source.joints.follow_sleep();
-  };
-  or_else(end, [&] {
+  or_else([&] { queue.clear(); }, [&] {
     for (std::size_t k = 0; k < queue.size(); ++k) {
       const Waking now = queue[k];
       if (bodies.info[now.id].place != Place::asleep) continue;
       const Sleeper self = sleepers.list[bodies.info[now.id].slot];
       if (!any) bodies.find_slots();
       wake_one(source, sleepers, now.id);
+      if (!source.joints.empty()) source.joints.follow_sleep(now.id);
       any = true;
       ask_joined_and_stacked(source, sleepers, self, now.rings);
       if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
     }
     if (any) sleepers.tidy();
   });
-  end();
+  queue.clear();
   return any;
 }
 
@@ -244,13 +243,23 @@ bool Sleep::disturb_at_fixed(const SleepSource& source, std::uint32_t id) {
   const BodyStore& bodies = source.population.bodies;
   const StaticShapes& statics = source.population.statics;
   const std::uint32_t first = source.population.fixed[bodies.info[id].slot].first_shape;
-  for (const Sleeper& s : sleepers.list) {
+  std::vector<std::uint32_t>& found = sleepers.found;  // pieces of sleepers, then places in the list
+  found.clear();
+  std::uint32_t end = first;
+  for (; end < statics.size() && statics[end].owner == id && statics[end].alive; ++end) {
+    statics.sleepers_near(end, 2 * double{kNear} * double{sleepers.widest}, found);
+  }
+  for (std::uint32_t& k : found) k = bodies.info[statics[k].owner].slot;
+  sort_keys(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  for (const std::uint32_t k : found) {
+    const Sleeper& s = sleepers.list[k];
     const double reach = static_cast<double>(kNear * bodies.properties(s.id).radius);
-    bool touched = false;
-    for (std::uint32_t k = first; k < statics.size() && statics[k].owner == id && statics[k].alive; ++k) {
-      touched = touched || touches(s.at, reach, statics[k], statics, source.lattice);
+    for (std::uint32_t piece = first; piece < end; ++piece) {
+      if (!touches(s.at, reach, statics[piece], statics, source.lattice)) continue;
+      sleepers.queue.push_back({s.id, Waking::kAbove});
+      break;
     }
-    if (touched) sleepers.queue.push_back({s.id, Waking::kAbove});
   }
   return wake_queued(source, sleepers);
 }

@@ -335,12 +335,15 @@ void describe_recent(Archive& a, TouchMemory& memory, const BodyStore& bodies, c
 void put_sleepers(Archive& a, Sleepers& sleepers, BodyStore& bodies, StaticShapes& statics) {
   std::vector<Sleeper>& list = sleepers.list;
   std::uint64_t pieces = 0, touches = 0;
+  sleepers.widest = 0;
+  sleepers.dropped = 0;
   for (std::size_t k = 0; k < list.size() && a.ok(); ++k) {
     Sleeper& s = list[k];
     a.require(std::isfinite(s.at.dx) && std::isfinite(s.at.dy) && std::isfinite(s.angle));
     a.require(s.substep > 0 && std::isfinite(s.substep));
     a.require(put(bodies, s.id, Place::asleep, k));
     if (!a.ok()) break;
+    sleepers.widest = greater(bodies.properties(s.id).radius, sleepers.widest);
     const StaticShape disc = lone_piece(s.at, s.id, bodies.properties(s.id));
     const bool lone = bodies.kind(s.id).hull_count == 0;
     a.require(statics.lay_sleeper(s.id, s.first_shape, s.pieces, lone ? &disc : nullptr));
