@@ -168,6 +168,19 @@ if(TARGET psim_scene AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITI
     LABELS slow TIMEOUT 600 SKIP_RETURN_CODE 77)
 endif()
 
+# A call that changes one body costs the same however many there are. Label `slow`.
+if(TARGET psim_scene)
+  add_executable(psim_calls tests/calls/calls.cpp)
+  psim_target_defaults(psim_calls)
+  target_link_libraries(psim_calls PRIVATE psim_scene)
+endif()
+if(TARGET psim_scene AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
+  add_test(NAME CallsCostTheSameHoweverManyBodies
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/calls/count" "$<TARGET_FILE:psim_calls>")
+  set_tests_properties(CallsCostTheSameHoweverManyBodies PROPERTIES
+    LABELS slow TIMEOUT 600 SKIP_RETURN_CODE 77)
+endif()
+
 # The comparison with other engines, as far as they are built in. Label `peers`.
 if(TARGET peers)
   file(GLOB _peers_tests CONFIGURE_DEPENDS tests/peers/*_test.cpp)
