@@ -82,7 +82,7 @@ if(_test_sources AND TARGET psim_scene)
   foreach(_part engines/engines engines/engine_psim engines/model run)
     list(APPEND _stress_sources bench/accuracy/${_part}.cpp)
   endforeach()
-  target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp)
+  target_sources(psim_tests PRIVATE ${_stress_sources} tests/soak/soak_world.cpp tests/soak/soak_calls.cpp)
   target_include_directories(psim_tests PRIVATE bench/accuracy)
 
   # `ctest -L` and `-LE` take regular expressions: `slow-stress` is found by `slow` and by `stress`.
@@ -148,7 +148,7 @@ endif()
 
 # An hour of game time in a world that changes; by hand, no test of ctest (docs/hardening.md).
 if(TARGET psim_core)
-  add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp)
+  add_executable(soak EXCLUDE_FROM_ALL tests/soak/main.cpp tests/soak/soak_world.cpp tests/soak/soak_calls.cpp)
   psim_target_defaults(soak)
   target_link_libraries(soak PRIVATE psim_scene)
 endif()

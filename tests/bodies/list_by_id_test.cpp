@@ -20,7 +20,7 @@ TEST(ListById, HoldsWhatAMapHolds) {
   std::map<std::uint32_t, int> map;
   for (int k = 0; k < 50'000; ++k) {
     const std::uint32_t most = k / 10'000 % 2 == 0 ? 2000 : 20;  // it grows and shrinks
-    const std::uint32_t id = random() % 2000;
+    const auto id = static_cast<std::uint32_t>(random() % 2000);
     if (map.contains(id)) {
       ASSERT_EQ(list.at(id).value, map[id]);
       list.remove(id);

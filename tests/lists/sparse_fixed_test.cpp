@@ -60,7 +60,7 @@ TEST(SparseWorld, FixedShapesFarApartAreFoundAndFewOthers) {
     s.segment = p.x != q.x || p.y != q.y;
     s.radius = static_cast<float>(radius);
     s.owner = static_cast<std::uint32_t>(shapes.size());
-    shapes.add({s});
+    shapes.add(std::vector<Piece>{Piece{s}});
   };
   for (int k = 0; k < 2000; ++k) {
     const Vec2 at = places[k % 4];

@@ -1,10 +1,13 @@
 // soak [MINUTES [BODIES [THREADS]]]: runs a SoakWorld (60 minutes of game time, 1,000 bodies, 1 thread)
-// and writes a CSV row a minute of game time. Exit 1 if a fault was found, or if memory grew (memory_trend.h).
+// and writes a CSV row a minute of game time. soak calls [CALLS [BODIES [THREADS]]]: makes a million calls in a SoakCalls
+// of 400 bodies, and writes a row a season. Exit 1 if a fault was found, or if memory grew or steps became slower
+// (memory_trend.h).
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +15,7 @@
 #include <vector>
 
 #include "memory_trend.h"
+#include "soak_calls.h"
 #include "soak_world.h"
 
 namespace {
@@ -41,20 +45,38 @@ bool flat(const char* what, const psim::soak::MemoryTrend& trend) {
   return !trend.grows;
 }
 
-}  // namespace
+using Numbers = std::array<std::size_t, 3>;  // minutes or calls, bodies, threads
 
-int main(int argc, char** argv) {
-  std::size_t numbers[3] = {60, 1000, 1};  // minutes, bodies, threads
-  const std::size_t most_of[3] = {100'000, 1'000'000, 256};
-  for (int k = 1; k < argc; ++k) {
-    const char* const end = argv[k] + std::strlen(argv[k]);
-    std::size_t value = 0;
-    if (k > 3 || std::from_chars(argv[k], end, value).ptr != end || value < 1 || value > most_of[k - 1]) {
-      std::fprintf(stderr, "soak: %s: soak [MINUTES [BODIES [THREADS]]], at most 100000, 1000000 and 256\n", argv[k]);
-      return 2;
+int run_calls(const Numbers& numbers) {
+  psim::soak::SoakCalls soak(numbers[1], static_cast<int>(numbers[2]));
+  std::vector<std::size_t> uncounted, counted, nanoseconds;
+  std::printf("season,calls,steps,in_use_bytes,memory_bytes,bodies,joints,most_asleep,escaped,events,ns_a_step\n");
+  for (std::size_t season = 1; soak.calls() < numbers[0]; ++season) {
+    const double begin = cpu_seconds();
+    const std::uint64_t before = soak.steps();
+    if (!soak.season()) {
+      std::fprintf(stderr, "soak: season %zu, %s\n", season, soak.fault().c_str());
+      return 1;
     }
-    numbers[k - 1] = value;
+    nanoseconds.push_back(static_cast<std::size_t>(1e9 * (cpu_seconds() - begin)) / (soak.steps() - before));
+    const std::size_t in_use = in_use_bytes();
+    counted.push_back(soak.world().memory_bytes());
+    uncounted.push_back(in_use - std::min(in_use, counted.back()));
+    std::printf("%zu,%ju,%ju,%zu,%zu,%zu,%zu,%ju,%ju,%ju,%zu\n", season, std::uintmax_t{soak.calls()},
+                std::uintmax_t{soak.steps()}, in_use, counted.back(), soak.world().body_count(),
+                soak.world().joint_count(), std::uintmax_t{soak.most_asleep()}, std::uintmax_t{soak.escaped()},
+                std::uintmax_t{soak.events()}, nanoseconds.back());
+    std::fflush(stdout);
   }
+  std::fprintf(stderr, "state 0x%016jx\n", std::uintmax_t{soak.world().state_hash()});
+  if (counted.size() < 3 * psim::soak::SoakCalls::kSeasons) return 0;
+  const bool uncounted_flat = flat("in use beside memory_bytes", psim::soak::seasons_trend(uncounted, 0.01));
+  const bool counted_flat = flat("memory_bytes", psim::soak::seasons_trend(counted, 0.01));
+  const bool time_flat = flat("CPU time a step, in ns and not", psim::soak::seasons_trend(nanoseconds, 0.5));
+  return uncounted_flat && counted_flat && time_flat ? 0 : 1;
+}
+
+int run_minutes(const Numbers& numbers) {
   psim::soak::SoakWorld soak(numbers[1], static_cast<int>(numbers[2]));
   std::vector<std::size_t> uncounted, counted;
   std::printf(
@@ -80,4 +102,27 @@ int main(int argc, char** argv) {
   const bool uncounted_flat = flat("in use beside memory_bytes", psim::soak::uncounted_trend(uncounted));
   const bool counted_flat = flat("memory_bytes", psim::soak::counted_trend(counted));
   return uncounted_flat && counted_flat ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool calls = argc > 1 && std::strcmp(argv[1], "calls") == 0;
+  Numbers numbers = calls ? Numbers{1'000'000, 400, 1} : Numbers{60, 1000, 1};
+  const Numbers most{calls ? std::size_t{1'000'000'000} : 100'000, 1'000'000, 256};
+  const int first = calls ? 2 : 1;
+  for (int k = first; k < argc; ++k) {
+    const char* const end = argv[k] + std::strlen(argv[k]);
+    const auto which = static_cast<std::size_t>(k - first);
+    std::size_t value = 0;
+    if (which > 2 || std::from_chars(argv[k], end, value).ptr != end || value < 1 || value > most[which]) {
+      std::fprintf(stderr,
+                   "soak: %s: soak [MINUTES [BODIES [THREADS]]], at most 100000, 1000000 and 256, or soak calls "
+                   "[CALLS [BODIES [THREADS]]], at most 1000000000 calls\n",
+                   argv[k]);
+      return 2;
+    }
+    numbers[which] = value;
+  }
+  return calls ? run_calls(numbers) : run_minutes(numbers);
 }

@@ -39,4 +39,9 @@ inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) {
   return memory_trend(samples, 0.25, 32 << 10);
 }
 
+/// Of seasons that come again: they take as much each time.
+inline MemoryTrend seasons_trend(const std::vector<std::size_t>& samples, double share) {
+  return memory_trend(samples, share, 0);
+}
+
 }  // namespace psim::soak

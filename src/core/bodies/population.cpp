@@ -192,14 +192,12 @@ void Population::enter_statics(std::uint32_t id, const BodyDesc& d, std::vector<
   const BodyProperties& properties = bodies.properties(id);
   bodies.info[id].place = Place::fixed;
   bodies.info[id].slot = static_cast<std::uint32_t>(fixed.size());
-  const auto first_shape = static_cast<std::uint32_t>(statics.size());
-  fixed.push_back({d.position.x, d.position.y, d.angle, properties.radius, id, first_shape});
   for (Piece& piece : pieces) {
     piece.shape.owner = id;
     piece.shape.restitution = properties.restitution;
     piece.shape.friction = properties.friction;
-    statics.add(piece);
   }
+  fixed.push_back({d.position.x, d.position.y, d.angle, properties.radius, id, statics.add(pieces)});
 }
 
 void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
@@ -239,10 +237,10 @@ void Population::leave_columns(std::uint32_t id) {
   if (bodies.kinds[properties.kind].bullet) bullets.remove(id);
 }
 
-void Population::make_room_to_leave(std::size_t n) {
+void Population::make_room_to_leave(std::size_t n, bool fixed) {
   const std::size_t free = bodies.free_ids.size() + n;
   if (free > bodies.free_ids.capacity()) bodies.free_ids.reserve(2 * free);
-  statics.make_room_to_leave(0);
+  statics.make_room_to_leave(fixed ? n : 0);
 }
 
 void Population::lose_all() {
@@ -257,7 +255,7 @@ void Population::lose_all() {
 }
 
 void Population::remove(std::uint32_t id) {
-  make_room_to_leave(1);
+  make_room_to_leave(1, bodies.info[id].place == Place::fixed);
   BodyInfo& info = bodies.info[id];
   const BodyProperties& properties = bodies.properties(id);
   const BodyKind& kind = bodies.kinds[properties.kind];

@@ -45,8 +45,8 @@ class Population {
   /// The id that the next body gets.
   std::uint32_t next_id() const { return bodies.free_ids.empty() ? bodies.id_count : bodies.free_ids.back(); }
 
-  /// Makes room for so many bodies that go, which need no memory then.
-  void make_room_to_leave(std::size_t bodies);
+  /// Makes room for so many bodies that go, which need no memory then. `fixed`: they are static.
+  void make_room_to_leave(std::size_t bodies, bool fixed);
   /// Forgets all bodies: there was no memory to read them.
   void lose_all();
   /// Takes a body out that does not sleep. Slots may change.

@@ -54,22 +54,39 @@ void StaticShapes::put(std::uint32_t number, const Piece& piece) {
   }
 }
 
-void StaticShapes::add(const Piece& piece) {
-  statics_.reserve(std::size_t{count_} + 1);
-  put(count_++, piece);
-  dirty_ = true;
-}
-
-std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
-  const auto count = static_cast<std::uint32_t>(pieces.size());
+// Numbers for the pieces of a body that are free, else new ones. Among the longer runs the one that fits best is cut.
+std::uint32_t StaticShapes::take_numbers(std::uint32_t count) {
   std::uint32_t first = count_;
-  if (count <= kLongestRun && !runs_[count].empty()) {
+  auto gap = gaps_.end();
+  for (auto run = gaps_.begin(); count > kLongestRun && run != gaps_.end(); ++run) {
+    if (run->second >= count && (gap == gaps_.end() || run->second < gap->second)) gap = run;
+  }
+  if (gap != gaps_.end()) {
+    first = gap->first;
+    gap->first += count;
+    gap->second -= count;
+    if (gap->second == 0) gaps_.erase(gap);
+  } else if (count <= kLongestRun && !runs_[count].empty()) {
     first = runs_[count].back();
     runs_[count].pop_back();
   } else {
     statics_.reserve(std::size_t{count_} + count);
     count_ += count;
   }
+  return first;
+}
+
+std::uint32_t StaticShapes::add(const std::vector<Piece>& pieces) {
+  const auto count = static_cast<std::uint32_t>(pieces.size());
+  const std::uint32_t first = take_numbers(count);
+  for (std::uint32_t k = 0; k < count; ++k) put(first + k, pieces[k]);
+  dirty_ = true;
+  return first;
+}
+
+std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
+  const auto count = static_cast<std::uint32_t>(pieces.size());
+  const std::uint32_t first = take_numbers(count);
   for (std::uint32_t k = 0; k < count; ++k) {
     put(first + k, pieces[k]);
     statics_[first + k].asleep = true;
@@ -79,6 +96,11 @@ std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
 }
 
 void StaticShapes::reserve(std::size_t pieces) {
+  while (!left_.empty() && left_.back().first >= listed_) {
+    set_free(left_.back().first, left_.back().second);
+    left_.pop_back();
+  }
+  join_gaps();
   statics_.reserve(count_ + pieces);
   const std::size_t hulls = hulls_.size() + pieces;
   if (hulls > hulls_.capacity()) hulls_.reserve(std::max(hulls, 2 * hulls_.size()));
@@ -133,7 +155,9 @@ void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
 }
 
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
-  for (std::uint32_t i = first; i < count_ && statics_[i].owner == owner && statics_[i].alive; ++i) drop(i);
+  std::uint32_t end = first;
+  for (; end < count_ && statics_[end].owner == owner && statics_[end].alive; ++end) drop(end);
+  if (end != first) left_.emplace_back(first, end - first);
   dirty_ = true;
 }
 
@@ -179,11 +203,35 @@ bool StaticShapes::meets_grid(const Bounds& box) const {
   return cols_ != 0 && overlap(box, {origin_x_, origin_y_, origin_x_ + width, origin_y_ + height});
 }
 
-void StaticShapes::build_grid() {
-  for (const auto& [first, count] : left_) {
-    if (count <= kLongestRun) runs_[count].push_back(first);
+// Nobody has these numbers any more, and no list names them.
+void StaticShapes::set_free(std::uint32_t first, std::uint32_t count) {
+  if (count <= kLongestRun) {
+    runs_[count].push_back(first);
+  } else {
+    gaps_.emplace_back(first, count);
   }
+}
+
+void StaticShapes::join_gaps() {
+  const auto meet = [](const Run& a, const Run& b) { return a.first + a.second >= b.first; };
+  if (std::ranges::adjacent_find(gaps_, meet) == gaps_.end()) return;
+  std::ranges::sort(gaps_);  // total order: no two have the same first number
+  auto last = gaps_.begin();
+  for (auto next = last + 1; next != gaps_.end(); ++next) {
+    if (last->first + last->second == next->first) {
+      last->second += next->second;
+    } else {
+      *++last = *next;
+    }
+  }
+  gaps_.erase(last + 1, gaps_.end());
+}
+
+void StaticShapes::build_grid() {
+  for (const auto& [first, count] : left_) set_free(first, count);
   left_.clear();
+  join_gaps();
+  listed_ = count_;
   if (!dirty_) return;
   dirty_ = false;
   make_grid();

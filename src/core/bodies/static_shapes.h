@@ -87,7 +87,9 @@ class StaticShapes {
   /// The grids, once all are there. False if not as many pieces sleep.
   bool make_grids(std::size_t asleep);
 
-  void add(const Piece& piece);
+  /// Adds the pieces of a static body. Returns the number of the first one; the others follow.
+  std::uint32_t add(const std::vector<Piece>& pieces);
+  /// Removes them. No number that a list may name is given to others before the next build_grid().
   void remove(std::uint32_t first, std::uint32_t owner);
 
   /// Adds the pieces of a body that falls asleep. Returns the number of the first one; the others follow. O(count).
@@ -98,7 +100,7 @@ class StaticShapes {
   void reserve(std::size_t pieces);
   /// Forgets all pieces.
   void lose_all() {
-    count_ = 0;
+    count_ = listed_ = 0;
     alive_ = 0;
   }
   /// Makes room for the places of so many bodies that wake or go, which need no memory then.
@@ -132,6 +134,9 @@ class StaticShapes {
 
  private:
   void check_runs(Archive& a) const;
+  void set_free(std::uint32_t first, std::uint32_t count);
+  void join_gaps();
+  std::uint32_t take_numbers(std::uint32_t count);
   void make_grid();
   bool fill_cells(const std::vector<std::uint32_t>& standing);
   struct Cells {
@@ -162,15 +167,18 @@ class StaticShapes {
   Column<std::uint32_t> cell_start_, cell_shape_;
   Column<StaticShape> statics_;
   HashGrid sleepers_, standing_;
-  // Free runs of numbers, by length; and (first, length) of runs that become free with the next build_grid().
-  static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;
+  // Free runs of numbers, by length; longer ones as (first, length), ascending; and those that become free with the next
+  // build_grid(), or with the next static body if no list names them.
+  using Run = std::pair<std::uint32_t, std::uint32_t>;
+  static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;  // of a body that sleeps
   std::vector<std::uint32_t> runs_[kLongestRun + 1];
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;
+  std::vector<Run> gaps_, left_;
   std::vector<Hull> hulls_;
   std::vector<std::uint32_t> free_hulls_;
   bool whole_wanted_ = false;
   const Lattice* lattice_;
   std::uint32_t count_ = 0;
+  std::uint32_t listed_ = 0;  // numbers since the last build_grid(): lists may name them, and none behind them
   std::size_t alive_ = 0;
   bool dirty_ = false;
   // The grid, in metres from the centre of the lattice.

@@ -204,7 +204,8 @@ void describe_population(Archive& a, Population& p, bool lists) {
 
 // A plain disc that sleeps is not written here: its Sleeper and its properties say all.
 void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
-  values(a, count_, whole_wanted_, dirty_);
+  values(a, count_, listed_, whole_wanted_, dirty_);
+  a.require(listed_ <= count_);
   values(a, hulls_);
   if (a.loading()) {
     if (!a.fits(count_)) count_ = 0;
@@ -226,7 +227,9 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
   lattice_points(a, Mapped{shapes, &S::q});
   columns(a, shapes, &S::radius, &S::restitution, &S::friction, &S::owner, &S::hull);
   for (auto& runs : runs_) a.packed(runs, std::uint64_t{count_} + 1);
-  a.list(left_, [&](auto& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
+  for (std::vector<Run>* runs : {&gaps_, &left_}) {
+    a.list(*runs, [&](Run& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
+  }
   std::vector<std::uint8_t> hull_used(hulls_.size());
   if (a.loading()) {
     alive_ = count_ - told.size();
@@ -254,7 +257,9 @@ void StaticShapes::check_runs(Archive& a) const {
   for (std::uint32_t length = 0; length <= kLongestRun; ++length) {
     for (const std::uint32_t first : runs_[length]) run(first, length);
   }
-  for (const auto& [first, length] : left_) run(first, length);
+  for (const std::vector<Run>* runs : {&gaps_, &left_}) {
+    for (const auto& [first, length] : *runs) run(first, length);
+  }
 }
 
 bool StaticShapes::lay_sleeper(std::uint32_t owner, std::uint32_t first, std::uint32_t pieces,

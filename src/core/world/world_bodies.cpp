@@ -86,7 +86,7 @@ bool push(Owners& w, BodyId id, const Change& change) {
 
 void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
-  w.population.make_room_to_leave(1);
+  w.population.make_room_to_leave(1, w.bodies.info[id].place == Place::fixed);
   body_goes(w, id, false);
   w.population.remove(id);
   forget_impulses_of_nobody(w);
@@ -114,7 +114,7 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) try {
   Owners& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
-  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(1);  // to take it back, if others cannot wake
+  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(1, d.type == BodyType::static_body);  // to take it back, if others cannot wake
   const BodyId id = w.population.add(d, error);
   if (id == kNoBody) return kNoBody;
   or_else([&] { w.population.remove(id.index); }, [&] { body_came(w, id.index); });
@@ -135,7 +135,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   w.population.make_room(n, fixed);
   std::vector<std::uint32_t> came;
   came.reserve(n);
-  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(n);
+  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(n, fixed);
   const auto take_back = [&] {
     for (; !came.empty(); came.pop_back()) w.population.remove(came.back());
   };
