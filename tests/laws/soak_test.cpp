@@ -1,5 +1,6 @@
 // A short run of the soak; the long one is the program `soak` (docs/hardening.md).
 #include "soak/memory_trend.h"
+#include "soak/soak_calls.h"
 #include "soak/soak_world.h"
 
 #include "support.h"
@@ -25,6 +26,20 @@ TEST(Soak, HasTheSameBitsOnAnyNumberOfThreads) {
     ASSERT_TRUE(one.step() && three.step()) << one.fault();
     ASSERT_EQ(one.world().state_hash(), three.world().state_hash()) << frame;
   }
+}
+
+// Two seasons make all that comes and goes come and go: the second one leaves nothing behind.
+TEST(Soak, CallsOfAllKindsLeaveNothingBehind) {
+  soak::SoakCalls soak(100, 2);
+  std::vector<std::size_t> bare;
+  for (int season = 0; season < 3; ++season) {
+    ASSERT_TRUE(soak.season()) << soak.fault();
+    bare.push_back(soak.bare_bytes());
+  }
+  EXPECT_LE(static_cast<double>(bare[2]), 1.1 * static_cast<double>(bare[1])) << bare[1];  // arrays come to their size
+  EXPECT_GE(soak.calls(), 30'000u);
+  EXPECT_GT(soak.escaped(), 1u);
+  EXPECT_GT(soak.events(), 1000u);
 }
 
 // In use beside memory_bytes, kB, as a soak shows it: up and down, and where it leaks so many bytes a step, up.

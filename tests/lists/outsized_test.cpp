@@ -186,6 +186,43 @@ TEST(Growth, BodiesThatComeAndGoTakeNoMoreRoomThanThereAreAtOnce) {
   }
 }
 
+// Chains of any number of segments, boxes and discs; with steps after each, some, or none.
+TEST(Growth, StaticBodiesThatComeAndGoTakeNoMoreRoomThanThereAreAtOnce) {
+  for (const int steps_every : {1, 7, 1 << 30}) {
+    auto world = make(unbounded(1000, {0, 0}));
+    add(*world, disc({}));
+    std::size_t before = 0, state_before = 0;
+    std::vector<BodyId> here;
+    std::vector<std::byte> state;
+    Random random(6);
+    for (int k = 0; k < 12000; ++k) {
+      BodyDesc fixed = k % 3 == 0 ? box({random.uniform(60, 90), 0}) : disc({random.uniform(60, 90), 50}, {}, 0.3);
+      if (k % 3 == 1) {
+        ChainShape chain;
+        for (std::size_t p = 0; p < 2 + random.below(40); ++p)
+          chain.vertices.push_back({1.0 * static_cast<double>(p), 0});
+        if (chain.vertices.size() < 2) chain.vertices.push_back({50, 0});
+        fixed.shape = chain;
+      }
+      fixed.type = BodyType::static_body;
+      here.push_back(add(*world, fixed));
+      if (here.size() > 20) {
+        const std::size_t at = random.below(here.size());
+        ASSERT_TRUE(world->remove_body(here[at]));
+        here.erase(here.begin() + static_cast<std::ptrdiff_t>(at));
+      }
+      if (k % steps_every == steps_every - 1) world->step();
+      if (k != 6000 && k != 11999) continue;
+      world->save(state);
+      if (k == 6000) before = world->memory_bytes(), state_before = state.size();
+    }
+    EXPECT_LE(world->memory_bytes(), before + before / 20) << "a step every " << steps_every;
+    EXPECT_LE(state.size(), state_before + state_before / 4) << "a step every " << steps_every;
+    std::string error;
+    EXPECT_NE(World::from_state(state, {}, error), nullptr) << error;
+  }
+}
+
 // What a slot held before is not told to the body that gets it next.
 TEST(Growth, AWorldWhoseBodiesCameAndWentGoesOnFromASavedState) {
   auto world = make(walled({0, 0, 20, 20}, {0, -kG}, material(0.2, 0.3)), best_isa(), 2);

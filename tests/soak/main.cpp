@@ -40,8 +40,8 @@ std::size_t in_use_bytes() {
 }
 
 bool flat(const char* what, const psim::soak::MemoryTrend& trend) {
-  std::fprintf(stderr, "%s: middle of the second third %zu bytes, of the last %zu: %s\n", what, trend.before,
-               trend.after, trend.grows ? "grows" : "flat");
+  std::fprintf(stderr, "%s: middle of the second third %zu, of the last %zu: %s\n", what, trend.before, trend.after,
+               trend.grows ? "grows" : "flat");
   return !trend.grows;
 }
 
@@ -49,8 +49,9 @@ using Numbers = std::array<std::size_t, 3>;  // minutes or calls, bodies, thread
 
 int run_calls(const Numbers& numbers) {
   psim::soak::SoakCalls soak(numbers[1], static_cast<int>(numbers[2]));
-  std::vector<std::size_t> uncounted, counted, nanoseconds;
-  std::printf("season,calls,steps,in_use_bytes,memory_bytes,bodies,joints,most_asleep,escaped,events,ns_a_step\n");
+  std::vector<std::size_t> uncounted, counted, bare, nanoseconds;
+  std::printf(
+      "season,calls,steps,in_use_bytes,memory_bytes,bare_bytes,bodies,joints,most_asleep,escaped,events,ns_a_step\n");
   for (std::size_t season = 1; soak.calls() < numbers[0]; ++season) {
     const double begin = cpu_seconds();
     const std::uint64_t before = soak.steps();
@@ -62,18 +63,21 @@ int run_calls(const Numbers& numbers) {
     const std::size_t in_use = in_use_bytes();
     counted.push_back(soak.world().memory_bytes());
     uncounted.push_back(in_use - std::min(in_use, counted.back()));
-    std::printf("%zu,%ju,%ju,%zu,%zu,%zu,%zu,%ju,%ju,%ju,%zu\n", season, std::uintmax_t{soak.calls()},
-                std::uintmax_t{soak.steps()}, in_use, counted.back(), soak.world().body_count(),
+    bare.push_back(soak.bare_bytes());
+    std::printf("%zu,%ju,%ju,%zu,%zu,%zu,%zu,%zu,%ju,%ju,%ju,%zu\n", season, std::uintmax_t{soak.calls()},
+                std::uintmax_t{soak.steps()}, in_use, counted.back(), bare.back(), soak.world().body_count(),
                 soak.world().joint_count(), std::uintmax_t{soak.most_asleep()}, std::uintmax_t{soak.escaped()},
                 std::uintmax_t{soak.events()}, nanoseconds.back());
     std::fflush(stdout);
   }
   std::fprintf(stderr, "state 0x%016jx\n", std::uintmax_t{soak.world().state_hash()});
   if (counted.size() < 3 * psim::soak::SoakCalls::kSeasons) return 0;
-  const bool uncounted_flat = flat("in use beside memory_bytes", psim::soak::seasons_trend(uncounted, 0.01));
-  const bool counted_flat = flat("memory_bytes", psim::soak::seasons_trend(counted, 0.01));
-  const bool time_flat = flat("CPU time a step, in ns and not", psim::soak::seasons_trend(nanoseconds, 0.5));
-  return uncounted_flat && counted_flat && time_flat ? 0 : 1;
+  using namespace psim::soak;
+  const bool uncounted_flat = flat("in use beside memory_bytes, bytes", seasons_trend(uncounted));
+  const bool counted_flat = flat("memory_bytes", seasons_trend(counted));
+  const bool bare_flat = flat("state without bodies, bytes", seasons_trend(bare));
+  const bool time_flat = flat("CPU time a step, ns", memory_trend(nanoseconds, 0.5, 0));
+  return uncounted_flat && counted_flat && bare_flat && time_flat ? 0 : 1;
 }
 
 int run_minutes(const Numbers& numbers) {
@@ -99,7 +103,7 @@ int run_minutes(const Numbers& numbers) {
   }
   std::fprintf(stderr, "state 0x%016jx\n", std::uintmax_t{soak.world().state_hash()});
   if (numbers[0] < 3) return 0;
-  const bool uncounted_flat = flat("in use beside memory_bytes", psim::soak::uncounted_trend(uncounted));
+  const bool uncounted_flat = flat("in use beside memory_bytes, bytes", psim::soak::uncounted_trend(uncounted));
   const bool counted_flat = flat("memory_bytes", psim::soak::counted_trend(counted));
   return uncounted_flat && counted_flat ? 0 : 1;
 }

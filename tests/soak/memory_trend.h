@@ -39,9 +39,7 @@ inline MemoryTrend counted_trend(const std::vector<std::size_t>& samples) {
   return memory_trend(samples, 0.25, 32 << 10);
 }
 
-/// Of seasons that come again: they take as much each time.
-inline MemoryTrend seasons_trend(const std::vector<std::size_t>& samples, double share) {
-  return memory_trend(samples, share, 0);
-}
+/// Of what comes again season by season.
+inline MemoryTrend seasons_trend(const std::vector<std::size_t>& samples) { return memory_trend(samples, 0.01, 0); }
 
 }  // namespace psim::soak

@@ -213,7 +213,7 @@ void SoakCalls::push() {
       // Not far: a joint would pull it back within a step.
       return void(world_->set_transform(id, {place.x + uniform(-0.3, 0.3), place.y + uniform(0, 0.3)}, place.angle));
     case 5:
-      return void(world_->set_velocity(id, {uniform(-200, 200), 0}, 0));  // it leaves the world
+      return void(world_->set_velocity(id, {uniform(-40, 40), 0}, 0));  // it may leave the world
     default:
       require(world_->wake(id), "a living body is not woken");
   }
@@ -355,6 +355,11 @@ bool SoakCalls::season() {
   require(world_->body_count() == 1 && world_->joint_count() == 0, "a body is left");
   bodies_.clear();
   joints_.clear();
+  world_->save(state_);
+  std::string error;
+  const auto bare = World::from_state(state_, {best_isa(), 1}, error);
+  if (!require(bare != nullptr, "a state is refused")) return false;
+  bare_bytes_ = state_.size() + bare->memory_bytes();
   random_ = season_++ % kSeasons;
   world_->set_sleeping(true);
   world_->set_governor({});

@@ -33,6 +33,9 @@ class SoakCalls {
   std::uint64_t most_asleep() const { return most_asleep_; }
   std::uint64_t escaped() const { return world_->escaped_total(); }
   std::uint64_t events() const { return events_; }
+  /// Bytes of the state without bodies, before the season, and of a world made from it. What the crowds of before took
+  /// for lists is not in it, so that it has no reason at all to grow.
+  std::size_t bare_bytes() const { return bare_bytes_; }
 
  private:
   void change();
@@ -59,7 +62,7 @@ class SoakCalls {
 
   std::unique_ptr<World> world_;
   BodyId floor_;
-  std::size_t most_;
+  std::size_t most_, bare_bytes_ = 0;
   std::uint64_t random_ = 0, season_ = 0, steps_ = 0, calls_ = 0, events_ = 0, most_asleep_ = 0;
   std::vector<BodyId> bodies_;  // those that left the world, too, until they are found out
   std::vector<JointId> joints_;

@@ -240,7 +240,7 @@ void Population::leave_columns(std::uint32_t id) {
 void Population::make_room_to_leave(std::size_t n, bool fixed) {
   const std::size_t free = bodies.free_ids.size() + n;
   if (free > bodies.free_ids.capacity()) bodies.free_ids.reserve(2 * free);
-  statics.make_room_to_leave(fixed ? n : 0);
+  statics.make_room_to_leave(fixed ? n : 0, fixed);
 }
 
 void Population::lose_all() {

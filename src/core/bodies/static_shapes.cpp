@@ -96,9 +96,9 @@ std::uint32_t StaticShapes::add_sleeping(const std::vector<Piece>& pieces) {
 }
 
 void StaticShapes::reserve(std::size_t pieces) {
-  while (!left_.empty() && left_.back().first >= listed_) {
-    set_free(left_.back().first, left_.back().second);
-    left_.pop_back();
+  while (!gone_.empty() && gone_.back().first >= listed_) {
+    set_free(gone_.back().first, gone_.back().second);
+    gone_.pop_back();
   }
   join_gaps();
   statics_.reserve(count_ + pieces);
@@ -140,10 +140,11 @@ void StaticShapes::drop(std::uint32_t number) {
   --alive_;
 }
 
-void StaticShapes::make_room_to_leave(std::size_t bodies) {
+void StaticShapes::make_room_to_leave(std::size_t bodies, bool fixed) {
   free_hulls_.reserve(hulls_.capacity());
-  const std::size_t left = left_.size() + bodies;
-  if (left > left_.capacity()) left_.reserve(2 * left);
+  std::vector<Run>& runs = fixed ? gone_ : left_;
+  const std::size_t size = runs.size() + bodies;
+  if (size > runs.capacity()) runs.reserve(2 * size);
 }
 
 void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
@@ -157,7 +158,7 @@ void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
 void StaticShapes::remove(std::uint32_t first, std::uint32_t owner) {
   std::uint32_t end = first;
   for (; end < count_ && statics_[end].owner == owner && statics_[end].alive; ++end) drop(end);
-  if (end != first) left_.emplace_back(first, end - first);
+  if (end != first) gone_.emplace_back(first, end - first);
   dirty_ = true;
 }
 
@@ -228,8 +229,10 @@ void StaticShapes::join_gaps() {
 }
 
 void StaticShapes::build_grid() {
-  for (const auto& [first, count] : left_) set_free(first, count);
-  left_.clear();
+  for (std::vector<Run>* runs : {&left_, &gone_}) {
+    for (const auto& [first, count] : *runs) set_free(first, count);
+    runs->clear();
+  }
   join_gaps();
   listed_ = count_;
   if (!dirty_) return;

@@ -103,8 +103,8 @@ class StaticShapes {
     count_ = listed_ = 0;
     alive_ = 0;
   }
-  /// Makes room for the places of so many bodies that wake or go, which need no memory then.
-  void make_room_to_leave(std::size_t bodies);
+  /// Makes room for the places of so many bodies that wake, or that are `fixed` and go, which need no memory then.
+  void make_room_to_leave(std::size_t bodies, bool fixed);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
   void remove_sleeping(std::uint32_t first, std::uint32_t count);
 
@@ -168,11 +168,12 @@ class StaticShapes {
   Column<StaticShape> statics_;
   HashGrid sleepers_, standing_;
   // Free runs of numbers, by length; longer ones as (first, length), ascending; and those that become free with the next
-  // build_grid(), or with the next static body if no list names them.
+  // build_grid(): of bodies that slept, and of static ones, which become free with the next static body if no list names
+  // them.
   using Run = std::pair<std::uint32_t, std::uint32_t>;
   static constexpr std::uint32_t kLongestRun = kMostPolygonVertices + 1;  // of a body that sleeps
   std::vector<std::uint32_t> runs_[kLongestRun + 1];
-  std::vector<Run> gaps_, left_;
+  std::vector<Run> gaps_, left_, gone_;
   std::vector<Hull> hulls_;
   std::vector<std::uint32_t> free_hulls_;
   bool whole_wanted_ = false;

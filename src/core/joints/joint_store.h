@@ -145,7 +145,7 @@ class JointStore {
   static constexpr std::uint32_t kTether = 1u << 31;  // plus the number of a tether: as a lane has it
 
   struct Joint {
-    std::uint32_t next[2] = {kNoSlot, kNoSlot};  ///< the next joint in the lists of the bodies a and b
+    std::uint32_t next[2] = {kNoSlot, kNoSlot};    ///< the next joint in the lists of the bodies a and b
     std::uint32_t before[2] = {kNoSlot, kNoSlot};  ///< the one before it
     JointDesc desc;
     std::uint32_t generation = 0;

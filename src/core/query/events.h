@@ -93,7 +93,7 @@ class EventList {
   EventOptions options_;
   // Since the last step, with the generation that they had; for collect() by index, then by generation.
   std::vector<BodyId> removed_;
-  bool left_ = false;            // some body was removed or frozen since the last step
+  bool left_ = false;  // some body was removed or frozen since the last step
 
   // Contacts of two discs after the last step.
   std::uint64_t build_ = 0;             // ContactStore::builds when the lanes were made

@@ -48,7 +48,7 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   const Sleeper s = sleepers.list[k];
   // All room is made before anything changes: if there is none, the body stays asleep.
   bodies.reserve_slots(1);
-  source.population.statics.make_room_to_leave(1);
+  source.population.statics.make_room_to_leave(1, false);
   sleepers.recent.make_room_for_more(s.touches);
   sleepers.list[k] = sleepers.list.back();
   bodies.info[sleepers.list[k].id].slot = k;
@@ -115,20 +115,21 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   BodyStore& bodies = source.population.bodies;
   std::vector<Waking>& queue = sleepers.queue;
   bool any = false;
-  or_else([&] { queue.clear(); }, [&] {
-    for (std::size_t k = 0; k < queue.size(); ++k) {
-      const Waking now = queue[k];
-      if (bodies.info[now.id].place != Place::asleep) continue;
-      const Sleeper self = sleepers.list[bodies.info[now.id].slot];
-      if (!any) bodies.find_slots();
-      wake_one(source, sleepers, now.id);
-      if (!source.joints.empty()) source.joints.follow_sleep(now.id);
-      any = true;
-      ask_joined_and_stacked(source, sleepers, self, now.rings);
-      if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
-    }
-    if (any) sleepers.tidy();
-  });
+  or_else([&] { queue.clear(); },
+          [&] {
+            for (std::size_t k = 0; k < queue.size(); ++k) {
+              const Waking now = queue[k];
+              if (bodies.info[now.id].place != Place::asleep) continue;
+              const Sleeper self = sleepers.list[bodies.info[now.id].slot];
+              if (!any) bodies.find_slots();
+              wake_one(source, sleepers, now.id);
+              if (!source.joints.empty()) source.joints.follow_sleep(now.id);
+              any = true;
+              ask_joined_and_stacked(source, sleepers, self, now.rings);
+              if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
+            }
+            if (any) sleepers.tidy();
+          });
   queue.clear();
   return any;
 }

@@ -27,12 +27,12 @@ struct ContinuousInput {
   const JointStore& joints;
   const KinematicBodies& kinematics;
   const Bullets& bullets;
-  bool filters = false;                       ///< some bodies do not collide with others
-  double dt = 0;                              ///< s
-  Vec2 gravity;                               ///< m/s^2
-  double restitution_threshold = 0;           ///< m/s
-  const Walls* walls = nullptr;               ///< null if the world has none
-  BodyProperties wall = {};                   ///< their surface
+  bool filters = false;              ///< some bodies do not collide with others
+  double dt = 0;                     ///< s
+  Vec2 gravity;                      ///< m/s^2
+  double restitution_threshold = 0;  ///< m/s
+  const Walls* walls = nullptr;      ///< null if the world has none
+  BodyProperties wall = {};          ///< their surface
 };
 
 class Continuous {

@@ -227,7 +227,7 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
   lattice_points(a, Mapped{shapes, &S::q});
   columns(a, shapes, &S::radius, &S::restitution, &S::friction, &S::owner, &S::hull);
   for (auto& runs : runs_) a.packed(runs, std::uint64_t{count_} + 1);
-  for (std::vector<Run>* runs : {&gaps_, &left_}) {
+  for (std::vector<Run>* runs : {&gaps_, &left_, &gone_}) {
     a.list(*runs, [&](Run& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
   }
   std::vector<std::uint8_t> hull_used(hulls_.size());
@@ -257,7 +257,7 @@ void StaticShapes::check_runs(Archive& a) const {
   for (std::uint32_t length = 0; length <= kLongestRun; ++length) {
     for (const std::uint32_t first : runs_[length]) run(first, length);
   }
-  for (const std::vector<Run>* runs : {&gaps_, &left_}) {
+  for (const std::vector<Run>* runs : {&gaps_, &left_, &gone_}) {
     for (const auto& [first, length] : *runs) run(first, length);
   }
 }

@@ -47,7 +47,9 @@ class StateKeeper {
   void save(std::vector<std::byte>& out) {
     const WorkerPool::Awake awake(w_.pool);
     const PairTable& table = lists_.table;
-    if (w_.progress.sorted() || lists_.broad.origin.moved_on()) lists_.broad.origin.copy(origin_);
+    // Where nobody is awake, no contact of before is anybody's.
+    const bool moved = w_.progress.sorted() || lists_.broad.origin.moved_on();
+    if (moved && w_.bodies.count != 0) lists_.broad.origin.copy(origin_);
     const bool stale = lists_.stale;
     turn_back(w_);  // to the contacts of the last step
     const struct TurnAgain {

@@ -114,7 +114,8 @@ BodyId World::add_body(const BodyDesc& d, std::string& error) try {
   Owners& w = impl_->settled();
   error = check(d, w.desc.bounds);
   if (!error.empty()) return kNoBody;
-  if (!w.sleep.sleepers.empty()) w.population.make_room_to_leave(1, d.type == BodyType::static_body);  // to take it back, if others cannot wake
+  if (!w.sleep.sleepers.empty())
+    w.population.make_room_to_leave(1, d.type == BodyType::static_body);  // to take it back, if others cannot wake
   const BodyId id = w.population.add(d, error);
   if (id == kNoBody) return kNoBody;
   or_else([&] { w.population.remove(id.index); }, [&] { body_came(w, id.index); });
