@@ -1,4 +1,5 @@
-// What a world is made of: descriptions that the host fills in. Plain data, no behaviour.
+// What a world is made of: descriptions that the host fills in. Plain data, no behaviour. Which numbers are allowed,
+// psim/limits.h says.
 #pragma once
 
 #include <cstddef>
