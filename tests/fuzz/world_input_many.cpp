@@ -164,6 +164,7 @@ void Session::add_terrain() {
   chain.vertices = long_chain(in_, 2 + 4 * static_cast<std::size_t>(in_.byte()));
   chain.loop = in_.chance(100);
   say("chain of %zu", chain.vertices.size());
+  segments_ += chain.vertices.size();
   d.shape = chain;
   d.type = in_.chance(160) ? BodyType::static_body : BodyType::kinematic_body;
   d.position = in_.place(-kHalf, kHalf);

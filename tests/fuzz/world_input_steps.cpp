@@ -38,7 +38,8 @@ void Session::step(double dt) {
 void Session::stepped(const std::vector<StepReport>& reports) {
   ++steps_;
   const StepReport& report = reports.front();
-  const std::uint64_t points = report.awake + report.pairs + report.contacts + 4 * joints_.size();
+  const std::uint64_t points =
+      report.awake + report.pairs + 8 * report.contacts + 4 * joints_.size() + report.fast * (16 + segments_ / 4);
   work_ += points * worlds_.size() * static_cast<std::uint64_t>(worlds_.front()->desc().substeps);
   World& world = *worlds_.front();
   for (std::size_t k = 1; k < worlds_.size(); ++k) {

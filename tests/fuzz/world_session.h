@@ -140,8 +140,9 @@ class Session {
   Worlds worlds_;
   std::unique_ptr<Recorder> recorder_;  // of the last world
   std::size_t most_bodies_ = 120, most_joints_ = 80;
-  std::uint64_t work_ = 0;  // done by steps, as stepped() counts it
-  bool over_ = false;       // the world has ended for want of memory
+  std::size_t segments_ = 0;  // of long chains
+  std::uint64_t work_ = 0;    // done by steps, as stepped() counts it
+  bool over_ = false;         // the world has ended for want of memory
   bool open_ = false, restores_ = false, snapshots_ = false;
   int replaced_ = 0;
   GovernorDesc governor_;
