@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMostSteps = 50;
 // An input of a few bodies may take all its steps; one of thousands of bodies takes few. Half a second with sanitizers.
-constexpr std::uint64_t kMostWork = 150'000;
+constexpr std::uint64_t kMostWork = 40'000;
 
 // Numbers of threads that no world accepts, and a few that it does: hundreds would only fight for the processor.
 int refused_or_few(int threads) { return threads > 8 ? threads % 2 == 0 ? 8 : 257 : threads; }

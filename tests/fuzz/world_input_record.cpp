@@ -11,6 +11,21 @@
 #include "world_session.h"
 
 namespace psim::fuzz {
+namespace {
+
+std::vector<BodyState> states_of(const World& w, const std::vector<BodyId>& bodies) {
+  std::vector<BodyState> states;
+  for (const BodyId id : bodies) states.push_back(w.body(id).value_or(BodyState{}));
+  return states;
+}
+
+bool same_state(const BodyState& s, const BodyState& t) {
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  return s.id == t.id && same(s.x, t.x) && same(s.y, t.y) && same(s.angle, t.angle) && same(s.vx, t.vx) &&
+         same(s.vy, t.vy) && same(s.omega, t.omega);
+}
+
+}  // namespace
 
 void Session::start_recording() {
   end_recording();
@@ -43,8 +58,8 @@ void Session::starve() {
   World& w = *worlds_.front();
   const std::size_t spare = 64 * in_.below_wide(2000), which = in_.below(3), count = 1 + in_.below_wide(2000);
   say("%zu spare bytes, call %zu", spare, which);
-  const std::uint64_t hash = w.state_hash(), frame = w.frame();
-  const std::size_t bodies = w.body_count();
+  const std::uint64_t frame = w.frame();
+  const std::vector<BodyState> before = states_of(w, bodies_);
   std::string error;
   out_of_memory();
   w.set_max_bytes(w.memory_bytes() + spare);
@@ -72,7 +87,10 @@ void Session::starve() {
   w.set_max_bytes(0);
   if (over_) return;
   if (!done) {
-    require(w.state_hash() == hash && w.body_count() == bodies, "a call without memory changed the world");
+    // The hash may differ: a first step makes the columns of angles. What was given NaN is quarantined.
+    require(report.quarantined != 0 || std::ranges::equal(states_of(w, bodies_), before, same_state),
+            "a call without memory changed a body");
+    require(w.body_count() == bodies_.size(), "a call without memory changed the number of bodies");
   } else if (which == 0) {
     stepped({report});
   }
