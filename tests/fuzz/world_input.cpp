@@ -45,7 +45,7 @@ bool Session::create() {
   const bool twins = (kind & 2) != 0 || restores_;
   in_.rich = kind >= 16;
   if (in_.rich) {
-    most_bodies_ = one_of<std::size_t>(in_, {120, 120, 400, 1500, 5000});
+    most_bodies_ = one_of<std::size_t>(in_, {120, 120, 120, 120, 120, 400, 400, 3000});
     most_joints_ = 1000;
     in_.home = one_of(in_, {Vec2{}, Vec2{}, Vec2{}, Vec2{1000, -300}, Vec2{1e5, 1e5}, Vec2{-3e6, 2e6}});
   }

@@ -12,6 +12,8 @@
 namespace psim::fuzz {
 namespace {
 
+// Bodies times segments of long chains: all of them may be near each other.
+constexpr std::size_t kMostNear = 100'000;
 constexpr double kTurn = 6.283185307179586;  // radians of a full turn
 
 Vec2 on_circle(double radius, double angle) { return {radius * std::cos(angle), radius * std::sin(angle)}; }
@@ -67,7 +69,7 @@ GroupDesc Session::group(std::size_t most) {
   GroupDesc g;
   const std::size_t room = most_bodies_ - std::min(most_bodies_, bodies_.size());
   g.layout = one_of(in_, {Layout::lattice, Layout::hex, Layout::random});
-  g.count = std::min(room, 1 + in_.below_wide(most));
+  g.count = std::min({room, 1 + in_.below_wide(most), kMostNear / (1 + segments_)});
   const double half = one_of(in_, {3.0, 11.5, 28.0, 90.0});
   const Vec2 home = in_.home;
   g.region = {home.x - half, home.y - half, home.x + half, home.y + half};
@@ -158,10 +160,11 @@ void Session::add_net() {
 }
 
 void Session::add_terrain() {
-  if (bodies_.size() >= most_bodies_) return;
+  const std::size_t n = 2 + 4 * static_cast<std::size_t>(in_.byte());
+  if (bodies_.size() >= most_bodies_ || bodies_.size() * (segments_ + n) > kMostNear) return;
   BodyDesc d;
   ChainShape chain;
-  chain.vertices = long_chain(in_, 2 + 4 * static_cast<std::size_t>(in_.byte()));
+  chain.vertices = long_chain(in_, n);
   chain.loop = in_.chance(100);
   say("chain of %zu", chain.vertices.size());
   segments_ += chain.vertices.size();

@@ -201,6 +201,7 @@ std::vector<std::uint8_t> random_calls(std::uint64_t seed) {
   Random random(seed);
   std::vector<std::uint8_t> calls(200 + random.below(1800));
   for (std::uint8_t& byte : calls) byte = static_cast<std::uint8_t>(random.below(256));
+  if (seed % 8 != 0) calls[0] &= 15;  // the others make worlds of many bodies, which take as long as all the rest
   return calls;
 }
 
