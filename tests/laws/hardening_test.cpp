@@ -140,6 +140,63 @@ TEST(Hardening, AStateIsSavedBetweenTheFramesOfOneStep) {
   }
 }
 
+// The recorder leaves out a call that adds nothing, but the call began the step anew, and the replay was another run.
+TEST(Hardening, ABatchOfNoDiscsDoesNotBeginAStepAnew) {
+  auto world = pile(100, material(0, 0.4)), other = pile(100, material(0, 0.4));
+  StepDetail waits;
+  waits.solves = false;
+  waits.horizon = 2;
+  waits.pieces = 3;
+  for (int k = 0; k < 40; ++k) {
+    world->replay(waits);
+    other->replay(waits);
+    std::uint32_t first = 0;
+    std::string error;
+    EXPECT_EQ(other->add_discs({}, first, error), 0u);
+    EXPECT_EQ(error, "");
+    world->step();
+    other->step();
+    ASSERT_EQ(world->state_hash(), other->state_hash()) << k;
+  }
+}
+
+// A state named the slot that a long chain had before the bodies were sorted, and was refused where a disc had it now.
+TEST(Hardening, AStateIsSavedAfterADiscTookTheSlotOfALongChain) {
+  auto world = make(walled({-20, -2, 30, 60}));
+  for (int k = 0; k < 20; ++k) add(*world, disc({1.0 + k, 20}));
+  BodyDesc chain = disc({5, 5});
+  chain.type = BodyType::kinematic_body;
+  ChainShape many;
+  for (int k = 0; k < 30; ++k) many.vertices.push_back({0.2 * k, 0.1 * (k % 2)});
+  chain.shape = many;
+  std::string error;
+  ASSERT_NE(world->add_body(chain, error), kNoBody) << error;
+  run(*world, 3);
+  for (int k = 0; k < 20; ++k) add(*world, disc({-15.0 + k, -1}));
+  StepDetail waits;
+  waits.solves = false;
+  waits.frames = 3;
+  waits.horizon = 4;
+  for (std::uint32_t pieces = 1; pieces < 20; ++pieces) {
+    waits.pieces = pieces;
+    world->replay(waits);
+    std::vector<std::byte> state;
+    world->save(state);
+    ASSERT_TRUE(World::from_state(state, {}, error)) << error << " after " << pieces << " pieces";
+  }
+}
+
+// The watch over who falls asleep multiplied the angle, and the product was infinite.
+TEST(Hardening, ABodyWithTheLargestAngleFallsAsleep) {
+  auto world = make(walled({-10, 0, 10, 20}));
+  BodyDesc body = box({3, 3});
+  body.shape = CapsuleShape{{-2, 0}, {2, 0}, 0.5};
+  body.angle = std::numeric_limits<double>::max();
+  add(*world, body);
+  run(*world, 600);
+  EXPECT_TRUE(all_finite(*world));
+}
+
 // The angle went to infinity, which nobody looked for.
 TEST(Hardening, AJointOnABodyThatSpinsAbsurdlyLeavesFiniteStates) {
   auto world = make(walled({-20, -20, 20, 20}));

@@ -132,6 +132,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   if (!error.empty()) return 0;
   const std::size_t n = batch.x.size();
   first = w.population.next_id();
+  if (n == 0) return 0;  // nothing changes: a step that is spread over frames goes on
   const bool fixed = batch.type == BodyType::static_body;
   w.population.make_room(n, fixed);
   std::vector<std::uint32_t> came;
