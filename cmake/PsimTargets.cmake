@@ -36,6 +36,18 @@ function(psim_target_defaults target)
   endif()
 endfunction()
 
+# The fuzzers' libFuzzer is told of every comparison, to learn which numbers an input is compared with. A step compares
+# what it computed, so there is nothing to learn, and this takes half of its time. States are read from inputs: the files
+# of src/core/state keep it.
+function(psim_trace_no_comparisons target)
+  if(PSIM_FUZZ)
+    target_compile_options(${target} PRIVATE -fno-sanitize-coverage=trace-cmp)
+    get_target_property(sources ${target} SOURCES)
+    list(FILTER sources INCLUDE REGEX "/core/state/")
+    set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -fsanitize-coverage=trace-cmp)
+  endif()
+endfunction()
+
 # Files whose names end in _posix or _windows are for these systems alone, _absent for those that can do no such thing.
 # All that differs between systems is in them.
 function(psim_for_this_system list)

@@ -1,4 +1,5 @@
-// What a world is made of: descriptions that the host fills in. Plain data, no behaviour.
+// What a world is made of: descriptions that the host fills in. Plain data, no behaviour. Which numbers are allowed,
+// psim/limits.h says.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +20,12 @@ namespace psim {
 struct Material {
   double density = 1;      ///< kg/m^2, > 0
   double restitution = 0;  ///< 0..1
-  double friction = 0;     ///< Coulomb coefficient, 0..100
+  double friction = 0;     ///< Coulomb coefficient, 0..1000
 };
 
 /// A disc about the body's place.
 struct DiscShape {
-  double radius = 0.5;  ///< metres, 1e-9 to 1e9
+  double radius = 0.5;  ///< metres, 1e-9 to 1e6
 };
 
 /// A line from p1 to p2 in the body's frame; no thickness; solid from both sides. A dynamic one is a
@@ -136,7 +137,7 @@ using Field = std::variant<WellField, DragField>;
 
 /// The world and how it is stepped. Checked by World::create.
 struct WorldDesc {
-  Bounds bounds{-500, -500, 500, 500};         ///< metres; 1e-9 to 1e12 m wide
+  Bounds bounds{-500, -500, 500, 500};         ///< metres; 1e-9 to 1e9 m wide
   Boundary boundary = Boundary::walls;         ///< what its sides do
   Vec2 gravity{0, -9.81};                      ///< m/s^2
   double linear_damping = 0;                   ///< 1/s: dv/dt = -c v, integrated exactly

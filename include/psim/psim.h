@@ -9,6 +9,7 @@
 #include "psim/integrator.h"
 #include "psim/isa.h"
 #include "psim/joint.h"
+#include "psim/limits.h"
 #include "psim/query.h"
 #include "psim/recording.h"
 #include "psim/report.h"

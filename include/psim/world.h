@@ -102,8 +102,8 @@ class PSIM_API World {
   /// is accepted and quarantines the body in the next step. In a world with walls a place beyond them
   /// becomes the nearest one within.
   bool set_transform(BodyId id, Vec2 position, double angle);
-  /// Sets the motion, m/s and rad/s, as set_transform; beyond the fastest that the lattice can carry it is
-  /// cut to that.
+  /// Sets the motion, m/s and rad/s; beyond the fastest that the lattice can carry it is cut to that. False as
+  /// set_transform, and for numbers out of their ranges (psim/limits.h).
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   /// Adds impulse / mass to the velocity, N s. False as set_transform.
   bool apply_impulse(BodyId id, Vec2 impulse);
@@ -113,7 +113,7 @@ class PSIM_API World {
   /// N m s: adds impulse / inertia to the angular velocity. False as set_transform.
   bool apply_angular_impulse(BodyId id, double impulse);
 
-  /// Changes the world's gravity, m/s^2; everybody wakes. False if it is not finite.
+  /// Changes the world's gravity, m/s^2; everybody wakes. False if it is out of its range (psim/limits.h).
   bool set_gravity(Vec2 gravity);
   /// Changes WorldDesc::skin: the next step makes its lists anew. False if it is not 0.25 to 4.
   bool set_skin(double factor);
@@ -137,7 +137,7 @@ class PSIM_API World {
   /// What it does, by the state after the last step; nothing if the id is stale.
   std::optional<JointState> joint(JointId id) const;
   /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor. False if the id
-  /// is stale, the joint of another type, or a number not finite or the limit negative.
+  /// is stale, the joint of another type, or a number out of its range (psim/limits.h).
   bool set_motor(JointId id, double speed, double limit);
   /// All joints.
   std::size_t joint_count() const;

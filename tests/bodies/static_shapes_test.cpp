@@ -17,7 +17,7 @@ void add_pieces(World& world, bool as_chain, Material m) {
 }
 
 TEST(StaticShapes, SegmentsOfAnyLengthCarry) {
-  for (const double reach : {50.0, 250.0, 300.0, 401.0, 1000.0, 1e6, 1e12, 1e150}) {
+  for (const double reach : {50.0, 250.0, 300.0, 401.0, 1000.0, 1e6, 5e8}) {
     for (const double slope : {0.0, 0.2}) {
       SCOPED_TRACE(testing::Message() << reach << " slope " << slope);
       auto world = make(unbounded(100));
@@ -38,10 +38,10 @@ TEST(StaticShapes, SegmentsOfAnyLengthCarry) {
 TEST(StaticShapes, PointsBeyondAllMeasureAreRefused) {
   auto world = make(unbounded(100));
   std::string error;
-  for (const double far : {1e151, 1e308, kInf}) {
+  for (const double far : {1.1e9, 1e151, kInf}) {
     BodyDesc chain = segment({-far, 0}, {far, 0});
     EXPECT_EQ(world->add_body(chain, error), kNoBody);
-    EXPECT_EQ(error, "segment points must be finite and within 1e150 m of the body's place");
+    EXPECT_TRUE(error.starts_with("vertex 0 must be from -1e9 to 1e9, not -")) << error;
     chain.shape = ChainShape{{{-far, 0}, {0, 1}, {far, 0}}, false};
     EXPECT_EQ(world->add_body(chain, error), kNoBody);
   }

@@ -67,7 +67,7 @@ TEST(CApi, ErrorsSayWhatAndWhere) {
   EXPECT_STREQ(CWorld(desc).error, "psim_world_create: boundary 9 is none of psim_boundary, 0 to 2");
   desc = CWorld::defaults();
   desc.dt = 0;
-  EXPECT_STREQ(CWorld(desc).error, "psim_world_create: dt must be above 0 and at most 10 s");
+  EXPECT_STREQ(CWorld(desc).error, "psim_world_create: dt must be above 0 and up to 10, not 0");
   char shorter[8];
   psim_world* world = nullptr;
   EXPECT_EQ(psim_world_create(&desc, nullptr, &world, shorter, sizeof shorter), PSIM_ERROR_ARGUMENT);

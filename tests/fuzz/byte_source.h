@@ -19,6 +19,10 @@ class ByteSource {
   bool empty() const { return at_ == bytes_.size(); }
   std::uint8_t byte() { return at_ < bytes_.size() ? bytes_[at_++] : std::uint8_t{0}; }
   std::size_t below(std::size_t n) { return n < 2 ? 0 : byte() % n; }  // n <= 256
+  std::size_t below_wide(std::size_t n) {                              // n <= 65536
+    const int bits = byte() << 8 | byte();
+    return n < 2 ? 0 : static_cast<std::size_t>(bits) % n;
+  }
   bool chance(int of_256) { return byte() < of_256; }
 
   /// In steps of (high - low) / 65535.
@@ -62,7 +66,15 @@ class ByteSource {
     return {x, number(low, high)};
   }
 
+  /// A point near the middle of the session: most bodies are placed and asked for there.
+  Vec2 place(double low, double high) {
+    const Vec2 at = vec2(low, high);
+    return {home.x + at.x, home.y + at.y};
+  }
+
   bool tame = true;
+  bool rich = false;  ///< large worlds and all calls; without it, the calls of older inputs alone
+  Vec2 home;          ///< metres
 
  private:
   Bytes bytes_;

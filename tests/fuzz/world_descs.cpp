@@ -8,7 +8,7 @@ namespace {
 Field field(ByteSource& in) {
   if (in.chance(100)) return DragField{in.number(0, 2), in.number(0, 0.5)};
   WellField well;
-  well.position = in.vec2(-kHalf, kHalf);
+  well.position = in.place(-kHalf, kHalf);
   well.strength = in.number(-200, 200);
   well.softening = in.number(0.2, 2);
   well.exponent = one_of(in, {2.0, 1.0, 0.0, 2.5});
@@ -16,16 +16,21 @@ Field field(ByteSource& in) {
   return well;
 }
 
+// From 1 g to 1 t, as many in every decade.
+double mass(ByteSource& in) { return std::pow(10, in.number(-3, 3)); }
+
 }  // namespace
 
 WorldDesc world(ByteSource& in) {
   WorldDesc d;
   d.boundary = one_of(in, {Boundary::walls, Boundary::periodic, Boundary::open});
-  const double half = one_of(in, {kHalf, 30.0, 500.0, 1e6});
-  d.bounds = {-half, -half, half, one_of(in, {half, 2 * half})};
+  const double half = in.rich ? one_of(in, {kHalf, 30.0, 100.0, 3e6, 1e9}) : one_of(in, {kHalf, 30.0, 500.0, 1e6});
+  const double top = one_of(in, {half, 2 * half});
+  const Vec2 home = in.home;
+  d.bounds = {home.x - half, home.y - half, home.x + half, home.y + top};
   if (!in.tame && in.chance(10)) {
     const Vec2 low = in.vec2(-kHalf, 0), high = in.vec2(0, kHalf);
-    d.bounds = {low.x, low.y, high.x, high.y};
+    d.bounds = {home.x + low.x, home.y + low.y, home.x + high.x, home.y + high.y};
   }
   d.gravity = one_of(in, {Vec2{0, -9.81}, Vec2{0, 0}, Vec2{3, 40}});
   if (in.chance(10)) d.gravity = in.vec2(-50, 50);
@@ -97,12 +102,12 @@ BodyDesc body(ByteSource& in) {
   d.type = one_of(in, {BodyType::dynamic_body, BodyType::dynamic_body, BodyType::dynamic_body, BodyType::static_body,
                        BodyType::kinematic_body});
   d.shape = in.chance(128) ? Shape(DiscShape{in.number(0.1, 0.6)}) : shape(in);
-  d.position = in.vec2(-kHalf, kHalf);
+  d.position = in.place(-kHalf, kHalf);
   if (in.chance(80)) d.angle = in.number(-4, 4);
   if (in.chance(128)) d.velocity = in.vec2(-20, 20);
   if (in.chance(40)) d.angular_velocity = in.number(-20, 20);
   if (in.chance(80)) d.material = material(in);
-  if (in.chance(30)) d.mass = in.number(0, 100);
+  if (in.chance(30)) d.mass = in.rich ? mass(in) : in.number(0, 100);
   if (in.chance(20)) d.gravity_scale = in.number(-1, 2);
   d.fixed_rotation = in.chance(10);
   d.bullet = in.chance(16);

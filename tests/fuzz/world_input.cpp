@@ -15,26 +15,43 @@ namespace psim::fuzz {
 namespace {
 
 constexpr int kMostSteps = 50;
+// An input of a few bodies may take all its steps; one of thousands of bodies takes few. Half a second with sanitizers.
+constexpr std::uint64_t kMostWork = 40'000;
+
+// Numbers of threads that no world accepts, and a few that it does: hundreds would only fight for the processor.
+int refused_or_few(int threads) { return threads > 8 ? threads % 2 == 0 ? 8 : 257 : threads; }
 
 }  // namespace
 
 void Session::run() {
   if (!create()) return;
-  while (!in_.empty() && steps_ < kMostSteps) {
+  while (!in_.empty() && !spent()) {
     call();
+    if (over_) return;
     if (restores_) replace_last();
   }
   step(worlds_.front()->desc().dt);
+  look(true);
+  end_recording();
+  say("%d steps, work %llu", steps_, static_cast<unsigned long long>(work_));
 }
+
+bool Session::spent() const { return over_ || steps_ >= kMostSteps || work_ >= kMostWork; }
 
 bool Session::create() {
   const int kind = in_.byte();
   in_.tame = (kind & 1) != 0;
   restores_ = (kind & 12) == 12;
   const bool twins = (kind & 2) != 0 || restores_;
+  in_.rich = kind >= 16;
+  if (in_.rich) {
+    most_bodies_ = one_of<std::size_t>(in_, {120, 120, 120, 120, 120, 400, 400, 3000});
+    most_joints_ = 1000;
+    in_.home = one_of(in_, {Vec2{}, Vec2{}, Vec2{}, Vec2{1000, -300}, Vec2{1e5, 1e5}, Vec2{-3e6, 2e6}});
+  }
   WorldDesc d = world(in_);
   RunOptions o{one_of(in_, kAllIsas), one_of(in_, {1, 1, 1, 1, 1, 1, 2, 3})};
-  if (!in_.tame && in_.chance(4)) o.threads = in_.byte() - 10;
+  if (!in_.tame && in_.chance(4)) o.threads = refused_or_few(in_.byte() - 10);
   if (!isa_available(o.isa)) o.isa = best_isa();
   say("world %s boundary %d bounds %g %g %g %g gravity %g %g damping %g wall %g %g fields %zu dt "
       "%g substeps %d "
@@ -46,6 +63,8 @@ bool Session::create() {
       restores_ ? " restored after each call"
       : twins   ? " twins"
                 : "");
+  open_ = d.boundary == Boundary::open;
+  if (in_.rich && in_.chance(48)) return create_from_scene(d, o, twins);
   for (int k = 0; k < (twins ? 2 : 1); ++k) {
     std::string error;
     worlds_.push_back(World::create(d, o, error));
@@ -56,12 +75,11 @@ bool Session::create() {
     }
     o = {Isa::scalar, 1};
   }
-  open_ = d.boundary == Boundary::open;
   return true;
 }
 
 void Session::call() {
-  const std::size_t kind = in_.below(16);
+  const std::size_t kind = in_.below(in_.rich ? 32 : 16);
   switch (kind) {
     case 0:
     case 1:
@@ -83,7 +101,7 @@ void Session::call() {
     case 10:
       return change_options();
     case 11:
-      return in_.chance(40) ? govern() : in_.chance(40) ? replay() : step(worlds_.front()->desc().dt);
+      return in_.chance(40) ? govern() : in_.chance(40) ? replay({}) : step(worlds_.front()->desc().dt);
     case 12:
       return step(in_.number(0.001, 0.05));
     case 13:
@@ -93,16 +111,52 @@ void Session::call() {
       } else if (in_.chance(80)) {
         go_back();
       }
-      return look();
+      return look(true);
+    case 14:
+    case 15:
+      for (std::size_t k = 1 + in_.below(3); k > 0 && !spent(); --k) step(worlds_.front()->desc().dt);
+      return;
     default:
-      for (std::size_t k = 1 + in_.below(3); k > 0; --k) step(worlds_.front()->desc().dt);
+      return call_rich(kind);
+  }
+}
+
+void Session::call_rich(std::size_t kind) {
+  switch (kind) {
+    case 16:
+    case 17:
+      return add_pile();
+    case 18:
+      return add_net();
+    case 19:
+      return add_terrain();
+    case 20:
+      return add_giant();
+    case 21:
+      return add_kinematic();
+    case 22:
+      return add_tower();
+    case 23:
+      return in_.chance(40) ? remove_many() : push_many();
+    case 24:
+      return start_recording();
+    case 25:
+      return end_recording();
+    case 26:
+      return starve();
+    case 27:
+      return count();
+    case 28:
+      return replay(in_.number(0.001, 0.05));
+    default:
+      for (std::size_t k = 1 + in_.below(6); k > 0 && !spent(); --k) step(worlds_.front()->desc().dt);
   }
 }
 
 void Session::ask() {
   QueryFilter f;
   if (in_.chance(40)) f = {in_.byte(), in_.chance(128), in_.chance(128), in_.chance(128), in_.chance(128)};
-  const Vec2 p = in_.vec2(-2 * kHalf, 2 * kHalf), q = in_.vec2(-2 * kHalf, 2 * kHalf);
+  const Vec2 p = in_.place(-2 * kHalf, 2 * kHalf), q = in_.place(-2 * kHalf, 2 * kHalf);
   const std::size_t which = in_.below(4);
   const double more = in_.number(0, 10);
   const Shape outline = which == 1 ? shape(in_) : Shape(DiscShape{});
@@ -125,6 +179,7 @@ void Session::ask() {
 // The last world goes into a state and out of it, at every second call as a world of its own, and must go on
 // like the one beside it that never did.
 void Session::replace_last() {
+  end_recording();
   std::string error;
   std::vector<std::byte> state;
   std::unique_ptr<World>& w = worlds_.back();
@@ -158,6 +213,7 @@ void Session::go_back() {
     }
     return;
   }
+  end_recording();
   for (std::size_t k = 0; k < worlds_.size(); ++k) {
     require(worlds_[k]->restore(kept_.states[k], error), "restore: " + error);
     require(worlds_[k]->state_hash() == kept_.hash, "restore: the hash");

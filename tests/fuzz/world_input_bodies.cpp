@@ -1,5 +1,6 @@
 // Bodies and joints come, go and are moved.
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
@@ -8,16 +9,13 @@
 #include "world_session.h"
 
 namespace psim::fuzz {
-namespace {
-
-constexpr std::size_t kMostBodies = 120, kMostJoints = 80;
-
-}  // namespace
 
 void Session::add_body() {
-  if (bodies_.size() >= kMostBodies) return;
-  const BodyDesc d = body(in_);
-  const BodyId id = same<BodyId>("add_body", [&](World& w) {
+  if (bodies_.size() < most_bodies_) add(body(in_));
+}
+
+BodyId Session::add(const BodyDesc& d) {
+  const BodyId id = change<BodyId>("add_body", [&](auto& w) {
     std::string error;
     const BodyId got = w.add_body(d, error);
     require((got == kNoBody) != error.empty(), "add_body: an id or an error");
@@ -32,13 +30,14 @@ void Session::add_body() {
       d.gravity_scale, d.fixed_rotation ? " upright" : "", d.bullet ? " bullet" : "", d.sensor ? " sensor" : "",
       d.filter.category, d.filter.mask, d.filter.group);
   if (id != kNoBody) live(id);
+  return id;
 }
 
 void Session::add_discs() {
   const std::size_t n = in_.below(30);
-  if (bodies_.size() + n > kMostBodies) return;
+  if (bodies_.size() + n > most_bodies_) return;
   std::vector<double> x, y, radius{in_.number(0.1, 0.6)}, vx, more;
-  const Vec2 at = in_.vec2(-kHalf, kHalf / 2);
+  const Vec2 at = in_.place(-kHalf, kHalf / 2);
   for (std::size_t k = 0; k < n; ++k) {
     x.push_back(at.x + 0.7 * static_cast<double>(k % 5));
     y.push_back(at.y + 0.7 * static_cast<double>(k / 5));
@@ -63,8 +62,13 @@ void Session::add_discs() {
   batch.filter = filter(in_);
   say("discs %zu at %g %g radius %g vx %g type %d mass %g bullet %d", n, at.x, at.y, radius[0], vx.empty() ? 0 : vx[0],
       static_cast<int>(batch.type), batch.mass, batch.bullet);
+  add(batch);
+}
+
+std::size_t Session::add(const DiscBatch& batch) {
+  const std::size_t n = batch.x.size();
   const auto before = worlds_.front()->body_count();
-  const std::size_t added = same<std::size_t>("add_discs", [&](World& w) {
+  const std::size_t added = change<std::size_t>("add_discs", [&](auto& w) {
     std::string error;
     std::uint32_t first = 0;
     const std::size_t got = w.add_discs(batch, first, error);
@@ -75,10 +79,14 @@ void Session::add_discs() {
   require(worlds_.front()->body_count() == before + added, "add_discs: the count");
   const PublishedState s = worlds_.front()->published();
   for (const std::uint32_t index : s.id) live(worlds_.front()->id_of(index));
+  return added;
 }
 
 void Session::live(BodyId id) {
-  if (std::find(bodies_.begin(), bodies_.end(), id) == bodies_.end()) bodies_.push_back(id);
+  if (is_live(id)) return;
+  bodies_.push_back(id);
+  if (known_.by_index.size() <= id.index) known_.by_index.resize(id.index + std::size_t{1});
+  known_.by_index[id.index] = id;
 }
 
 // One that lives, one that is gone, or nonsense.
@@ -87,6 +95,7 @@ BodyId Session::some_body() {
     if (!dead_.empty() && in_.chance(160)) return dead_[in_.below(std::min<std::size_t>(dead_.size(), 256))];
     return {static_cast<std::uint32_t>(in_.byte()) << (in_.below(4) * 8), in_.byte()};
   }
+  if (in_.rich) return bodies_[in_.below_wide(bodies_.size())];
   return bodies_[in_.below(std::min<std::size_t>(bodies_.size(), 256))];
 }
 
@@ -94,19 +103,22 @@ void Session::remove_body() {
   const BodyId id = some_body();
   const bool lives = is_live(id);
   say("remove %u", id.index);
-  require(same<bool>("remove_body", [&](World& w) { return w.remove_body(id); }) == lives,
+  require(change<bool>("remove_body", [&](auto& w) { return w.remove_body(id); }) == lives,
           "remove_body: true for the living");
-  if (lives) bury(id);
+  if (lives) bury({id});
 }
 
-void Session::bury(BodyId id) {
-  std::erase(bodies_, id);
-  dead_.push_back(id);
-  broken_.erase(id.index);
-  require(!worlds_.front()->is_valid(id), "a removed body is valid");
+void Session::bury(const std::vector<BodyId>& gone) {
+  for (const BodyId id : gone) {
+    require(!worlds_.front()->is_valid(id), "a removed body is valid");
+    known_.by_index[id.index] = kNoBody;
+    dead_.push_back(id);
+    broken_.erase(id.index);
+  }
+  std::erase_if(bodies_, [&](BodyId id) { return !is_live(id); });
 }
 
-bool Session::is_live(BodyId id) const { return std::find(bodies_.begin(), bodies_.end(), id) != bodies_.end(); }
+bool Session::is_live(BodyId id) const { return id.index < known_.by_index.size() && known_.by_index[id.index] == id; }
 
 void Session::move_body() {
   const BodyId id = some_body();
@@ -114,13 +126,14 @@ void Session::move_body() {
   const bool breaks = in_.chance(6);
   const Vec2 v = breaks ? Vec2{nan, 0} : in_.vec2(-kHalf, kHalf);
   const double turn = in_.chance(100) ? in_.number(-10, 10) : 0;
-  const Vec2 at = in_.vec2(-kHalf, kHalf);
+  const Vec2 at = in_.place(-kHalf, kHalf);
   const std::size_t which = in_.below(5);
   say("move %u by %zu: %g %g turn %g at %g %g", id.index, which, v.x, v.y, turn, at.x, at.y);
-  const bool moved = same<bool>("moving a body", [&](World& w) {
+  const Vec2 to{in_.home.x + v.x, in_.home.y + v.y};
+  const bool moved = change<bool>("moving a body", [&](auto& w) {
     switch (which) {
       case 0:
-        return w.set_transform(id, v, turn);
+        return w.set_transform(id, to, turn);
       case 1:
         return w.set_velocity(id, v, turn);
       case 2:
@@ -137,7 +150,7 @@ void Session::move_body() {
 }
 
 void Session::add_joint() {
-  if (joints_.size() >= kMostJoints) return;
+  if (joints_.size() >= most_joints_) return;
   JointDesc d;
   d.type = static_cast<JointType>(in_.below(6));
   d.a = some_body();
@@ -153,7 +166,11 @@ void Session::add_joint() {
   if (in_.chance(60)) d.upper = in_.number(0, 2);
   if (in_.chance(60)) d.motor_speed = in_.number(-10, 10), d.motor_limit = in_.number(0, 200);
   d.collide = in_.chance(60);
-  const JointId id = same<JointId>("add_joint", [&](World& w) {
+  add(d);
+}
+
+JointId Session::add(const JointDesc& d) {
+  const JointId id = change<JointId>("add_joint", [&](auto& w) {
     std::string error;
     const JointId got = w.add_joint(d, error);
     require((got == kNoJoint) != error.empty(), "add_joint: an id or an error");
@@ -162,15 +179,16 @@ void Session::add_joint() {
   });
   say("joint %u type %d of %u and %u%s", id.index, static_cast<int>(d.type), d.a.index, d.b.index,
       d.collide ? " colliding" : "");
-  if (id == kNoJoint) return;
+  if (id == kNoJoint) return id;
   require(is_live(d.a) && is_live(d.b), "a joint on a body that is not there");
   joints_.push_back(id);
   jointed_ = true;
+  return id;
 }
 
 JointId Session::some_joint() {
   if (joints_.empty() || in_.chance(16)) return {in_.byte(), in_.byte()};
-  return joints_[in_.below(joints_.size())];
+  return joints_[in_.rich ? in_.below_wide(joints_.size()) : in_.below(joints_.size())];
 }
 
 void Session::touch_joint() {
@@ -179,13 +197,13 @@ void Session::touch_joint() {
   const double speed = in_.number(-10, 10), limit = in_.number(0, 100);
   const bool valid = worlds_.front()->is_valid_joint(id);
   say("change joint %u by %zu", id.index, which);
-  const bool did = same<bool>("changing a joint", [&](World& w) {
-    if (which == 0) return w.remove_joint(id);
-    if (which == 1) return w.set_motor(id, speed, limit);
+  const auto ask = [&](World& w) {
     const auto state = w.joint(id);
     if (state) require(w.is_valid(state->a) && w.is_valid(state->b), "a joint of no bodies");
     return state.has_value();
-  });
+  };
+  const auto touch = [&](auto& w) { return which == 0 ? w.remove_joint(id) : w.set_motor(id, speed, limit); };
+  const bool did = which == 2 ? same<bool>("asking for a joint", ask) : change<bool>("changing a joint", touch);
   require(!did || valid, "a joint that is not there was changed");
   require(which == 1 || did == valid, "a joint that is there was refused");
   if (which == 0 && did) std::erase(joints_, id);

@@ -9,8 +9,12 @@
 
 namespace psim::fuzz {
 
-/// Everything that can be read out: finite, counted, in order. Nothing if all of it holds.
-std::string broken_promise(World& world);
+/// Everything that can be read out: finite, counted, in order. Nothing if all of it holds. Without `questions`, queries
+/// about all bodies are left out.
+std::string broken_promise(World& world, bool questions = true);
+
+/// Whether the last step of two worlds told the same.
+bool same_events(const World& one, const World& other);
 
 /// What the last step told of.
 std::string events_answer(const World& world);

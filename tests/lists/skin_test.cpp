@@ -133,7 +133,7 @@ TEST(Skin, IsSetWhileItRuns) {
   desc.skin = 0.2;
   std::string error;
   EXPECT_EQ(World::create(desc, {}, error), nullptr);
-  EXPECT_EQ(error, "skin must be 0.25 to 4");
+  EXPECT_EQ(error, "skin must be from 0.25 to 4, not 0.2");
 }
 
 // The same bits on every ISA and number of threads, from a saved state on and in a recording.

@@ -112,7 +112,7 @@ TEST(SceneJoints, BadOnesAreRefusedAtTheirPlace) {
       {R"({"type": "rope", "a": 0, "b": 1, "length": 0})", "joints[0].length", "above 0"},
       {R"({"type": "distance", "a": 0, "b": 1, "anchor_a": [3, 4]})", "joints[0]", "anchors lie on each other"},
       {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1, "upper": 0.5})", "joints[0].upper", "less than \"lower\""},
-      {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1e9})", "joints[0].lower", "out of range"},
+      {R"({"type": "revolute", "a": 0, "b": 1, "lower": 1e10})", "joints[0].lower", "out of range"},
       {R"({"type": "prismatic", "a": 0, "b": 1, "axis": [0, 0]})", "joints[0].axis", "is no direction"},
       {R"({"type": "prismatic", "a": 0, "b": 1, "axis": [1]})", "joints[0].axis", "has 1 element"},
       {R"({"type": "prismatic", "a": 0, "b": 1, "motor_limit": -1})", "joints[0].motor_limit", "out of range"}};

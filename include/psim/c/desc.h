@@ -1,6 +1,6 @@
 /// @file
 /// C API: descriptions that the caller fills in. Each begins with struct_size; psim_NAME_init sets it
-/// and the defaults. New fields come at the end.
+/// and the defaults. New fields come at the end. Which numbers are allowed, <psim/limits.h> says.
 #pragma once
 
 #include <string.h>
@@ -15,7 +15,7 @@ extern "C" {
 typedef struct psim_world_desc {
   uint32_t struct_size;          ///< set by psim_world_desc_init
   int32_t boundary;              ///< psim_boundary; default walls
-  psim_bounds bounds;            ///< metres; default -500 to 500 on both axes; 1e-9 to 1e12 m wide
+  psim_bounds bounds;            ///< metres; default -500 to 500 on both axes; 1e-9 to 1e9 m wide
   psim_vec2 gravity;             ///< m/s^2; default (0, -9.81)
   double linear_damping;         ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; default 0
   psim_material wall;            ///< of the four sides, when boundary is walls

@@ -34,7 +34,7 @@ PSIM_API int32_t psim_world_is_valid_joint(const psim_world* world, psim_joint_i
 PSIM_API psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joint_state* state);
 
 /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor.
-/// PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT for other joints, a number that is not finite or a
+/// PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT for other joints, a number out of its range or a
 /// negative limit.
 PSIM_API psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit);
 

@@ -74,7 +74,7 @@ PSIM_API psim_result psim_world_replay_by(psim_world* world, psim_step_detail de
 /// does nothing.
 PSIM_API psim_result psim_world_prepare(psim_world* world);
 
-/// Changes gravity, m/s^2, finite; everybody wakes.
+/// Changes gravity, m/s^2, within its range; everybody wakes.
 PSIM_API psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity);
 
 /// Changes the factor on the skin of neighbour lists, 0.25 to 4: the next step makes its lists anew.

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/elementary.h"
+#include "base/range_text.h"
 
 namespace psim {
 namespace {
@@ -14,47 +15,51 @@ double disc_mass(double radius, double mass, const Material& m) {
   return mass > 0 ? mass : m.density * std::numbers::pi * radius * radius;
 }
 
-// One line that says what is wrong with a material, or nothing.
-std::string check_material(const Material& m) {
-  if (!(m.restitution >= 0 && m.restitution <= 1)) return "restitution must be 0 to 1";
-  if (!(m.friction >= 0 && m.friction <= 1000)) return "friction must be 0 to 1000";
-  if (!(m.density > 0 && finite(m.density))) return "density must be above 0 and finite";
-  return {};
+void check_material(const Material& m, RangeCheck& check) {
+  check("restitution", m.restitution, limits::kRestitution)("friction", m.friction, limits::kFriction);
+  check("density", m.density, limits::kDensity);
 }
 
-// The same of a mass as it is given, and of the one that results.
-std::string check_mass(double given, double mass) {
-  if (given < 0 || !finite(given)) return "mass must be above 0 and finite (0: from the density)";
-  if (!(mass > 1e-30 && mass < 1e30)) return "mass must lie between 1e-30 and 1e30 kg";
-  return {};
+// A mass as it is given, 0 for none, and the one that results.
+void check_mass(double given, double mass, RangeCheck& check) {
+  if (given != 0) check("mass", given, limits::kMass);
+  check("the mass of density and shape", mass, limits::kMassOfShape);
 }
 
 }  // namespace
 
 std::string check(const BodyDesc& d, const Bounds& bounds) {
-  if (std::string error = check_material(d.material); !error.empty()) return error;
-  if (!finite(d.position) || !finite(d.angle)) return "position and angle must be finite";
-  if (!finite(d.velocity) || !finite(d.angular_velocity)) return "velocity and angular velocity must be finite";
-  if (!finite(d.gravity_scale)) return "gravity scale must be finite";
+  RangeCheck check;
+  check_material(d.material, check);
+  check("position", d.position, limits::kCoordinate)("angle", d.angle, limits::kAngle);
+  check("velocity", d.velocity, limits::kVelocity);
+  check("angular velocity", d.angular_velocity, limits::kAngularVelocity);
+  check("gravity scale", d.gravity_scale, limits::kGravityScale);
+  const Range radius{limits::kRadius.min,
+                     lesser(limits::kRadius.max, greater(bounds.xmax - bounds.xmin, bounds.ymax - bounds.ymin))};
+  if (const auto* capsule = std::get_if<CapsuleShape>(&d.shape)) check("radius", capsule->radius, radius);
+  if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
+    check("radius", disc->radius, radius);
+    check_mass(d.mass, disc_mass(disc->radius, d.mass, d.material), check);
+  }
+  if (!check.error.empty()) return check.error;
   if (!contains(bounds, d.position)) return "position must lie inside the world's bounds";
   if (d.sensor && d.type == BodyType::dynamic_body) return "a sensor is static or kinematic";
-  const auto* disc = std::get_if<DiscShape>(&d.shape);
-  if (disc == nullptr) return {};
-  // Floats square the radius.
-  if (!(disc->radius >= 1e-9 && disc->radius <= 1e9)) return "radius must lie between 1e-9 and 1e9 m";
-  return check_mass(d.mass, disc_mass(disc->radius, d.mass, d.material));
+  return {};
 }
 
 std::string check(const DiscBatch& batch, const Bounds& bounds) {
   const std::size_t n = batch.x.size();
   const auto fits = [n](std::span<const double> s) { return s.empty() || s.size() == n; };
-  if (std::string error = check_material(batch.material); !error.empty()) return error;
+  RangeCheck common;
+  check_material(batch.material, common);
+  common("gravity scale", batch.gravity_scale, limits::kGravityScale);
+  if (!common.error.empty()) return common.error;
   if (batch.y.size() != n) return "x and y must have the same length";
   if (batch.radius.size() != 1 && batch.radius.size() != n) return "radius must have one value or one a disc";
   if (!(fits(batch.angle) && fits(batch.vx) && fits(batch.vy) && fits(batch.angular_velocity))) {
     return "angle, vx, vy and angular_velocity must be empty or have one value a disc";
   }
-  if (!finite(batch.gravity_scale)) return "gravity scale must be finite";
   for (std::size_t i = 0; i < n; ++i) {
     const std::string error = check(disc_of(batch, i), bounds);
     if (!error.empty()) return "disc " + std::to_string(i) + " of the batch: " + error;
@@ -107,7 +112,9 @@ bool moving_properties(const BodyDesc& d, HullSet& hulls, BodyProperties& proper
   }
   if (!make_hulls(d.shape, true, hulls, error)) return false;
   const double mass = d.mass > 0 ? d.mass : d.material.density * hulls.mass.area;
-  error = check_mass(d.mass, dynamic ? mass : 1);
+  RangeCheck check;
+  check_mass(d.mass, dynamic ? mass : 1, check);
+  error = check.error;
   if (!error.empty()) return false;
   float reach = 0;
   for (const Hull& hull : hulls.parts) {

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <string>
 
 #include "bodies/body_properties.h"
@@ -14,8 +13,6 @@ namespace psim {
 
 inline bool finite(double v) { return std::isfinite(v); }
 inline bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
-inline bool finite(const std::optional<double>& v) { return !v || finite(*v); }
-inline bool not_negative(double v) { return v >= 0 && finite(v); }
 
 /// One line that says what is wrong with a description, or nothing. Shapes other than discs are checked when their
 /// hulls are made (make_hulls).

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <string_view>
 #include <variant>
 
 #include "base/elementary.h"
+#include "base/range_text.h"
 #include "base/rotor.h"
 
 namespace psim {
 namespace {
 
-constexpr double kMostSize = 1e9;    // m: largest length or coordinate of a shape
-constexpr double kLeastSize = 1e-9;  // m: least size of a shape as a whole, since floats square it
-constexpr double kSame = 1e-6;       // two points nearer than this share of the size are one
+constexpr double kSame = 1e-6;  // two points nearer than this share of the size are one
 
 using Points = std::vector<Vec2>;
 
@@ -91,20 +91,21 @@ bool fail(std::string& error, std::string text) {
   return false;
 }
 
-bool check_points(const Points& points, std::string& error) {
-  const auto is_far = [](Vec2 p) { return !(std::fabs(p.x) <= kMostSize && std::fabs(p.y) <= kMostSize); };
-  const auto far = std::find_if(points.begin(), points.end(), is_far);
-  return far == points.end() ||
-         fail(error, vertex_name(far - points.begin()) + " must lie within 1e9 m of the body's place");
+bool in_range(std::string_view name, double value, Range range, std::string& error) {
+  error = RangeCheck()(name, value, range).error;
+  return error.empty();
 }
 
-bool check_size(double size, const char* name, std::string& error) {
-  if (size >= kLeastSize && size <= kMostSize) return true;
-  return fail(error, std::string(name) + " must lie between 1e-9 and 1e9 m");
+bool check_points(const Points& points, std::string& error) {
+  RangeCheck check;
+  for (std::size_t k = 0; k < points.size() && check.error.empty(); ++k) {
+    if (!limits::kCoordinate.contains(points[k])) check("vertex " + std::to_string(k), points[k], limits::kCoordinate);
+  }
+  return check.error.empty() || fail(error, check.error);
 }
 
 bool check_rounding(double radius, std::string& error) {
-  return radius == 0 || check_size(radius, "radius, where it is not 0,", error);
+  return radius == 0 || in_range("radius, where it is not 0,", radius, limits::kRadius, error);
 }
 
 /// The larger side of the box around the points.
@@ -138,7 +139,7 @@ bool tidy_polygon(const Points& given, Points& p, std::string& error) {
   }
   if (!check_points(given, error)) return false;
   const double size = extent_of(given);
-  if (!check_size(size, "a polygon's extent", error)) return false;
+  if (!in_range("a polygon's extent", size, limits::kExtent, error)) return false;
   p = given;
   drop_needless(p, size);
   const double area = rounded_sums(p, 0).area;
@@ -197,13 +198,14 @@ struct Maker {
     return one({centre}, radius, {std::numbers::pi * radius * radius, centre, 0.5 * radius * radius});
   }
 
-  bool operator()(const DiscShape& s) { return check_size(s.radius, "radius", error) && disc({}, s.radius); }
+  bool operator()(const DiscShape& s) {
+    return in_range("radius", s.radius, limits::kRadius, error) && disc({}, s.radius);
+  }
 
   bool operator()(const SegmentShape& s) {
     const Points ends{s.p1, s.p2};
-    if (!check_points(ends, error)) return false;
+    if (!is_line(ends, error)) return false;
     const double span = length_of(s.p2 - s.p1);
-    if (!check_size(span, "the length of a segment", error)) return false;
     return one(ends, 0, {span, 0.5 * (s.p1 + s.p2), span * span / 12});
   }
 
@@ -211,9 +213,8 @@ struct Maker {
     if (s.vertices.size() < (s.loop ? 3 : 2)) {
       return fail(error, s.loop ? "a closed chain has 3 vertices or more" : "a chain has 2 vertices or more");
     }
-    if (!check_points(s.vertices, error)) return false;
+    if (!is_line(s.vertices, error)) return false;
     const double size = extent_of(s.vertices);
-    if (!check_size(size, "a chain's extent", error)) return false;
     Points p;  // without repeated vertices, which would be segments of no length
     for (const Vec2 v : s.vertices) {
       if (p.empty() || length_of(v - p.back()) > kSame * kSame * size) p.push_back(v);
@@ -233,7 +234,8 @@ struct Maker {
   }
 
   bool operator()(const BoxShape& s) {
-    if (!check_size(s.width, "width", error) || !check_size(s.height, "height", error)) return false;
+    if (!in_range("width", s.width, limits::kRadius, error) || !in_range("height", s.height, limits::kRadius, error))
+      return false;
     if (!check_rounding(s.radius, error)) return false;
     const double x = 0.5 * s.width, y = 0.5 * s.height;
     const Points corners{{-x, -y}, {x, -y}, {x, y}, {-x, y}};
@@ -251,7 +253,7 @@ struct Maker {
 
   bool operator()(const CapsuleShape& s) {
     const Points ends{s.p1, s.p2};
-    if (!check_points(ends, error) || !check_size(s.radius, "radius", error)) return false;
+    if (!check_points(ends, error) || !in_range("radius", s.radius, limits::kRadius, error)) return false;
     const Vec2 middle = 0.5 * (s.p1 + s.p2);
     if (length_of(s.p2 - s.p1) <= kSame * s.radius) return disc(middle, s.radius);
     const Sums sums = rounded_sums({s.p1 - middle, s.p2 - middle}, s.radius);
@@ -267,6 +269,10 @@ bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string
   if (std::visit(Maker{about_centre, out, error}, shape)) return true;
   out = {};
   return false;
+}
+
+bool is_line(const std::vector<Vec2>& points, std::string& error) {
+  return check_points(points, error) && in_range("the extent of a line", extent_of(points), limits::kExtent, error);
 }
 
 void finish_hull(Hull& hull) {

@@ -48,6 +48,10 @@ struct HullSet {
 /// that is not convex, has no area, is not finite or too large.
 bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error);
 
+/// Whether the points of a segment or chain are near enough and their box is neither too small nor too large. If not, a
+/// line in `error`.
+bool is_line(const std::vector<Vec2>& points, std::string& error);
+
 /// The hull of a disc: one vertex with a radius.
 inline Hull disc_hull(float radius) {
   Hull h;

@@ -11,9 +11,6 @@
 namespace psim {
 namespace {
 
-// m: the farthest point of a static segment, which is cut where the lattice ends; its square is finite.
-constexpr double kFarthest = 1e150;
-
 // Makes the pieces of a line. One line that says what is wrong with it, or nothing.
 std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
   const std::vector<Vec2>& points = chain.vertices;
@@ -21,11 +18,7 @@ std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
   if (n < (chain.loop ? 3u : 2u)) {
     return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
   }
-  for (const Vec2 p : points) {
-    if (!(std::fabs(p.x) <= kFarthest && std::fabs(p.y) <= kFarthest)) {
-      return "segment points must be finite and within 1e150 m of the body's place";
-    }
-  }
+  if (std::string error; !is_line(points, error)) return error;
   for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
     const Vec2 from = points[k], to = points[(k + 1) % n];
     if (from.x == to.x && from.y == to.y) return "segment points must differ";

@@ -62,9 +62,10 @@ struct Sleepers::Ball {
     }
     return !b.rim_speed.empty() && std::fabs(b.rim_speed[i]) > most_spin;
   }
-  // How far the rim of a body with this angle went, in units.
+  // How far the rim of a body with this angle went, in units. It stands still at an angle of 1e300: no turn changes that.
   std::uint16_t way_of(double angle) const {
-    return static_cast<std::uint16_t>(static_cast<std::int32_t>(std::remainder(angle * rim_units, 65536.0)));
+    const double way = std::remainder(angle * rim_units, 65536.0);
+    return std::isfinite(way) ? static_cast<std::uint16_t>(static_cast<std::int32_t>(way)) : std::uint16_t{0};
   }
   // Puts the middle at a place and an angle, where the body has stayed for `calm` watches.
   void put(Watched& rest, std::int32_t x, std::int32_t y, double angle, std::uint8_t calm) const {

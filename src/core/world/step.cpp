@@ -4,6 +4,7 @@
 #include <chrono>
 #include <new>
 
+#include "psim/limits.h"
 #include "step/motion.h"
 #include "world/world_impl.h"
 
@@ -256,7 +257,7 @@ StepReport try_step(Owners& w, double dt, const StepDetail* given) {
 }  // namespace
 
 StepReport step(Owners& w, double dt, const StepDetail* given) {
-  if (!(dt > 0 && dt <= 10)) return {};  // World::create has the same limits
+  if (!limits::kTimeStep.contains(dt)) return {};
   try {
     if (!w.broken) return try_step(w, std::max(dt, kLeastStep), given);
   } catch (const std::bad_alloc&) {

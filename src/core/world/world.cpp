@@ -6,50 +6,48 @@
 #include <cmath>
 #include <utility>
 
+#include "base/range_text.h"
 #include "base/room.h"
 #include "bodies/body_desc.h"
+#include "psim/limits.h"
 #include "world/world_impl.h"
 
 namespace psim {
 namespace {
 
-bool is_skin(double factor) { return factor >= 0.25 && factor <= 4; }
-
-std::string check(const Field& field) {
+std::string check_field(const Field& field) {
+  RangeCheck check;
   if (const auto* well = std::get_if<WellField>(&field)) {
-    if (!finite(well->position) || !finite(well->strength) || !not_negative(well->softening) ||
-        !not_negative(well->range)) {
-      return "a well needs a finite position and strength, softening and range 0 or more";
-    }
-    return well->exponent >= 0 && well->exponent <= 16 ? "" : "a well's exponent must be 0 to 16";
+    check("a well's position", well->position, limits::kCoordinate);
+    check("a well's strength", well->strength, limits::kWellStrength);
+    check("a well's softening", well->softening, limits::kWellLength);
+    check("a well's exponent", well->exponent, limits::kWellExponent);
+    check("a well's range", well->range, limits::kWellLength);
+  } else {
+    const auto& drag = std::get<DragField>(field);
+    check("linear drag", drag.linear, limits::kDamping);
+    check("quadratic drag", drag.quadratic, limits::kDamping);
   }
-  const auto& drag = std::get<DragField>(field);
-  const bool sound = not_negative(drag.linear) && not_negative(drag.quadratic);
-  return sound ? "" : "drag coefficients must be 0 or more, and finite";
+  return check.error;
 }
 
 }  // namespace
 
 std::string check(const WorldDesc& d, const RunOptions& o) {
   const Bounds& b = d.bounds;
-  const double width = b.xmax - b.xmin, height = b.ymax - b.ymin;
-  if (!finite(Vec2{b.xmin, b.ymin}) || !finite(Vec2{b.xmax, b.ymax}) || !(b.xmin < b.xmax) || !(b.ymin < b.ymax)) {
-    return "bounds must be finite with xmin < xmax and ymin < ymax";
-  }
-  if (greater(width, height) > 1e12) return "bounds must span at most 1e12 m";
-  if (lesser(width, height) < 1e-9) return "bounds must span at least 1e-9 m";
-  if (!finite(d.gravity)) return "gravity must be finite";
-  if (!(d.dt > 0 && d.dt <= 10)) return "dt must be above 0 and at most 10 s";
-  if (d.substeps < 1 || d.substeps > 64) return "substeps must be 1 to 64";
-  if (!not_negative(d.linear_damping)) return "linear damping must be 0 or more, and finite";
-  if (!not_negative(d.restitution_threshold)) return "restitution threshold must be 0 or more, and finite";
-  if (!is_skin(d.skin)) return "skin must be 0.25 to 4";
-  if (!(d.wall.restitution >= 0 && d.wall.restitution <= 1)) return "wall restitution must be 0 to 1";
-  if (!(d.wall.friction >= 0 && d.wall.friction <= 1000)) return "wall friction must be 0 to 1000";
+  RangeCheck check;
+  check("a corner of the bounds", Vec2{b.xmin, b.ymin}, limits::kCoordinate);
+  check("a corner of the bounds", Vec2{b.xmax, b.ymax}, limits::kCoordinate);
+  check("width and height of the bounds", Vec2{b.xmax - b.xmin, b.ymax - b.ymin}, limits::kExtent);
+  check("gravity", d.gravity, limits::kGravity)("dt", d.dt, limits::kTimeStep);
+  check("substeps", d.substeps, limits::kSubsteps)("linear damping", d.linear_damping, limits::kDamping);
+  check("restitution threshold", d.restitution_threshold, limits::kSpeed)("skin", d.skin, limits::kSkin);
+  check("wall restitution", d.wall.restitution, limits::kRestitution);
+  check("wall friction", d.wall.friction, limits::kFriction)("threads", o.threads, limits::kThreads);
+  if (!check.error.empty()) return check.error;
   for (const Field& field : d.fields) {
-    if (std::string error = check(field); !error.empty()) return error;
+    if (std::string error = check_field(field); !error.empty()) return error;
   }
-  if (o.threads < 1 || o.threads > 256) return "threads must be 1 to 256";
   if (!isa_available(o.isa)) {
     return "this CPU has no " + std::string(isa_name(o.isa)) + "; the best it has is " +
            std::string(isa_name(best_isa()));
@@ -114,7 +112,7 @@ StepReport World::replay(const StepDetail& detail, double dt) {
 
 bool World::set_skin(double factor) try {
   const FloatSettings settings;
-  if (!is_skin(factor)) return false;
+  if (!limits::kSkin.contains(factor)) return false;
   if (factor == impl_->desc.skin) return true;
   Owners& w = impl_->settled();
   spoil_work(w);
@@ -131,7 +129,7 @@ void World::set_max_bytes(std::size_t bytes) {
 
 bool World::set_gravity(Vec2 gravity) try {
   const FloatSettings settings;
-  if (!finite(gravity)) return false;
+  if (!limits::kGravity.contains(gravity)) return false;
   if (gravity.x == impl_->desc.gravity.x && gravity.y == impl_->desc.gravity.y) return true;
   Owners& w = impl_->settled();
   w.note_sleep(w.sleep.wake_all(w.sleep_source()));

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "base/rotor.h"
 #include "bodies/body_desc.h"
+#include "psim/limits.h"
 #include "world/world_impl.h"
 
 namespace psim {
@@ -132,6 +133,7 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
   if (!error.empty()) return 0;
   const std::size_t n = batch.x.size();
   first = w.population.next_id();
+  if (n == 0) return 0;  // nothing changes: a step that is spread over frames goes on
   const bool fixed = batch.type == BodyType::static_body;
   w.population.make_room(n, fixed);
   std::vector<std::uint32_t> came;
@@ -214,7 +216,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) try {
 bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) try {
   const FloatSettings settings;
   return push(*impl_, id, [&](std::uint32_t) {
-    if (!finite(velocity) || !finite(angular_velocity)) return false;
+    if (!limits::kVelocity.contains(velocity) || !limits::kAngularVelocity.contains(angular_velocity)) return false;
     if (angular_velocity != 0) let_turn(*impl_);
     impl_->population.set_velocity(id.index, velocity, angular_velocity);
     return true;

@@ -1,8 +1,10 @@
 // Joints of the public API: what is refused, and what they tell.
 #include <cmath>
 
+#include "base/range_text.h"
 #include "base/rotor.h"
 #include "bodies/body_desc.h"
+#include "psim/limits.h"
 #include "world/world_impl.h"
 
 namespace psim {
@@ -32,23 +34,22 @@ Vec2 way_between(const Observed& seen, const JointDesc& d) {
 
 // One line of what is wrong with the numbers, or empty.
 std::string check_numbers(const JointDesc& d) {
-  if (!finite(d.anchor_a) || !finite(d.anchor_b)) return "anchors must be finite";
-  if (!finite(d.length)) return "length must be finite";
-  if (!not_negative(d.stiffness)) return "stiffness must be 0 or more and finite";
-  if (!not_negative(d.damping)) return "damping must be 0 or more and finite";
-  if (!finite(d.axis)) return "axis must be finite";
-  if (!finite(d.reference)) return "reference must be finite";
-  if (!finite(d.lower) || !finite(d.upper)) return "limits must be finite";
-  if (!finite(d.motor_speed)) return "motor speed must be finite";
-  if (!not_negative(d.motor_limit)) return "motor limit must be 0 or more and finite";
-  if (d.type == JointType::prismatic && length_of(d.axis) < 1e-12) return "axis must not be zero";
-  if (d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
-  return {};
+  const Range range = d.type == JointType::prismatic ? limits::kCoordinate : limits::kAngle;
+  RangeCheck check;
+  check("anchor a", d.anchor_a, limits::kCoordinate)("anchor b", d.anchor_b, limits::kCoordinate);
+  check("stiffness", d.stiffness, limits::kStiffness)("damping", d.damping, limits::kJointDamping);
+  check("axis", d.axis, limits::kCoordinate)("reference", d.reference, limits::kAngle);
+  check("lower", d.lower, range)("upper", d.upper, range)("motor speed", d.motor_speed, limits::kMotorSpeed);
+  check("motor limit", d.motor_limit, limits::kMotorLimit);
+  if (d.type == JointType::prismatic) check("the length of the axis", length_of(d.axis), limits::kAxis);
+  if (check.error.empty() && d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
+  return check.error;
 }
 
-std::string check_length(JointType type, double length) {
-  if (type == JointType::distance && !(length > 0)) return "length must be above 0";
-  return length < 0 ? "length must not be negative" : "";
+// The same of the length that is given or, else, that there is between the anchors: a rope may begin without any.
+std::string check_length(JointType type, bool given, double length) {
+  const bool rod = type == JointType::distance || (type == JointType::rope && given);
+  return RangeCheck()("length", length, rod ? limits::kRodLength : limits::kLength).error;
 }
 
 void count_joints(Owners& w) {
@@ -97,7 +98,7 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) try {
   const BodyState a = seen.state_of(d.a.index), b = seen.state_of(d.b.index);
   if (!d.length) d.length = length_of(way_between(seen, d));
   if (d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope) {
-    if (error = check_length(d.type, *d.length); !error.empty()) return kNoJoint;
+    if (error = check_length(d.type, desc.length.has_value(), *d.length); !error.empty()) return kNoJoint;
   }
   if (!d.reference) d.reference = b.angle - a.angle;
   disturb_both(w, d);
@@ -126,7 +127,7 @@ std::size_t World::joint_count() const { return impl_->joints.count(); }
 
 bool World::set_motor(JointId id, double speed, double limit) try {
   const FloatSettings settings;
-  if (!finite(speed) || !not_negative(limit) || !is_valid_joint(id)) return false;
+  if (!limits::kMotorSpeed.contains(speed) || !limits::kMotorLimit.contains(limit) || !is_valid_joint(id)) return false;
   Owners& w = impl_->settled();
   const JointDesc& d = w.joints.desc(id);
   if (d.type != JointType::revolute && d.type != JointType::prismatic) return false;

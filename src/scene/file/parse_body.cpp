@@ -27,10 +27,10 @@ BodyDesc read_body(const Node& node, Context& context, std::string& name) {
   }
   read_shared_body_keys(node, context, body);
   const Node position = node.require("position"), shape = node.require("shape");
-  body.position = position.vec2(kCoordinate);
+  body.position = position.vec2(limits::kCoordinate);
   expect_inside(position, body.position, context.bounds);
   body.shape = read_shape(shape, context, body.type);
-  body.velocity = node.vec2_or("velocity", body.velocity, kVelocity);
+  body.velocity = node.vec2_or("velocity", body.velocity, limits::kVelocity);
   return body;
 }
 
@@ -41,16 +41,16 @@ void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& b
     constexpr std::array<BodyType, 3> kOf = {BodyType::dynamic_body, BodyType::static_body, BodyType::kinematic_body};
     body.type = kOf[type->one_of(kBodyTypes)];
   }
-  body.angle = node.number_or("angle", body.angle, kAngle);
-  body.angular_velocity = node.number_or("angular_velocity", body.angular_velocity, kAngularVelocity);
+  body.angle = node.number_or("angle", body.angle, limits::kAngle);
+  body.angular_velocity = node.number_or("angular_velocity", body.angular_velocity, limits::kAngularVelocity);
   if (const std::optional<Node> material = node.find("material")) {
     body.material = named_material(*material, context);
   }
-  body.material.density = node.number_or("density", body.material.density, kDensity);
-  body.material.restitution = node.number_or("restitution", body.material.restitution, kRestitution);
-  body.material.friction = node.number_or("friction", body.material.friction, kFriction);
-  body.mass = node.number_or("mass", body.mass, kMass);
-  body.gravity_scale = node.number_or("gravity_scale", body.gravity_scale, kGravityScale);
+  body.material.density = node.number_or("density", body.material.density, limits::kDensity);
+  body.material.restitution = node.number_or("restitution", body.material.restitution, limits::kRestitution);
+  body.material.friction = node.number_or("friction", body.material.friction, limits::kFriction);
+  body.mass = node.number_or("mass", body.mass, limits::kMass);
+  body.gravity_scale = node.number_or("gravity_scale", body.gravity_scale, limits::kGravityScale);
   body.fixed_rotation = node.boolean_or("fixed_rotation", body.fixed_rotation);
   body.bullet = node.boolean_or("bullet", body.bullet);
   if (const std::optional<Node> category = node.find("category")) {

@@ -71,8 +71,8 @@ void read_placed(const Node& node, const Context& context, GroupDesc& group) {
     }
   }
   group.jitter = node.number_or("jitter", group.jitter, kJitter);
-  group.velocity = node.vec2_or("velocity", group.velocity, kVelocity);
-  group.velocity_spread = node.number_or("velocity_spread", group.velocity_spread, kSpeed);
+  group.velocity = node.vec2_or("velocity", group.velocity, limits::kVelocity);
+  group.velocity_spread = node.number_or("velocity_spread", group.velocity_spread, limits::kSpeed);
   if (const std::optional<Node> seed = node.find("seed")) {
     group.seed = seed->integer(0, std::numeric_limits<std::uint64_t>::max());
   }
@@ -82,8 +82,8 @@ void read_placed(const Node& node, const Context& context, GroupDesc& group) {
 void expect_in_interval(const Node& column, const std::vector<double>& values, double min, double max) {
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (values[k] >= min && values[k] <= max) continue;
-    column.element(k).fail(number_text(values[k]) + " is outside the world: inside world.bounds, " + number_text(min) +
-                           " to " + number_text(max));
+    column.element(k).fail(exact_text(values[k]) + " is outside the world: inside world.bounds, " + exact_text(min) +
+                           " to " + exact_text(max));
   }
 }
 
@@ -91,14 +91,14 @@ void read_listed(const Node& node, const Context& context, GroupDesc& group) {
   const Node x = node.require("x"), y = node.require("y");
   x.expect_array(0, kMostBodiesInGroup);
   group.count = x.size();
-  group.x = read_column(x, kCoordinate, x.size());
-  group.y = read_column(y, kCoordinate, x.size());
+  group.x = read_column(x, limits::kCoordinate, x.size());
+  group.y = read_column(y, limits::kCoordinate, x.size());
   expect_in_interval(x, group.x, context.bounds.xmin, context.bounds.xmax);
   expect_in_interval(y, group.y, context.bounds.ymin, context.bounds.ymax);
 
   const std::optional<Node> radius = radius_or_shape(node, context, group);
   if (radius && radius->json().is_array()) {
-    group.radius = read_column(*radius, kRadius, x.size());
+    group.radius = read_column(*radius, limits::kRadius, x.size());
     for (std::size_t k = 0; k < x.size(); ++k) read_radius(radius->element(k), context);
     if (!group.radius.empty()) {
       const auto [least, most] = std::ranges::minmax(group.radius);
@@ -114,9 +114,9 @@ void read_listed(const Node& node, const Context& context, GroupDesc& group) {
   if ((vx || vy) && node.find("velocity")) {
     node.fail_at_key("velocity", "stands beside \"vx\" or \"vy\": one of the two ways");
   }
-  if (vx) group.vx = read_column(*vx, kVelocity, x.size());
-  if (vy) group.vy = read_column(*vy, kVelocity, x.size());
-  group.velocity = node.vec2_or("velocity", group.velocity, kVelocity);
+  if (vx) group.vx = read_column(*vx, limits::kVelocity, x.size());
+  if (vy) group.vy = read_column(*vy, limits::kVelocity, x.size());
+  group.velocity = node.vec2_or("velocity", group.velocity, limits::kVelocity);
 }
 
 GroupDesc read_group(const Node& node, const Context& context) {

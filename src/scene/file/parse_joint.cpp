@@ -85,38 +85,38 @@ std::uint64_t read_body_id(const Node& node, const Context& context) {
 void read_length(const Node& node, JointDesc& joint) {
   const std::optional<Node> length = node.find("length");
   if (!length) return;
-  joint.length = length->number(joint.type == JointType::spring ? kLength : kJointLength);
+  joint.length = length->number(joint.type == JointType::spring ? limits::kLength : limits::kRodLength);
 }
 
 // A spring has a stiffness; a weld may.
 void read_softness(const Node& node, JointType type, double& stiffness, double& damping) {
   if (type == JointType::spring) {
     const Node required = node.require("stiffness");
-    stiffness = required.number(kJointStiffness);
+    stiffness = required.number(limits::kStiffness);
   } else {
-    stiffness = node.number_or("stiffness", stiffness, kJointStiffness);
+    stiffness = node.number_or("stiffness", stiffness, limits::kStiffness);
   }
-  damping = node.number_or("damping", damping, kJointDamping);
+  damping = node.number_or("damping", damping, limits::kJointDamping);
 }
 
 void read_limits_and_motor(const Node& node, JointDesc& joint) {
-  const Range range = joint.type == JointType::revolute ? kAngle : kCoordinate;
+  const Range range = joint.type == JointType::revolute ? limits::kAngle : limits::kCoordinate;
   const std::optional<Node> lower = node.find("lower"), upper = node.find("upper");
   if (lower) joint.lower = lower->number(range);
   if (upper) joint.upper = upper->number(range);
   if (lower && upper && *joint.lower > *joint.upper) {
-    upper->fail(number_text(*joint.upper) + " is less than \"lower\", " + number_text(*joint.lower) +
+    upper->fail(exact_text(*joint.upper) + " is less than \"lower\", " + exact_text(*joint.lower) +
                 ": no less than it");
   }
-  joint.motor_speed = node.number_or("motor_speed", joint.motor_speed, kMotorSpeed);
-  joint.motor_limit = node.number_or("motor_limit", joint.motor_limit, kMotorLimit);
+  joint.motor_speed = node.number_or("motor_speed", joint.motor_speed, limits::kMotorSpeed);
+  joint.motor_limit = node.number_or("motor_limit", joint.motor_limit, limits::kMotorLimit);
 }
 
 void read_axis(const Node& node, JointDesc& joint) {
   const std::optional<Node> axis = node.find("axis");
   if (!axis) return;
-  joint.axis = axis->vec2(kCoordinate);
-  if (!(length_of(joint.axis) > 1e-9)) {
+  joint.axis = axis->vec2(limits::kCoordinate);
+  if (!limits::kAxis.contains(length_of(joint.axis))) {
     axis->fail("is no direction: [x, y], not both zero");
   }
 }
@@ -135,15 +135,15 @@ SceneJoint read_joint(const Node& node, const Context& context, const SceneBodie
   if (bodies.type_of(out.a) != BodyType::dynamic_body && bodies.type_of(out.b) != BodyType::dynamic_body) {
     b.fail("is not dynamic, nor is \"a\": at least one that is");
   }
-  joint.anchor_a = node.vec2_or("anchor_a", joint.anchor_a, kCoordinate);
-  joint.anchor_b = node.vec2_or("anchor_b", joint.anchor_b, kCoordinate);
+  joint.anchor_a = node.vec2_or("anchor_a", joint.anchor_a, limits::kCoordinate);
+  joint.anchor_b = node.vec2_or("anchor_b", joint.anchor_b, limits::kCoordinate);
   joint.collide = node.boolean_or("collide", joint.collide);
   const unsigned of_type = bit(joint.type);
   if (of_type & kLengths) read_length(node, joint);
   if (of_type & kSoft) read_softness(node, joint.type, joint.stiffness, joint.damping);
   if (of_type & kDriven) read_limits_and_motor(node, joint);
   if (const std::optional<Node> reference = node.find("reference")) {
-    joint.reference = reference->number(kAngle);
+    joint.reference = reference->number(limits::kAngle);
   }
   read_axis(node, joint);
   if (joint.type == JointType::distance && !joint.length) {

@@ -1,8 +1,6 @@
 #include "file/parse_node.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -42,27 +40,9 @@ std::string kind(const Json& value) {
   }
 }
 
-std::string range_text(Range range) {
-  return range.above ? "above " + number_text(range.min) + " and up to " + number_text(range.max)
-                     : "from " + number_text(range.min) + " to " + number_text(range.max);
-}
-
 std::string in_quotes(std::string_view word) { return '"' + printable(word) + '"'; }
 
 }  // namespace
-
-std::string number_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
-  std::string shortest(text.data(), end.ptr);
-  const std::size_t e = shortest.find('e');  // 1e+06: neither the plus nor the zero is needed
-  if (e != shortest.npos) {
-    if (shortest[e + 1] == '+') shortest.erase(e + 1, 1);
-    const std::size_t digits = e + (shortest[e + 1] == '-' ? 2 : 1);
-    while (digits + 1 < shortest.size() && shortest[digits] == '0') shortest.erase(digits, 1);
-  }
-  return shortest;
-}
 
 std::string count_text(std::size_t count) {
   return "has " + std::to_string(count) + (count == 1 ? " element" : " elements");
@@ -152,9 +132,7 @@ double Node::number(Range range) const {
     fail("must be a number " + range_text(range) + ", not " + kind(*value_));
   }
   const double value = value_->get<double>();
-  if (value < range.min || value > range.max || (range.above && value == range.min)) {
-    fail(number_text(value) + " is out of range: a number " + range_text(range));
-  }
+  if (!range.contains(value)) fail(exact_text(value) + " is out of range: a number " + range_text(range));
   return value;
 }
 
@@ -168,8 +146,8 @@ std::uint64_t Node::integer(std::uint64_t min, std::uint64_t max) const {
     // 1e6 is a whole number too; above 2^53 only plain digits are exact.
     const double number = value_->get<double>();
     constexpr double kExact = 9007199254740992.0;
-    if (number != std::floor(number)) fail(number_text(number) + " is not whole: " + allowed);
-    if (number < 0 || number > kExact) fail(number_text(number) + " is out of range: " + allowed);
+    if (number != std::floor(number)) fail(exact_text(number) + " is not whole: " + allowed);
+    if (number < 0 || number > kExact) fail(exact_text(number) + " is out of range: " + allowed);
     value = static_cast<std::uint64_t>(number);
   }
   if (value < min || value > max) fail(std::to_string(value) + " is out of range: " + allowed);
@@ -180,9 +158,9 @@ std::int64_t Node::signed_integer(std::int64_t min, std::int64_t max) const {
   const std::string allowed = "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
   if (!is_number()) fail("must be " + allowed + ", not " + kind(*value_));
   const double number = value_->get<double>();
-  if (number != std::floor(number)) fail(number_text(number) + " is not whole: " + allowed);
+  if (number != std::floor(number)) fail(exact_text(number) + " is not whole: " + allowed);
   if (number < static_cast<double>(min) || number > static_cast<double>(max)) {
-    fail(number_text(number) + " is out of range: " + allowed);
+    fail(exact_text(number) + " is out of range: " + allowed);
   }
   return static_cast<std::int64_t>(number);
 }

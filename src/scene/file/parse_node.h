@@ -11,17 +11,12 @@
 #include <string>
 #include <string_view>
 
+#include "base/range_text.h"
 #include "file/parse_dom.h"
+#include "psim/limits.h"
 #include "psim/types.h"
 
 namespace psim::scene {
-
-/// The numbers that a key allows: min..max, without min itself if `above`.
-struct Range {
-  double min;
-  double max;
-  bool above = false;
-};
 
 using KeyList = std::span<const std::string_view>;
 
@@ -76,9 +71,6 @@ class Node {
   std::string_view key_;
   std::size_t index_ = 0;
 };
-
-/// The shortest text that reads back to the same number.
-std::string number_text(double value);
 
 /// ` (did you mean "gravity"?)`, or nothing if no word is near.
 std::string hint(std::string_view word, KeyList words);

@@ -30,14 +30,14 @@ std::vector<Vec2> read_points(const Node& node, std::size_t least, std::size_t m
   std::vector<Vec2> points;
   points.reserve(node.size());
   for (std::size_t k = 0; k < node.size(); ++k) {
-    points.push_back(node.element(k).vec2(kCoordinate));
+    points.push_back(node.element(k).vec2(limits::kCoordinate));
   }
   return points;
 }
 
 SegmentShape read_segment(const Node& node) {
   const Node p1 = node.require("p1"), p2 = node.require("p2");
-  const SegmentShape segment{p1.vec2(kCoordinate), p2.vec2(kCoordinate)};
+  const SegmentShape segment{p1.vec2(limits::kCoordinate), p2.vec2(limits::kCoordinate)};
   if (same(segment.p1, segment.p2)) p2.fail("is p1: two points apart from each other");
   return segment;
 }
@@ -56,6 +56,7 @@ ChainShape read_chain(const Node& node) {
     vertices.element(vertices.size() - 1)
         .fail("is the first vertex: a loop joins its last vertex to the first by itself");
   }
+  if (std::string error; !is_line(chain.vertices, error)) vertices.fail(std::move(error));
   return chain;
 }
 
@@ -67,14 +68,14 @@ CapsuleShape read_capsule(const Node& node, const Context& context) {
 
 BoxShape read_box(const Node& node) {
   const Node size = node.require("size");
-  const Vec2 sides = size.vec2(kRadius);
-  return {sides.x, sides.y, node.number_or("radius", 0, kRounding)};
+  const Vec2 sides = size.vec2(limits::kRadius);
+  return {sides.x, sides.y, node.number_or("radius", 0, limits::kRounding)};
 }
 
 PolygonShape read_polygon(const Node& node) {
   const Node vertices = node.require("vertices");
   PolygonShape polygon{read_points(vertices, 3, kMostPolygonVertices), 0};
-  polygon.radius = node.number_or("radius", 0, kRounding);
+  polygon.radius = node.number_or("radius", 0, limits::kRounding);
   return polygon;
 }
 
@@ -89,12 +90,11 @@ Shape checked(const Node& node, Shape shape) {
 }  // namespace
 
 double read_radius(const Node& radius, const Context& context) {
-  const double value = radius.number(kRadius);
+  const double value = radius.number(limits::kRadius);
   const Bounds& b = context.bounds;
   const double largest = std::max(b.xmax - b.xmin, b.ymax - b.ymin);
-  if (value < kLeastRadius) radius.fail(number_text(value) + " is too small: at least " + number_text(kLeastRadius));
   if (value > largest) {
-    radius.fail(number_text(value) + " is larger than the world: at most " + number_text(largest) +
+    radius.fail(exact_text(value) + " is larger than the world: at most " + exact_text(largest) +
                 ", the longer side of world.bounds");
   }
   return value;

@@ -28,39 +28,40 @@ Field read_field(const Node& field) {
     field.expect_object(kWellKeys);
     WellField well;
     const Node position = field.require("position"), strength = field.require("strength");
-    well.position = position.vec2(kCoordinate);
-    well.strength = strength.number(kWellStrength);
-    well.softening = field.number_or("softening", well.softening, kLength);
-    well.exponent = field.number_or("exponent", well.exponent, kWellExponent);
-    well.range = field.number_or("range", well.range, kLength);
+    well.position = position.vec2(limits::kCoordinate);
+    well.strength = strength.number(limits::kWellStrength);
+    well.softening = field.number_or("softening", well.softening, limits::kWellLength);
+    well.exponent = field.number_or("exponent", well.exponent, limits::kWellExponent);
+    well.range = field.number_or("range", well.range, limits::kWellLength);
     return well;
   }
   field.expect_object(kDragKeys);
   DragField drag;
-  drag.linear = field.number_or("linear", drag.linear, kDamping);
-  drag.quadratic = field.number_or("quadratic", drag.quadratic, kDamping);
+  drag.linear = field.number_or("linear", drag.linear, limits::kDamping);
+  drag.quadratic = field.number_or("quadratic", drag.quadratic, limits::kDamping);
   return drag;
 }
 
 }  // namespace
 
 std::string bounds_text(const Bounds& b) {
-  return '[' + number_text(b.xmin) + ", " + number_text(b.ymin) + ", " + number_text(b.xmax) + ", " +
-         number_text(b.ymax) + ']';
+  return '[' + exact_text(b.xmin) + ", " + exact_text(b.ymin) + ", " + exact_text(b.xmax) + ", " + exact_text(b.ymax) +
+         ']';
 }
 
 Bounds read_bounds(const Node& node) {
   node.expect_array(4, 4);
-  const Bounds bounds{node.element(0).number(kCoordinate), node.element(1).number(kCoordinate),
-                      node.element(2).number(kCoordinate), node.element(3).number(kCoordinate)};
+  const Bounds bounds{node.element(0).number(limits::kCoordinate), node.element(1).number(limits::kCoordinate),
+                      node.element(2).number(limits::kCoordinate), node.element(3).number(limits::kCoordinate)};
   const double width = bounds.xmax - bounds.xmin, height = bounds.ymax - bounds.ymin;
   if (!(width > 0 && height > 0)) {
     node.fail(bounds_text(bounds) +
               " is no area: [xmin, ymin, xmax, ymax] with xmin < xmax and "
               "ymin < ymax");
   }
-  if (width > kMostMetres || height > kMostMetres) {
-    node.fail(bounds_text(bounds) + " is too large: at most 1e9 m wide and high");
+  for (const double extent : {width, height}) {
+    if (limits::kExtent.contains(extent)) continue;
+    node.fail(bounds_text(bounds) + ": width and height " + range_text(limits::kExtent) + " m");
   }
   return bounds;
 }
@@ -70,7 +71,7 @@ void expect_inside(const Node& node, Vec2 position, const Bounds& bounds) {
       position.y <= bounds.ymax) {
     return;
   }
-  node.fail('[' + number_text(position.x) + ", " + number_text(position.y) +
+  node.fail('[' + exact_text(position.x) + ", " + exact_text(position.y) +
             "] is outside the world: inside world.bounds " + bounds_text(bounds));
 }
 
@@ -95,9 +96,9 @@ void read_materials(const Node& scene, Context& context) {
     const Node node = materials->require(name);
     node.expect_object(kMaterialKeys);
     Material& material = context.materials[name];
-    material.density = node.number_or("density", material.density, kDensity);
-    material.restitution = node.number_or("restitution", material.restitution, kRestitution);
-    material.friction = node.number_or("friction", material.friction, kFriction);
+    material.density = node.number_or("density", material.density, limits::kDensity);
+    material.restitution = node.number_or("restitution", material.restitution, limits::kRestitution);
+    material.friction = node.number_or("friction", material.friction, limits::kFriction);
   }
 }
 
@@ -110,8 +111,8 @@ void read_world(const Node& scene, Context& context, WorldDesc& world) {
     constexpr std::array<Boundary, 3> kOf = {Boundary::walls, Boundary::periodic, Boundary::open};
     world.boundary = kOf[boundary->one_of(kBoundaries)];
   }
-  world.gravity = node.vec2_or("gravity", world.gravity, kGravity);
-  world.linear_damping = node.number_or("linear_damping", world.linear_damping, kDamping);
+  world.gravity = node.vec2_or("gravity", world.gravity, limits::kGravity);
+  world.linear_damping = node.number_or("linear_damping", world.linear_damping, limits::kDamping);
   if (const std::optional<Node> material = node.find("material")) {
     world.wall = named_material(*material, context);
   } else if (const auto wall = context.materials.find("wall"); wall != context.materials.end()) {
@@ -123,13 +124,15 @@ void read_step(const Node& scene, Scene& out) {
   const std::optional<Node> step = scene.find("step");
   if (!step) return;
   step->expect_object(kStepKeys);
-  out.world.dt = step->number_or("dt", out.world.dt, kTimeStep);
+  out.world.dt = step->number_or("dt", out.world.dt, limits::kTimeStep);
   if (const std::optional<Node> substeps = step->find("substeps")) {
-    out.world.substeps = static_cast<int>(substeps->integer(1, kMostSubsteps));
+    out.world.substeps = static_cast<int>(substeps->integer(static_cast<std::uint64_t>(limits::kSubsteps.min),
+                                                            static_cast<std::uint64_t>(limits::kSubsteps.max)));
   }
   out.world.sleeping = step->boolean_or("sleeping", out.world.sleeping);
-  out.world.restitution_threshold = step->number_or("restitution_threshold", out.world.restitution_threshold, kSpeed);
-  out.world.skin = step->number_or("skin", out.world.skin, kSkin);
+  out.world.restitution_threshold =
+      step->number_or("restitution_threshold", out.world.restitution_threshold, limits::kSpeed);
+  out.world.skin = step->number_or("skin", out.world.skin, limits::kSkin);
   if (const std::optional<Node> integrator = step->find("integrator")) {
     out.world.integrator = kAllIntegrators[integrator->one_of(kIntegrators)];
   }

@@ -56,7 +56,8 @@ std::vector<Vec2> read_vertices(const Node& node, std::size_t least, std::size_t
   }
   std::vector<Vec2> vertices;
   for (std::size_t k = 0; k < x.size(); ++k) {
-    vertices.push_back({rube_number(x.element(k), kCoordinate), rube_number(y.element(k), kCoordinate)});
+    vertices.push_back(
+        {rube_number(x.element(k), limits::kCoordinate), rube_number(y.element(k), limits::kCoordinate)});
   }
   return vertices;
 }
@@ -91,12 +92,12 @@ Shape read_shape(const Node& fixture, Vec2& centre) {
   const Node shape = fixture.require(kind);
   shape.expect_object();
   if (kind == "circle") {
-    centre = rube_vec2_or(shape, "center", {}, kCoordinate);
-    return DiscShape{rube_number(shape.require("radius"), kRadius)};
+    centre = rube_vec2_or(shape, "center", {}, limits::kCoordinate);
+    return DiscShape{rube_number(shape.require("radius"), limits::kRadius)};
   }
   if (kind == "edge") {
-    return SegmentShape{rube_vec2_or(shape, "vertex1", {}, kCoordinate),
-                        rube_vec2_or(shape, "vertex2", {}, kCoordinate)};
+    return SegmentShape{rube_vec2_or(shape, "vertex1", {}, limits::kCoordinate),
+                        rube_vec2_or(shape, "vertex2", {}, limits::kCoordinate)};
   }
   if (kind == "chain") return read_rube_chain(shape);
   const Node vertices = shape.require("vertices");
@@ -131,9 +132,9 @@ Part read_fixture(const Node& node, const BodyDesc& body) {
     }
   }
   Material& material = part.body.material;
-  material.density = rube_number_or(node, "density", 0, {0, kDensity.max});
-  material.friction = rube_number_or(node, "friction", 0, kFriction);
-  material.restitution = rube_number_or(node, "restitution", 0, kRestitution);
+  material.density = rube_number_or(node, "density", 0, {0, limits::kDensity.max});
+  material.friction = rube_number_or(node, "friction", 0, limits::kFriction);
+  material.restitution = rube_number_or(node, "restitution", 0, limits::kRestitution);
   Filter& filter = part.body.filter;
   constexpr std::int64_t k16Bits = 0xFFFF, kInt16 = 0x8000;
   if (const auto bits = node.find("filter-categoryBits")) {
@@ -173,7 +174,7 @@ void weigh(std::vector<Part>& parts, const Node& node, RubeBody& body, Counts& c
   double mass = 0;
   for (const Part& part : parts) mass += part.area * part.body.material.density;
   const bool massless = !(mass > 0);
-  if (massless) mass = rube_number_or(node, "massData-mass", 1, {0, kMass.max});
+  if (massless) mass = rube_number_or(node, "massData-mass", 1, {0, limits::kMass.max});
   if (!(mass > 0)) mass = 1;
   Vec2 centre;
   double total = 0;
@@ -183,7 +184,7 @@ void weigh(std::vector<Part>& parts, const Node& node, RubeBody& body, Counts& c
       if (parts.size() > 1) Counts::note(counts.massless, counts.first_massless, node);
       own = massless ? mass / static_cast<double>(parts.size()) : kMassless * mass;
     }
-    part.body.material.density = std::clamp(own / part.area, kDensity.min, kDensity.max);
+    part.body.material.density = std::clamp(own / part.area, limits::kDensity.min, limits::kDensity.max);
     centre = {centre.x + own * part.centre.x, centre.y + own * part.centre.y};
     total += own;
   }
@@ -215,15 +216,15 @@ BodyDesc read_body_keys(const Node& node) {
   BodyDesc body;
   body.type = BodyType::static_body;
   if (const auto type = node.find("type")) body.type = kOf[type->integer(0, 2)];
-  body.position = rube_vec2_or(node, "position", {}, kCoordinate);
-  body.angle = rube_number_or(node, "angle", 0, kAngle);
-  const Vec2 velocity = rube_vec2_or(node, "linearVelocity", {}, kVelocity);
-  const double angular_velocity = rube_number_or(node, "angularVelocity", 0, kAngularVelocity);
+  body.position = rube_vec2_or(node, "position", {}, limits::kCoordinate);
+  body.angle = rube_number_or(node, "angle", 0, limits::kAngle);
+  const Vec2 velocity = rube_vec2_or(node, "linearVelocity", {}, limits::kVelocity);
+  const double angular_velocity = rube_number_or(node, "angularVelocity", 0, limits::kAngularVelocity);
   if (body.type != BodyType::static_body) {
     body.velocity = velocity;
     body.angular_velocity = angular_velocity;
   }
-  body.gravity_scale = rube_number_or(node, "gravityScale", 1, kGravityScale);
+  body.gravity_scale = rube_number_or(node, "gravityScale", 1, limits::kGravityScale);
   body.bullet = node.boolean_or("bullet", false);
   body.fixed_rotation = node.boolean_or("fixedRotation", false);
   return body;
@@ -271,8 +272,8 @@ RubeBody read_body(const Node& node, std::size_t number, bool jointed, Scene& sc
   const bool dynamic = keys.type == BodyType::dynamic_body;
   if (dynamic) weigh(parts, node, out, counts);
   if (dynamic && parts.size() > 1) Counts::note(counts.several, counts.first_several, node);
-  if (rube_number_or(node, "linearDamping", 0, kDamping) > 0 ||
-      rube_number_or(node, "angularDamping", 0, kDamping) > 0) {
+  if (rube_number_or(node, "linearDamping", 0, limits::kDamping) > 0 ||
+      rube_number_or(node, "angularDamping", 0, limits::kDamping) > 0) {
     Counts::note(counts.damped, counts.first_damped, node);
   }
 
@@ -283,7 +284,7 @@ RubeBody read_body(const Node& node, std::size_t number, bool jointed, Scene& sc
   if (const auto key = node.find("name")) name = key->name();
   if (!name.empty() && !names.insert(name).second) name.clear();  // they may repeat there
   for (Part& part : parts) {
-    if (!dynamic && part.body.material.density < kDensity.min) part.body.material.density = 1;
+    if (!dynamic && part.body.material.density < limits::kDensity.min) part.body.material.density = 1;
     if (dynamic && parts.size() > 1 && part.body.filter.group == 0) {
       part.body.filter.group = kPartGroups - static_cast<std::int32_t>(number);
     }
@@ -330,9 +331,7 @@ double rube_number(const Node& node, Range range) {
     node.fail("must be a number, or the eight hex digits of a float");
   }
   const double value = std::bit_cast<float>(bits);
-  if (!(value >= range.min && value <= range.max) || (range.above && value == range.min)) {
-    node.fail(number_text(value) + " is out of range: " + number_text(range.min) + " to " + number_text(range.max));
-  }
+  if (!range.contains(value)) node.fail(exact_text(value) + " is out of range: a number " + range_text(range));
   return value;
 }
 
@@ -361,7 +360,7 @@ Scene read_rube(const Node& root) {
   Scene scene;
   scene.description = "from R.U.B.E.";
   scene.world.boundary = Boundary::open;
-  scene.world.gravity = rube_vec2_or(root, "gravity", {0, -10}, kGravity);
+  scene.world.gravity = rube_vec2_or(root, "gravity", {0, -10}, limits::kGravity);
   if (const auto rate = root.find("stepsPerSecond")) {
     scene.world.dt = 1 / rube_number(*rate, {1, 1e6});
   }

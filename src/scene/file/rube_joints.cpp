@@ -63,13 +63,13 @@ void read_limits_and_motor(const Node& node, Range range, std::string_view limit
     if (*joint.lower > *joint.upper) node.fail("lowerLimit is above upperLimit: no more than it");
   }
   if (node.boolean_or("enableMotor", false)) {
-    joint.motor_speed = rube_number_or(node, "motorSpeed", 0, kMotorSpeed);
-    joint.motor_limit = rube_number_or(node, limit, 0, kMotorLimit);
+    joint.motor_speed = rube_number_or(node, "motorSpeed", 0, limits::kMotorSpeed);
+    joint.motor_limit = rube_number_or(node, limit, 0, limits::kMotorLimit);
   }
 }
 
 void read_rube_axis(const Node& node, JointDesc& joint) {
-  joint.axis = rube_vec2_or(node, "localAxisA", joint.axis, kCoordinate);
+  joint.axis = rube_vec2_or(node, "localAxisA", joint.axis, limits::kCoordinate);
   if (!(length_of(joint.axis) > 1e-9)) {
     node.fail_at_key("localAxisA", "is no direction: x and y, not both zero");
   }
@@ -79,33 +79,33 @@ void read_kind(const Node& node, Kind kind, const RubeBody& a, const RubeBody& b
   switch (kind) {
     case Kind::revolute:
       joint.type = JointType::revolute;
-      joint.reference = rube_number_or(node, "refAngle", 0, kAngle);
-      read_limits_and_motor(node, kAngle, "maxMotorTorque", joint);
+      joint.reference = rube_number_or(node, "refAngle", 0, limits::kAngle);
+      read_limits_and_motor(node, limits::kAngle, "maxMotorTorque", joint);
       break;
     case Kind::wheel:
       joint.type = JointType::revolute;
-      read_limits_and_motor(node, kAngle, "maxMotorTorque", joint);
+      read_limits_and_motor(node, limits::kAngle, "maxMotorTorque", joint);
       joint.lower.reset();
       joint.upper.reset();
       break;
     case Kind::prismatic:
       joint.type = JointType::prismatic;
-      joint.reference = rube_number_or(node, "refAngle", 0, kAngle);
+      joint.reference = rube_number_or(node, "refAngle", 0, limits::kAngle);
       read_rube_axis(node, joint);
-      read_limits_and_motor(node, kCoordinate, "maxMotorForce", joint);
+      read_limits_and_motor(node, limits::kCoordinate, "maxMotorForce", joint);
       break;
     case Kind::weld:
       joint.type = JointType::weld;
-      joint.reference = rube_number_or(node, "refAngle", 0, kAngle);
+      joint.reference = rube_number_or(node, "refAngle", 0, limits::kAngle);
       soften(node, reduced(a.inertia, b.inertia), joint);
       break;
     case Kind::rope:
       joint.type = JointType::rope;
-      joint.length = rube_number(node.require("maxLength"), kJointLength);
+      joint.length = rube_number(node.require("maxLength"), limits::kRodLength);
       break;
     default:
       joint.type = JointType::distance;
-      joint.length = rube_number(node.require("length"), kJointLength);
+      joint.length = rube_number(node.require("length"), limits::kRodLength);
       soften(node, reduced(a.mass, b.mass), joint);
       if (joint.stiffness > 0) joint.type = JointType::spring;
       break;
@@ -141,7 +141,7 @@ void read_rube_joints(const Node& root, const std::vector<RubeBody>& bodies, Sce
     out.a = a.id;
     out.b = b.id;
     const auto anchor = [&](std::string_view key, Vec2 origin) {
-      const Vec2 own = rube_vec2_or(node, key, {}, kCoordinate);
+      const Vec2 own = rube_vec2_or(node, key, {}, limits::kCoordinate);
       return Vec2{own.x + origin.x, own.y + origin.y};
     };
     out.joint.anchor_a = anchor("anchorA", a.origin);

@@ -30,7 +30,7 @@ std::string_view name_of(Enum value, const std::string_view* names) {
 }
 
 std::string text_of(double value) {
-  const std::string text = scene::number_text(value);
+  const std::string text = exact_text(value);
   return text == "-0" ? "-0.0" : text;  // "-0" reads as the integer 0
 }
 

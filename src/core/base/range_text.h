@@ -1,0 +1,30 @@
+// Numbers, their ranges, and what is said of a number that is not in its range.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "psim/limits.h"
+#include "psim/types.h"
+
+namespace psim {
+
+/// The shortest text that reads back to the same number.
+std::string exact_text(double value);
+
+/// "from 0 to 1", or "above 0 and up to 10".
+std::string range_text(Range range);
+
+/// Checks numbers one after the other; `error` is one line about the first that is not in its range, as "friction must
+/// be from 0 to 1000, not 2000", or empty.
+struct RangeCheck {
+  std::string error;
+
+  RangeCheck& operator()(std::string_view name, double value, Range range);
+  RangeCheck& operator()(std::string_view name, Vec2 value, Range range);
+  /// What is not given is right.
+  RangeCheck& operator()(std::string_view name, std::optional<double> value, Range range);
+};
+
+}  // namespace psim
