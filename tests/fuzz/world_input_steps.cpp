@@ -138,8 +138,8 @@ void Session::change_options() {
   say("option %zu: %d, gravity %g %g, body %u", which, on, gravity.x, gravity.y, id.index);
   switch (which) {
     case 0: {
-      const bool finite = std::isfinite(gravity.x) && std::isfinite(gravity.y);
-      return require(change<bool>("set_gravity", [&](auto& w) { return w.set_gravity(gravity); }) == finite,
+      const bool sound = limits::kGravity.contains(gravity);
+      return require(change<bool>("set_gravity", [&](auto& w) { return w.set_gravity(gravity); }) == sound,
                      "set_gravity");
     }
     case 1:

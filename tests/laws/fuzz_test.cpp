@@ -1,16 +1,21 @@
 // What the fuzzers run, in the normal suite: their corpus, past findings among it, and calls of the
 // public interface from seeds.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cli_runner.h"
 #include "inputs.h"
+#include "psim/recording.h"
+#include "psim/saved_state.h"
 #include "psim/scene.h"
 #include "support.h"
 
@@ -184,16 +189,78 @@ TEST(FuzzCorpus, EveryPublicFunctionOfAWorldIsCalled) {
   expect_calls("Replay", "recording.h", 8);
 }
 
-// Of another format they would all be refused at once, and the fuzzer would begin with nothing.
-TEST(FuzzCorpus, SavedWorldsAreOfThisFormat) {
-  for (const char* const name : {"world-0", "world-1", "world-2"}) {
-    const std::string bytes = read_file(std::string(PSIM_SOURCE_DIR "/tests/fuzz/corpus/saved/") + name);
+std::string corpus(const std::string& name) { return PSIM_SOURCE_DIR "/tests/fuzz/corpus/" + name; }
+
+// A world of a seed of the scenes, some steps on.
+std::unique_ptr<World> seed_world(const std::string& scene_name, int steps) {
+  std::string error;
+  const auto scene = load_scene(corpus("scene/" + scene_name), error);
+  auto world = scene ? build_world(*scene, {}, error) : nullptr;
+  for (int k = 0; world && k < steps; ++k) world->step();
+  return world;
+}
+
+// A recording in which the host does something of every kind.
+std::vector<std::byte> seed_recording(World& world, bool governed) {
+  Recorder recorder(world, 2);
+  std::string error;
+  const BodyId body = recorder.add_body(disc({1, 2}), error), other = recorder.add_body(disc({2, 3}), error);
+  JointDesc joint;
+  joint.a = body;
+  joint.b = other;
+  const JointId tied = recorder.add_joint(joint, error);
+  recorder.step();
+  recorder.apply_impulse(body, {1, 0});
+  recorder.apply_impulse_at(other, {1, 0}, {2, 3.1});
+  recorder.set_velocity(body, {0, 1}, 1);
+  recorder.set_transform(other, {3, 4}, 0.5);
+  recorder.set_gravity({1, -5});
+  recorder.set_skin(2);
+  if (governed) recorder.replay({2, true, 1, 1});
+  recorder.step(0.01);
+  recorder.remove_joint(tied);
+  recorder.remove_body(body);
+  recorder.set_sleeping(true);
+  for (int k = 0; k < 4; ++k) recorder.step();
+  return recorder.recording();
+}
+
+// Seeds that a change of the format has made useless: PSIM_RENEW_CORPUS=1 writes them anew.
+void renew_corpus() {
+  const auto write = [](const std::string& file, std::span<const std::byte> bytes) {
     std::string error;
+    EXPECT_TRUE(write_bytes(file, bytes, error)) << error;
+  };
+  const char* const scenes[] = {"shapes", "links", "groups"};
+  const char* const recordings[] = {"calls", "governed", "discs"};
+  for (int k = 0; k < 3; ++k) {
+    std::vector<std::byte> state;
+    seed_world(scenes[k], 12)->save(state);
+    const std::vector<std::byte> packed = pack_state(state);
+    write(corpus("saved/world-" + std::to_string(k)), packed);
+    const std::vector<std::byte> recording = seed_recording(*seed_world(scenes[k], 3), k == 1);
+    write(corpus(std::string("recording/") + recordings[k]), recording);
+    if (k != 0) continue;
+    write(corpus("saved/cut"), std::span(packed).first(200));
+    write(corpus("recording/cut"), std::span(recording).first(1800));
+  }
+}
+
+// Of another format they would all be refused at once, and the fuzzer would begin with nothing.
+TEST(FuzzCorpus, SavedWorldsAndRecordingsAreOfThisFormat) {
+  if (std::getenv("PSIM_RENEW_CORPUS") != nullptr) renew_corpus();
+  std::string error;
+  for (const char* const name : {"world-0", "world-1", "world-2"}) {
+    const std::string bytes = read_file(corpus(std::string("saved/") + name));
     std::vector<std::byte> state;
     ASSERT_TRUE(unpack_state(std::as_bytes(std::span(bytes)), state, error)) << name << ": " << error;
     const auto world = World::from_state(state, {}, error);
     ASSERT_TRUE(world) << name << ": " << error;
     EXPECT_GT(world->body_count(), 3u);
+  }
+  for (const char* const name : {"calls", "governed", "discs"}) {
+    const std::string bytes = read_file(corpus(std::string("recording/") + name));
+    EXPECT_TRUE(Replay::open(std::as_bytes(std::span(bytes)), {}, error)) << name << ": " << error;
   }
 }
 

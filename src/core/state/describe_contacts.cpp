@@ -134,6 +134,9 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   const std::uint32_t slots = s_.bodies.count;
   parts_.describe(a);
   values(a, pairs_);
+  std::uint32_t own_end = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
+  a.value(own_end);
+  a.require(own_end <= pairs_.size());
   a.packed(begin_);
   a.list(strips_, [&](StripBlocks& s) {
     a.plain(s.blocks);
@@ -161,6 +164,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   values(a, t.points, g_, any_filter_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again, new_pairs_,
          cold_, weighs_);
   if (!a.loading()) return;
+  own_end_ = own_end;
   if (!kinds) kind_.release();
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
@@ -192,7 +196,6 @@ void Manifolds::follow_from_pairs() {
   old_pairs_.clear();
   both_ = collecting_ = false;
   indexed_ = fixed_known_ = false;
-  own_end_ = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
   cut();
   rotor_.reserve(2 * std::size_t{slots});
   inner_.reserve(slots);
