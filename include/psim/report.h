@@ -91,7 +91,8 @@ struct StepReport {
   /// Why nothing was done: there was no room for "pairs", "contacts" or, of a recorder, the "recording", and the world is
   /// as before; or null. "motion": bodies had begun to move, and no later call does anything. "events", "snapshot": the
   /// step was done, but there was no room for what it tells. After lost events the next step tells of all that touch then,
-  /// as if they began to.
+  /// as if they began to. "sleep", "escape": the step was done, but bodies that rest stay awake, or bodies that left an
+  /// open world stay in it, up to a later step.
   const char* no_room_for = nullptr;
   double virial = 0;  ///< N s m: sum over contacts of normal impulse x centre distance, see docs/queries-events.md
 };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "convert.h"
 #include "structs.h"
@@ -54,7 +55,8 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
   if (done.no_room_for == nullptr) return PSIM_OK;
   const std::string what = done.no_room_for;
   psim::out_of_memory();  // this line says more
-  if (what == "events" || what == "snapshot") {
+  for (const std::string_view done_without : {"events", "snapshot", "sleep", "escape"}) {
+    if (what != done_without) continue;
     return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "no room for the " + what + " of a step, which was done");
   }
   if (what != "motion") return call.fail(PSIM_ERROR_OUT_OF_MEMORY, "no room for " + what + "; the world is as before");

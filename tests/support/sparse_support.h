@@ -48,7 +48,8 @@ struct Broad {
     kernels = kernels_of(isa);
     broad.measure(p);
     broad.count();
-    broad.move(table, 0, broad.cells().moves());
+    broad.move(0, broad.cells().moves());
+    broad.open(table);
     broad.find_lists(table);
     broad.finish();
   }

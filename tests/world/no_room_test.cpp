@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "allocation_counter.h"
@@ -75,6 +77,87 @@ INSTANTIATE_TEST_SUITE_P(Scenes, NoRoom,
                                            LateScene{"card_house", 40, 60}, LateScene{"joint_grid", 100, 3},
                                            LateScene{"bridge", 20, 0}, LateScene{"orbits", 100, 3},
                                            LateScene{"gas-periodic", 200, 10}, LateScene{"washer", 50, 20}));
+
+// Plays `steps` steps from a state for each allocation in them, which fails alone or with all that follow in its step.
+// Each step must be done or say what it did without; `look` is shown the world at the end. Returns how many steps did
+// without something.
+int play_without_memory(const std::vector<std::byte>& state, int steps, bool alone, const auto& look) {
+  int without = 0;
+  for (std::uint64_t n = 1;; ++n) {
+    std::string error;
+    const auto world = World::from_state(state, {.threads = 2}, error);
+    EXPECT_NE(world, nullptr) << error;
+    bool failed = false;
+    const std::uint64_t due = allocations() + n;
+    for (int k = 0; k < steps; ++k) {
+      if (!failed) fail_allocation(due, !alone);
+      const StepReport report = world->step();
+      const bool now = allocations() >= due && !failed;
+      fail_allocation(0);
+      failed = failed || now;
+      if (report.no_room_for == nullptr) continue;
+      ++without;
+      EXPECT_STRNE(report.no_room_for, "motion") << "allocation " << n << " in step " << k;
+      if (std::string_view(report.no_room_for) == "motion") return without;
+    }
+    if (!failed) return without;
+    look(*world);
+  }
+}
+
+// Bodies fall asleep, first and beside others that sleep, and wake: a step without memory for it is done all the same.
+TEST(NoRoomToSleep, BodiesStayAwakeForAWhile) {
+  for (const auto& [scene, bodies] : {std::pair{"rough-pile", 60}, {"arch", 0}, {"bridge", 10}, {"pyramid", 0}}) {
+    const auto first = late_world(scene, static_cast<std::uint64_t>(bodies), 0);
+    std::vector<std::vector<std::byte>> last(12);
+    std::uint64_t asleep = 0;
+    int states = 0;
+    for (int k = 0; k < 1500 && states < 2; ++k) {
+      first->save(last[static_cast<std::size_t>(k) % last.size()]);
+      const std::uint64_t now = first->step().asleep;
+      if (now <= asleep) continue;
+      asleep = now;
+      ++states;
+      for (const bool alone : {true, false}) {
+        const auto oldest = last[static_cast<std::size_t>(k + 1) % last.size()];
+        if (oldest.empty()) continue;
+        play_without_memory(oldest, 24, alone, [&](World& world) {
+          EXPECT_EQ(world.body_count(), first->body_count());
+          for (const double number : numbers_of(world)) ASSERT_TRUE(std::isfinite(number));
+        });
+      }
+    }
+    EXPECT_GE(states, 1) << scene;
+  }
+}
+
+TEST(NoRoomToLeave, BodiesLeaveAnOpenWorldLater) {
+  WorldDesc desc;
+  desc.bounds = {-10, -10, 10, 10};
+  desc.boundary = Boundary::open;
+  desc.gravity = {};
+  const auto first = make(desc);
+  BodyDesc body = box({0, 0});
+  for (int k = 0; k < 12; ++k) {
+    if (k % 2 == 0) body = disc({0, 0});
+    body.position = {9, -9 + 1.5 * k};
+    body.velocity = {20 + 3.0 * k, 0};
+    add(*first, body);
+  }
+  const BodyId stays = add(*first, box({0, 0}));
+  first->step();
+  std::vector<std::byte> state;
+  first->save(state);
+  int without = 0;
+  for (const bool alone : {true, false}) {
+    without += play_without_memory(state, 12, alone, [&](World& world) {
+      EXPECT_EQ(world.body_count(), 1u);
+      EXPECT_EQ(world.escaped_total(), 12u);
+      EXPECT_TRUE(world.is_valid(stays));
+    });
+  }
+  EXPECT_GE(without, 1);
+}
 
 // The first step of 2,000 discs, under budgets from what the world has to what the step needs.
 TEST(MemoryBudget, EndsAStepThatNeedsMore) {

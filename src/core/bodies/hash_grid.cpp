@@ -48,8 +48,9 @@ void HashGrid::grow(std::size_t places) {
   for (std::size_t at = 0; at < size_; ++at) {
     for (std::uint32_t k = first_[at]; k != kNone; k = next_[k]) boxes.push_back(k);
   }
-  size_ = std::bit_ceil(std::max<std::size_t>(places, 64));
-  first_.reserve(size_);
+  const std::size_t size = std::bit_ceil(std::max<std::size_t>(places, 64));
+  first_.reserve(size);
+  size_ = size;
   std::fill_n(first_.data(), size_, kNone);
   for (const std::uint32_t k : boxes) next_[k] = std::exchange(first_of(cell_[k]), k);
 }
@@ -57,7 +58,8 @@ void HashGrid::grow(std::size_t places) {
 void HashGrid::make_room(std::uint32_t numbers, std::size_t boxes) {
   next_.reserve(numbers);
   cell_.reserve(numbers);
-  if (2 * boxes > size_) grow(2 * boxes);
+  const std::size_t all = count_ + boxes;
+  if (2 * all > size_) grow(count_ == 0 ? 2 * all : 4 * all);
 }
 
 void HashGrid::insert(std::uint32_t number, std::int32_t x, std::int32_t y, std::uint32_t half_x,

@@ -63,18 +63,15 @@ bool Quarantine::walls_hold(const BodyStore& bodies, const Walls& walls, const k
   return extent[0] > walls.low.x && extent[1] > walls.low.y && extent[2] < walls.high.x && extent[3] < walls.high.y;
 }
 
-std::uint32_t Quarantine::remove_escaped(const Population& population, const Bounds& b, const Remove& remove) {
+void Quarantine::remove_escaped(const Population& population, const Bounds& b, const Remove& remove) {
   const BodyStore& bodies = population.bodies;
-  std::uint32_t removed = 0;
   for (std::size_t i = 0; i < bodies.count; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const BodyState s = population.state_of(bodies.id[i]);
     if (contains(b, {s.x, s.y})) continue;
     remove(bodies.id[i]);
-    ++removed;
+    ++escaped;
   }
-  escaped += removed;
-  return removed;
 }
 
 // A disc that met more impacts in a substep than the sweeps settle may come out behind a wall. It is put back to where

@@ -26,8 +26,8 @@ class Quarantine {
   /// Slows bodies that are too fast for a step of dt seconds, and freezes those whose numbers are broken where the
   /// lists saw them last. Returns how many were frozen.
   std::uint32_t settle(Population& population, const Lattice& lattice, double dt, const Freeze& freeze);
-  /// Open worlds: removes the bodies whose centre left the bounds. Returns how many.
-  std::uint32_t remove_escaped(const Population& population, const Bounds& bounds, const Remove& remove);
+  /// Open worlds: removes the bodies whose centre left the bounds, and counts them in `escaped`.
+  void remove_escaped(const Population& population, const Bounds& bounds, const Remove& remove);
   /// Walled worlds: puts bodies back that came out behind a wall.
   static void bring_back(Population& population, const Lattice& lattice, const WorldDesc& desc);
   /// Whether all centres of the blocks lie within the walls, to a lattice step.

@@ -7,10 +7,25 @@
 #include "base/elementary.h"
 #include "base/lattice.h"
 #include "base/rotor.h"
+#include "bodies/body_store.h"
 #include "bodies/hull.h"
 #include "bodies/static_shapes.h"
 
 namespace psim {
+
+/// How many pieces, and hulls among them, a moving body is cut into when it falls asleep.
+struct PieceCount {
+  std::uint32_t pieces = 0, hulls = 0;
+};
+inline PieceCount pieces_of(const BodyStore& bodies, const BodyKind& kind) {
+  PieceCount count{kind.hull_count == 0 ? 1u : 0u, 0};
+  for (std::uint32_t h = 0; h < kind.hull_count; ++h) {
+    const int corners = bodies.hulls[kind.first_hull + h].count;
+    count.pieces += corners > 2 ? static_cast<std::uint32_t>(corners) + 1 : 1;
+    count.hulls += corners > 2;
+  }
+  return count;
+}
 
 /// The pieces of a body at `position`, m, turned by `angle`.
 class Pieces {

@@ -110,7 +110,8 @@ void StaticShapes::reserve(std::size_t pieces) {
 void StaticShapes::make_room(std::uint32_t pieces, std::uint32_t hulls) {
   statics_.reserve(std::size_t{count_} + pieces);
   sleepers_.make_room(count_ + pieces, pieces);
-  hulls_.reserve(hulls_.size() + hulls);
+  const std::size_t all = hulls_.size() + hulls;
+  if (all > hulls_.capacity()) hulls_.reserve(std::max(all, 2 * hulls_.size()));
 }
 
 // The box of a piece, wider by `far`, m, on each side.

@@ -59,8 +59,6 @@ void BodyMover::finish(bool mixed_radii, std::uint32_t count) {
   b_.count = b_.listed = count;
   b_.dead = 0;
   b_.slots_stale = true;
-  // Both halves of every swapped pair must have room for what comes next.
-  b_.reserve_slots(0);
   if (b_.count != 0) b_.pad_tail();
 }
 

@@ -63,11 +63,15 @@ void BroadPhase::place(float ahead, BlockRange r) const {
   s_.kernels.look_ahead(b.view(), p, ahead, b.built.data(), r.begin, r.end);
 }
 
-void BroadPhase::move(PairTable& table, std::size_t begin, std::size_t end) {
+void BroadPhase::move(std::size_t begin, std::size_t end) {
+  if (begin == 0) origin.make_room(s_.bodies.count);
   if (!cells_.move(params_.mixed_radii, begin, end)) return;
-  cells_.note_density();
   origin.follow();
   run_stream(s_.bodies.blocks(), s_.pool, [&](BlockRange r) { place(params_.ahead, r); });
+}
+
+void BroadPhase::open(PairTable& table) {
+  cells_.note_density();
   open_lists(table, 2 * params_.outer * params_.outer * cells_.density(), params_.growth);
 }
 
@@ -82,6 +86,7 @@ void BroadPhase::open_lists(PairTable& table, double pairs_a_body, double growth
   // Padding slots move with the last body and get its reach. In a small world they get the reach of the lists before
   // these, because new lists are cheap there and round less (docs/decisions/009-lists-that-last.md).
   BodyStore& b = s_.bodies;
+  b.reserve_slots(0);  // both halves of every swapped pair must have room for what comes next
   for (std::size_t i = b.count; i < kernels::round_up_block(b.count); ++i) {
     b.built[2 * i] = b.built[2 * std::size_t{b.count - 1}];
     b.built[2 * i + 1] = b.built[2 * std::size_t{b.count - 1} + 1];

@@ -54,7 +54,8 @@ class BroadPhase {
   /// Pieces run in ascending ranges [begin, end). They fill `table`; cells().from() maps slots to the slots before.
   void measure(const BroadPhaseParams& params);
   void count() { cells_.count(params_); }
-  void move(PairTable& table, std::size_t begin, std::size_t end);
+  void move(std::size_t begin, std::size_t end);  ///< from the end of the last piece on, bodies lie in the new order
+  void open(PairTable& table);
   void search(PairTable& table, std::size_t begin, std::size_t end);
   void find_near(PairTable& table, std::size_t begin, std::size_t end);
   void finish() const;

@@ -223,8 +223,8 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
 
 bool NeighbourLists::move(std::size_t begin, std::size_t end) {
   const bool last = end == broad.cells().moves();
+  broad.move(begin, end);
   if (last && !selects()) std::swap(table, old_table);
-  broad.move(found(), begin, end);
   return last;
 }
 

@@ -27,17 +27,22 @@ class SlotOrigin {
   }
   /// Call when contacts were laid out by the lists of the last sort.
   void forget() { chain_.clear(); }
+  /// Call before so many bodies are sorted: follow() needs no memory then.
+  void make_room(std::size_t bodies) {
+    if (moved_on()) next_.reserve(bodies);
+  }
   /// Call when bodies were sorted.
   void follow() {
     if (!moved_on()) return;
-    std::vector<std::uint32_t> next(cells_.from().begin(), cells_.from().end());
-    for (std::uint32_t& slot : next) slot = slot < chain_.size() ? chain_[slot] : kNoSlot;
-    chain_.swap(next);
+    next_.assign(cells_.from().begin(), cells_.from().end());
+    for (std::uint32_t& slot : next_) slot = slot < chain_.size() ? chain_[slot] : kNoSlot;
+    chain_.swap(next_);
   }
 
  private:
   const BroadCells& cells_;
   std::vector<std::uint32_t> chain_;  // after lists were thrown away: as slots()
+  std::vector<std::uint32_t> next_;   // scratch of follow()
 };
 
 }  // namespace psim

@@ -113,6 +113,7 @@ bool Sleep::step(const SleepSource& source, std::uint64_t steps, double dt) {
   const std::size_t before = sleepers.list.size();
   if (!choose(source, steps, dt)) return woke;
   fall_asleep(source, sleepers, before, dt);
+  sleepers.leaving = false;
   return true;
 }
 
@@ -125,14 +126,10 @@ void Sleep::make_room(const SleepSource& source) {
   for (std::uint32_t i = 0; source.with_manifolds && i < bodies.count && pieces < Sleepers::kRoomAhead; ++i) {
     if (bodies.id[i] == kNoSlot) continue;
     const BodyKind& kind = bodies.kind(bodies.id[i]);
-    std::uint32_t mine = kind.hull_count == 0 ? 1 : 0;
-    for (std::uint32_t h = 0; h < kind.hull_count; ++h) {
-      const int corners = bodies.hulls[kind.first_hull + h].count;
-      mine += corners > 2 ? static_cast<std::uint32_t>(corners) + 1 : 1;
-      hulls += corners > 2;
-    }
-    pieces += mine;
-    longest = std::max<std::size_t>(longest, mine);
+    const PieceCount mine = pieces_of(bodies, kind);
+    hulls += mine.hulls;
+    pieces += mine.pieces;
+    longest = std::max<std::size_t>(longest, mine.pieces);
   }
   sleepers.make_room(most, !source.joints.empty());
   sleepers.pieces.reserve(longest);

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/elementary.h"
+#include "bodies/static_pieces.h"
 #include "sleep/sleep_contacts.h"
 
 namespace psim {
@@ -63,6 +64,9 @@ class SleepChoice {
     std::size_t chosen = 0;
     for (std::uint32_t i = 0; i < bodies_.count; ++i) chosen += may_sleep(i);
     if (!worth_it(chosen)) return false;
+    mark_chosen();
+    make_room();
+    sleepers_.leaving = true;
     list_chosen();
     return true;
   }
@@ -186,21 +190,51 @@ class SleepChoice {
     });
   }
 
-  // Lists at most kMostAtOnce; but what is joined is never divided. From here on a chosen body counts as asleep.
-  void list_chosen() {
+  // Marks at most kMostAtOnce; but what is joined is never divided.
+  void mark_chosen() {
     bodies_.find_slots();
     std::uint32_t pieces = 0;
     for (std::uint32_t i = 0; i < bodies_.count; ++i) {
       if (!may_sleep(i)) continue;
       if (pieces >= Sleepers::kMostAtOnce && source_.joints.empty()) break;
+      const BodyKind& kind = bodies_.kind(bodies_.id[i]);
+      pieces += kind.hull_count == 0 ? 1 : 5 * kind.hull_count;
+      state_[i] |= Sleepers::kChosen;
+    }
+  }
+
+  // For all that the chosen bodies take with them: from here on nothing needs memory.
+  void make_room() {
+    std::size_t bodies = 0, touches = 0, recent = 0, longest = 1;
+    PieceCount all;
+    for (std::uint32_t i = 0; i < bodies_.count; ++i) {
+      if (!sleepers_.chosen(i)) continue;
+      const PieceCount mine = pieces_of(bodies_, bodies_.kind(bodies_.id[i]));
+      ++bodies;
+      all.pieces += mine.pieces;
+      all.hulls += mine.hulls;
+      longest = std::max<std::size_t>(longest, mine.pieces);
+    }
+    each_contact(source_, [&](const SleepContact& contact) {
+      if (!contact.loaded) return;
+      const bool a = contact.a != kNoSlot && sleepers_.chosen(contact.a), b = sleepers_.chosen(contact.b);
+      touches += std::size_t{a} + b;
+      recent += contact.a != kNoSlot && a != b;
+    });
+    sleepers_.make_room_for_more(bodies, touches, recent);
+    sleepers_.pieces.reserve(longest);
+    source_.population.statics.make_room(all.pieces, all.hulls);
+  }
+
+  // From here on a chosen body counts as asleep.
+  void list_chosen() {
+    for (std::uint32_t i = 0; i < bodies_.count; ++i) {
+      if (!sleepers_.chosen(i)) continue;
       Sleeper s;
       s.at = bodies_.point(i);
       s.angle = bodies_.angle_of(i);
       s.id = bodies_.id[i];
       s.creeps = !rests_firmly(state_[i]);
-      const BodyKind& kind = bodies_.kind(s.id);
-      pieces += kind.hull_count == 0 ? 1 : 5 * kind.hull_count;
-      state_[i] |= Sleepers::kChosen;
       bodies_.info[s.id].place = Place::asleep;
       bodies_.info[s.id].slot = static_cast<std::uint32_t>(sleepers_.list.size());
       sleepers_.list.push_back(s);

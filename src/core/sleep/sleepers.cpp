@@ -123,6 +123,16 @@ void Sleepers::make_room(std::size_t fall_asleep, bool joined) {
   room_of_ = b_.count;
 }
 
+void Sleepers::make_room_for_more(std::size_t bodies, std::size_t with_touches, std::size_t of_awake) {
+  const auto room = [](auto& values, std::size_t more) {
+    const std::size_t n = values.size() + more;
+    if (n > values.capacity()) values.reserve(std::max(n, 2 * values.size()));
+  };
+  room(list, bodies);
+  room(touches, with_touches);
+  recent.make_room_for_more(of_awake);
+}
+
 std::uint32_t Sleepers::needed(double dt, double time) {
   const double watches = std::ceil(time / (static_cast<double>(kWatchFrames) * dt));
   return static_cast<std::uint32_t>(std::clamp(watches, 2.0, 250.0));

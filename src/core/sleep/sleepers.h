@@ -97,6 +97,7 @@ class Sleepers {
   TouchMemory recent;
   bool woke = false;     ///< a body woke since the lists were made
   bool changed = false;  ///< a body fell asleep or woke since events were collected
+  bool leaving = false;  ///< bodies are falling asleep: some are in the columns and in the list
   // Scratch of sleeping and waking.
   std::vector<Waking> queue;
   std::vector<std::uint32_t> found, roots;
@@ -114,6 +115,8 @@ class Sleepers {
   /// kTouchesOfBody touches each.
   void make_room(std::size_t fall_asleep, bool joined);
   bool has_room() const { return b_.count <= room_of_; }
+  /// Makes room for so many sleepers more, with so many touches, some of them with bodies that stay awake.
+  void make_room_for_more(std::size_t bodies, std::size_t with_touches, std::size_t of_awake);
 
   /// Looks at every body and counts for how long it has rested. O(bodies). False if no body is slow.
   bool watch();

@@ -121,6 +121,10 @@ void Forces::scale_gravity(BodyStore& b, WorkerPool& pool) const {
   });
 }
 
+void make_room_for_remainders(BodyStore& b) {
+  for (const Column<float>* column : {&b.vel_remainder, &b.disp_remainder}) b.spare.reserve(column->capacity());
+}
+
 void move_remainders(BodyStore& b, const std::uint32_t* from, WorkerPool& pool) {
   for (Column<float>* column : {&b.vel_remainder, &b.disp_remainder}) {
     if (column->empty()) continue;

@@ -46,6 +46,8 @@ class Forces {
 /// Moves the remainders of velocities and offsets along with the bodies, after a sort moved these from slot from[i] to
 /// slot i. Padding has no remainders.
 void move_remainders(BodyStore& bodies, const std::uint32_t* from, WorkerPool& pool);
+/// Call before the sort: move_remainders() needs no memory then.
+void make_room_for_remainders(BodyStore& bodies);
 
 /// Linear drag of all fields, 1/s: part of the damping, integrated exactly.
 double linear_drag(const std::vector<Field>& fields);

@@ -86,10 +86,12 @@ void measure(StepContext& c, const Span& span, StepReport&, PieceRange) {
 void count(StepContext& c, const Span&, StepReport&, PieceRange) { c.neighbours.broad.count(); }
 
 void move(StepContext& c, const Span&, StepReport&, PieceRange p) {
+  if (c.plan.fields && p.begin == 0) make_room_for_remainders(c.bodies);
   if (!c.neighbours.move(p.begin, p.end)) return;
-  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.cells().from().data(), c.pool);
-  c.progress.lists = ListState::sorted;
+  c.progress.lists = ListState::sorted;  // before anything runs out of memory
   if (!c.neighbours.selects()) c.progress.contacts = ContactState::replaced;
+  if (c.plan.fields) move_remainders(c.bodies, c.neighbours.broad.cells().from().data(), c.pool);
+  c.neighbours.broad.open(c.neighbours.found());
 }
 
 void search(StepContext& c, const Span&, StepReport&, PieceRange p) {

@@ -79,6 +79,12 @@ bool meet(Owners& w, double dt, const Span& span, StepReport& report) {
   return true;
 }
 
+// The step was done, but something that comes with it found no memory: the report says so.
+void lose(StepReport& report, const char* what) {
+  report.no_room_for = what;
+  ran_out_of_memory() = true;
+}
+
 // Substeps, continuous collision, the rest of the way; bodies that may not be where they are then.
 void move(Owners& w, double dt, StepReport& report) {
   if (w.plan.events) w.observers.events.approach(w.observed(), dt);
@@ -86,16 +92,17 @@ void move(Owners& w, double dt, StepReport& report) {
   if (!moved.sound) report.quarantined += w.quarantine.settle(w.population, w.lattice, dt, freezer(w));
   if (!moved.inside && w.desc.boundary == Boundary::open) {
     const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };
-    report.escaped += w.quarantine.remove_escaped(w.population, w.desc.bounds, remove);
+    const std::uint64_t before = w.quarantine.escaped;
+    try {
+      w.quarantine.remove_escaped(w.population, w.desc.bounds, remove);
+    } catch (const std::bad_alloc&) {  // the next step removes the others
+      w.recover();
+      lose(report, "escape");
+    }
+    report.escaped += static_cast<std::uint32_t>(w.quarantine.escaped - before);
   } else if (!moved.inside) {
     Quarantine::bring_back(w.population, w.lattice, w.desc);
   }
-}
-
-// The step was done, but its events or its snapshot found no memory: the report says so.
-void lose(StepReport& report, const char* what) {
-  report.no_room_for = what;
-  ran_out_of_memory() = true;
 }
 
 void collect_events(Owners& w, StepReport& report) {
@@ -182,7 +189,13 @@ void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
   report.awake = bodies.awake();
   if (report.detail.solves && w.plan.sleep && report.awake != 0) {
     const StageTimer timer(report, w.tracer, Stage::sleep);
-    w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
+    try {
+      w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
+    } catch (const std::bad_alloc&) {
+      if (w.sleep.sleepers.leaving) throw;
+      w.recover();
+      lose(report, "sleep");
+    }
   }
   report.asleep = w.sleep.sleepers.list.size();
 }
