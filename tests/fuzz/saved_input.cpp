@@ -7,9 +7,13 @@
 #include <vector>
 
 #include "inputs.h"
+#include "picture/moment.h"
+#include "picture/painter.h"
+#include "picture/picture_view.h"
 #include "psim/psim.h"
 #include "psim/recording.h"
 #include "psim/saved_state.h"
+#include "psim/scene.h"
 #include "world_promises.h"
 
 namespace psim::fuzz {
@@ -75,7 +79,28 @@ std::string leaves_others_alone(std::span<const std::byte> state) {
   return fault.empty() ? broken_promise(*world) : fault;
 }
 
+// Pictures of every colouring, of a scene of as many discs.
+void paint(World& world) {
+  constexpr std::size_t kMostBodies = 1000;
+  Scene scene;
+  scene.world = world.desc();
+  scene.bodies.resize(
+      std::min(world.published().id.empty() ? 0 : world.published().id.back() + std::size_t{1}, kMostBodies));
+  std::vector<std::uint8_t> rgb;
+  for (std::size_t k = 0; k < cli::kColouringNames.size(); ++k) {
+    const auto colouring = static_cast<cli::Colouring>(k);
+    cli::Moment moment;
+    cli::take_moment(world, moment, colouring);
+    const cli::Painter painter(scene, colouring);
+    cli::Canvas canvas(32, 24);
+    const Bounds view = cli::view_of_all(scene, moment, painter.shapes());
+    painter.paint(canvas, cli::PictureCamera(view, 32, 24), moment, cli::brightest(scene, moment, painter.shapes()));
+    canvas.to_srgb(rgb, 1);
+  }
+}
+
 std::string go_on(World& world) {
+  paint(world);
   for (int k = 0; k < 3; ++k) world.step();
   std::string fault = broken_promise(world);
   Buffer again;

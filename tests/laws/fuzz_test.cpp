@@ -231,7 +231,7 @@ void renew_corpus() {
     std::string error;
     EXPECT_TRUE(write_bytes(file, bytes, error)) << error;
   };
-  const char* const scenes[] = {"shapes", "links", "groups"};
+  const char* const scenes[] = {"shapes", "group-traits", "groups"};
   const char* const recordings[] = {"calls", "governed", "discs"};
   for (int k = 0; k < 3; ++k) {
     std::vector<std::byte> state;
