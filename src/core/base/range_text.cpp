@@ -24,18 +24,8 @@ std::string range_text(Range range) {
                      : "from " + exact_text(range.min) + " to " + exact_text(range.max);
 }
 
-RangeCheck& RangeCheck::operator()(std::string_view name, double value, Range range) {
-  if (!error.empty() || range.contains(value)) return *this;
-  error = std::string(name) + " must be " + range_text(range) + ", not " + exact_text(value);
-  return *this;
-}
-
-RangeCheck& RangeCheck::operator()(std::string_view name, Vec2 value, Range range) {
-  return (*this)(name, value.x, range)(name, value.y, range);
-}
-
-RangeCheck& RangeCheck::operator()(std::string_view name, std::optional<double> value, Range range) {
-  return value ? (*this)(name, *value, range) : *this;
+void RangeCheck::say(std::string_view name, double value, Range range) {
+  if (error.empty()) error = std::string(name) + " must be " + range_text(range) + ", not " + exact_text(value);
 }
 
 }  // namespace psim

@@ -18,13 +18,24 @@ std::string range_text(Range range);
 
 /// Checks numbers one after the other; `error` is one line about the first that is not in its range, as "friction must
 /// be from 0 to 1000, not 2000", or empty.
-struct RangeCheck {
+class RangeCheck {
+ public:
   std::string error;
 
-  RangeCheck& operator()(std::string_view name, double value, Range range);
-  RangeCheck& operator()(std::string_view name, Vec2 value, Range range);
+  RangeCheck& operator()(std::string_view name, double value, Range range) {
+    if (!range.contains(value)) say(name, value, range);
+    return *this;
+  }
+  RangeCheck& operator()(std::string_view name, Vec2 value, Range range) {
+    return (*this)(name, value.x, range)(name, value.y, range);
+  }
   /// What is not given is right.
-  RangeCheck& operator()(std::string_view name, std::optional<double> value, Range range);
+  RangeCheck& operator()(std::string_view name, std::optional<double> value, Range range) {
+    return value ? (*this)(name, *value, range) : *this;
+  }
+
+ private:
+  void say(std::string_view name, double value, Range range);
 };
 
 }  // namespace psim
