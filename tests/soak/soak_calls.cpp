@@ -44,7 +44,7 @@ double SoakCalls::uniform(double low, double high) {  // splitmix64
   return low + (high - low) * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-bool SoakCalls::require(bool holds, const char* what) {
+bool SoakCalls::require(bool holds, const std::string& what) {
   if (!holds && fault_.empty()) fault_ = "step " + std::to_string(steps_) + ": " + what;
   return holds;
 }
@@ -302,8 +302,13 @@ void SoakCalls::record() {
   recorder.apply_impulse(any(), {1, 1});
   for (int k = 0; k < 6; ++k) recorder.step();
   recorder.remove_body(id);
-  const auto replay = Replay::open(recorder.recording(), {best_isa(), 1}, error);
-  if (!require(replay != nullptr, "a recording is refused")) return;
+  const std::vector<std::byte> recording = recorder.recording();
+  const auto replay = Replay::open(recording, {best_isa(), 1}, error);
+  if (replay == nullptr) {
+    std::string ignored;
+    write_bytes("soak-refused.psimrec", recording, ignored);
+  }
+  if (!require(replay != nullptr, "a recording is refused, it lies in soak-refused.psimrec: " + error)) return;
   while (replay->next()) {
   }
   require(replay->complete() && replay->differs_at() == 0, "a recording has other bits");

@@ -58,7 +58,7 @@ class SoakCalls {
   BodyId keep(const BodyDesc& body);
   double uniform(double low, double high);
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(uniform(0, static_cast<double>(n))); }
-  bool require(bool holds, const char* what);
+  bool require(bool holds, const std::string& what);
 
   std::unique_ptr<World> world_;
   BodyId floor_;

@@ -177,8 +177,10 @@ bool BroadCells::move(bool mixed_radii, std::size_t begin, std::size_t end) {
   const bool last = end == moves();
   mover_.move(from_.data(), mixed_radii, begin * BodyMover::kPiece,
               std::min<std::size_t>(end * BodyMover::kPiece, counted_.all()));
-  if (last) mover_.finish(mixed_radii, counted_.small + counted_.large);
-  return last;
+  if (!last) return false;
+  mover_.finish(mixed_radii, counted_.small + counted_.large);
+  sorted_ = s_.bodies.count;
+  return true;
 }
 
 double BroadCells::cell_area() const {
@@ -187,7 +189,6 @@ double BroadCells::cell_area() const {
 }
 
 void BroadCells::note_density() {
-  sorted_ = s_.bodies.count;
   if (!listed_) {
     density_ = sample_density();
     return;
