@@ -1,5 +1,5 @@
-// What a world is made of: descriptions that the host fills in. Plain data, no behaviour. Which numbers are allowed,
-// psim/limits.h says.
+// What a world is made of: descriptions that the host fills in. Plain data, no behaviour.
+// psim/limits.h says which numbers are allowed.
 #pragma once
 
 #include <cstddef>

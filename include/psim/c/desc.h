@@ -1,6 +1,6 @@
 /// @file
 /// C API: descriptions that the caller fills in. Each begins with struct_size; psim_NAME_init sets it
-/// and the defaults. New fields come at the end. Which numbers are allowed, <psim/limits.h> says.
+/// and the defaults. New fields come at the end. <psim/limits.h> says which numbers are allowed.
 #pragma once
 
 #include <string.h>

@@ -29,7 +29,7 @@ class RangeCheck {
   RangeCheck& operator()(std::string_view name, Vec2 value, Range range) {
     return (*this)(name, value.x, range)(name, value.y, range);
   }
-  /// What is not given is right.
+  /// A number that is not given passes.
   RangeCheck& operator()(std::string_view name, std::optional<double> value, Range range) {
     return value ? (*this)(name, *value, range) : *this;
   }

@@ -13,7 +13,7 @@
 
 namespace psim {
 
-/// How many pieces, and hulls among them, a moving body is cut into when it falls asleep.
+/// Counts the pieces that a moving body is cut into when it falls asleep, and those of them that have a hull.
 struct PieceCount {
   std::uint32_t pieces = 0, hulls = 0;
 };

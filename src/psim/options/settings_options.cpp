@@ -10,11 +10,12 @@
 #include "os/console.h"
 #include "output/text.h"
 #include "output/user_error.h"
+#include "psim/limits.h"
 
 namespace psim::cli {
 namespace {
 
-constexpr int kMostThreads = 256;
+constexpr int kMostThreads = static_cast<int>(limits::kThreads.max);
 
 // "auto, scalar, ... or simd128": all of them, also those that this build lacks.
 std::string isa_choices() {

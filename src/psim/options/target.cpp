@@ -11,11 +11,12 @@
 #include "options/calibration.h"
 #include "options/scene_choice.h"
 #include "output/user_error.h"
+#include "psim/limits.h"
 
 namespace psim::cli {
 namespace {
 
-constexpr int kMostSubsteps = 64;
+constexpr int kMostSubsteps = static_cast<int>(limits::kSubsteps.max);
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What the calibration says about this scene.
