@@ -216,7 +216,7 @@ void StaticShapes::set_free(std::uint32_t first, std::uint32_t count) {
 
 void StaticShapes::join_gaps() {
   const auto meet = [](const Run& a, const Run& b) { return a.first + a.second >= b.first; };
-  if (std::ranges::adjacent_find(gaps_, meet) == gaps_.end()) return;
+  if (std::adjacent_find(gaps_.begin(), gaps_.end(), meet) == gaps_.end()) return;
   std::ranges::sort(gaps_);  // total order: no two have the same first number
   auto last = gaps_.begin();
   for (auto next = last + 1; next != gaps_.end(); ++next) {
