@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace psim::cli {
@@ -127,6 +128,19 @@ TEST_F(Painting, DirectionsHaveHuesAndStillnessNone) {
   moment_.vx = {0, -5};
   const auto left = paint(Colouring::direction);
   EXPECT_GT(left[1][2], left[1][0] + 100);  // cyan
+}
+
+// Of a frozen body, or of a state that somebody forged.
+TEST_F(Painting, NumbersThatAreNotFiniteHaveAColour) {
+  moment_.group = {1, 1};
+  for (const Colouring colouring : {Colouring::speed, Colouring::direction, Colouring::spin, Colouring::force}) {
+    for (const double broken : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      moment_.vx = moment_.omega = moment_.force = {broken, broken};
+      const auto at = paint(colouring);
+      EXPECT_NE(at[0], (Rgb{0x16, 0x1b, 0x22})) << "nothing but the ground";
+      EXPECT_EQ(at[0], at[1]);
+    }
+  }
 }
 
 TEST_F(Painting, StaticIsGreyAndSensorsAreFaint) {

@@ -82,7 +82,7 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
     if (!std::isfinite(speed + moment.omega[row])) continue;
     speeds.push_back(speed);
     spins.push_back(std::fabs(moment.omega[row]));
-    if (!moment.force.empty()) forces.push_back(moment.force[row]);
+    if (!moment.force.empty() && std::isfinite(moment.force[row])) forces.push_back(moment.force[row]);
     radius_sum += moment.radius[row];
   }
   if (speeds.empty()) return {};
@@ -118,8 +118,9 @@ Colour Painter::colour_of(const Moment& moment, std::size_t row, const BodyDesc&
       colour = ramp(speed);
       break;
     case Colouring::direction:
+      if (!std::isfinite(speed)) return kStill;
       colour = mix(kStill, hue(std::atan2(vy, vx) / (2 * std::numbers::pi)),
-                   static_cast<float>(std::clamp(speed / kStillShare, 0.0, 1.0)));
+                   static_cast<float>(std::min(speed / kStillShare, 1.0)));
       break;
     case Colouring::sleep:
       return moment.asleep[row] ? kAsleep : kAwake;
