@@ -2,10 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <variant>
 
 namespace psim::laws {
 namespace {
+
+// Changes each part of a compound by change(shape, part).
+template <class Change>
+void each_part(CompoundShape& compound, const Change& change) {
+  for (ShapePart& part : compound.parts) {
+    Shape shape = std::visit([](const auto& s) -> Shape { return s; }, part.shape);
+    change(shape, part);
+    const auto put = [&part](const auto& s) {
+      if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, CompoundShape>) part.shape = s;
+    };
+    std::visit(put, shape);
+  }
+}
 
 // A shape with all its points mapped. Maps that mirror turn the order of a polygon's vertices round.
 template <class Map>
@@ -27,6 +41,13 @@ Shape mapped(const Shape& shape, bool mirror, double scale, const Map& map) {
     if (mirror) std::reverse(s->vertices.begin(), s->vertices.end());
     s->radius *= scale;
   }
+  if (auto* s = std::get_if<CompoundShape>(&out)) {
+    each_part(*s, [&](Shape& of, ShapePart& part) {
+      of = mapped(of, mirror, scale, map);
+      part.position = map(part.position);
+      if (mirror) part.angle = -part.angle;
+    });
+  }
   return out;
 }
 
@@ -34,6 +55,9 @@ Shape mapped(const Shape& shape, bool mirror, double scale, const Map& map) {
 Shape turned_box(const Shape& shape, int quarters) {
   Shape out = shape;
   if (auto* s = std::get_if<BoxShape>(&out); s != nullptr && quarters % 2 != 0) std::swap(s->width, s->height);
+  if (auto* s = std::get_if<CompoundShape>(&out)) {
+    each_part(*s, [quarters](Shape& of, ShapePart&) { of = turned_box(of, quarters); });
+  }
   return out;
 }
 
@@ -126,20 +150,30 @@ BodyState Change::back(const BodyState& state, double time) const {
   return out;
 }
 
+namespace {
+
+void relist(Shape& shape, Draw& draw) {
+  if (auto* s = std::get_if<SegmentShape>(&shape)) std::swap(s->p1, s->p2);
+  if (auto* s = std::get_if<CapsuleShape>(&shape)) std::swap(s->p1, s->p2);
+  if (auto* s = std::get_if<ChainShape>(&shape)) {
+    if (s->loop) std::rotate(s->vertices.begin(), s->vertices.begin() + draw.below(2), s->vertices.end());
+    std::reverse(s->vertices.begin(), s->vertices.end());
+  }
+  if (auto* s = std::get_if<PolygonShape>(&shape)) {
+    const int by = draw.from(1, static_cast<int>(s->vertices.size()) - 1);
+    std::rotate(s->vertices.begin(), s->vertices.begin() + by, s->vertices.end());
+  }
+  if (auto* s = std::get_if<CompoundShape>(&shape)) {
+    each_part(*s, [&draw](Shape& of, ShapePart&) { relist(of, draw); });
+    std::reverse(s->parts.begin(), s->parts.end());
+  }
+}
+
+}  // namespace
+
 Scene relisted(const Scene& scene, Draw& draw) {
   Scene out = scene;
-  for (BodyDesc& b : out.bodies) {
-    if (auto* s = std::get_if<SegmentShape>(&b.shape)) std::swap(s->p1, s->p2);
-    if (auto* s = std::get_if<CapsuleShape>(&b.shape)) std::swap(s->p1, s->p2);
-    if (auto* s = std::get_if<ChainShape>(&b.shape)) {
-      if (s->loop) std::rotate(s->vertices.begin(), s->vertices.begin() + draw.below(2), s->vertices.end());
-      std::reverse(s->vertices.begin(), s->vertices.end());
-    }
-    if (auto* s = std::get_if<PolygonShape>(&b.shape)) {
-      const int by = draw.from(1, static_cast<int>(s->vertices.size()) - 1);
-      std::rotate(s->vertices.begin(), s->vertices.begin() + by, s->vertices.end());
-    }
-  }
+  for (BodyDesc& b : out.bodies) relist(b.shape, draw);
   return out;
 }
 

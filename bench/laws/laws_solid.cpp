@@ -67,7 +67,8 @@ std::optional<Fault> nobody_passes(const Scene& scene) {
       const BodyDesc& desc = scene.bodies[id];
       if (desc.type != BodyType::dynamic_body) continue;
       const auto b = world.body(world.id_of(id));
-      if (b && std::fabs(b->x) <= 6.1 && std::fabs(b->y) <= 6.1) continue;
+      const auto inside = [](Vec2 at) { return std::fabs(at.x) <= 6.1 && std::fabs(at.y) <= 6.1; };
+      if (b && std::ranges::all_of(places_of(desc.shape, *b), inside)) continue;
       fault = Fault{frame, b ? fmt::format("body {} left its pen: it is at {:.4g}, {:.4g} m", id, b->x, b->y)
                              : fmt::format("body {} left the world", id)};
       return false;

@@ -3,6 +3,7 @@
 //   laws                         a minute of all laws from a new seed, which it prints
 //   laws --seed 7 --seconds 600  from a seed that is known
 //   laws --law L7 --law L9       two of them
+//   laws --compounds             bodies of several shapes
 //   laws --scene FILE --law L7   one scene, from a file that a run has written
 //   laws --known FILE            as a test: a law may be broken as often as the file says, no more
 // A scene that breaks a law is made small and written to --out. Exit 1 if there is one, 2 if asked wrongly.
@@ -23,6 +24,7 @@
 
 #include "law.h"
 #include "psim/scene.h"
+#include "shapes.h"
 #include "shrink.h"
 
 namespace psim::laws {
@@ -55,7 +57,7 @@ struct Options {
   std::uint64_t seed = 0;
   double seconds = 60;
   int scenes = std::numeric_limits<int>::max(), tries = 200, most = 3;
-  bool list = false;
+  bool list = false, compounds = false;
 };
 
 struct Count {
@@ -63,13 +65,19 @@ struct Count {
 };
 
 // One scene of a law: the seed and the number of the scene say which.
-Scene scene_of(const Law& law, std::uint64_t seed, int number) {
+Scene scene_of(const Law& law, const Options& options, int number) {
+  const std::uint64_t seed = options.seed;
   Draw draw(seed ^ (std::stoull(law.name.substr(1)) * 0x9E3779B97F4A7C15u) ^
             (static_cast<std::uint64_t>(number) << 32));
   Scene scene = law.draw(draw);
   scene.seed = draw.bits() >> 40;
   scene.name = law.name + "-" + std::to_string(seed) + "-" + std::to_string(number);
   scene.world.substeps = kSubsteps[static_cast<std::size_t>(number) % kSubsteps.size()];
+  for (BodyDesc& body : scene.bodies) {
+    const bool large = reach_of(body.shape) > 3;  // a press
+    if (!options.compounds || body.type != BodyType::dynamic_body || large || draw.chance(0.3)) continue;
+    body.shape = draw_compound(draw, reach_of(body.shape));
+  }
   return scene;
 }
 
@@ -110,7 +118,7 @@ int run(const Options& options, const std::vector<Law>& laws) {
       if (over()) break;
       Count& count = counts[law.name];
       ++count.scenes;
-      const Scene scene = scene_of(law, options.seed, number);
+      const Scene scene = scene_of(law, options, number);
       const auto fault = law.broken(scene);
       if (!fault) continue;
       broken[law.name].push_back(number);
@@ -125,7 +133,7 @@ int run(const Options& options, const std::vector<Law>& laws) {
     fmt::print("{:4} {:6} scenes {:6} broken  {}{}\n", law.name, count.scenes, count.broken, law.text,
                fault && known[law.name] > 0 ? fmt::format(": more than {:.2g} of them", known[law.name]) : "");
     if (!fault || known[law.name] == 0) continue;
-    const Scene scene = scene_of(law, options.seed, broken[law.name].front());
+    const Scene scene = scene_of(law, options, broken[law.name].front());
     tell(options, law, scene, *law.broken(scene));
   }
   return faults == 0 ? 0 : 1;
@@ -162,6 +170,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "folder for scenes that break a law (laws-broken)");
   app.add_option("--tries", options.tries, "runs to make such a scene small (200)");
   app.add_option("--most", options.most, "scenes written of a law (3)");
+  app.add_flag("--compounds", options.compounds, "most bodies that move have several shapes");
   app.add_flag("--list", options.list, "the laws");
   try {
     app.parse(argc, argv);

@@ -53,13 +53,30 @@ CapsuleShape draw_capsule(Draw& draw, double r) {
 
 }  // namespace
 
+// What take(measure of a part, so far) makes of the parts of a compound, from `start` on.
+template <class Measure, class Take>
+double over_parts(const CompoundShape& compound, double start, const Measure& measure, const Take& take) {
+  double all = start;
+  for (const ShapePart& part : compound.parts) {
+    const Shape shape = std::visit([](const auto& s) -> Shape { return s; }, part.shape);
+    all = take(measure(shape, part), all);
+  }
+  return all;
+}
+
 double reach_of(const Shape& shape) {
   return std::visit(Overloaded{[](const DiscShape& s) { return s.radius; },
                                [](const SegmentShape& s) { return std::max(length(s.p1), length(s.p2)); },
                                [](const ChainShape& s) { return farthest(s.vertices); },
                                [](const BoxShape& s) { return std::hypot(s.width, s.height) / 2 + s.radius; },
                                [](const PolygonShape& s) { return farthest(s.vertices) + s.radius; },
-                               [](const CapsuleShape& s) { return std::max(length(s.p1), length(s.p2)) + s.radius; }},
+                               [](const CapsuleShape& s) { return std::max(length(s.p1), length(s.p2)) + s.radius; },
+                               [](const CompoundShape& s) {
+                                 const auto reach = [](const Shape& of, const ShapePart& part) {
+                                   return length(part.position) + reach_of(of);
+                                 };
+                                 return over_parts(s, 0, reach, [](double a, double b) { return std::max(a, b); });
+                               }},
                     shape);
 }
 
@@ -75,7 +92,11 @@ double inner_of(const Shape& shape) {
                                  }
                                  return twice_area(s.vertices) / around + s.radius;  // of the inscribed circle, about
                                },
-                               [](const CapsuleShape& s) { return s.radius; }},
+                               [](const CapsuleShape& s) { return s.radius; },
+                               [](const CompoundShape& s) {
+                                 const auto inner = [](const Shape& of, const ShapePart&) { return inner_of(of); };
+                                 return over_parts(s, 1e300, inner, [](double a, double b) { return std::min(a, b); });
+                               }},
                     shape);
 }
 
@@ -90,8 +111,24 @@ double area_of(const Shape& shape) {
                  [&](const PolygonShape& s) { return twice_area(s.vertices) / 2 + pi * s.radius * s.radius; },
                  [&](const CapsuleShape& s) {
                    return 2 * s.radius * length({s.p2.x - s.p1.x, s.p2.y - s.p1.y}) + pi * s.radius * s.radius;
+                 },
+                 [](const CompoundShape& s) {
+                   const auto area = [](const Shape& of, const ShapePart&) { return area_of(of); };
+                   return over_parts(s, 0, area, [](double a, double b) { return a + b; });
                  }},
       shape);
+}
+
+std::vector<Vec2> places_of(const Shape& shape, const BodyState& state) {
+  const auto* compound = std::get_if<CompoundShape>(&shape);
+  if (compound == nullptr) return {{state.x, state.y}};
+  std::vector<Vec2> places;
+  const double c = std::cos(state.angle), s = std::sin(state.angle);
+  for (const ShapePart& part : compound->parts) {
+    const Vec2 p = part.position;
+    places.push_back({state.x + c * p.x - s * p.y, state.y + s * p.x + c * p.y});
+  }
+  return places;
 }
 
 Shape draw_cornered(Draw& draw, double r) {
@@ -113,6 +150,23 @@ Shape draw_cornered(Draw& draw, double r) {
 Shape draw_shape(Draw& draw, double r) {
   if (draw.chance(0.3)) return DiscShape{r};
   return draw_cornered(draw, r);
+}
+
+Shape draw_compound(Draw& draw, double r) {
+  CompoundShape compound;
+  const int parts = draw.from(2, 4);
+  double at = draw.uniform(0, 2 * std::numbers::pi);
+  for (int k = 0; k < parts; ++k) {
+    const double size = r * draw.uniform(0.3, 0.55), far = r - size;
+    const Shape shape = draw_shape(draw, size);
+    ShapePart part;
+    std::visit(Overloaded{[](const CompoundShape&) {}, [&](const auto& s) { part.shape = s; }}, shape);
+    part.position = {far * std::cos(at), far * std::sin(at)};
+    part.angle = draw.chance(0.5) ? 0 : draw.uniform(-std::numbers::pi, std::numbers::pi);
+    compound.parts.push_back(part);
+    at += 2 * std::numbers::pi / parts * draw.uniform(0.7, 1.3);
+  }
+  return compound;
 }
 
 Material draw_material(Draw& draw) {

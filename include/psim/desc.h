@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -65,8 +66,26 @@ struct CapsuleShape {
   double radius = 0.5;  ///< metres, > 0
 };
 
+/// What one part of a body is.
+using PartShape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+
+/// One of the shapes of a body. Its own material wins over that of the body.
+struct ShapePart {
+  PartShape shape = DiscShape{};      ///< in the part's frame
+  Vec2 position;                      ///< metres: of the part's frame in the body's
+  double angle = 0;                   ///< radians: of the part's frame in the body's
+  std::optional<double> density;      ///< kg/m^2, > 0
+  std::optional<double> restitution;  ///< 0..1
+  std::optional<double> friction;     ///< Coulomb coefficient, 0..1000
+};
+
+/// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
+struct CompoundShape {
+  std::vector<ShapePart> parts;  ///< at least 1; no chain in a dynamic body
+};
+
 /// What a body is.
-using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape, CompoundShape>;
 
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
 /// (group < 0); else if each one's category is in the other's mask.

@@ -51,13 +51,15 @@ export interface Psim {
 }
 
 export interface Shape {
-  kind: 'disc' | 'area' | 'line' | 'loop';
+  kind: 'disc' | 'area' | 'line' | 'loop' | 'parts';
   /** Around the points; a disc's is that of the state's column. */
   radius: number;
   /** kg, of a body of it; 0 if the body cannot move. */
   mass: number;
   /** x and y of each point, in the frame of the body. */
   points: Float64Array;
+  /** Of several shapes that move as one: each of them; an area of one point is a disc. */
+  parts?: Shape[];
 }
 
 export interface Scene {

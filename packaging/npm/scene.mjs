@@ -1,7 +1,7 @@
 // A scene: what worlds are made of.
 import { World } from './world.mjs';
 
-const kinds = ['disc', 'area', 'line', 'loop'];
+const kinds = ['disc', 'area', 'line', 'loop', 'parts'];
 
 export class Scene {
   #memory;
@@ -22,7 +22,7 @@ export class Scene {
     this.#memory.call('_psim_flat_scene_substeps', this.#at, count);
   }
 
-  /** What the bodies look like: `of[id]` is a row of `all`. Bodies alike share a row. */
+  /** What the bodies look like: `of[id]` is a row of `all`. Bodies alike share a row; one of several shapes has `parts`. */
   shapes() {
     const m = this.#memory;
     const first = m.need(m.call('_psim_flat_scene_shape_of', this.#at)) >> 2;
@@ -32,14 +32,17 @@ export class Scene {
     const flat = m.f64.slice(begin, begin + numbers);
     const all = [];
     const row = new Map(); // where a shape begins, and what it is: its row
-    for (let at = 0, end; at < numbers; at = end) {
-      end = at + 4 + 2 * flat[at + 3];
-      const key = flat.subarray(at, end).join();
-      if (!row.has(key)) {
-        row.set(key, all.length);
-        all.push({ kind: kinds[flat[at]], radius: flat[at + 1], mass: flat[at + 2], points: flat.slice(at + 4, end) });
-      }
-      row.set(at, row.get(key));
+    let at = 0;
+    const read = () => {
+      const [kind, radius, mass, count] = flat.subarray(at, (at += 4));
+      if (kinds[kind] !== 'parts') return { kind: kinds[kind], radius, mass, points: flat.slice(at, (at += 2 * count)) };
+      const parts = Array.from({ length: count }, read);
+      return { kind: 'parts', radius, mass, parts, points: Float64Array.from(parts.flatMap((part) => [...part.points])) };
+    };
+    while (at < numbers) {
+      const begin = at, shape = read(), key = flat.subarray(begin, at).join();
+      if (!row.has(key)) row.set(key, all.push(shape) - 1);
+      row.set(begin, row.get(key));
     }
     return { of: starts.map((start) => row.get(start)), all };
   }

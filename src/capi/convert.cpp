@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 namespace psim::capi {
 namespace {
@@ -21,6 +24,10 @@ std::string copy_vertices(const psim_shape& shape, std::size_t most, std::vector
 std::string number(std::int32_t value) { return std::to_string(value); }
 
 constexpr const char* kNotZero = "reserved must be 0";
+
+std::optional<double> given(std::int32_t has, double value) {
+  return has != 0 ? std::optional<double>(value) : std::nullopt;
+}
 
 }  // namespace
 
@@ -138,10 +145,42 @@ std::string convert(const psim_run_options& options, RunOptions& out) {
   return {};
 }
 
+namespace {
+
+std::string convert(const psim_shape_part& part, ShapePart& out) {
+  if (part.reserved != 0) return kNotZero;
+  Shape shape;
+  std::string wrong = psim::capi::convert(part.shape, shape);
+  if (!wrong.empty()) return wrong;
+  const auto simple = [&](auto& s) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, CompoundShape>) out.shape = std::move(s);
+  };
+  std::visit(simple, shape);
+  out.position = to_cpp(part.position);
+  out.angle = part.angle;
+  out.density = given(part.has_density, part.density);
+  out.restitution = given(part.has_restitution, part.restitution);
+  out.friction = given(part.has_friction, part.friction);
+  return {};
+}
+
+std::string convert_parts(const psim_body_desc& desc, Shape& out) {
+  CompoundShape compound;
+  for (std::size_t k = 0; k < desc.part_count; ++k) {
+    const std::string wrong = convert(desc.parts[k], compound.parts.emplace_back());
+    if (!wrong.empty()) return "part " + std::to_string(k) + ": " + wrong;
+  }
+  out = std::move(compound);
+  return {};
+}
+
+}  // namespace
+
 std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   const auto type = to_enum(desc.type, BodyType::kinematic_body);
   if (!type) return "body type " + number(desc.type) + " is none of psim_body_type, 0 to 2";
-  std::string wrong = convert(desc.shape, out.shape);
+  if (desc.parts == nullptr && desc.part_count != 0) return "parts must not be NULL";
+  std::string wrong = desc.parts != nullptr ? convert_parts(desc, out.shape) : convert(desc.shape, out.shape);
   if (!wrong.empty()) return wrong;
   out.type = *type;
   out.position = to_cpp(desc.position);
@@ -162,9 +201,6 @@ std::string convert(const psim_joint_desc& desc, JointDesc& out) {
   const auto type = to_enum(desc.type, JointType::weld);
   if (!type) return "joint type " + number(desc.type) + " is none of psim_joint_type, 0 to 5";
   if (desc.reserved != 0) return kNotZero;
-  const auto given = [](std::int32_t has, double value) {
-    return has != 0 ? std::optional<double>(value) : std::nullopt;
-  };
   out.type = *type;
   out.a = to_cpp(desc.a);
   out.b = to_cpp(desc.b);

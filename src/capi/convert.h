@@ -67,7 +67,9 @@ static_assert(static_cast<int>(JointType::rope) == PSIM_JOINT_ROPE);
 static_assert(static_cast<int>(JointType::revolute) == PSIM_JOINT_REVOLUTE);
 static_assert(static_cast<int>(JointType::prismatic) == PSIM_JOINT_PRISMATIC);
 static_assert(static_cast<int>(JointType::weld) == PSIM_JOINT_WELD);
-static_assert(std::variant_size_v<Shape> == 6 && std::variant_size_v<Field> == 2);
+// A compound has no number of its own: it is psim_body_desc::parts.
+static_assert(std::variant_size_v<PartShape> == 6 && std::variant_size_v<Shape> == 7 &&
+              std::variant_size_v<Field> == 2);
 static_assert(kStageCount <= PSIM_STAGE_ROOM);
 
 }  // namespace psim::capi

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bodies/hull.h"
@@ -41,22 +42,23 @@ psim_flat_scene* give(std::optional<psim::Scene> scene, const std::string& wrong
   return scene ? new psim_flat_scene{std::move(*scene), {}, {}, {}} : nullptr;
 }
 
-// kind (0 disc, 1 area, 2 line, 3 closed line), radius, mass of a body, number of points, their x and y.
+// kind (0 disc, 1 area, 2 line, 3 closed line, 4 several parts), radius, mass of a body, number of points, their x and y.
+// Of several parts the number is that of the parts, and each follows in this form without a mass.
 void append_shape(const psim::BodyDesc& body, std::vector<double>& shapes) {
-  const auto* chain = std::get_if<psim::ChainShape>(&body.shape);
-  const bool line = chain != nullptr || std::holds_alternative<psim::SegmentShape>(body.shape);
-  const bool disc = psim::is_disc(body.shape);
-  const psim::Outline outline = psim::outline(body.shape);
   psim::HullSet hulls;
   std::string wrong;
-  const bool whole = psim::make_hulls(body.shape, false, hulls, wrong);
+  const bool whole = psim::make_hulls(body.shape, true, hulls, wrong, body.material.density);
   const double mass = body.mass > 0 ? body.mass : whole ? body.material.density * hulls.mass.area : 0;
-  const std::size_t points = disc ? 0 : outline.points.size();
-  shapes.insert(shapes.end(), {disc   ? 0.0
-                               : line ? (chain != nullptr && chain->loop ? 3.0 : 2.0)
-                                      : 1.0,
-                               outline.radius, mass, static_cast<double>(points)});
-  for (std::size_t k = 0; k < points; ++k) shapes.insert(shapes.end(), {outline.points[k].x, outline.points[k].y});
+  const auto append = [&](const psim::Outline& outline, bool disc) {
+    const std::size_t points = disc ? 0 : outline.points.size();
+    const double kind = disc ? 0.0 : !outline.line ? 1.0 : outline.closed ? 3.0 : 2.0;
+    shapes.insert(shapes.end(), {kind, outline.radius, mass, static_cast<double>(points)});
+    for (std::size_t k = 0; k < points; ++k) shapes.insert(shapes.end(), {outline.points[k].x, outline.points[k].y});
+  };
+  const std::vector<psim::Outline> all = psim::outlines(body.shape);
+  if (!std::holds_alternative<psim::CompoundShape>(body.shape)) return append(all.front(), psim::is_disc(body.shape));
+  shapes.insert(shapes.end(), {4.0, 0.0, mass, static_cast<double>(all.size())});
+  for (const psim::Outline& outline : all) append(outline, false);
 }
 
 }  // namespace

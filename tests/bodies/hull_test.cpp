@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "base/rotor.h"
 
@@ -48,6 +49,34 @@ TEST(Hull, MassOfDiscSegmentAndBox) {
   expect_mass(made(DiscShape{0.7}), kPi * 0.49, {}, 0.245);
   expect_mass(made(SegmentShape{{1, 1}, {4, 5}}), 5, {2.5, 3}, 25.0 / 12);
   expect_mass(made(BoxShape{2, 3, 0}), 6, {}, 13.0 / 12);
+}
+
+CompoundShape two(ShapePart a, ShapePart b) { return {{std::move(a), std::move(b)}}; }
+
+TEST(Hull, MassOfACompoundIsTheSumOfItsParts) {
+  // Two halves of a box, one of them standing on its side.
+  expect_mass(made(two({BoxShape{1, 3}, {-0.5, 0}, 0, {}, {}, {}}, {BoxShape{3, 1}, {0.5, 0}, kPi / 2, {}, {}, {}})), 6,
+              {}, 13.0 / 12);
+  // A heavy disc at the end of a light rod; areas count as often as a part is denser than the body.
+  HullSet set;
+  std::string error;
+  const Shape hammer = two({BoxShape{2, 0.2}, {}, 0, {}, {}, {}}, {DiscShape{0.5}, {1, 0}, 1, 6, {}, {}});
+  ASSERT_TRUE(make_hulls(hammer, true, set, error, 2)) << error;
+  const double rod = 0.4, head = 3 * kPi * 0.25, area = rod + head, x = head / area;
+  const double polar = rod * (4.04 / 12 + x * x) + head * (0.125 + (1 - x) * (1 - x));
+  expect_mass(set, area, {x, 0}, polar / area);
+  ASSERT_EQ(set.parts.size(), 2u);
+  EXPECT_NEAR(set.parts[1].x[0], 1 - x, 1e-7);
+  EXPECT_FLOAT_EQ(set.parts[0].inner, 0.1f) << "half of the rod's width, though its centre is not that of the body";
+  EXPECT_FLOAT_EQ(set.parts[1].inner, 0.5f);
+  EXPECT_FLOAT_EQ(set.parts[0].middle_x, static_cast<float>(-x));
+}
+
+TEST(Hull, ACompoundOfOnePartIsThatPart) {
+  const Shape box = BoxShape{2, 1, 0.1};
+  const HullSet alone = made(box), part = made(CompoundShape{{{BoxShape{2, 1, 0.1}, {}, 0, {}, {}, {}}}});
+  EXPECT_EQ(alone.parts, part.parts);
+  EXPECT_EQ(alone.mass.inertia, part.mass.inertia);
 }
 
 TEST(Hull, MassOfACapsuleIsThatOfARectangleAndTwoHalfDiscs) {

@@ -34,7 +34,16 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
   const psim_vec2 c_vertices[] = {{0, 0}, {1, 0}, {0.5, 1}};
   const Vec2 ground[] = {{-20, -3}, {0, -4}, {20, -3}};
   const psim_vec2 c_ground[] = {{-20, -3}, {0, -4}, {20, -3}};
+  const CompoundShape cross{{{BoxShape{1, 0.2}, {}, 0, {}, {}, 0.9}, {DiscShape{0.3}, {0.6, 0}, 0.5, 4, 0.7, {}}}};
+  psim_shape_part c_cross[2] = {};
+  c_cross[0].shape = psim_box(1, 0.2);
+  c_cross[0].friction = 0.9, c_cross[0].has_friction = 1;
+  c_cross[1].shape = psim_disc(0.3);
+  c_cross[1].position = {0.6, 0}, c_cross[1].angle = 0.5;
+  c_cross[1].density = 4, c_cross[1].has_density = 1;
+  c_cross[1].restitution = 0.7, c_cross[1].has_restitution = 1;
   const std::pair<Shape, psim_shape> shapes[] = {
+      {cross, {}},
       {DiscShape{0.4}, psim_disc(0.4)},
       {BoxShape{1, 0.5, 0}, psim_box(1, 0.5)},
       {CapsuleShape{{-1, 0}, {1, 0}, 0.2}, psim_capsule({-1, 0}, {1, 0}, 0.2)},
@@ -48,10 +57,11 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
     psim_body_desc_init(&c_body);
     body.shape = shapes[k].first;
     c_body.shape = shapes[k].second;
+    if (k == 0) c_body.parts = c_cross, c_body.part_count = 2;
     body.position = {static_cast<double>(k) * 2.5, 3};
     c_body.position = psim_xy(body.position.x, 3);
-    body.type = k < 5 ? BodyType::dynamic_body : BodyType::static_body;
-    c_body.type = k < 5 ? PSIM_BODY_DYNAMIC : PSIM_BODY_STATIC;
+    body.type = k < 6 ? BodyType::dynamic_body : BodyType::static_body;
+    c_body.type = k < 6 ? PSIM_BODY_DYNAMIC : PSIM_BODY_STATIC;
     body.material = {2, 0.3, 0.5};
     c_body.material = {2, 0.3, 0.5};
     body.angular_velocity = c_body.angular_velocity = 1;

@@ -1,6 +1,9 @@
 #include "world_descs.h"
 
 #include <cmath>
+#include <type_traits>
+#include <utility>
+#include <variant>
 
 namespace psim::fuzz {
 namespace {
@@ -55,7 +58,9 @@ Material material(ByteSource& in) {
   return m;
 }
 
-Shape shape(ByteSource& in) {
+namespace {
+
+Shape simple_shape(ByteSource& in) {
   const double size = one_of(in, {0.5, 0.5, 0.2, 1.0, 3.0});
   switch (in.below(8)) {
     case 0:
@@ -86,6 +91,32 @@ Shape shape(ByteSource& in) {
     default:
       return DiscShape{in.number(0.1, size)};
   }
+}
+
+// None to five shapes, mostly near each other, some with what is their own.
+CompoundShape compound(ByteSource& in) {
+  CompoundShape all;
+  for (std::size_t n = in.below(6); n != 0; --n) {
+    ShapePart part;
+    const auto put = [&part](const auto& s) {
+      if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, CompoundShape>) part.shape = s;
+    };
+    std::visit(put, simple_shape(in));
+    part.position = in.chance(230) ? in.vec2(-1, 1) : in.vec2(-100, 100);
+    if (in.chance(100)) part.angle = in.number(-4, 4);
+    if (in.chance(40)) part.density = in.number(0.2, 20);
+    if (in.chance(40)) part.restitution = in.number(0, 1);
+    if (in.chance(40)) part.friction = in.number(0, 2);
+    all.parts.push_back(std::move(part));
+  }
+  return all;
+}
+
+}  // namespace
+
+Shape shape(ByteSource& in) {
+  if (in.rich && in.chance(40)) return compound(in);
+  return simple_shape(in);
 }
 
 Filter filter(ByteSource& in) {

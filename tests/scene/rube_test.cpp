@@ -151,6 +151,26 @@ TEST(Rube, BoundsLeaveRoomAroundEverything) {
   EXPECT_GT(b.ymax, 100);
 }
 
+// What is read can be written and read again, however far bodies are.
+TEST(Rube, BoundsAreThoseOfAWorld) {
+  const auto discs = [](std::string_view place, std::string_view other) {
+    const auto body = [](std::string_view x) {
+      return R"({"type": 2, "position": {"x": )" + std::string(x) +
+             R"(, "y": 0}, "fixture": [{"density": 1, "circle": {"center": 0, "radius": 1}}]})";
+    };
+    return R"({"body": [)" + body(place) + ", " + body(other) + "]}";
+  };
+  for (const auto& [place, other] : {std::pair("-410000000", "410000000"), {"-1e9", "-1e9"}, {"999999990", "1e9"}}) {
+    const Scene scene = parsed_scene(discs(place, other));
+    const Bounds& b = scene.world.bounds;
+    EXPECT_LE(b.xmax - b.xmin, 1e9);
+    EXPECT_GE(b.xmin, -1e9);
+    EXPECT_LE(b.xmax, 1e9);
+    parsed_scene(scene_to_json(scene));
+  }
+  expect_refused(discs("-6e8", "6e8"), "body", "reach over 1200000002 m");
+}
+
 TEST(Rube, ReadsBackAsAnOwnScene) {
   const Scene scene = parsed_scene(std::string(kCar));
   const std::string text = scene_to_json(scene);

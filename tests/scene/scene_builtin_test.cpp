@@ -65,10 +65,9 @@ bool same(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
 
 bool same(const Shape& a, const Shape& b) {
   if (a.index() != b.index()) return false;
-  const auto *chain = std::get_if<ChainShape>(&a), *other = std::get_if<ChainShape>(&b);
-  if (chain && chain->loop != other->loop) return false;
-  const Outline p = outline(a), q = outline(b);
-  return p.radius == q.radius && same(p.points, q.points);
+  return std::ranges::equal(outlines(a), outlines(b), [](const Outline& p, const Outline& q) {
+    return p.radius == q.radius && p.line == q.line && p.closed == q.closed && same(p.points, q.points);
+  });
 }
 
 bool same(const JointDesc& a, const JointDesc& b) {

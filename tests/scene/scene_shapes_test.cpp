@@ -101,6 +101,48 @@ TEST(SceneShapes, BadOnesAreRefusedAtTheirPlace) {
   for (const Bad& bad : all) expect_refused(shape_text(bad.shape), bad.path, bad.words);
 }
 
+TEST(SceneShapes, SeveralMakeOneBody) {
+  const Scene scene = parsed_scene(scene_text(R"("bodies": [{"position": [1, 2], "shapes": [
+      {"box": {"size": [2, 0.2]}},
+      {"disc": {"radius": 0.25}, "position": [1, 0.5], "angle": 0.5, "density": 3, "restitution": 0.4, "friction": 0.1}]}],
+    "groups": [{"layout": "explicit", "x": [1], "y": [2], "shapes": [{"capsule": {"p1": [0, 0], "p2": [1, 0.1],
+      "radius": 0.3}, "position": [0.5, 0]}]}])"));
+  const auto& parts = std::get<CompoundShape>(scene.bodies[0].shape).parts;
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(std::get<BoxShape>(parts[0].shape).width, 2);
+  EXPECT_FALSE(parts[0].density || parts[0].restitution || parts[0].friction);
+  EXPECT_EQ(std::get<DiscShape>(parts[1].shape).radius, 0.25);
+  EXPECT_EQ(parts[1].position.y, 0.5);
+  EXPECT_EQ(parts[1].angle, 0.5);
+  EXPECT_EQ(parts[1].density, 3);
+  EXPECT_EQ(parts[1].restitution, 0.4);
+  EXPECT_EQ(parts[1].friction, 0.1);
+  EXPECT_NEAR(scene.groups[0].radius_max, std::hypot(1.5, 0.1) + 0.3, 1e-12);
+  const std::string text = scene_to_json(scene);
+  EXPECT_EQ(scene_to_json(parsed_scene(text)), text);
+  EXPECT_NE(text.find("\"position\": [1, 0.5]"), std::string::npos);
+}
+
+TEST(SceneShapes, PartsAreRefusedAtTheirPlace) {
+  const auto shapes = [](std::string_view list) { return body_with("\"shapes\": [" + std::string(list) + "]"); };
+  expect_refused(shapes(""), "bodies[0].shapes", "at least 1");
+  expect_refused(shapes("{}"), "bodies[0].shapes[0]", "has 0 kinds of shape");
+  expect_refused(shapes(R"({"disc": {"radius": 1}}, {"disc": {"radius": 0}})"), "bodies[0].shapes[1].disc.radius",
+                 "from 1e-9");
+  expect_refused(shapes(R"({"disc": {"radius": 1}, "box": {"size": [1, 1]}})"), "bodies[0].shapes[0]",
+                 "has 2 kinds of shape");
+  expect_refused(shapes(R"({"disc": {"radius": 1}, "density": 0})"), "bodies[0].shapes[0].density", "from 1e-9");
+  expect_refused(shapes(R"({"disc": {"radius": 1}, "friction": -1})"), "bodies[0].shapes[0].friction", "0 to 1000");
+  expect_refused(shapes(R"({"disc": {"radius": 1}, "mass": 1})"), "bodies[0].shapes[0].mass", "unknown key");
+  expect_refused(shapes(R"({"chain": {"vertices": [[0, 0], [1, 0]]}})"), "bodies[0].shapes[0].chain", "dynamic body");
+  expect_refused(shapes(R"({"shapes": []})"), "bodies[0].shapes[0].shapes", "unknown key");
+  expect_refused(body_with(R"("shape": {"disc": {"radius": 1}}, "shapes": [{"disc": {"radius": 1}}])"),
+                 "bodies[0].shapes", "one of the two");
+  expect_refused(scene_text(R"("groups": [{"layout": "explicit", "x": [1], "y": [2], "radius": 1,
+      "shapes": [{"disc": {"radius": 1}}]}])"),
+                 "groups[0].radius", "one of the two");
+}
+
 TEST(SceneShapes, PolygonsThatAreNoneAreRefused) {
   const std::string path = "bodies[0].shape.polygon";
   // Concave; a bow tie; a five-pointed star; on a line; all in one point; more than eight.

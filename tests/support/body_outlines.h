@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,6 +19,15 @@ inline reference::Vec exact(Vec2 v) { return {v.x, v.y}; }
 inline std::vector<reference::Outline> outlines(const Shape& shape, Vec2 at, double angle) {
   std::vector<reference::Outline> parts;
   const double c = std::cos(angle), s = std::sin(angle);
+  if (const auto* compound = std::get_if<CompoundShape>(&shape)) {
+    for (const ShapePart& part : compound->parts) {
+      const Shape simple = std::visit([](const auto& of) -> Shape { return of; }, part.shape);
+      const Vec2 at_part{at.x + c * part.position.x - s * part.position.y,
+                         at.y + s * part.position.x + c * part.position.y};
+      for (reference::Outline& o : outlines(simple, at_part, angle + part.angle)) parts.push_back(std::move(o));
+    }
+    return parts;
+  }
   const auto place = [&](Vec2 p) { return reference::Vec{at.x + c * p.x - s * p.y, at.y + s * p.x + c * p.y}; };
   if (const auto* disc = std::get_if<DiscShape>(&shape)) {
     parts.push_back({{exact(at)}, disc->radius});

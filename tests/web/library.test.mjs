@@ -193,4 +193,9 @@ test('shapes say what bodies look like', () => {
   assert.deepEqual(shapes.all.map((shape) => shape.kind), ['disc']);
   const boxes = psim.builtin('card_house').shapes();
   assert.ok(boxes.all.some((shape) => shape.kind === 'area' && shape.points.length === 8 && shape.mass > 0));
+  const hammer = { position: [5, 5], density: 2, shapes: [{ box: { size: [2, 1] } }, { disc: { radius: 1 }, position: [1, 0], density: 4 }] };
+  const several = psim.scene({ psim: 1, world: { bounds: [0, 0, 10, 10] }, bodies: [hammer, hammer] }).shapes();
+  assert.deepEqual([...several.of], [0, 0]);
+  assert.deepEqual(several.all[0].parts.map((part) => [part.kind, part.radius, part.points.length]), [['area', 0, 8], ['area', 1, 2]]);
+  assert.ok(Math.abs(several.all[0].mass - (4 + 4 * Math.PI)) < 1e-12);
 });

@@ -62,8 +62,16 @@ function rounded(points, radius) {
   return out;
 }
 
+// A part of a body that is a disc: its place is no centre of a snapshot.
+function circle([x, y], radius) {
+  const steps = Math.ceil((2 * Math.PI) / arcStep);
+  return Array.from({ length: steps }, (_, k) => [
+    x + radius * Math.cos((2 * Math.PI * k) / steps), y + radius * Math.sin((2 * Math.PI * k) / steps)]).flat();
+}
+
 function mesh(gl, shape) {
   if (shape.kind === 'disc') return { mode: gl.TRIANGLE_STRIP, corners: [-1, -1, 1, -1, -1, 1, 1, 1], byRadius: 1 };
+  if (shape.kind === 'area' && shape.points.length === 2) return { mode: gl.TRIANGLE_FAN, corners: circle(shape.points, shape.radius), byRadius: 0 };
   if (shape.kind === 'area') return { mode: gl.TRIANGLE_FAN, corners: rounded(shape.points, shape.radius), byRadius: 0 };
   return { mode: shape.kind === 'loop' ? gl.LINE_LOOP : gl.LINE_STRIP, corners: [...shape.points], byRadius: 0 };
 }
@@ -86,6 +94,7 @@ export class Picture {
     this.uniforms = Object.fromEntries(['centre', 'scale', 'byRadius', 'pixelsAMetre'].map((n) => [n, uniform(n)]));
     this.instances = gl.createBuffer();
     this.meshes = [];
+    this.shapes = []; // the numbers of the meshes of each
     this.data = new Float32Array(0);
   }
 
@@ -93,10 +102,15 @@ export class Picture {
     const gl = this.gl;
     for (const m of this.meshes) gl.deleteBuffer(m.buffer);
     this.meshes = [];
+    this.shapes = [];
     for (const shape of shapes) this.addShape(shape);
   }
 
   addShape(shape) {
+    return this.shapes.push((shape.parts ?? [shape]).map((part) => this.addMesh(part))) - 1;
+  }
+
+  addMesh(shape) {
     const gl = this.gl;
     const m = { ...mesh(gl, shape), buffer: gl.createBuffer(), count: 0 };
     gl.bindBuffer(gl.ARRAY_BUFFER, m.buffer);
@@ -105,21 +119,23 @@ export class Picture {
     return this.meshes.length - 1;
   }
 
-  /** rows: the snapshot; meshOf(id): a number of addShape; paint(row, into, at) writes red, green, blue, opacity. */
+  /** rows: the snapshot; meshOf(id): a number of addShape, which may have several meshes; paint(row, into, at) writes red, green, blue, opacity. */
   draw(rows, meshOf, paint, camera) {
     const gl = this.gl;
     const { width, height } = this.resize();
-    const numbers = rows.count * instanceNumbers;
-    if (this.data.length < numbers) this.data = new Float32Array(2 * numbers);
     for (const m of this.meshes) m.count = 0;
-    for (let k = 0; k < rows.count; ++k) ++this.meshes[meshOf(rows.id[k])].count;
+    for (let k = 0; k < rows.count; ++k) for (const m of this.shapes[meshOf(rows.id[k])]) ++this.meshes[m].count;
     let first = 0;
     for (const m of this.meshes) (m.first = first), (m.next = first), (first += m.count);
+    const numbers = first * instanceNumbers;
+    if (this.data.length < numbers) this.data = new Float32Array(2 * numbers);
+    const d = this.data;
     for (let k = 0; k < rows.count; ++k) {
-      const at = this.meshes[meshOf(rows.id[k])].next++ * instanceNumbers;
-      const d = this.data;
-      d[at] = rows.x[k], d[at + 1] = rows.y[k], d[at + 2] = rows.angle[k], d[at + 3] = rows.radius[k];
-      paint(k, d, at + 4);
+      for (const m of this.shapes[meshOf(rows.id[k])]) {
+        const at = this.meshes[m].next++ * instanceNumbers;
+        d[at] = rows.x[k], d[at + 1] = rows.y[k], d[at + 2] = rows.angle[k], d[at + 3] = rows.radius[k];
+        paint(k, d, at + 4);
+      }
     }
     gl.viewport(0, 0, width, height);
     gl.clearColor(0.067, 0.082, 0.102, 1);

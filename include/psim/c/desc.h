@@ -56,6 +56,10 @@ typedef struct psim_body_desc {
   int32_t bullet;           ///< flag: does not pass through other moving bodies either, however fast
   int32_t sensor;           ///< flag, static or kinematic: touches nothing, tells who overlaps it
   psim_filter filter;       ///< who it collides with
+  /// Several shapes that move as one, instead of `shape`; NULL, the default: `shape`. They may overlap: mass, centre of
+  /// mass and inertia are the sums over the parts. No chain in a dynamic body.
+  const psim_shape_part* parts;
+  size_t part_count;  ///< how many there are
 } psim_body_desc;
 
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose

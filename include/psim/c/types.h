@@ -144,6 +144,20 @@ typedef struct psim_shape {
   size_t vertex_count;        ///< how many there are
 } psim_shape;
 
+/// One of several shapes of a body. All zero but the shape: it stands at the body's place and has its material.
+typedef struct psim_shape_part {
+  psim_shape shape;         ///< in the part's frame
+  psim_vec2 position;       ///< metres: of the part's frame in the body's
+  double angle;             ///< radians: of the part's frame in the body's
+  double density;           ///< kg/m^2, > 0; read if has_density
+  double restitution;       ///< 0..1; read if has_restitution
+  double friction;          ///< Coulomb coefficient, 0..1000; read if has_friction
+  int32_t has_density;      ///< flag: else that of the body
+  int32_t has_restitution;  ///< flag: else that of the body
+  int32_t has_friction;     ///< flag: else that of the body
+  int32_t reserved;         ///< 0
+} psim_shape_part;
+
 /// A field that acts on all bodies. Fields of the other kind are not read.
 typedef struct psim_field {
   int32_t type;        ///< psim_field_type

@@ -1,11 +1,15 @@
 #include "bodies/body_desc.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "base/elementary.h"
 #include "base/range_text.h"
+#include "base/rotor.h"
+#include "bodies/static_pieces.h"
 
 namespace psim {
 namespace {
@@ -37,9 +41,15 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   check("gravity scale", d.gravity_scale, limits::kGravityScale);
   const Range radius{limits::kRadius.min,
                      lesser(limits::kRadius.max, greater(bounds.xmax - bounds.xmin, bounds.ymax - bounds.ymin))};
-  if (const auto* capsule = std::get_if<CapsuleShape>(&d.shape)) check("radius", capsule->radius, radius);
+  const auto check_radius = [&](const auto& shape) {
+    if (const auto* capsule = std::get_if<CapsuleShape>(&shape)) check("radius", capsule->radius, radius);
+    if (const auto* disc = std::get_if<DiscShape>(&shape)) check("radius", disc->radius, radius);
+  };
+  check_radius(d.shape);
+  if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
+    for (const ShapePart& part : compound->parts) check_radius(part.shape);
+  }
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
-    check("radius", disc->radius, radius);
     check_mass(d.mass, disc_mass(disc->radius, d.mass, d.material), check);
   }
   if (!check.error.empty()) return check.error;
@@ -84,6 +94,14 @@ BodyDesc disc_of(const DiscBatch& batch, std::size_t i) {
           .filter = batch.filter};
 }
 
+PartProperties part_properties(const ShapePart& part, const Material& material) {
+  return {coefficient(part.restitution.value_or(material.restitution)),
+          coefficient(part.friction.value_or(material.friction))};
+}
+
+namespace {
+
+// The properties of a body of this radius and mass that turns as a disc does.
 BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   BodyProperties properties;
   properties.type_bits = static_cast<std::uint32_t>(d.type);
@@ -99,34 +117,131 @@ BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   return properties;
 }
 
-bool moving_properties(const BodyDesc& d, HullSet& hulls, BodyProperties& properties, BodyKind& kind,
-                       std::string& error) {
+// Some parts of a compound have a material of their own: the body has the largest of all.
+void take_materials(const BodyDesc& d, const HullSet& hulls, NewBody& body) {
+  const auto* compound = std::get_if<CompoundShape>(&d.shape);
+  if (compound == nullptr) return;
+  BodyProperties& all = body.properties;
+  const PartProperties usual{all.restitution, all.friction};
+  std::vector<PartProperties> own;
+  for (const ShapePart& part : compound->parts) own.push_back(part_properties(part, d.material));
+  if (std::ranges::all_of(own, [&](const PartProperties& p) { return p == usual; })) return;
+  all.restitution = std::ranges::max(own, {}, &PartProperties::restitution).restitution;
+  all.friction = std::ranges::max(own, {}, &PartProperties::friction).friction;
+  for (const std::uint32_t part : hulls.part) body.own.push_back(own[part]);
+}
+
+bool has_chain(const Shape& shape) {
+  if (std::holds_alternative<ChainShape>(shape)) return true;
+  const auto* compound = std::get_if<CompoundShape>(&shape);
+  return compound != nullptr && std::ranges::any_of(compound->parts, [](const ShapePart& part) {
+           return std::holds_alternative<ChainShape>(part.shape);
+         });
+}
+
+// Makes the pieces of a line. One line that says what is wrong with it, or nothing.
+std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
+  const std::vector<Vec2>& points = chain.vertices;
+  const std::size_t n = points.size();
+  if (n < (chain.loop ? 3u : 2u)) {
+    return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
+  }
+  if (std::string error; !is_line(points, error)) return error;
+  for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
+    const Vec2 from = points[k], to = points[(k + 1) % n];
+    if (from.x == to.x && from.y == to.y) return "segment points must differ";
+    pieces.segment(from, to, 0, false);
+  }
+  return {};
+}
+
+// Makes the pieces of one shape. One line that says what is wrong with it, or nothing.
+std::string cut_shape(const Shape& shape, Pieces pieces) {
+  if (const auto* line = std::get_if<SegmentShape>(&shape)) return cut_chain({{line->p1, line->p2}, false}, pieces);
+  if (const auto* chain = std::get_if<ChainShape>(&shape)) return cut_chain(*chain, pieces);
+  HullSet hulls;
+  std::string error;
+  if (make_hulls(shape, false, hulls, error)) {
+    for (const Hull& hull : hulls.parts) pieces.solid(hull);
+  }
+  return error;
+}
+
+// Makes the pieces of all parts, each about its own place, so that a level as large as the world is as precise as one
+// body for each part.
+std::string cut_compound(const BodyDesc& d, const CompoundShape& compound, const Lattice& lattice,
+                         std::vector<Piece>& pieces) {
+  HullSet checked;
+  std::string error;
+  if (!make_hulls(d.shape, false, checked, error)) return error;
+  const SineCosine turn = sine_cosine(d.angle);
+  for (std::size_t k = 0; k < compound.parts.size(); ++k) {
+    const ShapePart& part = compound.parts[k];
+    const std::size_t first = pieces.size();
+    error = cut_shape(shape_of(part),
+                      Pieces(d.position + turned(turn, part.position), d.angle + part.angle, lattice, pieces));
+    if (!error.empty()) return "part " + std::to_string(k) + ": " + error;
+    Pieces::mark(std::span(pieces).subspan(first), k, part_properties(part, d.material));
+  }
+  return {};
+}
+
+}  // namespace
+
+bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
-    properties = properties_of(d, disc->radius, disc_mass(disc->radius, d.mass, d.material));
+    body.properties = properties_of(d, disc->radius, disc_mass(disc->radius, d.mass, d.material));
     return true;
   }
   const bool dynamic = d.type == BodyType::dynamic_body;
-  if (dynamic && std::holds_alternative<ChainShape>(d.shape)) {
+  if (dynamic && has_chain(d.shape)) {
     error = "a chain is static or kinematic";
     return false;
   }
-  if (!make_hulls(d.shape, true, hulls, error)) return false;
+  HullSet hulls;
+  if (!make_hulls(d.shape, true, hulls, error, d.material.density)) return false;
   const double mass = d.mass > 0 ? d.mass : d.material.density * hulls.mass.area;
   RangeCheck check;
   check_mass(d.mass, dynamic ? mass : 1, check);
   error = check.error;
   if (!error.empty()) return false;
+  BodyKind& kind = body.kind;
   float reach = 0;
+  kind.inner = hulls.parts[0].inner;
   for (const Hull& hull : hulls.parts) {
     reach = greater(hull.reach, reach);
-    kind.inner = greater(hull.inner, kind.inner);
+    kind.inner = lesser(hull.inner, kind.inner);
   }
   kind.centre_x = static_cast<float>(hulls.mass.centre.x);
   kind.centre_y = static_cast<float>(hulls.mass.centre.y);
-  properties = properties_of(d, reach, mass);
-  if (!dynamic || d.fixed_rotation) return true;
-  const double r = reach, inertia = mass * hulls.mass.inertia;
-  properties.rim_gain = static_cast<float>(r * r / inertia);
+  body.properties = properties_of(d, reach, mass);
+  if (dynamic && !d.fixed_rotation) {
+    const double r = reach, inertia = mass * hulls.mass.inertia;
+    body.properties.rim_gain = static_cast<float>(r * r / inertia);
+  }
+  take_materials(d, hulls, body);
+  body.hulls = std::move(hulls.parts);
+  return true;
+}
+
+bool make_static(const BodyDesc& d, const Lattice& lattice, NewBody& body, std::vector<Piece>& pieces,
+                 std::string& error) {
+  const auto* disc = std::get_if<DiscShape>(&d.shape);
+  const auto* compound = std::get_if<CompoundShape>(&d.shape);
+  body.properties = properties_of(d, disc != nullptr ? disc->radius : 0, 0);
+  if (compound != nullptr) {
+    error = cut_compound(d, *compound, lattice, pieces);
+  } else {
+    error = cut_shape(d.shape, Pieces(d.position, d.angle, lattice, pieces));
+    Pieces::mark(pieces, 0, {body.properties.restitution, body.properties.friction});
+  }
+  if (!error.empty()) return false;
+  take_materials(d, {}, body);
+  if (!d.sensor) return true;
+  pieces.clear();  // it stops nothing: only queries and events know it
+  HullSet hulls;
+  if (!make_hulls(d.shape, false, hulls, error)) return false;
+  body.hulls = std::move(hulls.parts);
   return true;
 }
 

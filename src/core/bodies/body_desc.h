@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "bodies/body_properties.h"
 #include "bodies/hull.h"
+#include "bodies/static_shapes.h"
 #include "psim/desc.h"
 
 namespace psim {
@@ -22,13 +24,23 @@ std::string check(const DiscBatch& batch, const Bounds& bounds);
 /// One disc of a batch.
 BodyDesc disc_of(const DiscBatch& batch, std::size_t i);
 
-/// The properties of a body of this radius and mass that turns as a disc does.
-BodyProperties properties_of(const BodyDesc& desc, double radius, double mass);
+/// What a part of a compound has, where it has nothing of its own what the body has.
+PartProperties part_properties(const ShapePart& part, const Material& material);
 
-/// The properties of a moving body. Of one that is no disc it makes the hulls, about its centre of mass. A kinematic
-/// body turns about its place, but the engine also finds and meets it by its centre, which goes round
-/// (Population::go_round). False, with a line in `error`, if the shape is refused.
-bool moving_properties(const BodyDesc& desc, HullSet& hulls, BodyProperties& properties, BodyKind& kind,
-                       std::string& error);
+/// A body on its way into the tables. `own`: what each hull has, if some parts have something of their own.
+struct NewBody {
+  BodyProperties properties;
+  BodyKind kind;
+  std::vector<Hull> hulls;
+  std::vector<PartProperties> own;
+};
+
+/// Fills in a moving body. Of one that is no disc it makes the hulls, about its centre of mass. A kinematic body turns
+/// about its place, but the engine also finds and meets it by its centre, which goes round (Population::go_round). False,
+/// with a line in `error`, if the shape is refused.
+bool make_moving(const BodyDesc& desc, NewBody& body, std::string& error);
+/// Fills in a static body, and makes its pieces.
+bool make_static(const BodyDesc& desc, const Lattice& lattice, NewBody& body, std::vector<Piece>& pieces,
+                 std::string& error);
 
 }  // namespace psim

@@ -16,8 +16,6 @@
 
 namespace psim {
 
-class ShapeTable;
-
 /// Restitution or friction as a float, which is no denormal.
 inline float coefficient(double value) { return kernels::snapped(value); }
 
@@ -28,8 +26,8 @@ struct BodyProperties {
   float rim_gain = 0;  ///< r^2 / inertia, 1/kg; 0: the body does not turn
   float radius = 0;    ///< m: of the circle about the centre of mass that holds the body
   float gravity_scale = 1;
-  float restitution = 0;
-  float friction = 0;
+  float restitution = 0;            ///< where parts have their own: the largest
+  float friction = 0;               ///< likewise
   std::uint32_t kind : 24 = 0;      ///< in BodyStore::kinds; 0: a plain disc that collides with all
   std::uint32_t type_bits : 8 = 0;  ///< a BodyType; bit-fields of one word have one type: MSVC packs no others
   BodyType type() const { return static_cast<BodyType>(type_bits); }
@@ -37,10 +35,17 @@ struct BodyProperties {
 };
 static_assert(sizeof(BodyProperties) == 32);
 
+/// What the parts of a body have of their own.
+struct PartProperties {
+  float restitution = 0, friction = 0;
+  friend bool operator==(const PartProperties&, const PartProperties&) = default;
+};
+
 /// A shape other than a disc, a filter, a mark as bullet or sensor. A plain disc that collides with all has entry 0.
 struct BodyKind {
   std::uint32_t first_hull = 0;  ///< number of the first hull in the ShapeTable; 0: a plain disc
   std::uint32_t hull_count = 0;
+  std::uint32_t first_part = 0;      ///< in the PartTable, as many as hulls; 0: its parts have what the body has
   float centre_x = 0, centre_y = 0;  ///< m: centre of mass in the body's frame
   float inner = 0;                   ///< m: least distance from the centre to the surface
   Filter filter;

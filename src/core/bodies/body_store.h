@@ -89,9 +89,16 @@ class BodyStore {
   mutable Column<BodyInfo> info{meter_};
   BodyPropertyTable property_table;
   ShapeTable hulls;
+  PartTable parts;
   BodyKindTable kinds;
   const BodyKind& kind(std::uint32_t body_id) const { return kinds[properties(body_id).kind]; }
   const BodyProperties& properties(std::uint32_t body_id) const { return property_table[info[body_id].properties]; }
+  /// The restitution and friction of a part of a body.
+  PartProperties part_of(std::uint32_t body_id, std::uint32_t part) const {
+    const BodyProperties& body = properties(body_id);
+    const std::uint32_t first = kinds[body.kind].first_part;
+    return first == 0 ? PartProperties{body.restitution, body.friction} : parts[first + part];
+  }
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;
   std::uint32_t retired = 0;  ///< indices that are given to nobody any more

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include "base/elementary.h"
@@ -180,18 +182,33 @@ bool make_hull(const Points& points, Vec2 origin, double radius, Hull& hull) {
 
 constexpr const char* kTooFar = "a shape this small is too far from the body's place for floats";
 
+/// A shape as convex figures, each with a radius around it, in one frame; and its mass.
+struct Figures {
+  struct Convex {
+    Points points;
+    double radius = 0;  // m
+    bool of_chain = false;
+    std::uint32_t part = 0;
+  };
+  std::vector<Convex> list;
+  MassProperties mass;
+
+  void add(Points points, double radius, bool of_chain = false) {
+    list.push_back({std::move(points), radius, of_chain});
+  }
+};
+
+/// Finds the figures of a shape. `density`: kg/m^2, of parts that have none of their own.
 struct Maker {
-  bool about_centre;
-  HullSet& out;
+  double density;
+  Figures& out;
   std::string& error;
 
-  Vec2 origin() const { return about_centre ? out.mass.centre : Vec2{}; }
-
-  /// Adds one convex part.
-  bool one(const Points& points, double radius, const MassProperties& mass) {
+  /// Adds one convex figure.
+  bool one(Points points, double radius, const MassProperties& mass) {
     out.mass = mass;
-    out.parts.resize(1);
-    return make_hull(points, origin(), radius, out.parts[0]) || fail(error, kTooFar);
+    out.add(std::move(points), radius);
+    return true;
   }
 
   bool disc(Vec2 centre, double radius) {
@@ -224,13 +241,10 @@ struct Maker {
     for (std::size_t k = 0; k + 1 < p.size(); ++k) {
       const double span = length_of(p[k + 1] - p[k]);
       sums.add(span, 0.5 * (p[k] + p[k + 1]) - p[0], span * span * span / 12);
+      out.add({p[k], p[k + 1]}, 0, true);
     }
     out.mass = properties_of(sums, p[0]);
-    for (std::size_t k = 0; k + 1 < p.size(); ++k) {
-      Hull hull;
-      if (make_hull({p[k], p[k + 1]}, origin(), 0, hull)) out.parts.push_back(hull);
-    }
-    return !out.parts.empty() || fail(error, kTooFar);
+    return true;
   }
 
   bool operator()(const BoxShape& s) {
@@ -259,16 +273,101 @@ struct Maker {
     const Sums sums = rounded_sums({s.p1 - middle, s.p2 - middle}, s.radius);
     return one(ends, s.radius, {sums.area, middle, sums.polar / sums.area});
   }
+
+  bool operator()(const CompoundShape& s) {
+    if (s.parts.empty()) return fail(error, "a compound has 1 part or more");
+    Sums sums;
+    Vec2 base;
+    for (std::size_t k = 0; k < s.parts.size(); ++k) {
+      MassProperties mass;
+      if (!part(s.parts[k], static_cast<std::uint32_t>(k), mass))
+        return fail(error, "part " + std::to_string(k) + ": " + error);
+      if (s.parts.size() == 1) {
+        out.mass = mass;
+        return true;
+      }
+      if (k == 0) base = mass.centre;
+      sums.add(mass.area, mass.centre - base, mass.area * mass.inertia);
+    }
+    out.mass = properties_of(sums, base);
+    return true;
+  }
+
+ private:
+  // Adds the figures of a part where they stand in the body. An area counts as often as the part is denser.
+  bool part(const ShapePart& part, std::uint32_t number, MassProperties& mass) {
+    error = check(part);
+    Figures own;
+    if (!error.empty() || !std::visit(Maker{density, own, error}, part.shape)) return false;
+    const SineCosine turn = sine_cosine(part.angle);
+    const auto place = [&](Vec2 v) { return part.position + turned(turn, v); };
+    for (Figures::Convex& figure : own.list) {
+      for (Vec2& v : figure.points) v = place(v);
+      if (!check_points(figure.points, error)) return false;
+      figure.part = number;
+      out.list.push_back(std::move(figure));
+    }
+    mass = {own.mass.area * part.density.value_or(density) / density, place(own.mass.centre), own.mass.inertia};
+    return true;
+  }
+
+  static std::string check(const ShapePart& part) {
+    RangeCheck check;
+    check("position", part.position, limits::kCoordinate)("angle", part.angle, limits::kAngle);
+    check("density", part.density.value_or(limits::kDensity.min), limits::kDensity);
+    check("restitution", part.restitution.value_or(0), limits::kRestitution);
+    return check("friction", part.friction.value_or(0), limits::kFriction).error;
+  }
 };
+
+/// m: half the least width of a hull.
+float half_width(const Hull& hull) {
+  double least = hull.count > 2 ? std::numeric_limits<double>::infinity() : 0;
+  for (int k = 0; hull.count > 2 && k < hull.count; ++k) {
+    double width = 0;
+    for (int v = 0; v < hull.count; ++v) {
+      width = greater(dot({hull.nx[k], hull.ny[k]}, hull.vertex(k) - hull.vertex(v)), width);
+    }
+    least = lesser(width, least);
+  }
+  return static_cast<float>(0.5 * least) + hull.radius;
+}
+
+/// A part of a body need not lie about its centre.
+void set_apart(Hull& hull) {
+  hull.inner = half_width(hull);
+  Vec2 sum;
+  for (int k = 0; k < hull.count; ++k) sum = sum + hull.vertex(k);
+  hull.middle_x = static_cast<float>(sum.x / hull.count);
+  hull.middle_y = static_cast<float>(sum.y / hull.count);
+}
+
+bool make_hulls_of(const Figures& figures, bool compound, Vec2 origin, HullSet& out) {
+  for (const Figures::Convex& figure : figures.list) {
+    Hull hull;
+    if (make_hull(figure.points, origin, figure.radius, hull)) {
+      if (figures.list.size() > 1) set_apart(hull);
+      out.parts.push_back(hull);
+      if (compound) out.part.push_back(figure.part);
+    } else if (!figure.of_chain) {
+      return false;
+    }
+  }
+  return !out.parts.empty();
+}
 
 }  // namespace
 
-bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error) {
+bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error, double density) {
   out = {};
   error.clear();
-  if (std::visit(Maker{about_centre, out, error}, shape)) return true;
+  Figures figures;
+  if (!std::visit(Maker{density, figures, error}, shape)) return false;
+  out.mass = figures.mass;
+  const bool compound = std::holds_alternative<CompoundShape>(shape);
+  if (make_hulls_of(figures, compound, about_centre ? out.mass.centre : Vec2{}, out)) return true;
   out = {};
-  return false;
+  return fail(error, kTooFar);
 }
 
 bool is_line(const std::vector<Vec2>& points, std::string& error) {

@@ -18,11 +18,15 @@ struct Hull {
   float nx[kMost] = {}, ny[kMost] = {};  ///< outward normal of the edge from vertex k to the next
   float radius = 0;                      ///< m, around the vertices
   float reach = 0;                       ///< m: farthest point from the centre, radius included
-  float inner = 0;                       ///< m: from the centre to the nearest point of the surface, at least `radius`
+  /// m: from the centre to the nearest point of the surface, at least `radius`. Of a part of a body: half its least width.
+  float inner = 0;
+  float middle_x = 0, middle_y = 0;  ///< m: of a part of a body: among its vertices; else the centre, 0
   std::int32_t count = 0;
 
   int next(int k) const { return k + 1 < count ? k + 1 : 0; }
   Vec2 vertex(int k) const { return {x[k], y[k]}; }
+  /// Of a thin shape that is deep in a body: on which side it was tells which side it belongs to.
+  Vec2 middle() const { return {middle_x, middle_y}; }
   void set_vertex(int k, Vec2 v) {
     x[k] = static_cast<float>(v.x);
     y[k] = static_cast<float>(v.y);
@@ -32,21 +36,28 @@ struct Hull {
 
 /// The mass of a shape per density, its centre of mass and its inertia.
 struct MassProperties {
-  double area = 0;     ///< m^2 (m for segments): mass = density x area
+  double area = 0;     ///< m^2 (m for segments): mass = density x area; denser parts count for more
   Vec2 centre;         ///< m, in the body's frame
   double inertia = 0;  ///< m^2: moment of inertia about the centre / mass
 };
 
-/// The hulls of a shape and its mass properties. A chain has one hull for each segment.
+/// The hulls of a shape and its mass properties. A chain has one hull for each segment, a compound those of its parts.
 struct HullSet {
   std::vector<Hull> parts;
+  std::vector<std::uint32_t> part;  ///< of a compound: the number of the part that each hull is of
   MassProperties mass;
 };
 
+/// A part as a shape of its own, in the part's frame.
+inline Shape shape_of(const ShapePart& part) {
+  return std::visit([](const auto& shape) -> Shape { return shape; }, part.shape);
+}
+
 /// Makes the hulls of a shape: about the centre of mass with `about_centre`, else about the place of the body. Harmless
 /// faults (clockwise order, repeated or collinear vertices) are put right. False, with a line in `error`, for a shape
-/// that is not convex, has no area, is not finite or too large.
-bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error);
+/// that is not convex, has no area, is not finite or too large. `density`, kg/m^2, is that of parts that have none of
+/// their own.
+bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error, double density = 1);
 
 /// Whether the points of a segment or chain are near enough and their box is neither too small nor too large. If not, a
 /// line in `error`.

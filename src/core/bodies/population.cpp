@@ -5,39 +5,9 @@
 #include "base/elementary.h"
 #include "base/room.h"
 #include "bodies/body_desc.h"
-#include "bodies/hull.h"
-#include "bodies/static_pieces.h"
 
 namespace psim {
 namespace {
-
-// Makes the pieces of a line. One line that says what is wrong with it, or nothing.
-std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
-  const std::vector<Vec2>& points = chain.vertices;
-  const std::size_t n = points.size();
-  if (n < (chain.loop ? 3u : 2u)) {
-    return chain.loop ? "a chain loop needs at least 3 vertices" : "a chain needs at least 2 vertices";
-  }
-  if (std::string error; !is_line(points, error)) return error;
-  for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
-    const Vec2 from = points[k], to = points[(k + 1) % n];
-    if (from.x == to.x && from.y == to.y) return "segment points must differ";
-    pieces.segment(from, to, 0, false);
-  }
-  return {};
-}
-
-// Makes the pieces of a static body. One line that says what is wrong with its shape, or nothing.
-std::string cut_into_pieces(const BodyDesc& d, Pieces pieces) {
-  if (const auto* line = std::get_if<SegmentShape>(&d.shape)) return cut_chain({{line->p1, line->p2}, false}, pieces);
-  if (const auto* chain = std::get_if<ChainShape>(&d.shape)) return cut_chain(*chain, pieces);
-  HullSet hulls;
-  std::string error;
-  if (make_hulls(d.shape, false, hulls, error)) {
-    for (const Hull& hull : hulls.parts) pieces.solid(hull);
-  }
-  return error;
-}
 
 // omega r, m/s, within what floats can square.
 double rim_speed_of(double omega, float radius) {
@@ -107,44 +77,31 @@ Traits Population::recounted() const {
 BodyId Population::add(const BodyDesc& d, std::string& error) {
   const bool moves = d.type != BodyType::static_body;
   std::vector<Piece> pieces;
-  HullSet hulls;
-  BodyKind kind;
+  NewBody body;
+  BodyKind& kind = body.kind;
   kind.filter = d.filter;
   kind.bullet = moves && d.bullet;
   kind.sensor = d.sensor;
-  BodyProperties properties;
-  if (moves) {
-    if (!moving_properties(d, hulls, properties, kind, error)) return kNoBody;
-  } else {
-    const auto* disc = std::get_if<DiscShape>(&d.shape);
-    properties = properties_of(d, disc != nullptr ? disc->radius : 0, 0);
-    error = cut_into_pieces(d, Pieces(d.position, d.angle, lattice_, pieces));
-    if (!error.empty()) return kNoBody;
-    if (d.sensor) {  // it stops nothing: only queries and events know it
-      pieces.clear();
-      if (!make_hulls(d.shape, false, hulls, error)) return kNoBody;
-    }
-  }
+  if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
   reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
-  if (!hulls.parts.empty()) {
-    kind.first_hull = bodies.hulls.acquire(hulls.parts);
-    kind.hull_count = static_cast<std::uint32_t>(hulls.parts.size());
+  const auto forget_kind = [&] { forget(kind); };
+  if (!body.hulls.empty()) {
+    kind.first_hull = bodies.hulls.acquire(body.hulls);
+    kind.hull_count = static_cast<std::uint32_t>(body.hulls.size());
   }
-  const auto forget_hulls = [&] {
-    if (kind.hull_count != 0) bodies.hulls.release(kind.first_hull);
-  };
-  const std::uint32_t entry = or_else(forget_hulls, [&] { return bodies.kinds.acquire(kind); });
+  if (!body.own.empty()) kind.first_part = or_else(forget_kind, [&] { return bodies.parts.acquire(body.own); });
+  const std::uint32_t entry = or_else(forget_kind, [&] { return bodies.kinds.acquire(kind); });
   if (entry > kMostKinds) {
-    forget_hulls();
+    forget_kind();
     error = "too many kinds of body: at most 16,777,215";
     return kNoBody;
   }
-  properties.kind = entry & kMostKinds;
-  const auto forget_kind = [&] {
-    bodies.kinds.release(properties.kind);
-    forget_hulls();
+  body.properties.kind = entry & kMostKinds;
+  const auto forget_entry = [&] {
+    bodies.kinds.release(entry);
+    forget_kind();
   };
-  const std::uint32_t row = or_else(forget_kind, [&] { return bodies.property_table.acquire(properties); });
+  const std::uint32_t row = or_else(forget_entry, [&] { return bodies.property_table.acquire(body.properties); });
 
   const std::uint32_t id = bodies.take_id();
   bodies.info[id].properties = row;
@@ -153,8 +110,14 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
   } else {
     enter_statics(id, d, pieces);
   }
-  count(properties, +1, traits);
+  count(body.properties, +1, traits);
   return {id, bodies.info[id].generation};
+}
+
+// Gives back what a kind of body names.
+void Population::forget(const BodyKind& kind) {
+  if (kind.hull_count != 0) bodies.hulls.release(kind.first_hull);
+  if (kind.first_part != 0) bodies.parts.release(kind.first_part);
 }
 
 // Room for one body more, of so many pieces if it does not move.
@@ -182,15 +145,10 @@ void Population::make_room(std::size_t count, bool fixed) {
 }
 
 void Population::enter_statics(std::uint32_t id, const BodyDesc& d, std::vector<Piece>& pieces) {
-  const BodyProperties& properties = bodies.properties(id);
   bodies.info[id].place = Place::fixed;
   bodies.info[id].slot = static_cast<std::uint32_t>(fixed.size());
-  for (Piece& piece : pieces) {
-    piece.shape.owner = id;
-    piece.shape.restitution = properties.restitution;
-    piece.shape.friction = properties.friction;
-  }
-  fixed.push_back({d.position.x, d.position.y, d.angle, properties.radius, id, statics.add(pieces)});
+  for (Piece& piece : pieces) piece.shape.owner = id;
+  fixed.push_back({d.position.x, d.position.y, d.angle, bodies.properties(id).radius, id, statics.add(pieces)});
 }
 
 void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
@@ -265,7 +223,7 @@ void Population::remove(std::uint32_t id) {
     frozen[info.slot] = frozen.back();
     frozen.pop_back();
   }
-  if (kind.hull_count != 0) bodies.hulls.release(kind.first_hull);
+  forget(kind);
   bodies.kinds.release(properties.kind);
   bodies.property_table.release(info.properties);
   info.place = Place::none;

@@ -79,7 +79,7 @@ class Population {
 
   /// Memory that the meter does not count.
   std::size_t bytes() const {
-    return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.kinds.bytes() +
+    return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.parts.bytes() + bodies.kinds.bytes() +
            fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() + bullets.bytes();
   }
 
@@ -99,6 +99,7 @@ class Population {
 
  private:
   void reserve(const BodyDesc& desc, std::size_t pieces);
+  void forget(const BodyKind& kind);
   void enter_columns(std::uint32_t id, const BodyDesc& desc);
   void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);

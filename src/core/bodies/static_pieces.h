@@ -2,6 +2,7 @@
 // polygon one by one, as with segments; shapes with corners collide with the whole polygon.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/elementary.h"
@@ -30,10 +31,17 @@ inline PieceCount pieces_of(const BodyStore& bodies, const BodyKind& kind) {
 /// The pieces of a body at `position`, m, turned by `angle`.
 class Pieces {
  public:
-  /// The pieces go into `out`, which is emptied first.
+  /// The pieces go into `out`, behind those that are there.
   Pieces(Vec2 position, double angle, const Lattice& lattice, std::vector<Piece>& out)
-      : list(out), at_(position), turn_(sine_cosine(angle)), lattice_(lattice) {
-    list.clear();
+      : list(out), at_(position), turn_(sine_cosine(angle)), lattice_(lattice) {}
+
+  /// Says of which part pieces are, and what it has.
+  static void mark(std::span<Piece> pieces, std::size_t part, const PartProperties& properties) {
+    for (Piece& piece : pieces) {
+      piece.shape.part = part_number(part);
+      piece.shape.restitution = properties.restitution;
+      piece.shape.friction = properties.friction;
+    }
   }
 
   void disc(Vec2 centre, float radius) {

@@ -151,9 +151,7 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
 }
 
 // Gives a new contact of a body the impulse that it had before one of its sides fell asleep or woke.
-void ContactStore::recall(const TouchMemory& recent, std::uint64_t key, std::uint32_t id, ContactLanes& lanes,
-                          std::size_t lane) {
-  const Touch* const touch = recent.find(key);
+void ContactStore::recall(const Touch* touch, std::uint32_t id, ContactLanes& lanes, std::size_t lane) {
   if (touch == nullptr) return;
   const float unit = touch->times(!model_.massed(), s_.bodies.properties(id).mass);
   lanes.impulse[lane] = unit * touch->impulse[0];
@@ -216,8 +214,9 @@ void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, 
     fixed.nx[at] = known ? fixed.old_nx[before] : 0;
     fixed.ny[at] = known ? fixed.old_ny[before] : 0;
     if (known || recent.empty()) return;
-    const bool asleep = !wall && s_.statics[pair.shape].asleep;
-    recall(recent, asleep ? pair_key(id, s_.statics[pair.shape].owner) : fixed_key(id, pair.shape), id, fixed, at);
+    if (wall || !s_.statics[pair.shape].asleep) return recall(recent.find(fixed_key(id, pair.shape)), id, fixed, at);
+    const StaticShape& shape = s_.statics[pair.shape];
+    recall(recent.find(pair_key(id, shape.owner), touch_parts(id, 0, shape.owner, shape.part)), id, fixed, at);
   });
 }
 
@@ -275,7 +274,7 @@ void ContactStore::lay_out(PairTable& table, const PairTable& old, const std::ui
       pairs.carry(model_, at, before);
       if (before != ContactLanes::kNoLane || recent.empty()) return;
       const std::uint32_t id = s_.bodies.id[i];
-      recall(recent, pair_key(id, s_.bodies.id[j]), id, pairs, at);
+      recall(recent.find(pair_key(id, s_.bodies.id[j])), id, pairs, at);
     });
     lay_out_statics(table, recent, begin + n,
                     [&](const StaticPair& pair) { return find_static(old, was(pair.body), pair.shape); });

@@ -109,7 +109,7 @@ class ContactStore {
   void lay_out_pairs(PairTable& table, std::size_t strip, const Each& each);
   template <class LaneBefore>
   void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const LaneBefore& lane_before);
-  void recall(const TouchMemory& recent, std::uint64_t key, std::uint32_t id, ContactLanes& lanes, std::size_t lane);
+  void recall(const Touch* touch, std::uint32_t id, ContactLanes& lanes, std::size_t lane);
   void make_room(std::size_t pair_lanes, std::size_t static_lanes) {
     pairs.make_room(model_, pair_lanes);
     fixed.make_room(model_, static_lanes);

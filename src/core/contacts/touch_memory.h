@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bodies/static_shapes.h"
+
 namespace psim {
 
 /// Names the contact of a body and a piece of fixed geometry. That of two bodies has the pair_key() of their ids.
@@ -16,11 +18,24 @@ inline std::uint64_t fixed_key(std::uint32_t body, std::uint32_t shape) {
   return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
 }
 
+/// Which parts of their bodies touch: of the one that the key names first, and of the other. Two bodies of many parts may
+/// have a contact for each two of them.
+struct TouchParts {
+  std::uint16_t first = 0, second = 0;
+  friend bool operator==(TouchParts, TouchParts) = default;
+};
+/// The parts of two bodies that touch.
+inline TouchParts touch_parts(std::uint32_t id_a, std::uint32_t part_a, std::uint32_t id_b, std::uint32_t part_b) {
+  if (id_b < id_a) return {part_number(part_b), part_number(part_a)};
+  return {part_number(part_a), part_number(part_b)};
+}
+
 /// What one contact carried. Shapes that touch along an edge have two points, in their order along the edge.
 struct Touch {
   std::uint64_t key = 0;
   float impulse[2] = {}, friction[2] = {};  ///< N s; N s / kg if `per_mass`
-  std::uint32_t points = 1;
+  TouchParts parts;
+  std::uint8_t points = 1;
   bool per_mass = false;  ///< contact lanes divide by the mass where all discs have the same
 
   /// The factor that converts the impulses to the wanted unit. `mass` is the mass of the disc.
@@ -29,17 +44,19 @@ struct Touch {
   }
 
   bool of_fixed() const { return key >> 63 != 0; }
+  bool same(const Touch& o) const { return key == o.key && parts == o.parts; }
   /// The lower id of two bodies; or the body that touches fixed geometry.
   std::uint32_t first() const { return static_cast<std::uint32_t>(key >> 32) & 0x7FFFFFFFu; }
   /// The higher id of two bodies; or the number of the fixed shape.
   std::uint32_t second() const { return static_cast<std::uint32_t>(key); }
 };
+static_assert(sizeof(Touch) == 32);
 
-/// Touches by key. Sleeping fills it; the next layout of the contacts reads it; then it is cleared.
+/// Touches by key and parts. Sleeping fills it; the next layout of the contacts reads it; then it is cleared.
 class TouchMemory {
  public:
   void add(const Touch& touch);
-  const Touch* find(std::uint64_t key) const;
+  const Touch* find(std::uint64_t key, TouchParts parts = {}) const;
   bool empty() const { return list_.empty(); }
   const std::vector<Touch>& all() const { return list_; }
   void clear();
@@ -51,7 +68,7 @@ class TouchMemory {
 
  private:
   static constexpr std::uint32_t kFree = 0xFFFFFFFFu;
-  std::size_t place_of(std::uint64_t key) const;
+  std::size_t place_of(std::uint64_t key, TouchParts parts) const;
   void rehash(std::size_t size);
 
   std::vector<Touch> list_;

@@ -113,16 +113,11 @@ void Manifolds::Look::carry_far(ManifoldPair& pair, const Manifold& old, float (
 
 // Whether the material of two fixed sides is one, and whether they stand still against each other.
 bool Manifolds::Look::alike(const ManifoldPair& p, const ManifoldPair& q) const {
-  if (p.of_piece() != q.of_piece()) return false;
-  if (p.of_piece()) {
-    const StaticShape &s = statics[p.shape], &o = statics[q.shape];
-    return s.restitution == o.restitution && s.friction == o.friction;
-  }
-  if (p.a == q.a) return true;
-  const BodyProperties &s = b.properties(p.id_a), &o = b.properties(q.id_a);
+  if (p.of_piece() != q.of_piece() || manifolds.sides_of(p, params.wall).a != manifolds.sides_of(q, params.wall).a)
+    return false;
+  if (p.of_piece() || p.a == q.a) return true;
   const auto turns = [&](std::uint32_t slot) { return b.rim_speed[slot] != 0; };
-  return s.restitution == o.restitution && s.friction == o.friction && !turns(p.a) && !turns(q.a) &&
-         b.vel[2 * p.a] == b.vel[2 * q.a] && b.vel[2 * p.a + 1] == b.vel[2 * q.a + 1];
+  return !turns(p.a) && !turns(q.a) && b.vel[2 * p.a] == b.vel[2 * q.a] && b.vel[2 * p.a + 1] == b.vel[2 * q.a + 1];
 }
 
 // Whether the piece of a pair has its top in a plane.

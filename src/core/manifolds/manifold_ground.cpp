@@ -89,13 +89,13 @@ EdgeCorner Manifolds::Look::corner_at(const ManifoldPair& pair, Vec2 corner, Vec
   return best;
 }
 
-// `face` becomes the normal of the segment on the side of the body.
+// `face` becomes the normal of the segment on the side of the middle of the hull that meets it.
 Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way,
-                                                   const Manifold& m, Vec2& face) const {
+                                                   Vec2 middle, const Manifold& m, Vec2& face) const {
   const Vec2 p = seen(qa, a.vertex(0)) - way, q = seen(qa, a.vertex(1)) - way;  // from the centre of the body
   const Vec2 along = 1 / length_of(q - p) * (q - p);
   face = {-along.y, along.x};
-  if (dot(p, face) > 0) face = -1 * face;
+  if (dot(p - middle, face) > 0) face = -1 * face;
   const Vec2 n{m.nx, m.ny};
   const double lean = dot(n, along);
   if (std::fabs(lean) < kUpright && dot(n, face) > 0) return Meets::what_was_found;
@@ -113,7 +113,7 @@ Manifolds::Look::Meets Manifolds::Look::at_segment(const ManifoldPair& pair, con
 void Manifolds::Look::fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b,
                                      Rotor qb, Vec2 start, Vec2 way, float margin) const {
   Vec2 face;
-  const Meets meets = at_segment(pair, a, qa, start, m, face);
+  const Meets meets = at_segment(pair, a, qa, start, seen(qb, hull_b.middle()), m, face);
   if (meets == Meets::what_was_found) return;
   m.count = 0;
   if (meets == Meets::nothing) return;
@@ -158,7 +158,7 @@ void Manifolds::Look::foresee_fixed(ManifoldPair& pair) const {
   foresee(pair, a, q, hull, lattice.way(b.point(i), b.point(j)), mx, my, inner);
 }
 
-// Looks at all fixed pieces near one body. A body that rests on one piece cannot collide with
+// Looks at all fixed pieces near one body. A convex part of it that rests on one piece cannot collide with
 // another piece that lies wholly below the plane on which it rests. A contact with such a piece comes from a corner
 // that sank a little, or from a normal that is kept from before, and is left out. So bodies slide over tiles and chains
 // without a bump.
@@ -179,7 +179,7 @@ void Manifolds::see_fixed(const ManifoldParams& params, std::size_t count, const
     for (std::size_t o = 0; o < count && !pair.ghost; ++o) {
       const ManifoldPair& other = at(o);
       const Manifold& rest = other.manifold;
-      if (o == k || !other.active || other.ahead || rest.count == 0) continue;
+      if (o == k || !other.active || other.ahead || rest.count == 0 || other.part_b != pair.part_b) continue;
       int lowest = 0;
       if (rest.count == 2 && other.gap[1] < other.gap[0]) lowest = 1;
       if (other.gap[lowest] > near || m.nx * rest.nx + m.ny * rest.ny > kAlike) continue;

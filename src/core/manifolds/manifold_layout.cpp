@@ -311,14 +311,15 @@ struct Manifolds::Layout {
     fill_points(c, l, pair, at, size_a, size_b);
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
+    const Sides sides = m.sides_of(pair, params.wall);
     c.wa[l] = fixed ? 0.0f : sa.inv_mass;
     c.wb[l] = sb.inv_mass;
     c.ga[l] = fixed ? 0.0f : sa.rim_gain;
     c.gb[l] = sb.rim_gain;
     c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
     c.round_b[l] = pair.round_b / size_b;
-    c.mu[l] = std::sqrt(sa.friction * sb.friction);
-    c.e[l] = greater(sa.restitution, sb.restitution);
+    c.mu[l] = sides.friction();
+    c.e[l] = sides.restitution();
     const bool loaded = is_loaded(pair, loads);
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);

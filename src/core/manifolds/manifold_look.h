@@ -225,7 +225,8 @@ struct Manifolds::Look {
 
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).
   enum class Meets : std::uint8_t { what_was_found, face, nothing };
-  Meets at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way, const Manifold& m, Vec2& face) const;
+  Meets at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way, Vec2 middle, const Manifold& m,
+                   Vec2& face) const;
   void fit_to_segment(const ManifoldPair& pair, Manifold& m, const Hull& a, Rotor qa, const Hull& hull_b, Rotor qb,
                       Vec2 start, Vec2 way, float margin) const;
   EdgeCorner corner_at(const ManifoldPair& pair, Vec2 corner, Vec2 out, Vec2 up, float radius) const;
@@ -244,8 +245,7 @@ struct Manifolds::Look {
 
   // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
   bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
-    const BodyProperties& of_a = pair.of_wall() ? params.wall : b.properties(pair.id_a);
-    if (greater(of_a.restitution, b.properties(pair.id_b).restitution) != 1) return false;
+    if (manifolds.sides_of(pair, params.wall).restitution() != 1) return false;
     const float reach = pair.fixed_a ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
     return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
   }
@@ -297,7 +297,9 @@ struct Manifolds::Look {
       m = collide(a, qa, hull, rotor_of(angle + turned), dx + share * mx, dy + share * my, inner);
       Vec2 face;
       const bool at_end = pair.fixed_a && m.count != 0 && a.count == 2;
-      const Meets meets = at_end ? at_segment(pair, a, qa, way, m, face) : Meets::what_was_found;
+      const Meets meets = at_end
+                              ? at_segment(pair, a, qa, way, psim::turned(sine_cosine(angle), hull.middle()), m, face)
+                              : Meets::what_was_found;
       if (meets == Meets::nothing) {
         m.count = 0;
       } else if (meets == Meets::face) {

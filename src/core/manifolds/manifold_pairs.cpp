@@ -9,8 +9,11 @@ namespace {
 
 // Finds the impulses of a pair that is new to the lists because one of its sides fell asleep or woke.
 void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMemory& recent, ManifoldPair& pair) {
-  const bool ground = pair.of_piece() && !pair.of_sleeper(statics);
-  const Touch* touch = recent.find(ground ? fixed_key(pair.id_b, pair.shape) : pair_key(pair.id_a, pair.id_b));
+  const bool sleeper = pair.of_sleeper(statics), ground = pair.of_piece() && !sleeper;
+  const std::uint32_t part_a = sleeper ? statics[pair.shape].part : pair.part_a;
+  const Touch* touch =
+      ground ? recent.find(fixed_key(pair.id_b, pair.shape), {part_number(pair.part_b), 0})
+             : recent.find(pair_key(pair.id_a, pair.id_b), touch_parts(pair.id_a, part_a, pair.id_b, pair.part_b));
   if (touch == nullptr) return;
   pair.recalled = static_cast<std::uint8_t>(touch->points);
   // If the other side was a sleeping shape, a disc had this contact in the lists of discs.

@@ -12,17 +12,21 @@
 namespace psim {
 
 // Whether continuous collision looks at a pair, however slow its bodies are, so that nothing presses them through each
-// other: contacts with kinematic bodies, contacts that are deep, and segments near the centre of a body, whether or not
+// other: contacts with kinematic bodies, contacts that are deep, and segments near the middle of a hull, whether or not
 // they are contacts. Shares of the inner radius.
 static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
   constexpr float kDeep = 0.2f, kBeside = 0.6f;
   if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
   if (!pair.of_piece()) return pair.active;
-  const float inner = s.bodies.kind(pair.id_b).inner;
+  const BodyKind& kind = s.bodies.kind(pair.id_b);
+  const float inner = kind.inner;
   if (pair.active && pair.least_gap() < -kDeep * inner) return true;
   const StaticShape& piece = s.statics[pair.shape];
   if (!piece.segment || piece.asleep) return false;
-  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, s.bodies.point(pair.b));
+  const Vec2 middle = kind.hull_count > 1 ? turned(sine_cosine(s.bodies.angle[pair.b]),
+                                                   s.bodies.hulls[kind.first_hull + pair.part_b].middle())
+                                          : Vec2{};
+  const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, s.bodies.point(pair.b)) + middle;
   const double size = double{piece.radius} + kBeside * inner, uu = dot(u, u), off = cross(u, at), along = dot(u, at);
   return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
 }

@@ -86,7 +86,7 @@ class Squeezed {
   template <class Wanted>
   void add_discs(const BodyStore& bodies, const PairTable& table, std::size_t strip, const Wanted& wanted);
   template <class Wanted>
-  void add_shapes(std::size_t strip, const Wanted& wanted);
+  void add_shapes(const BodyStore& bodies, std::size_t strip, const Wanted& wanted);
   template <class Wanted>
   void add_rows(const BodyStore& bodies, const PairTable& table, const Wanted& wanted);
   template <class Take>

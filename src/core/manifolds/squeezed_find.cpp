@@ -96,7 +96,7 @@ void Squeezed::add_rows(const BodyStore& bodies, const PairTable& table, const W
   found_.clear();
   for (std::size_t strip = 0; strip < table.strips.size(); ++strip) {
     if (table.strips[strip].loaded) add_discs(bodies, table, strip, wanted);
-    if (manifolds_.any()) add_shapes(strip, wanted);
+    if (manifolds_.any()) add_shapes(bodies, strip, wanted);
   }
 }
 
@@ -131,7 +131,7 @@ void Squeezed::add_discs(const BodyStore& bodies, const PairTable& table, std::s
 }
 
 template <class Wanted>
-void Squeezed::add_shapes(std::size_t index, const Wanted& wanted) {
+void Squeezed::add_shapes(const BodyStore& b, std::size_t index, const Wanted& wanted) {
   Manifolds::StripBlocks& strip = manifolds_.strip(index);
   for (const std::uint32_t k : strip.active) {
     const ManifoldPair& pair = manifolds_.pairs()[k];
@@ -143,6 +143,9 @@ void Squeezed::add_shapes(std::size_t index, const Wanted& wanted) {
     row.light_b = pair.fixed_a || wb > wa;
     row.light = row.light_b ? pair.b : pair.a;
     row.other = row.light_b ? pair.a : pair.b;
+    // One of several parts has more contacts than a block: blocks that each press on it as if there were no other went
+    // on without end.
+    if (b.kind(b.id[row.light]).hull_count > 1) continue;
     row.wl = row.light_b ? wb : wa;
     row.wo = row.light_b ? wa : wb;
     if (!wanted(row, row.light)) continue;

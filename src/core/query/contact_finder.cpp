@@ -245,7 +245,7 @@ class ContactFinder {
     if (!lies_still(other)) return false;
     if (other > sleeper || place_of(other) != Place::asleep) return true;
     const std::span<const Touch> theirs = touches_of(sleepers_.list[bodies_.info[other].slot]);
-    return std::none_of(theirs.begin(), theirs.end(), [&](const Touch& t) { return t.key == touch.key; });
+    return std::none_of(theirs.begin(), theirs.end(), [&](const Touch& t) { return t.same(touch); });
   }
 
   // Contacts of bodies that fell asleep or woke since the lists were made.

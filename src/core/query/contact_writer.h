@@ -156,7 +156,10 @@ class ContactWriter {
     double margin = 0;            // m: the gap up to which it touches
     const Hull* hulls = nullptr;  // of a body that is no disc
     std::uint32_t parts = 1;
-    Hull part(std::uint32_t k) const { return hulls != nullptr ? hulls[k] : disc_hull(static_cast<float>(radius)); }
+    Hull part(std::uint32_t k) const {
+      if (hulls == nullptr) return disc_hull(static_cast<float>(radius));
+      return hulls[k < parts ? k : 0];
+    }
   };
 
   Still still(std::uint32_t id) const {
@@ -185,16 +188,9 @@ class ContactWriter {
       if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, load));
       return;
     }
-    Manifold best;
-    for (std::uint32_t i = 0; i < sa.parts; ++i) {
-      for (std::uint32_t j = 0; j < sb.parts; ++j) {
-        const Manifold m = collide(sa.part(i), sa.q, sb.part(j), sb.q, static_cast<float>(to.x),
-                                   static_cast<float>(to.y), static_cast<float>(margin));
-        const bool deeper = m.count == best.count && m.count != 0 && m.point[0].gap < best.point[0].gap;
-        if (m.count > best.count || deeper) best = m;
-      }
-    }
-    share(touch, best, a, b, sa.at, true, factor, out);
+    const Manifold found = collide(sa.part(touch.parts.first), sa.q, sb.part(touch.parts.second), sb.q,
+                                   static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(margin));
+    share(touch, found, a, b, sa.at, true, factor, out);
   }
 
   void keep_fixed(const Touch& touch, std::vector<Contact>& out) const {
@@ -208,14 +204,15 @@ class ContactWriter {
       return;
     }
     const auto margin = static_cast<float>(s.margin);
+    const Hull hull = s.part(touch.parts.first);
     Manifold manifold;
     if (shape >= kWallLeft) {
       const Meeting m = fixed(s.at, 0, shape, {});
-      manifold = meet_plane(s.hulls[0], s.q, static_cast<float>(m.normal.x), static_cast<float>(m.normal.y),
+      manifold = meet_plane(hull, s.q, static_cast<float>(m.normal.x), static_cast<float>(m.normal.y),
                             static_cast<float>(m.gap), margin);
     } else {
       const double reach = wide(b_.properties(id).radius) + s.margin + wide(statics_[shape].radius);
-      manifold = collide(statics_.seen_from(shape, s.at, 4 * reach), {}, s.hulls[0], s.q, 0, 0, margin);
+      manifold = collide(statics_.seen_from(shape, s.at, 4 * reach), {}, hull, s.q, 0, 0, margin);
     }
     share(touch, manifold, owner(shape), id, s.at, false, factor, out);
   }

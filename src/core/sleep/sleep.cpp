@@ -51,8 +51,7 @@ void keep_touches(const SleepSource& source, Sleepers& sleepers, std::size_t fir
   sleepers.touches.resize(next);
   const auto write = [&](const SleepContact& contact) {
     if (!contact.loaded || !(chosen(contact.a) || chosen(contact.b))) return;
-    Touch touch = contact.touch;
-    touch.key = key_of(contact, population.bodies, population.statics);
+    const Touch touch = touch_of(contact, population.bodies, population.statics);
     each_side(contact, [&](Sleeper& s) { sleepers.touches[s.first_touch + s.touches++] = touch; });
     if (contact.a != kNoSlot && chosen(contact.a) != chosen(contact.b)) sleepers.recent.add(touch);
   };
@@ -68,13 +67,14 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
     list.resize(1);
     list[0].shape = lone_piece(s.at, s.id, properties);
   } else {
+    list.clear();
     Pieces pieces(source.lattice.to_world(s.at), s.angle, source.lattice, list);
-    for (std::uint32_t h = 0; h < kind.hull_count; ++h) pieces.solid(bodies.hulls[kind.first_hull + h]);
-  }
-  for (Piece& piece : list) {
-    piece.shape.owner = s.id;
-    piece.shape.restitution = properties.restitution;
-    piece.shape.friction = properties.friction;
+    for (std::uint32_t h = 0; h < kind.hull_count; ++h) {
+      const std::size_t first = list.size();
+      pieces.solid(bodies.hulls[kind.first_hull + h]);
+      Pieces::mark(std::span(list).subspan(first), h, bodies.part_of(s.id, h));
+    }
+    for (Piece& piece : list) piece.shape.owner = s.id;
   }
   s.pieces = static_cast<std::uint32_t>(list.size());
   s.first_shape = source.population.statics.add_sleeping(list);

@@ -14,10 +14,11 @@ namespace psim {
 inline constexpr auto kClosing = static_cast<float>(kMarginFrames);
 
 struct SleepContact {
-  std::uint32_t a, b;   ///< slots; a is kNoSlot where b touches a fixed shape
-  std::uint32_t shape;  ///< the fixed shape
-  float gap;            ///< m, at the start of the frame
-  bool loaded;          ///< the contact carries an impulse
+  std::uint32_t a, b;                    ///< slots; a is kNoSlot where b touches a fixed shape
+  std::uint32_t shape;                   ///< the fixed shape
+  std::uint32_t part_a = 0, part_b = 0;  ///< of their bodies
+  float gap;                             ///< m, at the start of the frame
+  bool loaded;                           ///< the contact carries an impulse
   Touch touch;
 };
 
@@ -25,7 +26,7 @@ struct SleepContact {
 inline void order_points(const ManifoldPair& pair, Touch& touch) {
   const Manifold& m = pair.manifold;
   touch = Touch{};
-  touch.points = static_cast<std::uint32_t>(std::max(m.count, 1));
+  touch.points = static_cast<std::uint8_t>(std::max(m.count, 1));
   const bool flip = m.count == 2 && runs_backwards(m);
   for (int k = 0; k < m.count; ++k) {
     const int at = flip ? 1 - k : k;
@@ -88,6 +89,8 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
       contact.a = pair.a;
       contact.b = pair.b;
       contact.shape = pair.shape;
+      contact.part_a = pair.part_a;
+      contact.part_b = pair.part_b;
       contact.gap = gap_of(pair);
       contact.loaded = manifolds.closed(k, pair);
       order_points(pair, contact.touch);
@@ -112,13 +115,23 @@ void each_stack(const SleepSource& source, const Wanted& wanted, const Each& eac
   });
 }
 
-inline std::uint64_t key_of(const SleepContact& contact, const BodyStore& b, const StaticShapes& statics) {
+/// What a contact carried, under its name.
+inline Touch touch_of(const SleepContact& contact, const BodyStore& b, const StaticShapes& statics) {
   const std::uint32_t id = b.id[contact.b];
-  if (contact.a != kNoSlot) return pair_key(b.id[contact.a], id);
-  if (contact.shape < kWallLeft && statics[contact.shape].asleep) {
-    return pair_key(statics[contact.shape].owner, id);
+  Touch touch = contact.touch;
+  const auto with = [&](std::uint32_t other, std::uint32_t part) {
+    touch.key = pair_key(other, id);
+    touch.parts = touch_parts(other, part, id, contact.part_b);
+  };
+  if (contact.a != kNoSlot) {
+    with(b.id[contact.a], contact.part_a);
+  } else if (contact.shape < kWallLeft && statics[contact.shape].asleep) {
+    with(statics[contact.shape].owner, statics[contact.shape].part);
+  } else {
+    touch.key = fixed_key(id, contact.shape);
+    touch.parts = {part_number(contact.part_b), 0};
   }
-  return fixed_key(id, contact.shape);
+  return touch;
 }
 
 }  // namespace psim

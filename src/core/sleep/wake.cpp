@@ -183,7 +183,7 @@ bool Sleep::wake_reloaded(const SleepSource& source, double dt) {
     const StaticShape& shape = statics[contact.shape];
     if (!shape.asleep || !shape.alive) return;
     const double force = impulse_of(contact.touch, mass_of(contact.b)) * source.substeps / dt;
-    presses.push_back({key_of(contact, bodies, statics), shape.owner, contact.b, contact.loaded ? force : 0});
+    presses.push_back({touch_of(contact, bodies, statics).key, shape.owner, contact.b, contact.loaded ? force : 0});
   });
   // A body may touch several pieces of a sleeper. Total order: of two that are equal in all, either may be first.
   std::ranges::sort(presses, {}, [](const Press& of) { return std::pair(of.key, of.force); });
@@ -214,9 +214,7 @@ void Sleep::keep_touches_of_woken(const SleepSource& source, bool impulses_valid
   each_contact(source, [&](const SleepContact& contact) {
     if (contact.a != kNoSlot || !contact.loaded || contact.shape >= kWallLeft) return;
     if (!statics[contact.shape].asleep || statics[contact.shape].alive) return;
-    Touch touch = contact.touch;
-    touch.key = key_of(contact, population.bodies, statics);
-    sleepers.recent.add(touch);
+    sleepers.recent.add(touch_of(contact, population.bodies, statics));
   });
 }
 

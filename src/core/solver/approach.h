@@ -40,8 +40,9 @@ class Approach {
 
   /// The manifold of the hulls at a share, in world axes. Its arms are from the centre of A's hull and from that of B.
   Manifold touch(double share, double margin) const;
-  /// The normal, in world axes, of the surface through which the centre of B goes into A from outside; 0: it does not.
-  Vec2 entry() const;
+  /// The normal, in world axes, of the surface through which the middle of B goes into A from outside, up to a share; 0:
+  /// it does not.
+  Vec2 entry(double share = 1) const;
 
  private:
   struct Frame {

@@ -85,8 +85,18 @@ void Flight::ride() {
   angle_ += theirs.turn;
 }
 
-// Finds the first impact on what is left of the way.
+// Finds the first impact on what is left of the way. An impact ends the leg: other parts of the body that would have
+// come out again by the end of the whole one may be deep in something there.
 void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
+  cut_count_ = 1;
+  find_all(near, partners);
+  while (hulls_.size() > 1 && cut_count_ < 5 && first_.share < cuts_[cut_count_ - 1]) {
+    cuts_[cut_count_++] = first_.share;
+    find_all(near, partners);
+  }
+}
+
+void Flight::find_all(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
   sunk_ = 0;
   for (double before = -1; before < sunk_;) {  // once more, if the body turned out to lie in something
     before = sunk_;
@@ -120,7 +130,7 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
-    meet_hull(piece, {{}, {}, {}, s.restitution, s.friction, true, k});
+    meet_hull(piece, {{}, {}, {}, {s.restitution, s.friction}, true, k});
   }
 }
 
@@ -137,7 +147,7 @@ void Flight::find_walls() {
     hull.set_vertex(0, foot - along);
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
-    meet_hull(hull, {{}, {}, {}, space_.wall.restitution, space_.wall.friction, true});
+    meet_hull(hull, {{}, {}, {}, {space_.wall.restitution, space_.wall.friction}, true});
   }
 }
 
@@ -157,7 +167,6 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
   const std::uint32_t id = b_.id[slot];
   if (id == kNoSlot || !collides_with(id)) return;
   const BodyKind& kind = b_.kind(id);
-  const BodyProperties& properties = b_.properties(id);
   const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
   const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
   const double apart = length_of(centre - at_) - b_.radius[slot_] - b_.radius[slot];
@@ -168,21 +177,23 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
   other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
   other.way = {other.course.way, other.course.turn};
   if (!yields) other.velocity = {(1 / space_.dt) * other.way.along, other.way.turn / space_.dt};
-  other.restitution = properties.restitution;
-  other.friction = properties.friction;
   const bool shape = kind.hull_count != 0;
   if (yields) {
     other.slot = slot;
     other.inner = shape ? kind.inner : b_.radius[slot];
   }
-  if (!shape) return meet_hull(disc_hull(b_.radius[slot]), other);
+  if (!shape) {
+    other.has = b_.part_of(id, 0);
+    return meet_hull(disc_hull(b_.radius[slot]), other);
+  }
   if (!yields) other.held = slot;
   other.fixed = !yields && other.course.turn == 0;
-  meet_hulls(kind, other);
+  meet_hulls(id, other);
 }
 
 // Looks at the hulls of a body to whose boxes the circle around this one may come, as seen from that body.
-void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
+void Flight::meet_hulls(std::uint32_t id, Other other) {
+  const BodyKind& kind = b_.kind(id);
   const Course mine = leg(), theirs = rest_of(other.course);
   const auto seen = [&](double share) {
     const SineCosine q = sine_cosine(theirs.facing(share));
@@ -203,19 +214,27 @@ void Flight::meet_hulls(const BodyKind& kind, const Other& other) {
       box = {lesser(x - round, box.xmin), lesser(y - round, box.ymin), greater(x + round, box.xmax),
              greater(y + round, box.ymax)};
     }
-    if (overlap(box, way)) meet_hull(hull, other);
+    if (!overlap(box, way)) continue;
+    other.has = b_.part_of(id, k);
+    meet_hull(hull, other);
   }
+}
+
+// What a part of this body has.
+PartProperties Flight::part_of(const Hull& mine) const {
+  return b_.part_of(b_.id[slot_], static_cast<std::uint32_t>(&mine - hulls_.data()));
 }
 
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
-  const bool bounced = !disc_ && other.fixed && greater(properties_.restitution, other.restitution) > 0 &&
-                       length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
+  const bool slow =
+      !disc_ && other.fixed && length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
+    const bool bounced = slow && greater(part_of(part).restitution, other.has.restitution) > 0;
     if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
@@ -225,8 +244,11 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
 // Whether a body that bounced in the sweeps of the substeps passed through a hull, or ends deep in it. Between, the
 // straight way does not show where the body was and how it turned.
 bool Flight::passes(const Approach& pair) const {
-  const Vec2 n = pair.entry();
-  return n.x != 0 || n.y != 0 || pair.stand(1, 0).distance < -kDeep * inner_;
+  const auto is_through = [&](double share) {
+    const Vec2 n = pair.entry(share);
+    return n.x != 0 || n.y != 0 || pair.stand(share, 0).distance < -kDeep * inner_;
+  };
+  return std::any_of(cuts_, cuts_ + cut_count_, is_through);
 }
 
 // The share of the leg at which a hull strikes another one, or kNever. It strikes where it first touches, if it would come
@@ -243,7 +265,7 @@ double Flight::strikes(const Approach& pair, const Hull& mine, float inner, bool
     return share > 1 || pair.falls_to(struck, tolerance, share) > 1 ? Approach::kNever : share;
   };
   if (start.distance > tolerance) return start.advance < 1 ? strikes_from(start.advance) : Approach::kNever;
-  // Its centre stays on its side: of a thin shape, the axis of least overlap may point to the other one.
+  // Its middle stays on its side: of a thin shape, the axis of least overlap may point to the other one.
   normal = pair.entry();
   pressed = start.distance <= deep + tolerance || normal.x != 0 || normal.y != 0;
   if (pressed) {  // it comes no deeper
@@ -277,7 +299,8 @@ Vec2 Flight::smoothed(Vec2 n, std::span<const std::uint32_t> near) const {
   const double length = length_of(u), lean = dot(n, u) / length, same = kTolerance * double{inner_};
   if (std::fabs(lean) < 1e-3) return n;
   const Vec2 corner = piece.vertex(lean > 0 ? 1 : 0), out = (lean > 0 ? 1 / length : -1 / length) * u;
-  const double side = cross(u, at_ - piece.vertex(0)) < 0 ? -1 : 1;
+  const Vec2 middle = at_ + turned(sine_cosine(angle_), first_.mine->middle());
+  const double side = cross(u, middle - piece.vertex(0)) < 0 ? -1 : 1;
   const Vec2 up = (side / length) * upright(u);
   for (const std::uint32_t k : near) {
     const StaticShape& s = s_.statics[k];
@@ -335,12 +358,14 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   ImpactSurface s{0, 0, properties_.inv_mass, inertia(properties_)};
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
-  s.restitution = slow ? 0.0 : double{greater(properties_.restitution, other.restitution)};
-  s.friction = std::sqrt(properties_.friction * other.friction);
-  if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its centre
+  const PartProperties has = part_of(*first_.mine);
+  s.restitution = slow ? 0.0 : double{greater(has.restitution, other.has.restitution)};
+  s.friction = std::sqrt(has.friction * other.has.friction);
+  if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle
     n = first_.normal;
     touching = {upright(n), {}};
-    touching.add({mine.at - theirs.at, {}});
+    const Vec2 middle = turned(sine_cosine(mine.angle), first_.mine->middle());
+    touching.add({mine.at + middle - theirs.at, middle});
   }
   const std::span points(touching.points, touching.count);
   const Rates before = way_;

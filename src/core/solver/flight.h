@@ -55,7 +55,7 @@ class Flight {
   struct Other {
     Course course;        // of the whole step
     Rates way, velocity;  // in the step; in a second
-    float restitution = 0, friction = 0;
+    PartProperties has;
     bool fixed = false;             // it is fixed, or moves straight on: the sweeps see to bodies that are not too fast
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
@@ -65,13 +65,14 @@ class Flight {
   struct Impact {
     double share = Approach::kNever;
     bool pressed = false;  // deep from the start of the leg
-    Vec2 normal;           // of the surface through which the centre of a pressed body would go, or 0
+    Vec2 normal;           // of the surface through which the middle of a pressed hull would go, or 0
     Other other;
     Hull hull;  // of the other side
     const Hull* mine = nullptr;
   };
 
   bool collides_with(std::uint32_t id) const;
+  PartProperties part_of(const Hull& mine) const;
   Course leg() const;
   Course course_of(std::uint32_t slot, bool held) const;
   Course rest_of(const Course& c) const;
@@ -79,9 +80,10 @@ class Flight {
   void find_fixed(std::vector<std::uint32_t>& near);
   void find_walls();
   void find_moving(std::uint32_t slot, bool yields);
-  void meet_hulls(const BodyKind& kind, const Other& other);
+  void meet_hulls(std::uint32_t id, Other other);
   void meet_hull(const Hull& hull, const Other& other);
   bool passes(const Approach& pair) const;
+  void find_all(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n, std::span<const std::uint32_t> near) const;
   double parts(const Approach& pair, const Hull& mine, double tolerance) const;
@@ -107,7 +109,9 @@ class Flight {
   double left_ = 1;       // share of the step
   Rates way_, velocity_;  // in the step; in a second
   Vec2 fall_;             // m/s: the velocity that gravity gives in the step
-  double sunk_ = 0;       // m: how deep the body lies in something at the start of the leg
+  double cuts_[5] = {1};  // shares of the leg where it may end: there, what bounced must not have passed
+  int cut_count_ = 1;
+  double sunk_ = 0;  // m: how deep the body lies in something at the start of the leg
   Impact first_;
   std::uint32_t looks_ = 0;
 };

@@ -40,7 +40,8 @@ inline auto fields(JointDesc& d) {
 }
 
 inline auto fields(BodyKind& k) {
-  return std::tie(k.first_hull, k.hull_count, k.centre_x, k.centre_y, k.inner, k.filter, k.bullet, k.sensor);
+  return std::tie(k.first_hull, k.hull_count, k.first_part, k.centre_x, k.centre_y, k.inner, k.filter, k.bullet,
+                  k.sensor);
 }
 inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
 inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }
@@ -50,8 +51,13 @@ inline auto fields(Rotor& q) { return std::tie(q.c, q.s); }
 
 inline void one_value(Archive& a, Hull& h) {
   for (int k = 0; k < Hull::kMost; ++k) values(a, h.x[k], h.y[k], h.nx[k], h.ny[k]);
-  values(a, h.radius, h.reach, h.inner, h.count);
+  values(a, h.radius, h.reach, h.inner, h.middle_x, h.middle_y, h.count);
   a.require(h.count >= 0 && h.count <= Hull::kMost && h.radius >= 0 && h.reach >= 0 && h.inner >= 0);
+}
+
+inline void one_value(Archive& a, PartProperties& p) {
+  values(a, p.restitution, p.friction);
+  a.require(p.restitution >= 0 && p.restitution <= 1 && p.friction >= 0);
 }
 
 inline void one_value(Archive& a, BodyProperties& s) {

@@ -27,36 +27,42 @@ void SharedTable<T, kMost, kSearched>::describe(Archive& a, std::size_t first, c
   a.index(std::max<std::size_t>(list_.size(), 1), last_);
 }
 
-bool ShapeTable::has(const BodyKind& kind) const {
-  const std::uint32_t k = index_of(kind.first_hull);
-  return k < sets_.size() && sets_[k].first == kind.first_hull && sets_[k].count == kind.hull_count &&
-         sets_[k].users != 0;
+template <class T>
+bool SharedRuns<T>::has(std::uint32_t first, std::uint32_t count) const {
+  const std::uint32_t k = index_of(first);
+  return k < runs_.size() && runs_[k].first == first && runs_[k].count == count && runs_[k].users != 0;
 }
 
-void ShapeTable::describe(Archive& a) {
-  values(a, hulls_);
-  a.require(!hulls_.empty());
-  a.list(sets_, [&](Set& s) {
-    values(a, s.first, s.count, s.users);
-    a.require(s.first >= 1 && s.count >= 1 && s.first < hulls_.size() && s.count <= hulls_.size() - s.first);
+// Nobody has the hull of number 0: only others have vertices.
+static bool is_whole(const Hull& hull) { return hull.count >= 1; }
+static bool is_whole(const PartProperties&) { return true; }
+
+template <class T>
+void SharedRuns<T>::describe(Archive& a) {
+  values(a, all_);
+  a.require(!all_.empty());
+  a.list(runs_, [&](Run& r) {
+    values(a, r.first, r.count, r.users);
+    a.require(r.first >= 1 && r.count >= 1 && r.first < all_.size() && r.count <= all_.size() - r.first);
   });
-  describe_free(a, free_, 0, sets_.size(), [&](std::size_t k) { return sets_[k].users == 0; });
+  describe_free(a, free_, 0, runs_.size(), [&](std::size_t k) { return runs_[k].users == 0; });
   if (!a.loading()) return;
   ++changes_;
   by_hash_.clear();
-  std::uint32_t end = 1;  // of the sets before
-  for (std::uint32_t k = 0; k < sets_.size() && a.ok(); ++k) {
-    const Set& s = sets_[k];
-    a.require(s.first >= end);
-    end = s.first + s.count;
-    for (std::uint32_t h = s.first; h < end; ++h) a.require(hulls_[h].count >= 1);
-    if (s.users == 0 || !a.ok()) continue;
-    by_hash_.emplace(hash(std::span(hulls_).subspan(s.first, s.count)), k);
+  std::uint32_t end = 1;  // of the runs before
+  for (std::uint32_t k = 0; k < runs_.size() && a.ok(); ++k) {
+    const Run& r = runs_[k];
+    a.require(r.first >= end);
+    end = r.first + r.count;
+    for (std::uint32_t n = r.first; n < end; ++n) a.require(is_whole(all_[n]));
+    if (r.users == 0 || !a.ok()) continue;
+    by_hash_.emplace(hash(std::span(all_).subspan(r.first, r.count)), k);
   }
 }
 
-bool ShapeTable::used_as(const std::vector<std::uint64_t>& users_of_first) const {
-  return std::all_of(sets_.begin(), sets_.end(), [&](const Set& s) { return users_of_first[s.first] == s.users; });
+template <class T>
+bool SharedRuns<T>::used_as(const std::vector<std::uint64_t>& users_of_first) const {
+  return std::all_of(runs_.begin(), runs_.end(), [&](const Run& r) { return users_of_first[r.first] == r.users; });
 }
 
 namespace {
@@ -143,18 +149,24 @@ void check_users(Archive& a, const BodyStore& b) {
     a.require(of_properties[k] == b.property_table.users(k));
     of_kind[b.property_table[k].kind] += of_properties[k];
   }
-  std::vector<std::uint64_t> of_hull(b.hulls.size());
+  std::vector<std::uint64_t> of_hull(b.hulls.size()), of_part(b.parts.size());
   for (std::uint32_t k = 1; k < of_kind.size() && a.ok(); ++k) {
     a.require(of_kind[k] == b.kinds.users(k));
-    if (of_kind[k] != 0) of_hull[b.kinds[k].first_hull] += of_kind[k];
+    if (of_kind[k] == 0) continue;
+    of_hull[b.kinds[k].first_hull] += of_kind[k];
+    of_part[b.kinds[k].first_part] += of_kind[k];
   }
-  a.require(a.ok() && b.hulls.used_as(of_hull));
+  a.require(a.ok() && b.hulls.used_as(of_hull) && b.parts.used_as(of_part));
 }
 
 void describe_bodies(Archive& a, BodyStore& b, bool lists) {
   b.hulls.describe(a);
+  b.parts.describe(a);
   b.kinds.describe(a, 1, [&](const BodyKind& k, std::uint32_t users) {
-    return k.inner >= 0 && (k.hull_count == 0 ? k.first_hull == 0 : users == 0 || b.hulls.has(k));
+    if (!(k.inner >= 0)) return false;
+    if (k.hull_count == 0) return k.first_hull == 0 && k.first_part == 0;
+    return users == 0 ||
+           (b.hulls.has(k.first_hull, k.hull_count) && (k.first_part == 0 || b.parts.has(k.first_part, k.hull_count)));
   });
   a.require(b.kinds.size() != 0 && b.kinds[0] == BodyKind{});
   a.refuse_nan(true);  // a mass or a gravity scale beyond what a float holds is infinite
@@ -225,7 +237,7 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
   const Mapped shapes{told, [&](std::uint32_t k) -> S& { return statics_[k]; }};
   lattice_points(a, Mapped{shapes, &S::p});
   lattice_points(a, Mapped{shapes, &S::q});
-  columns(a, shapes, &S::radius, &S::restitution, &S::friction, &S::owner, &S::hull);
+  columns(a, shapes, &S::radius, &S::restitution, &S::friction, &S::owner, &S::hull, &S::part);
   for (auto& runs : runs_) a.packed(runs, std::uint64_t{count_} + 1);
   for (std::vector<Run>* runs : {&gaps_, &left_, &gone_}) {
     a.list(*runs, [&](Run& run) { a.index(std::uint64_t{count_} + 1, run.first, run.second); });
@@ -310,6 +322,9 @@ void describe_touches(Archive& a, std::vector<NamedTouch>& named, const BodyStor
         a, touches, [&](Touch& t) -> float& { return t.impulse[point]; },
         [&](Touch& t) -> float& { return t.friction[point]; });
   }
+  columns(
+      a, touches, [](Touch& t) -> std::uint16_t& { return t.parts.first; },
+      [](Touch& t) -> std::uint16_t& { return t.parts.second; });
   columns(a, touches, &Touch::points, &Touch::per_mass);
   if (!a.loading()) return;
   for (const NamedTouch& n : named) {

@@ -83,6 +83,7 @@ void apply_plan(Owners& w) {
   if (left(&Plan::manifolds)) {
     w.contacts.stacks.release();
     bodies.hulls.give_back();
+    bodies.parts.give_back();
   }
   if (left(&Plan::joints)) w.joints.release_blocks();
   if (left(&Plan::continuous)) w.dynamics.continuous.release();
@@ -135,7 +136,7 @@ std::vector<PlanEntry> World::plan() const try {
         : plan.filters                   ? "filters"
                                          : "joints",
         w.contacts.manifolds.bytes() + w.contacts.manifolds.column_bytes());
-  count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes());
+  count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes() + b.parts.bytes());
   count("joints", w.joints.bytes() + w.joints.column_bytes());
   count("continuous", w.dynamics.continuous.bytes());
   count("sleep", w.sleep.sleepers.bytes() + w.sleep.sleepers.column_bytes());

@@ -167,8 +167,8 @@ void Painter::paint_bodies(Canvas& canvas, const PictureCamera& camera, const Mo
   for (std::size_t row = 0; row < moment.size(); ++row) {
     if (!shapes_.is_drawn(moment, row)) continue;
     const BodyDesc& body = shapes_.of(moment.id[row]);
-    const auto* chain = std::get_if<ChainShape>(&body.shape);
-    const bool is_line = chain || std::holds_alternative<SegmentShape>(body.shape);
+    const bool is_line =
+        std::holds_alternative<ChainShape>(body.shape) || std::holds_alternative<SegmentShape>(body.shape);
     const Colour colour = colour_of(moment, row, body, is_line, bright);
     const float opacity = body.sensor ? kSensorOpacity : 1;
     if (is_disc(body.shape)) {
@@ -181,16 +181,18 @@ void Painter::paint_bodies(Canvas& canvas, const PictureCamera& camera, const Mo
                   mix(colour, Colour{}, 0.55f));
       continue;
     }
-    const Outline placed = shapes_.placed(moment, row);
-    corners.clear();
-    for (const Vec2& p : placed.points) corners.push_back(camera.at(p));
-    if (!is_line) {
-      canvas.convex(corners, camera.length(placed.radius), colour, opacity);
-      continue;
-    }
-    const std::size_t n = corners.size();
-    for (std::size_t k = chain && chain->loop ? 0 : 1; k < n; ++k) {
-      canvas.line(corners[(k + n - 1) % n], corners[k], kLineWidth, colour);
+    for (const Outline& placed : shapes_.placed(moment, row)) {
+      corners.clear();
+      for (const Vec2& p : placed.points) corners.push_back(camera.at(p));
+      const std::size_t n = corners.size();
+      if (n == 1) {
+        canvas.disc(corners[0].x, corners[0].y, camera.length(placed.radius), colour, opacity);
+      } else if (!placed.line) {
+        canvas.convex(corners, camera.length(placed.radius), colour, opacity);
+      }
+      for (std::size_t k = placed.closed ? 0 : 1; placed.line && k < n; ++k) {
+        canvas.line(corners[(k + n - 1) % n], corners[k], kLineWidth, colour);
+      }
     }
   }
 }

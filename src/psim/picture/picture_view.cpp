@@ -21,10 +21,12 @@ double longer_side(const Bounds& box) { return std::max({box.xmax - box.xmin, bo
 
 Bounds grown(const Bounds& box, double by) { return {box.xmin - by, box.ymin - by, box.xmax + by, box.ymax + by}; }
 
-Bounds box_of(const Outline& line) {
+Bounds box_of(const std::vector<Outline>& all) {
   Bounds box = kNothing;
-  for (const Vec2& p : line.points) include(box, {p.x, p.y, p.x, p.y});
-  return grown(box, line.radius);
+  for (const Outline& line : all) {
+    for (const Vec2& p : line.points) include(box, grown({p.x, p.y, p.x, p.y}, line.radius));
+  }
+  return box;
 }
 
 // The box that leaves out this share of the boxes on each side.

@@ -16,7 +16,7 @@ class SceneShapes {
   bool is_drawn(const Moment& moment, std::size_t row) const;
   const BodyDesc& of(std::uint32_t id) const { return bodies_.desc_of(id); }
   /// The points that span a body as it stands, and the radius around them, metres.
-  Outline placed(const Moment& moment, std::size_t row) const;
+  std::vector<Outline> placed(const Moment& moment, std::size_t row) const;
 
  private:
   SceneBodies bodies_;

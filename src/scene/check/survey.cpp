@@ -86,9 +86,9 @@ void see(Survey& survey, Owner& owner, const WorldDesc& world, const BodyDesc& b
 }
 
 void see_segments(Survey& survey, const BodyDesc& body, std::uint32_t owner) {
-  const auto* chain = std::get_if<ChainShape>(&body.shape);
-  std::vector<Vec2> vertices = outline(body.shape).points;
-  if (chain && chain->loop && vertices.size() > 2) vertices.push_back(vertices.front());
+  const Outline line = outlines(body.shape).front();
+  std::vector<Vec2> vertices = line.points;
+  if (line.closed && vertices.size() > 2) vertices.push_back(vertices.front());
   for (Vec2& v : vertices) v = to_world(v, body.position, body.angle);
   for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
     survey.segments.push_back({vertices[k], vertices[k + 1], owner, body.filter});

@@ -13,7 +13,7 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 3> kBodyTypes = {"dynamic", "static", "kinematic"};
-constexpr std::array<std::string_view, 4> kOwnKeys = {"name", "shape", "position", "velocity"};
+constexpr std::array<std::string_view, 5> kOwnKeys = {"name", "shape", "shapes", "position", "velocity"};
 
 BodyDesc read_body(const Node& node, Context& context, std::string& name) {
   static constexpr auto kKeys = joined(kOwnKeys, kSharedBodyKeys);
@@ -26,10 +26,13 @@ BodyDesc read_body(const Node& node, Context& context, std::string& name) {
     }
   }
   read_shared_body_keys(node, context, body);
-  const Node position = node.require("position"), shape = node.require("shape");
+  const Node position = node.require("position");
+  const std::optional<Node> shapes = node.find("shapes");
+  if (shapes && node.find("shape")) node.fail_at_key("shapes", "stands beside \"shape\": one of the two");
   body.position = position.vec2(limits::kCoordinate);
   expect_inside(position, body.position, context.bounds);
-  body.shape = read_shape(shape, context, body.type);
+  body.shape =
+      shapes ? read_shapes(*shapes, context, body.type) : read_shape(node.require("shape"), context, body.type);
   body.velocity = node.vec2_or("velocity", body.velocity, limits::kVelocity);
   return body;
 }

@@ -17,19 +17,24 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLayouts = {"lattice", "hex", "random", "explicit"};
-constexpr std::array<std::string_view, 10> kPlacedKeys = {"layout", "count",    "region",          "shape", "radius",
-                                                          "jitter", "velocity", "velocity_spread", "seed",  "links"};
-constexpr std::array<std::string_view, 8> kListedKeys = {"layout", "x", "y", "shape", "radius", "vx", "vy", "velocity"};
+constexpr std::array<std::string_view, 11> kPlacedKeys = {
+    "layout", "count", "region", "shape", "shapes", "radius", "jitter", "velocity", "velocity_spread", "seed", "links"};
+constexpr std::array<std::string_view, 9> kListedKeys = {"layout", "x",  "y",  "shape",   "shapes",
+                                                         "radius", "vx", "vy", "velocity"};
 
-// Of a group: `radius` or `shape`, one of the two. Gives the radius node, or nothing if the shape
+// Of a group: `radius`, `shape` or `shapes`, one of them. Gives the radius node, or nothing if the shape
 // said it all.
 std::optional<Node> radius_or_shape(const Node& node, const Context& context, GroupDesc& group) {
-  const std::optional<Node> radius = node.find("radius"), shape = node.find("shape");
+  const std::optional<Node> radius = node.find("radius"), shapes = node.find("shapes");
+  const std::optional<Node> shape = shapes ? shapes : node.find("shape");
   if (radius && shape) {
-    node.fail_at_key("radius", "stands beside \"shape\": one of the two says how large a body is");
+    node.fail_at_key("radius", "stands beside " + std::string(shapes ? "\"shapes\"" : "\"shape\"") +
+                                   ": one of the two says how large a body is");
   }
+  if (shapes && node.find("shape")) node.fail_at_key("shapes", "stands beside \"shape\": one of the two");
   if (!shape) return node.require("radius");
-  group.body.shape = read_shape(*shape, context, group.body.type);
+  group.body.shape =
+      shapes ? read_shapes(*shapes, context, group.body.type) : read_shape(*shape, context, group.body.type);
   if (std::holds_alternative<ChainShape>(group.body.shape)) {
     shape->fail("is no shape of a group: chains stand in \"bodies\"");
   }

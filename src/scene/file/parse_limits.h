@@ -15,6 +15,7 @@ inline constexpr std::uint64_t kMostBodiesInGroup = 10'000'000;
 inline constexpr std::uint64_t kLargestBodyId = 0xFFFFFFFEu;
 inline constexpr std::uint64_t kAllCategories = 0xFFFFFFFFu;
 inline constexpr std::int64_t kLargestGroup = 0x7FFFFFFF;
+inline constexpr std::size_t kMostParts = 1'000'000;
 inline constexpr std::size_t kMostChainVertices = 10'000'000;
 
 }  // namespace psim::scene

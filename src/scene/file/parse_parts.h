@@ -39,6 +39,8 @@ const Material& named_material(const Node& name, const Context& context);
 
 /// A shape of any kind that a body of this type may have.
 Shape read_shape(const Node& shape, const Context& context, BodyType type);
+/// The parts of a compound.
+Shape read_shapes(const Node& shapes, const Context& context, BodyType type);
 double read_radius(const Node& radius, const Context& context);
 
 /// The keys that bodies and groups share, without place, shape and velocity.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 6> kShapes = {"disc", "box", "polygon", "capsule", "segment", "chain"};
+constexpr std::array<std::string_view, 5> kPartKeys = {"position", "angle", "density", "restitution", "friction"};
 constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
 constexpr std::array<std::string_view, 2> kBoxKeys = {"size", "radius"};
 constexpr std::array<std::string_view, 2> kPolygonKeys = {"vertices", "radius"};
@@ -100,12 +102,10 @@ double read_radius(const Node& radius, const Context& context) {
   return value;
 }
 
-Shape read_shape(const Node& shape, const Context& context, BodyType type) {
-  shape.expect_object(kShapes);
-  if (shape.size() != 1) {
-    shape.fail("has " + std::to_string(shape.size()) + " kinds of shape: exactly one of " + word_list(kShapes));
-  }
-  const std::string& kind = shape.json().get_ref<const Json::object_t&>().begin()->first;
+namespace {
+
+// The shape under the key that names its kind.
+Shape read_kind(const Node& shape, std::string_view kind, const Context& context, BodyType type) {
   const Node node = shape.require(kind);
   if (kind == "disc") {
     node.expect_object(kDiscKeys);
@@ -134,6 +134,54 @@ Shape read_shape(const Node& shape, const Context& context, BodyType type) {
     node.fail("is the shape of a dynamic body: a chain is \"static\" or \"kinematic\" only");
   }
   return chain;
+}
+
+// The one key of a shape that names its kind.
+std::string_view kind_of(const Node& shape) {
+  std::size_t kinds = 0;
+  std::string_view found;
+  for (const std::string_view kind : kShapes) {
+    if (!shape.find(kind)) continue;
+    ++kinds;
+    found = kind;
+  }
+  if (kinds != 1) {
+    shape.fail("has " + std::to_string(kinds) + " kinds of shape: exactly one of " + word_list(kShapes));
+  }
+  return found;
+}
+
+ShapePart read_part(const Node& node, const Context& context, BodyType type) {
+  static constexpr auto kKeys = joined(kShapes, kPartKeys);
+  node.expect_object(kKeys);
+  ShapePart part;
+  const auto simple = [&](const auto& shape) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(shape)>, CompoundShape>) part.shape = shape;
+  };
+  std::visit(simple, read_kind(node, kind_of(node), context, type));
+  part.position = node.vec2_or("position", part.position, limits::kCoordinate);
+  part.angle = node.number_or("angle", part.angle, limits::kAngle);
+  if (const auto key = node.find("density")) part.density = key->number(limits::kDensity);
+  if (const auto key = node.find("restitution")) part.restitution = key->number(limits::kRestitution);
+  if (const auto key = node.find("friction")) part.friction = key->number(limits::kFriction);
+  return part;
+}
+
+}  // namespace
+
+Shape read_shape(const Node& shape, const Context& context, BodyType type) {
+  shape.expect_object(kShapes);
+  return read_kind(shape, kind_of(shape), context, type);
+}
+
+Shape read_shapes(const Node& shapes, const Context& context, BodyType type) {
+  shapes.expect_array(1, kMostParts);
+  CompoundShape compound;
+  compound.parts.reserve(shapes.size());
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    compound.parts.push_back(read_part(shapes.element(k), context, type));
+  }
+  return checked(shapes, std::move(compound));
 }
 
 }  // namespace psim::scene

@@ -298,8 +298,8 @@ RubeBody read_body(const Node& node, std::size_t number, bool jointed, Scene& sc
   return out;
 }
 
-// An open world, three times as wide and high as all there is and 100 m more on every side.
-Bounds roomy_bounds(const Scene& scene) {
+// An open world, three times as wide and high as all there is and 100 m more on every side, or as large as worlds are.
+Bounds roomy_bounds(const Scene& scene, const Node& bodies) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Bounds all{kFar, kFar, -kFar, -kFar};
   for (const BodyDesc& body : scene.bodies) {
@@ -308,9 +308,18 @@ Bounds roomy_bounds(const Scene& scene) {
            std::max(all.ymax, own.ymax)};
   }
   if (!(all.xmin <= all.xmax)) all = {0, 0, 0, 0};
-  const double size = std::max(all.xmax - all.xmin, all.ymax - all.ymin) + 100;
-  return {std::floor(all.xmin - size), std::floor(all.ymin - size), std::ceil(all.xmax + size),
-          std::ceil(all.ymax + size)};
+  const double size = std::max(all.xmax - all.xmin, all.ymax - all.ymin);
+  const double most = limits::kExtent.max - 2;  // whole metres
+  if (size > most) bodies.fail("reach over " + exact_text(size) + " m: at most " + exact_text(most));
+  const auto side = [&](double low, double high, double& from, double& to) {
+    const double room = std::min(size + 100, (most - (high - low)) / 2);
+    from = std::max(std::floor(low - room), limits::kCoordinate.min);
+    to = std::min(std::ceil(high + room), limits::kCoordinate.max);
+  };
+  Bounds bounds;
+  side(all.xmin, all.xmax, bounds.xmin, bounds.xmax);
+  side(all.ymin, all.ymax, bounds.ymin, bounds.ymax);
+  return bounds;
 }
 
 void add_note(Scene& scene, std::size_t count, const std::string& first, const char* one, const char* what) {
@@ -375,7 +384,7 @@ Scene read_rube(const Node& root) {
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     bodies.push_back(read_body(nodes.element(k), k, jointed.contains(k), scene, names, counts));
   }
-  scene.world.bounds = roomy_bounds(scene);
+  scene.world.bounds = roomy_bounds(scene, nodes);
   add_note(scene, counts.several, counts.first_several, "several fixtures",
            ": each becomes a body, welded to the first");
   add_note(scene, counts.massless, counts.first_massless, "a fixture without density",

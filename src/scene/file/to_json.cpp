@@ -135,7 +135,28 @@ struct ShapeText {
     keys.add("p1", capsule.p1).add("p2", capsule.p2).add("radius", capsule.radius);
     return Object().raw("capsule", keys.one_line()).one_line();
   }
+  std::string operator()(const CompoundShape& compound) const {
+    std::vector<std::string> parts;
+    for (const ShapePart& part : compound.parts) {
+      const std::string shape = std::visit(ShapeText{}, part.shape);
+      Object keys;
+      keys.add_unless("position", part.position, {}).add_unless("angle", part.angle, 0);
+      if (part.density) keys.add("density", *part.density);
+      if (part.restitution) keys.add("restitution", *part.restitution);
+      if (part.friction) keys.add("friction", *part.friction);
+      const std::string own = keys.one_line();  // behind the shape, in one object with it
+      parts.push_back(own == "{}" ? shape : shape.substr(0, shape.size() - 2) + ", " + own.substr(2));
+    }
+    std::string text = "[";
+    for (const std::string& part : parts) text += (text.size() > 1 ? ", " : "") + part;
+    return text + ']';
+  }
 };
+
+// `shape` of a body or a group, or `shapes` of a compound.
+void add_shape(Object& out, const Shape& shape) {
+  out.raw(std::holds_alternative<CompoundShape>(shape) ? "shapes" : "shape", std::visit(ShapeText{}, shape));
+}
 
 void add_shared_keys(Object& out, const BodyDesc& body) {
   const BodyDesc absent;
@@ -159,10 +180,9 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
 std::string body_text(const BodyDesc& body, std::string_view name) {
   Object out;
   if (!name.empty()) out.add("name", name);
-  out.add("type", name_of(body.type, kTypeNames))
-      .raw("shape", std::visit(ShapeText{}, body.shape))
-      .add("position", body.position)
-      .add_unless("velocity", body.velocity, {});
+  out.add("type", name_of(body.type, kTypeNames));
+  add_shape(out, body.shape);
+  out.add("position", body.position).add_unless("velocity", body.velocity, {});
   add_shared_keys(out, body);
   return out.one_line();
 }
@@ -174,7 +194,7 @@ std::vector<double> column_or(const std::vector<double>& column, double each, st
 void add_listed_keys(Object& out, const GroupDesc& group) {
   out.raw("x", list_of(group.x)).raw("y", list_of(group.y));
   if (!is_disc(group.body.shape)) {
-    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+    add_shape(out, group.body.shape);
   } else if (group.radius.size() == group.x.size() && group.radius.size() != 1) {
     out.raw("radius", list_of(group.radius));
   } else {
@@ -236,7 +256,7 @@ std::string joint_text(const SceneJoint& scene_joint) {
 void add_placed_keys(Object& out, const GroupDesc& group) {
   out.raw("count", std::to_string(group.count)).add("region", group.region);
   if (!is_disc(group.body.shape)) {
-    out.raw("shape", std::visit(ShapeText{}, group.body.shape));
+    add_shape(out, group.body.shape);
   } else if (group.radius_min == group.radius_max) {
     out.add("radius", group.radius_min);
   } else {

@@ -1,5 +1,6 @@
 #include "model/catalogue.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -30,6 +31,8 @@ std::string key_of(const Kind& kind) {
   key.append(reinterpret_cast<const char*>(&kind.radius), sizeof kind.radius);
   key += kind.line ? 'l' : 'a';
   key += kind.loop ? 'o' : '-';
+  key.append(reinterpret_cast<const char*>(&kind.area), sizeof kind.area);
+  key.append(reinterpret_cast<const char*>(kind.parts.data()), kind.parts.size() * sizeof kind.parts[0]);
   return key;
 }
 
@@ -77,17 +80,37 @@ void Catalogue::set(std::uint32_t id, const BodyDesc& body, BodyType type) {
   mass_[id] = static_cast<float>(body.mass);
 }
 
+// The number of a kind, which others may have, too.
+std::uint32_t Catalogue::kind_of(Kind kind) {
+  (kind.line ? has_lines_ : has_areas_) = true;
+  const auto [at, is_new] = known_.emplace(key_of(kind), static_cast<std::uint32_t>(kinds_.size()));
+  if (is_new) kinds_.push_back(std::move(kind));
+  return at->second;
+}
+
 std::uint32_t Catalogue::look_of(const BodyDesc& body, BodyType type) {
   std::uint32_t look = kDiscKind;
   if (!is_disc(body.shape)) {
-    const auto* chain = std::get_if<ChainShape>(&body.shape);
-    const Outline line = outline(body.shape);
-    Kind kind{line.points, line.radius, bounding_radius(body.shape),
-              chain != nullptr || std::holds_alternative<SegmentShape>(body.shape), chain != nullptr && chain->loop};
-    (kind.line ? has_lines_ : has_areas_) = true;
-    const auto [at, is_new] = known_.emplace(key_of(kind), static_cast<std::uint32_t>(kinds_.size()));
-    if (is_new) kinds_.push_back(std::move(kind));
-    look = at->second;
+    std::vector<Kind> parts;
+    for (Outline& o : outlines(body.shape)) {
+      double reach = 0;
+      for (const Vec2& p : o.points) reach = std::max(reach, std::hypot(p.x, p.y) + o.radius);
+      Kind& kind = parts.emplace_back(Kind{std::move(o.points), o.radius, reach, o.line, o.closed, 0, {}});
+      kind.area = area_of(kind);
+    }
+    if (const auto* compound = std::get_if<CompoundShape>(&body.shape)) {
+      Kind all;
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        all.reach = std::max(all.reach, parts[k].reach);
+        all.area += parts[k].area * compound->parts[k].density.value_or(body.material.density) / body.material.density;
+        all.line |= parts[k].line;
+        all.parts.push_back(kind_of(std::move(parts[k])));
+      }
+      has_compounds_ = true;
+      look = kind_of(std::move(all));
+    } else {
+      look = kind_of(std::move(parts.front()));
+    }
   }
   if (type == BodyType::static_body) look |= kStaticBit;
   if (type == BodyType::kinematic_body) look |= kKinematicBit;
@@ -99,7 +122,8 @@ double Catalogue::mass(std::uint32_t id, double disc_radius) const {
   if (id >= looks_.size()) return 0;
   if (mass_[id] > 0) return static_cast<double>(mass_[id]);
   const Kind& shape = kind(id);
-  const double area = shape.points.empty() ? std::numbers::pi * disc_radius * disc_radius : area_of(shape);
+  const bool disc = shape.points.empty() && shape.parts.empty();
+  const double area = disc ? std::numbers::pi * disc_radius * disc_radius : shape.area;
   return static_cast<double>(density_[id]) * area;
 }
 

@@ -15,8 +15,10 @@ struct Kind {
   std::vector<Vec2> points;  ///< metres, body frame
   double radius = 0;         ///< around the points
   double reach = 0;          ///< of the circle about the origin that holds it
-  bool line = false;         ///< segments from point to point instead of an area
+  bool line = false;         ///< segments from point to point instead of an area; of a compound: a part is one
   bool loop = false;
+  double area = 0;                   ///< m^2: mass / density; of a line its length, m
+  std::vector<std::uint32_t> parts;  ///< kinds; of a compound, which has no points of its own
 };
 
 inline constexpr std::uint32_t kDiscKind = 0;
@@ -44,16 +46,18 @@ class Catalogue {
   double mass(std::uint32_t id, double disc_radius) const;
   bool has_areas() const { return has_areas_; }  ///< any kind but discs and lines
   bool has_lines() const { return has_lines_; }
+  bool has_compounds() const { return has_compounds_; }
 
  private:
   std::uint32_t look_of(const BodyDesc& body, BodyType type);
+  std::uint32_t kind_of(Kind kind);
 
   std::vector<Kind> kinds_{Kind{}};
   std::unordered_map<std::string, std::uint32_t> known_;  // bytes of a shape -> kind
   std::vector<std::uint32_t> looks_;                      // by id
   std::vector<float> density_, mass_;                     // by id: kg/m^2, kg where the description says so, else 0
   std::uint32_t hidden_kind_ = kKindMask;                 // without points, once there is one
-  bool has_areas_ = false, has_lines_ = false;
+  bool has_areas_ = false, has_lines_ = false, has_compounds_ = false;
 };
 
 }  // namespace psim::view

@@ -98,16 +98,22 @@ void Overlays::add_world(const WorldDesc& world, const Camera& camera, bool grid
 void Overlays::add_line_bodies(const BodyColumns& bodies, float alpha) {
   for (const std::uint32_t row : bodies.line_rows()) {
     const std::uint32_t look = bodies.looks()[row];
-    const Kind& kind = bodies.catalogue()->kinds()[look & kKindMask];
+    const std::vector<Kind>& kinds = bodies.catalogue()->kinds();
     const Vec2 at = bodies.place(row, alpha);
     const double angle = bodies.angle(row, alpha);
-    const std::size_t n = kind.points.size();
-    Vec2 from = to_world(kind.points[kind.loop ? n - 1 : 0], at, angle);
-    for (std::size_t k = kind.loop ? 0 : 1; k < n; ++k) {
-      const Vec2 to = to_world(kind.points[k], at, angle);
-      below.add(from, to, 2.5f, (look & kStaticBit) != 0 ? kLineBody : kMovingLine);
-      from = to;
-    }
+    const auto add = [&](const Kind& kind) {
+      const std::size_t n = kind.points.size();
+      if (!kind.line || n == 0) return;
+      Vec2 from = to_world(kind.points[kind.loop ? n - 1 : 0], at, angle);
+      for (std::size_t k = kind.loop ? 0 : 1; k < n; ++k) {
+        const Vec2 to = to_world(kind.points[k], at, angle);
+        below.add(from, to, 2.5f, (look & kStaticBit) != 0 ? kLineBody : kMovingLine);
+        from = to;
+      }
+    };
+    const Kind& all = kinds[look & kKindMask];
+    add(all);
+    for (const std::uint32_t part : all.parts) add(kinds[part]);
   }
 }
 

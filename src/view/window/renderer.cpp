@@ -79,12 +79,39 @@ void Renderer::upload(const BodyColumns& bodies, Colouring colouring) {
                                     : bodies.groups().empty() ? no_groups_
                                                               : bodies.groups();
   const std::vector<float>* floats[] = {&s.x, &s.y, &s.x_prev, &s.y_prev, &s.angle, &s.angle_prev, &s.radius, &shown};
-  for (std::size_t k = 0; k < 8; ++k) columns_[k].upload(std::span<const float>(*floats[k]));
-  columns_[8].upload(std::span<const std::uint8_t>(s.asleep));
-  columns_[9].upload(std::span<const std::uint32_t>(bodies.looks()));
+  find_parts(bodies);
+  for (std::size_t k = 0; k < 8; ++k) upload_column(k, *floats[k], floats_);
+  upload_column(8, s.asleep, bytes_);
+  columns_[9].upload(std::span<const std::uint32_t>(part_rows_.empty() ? bodies.looks() : part_looks_));
+  bodies_ += part_rows_.size();
   origin_ = s.origin;
   bright_ = bodies.bright(forces || colouring != Colouring::force ? colouring : Colouring::speed);
   upload_kinds(bodies.catalogue());
+}
+
+// Each part of a compound is drawn as a body of its own, behind the others.
+void Renderer::find_parts(const BodyColumns& bodies) {
+  part_rows_.clear();
+  part_looks_.clear();
+  const Catalogue& catalogue = *bodies.catalogue();
+  if (!catalogue.has_compounds()) return;
+  part_looks_ = bodies.looks();
+  for (std::size_t row = 0; row < bodies.size(); ++row) {
+    const std::uint32_t look = bodies.looks()[row];
+    for (const std::uint32_t kind : catalogue.kinds()[look & kKindMask].parts) {
+      part_rows_.push_back(static_cast<std::uint32_t>(row));
+      part_looks_.push_back((look & ~kKindMask) | kind);
+    }
+  }
+}
+
+// `room` is scratch.
+template <class T>
+void Renderer::upload_column(std::size_t number, const std::vector<T>& column, std::vector<T>& room) {
+  if (part_rows_.empty()) return columns_[number].upload(std::span<const T>(column));
+  room.assign(column.begin(), column.end());
+  for (const std::uint32_t row : part_rows_) room.push_back(column[row]);
+  columns_[number].upload(std::span<const T>(room));
 }
 
 void Renderer::upload_kinds(const std::shared_ptr<const Catalogue>& catalogue) {

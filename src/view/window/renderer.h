@@ -32,6 +32,9 @@ class Renderer {
   static constexpr std::size_t kColumns = 10;
   void draw(const Program& program, const Camera& camera, float alpha, Colouring colouring);
   void draw_lines(const Camera& camera, std::size_t first, std::size_t count);
+  void find_parts(const BodyColumns& bodies);
+  template <class T>
+  void upload_column(std::size_t number, const std::vector<T>& column, std::vector<T>& room);
   void upload_kinds(const std::shared_ptr<const Catalogue>& catalogue);
 
   Program discs_, areas_, lines_;
@@ -40,6 +43,9 @@ class Renderer {
   GLuint kind_texture_ = 0;
   std::vector<LineInstance> joined_;
   std::vector<float> no_groups_;
+  std::vector<std::uint32_t> part_rows_, part_looks_;  // of parts of compounds; looks of all rows before them, too
+  std::vector<float> floats_;                          // scratch
+  std::vector<std::uint8_t> bytes_;                    // scratch
   std::size_t bodies_ = 0, below_count_ = 0, above_count_ = 0;
   std::shared_ptr<const Catalogue> catalogue_;  // of the kinds on the GPU
   bool has_areas_ = false;

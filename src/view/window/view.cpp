@@ -202,7 +202,7 @@ Bounds View::home() const {
       const Vec2 at = bodies_.place(row, 1);
       if (((look & kStaticBit) == 0) != moving || !std::isfinite(at.x + at.y)) continue;
       const Kind& kind = status_.catalogue->kinds()[look & kKindMask];
-      include(at, kind.points.empty() ? static_cast<double>(live_->radius[row]) : kind.reach);
+      include(at, kind.reach > 0 ? kind.reach : static_cast<double>(live_->radius[row]));
     }
     if (used.xmin <= used.xmax) break;
   }
