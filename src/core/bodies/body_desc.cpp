@@ -126,8 +126,11 @@ void take_materials(const BodyDesc& d, const HullSet& hulls, NewBody& body) {
   std::vector<PartProperties> own;
   for (const ShapePart& part : compound->parts) own.push_back(part_properties(part, d.material));
   if (std::ranges::all_of(own, [&](const PartProperties& p) { return p == usual; })) return;
-  all.restitution = std::ranges::max(own, {}, &PartProperties::restitution).restitution;
-  all.friction = std::ranges::max(own, {}, &PartProperties::friction).friction;
+  all.restitution = all.friction = 0;
+  for (const PartProperties& p : own) {
+    all.restitution = greater(p.restitution, all.restitution);
+    all.friction = greater(p.friction, all.friction);
+  }
   for (const std::uint32_t part : hulls.part) body.own.push_back(own[part]);
 }
 
