@@ -261,5 +261,21 @@ TEST(SceneShapesCheck, ShapesThatOverlapAreFound) {
   EXPECT_EQ(check_lines(two(R"(, "type": "static", "sensor": true)")), "");
 }
 
+TEST(SceneShapesCheck, PartsThatOverlapOthersAreFound) {
+  // A gate of two posts, and a box between them or in one of them.
+  const auto gate = [](std::string_view type, std::string_view x) {
+    return scene_text(R"("bodies": [{"position": )" + std::string(x) + R"(, "shape": {"box": {"size": [1, 1]}}},
+      {"position": [5, 5], "angle": 1.5707963267948966, "type": )" +
+                      std::string(type) +
+                      R"(, "shapes": [{"box": {"size": [4, 1]}, "position": [0, 2]},
+                        {"box": {"size": [4, 1]}, "position": [0, -2]}, {"segment": {"p1": [3, 0], "p2": [4, 0]}}]}])");
+  };
+  for (const std::string_view type : {"\"static\"", "\"kinematic\""}) {
+    EXPECT_EQ(check_lines(gate(type, "[5, 5]")), "") << type;
+    EXPECT_NE(check_lines(gate(type, "[6.25, 5]")).find("overlap by 0.25 m"), std::string::npos) << type;
+  }
+  EXPECT_NE(check_lines(gate("\"static\"", "[5.25, 8.5]")).find("overlap"), std::string::npos) << "its line";
+}
+
 }  // namespace
 }  // namespace psim::test

@@ -90,7 +90,7 @@ void Flight::ride() {
 void Flight::find(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
   cut_count_ = 1;
   find_all(near, partners);
-  while (hulls_.size() > 1 && cut_count_ < 5 && first_.share < cuts_[cut_count_ - 1]) {
+  while (hulls_.size() > 1 && cut_count_ < kMostCuts && first_.share < cuts_[cut_count_ - 1]) {
     cuts_[cut_count_++] = first_.share;
     find_all(near, partners);
   }

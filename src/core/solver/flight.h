@@ -109,7 +109,8 @@ class Flight {
   double left_ = 1;       // share of the step
   Rates way_, velocity_;  // in the step; in a second
   Vec2 fall_;             // m/s: the velocity that gravity gives in the step
-  double cuts_[5] = {1};  // shares of the leg where it may end: there, what bounced must not have passed
+  static constexpr int kMostCuts = 5;
+  double cuts_[kMostCuts] = {1};  // shares of the leg where it may end: there, what bounced must not have passed
   int cut_count_ = 1;
   double sunk_ = 0;  // m: how deep the body lies in something at the start of the leg
   Impact first_;

@@ -103,6 +103,26 @@ bool is_line(const BodyDesc& body) {
 
 }  // namespace
 
+namespace {
+
+// A body as bodies to look at: itself, or, of a fixed one with several shapes, of which there may be thousands, each.
+std::vector<BodyDesc> pieces_of(const BodyDesc& body) {
+  const auto* compound = std::get_if<CompoundShape>(&body.shape);
+  if (compound == nullptr || body.type != BodyType::static_body) return {body};
+  BodyDesc bare = body;
+  bare.shape = DiscShape{};
+  std::vector<BodyDesc> pieces;
+  for (const ShapePart& part : compound->parts) {
+    BodyDesc& piece = pieces.emplace_back(bare);
+    piece.shape = shape_of(part);
+    piece.position = to_world(part.position, body.position, body.angle);
+    piece.angle = body.angle + part.angle;
+  }
+  return pieces;
+}
+
+}  // namespace
+
 std::string body_name(const Scene& scene, std::size_t k) {
   std::string name = "bodies[" + std::to_string(k) + "]";
   if (k < scene.body_names.size() && !scene.body_names[k].empty()) {
@@ -118,12 +138,14 @@ Survey look_at(const Scene& scene) {
     const BodyDesc& body = scene.bodies[k];
     Owner owner = owner_of(body, body_name(scene, k));
     const auto place = static_cast<std::uint32_t>(survey.owners.size());
-    if (is_line(body)) {
-      if (!body.sensor) see_segments(survey, body, place);
-    } else {
-      PlacedBody placed{body.position.x, body.position.y, bounding_radius(body.shape), place, 0, id};
-      placed.moves = body.type == BodyType::dynamic_body;
-      see(survey, owner, scene.world, body, kind_of(body.shape), placed, body.velocity);
+    for (const BodyDesc& piece : pieces_of(body)) {
+      if (is_line(piece)) {
+        if (!piece.sensor) see_segments(survey, piece, place);
+        continue;
+      }
+      PlacedBody placed{piece.position.x, piece.position.y, bounding_radius(piece.shape), place, 0, id};
+      placed.moves = piece.type == BodyType::dynamic_body;
+      see(survey, owner, scene.world, piece, kind_of(piece.shape), placed, piece.velocity);
     }
     survey.owners.push_back(std::move(owner));
   }
