@@ -94,9 +94,9 @@ class BodyStore {
   const BodyKind& kind(std::uint32_t body_id) const { return kinds[properties(body_id).kind]; }
   const BodyProperties& properties(std::uint32_t body_id) const { return property_table[info[body_id].properties]; }
   /// The restitution and friction of a part of a body.
-  PartProperties part_of(std::uint32_t body_id, std::uint32_t part) const {
-    const BodyProperties& body = properties(body_id);
-    const std::uint32_t first = kinds[body.kind].first_part;
+  PartProperties part_of(std::uint32_t body_id, std::uint32_t part) const { return part_of(properties(body_id), part); }
+  PartProperties part_of(const BodyProperties& body, std::uint32_t part) const {
+    const std::uint32_t first = parts.any() ? kinds[body.kind].first_part : 0;
     return first == 0 ? PartProperties{body.restitution, body.friction} : parts[first + part];
   }
   std::uint32_t id_count = 0;

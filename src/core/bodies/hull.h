@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/rotor.h"
 #include "psim/desc.h"
 
 namespace psim {
@@ -27,6 +28,10 @@ struct Hull {
   Vec2 vertex(int k) const { return {x[k], y[k]}; }
   /// Of a thin shape that is deep in a body: on which side it was tells which side it belongs to.
   Vec2 middle() const { return {middle_x, middle_y}; }
+  /// The same in world axes, of a body that is turned by `angle`.
+  Vec2 middle_at(double angle) const {
+    return middle_x == 0 && middle_y == 0 ? Vec2{} : turned(sine_cosine(angle), middle());
+  }
   void set_vertex(int k, Vec2 v) {
     x[k] = static_cast<float>(v.x);
     y[k] = static_cast<float>(v.y);

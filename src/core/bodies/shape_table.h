@@ -24,6 +24,7 @@ class SharedRuns {
   /// Whether each run has as many users as those whose first number it is.
   bool used_as(const std::vector<std::uint64_t>& users_of_first) const;
   std::size_t size() const { return all_.size(); }
+  bool any() const { return all_.size() > 1; }  ///< whether there ever was a run
 
   const T& operator[](std::uint32_t i) const { return all_[i]; }
 

@@ -311,7 +311,7 @@ struct Manifolds::Layout {
     fill_points(c, l, pair, at, size_a, size_b);
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
-    const Sides sides = m.sides_of(pair, params.wall);
+    const Sides sides = psim::sides_of(pair, b, m.s_.statics, sa, sb);
     c.wa[l] = fixed ? 0.0f : sa.inv_mass;
     c.wb[l] = sb.inv_mass;
     c.ga[l] = fixed ? 0.0f : sa.rim_gain;

@@ -297,9 +297,7 @@ struct Manifolds::Look {
       m = collide(a, qa, hull, rotor_of(angle + turned), dx + share * mx, dy + share * my, inner);
       Vec2 face;
       const bool at_end = pair.fixed_a && m.count != 0 && a.count == 2;
-      const Meets meets = at_end
-                              ? at_segment(pair, a, qa, way, psim::turned(sine_cosine(angle), hull.middle()), m, face)
-                              : Meets::what_was_found;
+      const Meets meets = at_end ? at_segment(pair, a, qa, way, hull.middle_at(angle), m, face) : Meets::what_was_found;
       if (meets == Meets::nothing) {
         m.count = 0;
       } else if (meets == Meets::face) {

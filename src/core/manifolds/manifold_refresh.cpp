@@ -23,9 +23,8 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
   if (pair.active && pair.least_gap() < -kDeep * inner) return true;
   const StaticShape& piece = s.statics[pair.shape];
   if (!piece.segment || piece.asleep) return false;
-  const Vec2 middle = kind.hull_count > 1 ? turned(sine_cosine(s.bodies.angle[pair.b]),
-                                                   s.bodies.hulls[kind.first_hull + pair.part_b].middle())
-                                          : Vec2{};
+  const Vec2 middle =
+      kind.hull_count > 1 ? s.bodies.hulls[kind.first_hull + pair.part_b].middle_at(s.bodies.angle[pair.b]) : Vec2{};
   const Vec2 u = s.lattice.steps(piece.p, piece.q), at = s.lattice.steps(piece.p, s.bodies.point(pair.b)) + middle;
   const double size = double{piece.radius} + kBeside * inner, uu = dot(u, u), off = cross(u, at), along = dot(u, at);
   return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);

@@ -198,7 +198,8 @@ class Manifolds {
   bool fit(std::size_t strips);
 
   Sides sides_of(const PairName& pair, const BodyProperties& wall) const {
-    return psim::sides_of(pair, s_.bodies, s_.statics, wall);
+    return psim::sides_of(pair, s_.bodies, s_.statics, pair.of_wall() ? wall : s_.bodies.properties(pair.id_a),
+                          s_.bodies.properties(pair.id_b));
   }
 
   /// Makes room for so many pairs.

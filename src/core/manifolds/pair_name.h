@@ -42,11 +42,12 @@ struct Sides {
   float friction() const { return std::sqrt(a.friction * b.friction); }
   float restitution() const { return std::max(a.restitution, b.restitution); }
 };
+/// `of_a`, `of_b`: what the two bodies have, or the wall.
 inline Sides sides_of(const PairName& pair, const BodyStore& bodies, const StaticShapes& statics,
-                      const BodyProperties& wall) {
-  const PartProperties b = bodies.part_of(pair.id_b, pair.part_b);
-  if (pair.of_wall()) return {{wall.restitution, wall.friction}, b};
-  if (!pair.of_piece()) return {bodies.part_of(pair.id_a, pair.part_a), b};
+                      const BodyProperties& of_a, const BodyProperties& of_b) {
+  const PartProperties b = bodies.part_of(of_b, pair.part_b);
+  if (pair.of_wall()) return {{of_a.restitution, of_a.friction}, b};
+  if (!pair.of_piece()) return {bodies.part_of(of_a, pair.part_a), b};
   return {{statics[pair.shape].restitution, statics[pair.shape].friction}, b};
 }
 

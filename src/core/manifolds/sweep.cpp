@@ -114,7 +114,7 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
       // The hulls touch from the start, for example because a body slides, rolls or tips over. Contacts see to that.
       // Only a body that would go through is stopped: at half its inner radius deep, and in any case before its
       // middle goes through.
-      const Vec2 middle = turned(sine_cosine(angle_b), b.middle());
+      const Vec2 middle = b.middle_at(angle_b);
       const RayCast path = cast_ray(a, qa, dx + middle.x, dy + middle.y, mx, my);
       const bool outside = path.nx != 0 || path.ny != 0;
       if (path.fraction <= 1 && outside) most = 0.5 * double{path.fraction};

@@ -84,8 +84,7 @@ Manifold Approach::touch(double share, double margin) const {
 
 Vec2 Approach::entry(double share) const {
   const Frame first = frame(0), last = frame(share);
-  const Vec2 before = turned(sine_cosine(first.angle), b_.middle()),
-             after = turned(sine_cosine(last.angle), b_.middle());
+  const Vec2 before = b_.middle_at(first.angle), after = b_.middle_at(last.angle);
   const Vec2 from = first.pivot - of_a_.arm + before, way = last.pivot - first.pivot + (after - before);
   const RayCast path = cast_ray(a_, Rotor{}, from.x, from.y, way.x, way.y);
   if (path.fraction > 1) return {};

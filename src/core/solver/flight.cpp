@@ -299,7 +299,7 @@ Vec2 Flight::smoothed(Vec2 n, std::span<const std::uint32_t> near) const {
   const double length = length_of(u), lean = dot(n, u) / length, same = kTolerance * double{inner_};
   if (std::fabs(lean) < 1e-3) return n;
   const Vec2 corner = piece.vertex(lean > 0 ? 1 : 0), out = (lean > 0 ? 1 / length : -1 / length) * u;
-  const Vec2 middle = at_ + turned(sine_cosine(angle_), first_.mine->middle());
+  const Vec2 middle = at_ + first_.mine->middle_at(angle_);
   const double side = cross(u, middle - piece.vertex(0)) < 0 ? -1 : 1;
   const Vec2 up = (side / length) * upright(u);
   for (const std::uint32_t k : near) {
@@ -364,7 +364,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle
     n = first_.normal;
     touching = {upright(n), {}};
-    const Vec2 middle = turned(sine_cosine(mine.angle), first_.mine->middle());
+    const Vec2 middle = first_.mine->middle_at(mine.angle);
     touching.add({mine.at + middle - theirs.at, middle});
   }
   const std::span points(touching.points, touching.count);
