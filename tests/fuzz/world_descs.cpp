@@ -60,9 +60,10 @@ Material material(ByteSource& in) {
 
 namespace {
 
-Shape simple_shape(ByteSource& in) {
-  const double size = one_of(in, {0.5, 0.5, 0.2, 1.0, 3.0});
-  switch (in.below(8)) {
+double size_of_shape(ByteSource& in) { return one_of(in, {0.5, 0.5, 0.2, 1.0, 3.0}); }
+
+Shape simple_shape(ByteSource& in, double size, std::size_t kind) {
+  switch (kind) {
     case 0:
       return SegmentShape{in.vec2(-size, size), in.vec2(-size, size)};
     case 1: {
@@ -101,7 +102,8 @@ CompoundShape compound(ByteSource& in) {
     const auto put = [&part](const auto& s) {
       if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, CompoundShape>) part.shape = s;
     };
-    std::visit(put, simple_shape(in));
+    const double size = size_of_shape(in);
+    std::visit(put, simple_shape(in, size, in.below(7)));
     part.position = in.chance(230) ? in.vec2(-1, 1) : in.vec2(-100, 100);
     if (in.chance(100)) part.angle = in.number(-4, 4);
     if (in.chance(40)) part.density = in.number(0.2, 20);
@@ -115,8 +117,9 @@ CompoundShape compound(ByteSource& in) {
 }  // namespace
 
 Shape shape(ByteSource& in) {
-  if (in.rich && in.chance(40)) return compound(in);
-  return simple_shape(in);
+  const double size = size_of_shape(in);
+  const std::size_t kind = in.below(8);
+  return in.rich && kind == 7 ? compound(in) : simple_shape(in, size, kind);
 }
 
 Filter filter(ByteSource& in) {
