@@ -66,7 +66,7 @@ struct CapsuleShape {
   double radius = 0.5;  ///< metres, > 0
 };
 
-/// What one part of a body is.
+/// A part of a body has one of these shapes.
 using PartShape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
 
 /// One of the shapes of a body. Its own material wins over that of the body.
@@ -84,7 +84,7 @@ struct CompoundShape {
   std::vector<ShapePart> parts;  ///< at least 1; no chain in a dynamic body
 };
 
-/// What a body is.
+/// A body has one of these shapes.
 using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape, CompoundShape>;
 
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never

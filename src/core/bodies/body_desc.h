@@ -24,7 +24,7 @@ std::string check(const DiscBatch& batch, const Bounds& bounds);
 /// One disc of a batch.
 BodyDesc disc_of(const DiscBatch& batch, std::size_t i);
 
-/// What a part of a compound has, where it has nothing of its own what the body has.
+/// Returns the material of a part of a compound: its own numbers, and those of the body where it has none.
 PartProperties part_properties(const ShapePart& part, const Material& material);
 
 /// A body on its way into the tables. `own`: what each hull has, if some parts have something of their own.

@@ -35,7 +35,7 @@ struct BodyProperties {
 };
 static_assert(sizeof(BodyProperties) == 32);
 
-/// What the parts of a body have of their own.
+/// The part of a body that a contact is at decides how it bounces and rubs.
 struct PartProperties {
   float restitution = 0, friction = 0;
   friend bool operator==(const PartProperties&, const PartProperties&) = default;

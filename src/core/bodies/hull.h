@@ -26,7 +26,7 @@ struct Hull {
 
   int next(int k) const { return k + 1 < count ? k + 1 : 0; }
   Vec2 vertex(int k) const { return {x[k], y[k]}; }
-  /// Of a thin shape that is deep in a body: on which side it was tells which side it belongs to.
+  /// The hull of a moving body belongs on that side of a thin shape on which its middle lies.
   Vec2 middle() const { return {middle_x, middle_y}; }
   /// The same in world axes, of a body that is turned by `angle`.
   Vec2 middle_at(double angle) const {
