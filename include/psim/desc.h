@@ -66,27 +66,6 @@ struct CapsuleShape {
   double radius = 0.5;  ///< metres, > 0
 };
 
-/// A part of a body has one of these shapes.
-using PartShape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
-
-/// One of the shapes of a body. Its own material wins over that of the body.
-struct ShapePart {
-  PartShape shape = DiscShape{};      ///< in the part's frame
-  Vec2 position;                      ///< metres: of the part's frame in the body's
-  double angle = 0;                   ///< radians: of the part's frame in the body's
-  std::optional<double> density;      ///< kg/m^2, > 0
-  std::optional<double> restitution;  ///< 0..1
-  std::optional<double> friction;     ///< Coulomb coefficient, 0..1000
-};
-
-/// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
-struct CompoundShape {
-  std::vector<ShapePart> parts;  ///< at least 1; no chain in a dynamic body
-};
-
-/// A body has one of these shapes.
-using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape, CompoundShape>;
-
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
 /// (group < 0); else if each one's category is in the other's mask.
 struct Filter {
@@ -96,6 +75,29 @@ struct Filter {
   /// All three alike.
   friend bool operator==(const Filter&, const Filter&) = default;
 };
+
+/// A part of a body has one of these shapes.
+using PartShape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape>;
+
+/// One of the shapes of a body. What it has of its own wins over what the body has.
+struct ShapePart {
+  PartShape shape = DiscShape{};           ///< in the part's frame
+  Vec2 position = {};                      ///< metres: of the part's frame in the body's
+  double angle = 0;                        ///< radians: of the part's frame in the body's
+  std::optional<double> density = {};      ///< kg/m^2, > 0
+  std::optional<double> restitution = {};  ///< 0..1
+  std::optional<double> friction = {};     ///< Coulomb coefficient, 0..1000
+  std::optional<Filter> filter = {};       ///< who it collides with
+  std::optional<bool> sensor = {};         ///< touches nothing, tells who overlaps it; its mass counts
+};
+
+/// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
+struct CompoundShape {
+  std::vector<ShapePart> parts;  ///< at least 1; no chain in a dynamic body
+};
+
+/// A body has one of these shapes.
+using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, PolygonShape, CapsuleShape, CompoundShape>;
 
 /// One body. `mass` wins over the material's density; inertia follows from shape and mass (a
 /// disc's is m r^2 / 2). Dynamic bodies turn about their centre of mass, kinematic ones about
@@ -112,7 +114,7 @@ struct BodyDesc {
   double gravity_scale = 1;                ///< factor on the world's gravity and wells
   bool fixed_rotation = false;             ///< contacts do not turn it
   bool bullet = false;                     ///< does not pass through other moving bodies either, however fast
-  bool sensor = false;                     ///< static or kinematic: touches nothing, tells who overlaps it
+  bool sensor = false;                     ///< touches nothing but the world's walls, tells who overlaps it
   Filter filter;                           ///< who it collides with
 };
 

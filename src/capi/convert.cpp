@@ -161,6 +161,8 @@ std::string convert(const psim_shape_part& part, ShapePart& out) {
   out.density = given(part.has_density, part.density);
   out.restitution = given(part.has_restitution, part.restitution);
   out.friction = given(part.has_friction, part.friction);
+  if (part.has_filter != 0) out.filter = to_cpp(part.filter);
+  if (part.has_sensor != 0) out.sensor = part.sensor != 0;
   return {};
 }
 

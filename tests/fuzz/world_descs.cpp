@@ -109,6 +109,8 @@ CompoundShape compound(ByteSource& in) {
     if (in.chance(40)) part.density = in.number(0.2, 20);
     if (in.chance(40)) part.restitution = in.number(0, 1);
     if (in.chance(40)) part.friction = in.number(0, 2);
+    if (in.chance(40)) part.filter = filter(in);
+    if (in.chance(20)) part.sensor = in.chance(128);
     all.parts.push_back(std::move(part));
   }
   return all;

@@ -11,9 +11,7 @@
 namespace psim::test {
 namespace {
 
-ShapePart part(PartShape shape, Vec2 position = {}, double angle = 0) {
-  return {std::move(shape), position, angle, {}, {}, {}};
-}
+ShapePart part(PartShape shape, Vec2 position = {}, double angle = 0) { return {std::move(shape), position, angle}; }
 
 BodyDesc compound(std::vector<ShapePart> parts, Vec2 position, Material m = {}) {
   BodyDesc body;
@@ -199,6 +197,93 @@ TEST(Compound, NothingThatIsFastPassesIt) {
   }
 }
 
+// A body of a box, of which a ball hangs below; each has something of its own.
+BodyDesc lantern(Vec2 position) {
+  return compound({part(BoxShape{1, 0.4}), part(DiscShape{0.3}, {0, -0.8})}, position, material(0, 0.5));
+}
+ShapePart& part_of(BodyDesc& body, std::size_t k) { return std::get<CompoundShape>(body.shape).parts.at(k); }
+
+TEST(Compound, EachPartCollidesByItsOwnFilter) {
+  for (const BodyType type : {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body}) {
+    for (const bool sensor : {false, true}) {
+      for (const bool ghostly_floor : {false, true}) {
+        auto world = make(unbounded(50));
+        BodyDesc floor = compound({part(BoxShape{8, 1}, {0, -0.5}), part(BoxShape{8, 0.2}, {0, 0.5})}, {0, 0},
+                                  material(0, 0.5, 1000));
+        floor.type = type;
+        if (type == BodyType::dynamic_body) add(*world, fixed(box({0, -1.5}, 9, 1)));
+        BodyDesc body = lantern({0, 3});
+        body.bullet = true;
+        ShapePart& ghost = part_of(ghostly_floor ? floor : body, 1);
+        if (sensor) {
+          ghost.sensor = true;
+        } else {
+          ghost.filter = Filter{1, ghostly_floor ? 2u : 0u, 0};
+        }
+        add(*world, floor);
+        const BodyId slow = add(*world, body);
+        body.position = {2.5, 3};
+        const BodyId fast = add(*world, moving(body, {0, -900}));
+        run(*world, 300);
+        // Of the floor the upper slab, or of the lantern the ball, is not there for the other one.
+        const double height = ghostly_floor ? 1.1 : 0.8;
+        EXPECT_NEAR(state(*world, slow).y, height, 0.01) << static_cast<int>(type) << sensor;
+        EXPECT_NEAR(state(*world, fast).y, height, 0.02) << static_cast<int>(type) << sensor;
+      }
+    }
+  }
+}
+
+TEST(Compound, SensorsOfBodiesTellWhoIsInThem) {
+  auto world = make(unbounded(50));
+  world->set_event_options({.sensors = true});
+  const BodyId floor = add(*world, ground(material(0, 0.5)));
+  BodyDesc guard = compound({part(BoxShape{1, 1}, {0, 0.5}), part(DiscShape{3})}, {0, 0}, material(0, 0.5));
+  part_of(guard, 1).sensor = true;
+  const BodyId id = add(*world, guard);
+  const BodyId guest = add(*world, moving(box({6, 0.25}, 0.5, 0.5), {-4, 0}));
+  std::vector<std::pair<int, BodyId>> seen;
+  for (int k = 0; k < 90; ++k) {
+    run(*world, 1);
+    const Events e = world->events();
+    for (const TouchEvent& t : e.sensor_begin) {
+      EXPECT_EQ(t.a, id);
+      seen.emplace_back(k, t.b);
+    }
+  }
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_EQ(seen[0].second, floor);
+  EXPECT_EQ(seen[1].second, guest);
+  EXPECT_NEAR(seen[1].first, (6 - 3 - 0.25) / 4 * 60, 3) << "when it comes into reach";
+  EXPECT_NEAR(state(*world, guest).x, 0.75, 0.02) << "it is stopped by the box alone";
+  EXPECT_TRUE(world->remove_body(guest));
+  run(*world, 1);
+  EXPECT_EQ(world->events().sensor_end.size(), 1u);
+}
+
+TEST(Compound, QueriesAskEachPart) {
+  auto world = make(unbounded(50, {0, 0}));
+  BodyDesc body = lantern({0, 0});
+  part_of(body, 0).filter = Filter{4, ~0u, 0};
+  part_of(body, 1).sensor = true;
+  for (const BodyType type : {BodyType::static_body, BodyType::kinematic_body, BodyType::dynamic_body}) {
+    body.type = type;
+    const BodyId id = add(*world, body);
+    const auto box = world->ray_cast({-5, 0}, {5, 0}, {.mask = 4});
+    ASSERT_TRUE(box);
+    EXPECT_NEAR(box->point.x, -0.5, 1e-6);
+    EXPECT_FALSE(world->ray_cast({-5, 0}, {5, 0}, {.mask = 3}));
+    EXPECT_FALSE(world->ray_cast({-5, -0.8}, {5, -0.8}));
+    const auto ball = world->ray_cast({-5, -0.8}, {5, -0.8}, {.mask = 1, .sensors = true});
+    ASSERT_TRUE(ball);
+    EXPECT_NEAR(ball->point.x, -0.3, 1e-6);
+    EXPECT_TRUE(world->overlap(DiscShape{0.1}, {0, -0.8}, 0).empty());
+    EXPECT_EQ(world->overlap(DiscShape{0.1}, {0, -0.8}, 0, {.sensors = true}).size(), 1u);
+    EXPECT_NEAR(world->closest({0, -2}, 5)->distance, 1.8, 1e-6);
+    EXPECT_TRUE(world->remove_body(id));
+  }
+}
+
 TEST(Compound, IsRefusedWithThePartThatIsWrong) {
   auto world = make(unbounded(50));
   const auto refusal = [&](BodyDesc body) {
@@ -231,7 +316,9 @@ TEST(Compound, GoesOnWithTheSameBits) {
       recorder.add_body(ground(material(0.2, 0.5)), error);
       for (int k = 0; k < 40; ++k) {
         BodyDesc body = turned(table({3.4 * (k % 5) - 7, 2 + 3.4 * (k / 5)}, material(0.1, 0.5)), 0.7 * k);
-        std::get<CompoundShape>(body.shape).parts[1].friction = 0.1;
+        part_of(body, 1).friction = 0.1;
+        if (k % 3 == 0) part_of(body, 2).filter = Filter{2, 1, 0};
+        if (k % 7 == 0) part_of(body, 0).sensor = true;
         recorder.add_body(body, error);
       }
       for (int k = 0; k < 60; ++k) recorder.step();

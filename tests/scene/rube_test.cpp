@@ -53,73 +53,62 @@ TEST(Rube, ReadsWorldAndBodies) {
   EXPECT_EQ(scene.world.boundary, Boundary::open);
   EXPECT_EQ(scene.world.gravity.y, -9.5);
   EXPECT_EQ(scene.world.dt, 0.02);
-  ASSERT_EQ(scene.bodies.size(), 7u);
+  ASSERT_EQ(scene.bodies.size(), 5u);
 
-  const BodyDesc& chain = scene.bodies[0];
-  EXPECT_EQ(chain.type, BodyType::static_body);
   EXPECT_EQ(scene.body_names[0], "ground");
-  EXPECT_EQ(std::get<ChainShape>(chain.shape).vertices.size(), 3u);
-  EXPECT_FALSE(std::get<ChainShape>(chain.shape).loop);
-  EXPECT_EQ(chain.material.friction, 0.5);
-  EXPECT_EQ(chain.filter, Filter{});
+  EXPECT_EQ(scene.bodies[0].type, BodyType::static_body);
+  const auto& ground = std::get<CompoundShape>(scene.bodies[0].shape).parts;
+  ASSERT_EQ(ground.size(), 2u);
+  EXPECT_EQ(std::get<ChainShape>(ground[0].shape).vertices.size(), 3u);
+  EXPECT_FALSE(std::get<ChainShape>(ground[0].shape).loop);
+  EXPECT_EQ(ground[0].friction, 0.5);
+  EXPECT_EQ(ground[0].filter, Filter{});
+  EXPECT_EQ(std::get<PolygonShape>(ground[1].shape).vertices[2].y, 2);
+  EXPECT_EQ(ground[1].friction, 0.25);
+  EXPECT_EQ(ground[1].filter, (Filter{4, 3, -2}));
 
-  const BodyDesc& stone = scene.bodies[1];
-  EXPECT_EQ(scene.body_names[1], "");
-  EXPECT_EQ(std::get<PolygonShape>(stone.shape).vertices[2].y, 2);
-  EXPECT_EQ(stone.filter, (Filter{4, 3, -2}));
-
-  EXPECT_EQ(scene.body_names[2], "car");
-  EXPECT_EQ(scene.body_names[4], "wheel");
-  EXPECT_EQ(scene.body_names[5], "") << "names are unique here";
-  EXPECT_EQ(scene.bodies[2].angle, 0.5);
-  EXPECT_TRUE(scene.bodies[2].bullet);
-  EXPECT_EQ(scene.bodies[2].material.restitution, 0.125);
-  EXPECT_EQ(scene.bodies[2].material.friction, 0);
-  EXPECT_EQ(scene.bodies[2].material.density, 2);
-  EXPECT_EQ(scene.bodies[4].position.x, 1) << "hex digits";
-  EXPECT_TRUE(scene.bodies[5].fixed_rotation);
+  EXPECT_EQ(scene.body_names[2], "wheel");
+  EXPECT_EQ(scene.body_names[3], "") << "names are unique here";
+  EXPECT_EQ(std::get<DiscShape>(scene.bodies[2].shape).radius, 0.5);
+  EXPECT_EQ(scene.bodies[2].position.x, 1) << "hex digits";
+  EXPECT_TRUE(scene.bodies[3].fixed_rotation);
 }
 
-TEST(Rube, PartsOfABodyMoveAsOneAndAreWelded) {
+TEST(Rube, FixturesAreThePartsOfABody) {
   const Scene scene = parsed_scene(std::string(kCar));
-  const BodyDesc &a = scene.bodies.at(2), &b = scene.bodies.at(3);
-  EXPECT_EQ(a.position.x, b.position.x);
-  EXPECT_EQ(a.filter.group, b.filter.group);
-  EXPECT_LT(a.filter.group, 0);
-  const SceneJoint& weld = scene.joints.at(0);
-  EXPECT_EQ(weld.joint.type, JointType::weld);
-  EXPECT_EQ(weld.a, 2u);
-  EXPECT_EQ(weld.b, 3u);
-  EXPECT_FALSE(weld.joint.reference);
-  // The whole's centre of mass is at (1, 0) in its frame and moves with (3, 4); the parts' at (0, 0)
-  // and (2, 0), a metre off on either side.
-  const double c = std::cos(0.5), s = std::sin(0.5);
-  EXPECT_NEAR(a.velocity.x, 3 + 2 * s, 1e-12);
-  EXPECT_NEAR(a.velocity.y, 4 - 2 * c, 1e-12);
-  EXPECT_NEAR(b.velocity.x, 3 - 2 * s, 1e-12);
-  EXPECT_NEAR(b.velocity.y, 4 + 2 * c, 1e-12);
-  EXPECT_EQ(a.angular_velocity, 2);
-  EXPECT_EQ(b.angular_velocity, 2);
+  const BodyDesc& car = scene.bodies.at(1);
+  EXPECT_EQ(scene.body_names[1], "car");
+  EXPECT_EQ(car.angle, 0.5);
+  EXPECT_TRUE(car.bullet);
+  EXPECT_EQ(car.velocity.x, 3);
+  EXPECT_EQ(car.velocity.y, 4);
+  EXPECT_EQ(car.angular_velocity, 2);
+  const auto& parts = std::get<CompoundShape>(car.shape).parts;
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].restitution, 0.125);
+  EXPECT_EQ(parts[0].friction, 0);
+  EXPECT_EQ(parts[0].density, 2);
+  EXPECT_EQ(parts[0].sensor, false);
 }
 
 TEST(Rube, CirclesOffTheOriginKeepTheirPlace) {
   const Scene scene = parsed_scene(std::string(kCar));
-  const BodyDesc& wheel = scene.bodies.at(5);
-  EXPECT_EQ(std::get<DiscShape>(wheel.shape).radius, 0.5);
-  EXPECT_EQ(wheel.position.x, 3);
-  // A kinematic one turns about the body's origin, so it stays there.
-  const BodyDesc& led = scene.bodies.at(6);
-  EXPECT_EQ(led.position.x, -5);
-  EXPECT_EQ(std::get<CapsuleShape>(led.shape).p1.x, 1);
-  EXPECT_TRUE(led.sensor);
+  for (const std::size_t body : {3, 4}) {
+    const auto& parts = std::get<CompoundShape>(scene.bodies.at(body).shape).parts;
+    ASSERT_EQ(parts.size(), 1u);
+    EXPECT_EQ(std::get<DiscShape>(parts[0].shape).radius, 0.5);
+    EXPECT_EQ(parts[0].position.x, 1);
+    EXPECT_EQ(parts[0].sensor, body == 4);
+  }
+  EXPECT_EQ(scene.bodies[3].position.x, 2);
 }
 
 TEST(Rube, ReadsJoints) {
   const Scene scene = parsed_scene(std::string(kCar));
-  ASSERT_EQ(scene.joints.size(), 3u);
-  const SceneJoint& axle = scene.joints[1];
-  EXPECT_EQ(axle.a, 2u);
-  EXPECT_EQ(axle.b, 4u);
+  ASSERT_EQ(scene.joints.size(), 2u);
+  const SceneJoint& axle = scene.joints[0];
+  EXPECT_EQ(axle.a, 1u);
+  EXPECT_EQ(axle.b, 2u);
   EXPECT_EQ(axle.joint.type, JointType::revolute);
   EXPECT_EQ(axle.joint.anchor_a.y, -1);
   EXPECT_TRUE(axle.joint.collide);
@@ -128,18 +117,17 @@ TEST(Rube, ReadsJoints) {
   EXPECT_EQ(axle.joint.motor_speed, 3);
   EXPECT_EQ(axle.joint.motor_limit, 10);
   EXPECT_EQ(axle.joint.reference, 0.5);
-  const SceneJoint& wheel = scene.joints[2];
+  const SceneJoint& wheel = scene.joints[1];
   EXPECT_EQ(wheel.joint.type, JointType::revolute);
-  EXPECT_EQ(wheel.joint.anchor_b.x, 0) << "the disc's centre is the anchor";
+  EXPECT_EQ(wheel.joint.anchor_b.x, 1);
   EXPECT_EQ(wheel.joint.motor_limit, 0);
 }
 
 TEST(Rube, SaysWhatIsApproximated) {
   const Scene scene = parsed_scene(std::string(kCar));
-  ASSERT_EQ(scene.notes.size(), 3u);
-  EXPECT_EQ(scene.notes[0], "body[1]: several fixtures: each becomes a body, welded to the first");
-  EXPECT_EQ(scene.notes[1], "body[1]: linearDamping and angularDamping are left out");
-  EXPECT_EQ(scene.notes[2], "joint[1]: a wheel joint becomes a revolute one, without its spring");
+  ASSERT_EQ(scene.notes.size(), 2u);
+  EXPECT_EQ(scene.notes[0], "body[1]: linearDamping and angularDamping are left out");
+  EXPECT_EQ(scene.notes[1], "joint[1]: a wheel joint becomes a revolute one, without its spring");
 }
 
 TEST(Rube, BoundsLeaveRoomAroundEverything) {
@@ -250,10 +238,11 @@ TEST(Rube, ClosedChainsAreLoops) {
   const Scene scene = parsed_scene(R"({"body": [{"fixture": [
     {"chain": {"vertices": {"x": [0, 1, 1, 1, 0], "y": [0, 0, 1, 1, 0]}}},
     {"edge": {"vertex1": 0, "vertex2": {"x": 1, "y": 0}}}]}]})");
-  const auto& chain = std::get<ChainShape>(scene.bodies.at(0).shape);
+  const auto& parts = std::get<CompoundShape>(scene.bodies.at(0).shape).parts;
+  const auto& chain = std::get<ChainShape>(parts.at(0).shape);
   EXPECT_TRUE(chain.loop);
   EXPECT_EQ(chain.vertices.size(), 3u);
-  EXPECT_TRUE(std::holds_alternative<SegmentShape>(scene.bodies.at(1).shape));
+  EXPECT_TRUE(std::holds_alternative<SegmentShape>(parts.at(1).shape));
 }
 
 TEST(Rube, BadOnesAreRefusedAtTheirPlace) {

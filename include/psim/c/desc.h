@@ -54,7 +54,7 @@ typedef struct psim_body_desc {
   double gravity_scale;     ///< factor on the world's gravity and wells; default 1
   int32_t fixed_rotation;   ///< flag: contacts do not turn it
   int32_t bullet;           ///< flag: does not pass through other moving bodies either, however fast
-  int32_t sensor;           ///< flag, static or kinematic: touches nothing, tells who overlaps it
+  int32_t sensor;           ///< flag: touches nothing but the world's walls, tells who overlaps it
   psim_filter filter;       ///< who it collides with
   /// Several shapes that move as one, instead of `shape`; NULL, the default: `shape`. They may overlap: mass, centre of
   /// mass and inertia are the sums over the parts. No chain in a dynamic body.

@@ -155,6 +155,10 @@ typedef struct psim_shape_part {
   int32_t has_density;      ///< flag: else that of the body
   int32_t has_restitution;  ///< flag: else that of the body
   int32_t has_friction;     ///< flag: else that of the body
+  int32_t has_filter;       ///< flag: else that of the body
+  int32_t has_sensor;       ///< flag: else as the body
+  int32_t sensor;           ///< flag: touches nothing, tells who overlaps it; its mass counts; read if has_sensor
+  psim_filter filter;       ///< who it collides with; read if has_filter
   int32_t reserved;         ///< 0
 } psim_shape_part;
 

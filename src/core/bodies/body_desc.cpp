@@ -54,7 +54,6 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   }
   if (!check.error.empty()) return check.error;
   if (!contains(bounds, d.position)) return "position must lie inside the world's bounds";
-  if (d.sensor && d.type == BodyType::dynamic_body) return "a sensor is static or kinematic";
   return {};
 }
 
@@ -94,9 +93,11 @@ BodyDesc disc_of(const DiscBatch& batch, std::size_t i) {
           .filter = batch.filter};
 }
 
-PartProperties part_properties(const ShapePart& part, const Material& material) {
-  return {coefficient(part.restitution.value_or(material.restitution)),
-          coefficient(part.friction.value_or(material.friction))};
+PartProperties part_properties(const ShapePart& part, const BodyDesc& body) {
+  return {{coefficient(part.restitution.value_or(body.material.restitution)),
+           coefficient(part.friction.value_or(body.material.friction))},
+          part.filter.value_or(body.filter),
+          part.sensor.value_or(body.sensor) ? 1u : 0u};
 }
 
 namespace {
@@ -117,21 +118,28 @@ BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   return properties;
 }
 
-// Some parts of a compound have a material of their own: the body has the largest of all.
-void take_materials(const BodyDesc& d, const HullSet& hulls, NewBody& body) {
+// What the parts of a compound have. Nothing if all have the same, which the body has then; else the body has the largest
+// restitution and friction.
+std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
   const auto* compound = std::get_if<CompoundShape>(&d.shape);
-  if (compound == nullptr) return;
-  BodyProperties& all = body.properties;
-  const PartProperties usual{all.restitution, all.friction};
-  std::vector<PartProperties> own;
-  for (const ShapePart& part : compound->parts) own.push_back(part_properties(part, d.material));
-  if (std::ranges::all_of(own, [&](const PartProperties& p) { return p == usual; })) return;
-  all.restitution = all.friction = 0;
-  for (const PartProperties& p : own) {
-    all.restitution = greater(p.restitution, all.restitution);
-    all.friction = greater(p.friction, all.friction);
+  if (compound == nullptr) {
+    body.kind.filter = d.filter;
+    body.kind.sensor = d.sensor;
+    return {};
   }
-  for (const std::uint32_t part : hulls.part) body.own.push_back(own[part]);
+  std::vector<PartProperties> parts;
+  for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
+  Surface most;
+  for (const PartProperties& p : parts) {
+    most.restitution = greater(p.surface.restitution, most.restitution);
+    most.friction = greater(p.surface.friction, most.friction);
+  }
+  body.properties.restitution = most.restitution;
+  body.properties.friction = most.friction;
+  if (std::ranges::any_of(parts, [&](const PartProperties& p) { return p != parts[0]; })) return parts;
+  body.kind.filter = parts[0].filter;
+  body.kind.sensor = parts[0].sensor != 0;
+  return {};
 }
 
 bool has_chain(const Shape& shape) {
@@ -184,7 +192,9 @@ std::string cut_compound(const BodyDesc& d, const CompoundShape& compound, const
     error = cut_shape(shape_of(part),
                       Pieces(d.position + turned(turn, part.position), d.angle + part.angle, lattice, pieces));
     if (!error.empty()) return "part " + std::to_string(k) + ": " + error;
-    Pieces::mark(std::span(pieces).subspan(first), k, part_properties(part, d.material));
+    const PartProperties has = part_properties(part, d);
+    Pieces::mark(std::span(pieces).subspan(first), static_cast<std::uint32_t>(k), has.surface);
+    if (has.sensor != 0) pieces.resize(first);  // it stops nothing: only queries and events know it
   }
   return {};
 }
@@ -194,6 +204,7 @@ std::string cut_compound(const BodyDesc& d, const CompoundShape& compound, const
 bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
     body.properties = properties_of(d, disc->radius, disc_mass(disc->radius, d.mass, d.material));
+    take_properties(d, body);
     return true;
   }
   const bool dynamic = d.type == BodyType::dynamic_body;
@@ -222,9 +233,24 @@ bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
     const double r = reach, inertia = mass * hulls.mass.inertia;
     body.properties.rim_gain = static_cast<float>(r * r / inertia);
   }
-  take_materials(d, hulls, body);
+  const std::vector<PartProperties> parts = take_properties(d, body);
+  for (std::size_t k = 0; !parts.empty() && k < hulls.part.size(); ++k) body.own.push_back(parts[hulls.part[k]]);
   body.hulls = std::move(hulls.parts);
   return true;
+}
+
+// The hulls of a static body's sensors.
+std::string make_sensors(const BodyDesc& d, const std::vector<PartProperties>& parts, NewBody& body) {
+  HullSet hulls;
+  std::string error;
+  if (!make_hulls(d.shape, false, hulls, error)) return error;
+  body.own = parts;
+  for (std::size_t k = 0; k < hulls.parts.size(); ++k) {
+    if (!parts.empty() && parts[hulls.part[k]].sensor == 0) continue;
+    body.hulls.push_back(hulls.parts[k]);
+    if (!parts.empty()) body.own.push_back(parts[hulls.part[k]]);
+  }
+  return {};
 }
 
 bool make_static(const BodyDesc& d, const Lattice& lattice, NewBody& body, std::vector<Piece>& pieces,
@@ -239,13 +265,12 @@ bool make_static(const BodyDesc& d, const Lattice& lattice, NewBody& body, std::
     Pieces::mark(pieces, 0, {body.properties.restitution, body.properties.friction});
   }
   if (!error.empty()) return false;
-  take_materials(d, {}, body);
-  if (!d.sensor) return true;
-  pieces.clear();  // it stops nothing: only queries and events know it
-  HullSet hulls;
-  if (!make_hulls(d.shape, false, hulls, error)) return false;
-  body.hulls = std::move(hulls.parts);
-  return true;
+  const std::vector<PartProperties> parts = take_properties(d, body);
+  body.own = parts;
+  if (body.kind.sensor) pieces.clear();
+  const bool senses = std::ranges::any_of(parts, [](const PartProperties& p) { return p.sensor != 0; });
+  if (body.kind.sensor || senses) error = make_sensors(d, parts, body);
+  return error.empty();
 }
 
 }  // namespace psim

@@ -24,10 +24,10 @@ std::string check(const DiscBatch& batch, const Bounds& bounds);
 /// One disc of a batch.
 BodyDesc disc_of(const DiscBatch& batch, std::size_t i);
 
-/// Returns the material of a part of a compound: its own numbers, and those of the body where it has none.
-PartProperties part_properties(const ShapePart& part, const Material& material);
+/// Returns what a part of a compound has: its own, and what the body has where it has none.
+PartProperties part_properties(const ShapePart& part, const BodyDesc& body);
 
-/// A body on its way into the tables. `own`: what each hull has, if some parts have something of their own.
+/// A body on its way into the tables. `own`: what its parts have, if they differ; the hulls come last.
 struct NewBody {
   BodyProperties properties;
   BodyKind kind;

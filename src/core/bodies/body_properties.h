@@ -36,8 +36,16 @@ struct BodyProperties {
 static_assert(sizeof(BodyProperties) == 32);
 
 /// The part of a body that a contact is at decides how it bounces and rubs.
-struct PartProperties {
+struct Surface {
   float restitution = 0, friction = 0;
+  friend bool operator==(const Surface&, const Surface&) = default;
+};
+
+/// What a part has, in a body whose parts differ.
+struct PartProperties {
+  Surface surface;
+  Filter filter;
+  std::uint32_t sensor = 0;  ///< a flag
   friend bool operator==(const PartProperties&, const PartProperties&) = default;
 };
 
@@ -45,12 +53,15 @@ struct PartProperties {
 struct BodyKind {
   std::uint32_t first_hull = 0;  ///< number of the first hull in the ShapeTable; 0: a plain disc
   std::uint32_t hull_count = 0;
-  std::uint32_t first_part = 0;      ///< in the PartTable, as many as hulls; 0: its parts have what the body has
+  std::uint32_t first_part = 0;      ///< in the PartTable; 0: all parts have what the body has
+  std::uint32_t part_count = 0;      ///< in the PartTable: the hulls come last, behind the parts of fixed pieces
   float centre_x = 0, centre_y = 0;  ///< m: centre of mass in the body's frame
   float inner = 0;                   ///< m: least distance from the centre to the surface
-  Filter filter;
+  Filter filter;                     ///< as `sensor`: the usual one where parts have their own
   bool bullet = false;
   bool sensor = false;
+  /// The number of a hull among the parts.
+  std::uint32_t part_of_hull(std::uint32_t hull) const { return std::max(part_count, hull_count) - hull_count + hull; }
   friend bool operator==(const BodyKind&, const BodyKind&) = default;
 };
 

@@ -93,11 +93,25 @@ class BodyStore {
   BodyKindTable kinds;
   const BodyKind& kind(std::uint32_t body_id) const { return kinds[properties(body_id).kind]; }
   const BodyProperties& properties(std::uint32_t body_id) const { return property_table[info[body_id].properties]; }
-  /// The restitution and friction of a part of a body.
-  PartProperties part_of(std::uint32_t body_id, std::uint32_t part) const { return part_of(properties(body_id), part); }
-  PartProperties part_of(const BodyProperties& body, std::uint32_t part) const {
+  /// How a part of a body bounces and rubs.
+  Surface surface_of(std::uint32_t body_id, std::uint32_t part) const { return surface_of(properties(body_id), part); }
+  Surface surface_of(const BodyProperties& body, std::uint32_t part) const {
     const std::uint32_t first = parts.any() ? kinds[body.kind].first_part : 0;
-    return first == 0 ? PartProperties{body.restitution, body.friction} : parts[first + part];
+    return first == 0 ? Surface{body.restitution, body.friction} : parts[first + part].surface;
+  }
+  const Filter& filter_of(const BodyKind& body, std::uint32_t part) const {
+    return body.first_part == 0 ? body.filter : parts[body.first_part + part].filter;
+  }
+  bool is_sensor(const BodyKind& body, std::uint32_t part) const {
+    return body.first_part == 0 ? body.sensor : parts[body.first_part + part].sensor != 0;
+  }
+  /// Whether two parts collide: neither is a sensor, and their filters agree.
+  bool collide(const BodyKind& a, std::uint32_t part_a, const BodyKind& b, std::uint32_t part_b) const {
+    return !is_sensor(a, part_a) && !is_sensor(b, part_b) && meet(filter_of(a, part_a), filter_of(b, part_b));
+  }
+  /// The same for two bodies: false if no parts of them do.
+  bool may_collide(const BodyKind& a, const BodyKind& b) const {
+    return a.first_part != 0 || b.first_part != 0 || collide(a, 0, b, 0);
   }
   std::uint32_t id_count = 0;
   std::vector<std::uint32_t> free_ids;

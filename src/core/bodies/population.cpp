@@ -1,5 +1,6 @@
 #include "bodies/population.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/elementary.h"
@@ -40,9 +41,18 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   const auto add = [sign](std::uint64_t& counter, bool yes) { counter += static_cast<std::uint64_t>(yes ? sign : 0); };
   const BodyKind& kind = bodies.kinds[p.kind];
   const bool disc = kind.hull_count == 0;
-  add(t.filtered, kind.filter != Filter{});
-  add(t.sensors, kind.sensor);
-  if (p.type() == BodyType::static_body) {
+  const auto any_part = [&](const auto& has) {
+    for (std::uint32_t k = 0; k < std::max(1u, kind.part_count); ++k) {
+      if (has(k)) return true;
+    }
+    return false;
+  };
+  const bool moves = p.type() != BodyType::static_body;
+  const bool senses = any_part([&](std::uint32_t k) { return bodies.is_sensor(kind, k); });
+  add(t.filtered, any_part([&](std::uint32_t k) { return bodies.filter_of(kind, k) != Filter{}; }));
+  add(t.sensors, senses);
+  add(t.moving_sensors, senses && moves);
+  if (!moves) {
     add(t.fixed, true);
     add(t.fixed_bounce, p.restitution > 0);
     add(t.fixed_rough, p.friction > 0);
@@ -79,9 +89,7 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
   std::vector<Piece> pieces;
   NewBody body;
   BodyKind& kind = body.kind;
-  kind.filter = d.filter;
   kind.bullet = moves && d.bullet;
-  kind.sensor = d.sensor;
   if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
   reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
   const auto forget_kind = [&] { forget(kind); };
@@ -89,7 +97,10 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
     kind.first_hull = bodies.hulls.acquire(body.hulls);
     kind.hull_count = static_cast<std::uint32_t>(body.hulls.size());
   }
-  if (!body.own.empty()) kind.first_part = or_else(forget_kind, [&] { return bodies.parts.acquire(body.own); });
+  if (!body.own.empty()) {
+    kind.first_part = or_else(forget_kind, [&] { return bodies.parts.acquire(body.own); });
+    kind.part_count = static_cast<std::uint32_t>(body.own.size());
+  }
   const std::uint32_t entry = or_else(forget_kind, [&] { return bodies.kinds.acquire(kind); });
   if (entry > kMostKinds) {
     forget_kind();

@@ -113,11 +113,11 @@ class SharedRuns {
   std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;
 };
 
-static_assert(sizeof(Hull) == (4 * Hull::kMost + 6) * sizeof(float) && sizeof(PartProperties) == 2 * sizeof(float));
+static_assert(sizeof(Hull) == (4 * Hull::kMost + 6) * sizeof(float) && sizeof(PartProperties) == 6 * sizeof(float));
 
 /// The hulls of all moving bodies that are no discs.
 using ShapeTable = SharedRuns<Hull>;
-/// What parts have of their own, in bodies where some do.
+/// What parts have, in bodies whose parts differ.
 using PartTable = SharedRuns<PartProperties>;
 
 }  // namespace psim

@@ -35,12 +35,12 @@ class Pieces {
   Pieces(Vec2 position, double angle, const Lattice& lattice, std::vector<Piece>& out)
       : list(out), at_(position), turn_(sine_cosine(angle)), lattice_(lattice) {}
 
-  /// Says of which part pieces are, and what it has.
-  static void mark(std::span<Piece> pieces, std::size_t part, const PartProperties& properties) {
+  /// Says of which part pieces are, and how it bounces and rubs.
+  static void mark(std::span<Piece> pieces, std::uint32_t part, const Surface& surface) {
     for (Piece& piece : pieces) {
-      piece.shape.part = part_number(part);
-      piece.shape.restitution = properties.restitution;
-      piece.shape.friction = properties.friction;
+      piece.shape.part = part;
+      piece.shape.restitution = surface.restitution;
+      piece.shape.friction = surface.friction;
     }
   }
 

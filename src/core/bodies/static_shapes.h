@@ -21,9 +21,6 @@ namespace psim {
 
 class BodyStore;
 
-/// The number of a part as 16 bits: from the 65,535th on all parts of a body count as one.
-inline std::uint16_t part_number(std::size_t part) { return static_cast<std::uint16_t>(part < 0xFFFF ? part : 0xFFFF); }
-
 /// A piece of a static body: a disc (one point), a segment (two points) with a radius around it, or
 /// a whole polygon. A polygon comes twice: as its edges, which discs collide with, and whole, for all other shapes.
 struct StaticShape {
@@ -33,14 +30,15 @@ struct StaticShape {
   float friction = 0;
   std::uint32_t owner = 0;  ///< body id
   std::uint32_t hull = 0;   ///< of a whole polygon: the number of its hull, see StaticShapes::hull
-  std::uint16_t part = 0;   ///< part_number() of its part of the body
-  bool segment = false;
-  bool face = false;   ///< an edge of a polygon, whose inside is left of p->q: discs alone collide with it
-  bool whole = false;  ///< a whole polygon about p: shapes with corners alone collide with it
-  bool alive = true;
-  bool asleep = false;  ///< a piece of a body that sleeps: it may leave at any time
-  bool lone = false;    ///< a plain disc that sleeps: its Sleeper and its BodyProperties hold the rest
+  std::uint32_t part = 0;   ///< of the body
+  bool segment : 1 = false;
+  bool face : 1 = false;   ///< an edge of a polygon, whose inside is left of p->q: discs alone collide with it
+  bool whole : 1 = false;  ///< a whole polygon about p: shapes with corners alone collide with it
+  bool alive : 1 = true;
+  bool asleep : 1 = false;  ///< a piece of a body that sleeps: it may leave at any time
+  bool lone : 1 = false;    ///< a plain disc that sleeps: its Sleeper and its BodyProperties hold the rest
 };
+static_assert(sizeof(StaticShape) == 60);
 
 /// A shape on its way into the grids.
 struct Piece {

@@ -23,9 +23,10 @@ struct BodyCounts {
   std::uint64_t fixed = 0;
   std::uint64_t fixed_bounce = 0;
   std::uint64_t fixed_rough = 0;
-  std::uint64_t cornered = 0;  ///< moving bodies other than discs
-  std::uint64_t filtered = 0;  ///< bodies that do not collide with all others
-  std::uint64_t sensors = 0;
+  std::uint64_t cornered = 0;        ///< moving bodies other than discs
+  std::uint64_t filtered = 0;        ///< bodies that do not collide with all others
+  std::uint64_t sensors = 0;         ///< bodies with a sensor
+  std::uint64_t moving_sensors = 0;  ///< those of them that move
   std::uint64_t bullets = 0;
   friend bool operator==(const BodyCounts&, const BodyCounts&) = default;
 };

@@ -18,6 +18,11 @@ inline std::uint64_t fixed_key(std::uint32_t body, std::uint32_t shape) {
   return std::uint64_t{1} << 63 | std::uint64_t{body} << 32 | shape;
 }
 
+/// The number of a part as 16 bits: from the 65,535th on all parts of a body count as one.
+inline std::uint16_t part_number(std::uint32_t part) {
+  return static_cast<std::uint16_t>(part < 0xFFFF ? part : 0xFFFF);
+}
+
 /// Which parts of their bodies touch: of the one that the key names first, and of the other. Two bodies of many parts may
 /// have a contact for each two of them.
 struct TouchParts {

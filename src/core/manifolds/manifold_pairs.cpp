@@ -103,12 +103,13 @@ struct Manifolds::Sorter {
   bool leaves(const StaticPair& pair) const {
     const std::uint8_t kind = m.kind_[pair.body];
     const bool shape = (kind & kShape) != 0;
-    if ((kind & kSensor) != 0 || ((kind & kKinematic) != 0 && shape)) return true;
+    if ((kind & kKinematic) != 0 && shape) return true;
     if (pair.shape < kWallLeft) {
       const StaticShape& piece = statics[pair.shape];
       const std::uint32_t id = b.id[pair.body];
       if (shape ? piece.face : piece.whole) return true;
-      if (m.any_filter_ && !meet(b.kind(id).filter, b.kind(piece.owner).filter)) return true;
+      if (m.any_filter_ && (kind & kParts) == 0 && !b.collide(b.kind(id), 0, b.kind(piece.owner), piece.part))
+        return true;
       if (joined != nullptr && (*joined)(id, piece.owner)) return true;
     }
     return shape && note(pair);
@@ -117,10 +118,8 @@ struct Manifolds::Sorter {
  private:
   bool collide_at_all(std::uint32_t i, std::uint32_t j) const {
     const std::uint32_t id = b.id[i], other = b.id[j];
-    if (((m.kind_[i] | m.kind_[j]) & (kFiltered | kSensor)) != 0) {
-      const BodyKind &mine = b.kind(id), &theirs = b.kind(other);
-      if (mine.sensor || theirs.sensor || !meet(mine.filter, theirs.filter)) return false;
-    }
+    const int kinds = m.kind_[i] | m.kind_[j];
+    if ((kinds & (kFiltered | kSensor)) != 0 && !b.may_collide(b.kind(id), b.kind(other))) return false;
     if ((m.kind_[i] & m.kind_[j] & kKinematic) != 0) return false;  // neither body can be moved
     return joined == nullptr || !(*joined)(id, other);
   }
@@ -141,11 +140,23 @@ struct Manifolds::Sorter {
     const auto add = [&](std::uint32_t part_a, std::uint32_t part_b) {
       pair.part_a = part_a;
       pair.part_b = part_b;
+      if (!collide(pair)) return;
       pair.before = m.index_.find(pair, known);
       out.push_back(pair);
     };
     each_near(pair, parts_a, parts_b, sides..., add);
     return true;
+  }
+
+  // Whether two parts collide, of bodies of which one has several. Walls hold bodies that are nothing but sensors, which
+  // would fall out of the world, but no sensor that is a part of a body.
+  bool collide(const PairName& pair) const {
+    const bool differ = ((m.kind_[pair.b] | (pair.of_piece() ? 0 : m.kind_[pair.a])) & kParts) != 0;
+    if (!differ) return true;
+    const BodyKind& kind = b.kind(pair.id_b);
+    if (pair.of_wall()) return !b.is_sensor(kind, pair.part_b);
+    const std::uint32_t part_a = pair.of_piece() ? statics[pair.shape].part : pair.part_a;
+    return b.collide(b.kind(pair.id_a), part_a, kind, pair.part_b);
   }
 
   // Calls add(part of A, part of B) for the parts of a body and a fixed piece that may meet, in order.
@@ -230,7 +241,8 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
       const BodyKind& kind = b.kinds[properties.kind];
       const bool shape = kind.hull_count != 0;
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
-                                           (kind.sensor ? kSensor : 0) | (held ? kKinematic : 0));
+                                           (kind.sensor ? kSensor : 0) | (kind.first_part != 0 ? kParts : 0) |
+                                           (held ? kKinematic : 0));
       if (shape) shaped_.push_back(i);
     }
     parts_.note(shaped_, settings.margin, settings.ahead);

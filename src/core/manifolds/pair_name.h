@@ -38,16 +38,16 @@ struct PairName {
 
 /// Restitution and friction of the two sides of a pair.
 struct Sides {
-  PartProperties a, b;
+  Surface a, b;
   float friction() const { return std::sqrt(a.friction * b.friction); }
   float restitution() const { return std::max(a.restitution, b.restitution); }
 };
 /// `of_a`, `of_b`: what the two bodies have, or the wall.
 inline Sides sides_of(const PairName& pair, const BodyStore& bodies, const StaticShapes& statics,
                       const BodyProperties& of_a, const BodyProperties& of_b) {
-  const PartProperties b = bodies.part_of(of_b, pair.part_b);
+  const Surface b = bodies.surface_of(of_b, pair.part_b);
   if (pair.of_wall()) return {{of_a.restitution, of_a.friction}, b};
-  if (!pair.of_piece()) return {bodies.part_of(of_a, pair.part_a), b};
+  if (!pair.of_piece()) return {bodies.surface_of(of_a, pair.part_a), b};
   return {{statics[pair.shape].restitution, statics[pair.shape].friction}, b};
 }
 

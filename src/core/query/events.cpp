@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <initializer_list>
 #include <iterator>
 #include <utility>
 
@@ -241,25 +242,30 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
   if (world.population.traits.moving != 0) {
     const QueryIndex::Part& moving = index.part(world, QueryIndex::kMoving);
     const QueryIndex::Part& sleeping = index.part(world, QueryIndex::kSleeping);
-    // Finds the bodies that overlap an item of a sensor in `part`.
-    const auto look = [&](const QueryIndex::Part& part, const QueryItem& item) {
-      const BodyKind& kind = b.kind(item.body);
-      if (!kind.sensor) return;
-      const Outline mine = QueryIndex::outline(world, part, item, {});
-      const double reach = wide(item.radius);
-      const auto felt = [&](std::uint32_t other) {
-        const BodyKind& theirs = b.kind(other);
-        return b.info[other].place != Place::frozen && !theirs.sensor && meet(kind.filter, theirs.filter);
-      };
-      for (const QueryIndex::Part* in : {&moving, &sleeping}) {
-        QueryIndex::each_overlap(world, *in, mine, item.at, {reach, reach}, felt,
-                                 [&](std::uint32_t other) { now_.push_back(std::uint64_t{item.body} << 32 | other); });
+    const QueryIndex::Part& fixed = index.part(world, QueryIndex::kFixed);
+    const auto here = [&](std::uint32_t id) { return b.info[id].place != Place::frozen; };
+    // Finds the bodies in some parts of the index that overlap the sensors in `part`.
+    const auto look = [&](const QueryIndex::Part& part, std::initializer_list<const QueryIndex::Part*> into) {
+      for (const QueryItem& item : part.grid.items()) {
+        const BodyKind& kind = b.kind(item.body);
+        if (!b.is_sensor(kind, item.part) || !here(item.body)) continue;
+        const Outline mine = QueryIndex::outline(world, part, item, {});
+        const double reach = wide(item.radius);
+        const auto felt = [&](const QueryItem& other) {
+          const BodyKind& theirs = b.kind(other.body);
+          return other.body != item.body && here(other.body) && !b.is_sensor(theirs, other.part) &&
+                 meet(b.filter_of(kind, item.part), b.filter_of(theirs, other.part));
+        };
+        const auto add = [&](std::uint32_t other) { now_.push_back(std::uint64_t{item.body} << 32 | other); };
+        for (const QueryIndex::Part* in : into) {
+          QueryIndex::each_overlap(world, *in, mine, item.at, {reach, reach}, felt, add);
+        }
       }
     };
-    const QueryIndex::Part& fixed = index.part(world, QueryIndex::kFixed);
-    for (const QueryItem& item : fixed.grid.items()) look(fixed, item);
-    if (world.any_kinematic()) {
-      for (const QueryItem& item : moving.grid.items()) look(moving, item);
+    if (world.population.traits.sensors != world.population.traits.moving_sensors) look(fixed, {&moving, &sleeping});
+    if (world.population.traits.moving_sensors != 0) {
+      look(moving, {&moving, &sleeping, &fixed});
+      look(sleeping, {&moving, &sleeping, &fixed});
     }
   }
   replace(sensed_, b.id_count);

@@ -23,11 +23,11 @@ struct Question {
   const QueryFilter& filter;
   Vec2 period = world.period();  // m
 
-  bool wants(std::uint32_t id) const {
-    const BodyProperties& properties = world.bodies.properties(id);
+  bool wants(const QueryItem& item) const {
+    const BodyProperties& properties = world.bodies.properties(item.body);
     const BodyKind& kind = world.bodies.kinds[properties.kind];
-    if (kind.sensor && !filter.sensors) return false;
-    if ((kind.filter.category & filter.mask) == 0) return false;
+    if (!filter.sensors && world.bodies.is_sensor(kind, item.part)) return false;
+    if ((world.bodies.filter_of(kind, item.part).category & filter.mask) == 0) return false;
     if (properties.type() == BodyType::static_body) return filter.fixed;
     return properties.type() == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
   }
@@ -50,7 +50,7 @@ struct Question {
   void gather(const Outline& shape, Vec2 middle, Vec2 half, std::vector<std::uint32_t>& ids) const {
     parts([&](const QueryIndex::Part& part) {
       QueryIndex::each_overlap(
-          world, part, shape, place(middle), half, [&](std::uint32_t id) { return wants(id); },
+          world, part, shape, place(middle), half, [&](const QueryItem& item) { return wants(item); },
           [&](std::uint32_t id) { ids.push_back(id); });
     });
   }
@@ -110,7 +110,7 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
                              : enter(QueryIndex::outline(q.world, part, item, to), ray.u, limit);
-      if (e.at >= 0 && e.at <= limit && q.wants(item.body)) each(Met{e.at, item.body, e.normal});
+      if (e.at >= 0 && e.at <= limit && q.wants(item)) each(Met{e.at, item.body, e.normal});
     };
     if (ray.length > 0) {
       part.grid.along(ray.from, ray.u, limit, meet);
@@ -199,7 +199,7 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
       const NearPoint n = item.piece == QueryIndex::kDisc ? near_point(to, r)
                                                           : near_point(QueryIndex::outline(q.world, part, item, to));
       const Met met{n.distance, item.body, n.point};
-      if (met.at > reach || !q.wants(met.body) || (best && !before(met, *best))) return;
+      if (met.at > reach || !q.wants(item) || (best && !before(met, *best))) return;
       best = met;
       reach = met.at;
     });

@@ -21,10 +21,11 @@ namespace psim {
 
 /// An item. Coordinates are metres from the centre of the lattice.
 struct QueryItem {
-  Vec2 at;
+  Vec2 at{};
   float radius = 0;         ///< m: no part of the item is further from its place
   std::uint32_t body = 0;   ///< id
   std::uint32_t piece = 0;  ///< the owner's number for it
+  std::uint32_t part = 0;   ///< of the body
 
   /// From a point to the centre of a copy of the item.
   Vec2 seen_from(Vec2 point, Vec2 shift) const { return at + shift - point; }

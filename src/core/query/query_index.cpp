@@ -38,7 +38,7 @@ struct Filler {
     for (const Sleeper& s : world.sleep.sleepers.list) body(s.id, lattice.from_centre(s.at), s.angle);
   }
 
-  // Static bodies, and sensors that do not move, which have no static shapes.
+  // Static bodies, and their sensors, which have no static shapes.
   void fixed() {
     const StaticShapes& statics = world.statics;
     begin(statics.size());
@@ -46,7 +46,7 @@ struct Filler {
       if (statics[k].alive && !statics[k].face && !statics[k].asleep) shape(statics[k], k);
     }
     for (const FixedBody& f : world.population.fixed) {
-      if (world.bodies.kind(f.id).sensor) body(f.id, Vec2{f.x, f.y} - lattice.centre(), f.angle);
+      if (world.bodies.kind(f.id).hull_count != 0) body(f.id, Vec2{f.x, f.y} - lattice.centre(), f.angle);
     }
   }
 
@@ -56,7 +56,9 @@ struct Filler {
     part.pieces.clear();
   }
 
-  void disc(std::uint32_t id, Vec2 at, float radius) { part.grid.add({at, radius, id, QueryIndex::kDisc}); }
+  void disc(std::uint32_t id, Vec2 at, float radius, std::uint32_t part_number = 0) {
+    part.grid.add({at, radius, id, QueryIndex::kDisc, part_number});
+  }
 
   // Adds a body about its centre.
   void body(std::uint32_t id, Vec2 at, double angle) {
@@ -65,22 +67,25 @@ struct Filler {
     if (kind.hull_count == 0) return disc(id, at, properties.radius);
     const SineCosine turn = sine_cosine(angle);
     for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
-      piece(id, {.way = {turn.cosine, turn.sine}, .hull = kind.first_hull + k, .kind = QueryPiece::kHull}, at);
+      piece({.body = id, .part = kind.part_of_hull(k)},
+            {.way = {turn.cosine, turn.sine}, .hull = kind.first_hull + k, .kind = QueryPiece::kHull}, at);
     }
   }
 
   void shape(const StaticShape& s, std::uint32_t number) {
     const Vec2 p = lattice.from_centre(s.p);
-    if (s.whole) return piece(s.owner, {.way = {1, 0}, .hull = number, .kind = QueryPiece::kWholeStatic}, p);
-    if (!s.segment) return disc(s.owner, p, s.radius);
+    const QueryItem item{.body = s.owner, .part = s.part};
+    if (s.whole) return piece(item, {.way = {1, 0}, .hull = number, .kind = QueryPiece::kWholeStatic}, p);
+    if (!s.segment) return disc(s.owner, p, s.radius, s.part);
     Vec2 way = lattice.from_centre({wrap_sub(s.q.x, s.p.x), wrap_sub(s.q.y, s.p.y), s.q.dx, s.q.dy});
     way = way - Vec2{s.p.dx, s.p.dy};
-    piece(s.owner, {.way = way, .radius = s.radius, .kind = QueryPiece::kSegment}, p);
+    piece(item, {.way = way, .radius = s.radius, .kind = QueryPiece::kSegment}, p);
   }
 
-  // Adds a piece with its origin at `at`. Its item is the circle about the middle of its box.
-  void piece(std::uint32_t id, const QueryPiece& piece, Vec2 at) {
-    QueryItem item{at, 0, id, static_cast<std::uint32_t>(part.pieces.size())};
+  // Adds a piece with its origin at `at`. Its item, of which `item` names the body and its part, is the circle about the
+  // middle of its box.
+  void piece(QueryItem item, const QueryPiece& piece, Vec2 at) {
+    item.piece = static_cast<std::uint32_t>(part.pieces.size());
     part.pieces.push_back(piece);
     const Outline o = QueryIndex::outline(world, part, item, {});
     const Vec2 middle = box_of(o).middle();

@@ -47,7 +47,7 @@ class QueryIndex {
   /// The outline of an item if its centre lies at `at`.
   static Outline outline(const Observed& world, const Part& part, const QueryItem& item, Vec2 at);
 
-  /// Calls each(id) for the bodies with wanted(id) that have a point in common with `shape`, an outline about `at`. Its
+  /// Calls each(id) for the bodies with wanted(item) that have a point in common with `shape`, an outline about `at`. Its
   /// box has half the width and height `half`. A body may come more than once.
   template <class Wanted, class Each>
   static void each_overlap(const Observed& world, const Part& part, const Outline& shape, Vec2 at, Vec2 half,
@@ -55,7 +55,7 @@ class QueryIndex {
     part.grid.in_box(at - half, at + half, [&](const QueryItem& item, Vec2 shift) {
       const Vec2 to = item.seen_from(at, shift);
       const double r = wide(item.radius);
-      if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r || !wanted(item.body)) return;
+      if (std::fabs(to.x) > half.x + r || std::fabs(to.y) > half.y + r || !wanted(item)) return;
       if (overlap(shape, outline(world, part, item, to))) each(item.body);
     });
   }

@@ -72,7 +72,8 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
     for (std::uint32_t h = 0; h < kind.hull_count; ++h) {
       const std::size_t first = list.size();
       pieces.solid(bodies.hulls[kind.first_hull + h]);
-      Pieces::mark(std::span(list).subspan(first), h, bodies.part_of(s.id, h));
+      const std::uint32_t part = kind.part_of_hull(h);
+      Pieces::mark(std::span(list).subspan(first), part, bodies.surface_of(properties, part));
     }
     for (Piece& piece : list) piece.shape.owner = s.id;
   }

@@ -37,7 +37,7 @@ bool is_fast_disc(const BodyStore& b, std::size_t i, float dt) {
 
 bool is_free(const BodyStore& b, std::size_t i) {
   if (b.id[i] == kNoSlot || b.linked[i] == 0) return false;
-  return b.properties(b.id[i]).type() == BodyType::dynamic_body && !b.kind(b.id[i]).sensor;
+  return b.properties(b.id[i]).type() == BodyType::dynamic_body;
 }
 
 float inner_of(const BodyStore& b, std::size_t i) {
@@ -173,7 +173,7 @@ void Continuous::find_shapes(const ContinuousInput& in) {
     if (b.id[i] == kNoSlot || b.linked[i] == 0) return;
     const BodyProperties& properties = b.properties(b.id[i]);
     const BodyKind& kind = b.kinds[properties.kind];
-    if (!is_fast(b, i, kind.inner) || properties.type() != BodyType::dynamic_body || kind.sensor) return;
+    if (!is_fast(b, i, kind.inner) || properties.type() != BodyType::dynamic_body) return;
     jobs_[n].fast = true;
     if ((fixed && near_fixed(in, i)) || may_come_upon(s, i)) jobs_[n].found.push_back(i);
   });

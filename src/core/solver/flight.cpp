@@ -44,9 +44,16 @@ Flight::Flight(const Airspace& space, std::uint32_t slot, bool pressed)
   angle_ = b_.angle_of(slot) - turned;
 }
 
-bool Flight::collides_with(std::uint32_t id) const {
-  if (space_.filters && (b_.kind(id).sensor || !meet(kind_.filter, b_.kind(id).filter))) return false;
+bool Flight::may_collide_with(std::uint32_t id) const {
+  if (space_.filters && !b_.may_collide(kind_, b_.kind(id))) return false;
   return space_.joints == nullptr || !space_.joints->joined(b_.id[slot_], id);
+}
+
+// Whether a hull of this body collides with a part of another one, or with a wall (kNoSlot): see Manifolds::Sorter.
+bool Flight::collide(const Hull& mine, std::uint32_t id, std::uint32_t part) const {
+  if (!space_.filters) return true;
+  if (id == kNoSlot) return kind_.first_part == 0 || !b_.is_sensor(kind_, number_of(mine));
+  return b_.collide(kind_, number_of(mine), b_.kind(id), part);
 }
 
 // What is left of a course in this step.
@@ -124,13 +131,13 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
   for (const std::uint32_t k : near) {
     const StaticShape& s = s_.statics[k];
     if (disc_ ? s.whole : s.face) continue;
-    if (!collides_with(s.owner)) continue;
+    if (!may_collide_with(s.owner)) continue;
     const Hull piece = seen(k, length_of(way));
     if (s.face) {  // a disc whose centre is inside of a polygon, or about at its face, may leave it
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
-    meet_hull(piece, {{}, {}, {}, {s.restitution, s.friction}, true, k});
+    meet_hull(piece, {{}, {}, {}, s.owner, s.part, {s.restitution, s.friction}, true, k});
   }
 }
 
@@ -147,7 +154,7 @@ void Flight::find_walls() {
     hull.set_vertex(0, foot - along);
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
-    meet_hull(hull, {{}, {}, {}, {space_.wall.restitution, space_.wall.friction}, true});
+    meet_hull(hull, {{}, {}, {}, kNoSlot, 0, {space_.wall.restitution, space_.wall.friction}, true});
   }
 }
 
@@ -165,7 +172,7 @@ Course Flight::course_of(std::uint32_t slot, bool held) const {
 // Looks at another body that moves.
 void Flight::find_moving(std::uint32_t slot, bool yields) {
   const std::uint32_t id = b_.id[slot];
-  if (id == kNoSlot || !collides_with(id)) return;
+  if (id == kNoSlot || !may_collide_with(id)) return;
   const BodyKind& kind = b_.kind(id);
   const LatticePoint here{b_.pos[2 * slot_], b_.pos[2 * slot_ + 1]}, there{b_.pos[2 * slot], b_.pos[2 * slot + 1]};
   const Vec2 centre = s_.lattice.steps(here, there), way{b_.disp[2 * slot], b_.disp[2 * slot + 1]};
@@ -173,6 +180,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
   if (apart > length_of(left_ * way_.along) + length_of(way)) return;
   if (!yields && !pressed_ && left_ == 1 && way_against(s_, slot_, slot) <= kFast * inner_) return;
   Other other;
+  other.id = id;
   other.course = course_of(slot, !yields);
   other.velocity = {b_.velocity(slot), b_.omega_of(slot)};
   other.way = {other.course.way, other.course.turn};
@@ -183,7 +191,7 @@ void Flight::find_moving(std::uint32_t slot, bool yields) {
     other.inner = shape ? kind.inner : b_.radius[slot];
   }
   if (!shape) {
-    other.has = b_.part_of(id, 0);
+    other.has = b_.surface_of(id, 0);
     return meet_hull(disc_hull(b_.radius[slot]), other);
   }
   if (!yields) other.held = slot;
@@ -215,15 +223,14 @@ void Flight::meet_hulls(std::uint32_t id, Other other) {
              greater(y + round, box.ymax)};
     }
     if (!overlap(box, way)) continue;
-    other.has = b_.part_of(id, k);
+    other.part = k;
+    other.has = b_.surface_of(id, k);
     meet_hull(hull, other);
   }
 }
 
-// What a part of this body has.
-PartProperties Flight::part_of(const Hull& mine) const {
-  return b_.part_of(b_.id[slot_], static_cast<std::uint32_t>(&mine - hulls_.data()));
-}
+// How a part of this body bounces and rubs.
+Surface Flight::surface_of(const Hull& mine) const { return b_.surface_of(properties_, number_of(mine)); }
 
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
@@ -231,10 +238,11 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
   const bool slow =
       !disc_ && other.fixed && length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
+    if (!collide(part, other.id, other.part)) continue;
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
-    const bool bounced = slow && greater(part_of(part).restitution, other.has.restitution) > 0;
+    const bool bounced = slow && greater(surface_of(part).restitution, other.has.restitution) > 0;
     if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
@@ -325,14 +333,18 @@ void Flight::each_beside(std::span<const std::uint32_t> near, const Each& each) 
     const BodyKind& kind = b_.kind(b_.id[slot]);
     const Course course = course_of(slot, true), theirs = rest_of(course);
     const bool as_one = length_of(course.way - other.way.along) < kTolerance * double{inner_} && course.turn == 0 &&
-                        other.way.turn == 0 && collides_with(b_.id[slot]);
+                        other.way.turn == 0 && may_collide_with(b_.id[slot]);
     if (slot != other.held && !(as_one && length_of(theirs.at - at_) < 2 * double{b_.radius[slot_]} + b_.radius[slot]))
       continue;
-    for (std::uint32_t k = 0; k < kind.hull_count; ++k) each(b_.hulls[kind.first_hull + k], theirs);
+    for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
+      if (collide(*first_.mine, b_.id[slot], k)) each(b_.hulls[kind.first_hull + k], theirs);
+    }
   }
   if (other.piece == kNoSlot) return;
   for (const std::uint32_t k : near) {
-    if (k != other.piece && !s_.statics[k].face && collides_with(s_.statics[k].owner)) each(seen(k, 0), Course{});
+    const StaticShape& s = s_.statics[k];
+    if (k == other.piece || s.face || !may_collide_with(s.owner)) continue;
+    if (collide(*first_.mine, s.owner, s.part)) each(seen(k, 0), Course{});
   }
 }
 
@@ -358,7 +370,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   ImpactSurface s{0, 0, properties_.inv_mass, inertia(properties_)};
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
-  const PartProperties has = part_of(*first_.mine);
+  const Surface has = surface_of(*first_.mine);
   s.restitution = slow ? 0.0 : double{greater(has.restitution, other.has.restitution)};
   s.friction = std::sqrt(has.friction * other.has.friction);
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle

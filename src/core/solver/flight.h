@@ -53,9 +53,11 @@ class Flight {
  private:
   // The other side of an impact.
   struct Other {
-    Course course;        // of the whole step
-    Rates way, velocity;  // in the step; in a second
-    PartProperties has;
+    Course course;               // of the whole step
+    Rates way, velocity;         // in the step; in a second
+    std::uint32_t id = kNoSlot;  // of the body; a wall has none
+    std::uint32_t part = 0;
+    Surface has;
     bool fixed = false;             // it is fixed, or moves straight on: the sweeps see to bodies that are not too fast
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
@@ -71,8 +73,10 @@ class Flight {
     const Hull* mine = nullptr;
   };
 
-  bool collides_with(std::uint32_t id) const;
-  PartProperties part_of(const Hull& mine) const;
+  bool may_collide_with(std::uint32_t id) const;
+  bool collide(const Hull& mine, std::uint32_t id, std::uint32_t part) const;
+  std::uint32_t number_of(const Hull& mine) const { return static_cast<std::uint32_t>(&mine - hulls_.data()); }
+  Surface surface_of(const Hull& mine) const;
   Course leg() const;
   Course course_of(std::uint32_t slot, bool held) const;
   Course rest_of(const Course& c) const;

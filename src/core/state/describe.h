@@ -40,8 +40,8 @@ inline auto fields(JointDesc& d) {
 }
 
 inline auto fields(BodyKind& k) {
-  return std::tie(k.first_hull, k.hull_count, k.first_part, k.centre_x, k.centre_y, k.inner, k.filter, k.bullet,
-                  k.sensor);
+  return std::tie(k.first_hull, k.hull_count, k.first_part, k.part_count, k.centre_x, k.centre_y, k.inner, k.filter,
+                  k.bullet, k.sensor);
 }
 inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
 inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }
@@ -56,8 +56,8 @@ inline void one_value(Archive& a, Hull& h) {
 }
 
 inline void one_value(Archive& a, PartProperties& p) {
-  values(a, p.restitution, p.friction);
-  a.require(p.restitution >= 0 && p.restitution <= 1 && p.friction >= 0);
+  values(a, p.surface.restitution, p.surface.friction, p.filter, p.sensor);
+  a.require(p.surface.restitution >= 0 && p.surface.restitution <= 1 && p.surface.friction >= 0 && p.sensor <= 1);
 }
 
 inline void one_value(Archive& a, BodyProperties& s) {

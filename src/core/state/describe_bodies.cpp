@@ -164,9 +164,11 @@ void describe_bodies(Archive& a, BodyStore& b, bool lists) {
   b.parts.describe(a);
   b.kinds.describe(a, 1, [&](const BodyKind& k, std::uint32_t users) {
     if (!(k.inner >= 0)) return false;
-    if (k.hull_count == 0) return k.first_hull == 0 && k.first_part == 0;
-    return users == 0 ||
-           (b.hulls.has(k.first_hull, k.hull_count) && (k.first_part == 0 || b.parts.has(k.first_part, k.hull_count)));
+    const bool hulls = k.hull_count != 0, parts = k.part_count != 0;
+    if (hulls != (k.first_hull != 0) || parts != (k.first_part != 0)) return false;
+    if (users == 0) return true;
+    return (!hulls || b.hulls.has(k.first_hull, k.hull_count)) &&
+           (!parts || (k.part_count >= k.hull_count && b.parts.has(k.first_part, k.part_count)));
   });
   a.require(b.kinds.size() != 0 && b.kinds[0] == BodyKind{});
   a.refuse_nan(true);  // a mass or a gravity scale beyond what a float holds is infinite
@@ -214,6 +216,22 @@ void describe_population(Archive& a, Population& p, bool lists) {
 
 // ---- fixed geometry, and bodies that sleep
 
+// Bit-fields, as a column of bytes.
+static void describe_flags(Archive& a, std::span<StaticShape> shapes) {
+  std::vector<std::uint8_t> bits;
+  for (const StaticShape& s : shapes) {
+    bits.push_back(
+        static_cast<std::uint8_t>(s.segment | s.face << 1 | s.whole << 2 | s.alive << 3 | s.asleep << 4 | s.lone << 5));
+  }
+  a.packed(bits, 1 << 6);
+  a.require(bits.size() == shapes.size());
+  for (std::size_t k = 0; k < shapes.size() && a.ok(); ++k) {
+    const auto bit = [&](int n) { return (bits[k] >> n & 1) != 0; };
+    StaticShape& s = shapes[k];
+    s.segment = bit(0), s.face = bit(1), s.whole = bit(2), s.alive = bit(3), s.asleep = bit(4), s.lone = bit(5);
+  }
+}
+
 // A plain disc that sleeps is not written here: its Sleeper and its properties say all.
 void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
   values(a, count_, listed_, whole_wanted_, dirty_);
@@ -225,7 +243,7 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
     std::fill_n(statics_.data(), count_, StaticShape{});
   }
   using S = StaticShape;
-  columns(a, std::span(statics_.data(), count_), &S::segment, &S::face, &S::whole, &S::alive, &S::asleep, &S::lone);
+  describe_flags(a, std::span(statics_.data(), count_));
   std::vector<std::uint32_t> told;
   for (std::uint32_t k = 0; k < count_; ++k) {
     if (statics_[k].alive && statics_[k].lone) {
@@ -252,6 +270,8 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
       ++alive_;
       a.require(s.radius >= 0 && s.radius < 1e30f);
       a.require(bodies.info[s.owner].place == (s.asleep ? Place::asleep : Place::fixed));
+      const BodyKind& kind = bodies.kind(s.owner);
+      a.require(kind.first_part == 0 || s.part < kind.part_count);
       a.require(!s.whole || (s.hull < hulls_.size() && hulls_[s.hull].count != 0 && hull_used[s.hull]++ == 0));
     }
     check_runs(a);

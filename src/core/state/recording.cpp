@@ -21,7 +21,7 @@ constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 6;
+  static constexpr std::uint64_t kFormat = 7;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -45,7 +45,7 @@ static auto fields(BoxShape& s) { return std::tie(s.width, s.height, s.radius); 
 static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
 static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
 static auto fields(ShapePart& p) {
-  return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction);
+  return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor);
 }
 static auto fields(CompoundShape& s) { return std::tie(s.parts); }
 static auto fields(BodyDesc& d) {

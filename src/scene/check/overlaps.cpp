@@ -48,9 +48,13 @@ double distance_to(const PlacedSegment& s, double x, double y) {
   return std::sqrt(dx * dx + dy * dy);
 }
 
-bool meet(const Filter& a, const Filter& b) {
-  if (a.group != 0 && a.group == b.group) return a.group > 0;
-  return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+// What a hull of a body has.
+PartProperties has(const PlacedBody& body, std::size_t hull) {
+  return body.parts ? (*body.parts)[body.hulls->part[hull]] : PartProperties{{}, body.filter, 0};
+}
+
+bool collide(const PartProperties& a, const PartProperties& b) {
+  return a.sensor == 0 && b.sensor == 0 && meet(a.filter, b.filter);
 }
 
 HullSet disc_hulls(double radius) {
@@ -65,13 +69,17 @@ HullSet disc_hulls(double radius) {
 // How deep two bodies whose circles overlap are in each other; negative if they are apart.
 double depth_of(const PlacedBody& a, const PlacedBody& b) {
   const double dx = b.x - a.x, dy = b.y - a.y;
+  if (!a.parts && !b.parts && !meet(a.filter, b.filter)) return -1;
   if (!a.hulls && !b.hulls) return a.radius + b.radius - std::sqrt(dx * dx + dy * dy);
   const HullSet of_a = a.hulls ? HullSet{} : disc_hulls(a.radius);
   const HullSet of_b = b.hulls ? HullSet{} : disc_hulls(b.radius);
   double depth = -1;
-  for (const Hull& p : (a.hulls ? *a.hulls : of_a).parts) {
-    for (const Hull& q : (b.hulls ? *b.hulls : of_b).parts) {
-      const Nearest gap = nearest(p, a.turn, q, b.turn, static_cast<float>(dx), static_cast<float>(dy));
+  const std::vector<Hull>&hulls_a = (a.hulls ? *a.hulls : of_a).parts, &hulls_b = (b.hulls ? *b.hulls : of_b).parts;
+  for (std::size_t i = 0; i < hulls_a.size(); ++i) {
+    for (std::size_t k = 0; k < hulls_b.size(); ++k) {
+      if (!collide(has(a, i), has(b, k))) continue;
+      const Nearest gap =
+          nearest(hulls_a[i], a.turn, hulls_b[k], b.turn, static_cast<float>(dx), static_cast<float>(dy));
       depth = std::max(depth, -static_cast<double>(gap.distance));
     }
   }
@@ -79,10 +87,12 @@ double depth_of(const PlacedBody& a, const PlacedBody& b) {
 }
 
 double depth_of(const PlacedBody& a, const PlacedSegment& s) {
+  if (!a.parts && !meet(a.filter, s.filter)) return -1;
   const double gap = distance_to(s, a.x, a.y);
   if (!a.hulls || gap >= a.radius) return a.radius - gap;
   const Vec2 middle{(s.p.x + s.q.x) / 2, (s.p.y + s.q.y) / 2};
   PlacedBody line{middle.x, middle.y, 0, 0, 0, 0};
+  line.filter = s.filter;
   auto hulls = std::make_shared<HullSet>();
   std::string error;
   const SegmentShape shape{{s.p.x - middle.x, s.p.y - middle.y}, {s.q.x - middle.x, s.q.y - middle.y}};
@@ -121,7 +131,7 @@ Overlaps find_overlaps(const std::vector<PlacedBody>& bodies, const std::vector<
             if ((at == own && e->body <= entry.body) || !(a.moves || b.moves)) continue;
             const double dx = a.x - b.x, dy = a.y - b.y, reach = a.radius + b.radius;
             if (dx * dx + dy * dy >= reach * reach) continue;
-            if (!meet(a.filter, b.filter) || may_overlap(a.id, b.id)) continue;
+            if (may_overlap(a.id, b.id)) continue;
             const double depth = depth_of(a, b);
             if (depth > tolerance) note(found, depth, entry.body, e->body, false);
           }
@@ -135,7 +145,6 @@ Overlaps find_overlaps(const std::vector<PlacedBody>& bodies, const std::vector<
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     if (!bodies[k].moves) continue;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      if (!meet(bodies[k].filter, segments[s].filter)) continue;
       const double depth = depth_of(bodies[k], segments[s]);
       if (depth <= tolerance || may_overlap(bodies[k].id, segments[s].owner)) continue;
       note(found, depth, k, s, true);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "bodies/body_properties.h"
 #include "bodies/hull.h"
 #include "manifolds/collide.h"
 #include "psim/desc.h"
@@ -24,6 +25,7 @@ struct PlacedBody {
   std::shared_ptr<const HullSet> hulls = nullptr;  ///< about its place; none: a disc
   Rotor turn = {};
   Filter filter = {};
+  std::shared_ptr<const std::vector<PartProperties>> parts = nullptr;  ///< of a compound whose parts differ
 };
 
 struct PlacedSegment {

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "base/rotor.h"
+#include "bodies/body_desc.h"
 #include "place/links.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
@@ -22,10 +23,21 @@ struct Kind {
   std::shared_ptr<const HullSet> hulls;  // none: a disc
   double area = 0;                       // mass / density
   double inner = 0;
+  std::shared_ptr<const std::vector<PartProperties>> parts = nullptr;  // of a compound whose parts differ
 };
 
-Kind kind_of(const Shape& shape) {
+// What the parts of a body have, if some have something of their own.
+std::shared_ptr<const std::vector<PartProperties>> parts_of(const BodyDesc& body) {
+  const auto* compound = std::get_if<CompoundShape>(&body.shape);
+  if (compound == nullptr) return nullptr;
+  auto parts = std::make_shared<std::vector<PartProperties>>();
+  for (const ShapePart& part : compound->parts) parts->push_back(part_properties(part, body));
+  return parts;
+}
+
+Kind kind_of(const BodyDesc& body) {
   Kind kind;
+  const Shape& shape = body.shape;
   if (is_disc(shape)) return kind;
   HullSet about_centre;
   auto hulls = std::make_shared<HullSet>();
@@ -37,6 +49,7 @@ Kind kind_of(const Shape& shape) {
   const Hull& hull = about_centre.parts.front();
   kind.inner = hull.inner > 0 ? hull.inner : hull.reach;
   kind.hulls = std::move(hulls);
+  kind.parts = parts_of(body);
   return kind;
 }
 
@@ -81,6 +94,7 @@ void see(Survey& survey, Owner& owner, const WorldDesc& world, const BodyDesc& b
   placed.hulls = kind.hulls;
   placed.turn = rotor_of(body.angle);
   placed.filter = body.filter;
+  placed.parts = kind.parts;
   if (body.type == BodyType::dynamic_body && leaves(world, body, placed)) ++owner.outside;
   if (!body.sensor) survey.bodies.push_back(std::move(placed));
 }
@@ -115,6 +129,8 @@ std::vector<BodyDesc> pieces_of(const BodyDesc& body) {
   for (const ShapePart& part : compound->parts) {
     BodyDesc& piece = pieces.emplace_back(bare);
     piece.shape = shape_of(part);
+    piece.filter = part.filter.value_or(body.filter);
+    piece.sensor = part.sensor.value_or(body.sensor);
     piece.position = to_world(part.position, body.position, body.angle);
     piece.angle = body.angle + part.angle;
   }
@@ -145,7 +161,7 @@ Survey look_at(const Scene& scene) {
       }
       PlacedBody placed{piece.position.x, piece.position.y, bounding_radius(piece.shape), place, 0, id};
       placed.moves = piece.type == BodyType::dynamic_body;
-      see(survey, owner, scene.world, piece, kind_of(piece.shape), placed, piece.velocity);
+      see(survey, owner, scene.world, piece, kind_of(piece), placed, piece.velocity);
     }
     survey.owners.push_back(std::move(owner));
   }
@@ -155,7 +171,7 @@ Survey look_at(const Scene& scene) {
     const auto place = static_cast<std::uint32_t>(survey.owners.size());
     std::string error;
     if (const std::optional<PlacedGroup> placed = place_group(group, error)) {
-      const Kind kind = kind_of(group.body.shape);
+      const Kind kind = kind_of(group.body);
       for (std::size_t i = 0; i < placed->x.size(); ++i, ++id) {
         PlacedBody body{placed->x[i], placed->y[i], placed->radius[i], place, static_cast<std::uint32_t>(i), id};
         body.moves = group.body.type == BodyType::dynamic_body && !is_pinned(group, i);

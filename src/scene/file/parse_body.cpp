@@ -31,8 +31,7 @@ BodyDesc read_body(const Node& node, Context& context, std::string& name) {
   if (shapes && node.find("shape")) node.fail_at_key("shapes", "stands beside \"shape\": one of the two");
   body.position = position.vec2(limits::kCoordinate);
   expect_inside(position, body.position, context.bounds);
-  body.shape =
-      shapes ? read_shapes(*shapes, context, body.type) : read_shape(node.require("shape"), context, body.type);
+  body.shape = shapes ? read_shapes(*shapes, context, body) : read_shape(node.require("shape"), context, body.type);
   body.velocity = node.vec2_or("velocity", body.velocity, limits::kVelocity);
   return body;
 }
@@ -56,21 +55,21 @@ void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& b
   body.gravity_scale = node.number_or("gravity_scale", body.gravity_scale, limits::kGravityScale);
   body.fixed_rotation = node.boolean_or("fixed_rotation", body.fixed_rotation);
   body.bullet = node.boolean_or("bullet", body.bullet);
+  body.filter = read_filter(node, body.filter);
+  body.sensor = node.boolean_or("sensor", body.sensor);
+}
+
+Filter read_filter(const Node& node, Filter filter) {
   if (const std::optional<Node> category = node.find("category")) {
-    body.filter.category = static_cast<std::uint32_t>(category->integer(0, kAllCategories));
+    filter.category = static_cast<std::uint32_t>(category->integer(0, kAllCategories));
   }
   if (const std::optional<Node> mask = node.find("mask")) {
-    body.filter.mask = static_cast<std::uint32_t>(mask->integer(0, kAllCategories));
+    filter.mask = static_cast<std::uint32_t>(mask->integer(0, kAllCategories));
   }
   if (const std::optional<Node> group = node.find("group")) {
-    body.filter.group = static_cast<std::int32_t>(group->signed_integer(-kLargestGroup, kLargestGroup));
+    filter.group = static_cast<std::int32_t>(group->signed_integer(-kLargestGroup, kLargestGroup));
   }
-  if (const std::optional<Node> sensor = node.find("sensor")) {
-    body.sensor = sensor->boolean();
-    if (body.sensor && body.type == BodyType::dynamic_body) {
-      sensor->fail("makes a sensor of a dynamic body: \"static\" or \"kinematic\" only");
-    }
-  }
+  return filter;
 }
 
 void read_bodies(const Node& scene, Context& context, Scene& out) {

@@ -33,8 +33,7 @@ std::optional<Node> radius_or_shape(const Node& node, const Context& context, Gr
   }
   if (shapes && node.find("shape")) node.fail_at_key("shapes", "stands beside \"shape\": one of the two");
   if (!shape) return node.require("radius");
-  group.body.shape =
-      shapes ? read_shapes(*shapes, context, group.body.type) : read_shape(*shape, context, group.body.type);
+  group.body.shape = shapes ? read_shapes(*shapes, context, group.body) : read_shape(*shape, context, group.body.type);
   if (std::holds_alternative<ChainShape>(group.body.shape)) {
     shape->fail("is no shape of a group: chains stand in \"bodies\"");
   }

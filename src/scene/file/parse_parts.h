@@ -39,8 +39,8 @@ const Material& named_material(const Node& name, const Context& context);
 
 /// A shape of any kind that a body of this type may have.
 Shape read_shape(const Node& shape, const Context& context, BodyType type);
-/// The parts of a compound.
-Shape read_shapes(const Node& shapes, const Context& context, BodyType type);
+/// The parts of a compound. The keys that it shares with its parts have been read.
+Shape read_shapes(const Node& shapes, const Context& context, const BodyDesc& body);
 double read_radius(const Node& radius, const Context& context);
 
 /// The keys that bodies and groups share, without place, shape and velocity.
@@ -48,6 +48,8 @@ inline constexpr std::array<std::string_view, 15> kSharedBodyKeys = {
     "type",          "angle",          "angular_velocity", "material", "density", "mass",  "restitution", "friction",
     "gravity_scale", "fixed_rotation", "bullet",           "category", "mask",    "group", "sensor"};
 void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body);
+/// `category`, `mask` and `group`, each as in `filter` where there is no key.
+Filter read_filter(const Node& node, Filter filter);
 /// `links` of a lattice or hex group, whose keys before have been read.
 std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& group);
 

@@ -17,7 +17,8 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 6> kShapes = {"disc", "box", "polygon", "capsule", "segment", "chain"};
-constexpr std::array<std::string_view, 5> kPartKeys = {"position", "angle", "density", "restitution", "friction"};
+constexpr std::array<std::string_view, 9> kPartKeys = {"position", "angle", "density", "restitution", "friction",
+                                                       "category", "mask",  "group",   "sensor"};
 constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
 constexpr std::array<std::string_view, 2> kBoxKeys = {"size", "radius"};
 constexpr std::array<std::string_view, 2> kPolygonKeys = {"vertices", "radius"};
@@ -151,19 +152,21 @@ std::string_view kind_of(const Node& shape) {
   return found;
 }
 
-ShapePart read_part(const Node& node, const Context& context, BodyType type) {
+ShapePart read_part(const Node& node, const Context& context, const BodyDesc& body) {
   static constexpr auto kKeys = joined(kShapes, kPartKeys);
   node.expect_object(kKeys);
   ShapePart part;
   const auto simple = [&](const auto& shape) {
     if constexpr (!std::is_same_v<std::decay_t<decltype(shape)>, CompoundShape>) part.shape = shape;
   };
-  std::visit(simple, read_kind(node, kind_of(node), context, type));
+  std::visit(simple, read_kind(node, kind_of(node), context, body.type));
   part.position = node.vec2_or("position", part.position, limits::kCoordinate);
   part.angle = node.number_or("angle", part.angle, limits::kAngle);
   if (const auto key = node.find("density")) part.density = key->number(limits::kDensity);
   if (const auto key = node.find("restitution")) part.restitution = key->number(limits::kRestitution);
   if (const auto key = node.find("friction")) part.friction = key->number(limits::kFriction);
+  if (node.find("category") || node.find("mask") || node.find("group")) part.filter = read_filter(node, body.filter);
+  if (const auto key = node.find("sensor")) part.sensor = key->boolean();
   return part;
 }
 
@@ -174,12 +177,12 @@ Shape read_shape(const Node& shape, const Context& context, BodyType type) {
   return read_kind(shape, kind_of(shape), context, type);
 }
 
-Shape read_shapes(const Node& shapes, const Context& context, BodyType type) {
+Shape read_shapes(const Node& shapes, const Context& context, const BodyDesc& body) {
   shapes.expect_array(1, kMostParts);
   CompoundShape compound;
   compound.parts.reserve(shapes.size());
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    compound.parts.push_back(read_part(shapes.element(k), context, type));
+    compound.parts.push_back(read_part(shapes.element(k), context, body));
   }
   return checked(shapes, std::move(compound));
 }

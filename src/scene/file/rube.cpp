@@ -1,5 +1,4 @@
-// World and bodies of a R.U.B.E. scene. A body there has any number of fixtures, a body here has one
-// shape: each fixture becomes a body, welded to the first of them where it is dynamic.
+// World and bodies of a R.U.B.E. scene. Each fixture of a body is a part of it here.
 #include "file/rube.h"
 
 #include <algorithm>
@@ -23,23 +22,21 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> kRubeShapes = {"circle", "polygon", "chain", "edge"};
-// Parts of a body without a group of their own get groups below this; those of the file have 16 bits.
-constexpr std::int32_t kPartGroups = -100'000;
 // Of the body's mass: what a fixture without density weighs.
 constexpr double kMassless = 1e-3;
 
-// A fixture: the shape in the frame of the file's body, and where that frame's origin is in the part's.
+// A fixture, in the frame of its body.
 struct Part {
-  BodyDesc body;
-  Vec2 origin;
-  Vec2 centre;           // of mass, in the frame of the file's body
+  ShapePart part;
+  double density = 0;    // kg/m^2; 0: it weighs nothing
+  Vec2 centre;           // of mass
   double area = 0;       // mass / density
   double gyration2 = 0;  // inertia about the centre / mass, m^2
 };
 
 struct Counts {
-  std::size_t several = 0, damped = 0, unused = 0, massless = 0;
-  std::string first_several, first_damped, first_unused, first_massless;
+  std::size_t damped = 0, unused = 0, massless = 0;
+  std::string first_damped, first_unused, first_massless;
 
   static void note(std::size_t& count, std::string& first, const Node& body) {
     if (count++ == 0) first = path_text(body.path());
@@ -62,7 +59,7 @@ std::vector<Vec2> read_vertices(const Node& node, std::size_t least, std::size_t
   return vertices;
 }
 
-Shape read_rube_chain(const Node& chain) {
+PartShape read_rube_chain(const Node& chain) {
   const Node node = chain.require("vertices");
   ChainShape shape{read_vertices(node, 2, kMostChainVertices), false};
   const auto same = [](Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; };
@@ -77,7 +74,7 @@ Shape read_rube_chain(const Node& chain) {
 }
 
 // Of a fixture; a circle is a disc at `centre`.
-Shape read_shape(const Node& fixture, Vec2& centre) {
+PartShape read_shape(const Node& fixture, Vec2& centre) {
   centre = {};
   std::optional<Node> node;
   std::string_view kind;
@@ -106,36 +103,23 @@ Shape read_shape(const Node& fixture, Vec2& centre) {
 
 Part read_fixture(const Node& node, const BodyDesc& body) {
   node.expect_object();
-  Part part;
-  part.body = body;
-  Vec2 centre;
-  part.body.shape = read_shape(node, centre);
-  const bool line =
-      std::holds_alternative<ChainShape>(part.body.shape) || std::holds_alternative<SegmentShape>(part.body.shape);
+  Part out;
+  ShapePart& part = out.part;
+  part.shape = read_shape(node, part.position);
+  const bool line = std::holds_alternative<ChainShape>(part.shape) || std::holds_alternative<SegmentShape>(part.shape);
   if (line && body.type == BodyType::dynamic_body) {
     node.fail("is a chain or an edge of a dynamic body (type 2): types 0 and 1 only");
   }
   HullSet hulls;
   std::string error;
-  if (!make_hulls(part.body.shape, true, hulls, error)) node.fail(std::move(error));
-  part.area = hulls.mass.area;
-  part.gyration2 = hulls.mass.inertia;
-  part.centre = hulls.mass.centre;
-  if (const auto* disc = std::get_if<DiscShape>(&part.body.shape); disc && (centre.x != 0 || centre.y != 0)) {
-    part.centre = centre;
-    if (body.type == BodyType::kinematic_body) {
-      // It must turn about the body's place: a capsule that is nearly a disc.
-      part.body.shape = CapsuleShape{centre, {centre.x + 1e-3 * disc->radius, centre.y}, disc->radius};
-    } else {
-      part.body.position = to_world(centre, body.position, body.angle);
-      part.origin = {-centre.x, -centre.y};
-    }
-  }
-  Material& material = part.body.material;
-  material.density = rube_number_or(node, "density", 0, {0, limits::kDensity.max});
-  material.friction = rube_number_or(node, "friction", 0, limits::kFriction);
-  material.restitution = rube_number_or(node, "restitution", 0, limits::kRestitution);
-  Filter& filter = part.body.filter;
+  if (!make_hulls(shape_of(part), true, hulls, error)) node.fail(std::move(error));
+  out.area = hulls.mass.area;
+  out.gyration2 = hulls.mass.inertia;
+  out.centre = part.position + hulls.mass.centre;
+  out.density = rube_number_or(node, "density", 0, {0, limits::kDensity.max});
+  part.friction = rube_number_or(node, "friction", 0, limits::kFriction);
+  part.restitution = rube_number_or(node, "restitution", 0, limits::kRestitution);
+  Filter filter;
   constexpr std::int64_t k16Bits = 0xFFFF, kInt16 = 0x8000;
   if (const auto bits = node.find("filter-categoryBits")) {
     filter.category = static_cast<std::uint32_t>(bits->signed_integer(0, k16Bits));
@@ -147,68 +131,67 @@ Part read_fixture(const Node& node, const BodyDesc& body) {
   if (const auto group = node.find("filter-groupIndex")) {
     filter.group = static_cast<std::int32_t>(group->signed_integer(-kInt16, kInt16 - 1));
   }
-  if (node.boolean_or("sensor", false)) {
-    if (body.type == BodyType::dynamic_body) {
-      filter.mask = filter.category = 0;  // weighs, and touches nothing
-    } else {
-      part.body.sensor = true;
-    }
-  }
-  return part;
+  part.filter = filter;
+  part.sensor = node.boolean_or("sensor", false);
+  return out;
 }
 
-// A body without fixtures that joints may hold on to.
-Part empty_part(const BodyDesc& body) {
-  Part part;
-  part.body = body;
-  part.body.shape = DiscShape{0.1};
-  part.body.filter = {0, 0, 0};
-  part.body.sensor = body.type != BodyType::dynamic_body;
-  part.area = 3.14159265358979323846 * 0.01;
-  part.gyration2 = 0.005;
-  return part;
+// In the place of the fixtures of a body that has none, but joints hold on to it.
+Part nothing_to_touch() {
+  Part out;
+  out.part.shape = DiscShape{0.1};
+  out.part.filter = Filter{0, 0, 0};
+  out.part.sensor = true;
+  out.area = 3.14159265358979323846 * 0.01;
+  out.gyration2 = 0.005;
+  return out;
 }
 
-// The parts' masses and velocities, from the body's as a whole.
+// The parts' densities, and the mass and inertia of the body as a whole.
 void weigh(std::vector<Part>& parts, const Node& node, RubeBody& body, Counts& counts) {
   double mass = 0;
-  for (const Part& part : parts) mass += part.area * part.body.material.density;
+  for (const Part& part : parts) mass += part.area * part.density;
   const bool massless = !(mass > 0);
   if (massless) mass = rube_number_or(node, "massData-mass", 1, {0, limits::kMass.max});
   if (!(mass > 0)) mass = 1;
   Vec2 centre;
   double total = 0;
   for (Part& part : parts) {
-    double own = part.area * part.body.material.density;
+    double own = part.area * part.density;
     if (!(own > 0)) {
       if (parts.size() > 1) Counts::note(counts.massless, counts.first_massless, node);
       own = massless ? mass / static_cast<double>(parts.size()) : kMassless * mass;
     }
-    part.body.material.density = std::clamp(own / part.area, limits::kDensity.min, limits::kDensity.max);
-    centre = {centre.x + own * part.centre.x, centre.y + own * part.centre.y};
+    part.density = std::clamp(own / part.area, limits::kDensity.min, limits::kDensity.max);
+    centre = centre + own * part.centre;
     total += own;
   }
   centre = {centre.x / total, centre.y / total};
   body.mass = total;
   body.inertia = 0;
-  for (Part& part : parts) {
-    const Vec2 arm{part.centre.x - centre.x, part.centre.y - centre.y};
-    const double own = part.area * part.body.material.density;
-    body.inertia += own * (part.gyration2 + arm.x * arm.x + arm.y * arm.y);
-    const Vec2 turned = to_world(arm, {}, part.body.angle);
-    part.body.velocity.x -= part.body.angular_velocity * turned.y;
-    part.body.velocity.y += part.body.angular_velocity * turned.x;
+  for (const Part& part : parts) {
+    const Vec2 arm = part.centre - centre;
+    body.inertia += part.area * part.density * (part.gyration2 + dot(arm, arm));
   }
 }
 
-SceneJoint weld(std::uint64_t a, std::uint64_t b, Vec2 origin_a, Vec2 origin_b) {
-  SceneJoint joint;
-  joint.a = a;
-  joint.b = b;
-  joint.joint.type = JointType::weld;
-  joint.joint.anchor_a = origin_a;
-  joint.joint.anchor_b = origin_b;
-  return joint;
+// Gives a body its parts: a shape, where one stands in the body's frame, else a compound.
+void put_parts(std::vector<Part>& parts, BodyDesc& body) {
+  const ShapePart& first = parts[0].part;
+  if (parts.size() == 1 && first.position.x == 0 && first.position.y == 0) {
+    body.shape = shape_of(first);
+    body.material = {std::max(parts[0].density, limits::kDensity.min), first.restitution.value_or(0),
+                     first.friction.value_or(0)};
+    body.filter = first.filter.value_or(Filter{});
+    body.sensor = first.sensor.value_or(false);
+    return;
+  }
+  CompoundShape all;
+  for (Part& part : parts) {
+    all.parts.push_back(std::move(part.part));
+    all.parts.back().density = std::max(part.density, limits::kDensity.min);
+  }
+  body.shape = std::move(all);
 }
 
 BodyDesc read_body_keys(const Node& node) {
@@ -248,53 +231,36 @@ std::set<std::uint64_t> jointed_bodies(const Node& root) {
   return named;
 }
 
-RubeBody read_body(const Node& node, std::size_t number, bool jointed, Scene& scene, std::set<std::string>& names,
-                   Counts& counts) {
+RubeBody read_body(const Node& node, bool jointed, Scene& scene, std::set<std::string>& names, Counts& counts) {
   node.expect_object();
   RubeBody out;
-  const BodyDesc keys = read_body_keys(node);
-  out.type = keys.type;
+  BodyDesc body = read_body_keys(node);
+  out.type = body.type;
   std::vector<Part> parts;
   if (const auto fixtures = node.find("fixture")) {
     fixtures->expect_array(0, 100'000);
-    for (std::size_t k = 0; k < fixtures->size(); ++k) {
-      const Node fixture = fixtures->element(k);
-      parts.push_back(read_fixture(fixture, keys));
-    }
+    for (std::size_t k = 0; k < fixtures->size(); ++k) parts.push_back(read_fixture(fixtures->element(k), body));
   }
   if (parts.empty()) {
     if (!jointed) {
       Counts::note(counts.unused, counts.first_unused, node);
       return out;
     }
-    parts.push_back(empty_part(keys));
+    parts.push_back(nothing_to_touch());
   }
-  const bool dynamic = keys.type == BodyType::dynamic_body;
-  if (dynamic) weigh(parts, node, out, counts);
-  if (dynamic && parts.size() > 1) Counts::note(counts.several, counts.first_several, node);
+  if (body.type == BodyType::dynamic_body) weigh(parts, node, out, counts);
   if (rube_number_or(node, "linearDamping", 0, limits::kDamping) > 0 ||
       rube_number_or(node, "angularDamping", 0, limits::kDamping) > 0) {
     Counts::note(counts.damped, counts.first_damped, node);
   }
-
+  put_parts(parts, body);
   out.in_scene = true;
   out.id = scene.bodies.size();
-  out.origin = parts[0].origin;
   std::string name;
   if (const auto key = node.find("name")) name = key->name();
   if (!name.empty() && !names.insert(name).second) name.clear();  // they may repeat there
-  for (Part& part : parts) {
-    if (!dynamic && part.body.material.density < limits::kDensity.min) part.body.material.density = 1;
-    if (dynamic && parts.size() > 1 && part.body.filter.group == 0) {
-      part.body.filter.group = kPartGroups - static_cast<std::int32_t>(number);
-    }
-    const std::uint64_t id = scene.bodies.size();
-    if (dynamic && id != out.id) {
-      scene.joints.push_back(weld(out.id, id, out.origin, part.origin));
-    }
-    scene.bodies.push_back(std::move(part.body));
-    scene.body_names.push_back(std::exchange(name, {}));
-  }
+  scene.bodies.push_back(std::move(body));
+  scene.body_names.push_back(std::move(name));
   return out;
 }
 
@@ -382,11 +348,9 @@ Scene read_rube(const Node& root) {
   std::vector<RubeBody> bodies;
   Counts counts;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    bodies.push_back(read_body(nodes.element(k), k, jointed.contains(k), scene, names, counts));
+    bodies.push_back(read_body(nodes.element(k), jointed.contains(k), scene, names, counts));
   }
   scene.world.bounds = roomy_bounds(scene, nodes);
-  add_note(scene, counts.several, counts.first_several, "several fixtures",
-           ": each becomes a body, welded to the first");
   add_note(scene, counts.massless, counts.first_massless, "a fixture without density",
            " among others weighs a thousandth of its body");
   add_note(scene, counts.damped, counts.first_damped, "linearDamping and angularDamping", " are left out");

@@ -19,12 +19,11 @@ Scene read_rube(const Node& root);
 
 // ---- what rube.cpp and rube_joints.cpp share ------------------------------------------------------
 
-/// A body of the file: its first part in the scene, and what it weighs as a whole.
+/// A body of the file, and what it weighs.
 struct RubeBody {
   BodyType type = BodyType::static_body;
   bool in_scene = false;
-  std::uint64_t id = 0;  ///< of its first part
-  Vec2 origin;           ///< of the file's body in the frame of that part
+  std::uint64_t id = 0;  ///< in the scene
   double mass = 0;       ///< kg; 0: does not move
   double inertia = 0;    ///< kg m^2 about the centre of mass
 };

@@ -140,12 +140,8 @@ void read_rube_joints(const Node& root, const std::vector<RubeBody>& bodies, Sce
     SceneJoint out;
     out.a = a.id;
     out.b = b.id;
-    const auto anchor = [&](std::string_view key, Vec2 origin) {
-      const Vec2 own = rube_vec2_or(node, key, {}, limits::kCoordinate);
-      return Vec2{own.x + origin.x, own.y + origin.y};
-    };
-    out.joint.anchor_a = anchor("anchorA", a.origin);
-    out.joint.anchor_b = anchor("anchorB", b.origin);
+    out.joint.anchor_a = rube_vec2_or(node, "anchorA", {}, limits::kCoordinate);
+    out.joint.anchor_b = rube_vec2_or(node, "anchorB", {}, limits::kCoordinate);
     out.joint.collide = node.boolean_or("collideConnected", false);
     read_kind(node, kind, a, b, out.joint);
     scene.joints.push_back(out);

@@ -108,6 +108,16 @@ std::string material_text(const Material& m) {
   return Object().add("density", m.density).add("restitution", m.restitution).add("friction", m.friction).one_line();
 }
 
+// The keys of a filter, less those that are as usual.
+void add_filter(Object& out, const Filter& filter, const Filter* usual) {
+  const auto add = [&](std::string_view key, auto Filter::*of) {
+    if (usual == nullptr || filter.*of != usual->*of) out.raw(key, std::to_string(filter.*of));
+  };
+  add("category", &Filter::category);
+  add("mask", &Filter::mask);
+  add("group", &Filter::group);
+}
+
 struct ShapeText {
   std::string operator()(const DiscShape& disc) const {
     return Object().raw("disc", Object().add("radius", disc.radius).one_line()).one_line();
@@ -144,6 +154,8 @@ struct ShapeText {
       if (part.density) keys.add("density", *part.density);
       if (part.restitution) keys.add("restitution", *part.restitution);
       if (part.friction) keys.add("friction", *part.friction);
+      if (part.filter) add_filter(keys, *part.filter, nullptr);
+      if (part.sensor) keys.add("sensor", *part.sensor);
       const std::string own = keys.one_line();  // behind the shape, in one object with it
       parts.push_back(own == "{}" ? shape : shape.substr(0, shape.size() - 2) + ", " + own.substr(2));
     }
@@ -169,11 +181,7 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
       .add_unless("gravity_scale", body.gravity_scale, absent.gravity_scale)
       .add_if("fixed_rotation", body.fixed_rotation)
       .add_if("bullet", body.bullet);
-  if (body.filter.category != absent.filter.category) {
-    out.raw("category", std::to_string(body.filter.category));
-  }
-  if (body.filter.mask != absent.filter.mask) out.raw("mask", std::to_string(body.filter.mask));
-  if (body.filter.group != 0) out.raw("group", std::to_string(body.filter.group));
+  add_filter(out, body.filter, &absent.filter);
   out.add_if("sensor", body.sensor);
 }
 
