@@ -32,9 +32,12 @@ psim_result psim_cut_outline(const psim_vec2* vertices, size_t vertex_count, dou
       return call.fail(PSIM_ERROR_ARGUMENT, "only parts, with corners, and error may be NULL");
     }
     *count = 0;
-    const std::size_t read = std::min(vertex_count, psim::kMostOutlineVertices + 1);  // more are refused all the same
+    if (vertex_count > psim::kMostOutlineVertices) {  // they are not even read
+      return call.fail(PSIM_ERROR_ARGUMENT, "an outline has 3 to " + std::to_string(psim::kMostOutlineVertices) +
+                                                " vertices, this one has " + std::to_string(vertex_count));
+    }
     std::vector<psim::Vec2> outline;
-    for (std::size_t k = 0; k < read; ++k) outline.push_back(to_cpp(vertices[k]));
+    for (std::size_t k = 0; k < vertex_count; ++k) outline.push_back(to_cpp(vertices[k]));
     std::string wrong;
     const std::vector<psim::ShapePart> cut = psim::cut_outline(outline, radius, wrong);
     if (!wrong.empty()) return call.fail(PSIM_ERROR_ARGUMENT, wrong);

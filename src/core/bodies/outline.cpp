@@ -22,7 +22,8 @@
 namespace psim {
 namespace {
 
-constexpr double kStraightTurn = 1e-9;  // rad: a vertex with a smaller turn lies on the line of its neighbours
+constexpr double kStraightTurn = 1e-6;  // rad: a vertex with a smaller turn lies on the line of its neighbours
+constexpr double kRepeated = 1e-10;     // of the way to the next vertex: one that is nearer to the last repeats it
 constexpr double kLeastSize = 1e-100;   // m: smaller coordinates are 0, so that their products are no denormal numbers
 
 /// What is left of an outline, and the numbers that its vertices had.
@@ -56,7 +57,7 @@ std::string check_numbers(std::span<const Vec2> vertices, double radius) {
 bool is_needless(Vec2 before, Vec2 here, Vec2 after) {
   const Vec2 u = here - before, v = after - here;
   const double in = length_of(u), out = length_of(v);
-  if (in <= kStraightTurn * length_of(after - before)) return true;
+  if (in <= kRepeated * length_of(after - before)) return true;
   return dot(u, v) > 0 && std::fabs(cross(u, v)) <= kStraightTurn * in * out;
 }
 
