@@ -18,7 +18,8 @@ inline constexpr std::size_t kMostOutlineVertices = 10'000;
 /// vertex is joined to the first. A vertex that repeats the one before it, to 1e-10 of the way to the next one, or where
 /// the outline turns by less than 1e-6 of a radian, is left out. A convex outline of at most kMostPolygonVertices becomes
 /// one part in its own frame; of several, each has its first vertex as `position`, so that a large static outline is as
-/// precise as a small one. Cuts lead from vertex to vertex; parts are fewer than vertices by two or more.
+/// precise as a small one. Cuts lead from vertex to vertex; where that leaves too thin parts, long edges get vertices of
+/// their own.
 ///
 /// `radius`, metres, >= 0, rounds each part, which together are the rounded outline. Near the cuts roundings overlap, and
 /// the body's mass counts them with each part (BodyDesc::mass wins over it).

@@ -85,7 +85,7 @@ TEST(CutOutline, OfManyKindsIsTheSumOfItsPieces) {
   expect_cut(star(2000, 1e-3, random), "star");
 }
 
-TEST(CutOutline, FarFromTheOriginIsAsExact) {
+TEST(CutOutline, FarFromTheOriginIsCutToo) {
   std::mt19937 random(3);
   for (int round = 0; round < 100; ++round) {
     Points outline = untangled(4 + random() % 30, random);
@@ -99,7 +99,8 @@ TEST(CutOutline, FarFromTheOriginIsAsExact) {
     }
     double sum = 0;
     for (const Points& piece : pieces_of(parts)) sum += area_of(piece).area;
-    EXPECT_NEAR(sum, std::fabs(area_of(outline).area), 1e-12 * sum);
+    // Where a long edge was given vertices of its own, they are as near to it as doubles are there.
+    EXPECT_NEAR(sum, std::fabs(area_of(outline).area), 1e-6 * sum);
   }
 }
 
@@ -144,6 +145,19 @@ TEST(CutOutline, WhatChangesNothingIsLeftOut) {
   const std::vector<ShapePart> parts = cut(turned);
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(std::get<PolygonShape>(parts[0].shape).vertices.size(), 4u);
+}
+
+// A valley of many short edges above one long one, which gets vertices of its own: else pieces would be too thin.
+TEST(CutOutline, LongEdgesAreCutWhereOtherwisePiecesWereTooThin) {
+  Points valley;
+  const int n = 2000;
+  for (int k = n; k >= -n; --k) valley.push_back({1.0 * k, 5.0 * k * k / n / n});
+  valley.push_back({-n, -1});
+  valley.push_back({n, -1});
+  const std::vector<ShapePart> parts = cut(valley);
+  double area = 0;
+  for (const Points& piece : pieces_of(parts)) area += area_of(piece).area;
+  EXPECT_NEAR(area, area_of(valley).area, 1e-12 * area);
 }
 
 TEST(CutOutline, EachPieceIsRounded) {

@@ -15,13 +15,13 @@ extern "C" {
 #define PSIM_MOST_POLYGON_VERTICES 8
 
 /// Cuts a simple polygon, concave or not, into convex polygons: psim_body_desc::parts. Either way round; the last vertex
-/// is joined to the first. Vertices that repeat the one before them, or lie on the line of their neighbours, are left
-/// out. `radius`, metres, >= 0, rounds each part; near the cuts roundings overlap, and the body's mass counts them with
-/// each part.
+/// is joined to the first. Vertices that repeat the one before them, or lie on the line of their neighbours (to 1e-6 of
+/// a radian), are left out. `radius`, metres, >= 0, rounds each part; near the cuts roundings overlap, and the body's
+/// mass counts them with each part.
 ///
-/// Puts the number of parts into `*count`, which is at most vertex_count - 2. `parts` (NULL: only the number is asked
-/// for) has room for `capacity` of them, and `corners` for PSIM_MOST_POLYGON_VERTICES as many vertices, to which the
-/// parts point: it must stay until the body is added.
+/// Puts the number of parts into `*count`. `parts` (NULL: only the number is asked for) has room for `capacity` of them,
+/// and `corners` for PSIM_MOST_POLYGON_VERTICES as many vertices, to which the parts point: it must stay until the body is
+/// added.
 ///
 /// PSIM_ERROR_ARGUMENT, with one line in `error` (may be NULL), if the room does not suffice, and for fewer than 3
 /// vertices or more than PSIM_MOST_OUTLINE_VERTICES, numbers out of their ranges, no area, an outline that crosses or

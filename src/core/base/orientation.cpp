@@ -51,6 +51,7 @@ int side_of(Vec2 a, Vec2 b, Vec2 c) {
   const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x), difference = left - right;
   const double error = (3 + 16 * 0x1p-53) * 0x1p-53 * (std::fabs(left) + std::fabs(right));
   if (std::fabs(difference) > error) return difference > 0 ? 1 : -1;
+  if (error == 0) return 0;  // points in a row or column, or in one place
   ExactSum sum;
   sum.add_product(a.x, b.y);
   sum.add_product(-a.y, b.x);

@@ -24,7 +24,8 @@ namespace {
 
 constexpr double kStraightTurn = 1e-6;  // rad: a vertex with a smaller turn lies on the line of its neighbours
 constexpr double kRepeated = 1e-10;     // of the way to the next vertex: one that is nearer to the last repeats it
-constexpr double kLeastSize = 1e-100;   // m: smaller coordinates are 0, so that their products are no denormal numbers
+constexpr std::size_t kMostAddedVertices = 2500;  // to long edges
+constexpr double kLeastSize = 1e-100;  // m: smaller coordinates are 0, so that their products are no denormal numbers
 
 /// What is left of an outline, and the numbers that its vertices had.
 struct Ring {
@@ -107,7 +108,9 @@ class Crossings {
 
   std::string find() {
     for (std::size_t k = 0; k < ring_.size(); ++k) {
-      if (ring_.turn(k) == 0) return say(ring_.before(k), k);
+      const Vec2 here = ring_.points[k];
+      const bool back = dot(here - ring_.points[ring_.before(k)], ring_.points[ring_.after(k)] - here) < 0;
+      if (back && ring_.turn(k) == 0) return say(ring_.before(k), k);
     }
     // Total order: edges have different numbers.
     std::ranges::sort(edges_, [](const Edge& a, const Edge& b) {
@@ -161,7 +164,9 @@ void make_counter_clockwise(Ring& ring) {
 /// Joins the triangles of an outline to convex pieces.
 class Joiner {
  public:
-  Joiner(const Ring& ring, const Triangulation& mesh) : ring_(ring), mesh_(mesh), gone_(mesh.from.size()) {
+  Joiner(const Ring& ring, const Triangulation& mesh)
+      : ring_(ring), mesh_(mesh), gone_(mesh.from.size()), corners_(mesh.from.size() / 3, 3) {
+    for (std::uint32_t triangle = 0; triangle < corners_.size(); ++triangle) joined_.push_back(triangle);
     for (std::uint32_t edge = 0; edge < mesh.from.size(); ++edge) {
       next_.push_back(Triangulation::next(edge));
       previous_.push_back(Triangulation::previous(edge));
@@ -178,7 +183,7 @@ class Joiner {
     }
     std::ranges::sort(diagonals);  // Total order: diagonals have different numbers.
     for (const auto& [least, edge] : diagonals) {
-      if (may_go(edge)) take_out(edge);
+      try_to_join(edge);
     }
   }
 
@@ -206,23 +211,25 @@ class Joiner {
   // Which way a piece turns that has one half-edge behind the other.
   int turn(std::uint32_t in, std::uint32_t out) const { return side_of(at(in), at(out), at(next_[out])); }
 
-  int count(std::uint32_t edge) const {
-    int vertices = 1;
-    for (std::uint32_t k = next_[edge]; k != edge; k = next_[k]) ++vertices;
-    return vertices;
+  // The triangle that stands for the piece to the left of a half-edge.
+  std::uint32_t piece_at(std::uint32_t edge) {
+    std::uint32_t triangle = edge / 3;
+    while (joined_[triangle] != triangle) triangle = joined_[triangle] = joined_[joined_[triangle]];
+    return triangle;
   }
 
-  bool may_go(std::uint32_t edge) const {
-    const std::uint32_t twin = mesh_.twin[edge];
-    return count(edge) + count(twin) - 2 <= kMostPolygonVertices && turn(previous_[edge], next_[twin]) >= 0 &&
-           turn(previous_[twin], next_[edge]) >= 0;
-  }
-
-  void take_out(std::uint32_t edge) {
-    const std::uint32_t twin = mesh_.twin[edge];
+  // Takes out a diagonal whose pieces are a convex one together, with not too many corners. A vertex between two edges
+  // on a line is no corner.
+  void try_to_join(std::uint32_t edge) {
+    const std::uint32_t twin = mesh_.twin[edge], piece = piece_at(edge), other = piece_at(twin);
+    const int here = turn(previous_[edge], next_[twin]), there = turn(previous_[twin], next_[edge]);
+    const int corners = corners_[piece] + corners_[other] - 4 + here + there;
+    if (here < 0 || there < 0 || corners > kMostPolygonVertices) return;
     link(previous_[edge], next_[twin]);
     link(previous_[twin], next_[edge]);
     gone_[edge] = gone_[twin] = true;
+    joined_[other] = piece;
+    corners_[piece] = corners;
   }
 
   void link(std::uint32_t edge, std::uint32_t next) {
@@ -234,6 +241,8 @@ class Joiner {
   const Triangulation& mesh_;
   std::vector<std::uint32_t> next_, previous_;  // around the piece of a half-edge
   std::vector<bool> gone_;
+  std::vector<std::uint32_t> joined_;  // of a triangle: itself, or one that it has been joined to
+  std::vector<int> corners_;           // of the piece that a triangle stands for
 };
 
 ShapePart part_of(const Ring& ring, const std::vector<std::uint32_t>& piece, bool alone, double radius) {
@@ -258,13 +267,9 @@ std::string check_piece(const Ring& ring, const std::vector<std::uint32_t>& piec
   return "the outline's piece of vertices " + names + ": " + error;
 }
 
-std::vector<ShapePart> cut(std::span<const Vec2> vertices, double radius, std::string& error) {
-  error = check_numbers(vertices, radius);
-  if (!error.empty()) return {};
-  Ring ring = without_needless(vertices);
-  error = ring.size() < 3 ? "an outline must have an area" : Crossings(ring).find();
-  if (!error.empty()) return {};
-  make_counter_clockwise(ring);
+/// The pieces of an outline that is counter-clockwise and does not touch itself.
+std::vector<ShapePart> cut_ring(const Ring& ring, double radius, std::string& error) {
+  error.clear();
   const Triangulation mesh = triangulate(ring.points);
   Joiner joiner(ring, mesh);
   joiner.run();
@@ -274,6 +279,46 @@ std::vector<ShapePart> cut(std::span<const Vec2> vertices, double radius, std::s
     parts.push_back(part_of(ring, piece, pieces.size() == 1, radius));
     error = check_piece(ring, piece, parts.back());
     if (!error.empty()) return {};
+  }
+  return parts;
+}
+
+double extent_of(const Ring& ring) {
+  const auto [left, right] = std::ranges::minmax(ring.points, {}, &Vec2::x);
+  const auto [bottom, top] = std::ranges::minmax(ring.points, {}, &Vec2::y);
+  return greater(right.x - left.x, top.y - bottom.y);
+}
+
+/// Cuts edges that are longer than `most` metres into equal ones. Nothing, if that makes too many vertices.
+Ring with_short_edges(const Ring& ring, double most) {
+  Ring out;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Vec2 from = ring.points[k], way = ring.points[ring.after(k)] - from;
+    const double count = greater(std::ceil(length_of(way) / most), 1.0);
+    if (static_cast<double>(out.size()) + count > static_cast<double>(ring.size() + kMostAddedVertices)) return {};
+    for (double n = 0; n < count; ++n) {
+      out.points.push_back(from + (n / count) * way);
+      out.numbers.push_back(ring.numbers[k]);
+    }
+  }
+  return out;
+}
+
+std::vector<ShapePart> cut(std::span<const Vec2> vertices, double radius, std::string& error) {
+  error = check_numbers(vertices, radius);
+  if (!error.empty()) return {};
+  Ring ring = without_needless(vertices);
+  error = ring.size() < 3 ? "an outline must have an area" : Crossings(ring).find();
+  if (!error.empty()) return {};
+  make_counter_clockwise(ring);
+  std::vector<ShapePart> parts = cut_ring(ring, radius, error);
+  // Many short edges far from the ends of a long one leave only thin triangles, unless the long one has vertices, too.
+  for (double share = 8; !error.empty() && share <= 512; share *= 8) {
+    const Ring finer = with_short_edges(ring, extent_of(ring) / share);
+    if (finer.size() == 0 || !Crossings(finer).find().empty()) break;
+    std::string still;
+    parts = cut_ring(finer, radius, still);
+    if (still.empty()) error.clear();
   }
   return parts;
 }
