@@ -85,6 +85,17 @@ psim_result caught(const Call& call, const Body& body) noexcept {
   }
 }
 
+/// For functions without a world: its line goes to the caller. body(call) may throw.
+template <class Body>
+psim_result alone(const char* name, char* error, std::size_t capacity, const Body& body) noexcept {
+  copy_text({}, error, capacity);
+  psim_world scratch;
+  const Call call{&scratch, name};
+  const psim_result result = caught(call, [&] { return body(call); });
+  if (result < 0) copy_text(scratch.error, error, capacity);
+  return result;
+}
+
 /// Runs body(world, call), which returns a psim_result, on a world that is whole.
 template <class Body>
 psim_result guarded(const psim_world* handle, const char* name, const Body& body) noexcept {

@@ -26,17 +26,6 @@ psim_result fill(const Call& call, std::span<const std::byte> from, void* buffer
   return PSIM_OK;
 }
 
-// For functions without a world: its line goes to the caller. body(call) may throw.
-template <class Body>
-psim_result alone(const char* name, char* error, std::size_t capacity, const Body& body) noexcept {
-  copy_text({}, error, capacity);
-  psim_world scratch;
-  const Call call{&scratch, name};
-  const psim_result result = caught(call, [&] { return body(call); });
-  if (result < 0) copy_text(scratch.error, error, capacity);
-  return result;
-}
-
 psim_result null_refused(const Call& call) {
   return call.fail(PSIM_ERROR_ARGUMENT, "only the buffer to fill may be NULL");
 }

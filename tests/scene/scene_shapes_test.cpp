@@ -2,6 +2,7 @@
 // said of bad ones and where, and what `--check` says of those that are put right.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -141,6 +142,59 @@ TEST(SceneShapes, PartsAreRefusedAtTheirPlace) {
   expect_refused(scene_text(R"("groups": [{"layout": "explicit", "x": [1], "y": [2], "radius": 1,
       "shapes": [{"disc": {"radius": 1}}]}])"),
                  "groups[0].radius", "one of the two");
+}
+
+TEST(SceneShapes, OutlinesAreCutWhenTheyAreRead) {
+  const std::string l = R"("outline": {"vertices": [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]], "radius": 0.1})";
+  for (const std::string_view type : {"static", "kinematic", "dynamic"}) {
+    const std::string keys = "\"type\": \"" + std::string(type) + "\", \"shape\": {" + l + "}";
+    const Shape shape = shape_of(body_with(keys));
+    const auto& parts = std::get<CompoundShape>(shape).parts;
+    ASSERT_EQ(parts.size(), 2u);
+    for (const ShapePart& part : parts) EXPECT_EQ(std::get<PolygonShape>(part.shape).radius, 0.1);
+  }
+  const auto convex = std::get<PolygonShape>(
+      shape_of(shape_text(R"("outline": {"vertices": [[0, 0], [0, 2], [2, 2], [1, 0], [0, 0]]})")));
+  EXPECT_EQ(convex.vertices.size(), 4u);
+  const Scene scene = parsed_scene(scene_text(R"("groups": [{"layout": "explicit", "x": [1], "y": [2], "shape": {)" +
+                                              l +
+                                              R"(}}], "bodies": [{"position": [1, 2], "shapes": [
+      {"disc": {"radius": 0.25}}, {)" + l + R"(, "position": [5, 0], "angle": 1.5, "density": 3, "friction": 0.2},
+      {"box": {"size": [1, 1]}}]}])"));
+  EXPECT_NEAR(scene.groups[0].radius_max, std::hypot(3, 1) + 0.1, 1e-12);
+  const auto& parts = std::get<CompoundShape>(scene.bodies[0].shape).parts;
+  ASSERT_EQ(parts.size(), 4u);
+  double farthest = 0;
+  for (const ShapePart& part : {parts[1], parts[2]}) {
+    EXPECT_EQ(part.angle, 1.5);
+    EXPECT_EQ(part.density, 3);
+    EXPECT_EQ(part.friction, 0.2);
+    for (const Vec2 v : std::get<PolygonShape>(part.shape).vertices) {
+      const Vec2 at = to_world(v, part.position, part.angle);
+      farthest = std::max(farthest, std::hypot(at.x - 5, at.y));
+    }
+  }
+  EXPECT_NEAR(farthest, std::hypot(3, 1), 1e-12);
+  EXPECT_TRUE(std::holds_alternative<BoxShape>(parts[3].shape));
+  const std::string text = scene_to_json(scene);
+  EXPECT_EQ(scene_to_json(parsed_scene(text)), text);
+}
+
+TEST(SceneShapes, OutlinesThatAreNoneAreRefused) {
+  const std::string path = "bodies[0].shape.outline";
+  expect_refused(shape_text(R"("outline": {"vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]})"), path,
+                 "an outline must not cross or touch itself; its edges from vertex 0 to vertex 1 and from vertex 2 to "
+                 "vertex 3 do");
+  expect_refused(shape_text(R"("outline": {"vertices": [[0, 0], [1, 1], [2, 2]]})"), path, "must have an area");
+  expect_refused(shape_text(R"("outline": {"vertices": [[0, 0], [1, 1]]})"), path + ".vertices", "has 2 elements");
+  expect_refused(shape_text(R"("outline": {})"), path, "\"vertices\" is missing");
+  expect_refused(shape_text(R"("outline": {"vertices": [[0, 0], [1, 0], [0, 1]], "radius": -1})"), path + ".radius",
+                 "0 to 1e6");
+  expect_refused(shape_text(R"("outline": {"vertices": [[0, 0], [1, 0], [0, 1]], "loop": true})"), path + ".loop",
+                 "unknown key");
+  expect_refused(body_with(R"("shapes": [{"disc": {"radius": 1}},
+                              {"outline": {"vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]}}])"),
+                 "bodies[0].shapes[1].outline", "cross or touch");
 }
 
 TEST(SceneShapes, PolygonsThatAreNoneAreRefused) {

@@ -9,14 +9,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/rotor.h"
 #include "bodies/hull.h"
 #include "file/parse_limits.h"
 #include "file/parse_parts.h"
+#include "psim/outline.h"
 
 namespace psim::scene {
 namespace {
 
-constexpr std::array<std::string_view, 6> kShapes = {"disc", "box", "polygon", "capsule", "segment", "chain"};
+constexpr std::array<std::string_view, 7> kShapes = {"disc",    "box",     "polygon", "outline",
+                                                     "capsule", "segment", "chain"};
 constexpr std::array<std::string_view, 9> kPartKeys = {"position", "angle", "density", "restitution", "friction",
                                                        "category", "mask",  "group",   "sensor"};
 constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
@@ -82,6 +85,17 @@ PolygonShape read_polygon(const Node& node) {
   return polygon;
 }
 
+// The convex polygons that an outline is cut into.
+std::vector<ShapePart> read_outline(const Node& node) {
+  node.expect_object(kPolygonKeys);
+  const std::vector<Vec2> vertices = read_points(node.require("vertices"), 3, kMostOutlineVertices);
+  const double radius = node.number_or("radius", 0, limits::kRounding);
+  std::string error;
+  std::vector<ShapePart> parts = cut_outline(vertices, radius, error);
+  if (!error.empty()) node.fail(std::move(error));
+  return parts;
+}
+
 // Concave, crossing itself, without area, too small: what the engine cannot simulate.
 Shape checked(const Node& node, Shape shape) {
   HullSet unused;
@@ -121,6 +135,10 @@ Shape read_kind(const Node& shape, std::string_view kind, const Context& context
     node.expect_object(kPolygonKeys);
     return checked(node, read_polygon(node));
   }
+  if (kind == "outline") {
+    std::vector<ShapePart> parts = read_outline(node);
+    return checked(node, parts.size() == 1 ? shape_of(parts[0]) : CompoundShape{std::move(parts)});
+  }
   if (kind == "capsule") {
     node.expect_object(kCapsuleKeys);
     return checked(node, read_capsule(node, context));
@@ -152,6 +170,7 @@ std::string_view kind_of(const Node& shape) {
   return found;
 }
 
+// All but the shape where that is an outline, which becomes several parts.
 ShapePart read_part(const Node& node, const Context& context, const BodyDesc& body) {
   static constexpr auto kKeys = joined(kShapes, kPartKeys);
   node.expect_object(kKeys);
@@ -159,7 +178,8 @@ ShapePart read_part(const Node& node, const Context& context, const BodyDesc& bo
   const auto simple = [&](const auto& shape) {
     if constexpr (!std::is_same_v<std::decay_t<decltype(shape)>, CompoundShape>) part.shape = shape;
   };
-  std::visit(simple, read_kind(node, kind_of(node), context, body.type));
+  const std::string_view kind = kind_of(node);
+  if (kind != "outline") std::visit(simple, read_kind(node, kind, context, body.type));
   part.position = node.vec2_or("position", part.position, limits::kCoordinate);
   part.angle = node.number_or("angle", part.angle, limits::kAngle);
   if (const auto key = node.find("density")) part.density = key->number(limits::kDensity);
@@ -168,6 +188,16 @@ ShapePart read_part(const Node& node, const Context& context, const BodyDesc& bo
   if (node.find("category") || node.find("mask") || node.find("group")) part.filter = read_filter(node, body.filter);
   if (const auto key = node.find("sensor")) part.sensor = key->boolean();
   return part;
+}
+
+// Adds the parts of an outline, each with what is the outline's own.
+void add_outline(const Node& node, const ShapePart& whole, std::vector<ShapePart>& parts) {
+  const SineCosine turn = sine_cosine(whole.angle);
+  for (const ShapePart& piece : read_outline(node)) {
+    ShapePart& part = parts.emplace_back(whole);
+    part.shape = piece.shape;
+    part.position = whole.position + turned(turn, piece.position);
+  }
 }
 
 }  // namespace
@@ -182,7 +212,17 @@ Shape read_shapes(const Node& shapes, const Context& context, const BodyDesc& bo
   CompoundShape compound;
   compound.parts.reserve(shapes.size());
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    compound.parts.push_back(read_part(shapes.element(k), context, body));
+    const Node node = shapes.element(k);
+    const ShapePart part = read_part(node, context, body);
+    if (const std::optional<Node> outline = node.find("outline")) {
+      add_outline(*outline, part, compound.parts);
+    } else {
+      compound.parts.push_back(part);
+    }
+  }
+  if (compound.parts.size() > kMostParts) {
+    shapes.fail("has " + std::to_string(compound.parts.size()) + " parts with those of outlines: at most " +
+                std::to_string(kMostParts));
   }
   return checked(shapes, std::move(compound));
 }
