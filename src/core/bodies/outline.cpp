@@ -38,6 +38,16 @@ struct Ring {
   int turn(std::size_t k) const { return side_of(points[before(k)], points[k], points[after(k)]); }
 };
 
+/// m: the longer side of the box around some points.
+double extent_of(std::span<const Vec2> points) {
+  Vec2 low = points[0], high = points[0];
+  for (const Vec2 p : points) {
+    low = {lesser(p.x, low.x), lesser(p.y, low.y)};
+    high = {greater(p.x, high.x), greater(p.y, high.y)};
+  }
+  return greater(high.x - low.x, high.y - low.y);
+}
+
 std::string check_numbers(std::span<const Vec2> vertices, double radius) {
   if (vertices.size() < 3 || vertices.size() > kMostOutlineVertices) {
     return "an outline has 3 to " + std::to_string(kMostOutlineVertices) + " vertices, this one has " +
@@ -48,9 +58,7 @@ std::string check_numbers(std::span<const Vec2> vertices, double radius) {
     if (!limits::kCoordinate.contains(vertices[k]))
       return check("vertex " + std::to_string(k), vertices[k], limits::kCoordinate).error;
   }
-  const auto [left, right] = std::ranges::minmax(vertices, {}, &Vec2::x);
-  const auto [bottom, top] = std::ranges::minmax(vertices, {}, &Vec2::y);
-  check("an outline's extent", greater(right.x - left.x, top.y - bottom.y), limits::kExtent);
+  check("an outline's extent", extent_of(vertices), limits::kExtent);
   if (radius != 0) check("radius, where it is not 0,", radius, limits::kRadius);
   return check.error;
 }
@@ -283,12 +291,6 @@ std::vector<ShapePart> cut_ring(const Ring& ring, double radius, std::string& er
   return parts;
 }
 
-double extent_of(const Ring& ring) {
-  const auto [left, right] = std::ranges::minmax(ring.points, {}, &Vec2::x);
-  const auto [bottom, top] = std::ranges::minmax(ring.points, {}, &Vec2::y);
-  return greater(right.x - left.x, top.y - bottom.y);
-}
-
 /// Cuts edges that are longer than `most` metres into equal ones. Nothing, if that makes too many vertices.
 Ring with_short_edges(const Ring& ring, double most) {
   Ring out;
@@ -314,7 +316,7 @@ std::vector<ShapePart> cut(std::span<const Vec2> vertices, double radius, std::s
   std::vector<ShapePart> parts = cut_ring(ring, radius, error);
   // Many short edges far from the ends of a long one leave only thin triangles, unless the long one has vertices, too.
   for (double share = 8; !error.empty() && share <= 512; share *= 8) {
-    const Ring finer = with_short_edges(ring, extent_of(ring) / share);
+    const Ring finer = with_short_edges(ring, extent_of(ring.points) / share);
     if (finer.size() == 0 || !Crossings(finer).find().empty()) break;
     std::string still;
     parts = cut_ring(finer, radius, still);

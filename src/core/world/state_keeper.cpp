@@ -96,6 +96,7 @@ class StateKeeper {
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
     lists_.broad.origin.set(origin_);
     w_.contacts.bare = true;
+    if (w_.plan.turns) w_.bodies.keep_turns(true);  // lists that are made do so; those of a forged state may not
     w_.observers.placed = true;
     w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
     // Work that is done again is not counted again.
