@@ -3,7 +3,10 @@
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
+#include <variant>
+#include <vector>
 
+#include "body_outlines.h"
 #include "comparison.h"
 
 namespace psim::peers {
@@ -28,12 +31,34 @@ void put_boxes_for_floors(Scene& scene) {
   }
 }
 
+/// A drum, a kinematic body of several convex shapes, becomes a body a shape that turns about the same place: not every
+/// engine here is given bodies of several shapes. For scenes without joints, which name bodies by number.
+void put_bodies_for_drums(Scene& scene) {
+  std::vector<BodyDesc> bodies;
+  for (const BodyDesc& body : scene.bodies) {
+    if (body.type != BodyType::kinematic_body || !std::holds_alternative<CompoundShape>(body.shape)) {
+      bodies.push_back(body);
+      continue;
+    }
+    for (const reference::Outline& outline : test::outlines(body.shape, {0, 0}, 0)) {
+      PolygonShape polygon;
+      for (const reference::Vec p : outline.points) polygon.vertices.push_back({p.x, p.y});
+      polygon.radius = outline.radius;
+      bodies.push_back(body);
+      bodies.back().shape = std::move(polygon);
+    }
+  }
+  scene.body_names.resize(bodies.size());
+  scene.bodies = std::move(bodies);
+}
+
 std::function<Scene(Size)> builtin(const char* name, Bodies bodies) {
   return [name, bodies](Size size) {
     std::string error;
     auto scene = make_builtin(name, bodies.of(size), 1, error);
     if (!scene) throw std::runtime_error(error);
     put_boxes_for_floors(*scene);
+    if (scene->joints.empty()) put_bodies_for_drums(*scene);
     return std::move(*scene);
   };
 }

@@ -102,7 +102,8 @@ void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::Reach
   common_way_ = length_of({static_cast<double>(margin.common_x), static_cast<double>(margin.common_y)}) *
                 static_cast<double>(margin.time);
   for (const std::uint32_t slot : slots) {
-    if (b.kind(b.id[slot]).hull_count < kMany) continue;
+    const bool held = b.properties(b.id[slot]).type() == BodyType::kinematic_body;
+    if (b.kind(b.id[slot]).hull_count < (held ? kManyKinematic : kMany)) continue;
     const float rim = b.rim_speed_of(slot), size = b.radius[slot];
     const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * size, margin.skin) : margin.skin;
     wide_.push_back(

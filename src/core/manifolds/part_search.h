@@ -28,6 +28,8 @@ class PartSearch {
  public:
   /// A body of fewer parts has all of them near.
   static constexpr std::uint32_t kMany = 9;
+  /// The same of kinematic bodies: there are few of them, and many a one has all others within it, as a drum has.
+  static constexpr std::uint32_t kManyKinematic = 4;
 
   explicit PartSearch(const Surroundings& s) : s_(s) {}
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
 
 #include "base/elementary.h"
 #include "base/tasks.h"
@@ -91,51 +93,65 @@ bool near_fixed(const ContinuousInput& in, std::size_t i) {
   return s.statics.any() && !s.statics.surely_none(box);
 }
 
-// The box around the shape of a body, in its own axes.
-Bounds hull_box(const BodyStore& b, std::size_t i) {
-  const BodyKind& kind = b.kind(b.id[i]);
-  const double r = b.radius[i];
-  if (kind.hull_count == 0) return {-r, -r, r, r};
+// The box around a hull, in the axes of its body.
+Bounds hull_box(const Hull& hull) {
   Bounds box{1e30, 1e30, -1e30, -1e30};
-  for (std::uint32_t part = 0; part < kind.hull_count; ++part) {
-    const Hull& hull = b.hulls[kind.first_hull + part];
-    for (int k = 0; k < hull.count; ++k) {
-      const double x = hull.x[k], y = hull.y[k], round = hull.radius;
-      box = {std::min(box.xmin, x - round), std::min(box.ymin, y - round), std::max(box.xmax, x + round),
-             std::max(box.ymax, y + round)};
-    }
+  for (int k = 0; k < hull.count; ++k) {
+    const double x = hull.x[k], y = hull.y[k], round = hull.radius;
+    box = {std::min(box.xmin, x - round), std::min(box.ymin, y - round), std::max(box.xmax, x + round),
+           std::max(box.ymax, y + round)};
   }
   return box;
 }
 
+Bounds united(const Bounds& a, const Bounds& b) {
+  return {std::min(a.xmin, b.xmin), std::min(a.ymin, b.ymin), std::max(a.xmax, b.xmax), std::max(a.ymax, b.ymax)};
+}
+
 }  // namespace
 
-// Whether a body is fast, as seen from a kinematic one, and its way leads near the box around that one's shape. The way is
-// no longer than the two ways and what turning adds (Flight::way_against has it exactly).
-bool Continuous::comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k) {
+// Whether a body is fast, as seen from a kinematic one, and its way leads near the box around a part of that one. The way
+// is no longer than the two ways and what turning adds (Flight::way_against has it exactly).
+bool Continuous::comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k) const {
   const BodyStore& b = s.bodies;
   const Vec2 apart = s.lattice.steps({b.pos[2 * k.slot], b.pos[2 * k.slot + 1]}, {b.pos[2 * i], b.pos[2 * i + 1]});
   const Vec2 at = turned({-k.turn.sine, k.turn.cosine}, apart);
-  const Vec2 off{at.x - std::clamp(at.x, k.hull.xmin, k.hull.xmax), at.y - std::clamp(at.y, k.hull.ymin, k.hull.ymax)};
   const double x = b.disp[2 * i] - b.disp[2 * k.slot], y = b.disp[2 * i + 1] - b.disp[2 * k.slot + 1];
   const double far = std::sqrt(x * x + y * y), around = std::fabs(k.change) * (length_of(apart) + far);
   const double reach = double{b.radius[i]} + far + around;
-  return !(dot(off, off) > reach * reach) && way_against(s, i, k.slot) > Flight::kFast * inner_of(b, i);
+  const auto near = [&](const Bounds& box) {
+    const Vec2 off{at.x - std::clamp(at.x, box.xmin, box.xmax), at.y - std::clamp(at.y, box.ymin, box.ymax)};
+    return !(dot(off, off) > reach * reach);
+  };
+  if (!near(k.hull) || !(way_against(s, i, k.slot) > Flight::kFast * inner_of(b, i))) return false;
+  return std::any_of(part_boxes_.begin() + k.first_part, part_boxes_.begin() + k.first_part + k.parts, near);
+}
+
+// Notes a kinematic body and the boxes of its parts; a disc is one part.
+void Continuous::note_kinematic(const Surroundings& s, std::uint32_t slot) {
+  const BodyStore& b = s.bodies;
+  const BodyKind& kind = b.kind(b.id[slot]);
+  const double change = b.angle_change.empty() ? 0 : double{b.angle_change[slot]}, r = b.radius[slot];
+  const auto first = static_cast<std::ptrdiff_t>(part_boxes_.size());
+  if (kind.hull_count == 0) part_boxes_.push_back({-r, -r, r, r});
+  for (std::uint32_t k = 0; k < kind.hull_count; ++k) part_boxes_.push_back(hull_box(b.hulls[kind.first_hull + k]));
+  const auto parts = static_cast<std::ptrdiff_t>(part_boxes_.size()) - first;
+  const Bounds hull = std::accumulate(part_boxes_.begin() + first + 1, part_boxes_.end(),
+                                      part_boxes_[static_cast<std::size_t>(first)], united);
+  kinematics_.push_back({box_of(s, slot), slot, hull, sine_cosine(b.angle_of(slot) - change), change, first, parts});
+  const Bounds& box = kinematics_.back().box;
+  widest_ = greater(box.xmax - box.xmin, widest_);
 }
 
 // The kinematic bodies by the left edges of their boxes, to find those along a way.
 void Continuous::sort_kinematics(const ContinuousInput& in) {
   const Surroundings& s = in.contacts.surroundings;
   kinematics_.clear();
+  part_boxes_.clear();
   widest_ = 0;
   for (const auto& [id, velocity] : in.kinematics) {
     if (s.bodies.kind(id).sensor) continue;
-    const std::uint32_t slot = s.bodies.info[id].slot;
-    const double change = s.bodies.angle_change.empty() ? 0 : double{s.bodies.angle_change[slot]};
-    kinematics_.push_back(
-        {box_of(s, slot), slot, hull_box(s.bodies, slot), sine_cosine(s.bodies.angle_of(slot) - change), change});
-    const Bounds& box = kinematics_.back().box;
-    widest_ = greater(box.xmax - box.xmin, widest_);
+    note_kinematic(s, s.bodies.info[id].slot);
   }
   // Total order: the left edge, then the slot.
   std::ranges::sort(kinematics_, {}, [](const Kinematic& k) { return std::pair(k.box.xmin, k.slot); });
@@ -337,6 +353,11 @@ void Continuous::make_room(const ContinuousInput& in) {
   }
   for (std::vector<std::uint32_t>* of : {&pressed_, &flying_, &others_}) of->reserve(most);
   kinematics_.reserve(in.kinematics.size());
+  std::size_t parts = 0;
+  for (const auto& [id, velocity] : in.kinematics) {
+    parts += std::max(1u, in.contacts.surroundings.bodies.kind(id).hull_count);
+  }
+  part_boxes_.reserve(parts);
   kinematic_slots_.reserve(in.kinematics.size());
   fast_.reserve(in.bullets.empty() ? 0 : bodies);
   partners_.reserve(in.bullets.size());

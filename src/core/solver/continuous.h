@@ -50,9 +50,12 @@ class Continuous {
   /// The number of bodies whose ways the last stop() looked at.
   std::uint32_t fast() const { return fast_count_; }
 
-  void release() { give_back(jobs_, fast_, flying_, pressed_, partners_, kinematics_, kinematic_slots_, others_); }
+  void release() {
+    give_back(jobs_, fast_, flying_, pressed_, partners_, kinematics_, part_boxes_, kinematic_slots_, others_);
+  }
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(jobs_, fast_, flying_, pressed_, partners_, kinematics_, kinematic_slots_, others_);
+    std::size_t sum =
+        bytes_of(jobs_, fast_, flying_, pressed_, partners_, kinematics_, part_boxes_, kinematic_slots_, others_);
     for (const Job& job : jobs_) sum += bytes_of(job.found, job.near);
     return sum;
   }
@@ -68,14 +71,17 @@ class Continuous {
   struct Kinematic {
     Bounds box;  // around its way, m from the centre of the lattice
     std::uint32_t slot;
-    Bounds hull;        // around its shape, m, in its own axes
-    SineCosine turn;    // at the start of the step
-    double change = 0;  // rad: how far it turns
+    Bounds hull;                    // around its shape, m, in its own axes
+    SineCosine turn;                // at the start of the step
+    double change = 0;              // rad: how far it turns
+    std::ptrdiff_t first_part = 0;  // its parts in part_boxes_
+    std::ptrdiff_t parts = 0;
   };
 
+  void note_kinematic(const Surroundings& s, std::uint32_t slot);
   void sort_kinematics(const ContinuousInput& in);
   bool may_come_upon(const Surroundings& s, std::size_t i) const;
-  static bool comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k);
+  bool comes_upon(const Surroundings& s, std::size_t i, const Kinematic& k) const;
   void find(const ContinuousInput& in);
   void follow(const ContinuousInput& in);
   void find_shapes(const ContinuousInput& in);
@@ -91,6 +97,7 @@ class Continuous {
   std::vector<std::uint8_t> fast_;                                 // by slot: the body is a fast bullet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> partners_;  // of fast bullets, by slot
   std::vector<Kinematic> kinematics_;                              // by left edge
+  std::vector<Bounds> part_boxes_;                                 // around the parts of each, m, in its axes
   std::vector<std::uint32_t> kinematic_slots_, others_;            // `others_`: the partners of one bullet
   double widest_ = 0;                                              // m: their widest box
   std::uint64_t looked_ = 0;

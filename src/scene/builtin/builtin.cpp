@@ -40,6 +40,8 @@ constexpr std::array kScenes = {
           joint_grid},
     Entry{{"tumbler", 2025, "boxes in a square drum that turns (Box2D's benchmark)"}, tumbler},
     Entry{{"washer", 8100, "boxes in a round drum with paddles (Box2D's benchmark)"}, washer},
+    Entry{{"compounds", 3000, "bodies of two triangles each fall into a basin (Box2D's benchmark)"}, compounds},
+    Entry{{"junkyard", 8000, "a blade pushes scrap to and fro in a basin (Box2D's benchmark)"}, junkyard},
     Entry{{"rain", 11'000, "a thousand ragdolls of 11 bodies falling on shelves (Box2D's benchmark)"}, rain},
     Entry{{"smash", 9600, "a heavy block hits a wall of boxes at 40 m/s, no gravity (Box2D's benchmark)"}, smash},
     Entry{{"spinner", 6076, "a driven bar in a ring of capsules, discs and boxes (Box2D's benchmark)"}, spinner},

@@ -43,6 +43,9 @@ std::uint64_t add(Scene& scene, const BodyDesc& body);
 std::uint64_t add_ground(Scene& scene, Vec2 centre, double half_width, double half_height,
                          const Material& material = kRigid);
 
+/// One of the shapes of a body.
+ShapePart part_of(PartShape shape, Vec2 position = {0, 0});
+
 /// An empty explicit group of one shape, to `put` bodies in.
 GroupDesc list_of(Shape shape, const Material& material = kRigid);
 void put(GroupDesc& group, double x, double y);
@@ -86,6 +89,9 @@ Scene rope(std::uint64_t n, std::uint64_t seed);
 Scene cloth(std::uint64_t n, std::uint64_t seed);
 // builtin_ragdolls.cpp
 Scene rain(std::uint64_t n, std::uint64_t seed);
+// builtin_basins.cpp
+Scene compounds(std::uint64_t n, std::uint64_t seed);
+Scene junkyard(std::uint64_t n, std::uint64_t seed);
 // builtin_machines.cpp
 Scene tumbler(std::uint64_t n, std::uint64_t seed);
 Scene washer(std::uint64_t n, std::uint64_t seed);

@@ -36,6 +36,13 @@ std::uint64_t add_ground(Scene& scene, Vec2 centre, double half_width, double ha
   return id;
 }
 
+ShapePart part_of(PartShape shape, Vec2 position) {
+  ShapePart part;
+  part.shape = std::move(shape);
+  part.position = position;
+  return part;
+}
+
 GroupDesc list_of(Shape shape, const Material& material) {
   GroupDesc group;
   group.layout = Layout::explicit_list;
