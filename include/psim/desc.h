@@ -16,12 +16,35 @@
 
 namespace psim {
 
-/// Surface and bulk properties. Two materials in contact mix: restitution by max, friction by
-/// geometric mean.
+/// Surface and bulk properties. Two materials in contact mix by the rules of the world (WorldDesc::mixing).
 struct Material {
   double density = 1;      ///< kg/m^2, > 0
   double restitution = 0;  ///< 0..1
   double friction = 0;     ///< Coulomb coefficient, 0..1000
+};
+
+/// How the numbers a and b of two materials in contact give that of the contact.
+enum class Mixing : std::uint8_t {
+  max,       ///< the larger
+  min,       ///< the smaller
+  mean,      ///< (a + b) / 2
+  product,   ///< a b
+  geometric  ///< sqrt(a b)
+};
+struct MixingRules {
+  Mixing restitution = Mixing::max;     ///< of a contact
+  Mixing friction = Mixing::geometric;  ///< of a contact
+  /// Both alike.
+  friend bool operator==(const MixingRules&, const MixingRules&) = default;
+};
+
+/// Directions in which a body does not move, and whether it turns.
+struct Locks {
+  bool x = false;      ///< of the world
+  bool y = false;      ///< of the world
+  bool angle = false;  ///< it does not turn
+  /// All three alike.
+  friend bool operator==(const Locks&, const Locks&) = default;
 };
 
 /// A disc about the body's place.
@@ -116,6 +139,9 @@ struct BodyDesc {
   bool bullet = false;                     ///< does not pass through other moving bodies either, however fast
   bool sensor = false;                     ///< touches nothing but the world's walls, tells who overlaps it
   Filter filter;                           ///< who it collides with
+  double linear_damping = 0;               ///< 1/s: dv/dt = -c v, integrated exactly; of a dynamic body
+  double angular_damping = 0;              ///< 1/s: the same of the angular velocity
+  Locks locks = {};                        ///< of a dynamic body
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for
@@ -156,6 +182,10 @@ struct DragField {
 /// What acts on every body.
 using Field = std::variant<WellField, DragField>;
 
+/// The bounds of a world that is as good as without: 1,000 km and more on each side of the origin. What a step costs
+/// depends on the bodies alone.
+inline constexpr Bounds kOpenBounds{-0x1p20, -0x1p20, 0x1p20, 0x1p20};
+
 /// The world and how it is stepped. Checked by World::create.
 struct WorldDesc {
   Bounds bounds{-500, -500, 500, 500};         ///< metres; 1e-9 to 1e9 m wide
@@ -163,6 +193,7 @@ struct WorldDesc {
   Vec2 gravity{0, -9.81};                      ///< m/s^2
   double linear_damping = 0;                   ///< 1/s: dv/dt = -c v, integrated exactly
   Material wall;                               ///< of the four sides, when boundary is `walls`
+  MixingRules mixing = {};                     ///< of materials in contact
   std::vector<Field> fields;                   ///< wells and drag
   double dt = 1.0 / 60;                        ///< seconds a frame, above 0, at most 10
   int substeps = 4;                            ///< 1..64

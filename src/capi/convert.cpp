@@ -132,6 +132,12 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   out.sleeping = desc.sleeping != 0;
   out.skin = desc.skin;
   out.max_bytes = static_cast<std::size_t>(std::min<std::uint64_t>(desc.max_bytes, SIZE_MAX));
+  for (const auto& [given, rule] : {std::pair(desc.restitution_mixing, &out.mixing.restitution),
+                                    std::pair(desc.friction_mixing, &out.mixing.friction)}) {
+    const auto mixing = to_enum(given, Mixing::geometric);
+    if (!mixing) return "mixing " + number(given) + " is none of psim_mixing, 0 to 4";
+    *rule = *mixing;
+  }
   return {};
 }
 
@@ -196,6 +202,10 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   out.bullet = desc.bullet != 0;
   out.sensor = desc.sensor != 0;
   out.filter = to_cpp(desc.filter);
+  if (desc.reserved != 0) return kNotZero;
+  out.linear_damping = desc.linear_damping;
+  out.angular_damping = desc.angular_damping;
+  out.locks = {desc.lock_x != 0, desc.lock_y != 0, desc.lock_angle != 0};
   return {};
 }
 

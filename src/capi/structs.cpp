@@ -39,6 +39,8 @@ void set_defaults(psim_world_desc& d) {
   d.restitution_threshold = from.restitution_threshold;
   d.sleeping = from.sleeping;
   d.skin = from.skin;
+  d.restitution_mixing = static_cast<std::int32_t>(from.mixing.restitution);
+  d.friction_mixing = static_cast<std::int32_t>(from.mixing.friction);
 }
 
 void set_defaults(psim_run_options& d) {

@@ -260,6 +260,8 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
     d.sleeping = from.sleeping;
     d.skin = from.skin;
     d.max_bytes = from.max_bytes;
+    d.restitution_mixing = static_cast<std::int32_t>(from.mixing.restitution);
+    d.friction_mixing = static_cast<std::int32_t>(from.mixing.friction);
     write(d, desc);
     return PSIM_OK;
   });

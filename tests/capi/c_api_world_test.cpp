@@ -15,6 +15,7 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
   desc.linear_damping = 0.05;
   desc.substeps = 3;
   desc.wall.friction = 0.3;
+  desc.mixing.friction = Mixing::mean;
   std::string error;
   const auto cpp = World::create(desc, {}, error);
   ASSERT_NE(cpp, nullptr) << error;
@@ -27,6 +28,7 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
   c_desc.linear_damping = 0.05;
   c_desc.substeps = 3;
   c_desc.wall.friction = 0.3;
+  c_desc.friction_mixing = PSIM_MIXING_MEAN;
   CWorld c(c_desc);
   ASSERT_EQ(c.result, PSIM_OK) << c.error;
 
@@ -34,7 +36,8 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
   const psim_vec2 c_vertices[] = {{0, 0}, {1, 0}, {0.5, 1}};
   const Vec2 ground[] = {{-20, -3}, {0, -4}, {20, -3}};
   const psim_vec2 c_ground[] = {{-20, -3}, {0, -4}, {20, -3}};
-  const CompoundShape cross{{{BoxShape{1, 0.2}, {}, 0, {}, {}, 0.9}, {DiscShape{0.3}, {0.6, 0}, 0.5, 4, 0.7, {}}}};
+  const CompoundShape cross{
+      {{BoxShape{1, 0.2}, {}, 0, {}, {}, 0.9}, {DiscShape{0.3}, {0.6, 0}, 0.5, 4, 0.7, {}, Filter{2, 1, 0}}}};
   psim_shape_part c_cross[2] = {};
   c_cross[0].shape = psim_box(1, 0.2);
   c_cross[0].friction = 0.9, c_cross[0].has_friction = 1;
@@ -42,6 +45,7 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
   c_cross[1].position = {0.6, 0}, c_cross[1].angle = 0.5;
   c_cross[1].density = 4, c_cross[1].has_density = 1;
   c_cross[1].restitution = 0.7, c_cross[1].has_restitution = 1;
+  c_cross[1].filter = {2, 1, 0}, c_cross[1].has_filter = 1;
   const std::pair<Shape, psim_shape> shapes[] = {
       {cross, {}},
       {DiscShape{0.4}, psim_disc(0.4)},
@@ -65,6 +69,11 @@ TEST(CApi, TheSameWorldHasTheSameBitsAsInCpp) {
     body.material = {2, 0.3, 0.5};
     c_body.material = {2, 0.3, 0.5};
     body.angular_velocity = c_body.angular_velocity = 1;
+    if (k == 2) {
+      body.linear_damping = c_body.linear_damping = 0.5;
+      body.angular_damping = c_body.angular_damping = 0.2;
+      body.locks.x = true, c_body.lock_x = 1;
+    }
     ids.push_back(cpp->add_body(body, error));
     psim_body_id id{};
     ASSERT_EQ(psim_world_add_body(c.world, &c_body, &id), PSIM_OK) << c.last();

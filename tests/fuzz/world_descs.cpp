@@ -39,6 +39,10 @@ WorldDesc world(ByteSource& in) {
   if (in.chance(10)) d.gravity = in.vec2(-50, 50);
   if (in.chance(30)) d.linear_damping = in.number(0, 3);
   d.wall = material(in);
+  if (in.chance(24)) {
+    d.mixing.restitution = static_cast<Mixing>(in.below(5));
+    d.mixing.friction = static_cast<Mixing>(in.below(5));
+  }
   while (in.chance(40) && d.fields.size() < 3) d.fields.push_back(field(in));
   d.dt = one_of(in, {1.0 / 60, 1.0 / 60, 1.0 / 30, 1.0 / 240});
   if (!in.tame && in.chance(10)) d.dt = in.number(1e-4, 0.2);
@@ -149,6 +153,9 @@ BodyDesc body(ByteSource& in) {
   d.bullet = in.chance(16);
   d.sensor = in.chance(16);
   d.filter = filter(in);
+  if (in.chance(24)) d.linear_damping = in.number(0, 30);
+  if (in.chance(24)) d.angular_damping = in.number(0, 30);
+  if (in.chance(24)) d.locks = {in.chance(128), in.chance(128), in.chance(128)};
   return d;
 }
 

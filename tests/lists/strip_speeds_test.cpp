@@ -67,12 +67,13 @@ class StripSpeedsTest : public testing::Test {
   MemoryMeter memory;
   WorkerPool pool{1};
   KinematicBodies kinematics;
+  MixingRules mixing;
   BodyStore bodies{memory};
   Lattice lattice;
   StaticShapes shapes{memory, lattice};
   const kernels::KernelTable kernels = kernels_of(best_isa());
   std::vector<Strip> strips;
-  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool, kinematics}};
+  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing}};
 };
 
 TEST_F(StripSpeedsTest, ACommonFallIsNoSpeed) {

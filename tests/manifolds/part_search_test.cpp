@@ -65,7 +65,8 @@ struct Setting {
   BodyStore& bodies = population.bodies;
   kernels::KernelTable kernels = kernels_of(best_isa());
   WorkerPool pool{1};
-  Surroundings surroundings{memory, lattice, bodies, population.statics, kernels, pool, population.kinematics};
+  const MixingRules mixing = {};
+  Surroundings surroundings{memory, lattice, bodies, population.statics, kernels, pool, population.kinematics, mixing};
   PartSearch search{surroundings};
 };
 

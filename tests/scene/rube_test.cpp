@@ -80,6 +80,7 @@ TEST(Rube, FixturesAreThePartsOfABody) {
   EXPECT_EQ(scene.body_names[1], "car");
   EXPECT_EQ(car.angle, 0.5);
   EXPECT_TRUE(car.bullet);
+  EXPECT_EQ(car.linear_damping, 0.5);
   EXPECT_EQ(car.velocity.x, 3);
   EXPECT_EQ(car.velocity.y, 4);
   EXPECT_EQ(car.angular_velocity, 2);
@@ -125,9 +126,8 @@ TEST(Rube, ReadsJoints) {
 
 TEST(Rube, SaysWhatIsApproximated) {
   const Scene scene = parsed_scene(std::string(kCar));
-  ASSERT_EQ(scene.notes.size(), 2u);
-  EXPECT_EQ(scene.notes[0], "body[1]: linearDamping and angularDamping are left out");
-  EXPECT_EQ(scene.notes[1], "joint[1]: a wheel joint becomes a revolute one, without its spring");
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_EQ(scene.notes[0], "joint[1]: a wheel joint becomes a revolute one, without its spring");
 }
 
 TEST(Rube, BoundsLeaveRoomAroundEverything) {

@@ -214,7 +214,7 @@ TEST(SceneParse, AKeyThatStandsTwiceIsRefusedAtTheSecond) {
 TEST(SceneParse, NamesUnknownKeysAndTheNearest) {
   EXPECT_EQ(error_of(with("\"gravity\"", "\"gravitty\"")),
             "f.json:3:68: world.gravitty: unknown key (did you mean \"gravity\"?); allowed: "
-            "\"bounds\", \"boundary\", \"gravity\", \"linear_damping\" or \"material\"");
+            "\"bounds\", \"boundary\", \"gravity\", \"linear_damping\", \"material\" or \"mixing\"");
   expect_starts(with("\"world\"", "\"my wrld\": 0, \"world\""), "f.json:3:3: [\"my wrld\"]: unknown key; allowed");
   expect_starts(with("\"name\"", "\"na\\nme\""),
                 "f.json:5:7: bodies[0][\"na\\x0ame\"]: unknown key (did you mean \"name\"?)");

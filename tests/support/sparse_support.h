@@ -104,7 +104,8 @@ struct Broad {
   kernels::KernelTable kernels = kernels_of(best_isa());
   WorkerPool pool;
   KinematicBodies kinematics;
-  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool, kinematics}};
+  MixingRules mixing;
+  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing}};
   PairTable table{memory};
   std::uint32_t next_id = 0;
 };

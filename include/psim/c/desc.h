@@ -29,6 +29,8 @@ typedef struct psim_world_desc {
   int32_t reserved;              ///< 0
   double skin;                   ///< 0.25 to 4: factor on the skin of neighbour lists; default 1
   uint64_t max_bytes;            ///< that the world may take, 0 (the default) for any number
+  int32_t restitution_mixing;    ///< psim_mixing, of two materials in contact; default the larger
+  int32_t friction_mixing;       ///< psim_mixing; default the geometric mean
 } psim_world_desc;
 
 /// How the caller wants the world run. None of it changes a bit of the result.
@@ -59,7 +61,13 @@ typedef struct psim_body_desc {
   /// Several shapes that move as one, instead of `shape`; NULL, the default: `shape`. They may overlap: mass, centre of
   /// mass and inertia are the sums over the parts. No chain in a dynamic body.
   const psim_shape_part* parts;
-  size_t part_count;  ///< how many there are
+  size_t part_count;       ///< how many there are
+  double linear_damping;   ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; of a dynamic body; default 0
+  double angular_damping;  ///< 1/s, >= 0: the same of the angular velocity; default 0
+  int32_t lock_x;          ///< flag: it does not move along x
+  int32_t lock_y;          ///< flag: it does not move along y
+  int32_t lock_angle;      ///< flag: it does not turn
+  int32_t reserved;        ///< 0
 } psim_body_desc;
 
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose

@@ -47,6 +47,14 @@ enum psim_boundary {
 };
 
 /// How bodies move under wells and drag; each step of a method is a substep.
+enum psim_mixing {
+  PSIM_MIXING_MAX = 0,       ///< the larger
+  PSIM_MIXING_MIN = 1,       ///< the smaller
+  PSIM_MIXING_MEAN = 2,      ///< (a + b) / 2
+  PSIM_MIXING_PRODUCT = 3,   ///< a b
+  PSIM_MIXING_GEOMETRIC = 4  ///< sqrt(a b)
+};
+
 enum psim_integrator {
   PSIM_INTEGRATOR_VERLET = 0,      ///< leapfrog: order 2, symplectic
   PSIM_INTEGRATOR_EULER = 1,       ///< semi-implicit Euler: order 1, symplectic

@@ -39,6 +39,7 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   check("velocity", d.velocity, limits::kVelocity);
   check("angular velocity", d.angular_velocity, limits::kAngularVelocity);
   check("gravity scale", d.gravity_scale, limits::kGravityScale);
+  check("linear damping", d.linear_damping, limits::kDamping)("angular damping", d.angular_damping, limits::kDamping);
   const Range radius{limits::kRadius.min,
                      lesser(limits::kRadius.max, greater(bounds.xmax - bounds.xmin, bounds.ymax - bounds.ymin))};
   const auto check_radius = [&](const auto& shape) {
@@ -112,7 +113,7 @@ BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   if (d.type == BodyType::dynamic_body) {
     properties.mass = static_cast<float>(mass);
     properties.inv_mass = static_cast<float>(1 / mass);
-    properties.rim_gain = d.fixed_rotation ? 0.0f : static_cast<float>(2 / mass);
+    properties.rim_gain = d.fixed_rotation || d.locks.angle ? 0.0f : static_cast<float>(2 / mass);
     properties.gravity_scale = static_cast<float>(d.gravity_scale);
   }
   return properties;
@@ -205,6 +206,10 @@ bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
     body.properties = properties_of(d, disc->radius, disc_mass(disc->radius, d.mass, d.material));
     take_properties(d, body);
+    // Contacts of shapes alone know locks.
+    const bool locked = d.type == BodyType::dynamic_body && (d.locks.x || d.locks.y);
+    if (locked) body.hulls.push_back(disc_hull(body.properties.radius));
+    if (locked) body.kind.inner = body.properties.radius;
     return true;
   }
   const bool dynamic = d.type == BodyType::dynamic_body;
@@ -229,7 +234,7 @@ bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
   kind.centre_x = static_cast<float>(hulls.mass.centre.x);
   kind.centre_y = static_cast<float>(hulls.mass.centre.y);
   body.properties = properties_of(d, reach, mass);
-  if (dynamic && !d.fixed_rotation) {
+  if (dynamic && !d.fixed_rotation && !d.locks.angle) {
     const double r = reach, inertia = mass * hulls.mass.inertia;
     body.properties.rim_gain = static_cast<float>(r * r / inertia);
   }

@@ -19,6 +19,23 @@ namespace psim {
 /// Restitution or friction as a float, which is no denormal.
 inline float coefficient(double value) { return kernels::snapped(value); }
 
+/// Returns what two materials give together.
+inline float mixed(Mixing rule, float a, float b) {
+  switch (rule) {
+    case Mixing::min:
+      return std::min(a, b);
+    case Mixing::mean:
+      return (a + b) / 2;
+    case Mixing::product:
+      return a * b;
+    case Mixing::geometric:
+      return std::sqrt(a * b);
+    case Mixing::max:
+      break;
+  }
+  return std::max(a, b);
+}
+
 /// Equal bodies share one entry: a million equal discs have a single one.
 struct BodyProperties {
   float inv_mass = 0;  ///< 1/kg; 0: kinematic or static
@@ -60,6 +77,8 @@ struct BodyKind {
   Filter filter;                     ///< as `sensor`: the usual one where parts have their own
   bool bullet = false;
   bool sensor = false;
+  bool restrained = false;  ///< Population::restraints has its damping and locks
+  Locks locks;
   /// The number of a hull among the parts.
   std::uint32_t part_of_hull(std::uint32_t hull) const { return std::max(part_count, hull_count) - hull_count + hull; }
   friend bool operator==(const BodyKind&, const BodyKind&) = default;

@@ -56,6 +56,14 @@ struct Bullet {
 };
 using Bullets = ListById<Bullet>;
 
+/// What a dynamic body has of its own against moving.
+struct Restraint {
+  std::uint32_t id = 0;
+  float linear_damping = 0, angular_damping = 0;  ///< 1/s
+  Locks locks;
+};
+using Restraints = ListById<Restraint>;
+
 /// Frames of a body's present motion that are looked ahead: what margins of lists allow for, who may touch, who wakes.
 /// A quarter more than one frame, since speeds change within a step.
 inline constexpr double kMarginFrames = 1.25;

@@ -16,6 +16,11 @@ double rim_speed_of(double omega, float radius) {
   return lesser(greater(omega * radius, -kMost), kMost);
 }
 
+bool is_restrained(const BodyDesc& d) {
+  const bool any = d.linear_damping != 0 || d.angular_damping != 0 || d.locks != Locks{};
+  return any && d.type == BodyType::dynamic_body;
+}
+
 }  // namespace
 
 double speed_limit(const Lattice& lattice, double dt) {
@@ -72,6 +77,7 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   add(t.odd_gravity, p.type() == BodyType::dynamic_body && p.gravity_scale != 1);
   add(t.cornered, !disc);
   add(t.bullets, kind.bullet);
+  add(t.restrained, kind.restrained);
 }
 
 Traits Population::recounted() const {
@@ -90,6 +96,8 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
   NewBody body;
   BodyKind& kind = body.kind;
   kind.bullet = moves && d.bullet;
+  kind.restrained = is_restrained(d);
+  if (kind.restrained) kind.locks = d.locks;
   if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
   reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
   const auto forget_kind = [&] { forget(kind); };
@@ -146,6 +154,7 @@ void Population::reserve(const BodyDesc& d, std::size_t pieces) {
   if (desc_.boundary == Boundary::open) bodies.free_ids.reserve(bodies.info.capacity());
   if (d.type == BodyType::kinematic_body) kinematics.make_room();
   if (d.bullet) bullets.make_room();
+  if (is_restrained(d)) restraints.make_room();
 }
 
 void Population::make_room(std::size_t count, bool fixed) {
@@ -175,6 +184,9 @@ void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
     go_round(id, velocity);
   }
   if (kind.bullet) bullets.add({id});
+  if (kind.restrained) {
+    restraints.add({id, coefficient(d.linear_damping), coefficient(d.angular_damping), d.locks});
+  }
   if (traits.moving == 0) first_radius = least_radius = properties.radius;
   if (traits.discs == 0 && kind.hull_count == 0) first_properties = properties;
   least_radius = lesser(properties.radius, least_radius);
@@ -197,6 +209,7 @@ void Population::leave_columns(std::uint32_t id) {
   count(properties, -1, traits);
   if (properties.type() == BodyType::kinematic_body) kinematics.remove(id);
   if (bodies.kinds[properties.kind].bullet) bullets.remove(id);
+  if (bodies.kinds[properties.kind].restrained) restraints.remove(id);
 }
 
 void Population::make_room_to_leave(std::size_t n, bool fixed) {
@@ -213,6 +226,7 @@ void Population::lose_all() {
   frozen.clear();
   kinematics.clear();
   bullets.clear();
+  restraints.clear();
   traits = {};
 }
 

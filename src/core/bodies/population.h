@@ -80,7 +80,7 @@ class Population {
   /// Memory that the meter does not count.
   std::size_t bytes() const {
     return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.parts.bytes() + bodies.kinds.bytes() +
-           fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() + bullets.bytes();
+           fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() + bullets.bytes() + restraints.bytes();
   }
 
   /// Traits of the bodies that there are.
@@ -92,6 +92,7 @@ class Population {
   std::vector<BodyState> frozen;
   KinematicBodies kinematics;
   Bullets bullets;
+  Restraints restraints;
   Traits traits;
   float first_radius = 0;           ///< of the first moving body: what Traits compares with
   BodyProperties first_properties;  ///< the same of the first disc

@@ -87,7 +87,7 @@ void Quarantine::bring_back(Population& population, const Lattice& lattice, cons
       for (const std::size_t k : {2 * i, 2 * i + 1}) bodies.pos[k] = std::clamp(bodies.pos[k], -kFarSteps, kFarSteps);
       continue;
     }
-    const float e = greater(properties.restitution, coefficient(desc.wall.restitution));
+    const float e = mixed(desc.mixing.restitution, properties.restitution, coefficient(desc.wall.restitution));
     const auto back = [&](double& x, float& v, double low, double high) {
       if (x >= low && x <= high) return false;
       const double room = lesser(double{properties.radius}, (high - low) / 2);

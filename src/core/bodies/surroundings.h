@@ -18,6 +18,7 @@ struct Surroundings {
   const kernels::KernelTable& kernels;
   WorkerPool& pool;
   const KinematicBodies& kinematics;
+  const MixingRules& mixing;
 };
 
 }  // namespace psim

@@ -55,7 +55,7 @@ void ContactLanes::pad(ContactModel model, std::size_t lane, std::uint32_t dummy
   for (std::uint32_t side = 0; side < sides; ++side) body[sides * lane + side] = dummy + side;
   rsum[lane] = -1;
   if (model.bounce) impact[lane] = 1;
-  fill(model, lane, {}, {});
+  fill(model, {}, lane, {}, {});
   put(model, lane, 0, 0);
 }
 

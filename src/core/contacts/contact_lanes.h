@@ -32,15 +32,16 @@ struct ContactLanes {
   /// Makes a lane that does nothing: resting dummies beyond the bodies, far from anything.
   void pad(ContactModel model, std::size_t lane, std::uint32_t dummy);
   /// Writes all numbers that follow from the properties of the sides.
-  void fill(ContactModel model, std::size_t lane, const BodyProperties& a, const BodyProperties& b) {
-    if (model.bounce) e[lane] = std::max(a.restitution, b.restitution);
+  void fill(ContactModel model, const MixingRules& rules, std::size_t lane, const BodyProperties& a,
+            const BodyProperties& b) {
+    if (model.bounce) e[lane] = mixed(rules.restitution, a.restitution, b.restitution);
     if (!model.massed()) return;
     const float w = a.inv_mass + b.inv_mass;
     if (sides == 2) wa[lane] = a.inv_mass;
     wb[lane] = b.inv_mass;
     mass[lane] = w > 0 ? 1 / w : 0;
     if (!model.rough()) return;
-    mu[lane] = std::sqrt(a.friction * b.friction);
+    mu[lane] = mixed(rules.friction, a.friction, b.friction);
     if (sides == 2) qa[lane] = a.rim_gain;
     qb[lane] = b.rim_gain;
     const float wt = w + a.rim_gain + b.rim_gain;

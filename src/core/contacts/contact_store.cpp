@@ -145,7 +145,7 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
     pairs.body[2 * std::size_t{at}] = solved_.number(i);
     pairs.body[2 * std::size_t{at} + 1] = solved_.number(j);
     pairs.rsum[at] = b.radius[i] + b.radius[j];
-    if (model_.massed() || model_.bounce) pairs.fill(model_, at, side(i), side(j));
+    if (model_.massed() || model_.bounce) pairs.fill(model_, s_.mixing, at, side(i), side(j));
     each(p, at);
   }
 }
@@ -208,7 +208,7 @@ void ContactStore::lay_out_statics(PairTable& table, const TouchMemory& recent, 
     BodyProperties side;  // without inverse mass
     side.restitution = wall ? coefficient(wall_.restitution) : s_.statics[pair.shape].restitution;
     side.friction = wall ? coefficient(wall_.friction) : s_.statics[pair.shape].friction;
-    fixed.fill(model_, at, side, s_.bodies.properties(id));
+    fixed.fill(model_, s_.mixing, at, side, s_.bodies.properties(id));
     fixed.carry(model_, at, before);
     // The narrow phase keeps a pressed contact on the side where it was.
     fixed.nx[at] = known ? fixed.old_nx[before] : 0;

@@ -291,6 +291,13 @@ struct Manifolds::Layout {
     return blocks;
   }
 
+  // A body that is locked along the axis that is nearest to the normal yields to nothing that presses it.
+  float inv_mass_along(const BodyProperties& of, const Manifold& at) const {
+    if (!params.locks) return of.inv_mass;
+    const Locks& locks = b.kinds[of.kind].locks;
+    return (std::fabs(at.nx) > std::fabs(at.ny) ? locks.x : locks.y) ? 0.0f : of.inv_mass;
+  }
+
   // Writes the numbers of a pair whose hulls were looked at into its lane.
   void fill(ManifoldPair& pair) const {
     ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
@@ -312,14 +319,18 @@ struct Manifolds::Layout {
     const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
     const Sides sides = psim::sides_of(pair, b, m.s_.statics, sa, sb);
-    c.wa[l] = fixed ? 0.0f : sa.inv_mass;
-    c.wb[l] = sb.inv_mass;
+    c.wa[l] = fixed ? 0.0f : inv_mass_along(sa, at);
+    c.wb[l] = inv_mass_along(sb, at);
+    if (c.wa[l] + c.wb[l] == 0) {  // nothing moves them along the normal, with whatever mass
+      c.wa[l] = fixed ? 0.0f : sa.inv_mass;
+      c.wb[l] = sb.inv_mass;
+    }
     c.ga[l] = fixed ? 0.0f : sa.rim_gain;
     c.gb[l] = sb.rim_gain;
     c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
     c.round_b[l] = pair.round_b / size_b;
-    c.mu[l] = sides.friction();
-    c.e[l] = sides.restitution();
+    c.mu[l] = sides.friction(m.s_.mixing);
+    c.e[l] = sides.restitution(m.s_.mixing);
     const bool loaded = is_loaded(pair, loads);
     set_stiffness(c, l, pair, params, loaded);
     set_reactions(c, l, pair, params.gravity, loaded);

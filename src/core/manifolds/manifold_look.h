@@ -245,7 +245,7 @@ struct Manifolds::Look {
 
   // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
   bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
-    if (manifolds.sides_of(pair, params.wall).restitution() != 1) return false;
+    if (manifolds.sides_of(pair, params.wall).restitution(manifolds.s_.mixing) != 1) return false;
     const float reach = pair.fixed_a ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
     return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
   }

@@ -120,6 +120,7 @@ struct ManifoldParams {
   BodyProperties wall;     ///< friction and restitution of the walls
   bool changed = false;    ///< the settings below changed since the last step
   bool asleep = false;     ///< some body sleeps
+  bool locks = false;      ///< some body may be locked along an axis
   Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
   Stiffness bouncing[2];   ///< contacts with restitution: between moving bodies, with fixed ones
   Stiffness in_stacks[2];  ///< contacts of stacks on a moving body, on fixed ground
@@ -289,7 +290,7 @@ class Manifolds {
   Rotor rotor(std::size_t slot) const { return {rotor_[2 * slot], rotor_[2 * slot + 1]}; }
   /// Whether a pair carried an impulse or touched in the last step.
   bool closed(std::size_t strip, const ManifoldPair& pair) const {
-    if (pair.lane == PairName::kNone) return false;
+    if (!lies(strip, pair)) return false;  // there may have been no room for the blocks
     const kernels::ManifoldBlock& c = strips_[strip].blocks[pair.lane / kernels::kBlock];
     const std::uint32_t l = pair.lane % kernels::kBlock;
     return !std::signbit(c.point[0].impulse[l]) || !std::signbit(c.point[1].impulse[l]);

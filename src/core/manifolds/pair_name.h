@@ -39,8 +39,8 @@ struct PairName {
 /// Restitution and friction of the two sides of a pair.
 struct Sides {
   Surface a, b;
-  float friction() const { return std::sqrt(a.friction * b.friction); }
-  float restitution() const { return std::max(a.restitution, b.restitution); }
+  float friction(const MixingRules& rules) const { return mixed(rules.friction, a.friction, b.friction); }
+  float restitution(const MixingRules& rules) const { return mixed(rules.restitution, a.restitution, b.restitution); }
 };
 /// `of_a`, `of_b`: what the two bodies have, or the wall.
 inline Sides sides_of(const PairName& pair, const BodyStore& bodies, const StaticShapes& statics,

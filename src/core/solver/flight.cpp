@@ -242,7 +242,7 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
-    const bool bounced = slow && greater(surface_of(part).restitution, other.has.restitution) > 0;
+    const bool bounced = slow && mixed(s_.mixing.restitution, surface_of(part).restitution, other.has.restitution) > 0;
     if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
     if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
@@ -371,8 +371,8 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
   const Surface has = surface_of(*first_.mine);
-  s.restitution = slow ? 0.0 : double{greater(has.restitution, other.has.restitution)};
-  s.friction = std::sqrt(has.friction * other.has.friction);
+  s.restitution = slow ? 0.0 : double{mixed(s_.mixing.restitution, has.restitution, other.has.restitution)};
+  s.friction = double{mixed(s_.mixing.friction, has.friction, other.has.friction)};
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle
     n = first_.normal;
     touching = {upright(n), {}};

@@ -120,7 +120,8 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       drift_.h = stream_.h;  // damping is part of the change of velocity then
     }
   }
-  if (!kinematics.empty()) s_.bodies.find_slots();
+  if (!kinematics.empty() || !restraints.empty()) s_.bodies.find_slots();
+  if (!restraints.empty()) find_restrained();
   if (contacts.manifolds.cold() && params.most_sweeps == 0) {
     const std::uint32_t fitting = kColdVisits / std::max(contacts.manifolds.totals().blocks, 1u);
     sweeps_of_shapes_ = static_cast<int>(std::clamp(fitting, 1u, kColdSweeps));
@@ -160,6 +161,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (contacts.manifolds.any()) meet_shapes();
   if (fields_.advance) force(fields_.advance);
   kick(first);
+  if (!restraints.empty()) restrain(first);
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
   contacts.discs.follow_edges(view_, h_);
@@ -168,6 +170,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, true);
   if (contacts.squeezed.any()) contacts.squeezed.solve(view_, squeezed_, true);
   if (joined_) joints.hold(view_, drift_);
+  if (!restraints.empty()) hold_locked();
   drift();
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.let_go(view_);
@@ -175,6 +178,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (contacts.squeezed.any()) contacts.squeezed.solve(view_, squeezed_, false);
   if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, 0);
   relax();
+  if (!restraints.empty()) let_run_on();
   if (bounce_) spend();
   sweeps_of_shapes_ = 1;
 }

@@ -39,6 +39,7 @@ struct SolverInput {
   JointStore& joints;
   const Forces* forces;  ///< null where accelerations are uniform
   const KinematicBodies& kinematics;
+  const Restraints& restraints;
 };
 
 /// What the passes of a step did.
@@ -54,12 +55,22 @@ double coast_time(double damping, double h);
 /// kicks repeat the first one.
 kernels::StreamParams kick_params(Vec2 gravity, double damping, double h, int again = 0);
 
+/// What damping does to a velocity in a substep: factors less 1, which floats hold more exactly.
+struct Fading {
+  float before = 0;  ///< on the velocity before the drift
+  float kick = 0;    ///< on what gravity adds to it
+  float after = 0;   ///< on the velocity after the drift
+};
+
 class Solver {
  public:
   auto fields() { return std::tie(closed_, sweeps_); }  ///< for saved states
 
   /// Runs all substeps. `moving` becomes true when bodies begin to move; std::bad_alloc is thrown before alone.
   SolverReport run(const SolverInput& in, const SolverParams& params, bool& moving);
+
+  /// Puts bodies that are locked back to where they were before the run, as far as they are. Impacts may have moved them.
+  void put_back(BodyStore& bodies, const Restraints& restraints) const;
 
   /// Compliance and push-out rate of contacts for a substep of `h`, stiffness as of `stiff_substep`:
   /// between moving bodies, with fixed ones, and the same under heavy loads.
@@ -75,7 +86,9 @@ class Solver {
 
   /// The memory for impacts alone, which forget_impacts gives back; and all memory.
   std::size_t impact_bytes() const { return bytes_of(touched_, bouncing_, pressing_, last_sweep_); }
-  std::size_t bytes() const { return impact_bytes() + bytes_of(rocking_, loaded_, kinematic_at_, sums_); }
+  std::size_t bytes() const {
+    return impact_bytes() + bytes_of(rocking_, loaded_, kinematic_at_, fading_, locked_at_, sums_);
+  }
   void forget_impacts() { give_back(touched_, bouncing_, pressing_, last_sweep_); }
 
  private:
@@ -106,7 +119,16 @@ class Solver {
   std::vector<std::uint32_t> loaded_;        // strips with contacts under heavy loads
   std::array<std::size_t, 3> loaded_end_{};  // of even strips, odd strips, the group of large bodies
   std::vector<std::array<float, 2>> kinematic_at_;  // m: the places of kinematic bodies before a drift
-  std::vector<StripSum> sums_;                      // by strip
+  struct Fadings {
+    Fading linear, angular;
+  };
+  struct Stand {
+    float x, y;  // m: offset
+    double angle;
+  };
+  std::vector<Fadings> fading_;   // of each restrained body
+  std::vector<Stand> locked_at_;  // of each restrained body: where it was before the run
+  std::vector<StripSum> sums_;    // by strip
   std::uint64_t closed_ = 0;
   double sweeps_ = 2;
 };

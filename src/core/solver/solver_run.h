@@ -102,6 +102,10 @@ class Solver::Run : SolverInput {
   void meet_shapes();
   void kick(bool first);
   void hold();
+  void find_restrained();
+  void restrain(bool first);
+  void hold_locked();
+  void let_run_on();
   void warm(bool first_of_step);
   void solve();
   void drift();

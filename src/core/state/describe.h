@@ -14,6 +14,7 @@ namespace psim {
 
 constexpr std::uint64_t last_of(Enum<BodyType>) { return 2; }
 constexpr std::uint64_t last_of(Enum<Boundary>) { return 2; }
+constexpr std::uint64_t last_of(Enum<Mixing>) { return 4; }
 constexpr std::uint64_t last_of(Enum<Integrator>) { return 3; }
 constexpr std::uint64_t last_of(Enum<JointType>) { return 5; }
 constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 5; }
@@ -27,11 +28,13 @@ inline auto fields(Bounds& b) { return std::tie(b.xmin, b.ymin, b.xmax, b.ymax);
 inline auto fields(LatticePoint& p) { return std::tie(p.x, p.y, p.dx, p.dy); }
 inline auto fields(BodyId& id) { return std::tie(id.index, id.generation); }
 inline auto fields(Material& m) { return std::tie(m.density, m.restitution, m.friction); }
+inline auto fields(MixingRules& m) { return std::tie(m.restitution, m.friction); }
+inline auto fields(Locks& l) { return std::tie(l.x, l.y, l.angle); }
 inline auto fields(Filter& f) { return std::tie(f.category, f.mask, f.group); }
 inline auto fields(WellField& w) { return std::tie(w.position, w.strength, w.softening, w.exponent, w.range); }
 inline auto fields(DragField& d) { return std::tie(d.linear, d.quadratic); }
 inline auto fields(WorldDesc& d) {
-  return std::tie(d.bounds, d.boundary, d.gravity, d.linear_damping, d.wall, d.dt, d.substeps, d.integrator,
+  return std::tie(d.bounds, d.boundary, d.gravity, d.linear_damping, d.wall, d.mixing, d.dt, d.substeps, d.integrator,
                   d.restitution_threshold, d.sleeping, d.skin, d.fields);
 }
 inline auto fields(JointDesc& d) {
@@ -41,7 +44,7 @@ inline auto fields(JointDesc& d) {
 
 inline auto fields(BodyKind& k) {
   return std::tie(k.first_hull, k.hull_count, k.first_part, k.part_count, k.centre_x, k.centre_y, k.inner, k.filter,
-                  k.bullet, k.sensor);
+                  k.bullet, k.sensor, k.restrained, k.locks);
 }
 inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
 inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }

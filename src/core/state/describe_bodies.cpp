@@ -167,8 +167,11 @@ void describe_bodies(Archive& a, BodyStore& b, bool lists) {
     const bool hulls = k.hull_count != 0, parts = k.part_count != 0;
     if (hulls != (k.first_hull != 0) || parts != (k.first_part != 0)) return false;
     if (users == 0) return true;
-    return (!hulls || b.hulls.has(k.first_hull, k.hull_count)) &&
-           (!parts || (k.part_count >= k.hull_count && b.parts.has(k.first_part, k.part_count)));
+    if (hulls && !b.hulls.has(k.first_hull, k.hull_count)) return false;
+    for (std::uint32_t n = 0; n < k.hull_count; ++n) {
+      if (b.hulls[k.first_hull + n].count == 0) return false;  // the entry that stands for no hull
+    }
+    return !parts || (k.part_count >= k.hull_count && b.parts.has(k.first_part, k.part_count));
   });
   a.require(b.kinds.size() != 0 && b.kinds[0] == BodyKind{});
   a.refuse_nan(true);  // a mass or a gravity scale beyond what a float holds is infinite
@@ -211,7 +214,13 @@ void describe_population(Archive& a, Population& p, bool lists) {
     const bool moves = a.ok() && (bodies.info[b.id].place == Place::moving || bodies.info[b.id].place == Place::asleep);
     a.require(moves && bodies.kind(b.id).bullet);
   });
-  if (a.loading()) a.require(p.kinematics.index() && p.bullets.index());
+  a.list(p.restraints.entries(), [&](Restraint& r) {
+    a.index(bodies.id_count, r.id);
+    values(a, r.linear_damping, r.angular_damping, r.locks);
+    const bool moves = a.ok() && (bodies.info[r.id].place == Place::moving || bodies.info[r.id].place == Place::asleep);
+    a.require(moves && bodies.kind(r.id).restrained && r.linear_damping >= 0 && r.angular_damping >= 0);
+  });
+  if (a.loading()) a.require(p.kinematics.index() && p.bullets.index() && p.restraints.index());
 }
 
 // ---- fixed geometry, and bodies that sleep

@@ -21,7 +21,7 @@ constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 7;
+  static constexpr std::uint64_t kFormat = 8;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -50,7 +50,8 @@ static auto fields(ShapePart& p) {
 static auto fields(CompoundShape& s) { return std::tie(s.parts); }
 static auto fields(BodyDesc& d) {
   return std::tie(d.type, d.shape, d.position, d.angle, d.velocity, d.angular_velocity, d.material, d.mass,
-                  d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter);
+                  d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
+                  d.locks);
 }
 
 namespace {

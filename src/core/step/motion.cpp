@@ -134,7 +134,7 @@ void solve(StepContext& c, double dt, StepReport& report) {
   const StageTimer timer(report, c.tracer, Stage::solver);
   note_skips(c);
   if (c.contacts.discs.pass_blocks() == 0 && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
-      c.joints.empty()) {
+      c.joints.empty() && !c.plan.restraints) {
     c.ledger.skip(Skip::solver);
     c.dynamics.solver.skip();
     return;
@@ -151,7 +151,12 @@ void solve(StepContext& c, double dt, StepReport& report) {
   }
   Contacts& contacts = c.contacts;
   if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h, coast_time(p.damping, h), c.plan.sleep);
-  const SolverInput input{contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics};
+  const SolverInput input{contacts,
+                          c.neighbours.table,
+                          c.joints,
+                          c.dynamics.forces.get(),
+                          c.population.kinematics,
+                          c.population.restraints};
   const SolverReport done = c.dynamics.solver.run(input, p, c.dynamics.moving);
   c.dynamics.last_substep = h;
   c.dynamics.stiff_substep = p.stiff_substep;
@@ -228,6 +233,7 @@ Moved move_bodies(StepContext& c, double dt, StepReport& report) {
   solve(c, dt, report);
   c.dynamics.moving = true;
   stop_fast_bodies(c, dt, report);
+  if (c.plan.restraints) c.dynamics.solver.put_back(c.bodies, c.population.restraints);
   return integrate(c, dt, report);
 }
 

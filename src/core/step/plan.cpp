@@ -10,6 +10,7 @@ void take_traits(const WorldDesc& d, Traits& traits) {
   traits.walls = d.boundary == Boundary::walls;
   traits.wall_bounce = coefficient(d.wall.restitution) > 0;
   traits.wall_rough = coefficient(d.wall.friction) > 0;
+  traits.one_rubs = d.mixing.friction == Mixing::max || d.mixing.friction == Mixing::mean;
   traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
   traits.integrator = d.integrator;
@@ -24,10 +25,12 @@ Plan make_plan(const Traits& t) {
   p.forces = t.fields || p.scales;
   if (t.fields) p.integrator = t.integrator;
   p.restitution = t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
-  const auto rub = [&t](std::uint64_t rough) {
-    return rough >= 2 || (rough == 1 && (t.fixed_rough != 0 || (t.walls && t.wall_rough)));
+  const bool ground_rough = t.fixed_rough != 0 || (t.walls && t.wall_rough);
+  const auto rub = [&](std::uint64_t rough, std::uint64_t all) {
+    if (t.one_rubs) return all != 0 && (rough != 0 || t.moving_rough != 0 || ground_rough);
+    return rough >= 2 || (rough == 1 && ground_rough);
   };
-  p.friction = rub(t.moving_rough);
+  p.friction = rub(t.moving_rough, t.moving);
   p.masses = t.same_mass != t.discs || t.kinematic_discs != 0;
   p.uneven = p.masses || t.cornered != 0;
   p.loads = p.uneven && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) && (t.gravity || t.fields);
@@ -42,9 +45,10 @@ Plan make_plan(const Traits& t) {
   p.rotation = p.friction || t.turning || p.turns;
   p.sleep = t.sleeping && t.moving != 0;
   p.events = t.events;
+  p.restraints = t.restrained != 0;
   p.publish = t.snapshots;
   p.model.model =
-      rub(t.rough_discs) ? kernels::Model::rough : (p.masses ? kernels::Model::massed : kernels::Model::plain);
+      rub(t.rough_discs, t.discs) ? kernels::Model::rough : (p.masses ? kernels::Model::massed : kernels::Model::plain);
   p.model.bounce = p.restitution;
   return p;
 }
@@ -62,6 +66,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("forces.integrator", p.integrator != Integrator::verlet, higher.c_str(),
       t.fields ? "verlet: the kick and the drift are leapfrog already"
                : "gravity is uniform: every integrator is the closed form");
+  add("restraints", p.restraints, "some bodies have damping or locks of their own", "no body has any of its own");
   add("damping", t.damping, "linear damping or drag, integrated exactly", "no damping and no drag");
   add("broad_phase", moves, "bodies move", "no body moves");
   add("broad_phase.walls", t.walls && moves, "the world has walls", "the world has no walls");

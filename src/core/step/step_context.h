@@ -87,7 +87,7 @@ struct StepContext {
   Population population{desc, lattice, memory};
   BodyStore& bodies = population.bodies;
   StaticShapes& statics = population.statics;
-  Surroundings surroundings{memory, lattice, bodies, statics, kernels, pool, population.kinematics};
+  Surroundings surroundings{memory, lattice, bodies, statics, kernels, pool, population.kinematics, desc.mixing};
   JointStore joints{surroundings};
   // What a step makes of them.
   NeighbourLists neighbours{surroundings};

@@ -24,13 +24,14 @@ ListSettings list_settings(StepContext& c, const Span& span) {
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.
 void link_bodies(StepContext& c) {
-  if (c.population.kinematics.empty() && c.joints.empty()) return;
+  if (c.population.kinematics.empty() && c.joints.empty() && !c.plan.restraints) return;
   c.bodies.find_slots();
   const auto link = [&bodies = c.bodies](std::uint32_t id) {
     if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
   };
   for (const auto& [id, velocity] : c.population.kinematics) link(id);
   for (const std::uint32_t id : c.joints.bodies()) link(id);
+  for (const Restraint& r : c.population.restraints) link(r.id);
 }
 
 // A function for each part, which does some of the pieces of that part, in order.
@@ -121,7 +122,7 @@ void group(StepContext& c, const Span&, StepReport&, PieceRange) {
     if (c.sorts_out()) contacts.manifolds.forget();
   }
   if (c.plan.turns) c.bodies.keep_turns(true);
-  const bool copies = lists.selects() && !c.plan.forces && !c.plan.turns;
+  const bool copies = lists.selects() && !c.plan.forces && !c.plan.turns && !c.plan.restraints;
   contacts.solved.choose(lists.table, copies, c.plan.restitution);
   if (c.plan.loads) {
     contacts.loads.begin(c.bodies, lists.table, c.pool, !c.sleep.sleepers.empty());

@@ -21,6 +21,7 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   p.walls = walls;
   p.wall.restitution = coefficient(desc.wall.restitution);
   p.wall.friction = coefficient(desc.wall.friction);
+  p.locks = plan.restraints;
   return p;
 }
 

@@ -22,14 +22,14 @@ constexpr std::uint64_t last_of(Enum<ListMode>) { return static_cast<std::uint64
 static auto fields(Traits& t) {
   return std::tie(t.moving, t.discs, t.kinematic_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_properties,
                   t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
-                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.joints, t.exclusions, t.turning,
-                  t.walls, t.wall_bounce, t.wall_rough, t.mass_ratio, t.gravity, t.fields, t.integrator, t.damping,
-                  t.events, t.sleeping);
+                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.restrained, t.one_rubs, t.joints,
+                  t.exclusions, t.turning, t.walls, t.wall_bounce, t.wall_rough, t.mass_ratio, t.gravity, t.fields,
+                  t.integrator, t.damping, t.events, t.sleeping);
 }
 static auto fields(Plan& p) {
   return std::tie(p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,
                   p.radii, p.materials, p.rotation, p.manifolds, p.filters, p.joints, p.turns, p.continuous, p.bullets,
-                  p.sleep, p.events, p.model.model, p.model.bounce);
+                  p.restraints, p.sleep, p.events, p.model.model, p.model.bounce);
 }
 
 namespace {
@@ -96,7 +96,6 @@ class StateKeeper {
     if (now.contacts == ContactState::replaced) now.contacts = ContactState::due;
     lists_.broad.origin.set(origin_);
     w_.contacts.bare = true;
-    if (w_.plan.turns) w_.bodies.keep_turns(true);  // lists that are made do so; those of a forged state may not
     w_.observers.placed = true;
     w_.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
     // Work that is done again is not counted again.
@@ -113,7 +112,7 @@ class StateKeeper {
     manifolds.describe(loader, around_manifolds());
     if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
-    if (loader.ok() && now.part > part_named("count")) redo_work();
+    if (loader.ok() && now.part > part_named("count")) redo_work(loader);
     lists_.made = made;
     w_.contacts.loads.visits = visits;
     w_.contacts.discs.set_builds(builds);
@@ -184,7 +183,8 @@ class StateKeeper {
     traits.joints = w_.joints.count();
     take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
-    a.require(w_.population.kinematics.size() == traits.kinematic && w_.population.bullets.size() == traits.bullets);
+    a.require(w_.population.kinematics.size() == traits.kinematic && w_.population.bullets.size() == traits.bullets &&
+              w_.population.restraints.size() == traits.restrained);
     for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {
       a.require(w_.bodies.id[k] == kNoSlot ||
                 (std::isfinite(w_.bodies.disp[2 * k]) && std::isfinite(w_.bodies.disp[2 * k + 1])));
@@ -232,7 +232,7 @@ class StateKeeper {
   }
 
   // What was done of the present step, from where its bodies are saved or its lists serve; everybody as fast as then.
-  void redo_work() {
+  void redo_work(Loader& loader) {
     StepProgress& now = w_.progress;
     BodyStore& bodies = w_.bodies;
     now.at = 0;
@@ -247,6 +247,8 @@ class StateKeeper {
       lists_.broad.count_again();
       now.part = part_named("move");
     } else {
+      loader.require(last_);  // lists that are kept are there
+      if (!loader.ok()) return;
       now.part = next_part(w_, part_named(lists_.selects() ? "select" : "look"));
     }
     bodies.find_slots();

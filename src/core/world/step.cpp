@@ -228,7 +228,7 @@ void spare_room(Owners& w) {
   contacts.discs.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pairs.blocks,
                                              (w.plan.radii ? 8 : 5) * std::size_t{bodies.count}),
                        2 * kernels::kBlock * contacts.discs.fixed.blocks + 1024);
-  if (!w.plan.forces && !w.plan.turns) {
+  if (!w.plan.forces && !w.plan.turns && !w.plan.restraints) {
     contacts.solved.spare(kernels::round_up_block(bodies.count) + 1024, !bodies.rim_speed.empty(), w.plan.restitution);
   }
 }

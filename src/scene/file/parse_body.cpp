@@ -13,7 +13,20 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 3> kBodyTypes = {"dynamic", "static", "kinematic"};
+constexpr std::array<std::string_view, 3> kLocks = {"x", "y", "angle"};
 constexpr std::array<std::string_view, 5> kOwnKeys = {"name", "shape", "shapes", "position", "velocity"};
+
+Locks read_locks(const Node& node) {
+  node.expect_array(0, kLocks.size());
+  Locks locks;
+  for (std::size_t k = 0; k < node.size(); ++k) {
+    constexpr std::array<bool Locks::*, 3> kOf = {&Locks::x, &Locks::y, &Locks::angle};
+    bool& lock = locks.*kOf[node.element(k).one_of(kLocks)];
+    if (lock) node.element(k).fail("stands there twice: each at most once");
+    lock = true;
+  }
+  return locks;
+}
 
 BodyDesc read_body(const Node& node, Context& context, std::string& name) {
   static constexpr auto kKeys = joined(kOwnKeys, kSharedBodyKeys);
@@ -57,6 +70,9 @@ void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& b
   body.bullet = node.boolean_or("bullet", body.bullet);
   body.filter = read_filter(node, body.filter);
   body.sensor = node.boolean_or("sensor", body.sensor);
+  body.linear_damping = node.number_or("linear_damping", body.linear_damping, limits::kDamping);
+  body.angular_damping = node.number_or("angular_damping", body.angular_damping, limits::kDamping);
+  if (const std::optional<Node> locks = node.find("lock")) body.locks = read_locks(*locks);
 }
 
 Filter read_filter(const Node& node, Filter filter) {

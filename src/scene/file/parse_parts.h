@@ -44,9 +44,10 @@ Shape read_shapes(const Node& shapes, const Context& context, const BodyDesc& bo
 double read_radius(const Node& radius, const Context& context);
 
 /// The keys that bodies and groups share, without place, shape and velocity.
-inline constexpr std::array<std::string_view, 15> kSharedBodyKeys = {
-    "type",          "angle",          "angular_velocity", "material", "density", "mass",  "restitution", "friction",
-    "gravity_scale", "fixed_rotation", "bullet",           "category", "mask",    "group", "sensor"};
+inline constexpr std::array<std::string_view, 18> kSharedBodyKeys = {
+    "type",           "angle",          "angular_velocity", "material", "density",  "mass",
+    "restitution",    "friction",       "gravity_scale",    "bullet",   "category", "mask",
+    "fixed_rotation", "linear_damping", "angular_damping",  "lock",     "group",    "sensor"};
 void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body);
 /// `category`, `mask` and `group`, each as in `filter` where there is no key.
 Filter read_filter(const Node& node, Filter filter);

@@ -11,7 +11,8 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 3> kMaterialKeys = {"density", "restitution", "friction"};
-constexpr std::array<std::string_view, 5> kWorldKeys = {"bounds", "boundary", "gravity", "linear_damping", "material"};
+constexpr std::array<std::string_view, 6> kWorldKeys = {"bounds",         "boundary", "gravity",
+                                                        "linear_damping", "material", "mixing"};
 constexpr std::array<std::string_view, 3> kBoundaries = {"walls", "periodic", "open"};
 constexpr std::array<std::string_view, 6> kStepKeys = {
     "dt", "substeps", "sleeping", "integrator", "restitution_threshold", "skin"};
@@ -19,6 +20,7 @@ constexpr std::array<std::string_view, 4> kIntegrators = {"verlet", "euler", "rk
 constexpr std::array<std::string_view, 2> kFieldTypes = {"well", "drag"};
 constexpr std::array<std::string_view, 6> kWellKeys = {"type",      "position", "strength",
                                                        "softening", "exponent", "range"};
+constexpr std::array<std::string_view, 2> kMixingKeys = {"restitution", "friction"};
 constexpr std::array<std::string_view, 3> kDragKeys = {"type", "linear", "quadratic"};
 
 Field read_field(const Node& field) {
@@ -105,11 +107,24 @@ void read_materials(const Node& scene, Context& context) {
 void read_world(const Node& scene, Context& context, WorldDesc& world) {
   const Node node = scene.require("world");
   node.expect_object(kWorldKeys);
-  const Node bounds = node.require("bounds");
-  world.bounds = context.bounds = read_bounds(bounds);
-  if (const std::optional<Node> boundary = node.find("boundary")) {
+  const std::optional<Node> bounds = node.find("bounds"), boundary = node.find("boundary");
+  world.bounds = context.bounds = bounds ? read_bounds(*bounds) : kOpenBounds;
+  if (boundary) {
     constexpr std::array<Boundary, 3> kOf = {Boundary::walls, Boundary::periodic, Boundary::open};
     world.boundary = kOf[boundary->one_of(kBoundaries)];
+    if (!bounds && world.boundary != Boundary::open) {
+      boundary->fail("needs \"bounds\": a world without them is \"open\"");
+    }
+  } else if (!bounds) {
+    world.boundary = Boundary::open;
+  }
+  if (const std::optional<Node> mixing = node.find("mixing")) {
+    mixing->expect_object(kMixingKeys);
+    const auto read_rule = [&](std::string_view key, Mixing& rule) {
+      if (const auto given = mixing->find(key)) rule = static_cast<Mixing>(given->one_of(kMixingNames));
+    };
+    read_rule("restitution", world.mixing.restitution);
+    read_rule("friction", world.mixing.friction);
   }
   world.gravity = node.vec2_or("gravity", world.gravity, limits::kGravity);
   world.linear_damping = node.number_or("linear_damping", world.linear_damping, limits::kDamping);

@@ -35,8 +35,8 @@ struct Part {
 };
 
 struct Counts {
-  std::size_t damped = 0, unused = 0, massless = 0;
-  std::string first_damped, first_unused, first_massless;
+  std::size_t unused = 0, massless = 0;
+  std::string first_unused, first_massless;
 
   static void note(std::size_t& count, std::string& first, const Node& body) {
     if (count++ == 0) first = path_text(body.path());
@@ -210,6 +210,8 @@ BodyDesc read_body_keys(const Node& node) {
   body.gravity_scale = rube_number_or(node, "gravityScale", 1, limits::kGravityScale);
   body.bullet = node.boolean_or("bullet", false);
   body.fixed_rotation = node.boolean_or("fixedRotation", false);
+  body.linear_damping = rube_number_or(node, "linearDamping", 0, limits::kDamping);
+  body.angular_damping = rube_number_or(node, "angularDamping", 0, limits::kDamping);
   return body;
 }
 
@@ -249,10 +251,6 @@ RubeBody read_body(const Node& node, bool jointed, Scene& scene, std::set<std::s
     parts.push_back(nothing_to_touch());
   }
   if (body.type == BodyType::dynamic_body) weigh(parts, node, out, counts);
-  if (rube_number_or(node, "linearDamping", 0, limits::kDamping) > 0 ||
-      rube_number_or(node, "angularDamping", 0, limits::kDamping) > 0) {
-    Counts::note(counts.damped, counts.first_damped, node);
-  }
   put_parts(parts, body);
   out.in_scene = true;
   out.id = scene.bodies.size();
@@ -353,7 +351,6 @@ Scene read_rube(const Node& root) {
   scene.world.bounds = roomy_bounds(scene, nodes);
   add_note(scene, counts.massless, counts.first_massless, "a fixture without density",
            " among others weighs a thousandth of its body");
-  add_note(scene, counts.damped, counts.first_damped, "linearDamping and angularDamping", " are left out");
   add_note(scene, counts.unused, counts.first_unused, "no fixture and no joint", ": left out");
   read_rube_joints(root, bodies, scene);
   return scene;

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "file/parse_limits.h"
 #include "file/parse_node.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
@@ -182,7 +183,15 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
       .add_if("fixed_rotation", body.fixed_rotation)
       .add_if("bullet", body.bullet);
   add_filter(out, body.filter, &absent.filter);
-  out.add_if("sensor", body.sensor);
+  out.add_if("sensor", body.sensor)
+      .add_unless("linear_damping", body.linear_damping, 0)
+      .add_unless("angular_damping", body.angular_damping, 0);
+  std::string locks;
+  for (const auto& [locked, name] :
+       {std::pair(body.locks.x, "x"), std::pair(body.locks.y, "y"), std::pair(body.locks.angle, "angle")}) {
+    if (locked) locks += (locks.empty() ? "" : ", ") + text_of(std::string_view(name));
+  }
+  if (!locks.empty()) out.raw("lock", '[' + locks + ']');
 }
 
 std::string body_text(const BodyDesc& body, std::string_view name) {
@@ -313,11 +322,25 @@ struct FieldText {
   }
 };
 
+bool is_unbounded(const WorldDesc& world) {
+  const Bounds &b = world.bounds, &open = kOpenBounds;
+  return world.boundary == Boundary::open && b.xmin == open.xmin && b.xmax == open.xmax && b.ymin == open.ymin &&
+         b.ymax == open.ymax;
+}
+
 std::string world_text(const WorldDesc& world) {
-  return Object()
-      .add("bounds", world.bounds)
-      .add("boundary", name_of(world.boundary, kBoundaryNames))
-      .add("gravity", world.gravity)
+  Object out, mixing;
+  const MixingRules usual;
+  const auto add_rule = [&](std::string_view key, Mixing rule, Mixing absent) {
+    if (rule != absent) mixing.add(key, scene::kMixingNames[static_cast<std::size_t>(rule)]);
+  };
+  add_rule("restitution", world.mixing.restitution, usual.restitution);
+  add_rule("friction", world.mixing.friction, usual.friction);
+  if (!is_unbounded(world)) {
+    out.add("bounds", world.bounds).add("boundary", name_of(world.boundary, kBoundaryNames));
+  }
+  if (world.mixing != usual) out.raw("mixing", mixing.one_line());
+  return out.add("gravity", world.gravity)
       .add_unless("linear_damping", world.linear_damping, 0)
       .add("material", std::string_view("wall"))
       .lines(2);
