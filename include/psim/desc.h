@@ -31,6 +31,8 @@ enum class Mixing : std::uint8_t {
   product,   ///< a b
   geometric  ///< sqrt(a b)
 };
+
+/// The rules of a world.
 struct MixingRules {
   Mixing restitution = Mixing::max;     ///< of a contact
   Mixing friction = Mixing::geometric;  ///< of a contact

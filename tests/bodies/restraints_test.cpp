@@ -126,6 +126,42 @@ TEST(Restraints, LockedBodiesStayOnTheirLines) {
 
 // However light it is, it yields to nothing that comes along the axis along which it is locked, and to all that comes
 // along the other one.
+// Also where accelerations differ by place, and joints pull.
+TEST(Restraints, LockedBodiesStayInFieldsAndInJoints) {
+  for (const Integrator integrator : kAllIntegrators) {
+    for (int locks = 1; locks < 8; ++locks) {
+      WorldDesc desc = unbounded(50, {1, -2});
+      desc.fields = {WellField{{1, 2}, 30, 0.5, 2, 0}};
+      desc.integrator = integrator;
+      auto world = make(desc);
+      const Locks of{(locks & 1) != 0, (locks & 2) != 0, (locks & 4) != 0};
+      const BodyId lone = add(*world, locked(moving(box({-3, 4}), {3, 2}, 4), of));
+      const BodyId tied = add(*world, locked(moving(disc({5, 4}), {3, 2}, 4), of));
+      JointDesc joint;
+      joint.type = JointType::weld;
+      joint.a = tied;
+      joint.b = add(*world, fixed(disc({8, 8})));
+      std::string error;
+      // Nobody could move where it holds two bodies that stand still.
+      EXPECT_EQ(world->add_joint(joint, error) == kNoJoint, locks == 7) << error;
+      run(*world, 60);
+      for (const auto& [id, x] : {std::pair(lone, -3.0), std::pair(tied, 5.0)}) {
+        const BodyState s = state(*world, id);
+        EXPECT_TRUE(std::isfinite(s.x + s.y + s.angle)) << locks;
+        if (of.x) {
+          EXPECT_NEAR(s.x, x, 1e-9) << locks;
+        }
+        if (of.y) {
+          EXPECT_NEAR(s.y, 4, 1e-9) << locks;
+        }
+        if (of.angle) {
+          EXPECT_EQ(s.angle, 0) << locks;
+        }
+      }
+    }
+  }
+}
+
 TEST(Restraints, ALockHoldsAgainstAPush) {
   for (const bool boxes : {false, true}) {
     for (const double e : {0.0, 0.5, 1.0}) {

@@ -1,6 +1,9 @@
 #include "world_descs.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -18,6 +21,25 @@ Field field(ByteSource& in) {
   well.range = in.chance(128) ? 0 : in.number(0, 20);
   return well;
 }
+
+// Bytes that follow from a place. Traits that worlds got later are drawn from them, so that inputs from before still make
+// much the same worlds.
+class Digits {
+ public:
+  explicit Digits(Vec2 place) {
+    std::uint64_t seed = std::bit_cast<std::uint64_t>(place.x) * 0x9E3779B97F4A7C15u;
+    seed ^= std::bit_cast<std::uint64_t>(place.y);
+    for (std::uint8_t& byte : bytes_) {  // splitmix64 (Steele, Lea and Flood 2014)
+      std::uint64_t z = (seed += 0x9E3779B97F4A7C15u);
+      z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+      byte = static_cast<std::uint8_t>((z ^ (z >> 27)) * 0x94D049BB133111EBu >> 56);
+    }
+  }
+  operator Bytes() const { return bytes_; }
+
+ private:
+  std::array<std::uint8_t, 16> bytes_;
+};
 
 // From 1 g to 1 t, as many in every decade.
 double mass(ByteSource& in) { return std::pow(10, in.number(-3, 3)); }
@@ -39,16 +61,15 @@ WorldDesc world(ByteSource& in) {
   if (in.chance(10)) d.gravity = in.vec2(-50, 50);
   if (in.chance(30)) d.linear_damping = in.number(0, 3);
   d.wall = material(in);
-  if (in.chance(24)) {
-    d.mixing.restitution = static_cast<Mixing>(in.below(5));
-    d.mixing.friction = static_cast<Mixing>(in.below(5));
-  }
   while (in.chance(40) && d.fields.size() < 3) d.fields.push_back(field(in));
   d.dt = one_of(in, {1.0 / 60, 1.0 / 60, 1.0 / 30, 1.0 / 240});
   if (!in.tame && in.chance(10)) d.dt = in.number(1e-4, 0.2);
   d.substeps = one_of(in, {4, 4, 1, 8});
   if (!in.tame && in.chance(10)) d.substeps = in.byte() - 2;
   d.integrator = one_of(in, kAllIntegrators);
+  const Digits digits({d.bounds.xmin, d.gravity.x + d.wall.friction + d.wall.restitution});
+  ByteSource own(digits);
+  if (own.chance(64)) d.mixing = {static_cast<Mixing>(own.below(5)), static_cast<Mixing>(own.below(5))};
   if (in.chance(20)) d.restitution_threshold = in.number(0, 2);
   d.sleeping = !in.chance(64);
   return d;
@@ -113,8 +134,10 @@ CompoundShape compound(ByteSource& in) {
     if (in.chance(40)) part.density = in.number(0.2, 20);
     if (in.chance(40)) part.restitution = in.number(0, 1);
     if (in.chance(40)) part.friction = in.number(0, 2);
-    if (in.chance(40)) part.filter = filter(in);
-    if (in.chance(20)) part.sensor = in.chance(128);
+    const Digits digits(part.position);
+    ByteSource own(digits);
+    if (own.chance(40)) part.filter = Filter{1u << own.below(8), own.byte(), 0};
+    if (own.chance(20)) part.sensor = own.chance(128);
     all.parts.push_back(std::move(part));
   }
   return all;
@@ -153,9 +176,11 @@ BodyDesc body(ByteSource& in) {
   d.bullet = in.chance(16);
   d.sensor = in.chance(16);
   d.filter = filter(in);
-  if (in.chance(24)) d.linear_damping = in.number(0, 30);
-  if (in.chance(24)) d.angular_damping = in.number(0, 30);
-  if (in.chance(24)) d.locks = {in.chance(128), in.chance(128), in.chance(128)};
+  const Digits digits(d.position);
+  ByteSource own(digits);
+  if (own.chance(24)) d.linear_damping = own.uniform(0, 30);
+  if (own.chance(24)) d.angular_damping = own.uniform(0, 30);
+  if (own.chance(24)) d.locks = {own.chance(128), own.chance(128), own.chance(128)};
   return d;
 }
 

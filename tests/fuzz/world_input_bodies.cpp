@@ -24,11 +24,12 @@ BodyId Session::add(const BodyDesc& d) {
   });
   say("body %u type %d shape %zu at %g %g angle %g velocity %g %g %g mass %g density %g "
       "restitution %g friction %g "
-      "scale %g%s%s%s filter %x %x %d",
+      "scale %g%s%s%s filter %x %x %d damping %g %g locks %d%d%d",
       id.index, static_cast<int>(d.type), d.shape.index(), d.position.x, d.position.y, d.angle, d.velocity.x,
       d.velocity.y, d.angular_velocity, d.mass, d.material.density, d.material.restitution, d.material.friction,
       d.gravity_scale, d.fixed_rotation ? " upright" : "", d.bullet ? " bullet" : "", d.sensor ? " sensor" : "",
-      d.filter.category, d.filter.mask, d.filter.group);
+      d.filter.category, d.filter.mask, d.filter.group, d.linear_damping, d.angular_damping, d.locks.x, d.locks.y,
+      d.locks.angle);
   if (id != kNoBody) live(id);
   return id;
 }

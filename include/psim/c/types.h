@@ -46,7 +46,7 @@ enum psim_boundary {
   PSIM_BOUNDARY_OPEN = 2       ///< a body that leaves the bounds is removed and counted
 };
 
-/// How bodies move under wells and drag; each step of a method is a substep.
+/// How the numbers a and b of two materials in contact give that of the contact.
 enum psim_mixing {
   PSIM_MIXING_MAX = 0,       ///< the larger
   PSIM_MIXING_MIN = 1,       ///< the smaller
@@ -55,6 +55,7 @@ enum psim_mixing {
   PSIM_MIXING_GEOMETRIC = 4  ///< sqrt(a b)
 };
 
+/// How bodies move under wells and drag; each step of a method is a substep.
 enum psim_integrator {
   PSIM_INTEGRATOR_VERLET = 0,      ///< leapfrog: order 2, symplectic
   PSIM_INTEGRATOR_EULER = 1,       ///< semi-implicit Euler: order 1, symplectic

@@ -107,6 +107,12 @@ class BodyStore {
     const std::uint32_t first = parts.any() ? kinds[body.kind].first_part : 0;
     return first == 0 ? Surface{body.restitution, body.friction} : parts[first + part].surface;
   }
+  /// 1/kg: 0 of a body that joints cannot move, one that is locked altogether among them.
+  float inv_mass_in_joints(std::uint32_t body_id) const {
+    const BodyProperties& of = properties(body_id);
+    const Locks& locks = kinds[of.kind].locks;
+    return locks.x && locks.y && locks.angle ? 0.0f : of.inv_mass;
+  }
   const Filter& filter_of(const BodyKind& body, std::uint32_t part) const {
     return body.first_part == 0 ? body.filter : parts[body.first_part + part].filter;
   }

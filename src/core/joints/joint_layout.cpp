@@ -140,13 +140,13 @@ void JointStore::lay_out() {
   for (std::uint32_t list = 0; list < kLists; ++list) list_ends(list);
   each_lane([&](const Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
-    block.wa[k] = s_.bodies.properties(ids[j.body[0]]).inv_mass;
-    block.wb[k] = s_.bodies.properties(ids[j.body[1]]).inv_mass;
+    block.wa[k] = s_.bodies.inv_mass_in_joints(ids[j.body[0]]);
+    block.wb[k] = s_.bodies.inv_mass_in_joints(ids[j.body[1]]);
   });
   for (const Tether& t : tethers_) {
     kernels::LineBlock& block = lists_.rods(true)[t.lane / kBlock];
     block.l[t.lane % kBlock] = t.impulse;
-    block.wb[t.lane % kBlock] = s_.bodies.properties(ids[t.body[1]]).inv_mass;
+    block.wb[t.lane % kBlock] = s_.bodies.inv_mass_in_joints(ids[t.body[1]]);
   }
 }
 

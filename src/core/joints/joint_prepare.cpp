@@ -99,7 +99,7 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
     m = {};
     m.number = solved.dummies();
     m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
-    m.inverse_mass = static_cast<double>(b.properties(id).inv_mass);
+    m.inverse_mass = static_cast<double>(b.inv_mass_in_joints(id));
     if (b.info[id].place == Place::moving) {
       m.at = {b.pos[2 * slot], b.pos[2 * slot + 1], 0, 0};
       m.angle = b.angle[slot];

@@ -41,7 +41,7 @@ void JointStore::link_room(const JointDesc& d) {
 // A joint begins to count. This finds out what follows from its description and its bodies.
 void JointStore::enter(std::uint32_t index) {
   Joint& j = joints_[index];
-  const auto dynamic = [&](BodyId id) { return s_.bodies.properties(id.index).inv_mass > 0; };
+  const auto dynamic = [&](BodyId id) { return s_.bodies.inv_mass_in_joints(id.index) > 0; };
   j.swapped = !dynamic(j.desc.b);
   j.held = j.swapped || !dynamic(j.desc.a);
   j.lane = j.articulated = kNoSlot;

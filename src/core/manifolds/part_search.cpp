@@ -96,14 +96,20 @@ void PartSearch::Tree::near(const Bounds& box, std::vector<std::uint32_t>& out) 
   std::sort(out.begin() + first, out.end());  // Total order: each part once
 }
 
+bool PartSearch::has_many(std::uint32_t slot) const {
+  const BodyStore& b = s_.bodies;
+  const BodyProperties& properties = b.properties(b.id[slot]);
+  const bool held = properties.type() == BodyType::kinematic_body;
+  return b.kinds[properties.kind].hull_count >= (held ? kManyKinematic : kMany);
+}
+
 void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead) {
   const BodyStore& b = s_.bodies;
   wide_.clear();
   common_way_ = length_of({static_cast<double>(margin.common_x), static_cast<double>(margin.common_y)}) *
                 static_cast<double>(margin.time);
   for (const std::uint32_t slot : slots) {
-    const bool held = b.properties(b.id[slot]).type() == BodyType::kinematic_body;
-    if (b.kind(b.id[slot]).hull_count < (held ? kManyKinematic : kMany)) continue;
+    if (!has_many(slot)) continue;
     const float rim = b.rim_speed_of(slot), size = b.radius[slot];
     const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * size, margin.skin) : margin.skin;
     wide_.push_back(

@@ -69,6 +69,7 @@ class PartSearch {
     double reach = 0;                         // m, of all parts
   };
 
+  bool has_many(std::uint32_t slot) const;
   const Wide* wide_of(std::uint32_t slot) const;
   const Tree& tree_of(std::uint32_t slot) const;
   double margin_of(std::uint32_t slot) const;

@@ -74,8 +74,12 @@ void Solver::Run::hold_locked() {
   for (const Restraint& r : restraints) {
     if (r.locks == Locks{} || b.info[r.id].place != Place::moving) continue;
     const std::size_t i = b.info[r.id].slot;
-    if (r.locks.x) b.vel[2 * i] = b.vel0[2 * i] = 0;
-    if (r.locks.y) b.vel[2 * i + 1] = b.vel0[2 * i + 1] = 0;
+    for (const std::size_t k : {2 * i, 2 * i + 1}) {
+      if (!(k == 2 * i ? r.locks.x : r.locks.y)) continue;
+      b.vel[k] = b.vel0[k] = 0;
+      if (!b.vel_remainder.empty()) b.vel_remainder[k] = 0;
+      if (!b.drift_correction.empty()) b.drift_correction[k] = 0;
+    }
     if (r.locks.angle && !b.rim_speed.empty()) b.rim_speed[i] = b.rim_speed0[i] = 0;
   }
 }
@@ -107,8 +111,12 @@ void Solver::put_back(BodyStore& bodies, const Restraints& restraints) const {
     const Restraint& r = restraints[n];
     if (r.locks == Locks{} || bodies.info[r.id].place != Place::moving) continue;
     const std::size_t i = bodies.info[r.id].slot;
-    if (r.locks.x) bodies.disp[2 * i] = locked_at_[n].x, bodies.vel[2 * i] = 0;
-    if (r.locks.y) bodies.disp[2 * i + 1] = locked_at_[n].y, bodies.vel[2 * i + 1] = 0;
+    for (const std::size_t k : {2 * i, 2 * i + 1}) {
+      if (!(k == 2 * i ? r.locks.x : r.locks.y)) continue;
+      bodies.disp[k] = k == 2 * i ? locked_at_[n].x : locked_at_[n].y;
+      bodies.vel[k] = 0;
+      if (!bodies.disp_remainder.empty()) bodies.disp_remainder[k] = 0;
+    }
     if (!r.locks.angle || bodies.rim_speed.empty()) continue;
     bodies.angle[i] = locked_at_[n].angle;
     bodies.rim_speed[i] = 0;

@@ -117,15 +117,13 @@ void one_value(Archive& a, ManifoldPair& p) {
 void PartSearch::describe(Archive& a) {
   const BodyStore& b = s_.bodies;
   values(a, common_way_);
-  const auto has_many = [&](std::uint32_t slot) {
-    return b.id[slot] != kNoSlot && b.kind(b.id[slot]).hull_count >= kMany;
-  };
+  const auto is_wide = [&](std::uint32_t slot) { return b.id[slot] != kNoSlot && has_many(slot); };
   // Bodies that were removed or took another slot since are in no list any more; a body of few parts may have their slot.
-  if (!a.loading()) std::erase_if(wide_, [&](const Wide& w) { return w.slot >= b.count || !has_many(w.slot); });
+  if (!a.loading()) std::erase_if(wide_, [&](const Wide& w) { return w.slot >= b.count || !is_wide(w.slot); });
   a.list(wide_, [&](Wide& w) {
     a.index(b.count, w.slot);
     values(a, w.angle, w.turn);
-    a.require(a.ok() && has_many(w.slot) && w.turn >= 0);
+    a.require(a.ok() && is_wide(w.slot) && w.turn >= 0);
   });
   a.require(std::ranges::is_sorted(wide_, std::ranges::less_equal{}, &Wide::slot) || wide_.empty());
 }

@@ -89,8 +89,9 @@ JointId World::add_joint(const JointDesc& desc, std::string& error) try {
     if (frozen) return refuse("a body whose numbers are broken cannot be joined");
   }
   if (desc.a == desc.b) return refuse("a and b must differ");
-  const auto dynamic = [&](BodyId id) { return w.bodies.properties(id.index).inv_mass > 0; };
-  if (!dynamic(desc.a) && !dynamic(desc.b)) return refuse("one of the bodies must be dynamic");
+  const auto dynamic = [&](BodyId id) { return w.bodies.inv_mass_in_joints(id.index) > 0; };
+  if (!dynamic(desc.a) && !dynamic(desc.b))
+    return refuse("one of the bodies must be dynamic, and not locked altogether");
   if (error = check_numbers(desc); !error.empty()) return kNoJoint;
 
   JointDesc d = desc;
