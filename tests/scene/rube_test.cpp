@@ -94,7 +94,7 @@ TEST(Rube, FixturesAreThePartsOfABody) {
 
 TEST(Rube, CirclesOffTheOriginKeepTheirPlace) {
   const Scene scene = parsed_scene(std::string(kCar));
-  for (const std::size_t body : {3, 4}) {
+  for (const std::size_t body : {std::size_t{3}, std::size_t{4}}) {
     const auto& parts = std::get<CompoundShape>(scene.bodies.at(body).shape).parts;
     ASSERT_EQ(parts.size(), 1u);
     EXPECT_EQ(std::get<DiscShape>(parts[0].shape).radius, 0.5);
