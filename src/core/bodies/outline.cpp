@@ -98,7 +98,7 @@ Ring without_needless(std::span<const Vec2> vertices) {
   Ring ring;
   std::vector<std::size_t> numbers;
   for (std::size_t k = 0; k < left; ++k, at = after[at]) numbers.push_back(at);
-  std::rotate(numbers.begin(), std::ranges::min_element(numbers), numbers.end());
+  std::rotate(numbers.begin(), std::min_element(numbers.begin(), numbers.end()), numbers.end());
   for (const std::size_t k : numbers) ring.points.push_back(points[k]);
   ring.numbers = std::move(numbers);
   return ring;
@@ -163,7 +163,7 @@ class Crossings {
 
 void make_counter_clockwise(Ring& ring) {
   const auto less = [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; };
-  const auto corner = std::ranges::min_element(ring.points, less) - ring.points.begin();
+  const auto corner = std::min_element(ring.points.begin(), ring.points.end(), less) - ring.points.begin();
   if (ring.turn(static_cast<std::size_t>(corner)) > 0) return;
   std::ranges::reverse(ring.points);
   std::ranges::reverse(ring.numbers);
@@ -205,7 +205,7 @@ class Joiner {
         gone_[at] = true;
         if (turn(previous_[at], at) != 0) piece.push_back(mesh_.from[at]);
       }
-      std::rotate(piece.begin(), std::ranges::min_element(piece), piece.end());
+      std::rotate(piece.begin(), std::min_element(piece.begin(), piece.end()), piece.end());
     }
     return all;
   }
