@@ -119,8 +119,8 @@ BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   return properties;
 }
 
-// What the parts of a compound have. Nothing if all have the same, which the body has then; else the body has the largest
-// restitution and friction.
+// Gives the body the filter, sensor flag and surface that its parts share, and returns nothing. If the parts of a compound
+// differ, it returns what each has, and gives the body the largest restitution and friction of all.
 std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
   const auto* compound = std::get_if<CompoundShape>(&d.shape);
   if (compound == nullptr) {

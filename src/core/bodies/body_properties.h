@@ -58,7 +58,7 @@ struct Surface {
   friend bool operator==(const Surface&, const Surface&) = default;
 };
 
-/// What a part has, in a body whose parts differ.
+/// The PartTable keeps these of each part of a body whose parts differ.
 struct PartProperties {
   Surface surface;
   Filter filter;

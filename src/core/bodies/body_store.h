@@ -56,7 +56,7 @@ struct Bullet {
 };
 using Bullets = ListById<Bullet>;
 
-/// What a dynamic body has of its own against moving.
+/// Damping and locks of a dynamic body that has some of its own.
 struct Restraint {
   std::uint32_t id = 0;
   float linear_damping = 0, angular_damping = 0;  ///< 1/s

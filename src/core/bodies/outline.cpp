@@ -27,7 +27,7 @@ constexpr double kRepeated = 1e-10;     // of the way to the next vertex: one th
 constexpr std::size_t kMostAddedVertices = 2500;  // to long edges
 constexpr double kLeastSize = 1e-100;  // m: smaller coordinates are 0, so that their products are no denormal numbers
 
-/// What is left of an outline, and the numbers that its vertices had.
+/// The vertices of an outline that count, and the numbers that they had in it.
 struct Ring {
   std::vector<Vec2> points;
   std::vector<std::size_t> numbers;
