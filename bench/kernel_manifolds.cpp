@@ -68,7 +68,7 @@ class Manifolds : public Workload {
   void pass(const KernelTable& k) override {
     const auto count = static_cast<std::uint32_t>(blocks_.size());
     if (relax_) {
-      k.relax_manifolds[0][0][0](view_, blocks_.data(), params_, 0, count);
+      k.relax_manifolds[0][0][0](view_, blocks_.data(), nullptr, params_, 0, count);
     } else {
       k.solve_manifolds[0][0][0](view_, blocks_.data(), params_, 0, count);
     }

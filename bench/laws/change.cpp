@@ -165,7 +165,7 @@ void relist(Shape& shape, Draw& draw) {
   }
   if (auto* s = std::get_if<CompoundShape>(&shape)) {
     each_part(*s, [&draw](Shape& of, ShapePart&) { relist(of, draw); });
-    std::reverse(s->parts.begin(), s->parts.end());
+    s->parts = std::vector<ShapePart>(s->parts.rbegin(), s->parts.rend());
   }
 }
 

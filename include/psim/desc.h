@@ -16,11 +16,16 @@
 
 namespace psim {
 
-/// Surface and bulk properties. Two materials in contact mix by the rules of the world (WorldDesc::mixing).
+/// Surface and bulk properties. Two materials in contact mix by the rules of the world (WorldDesc::mixing); the larger
+/// rolling resistance counts.
 struct Material {
   double density = 1;      ///< kg/m^2, > 0
   double restitution = 0;  ///< 0..1
   double friction = 0;     ///< Coulomb coefficient, 0..1000
+  /// m/s: the surface runs like a belt. Positive carries what lies on it to the right, seen with the outward normal up.
+  double tangent_speed = 0;
+  /// 0..1: the torque against rolling is at most this times the radius of what rolls times the normal force.
+  double rolling_resistance = 0;
 };
 
 /// How the numbers a and b of two materials in contact give that of the contact.
@@ -57,15 +62,16 @@ struct DiscShape {
 /// A line from p1 to p2 in the body's frame; no thickness; solid from both sides. A dynamic one is a
 /// thin rod: its density is kg/m.
 struct SegmentShape {
-  Vec2 p1;  ///< metres
-  Vec2 p2;  ///< metres; differs from p1
+  Vec2 p1 = {};  ///< metres
+  Vec2 p2 = {};  ///< metres; differs from p1
 };
 
 /// Segments joined end to end (and last to first if `loop`), in the body's frame; static or
 /// kinematic. Nothing feels a bump at the joints of a straight or convex run.
 struct ChainShape {
-  std::vector<Vec2> vertices;  ///< metres; at least 2 (3 if loop), no two in a row alike
-  bool loop = false;           ///< the last joined to the first
+  std::vector<Vec2> vertices = {};       ///< metres; at least 2 (3 if loop), no two in a row alike
+  bool loop = false;                     ///< the last joined to the first
+  std::vector<Material> materials = {};  ///< one for each segment, or none: all have the body's
 };
 
 /// A rectangle about the body's place.
@@ -80,14 +86,14 @@ inline constexpr int kMostPolygonVertices = 8;
 
 /// A convex polygon in the body's frame, counter-clockwise; need not be centred.
 struct PolygonShape {
-  std::vector<Vec2> vertices;  ///< metres; 3 to kMostPolygonVertices
-  double radius = 0;           ///< metres, >= 0: rounds it, outside of the vertices
+  std::vector<Vec2> vertices = {};  ///< metres; 3 to kMostPolygonVertices
+  double radius = 0;                ///< metres, >= 0: rounds it, outside of the vertices
 };
 
 /// All points within `radius` of the line from p1 to p2, in the body's frame.
 struct CapsuleShape {
-  Vec2 p1;              ///< metres
-  Vec2 p2;              ///< metres
+  Vec2 p1 = {};         ///< metres
+  Vec2 p2 = {};         ///< metres
   double radius = 0.5;  ///< metres, > 0
 };
 
@@ -106,19 +112,22 @@ using PartShape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, Po
 
 /// One of the shapes of a body. What it has of its own wins over what the body has.
 struct ShapePart {
-  PartShape shape = DiscShape{};           ///< in the part's frame
-  Vec2 position = {};                      ///< metres: of the part's frame in the body's
-  double angle = 0;                        ///< radians: of the part's frame in the body's
-  std::optional<double> density = {};      ///< kg/m^2, > 0
-  std::optional<double> restitution = {};  ///< 0..1
-  std::optional<double> friction = {};     ///< Coulomb coefficient, 0..1000
-  std::optional<Filter> filter = {};       ///< who it collides with
-  std::optional<bool> sensor = {};         ///< touches nothing, tells who overlaps it; its mass counts
+  PartShape shape = DiscShape{};                  ///< in the part's frame
+  Vec2 position = {};                             ///< metres: of the part's frame in the body's
+  double angle = 0;                               ///< radians: of the part's frame in the body's
+  std::optional<double> density = {};             ///< kg/m^2, > 0
+  std::optional<double> restitution = {};         ///< 0..1
+  std::optional<double> friction = {};            ///< Coulomb coefficient, 0..1000
+  std::optional<Filter> filter = {};              ///< who it collides with
+  std::optional<bool> sensor = {};                ///< touches nothing, tells who overlaps it; its mass counts
+  std::optional<double> tangent_speed = {};       ///< m/s, as in Material
+  std::optional<double> rolling_resistance = {};  ///< 0..1, as in Material
+  std::optional<Vec2> one_way = {};               ///< as in BodyDesc
 };
 
 /// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
 struct CompoundShape {
-  std::vector<ShapePart> parts;  ///< at least 1; no chain in a dynamic body
+  std::vector<ShapePart> parts = {};  ///< at least 1; no chain in a dynamic body
 };
 
 /// A body has one of these shapes.
@@ -130,45 +139,69 @@ using Shape = std::variant<DiscShape, SegmentShape, ChainShape, BoxShape, Polygo
 struct BodyDesc {
   BodyType type = BodyType::dynamic_body;  ///< what moves it
   Shape shape = DiscShape{};               ///< a chain is static or kinematic
-  Vec2 position;                           ///< metres, inside the world's bounds
+  Vec2 position = {};                      ///< metres, inside the world's bounds
   double angle = 0;                        ///< radians
-  Vec2 velocity;                           ///< m/s
+  Vec2 velocity = {};                      ///< m/s
   double angular_velocity = 0;             ///< rad/s
-  Material material;                       ///< what it is made of
+  Material material = {};                  ///< what it is made of
   double mass = 0;                         ///< kg; 0 = from the density
   double gravity_scale = 1;                ///< factor on the world's gravity and wells
   bool fixed_rotation = false;             ///< contacts do not turn it
   bool bullet = false;                     ///< does not pass through other moving bodies either, however fast
   bool sensor = false;                     ///< touches nothing but the world's walls, tells who overlaps it
-  Filter filter;                           ///< who it collides with
+  Filter filter = {};                      ///< who it collides with
   double linear_damping = 0;               ///< 1/s: dv/dt = -c v, integrated exactly; of a dynamic body
   double angular_damping = 0;              ///< 1/s: the same of the angular velocity
   Locks locks = {};                        ///< of a dynamic body
+  /// Solid only for what comes against this direction, in the body's frame; of any length. Zero: from all sides.
+  Vec2 one_way = {};
+  bool enabled = true;          ///< else it takes no part in the world until World::set_enabled
+  std::uint64_t user_data = 0;  ///< whatever the host likes: World::user_data
+};
+
+/// What can be changed of a body at any time (World::set_traits).
+struct BodyTraits {
+  Filter filter = {};             ///< who it collides with; of a compound whose parts differ: the usual one
+  double restitution = 0;         ///< 0..1; where parts differ, the largest
+  double friction = 0;            ///< 0..1000; where parts differ, the largest
+  double tangent_speed = 0;       ///< m/s, as in Material; where parts differ, 0
+  double rolling_resistance = 0;  ///< 0..1, as in Material; where parts differ, 0
+  Vec2 one_way = {};              ///< as in BodyDesc; where parts differ, 0
+  bool sensor = false;            ///< as in BodyDesc; a static body does not change it
+  bool bullet = false;            ///< as in BodyDesc; of a body that moves
+  double mass = 0;                ///< kg, of a dynamic body, else 0
+  double inertia = 0;             ///< kg m^2 about the centre of mass, of a dynamic body; 0: it does not turn
+  double gravity_scale = 1;       ///< of a dynamic body, as all that follows
+  double linear_damping = 0;      ///< 1/s
+  double angular_damping = 0;     ///< 1/s
+  Locks locks = {};               ///< directions in which it does not move
+  /// All alike.
+  friend bool operator==(const BodyTraits&, const BodyTraits&) = default;
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for
 /// "all zero"; `radius` has length n or 1.
 struct DiscBatch {
-  std::span<const double> x;                 ///< metres, inside the world's bounds
-  std::span<const double> y;                 ///< metres
-  std::span<const double> radius;            ///< metres, > 0
-  std::span<const double> angle;             ///< radians
-  std::span<const double> vx;                ///< m/s
-  std::span<const double> vy;                ///< m/s
-  std::span<const double> angular_velocity;  ///< rad/s
-  BodyType type = BodyType::dynamic_body;    ///< what moves them
-  Material material;                         ///< what they are made of
-  double mass = 0;                           ///< kg each; 0 = from the density
-  double gravity_scale = 1;                  ///< factor on the world's gravity and wells
-  bool fixed_rotation = false;               ///< contacts do not turn them
-  bool bullet = false;                       ///< as in BodyDesc
-  Filter filter;                             ///< who they collide with
+  std::span<const double> x = {};                 ///< metres, inside the world's bounds
+  std::span<const double> y = {};                 ///< metres
+  std::span<const double> radius = {};            ///< metres, > 0
+  std::span<const double> angle = {};             ///< radians
+  std::span<const double> vx = {};                ///< m/s
+  std::span<const double> vy = {};                ///< m/s
+  std::span<const double> angular_velocity = {};  ///< rad/s
+  BodyType type = BodyType::dynamic_body;         ///< what moves them
+  Material material = {};                         ///< what they are made of
+  double mass = 0;                                ///< kg each; 0 = from the density
+  double gravity_scale = 1;                       ///< factor on the world's gravity and wells
+  bool fixed_rotation = false;                    ///< contacts do not turn them
+  bool bullet = false;                            ///< as in BodyDesc
+  Filter filter = {};                             ///< who they collide with
 };
 
 /// Acceleration `strength * d / (|d|^2 + softening^2)^((exponent+1)/2)` towards `position`, zero
 /// beyond `range` (0 = no limit).
 struct WellField {
-  Vec2 position;         ///< metres
+  Vec2 position = {};    ///< metres
   double strength = 0;   ///< GM for exponent 2: m^3/s^2
   double softening = 0;  ///< metres
   double exponent = 2;   ///< 0 to 16
@@ -194,9 +227,9 @@ struct WorldDesc {
   Boundary boundary = Boundary::walls;         ///< what its sides do
   Vec2 gravity{0, -9.81};                      ///< m/s^2
   double linear_damping = 0;                   ///< 1/s: dv/dt = -c v, integrated exactly
-  Material wall;                               ///< of the four sides, when boundary is `walls`
+  Material wall = {};                          ///< of the four sides, when boundary is `walls`
   MixingRules mixing = {};                     ///< of materials in contact
-  std::vector<Field> fields;                   ///< wells and drag
+  std::vector<Field> fields = {};              ///< wells and drag
   double dt = 1.0 / 60;                        ///< seconds a frame, above 0, at most 10
   int substeps = 4;                            ///< 1..64
   Integrator integrator = Integrator::verlet;  ///< of wells and drag

@@ -10,16 +10,16 @@ namespace psim {
 
 /// Two bodies began or ceased to touch; a.index < b.index.
 struct TouchEvent {
-  BodyId a;  ///< a.index < b.index
-  BodyId b;  ///< the other
+  BodyId a = {};  ///< a.index < b.index
+  BodyId b = {};  ///< the other
 };
 
 /// Two bodies hit each other.
 struct HitEvent {
-  BodyId a;          ///< a.index < b.index
-  BodyId b;          ///< kNoBody for a wall of the world
-  Vec2 point;        ///< metres
-  Vec2 normal;       ///< from a to b
+  BodyId a = {};     ///< a.index < b.index
+  BodyId b = {};     ///< kNoBody for a wall of the world
+  Vec2 point = {};   ///< metres
+  Vec2 normal = {};  ///< from a to b
   double speed = 0;  ///< m/s, of approach along the normal
 };
 
@@ -33,11 +33,11 @@ struct EventOptions {
 
 /// Of the last step, each ordered by a, then b. Valid until the next call that changes the world.
 struct Events {
-  std::span<const TouchEvent> begin;         ///< touch now and did not before
-  std::span<const TouchEvent> end;           ///< touched and do no more
-  std::span<const HitEvent> hits;            ///< faster than EventOptions::hit_speed
-  std::span<const TouchEvent> sensor_begin;  ///< a is the sensor, b entered it
-  std::span<const TouchEvent> sensor_end;    ///< a is the sensor, b left it
+  std::span<const TouchEvent> begin = {};         ///< touch now and did not before
+  std::span<const TouchEvent> end = {};           ///< touched and do no more
+  std::span<const HitEvent> hits = {};            ///< faster than EventOptions::hit_speed
+  std::span<const TouchEvent> sensor_begin = {};  ///< a is the sensor, b entered it
+  std::span<const TouchEvent> sensor_end = {};    ///< a is the sensor, b left it
 };
 
 }  // namespace psim

@@ -34,7 +34,7 @@ class PSIM_API CostModel {
 struct GovernorDesc {
   bool on = false;                 ///< off: every step is done in full
   double budget_ms = 1000.0 / 60;  ///< of a frame; three quarters of it may be predicted
-  CostModel costs;                 ///< turns counted work into time
+  CostModel costs = {};            ///< turns counted work into time
 };
 
 /// How much of a step was or is to be done in a frame.

@@ -33,17 +33,17 @@ enum class JointType : std::uint8_t {
 /// stiffness and damping of a weld soften its angle.
 struct JointDesc {
   JointType type = JointType::distance;  ///< what it allows
-  BodyId a;                              ///< a body
-  BodyId b;                              ///< another
-  Vec2 anchor_a;                         ///< metres, in the frame of a
-  Vec2 anchor_b;                         ///< metres, in the frame of b
-  std::optional<double> length;          ///< metres; none: as far apart as the anchors are now
+  BodyId a = {};                         ///< a body
+  BodyId b = {};                         ///< another
+  Vec2 anchor_a = {};                    ///< metres, in the frame of a
+  Vec2 anchor_b = {};                    ///< metres, in the frame of b
+  std::optional<double> length = {};     ///< metres; none: as far apart as the anchors are now
   double stiffness = 0;                  ///< spring: N/m; weld: N m/rad, 0 = rigid
   double damping = 0;                    ///< spring: N s/m; weld: N m s/rad
   Vec2 axis{1, 0};                       ///< prismatic: direction in a's frame
-  std::optional<double> reference;       ///< radians: angle b - a that counts as 0; none: the present one
-  std::optional<double> lower;           ///< revolute: radians; prismatic: metres; none: no limit
-  std::optional<double> upper;           ///< as lower, and not below it
+  std::optional<double> reference = {};  ///< radians: angle b - a that counts as 0; none: the present one
+  std::optional<double> lower = {};      ///< revolute: radians; prismatic: metres; none: no limit
+  std::optional<double> upper = {};      ///< as lower, and not below it
   double motor_speed = 0;                ///< rad/s or m/s
   double motor_limit = 0;                ///< most torque, N m, or force, N; 0: no motor
   bool collide = false;                  ///< whether the two bodies still collide
@@ -51,13 +51,13 @@ struct JointDesc {
 
 /// What a joint does.
 struct JointState {
-  BodyId a;                              ///< as described
-  BodyId b;                              ///< as described
+  BodyId a = {};                         ///< as described
+  BodyId b = {};                         ///< as described
   JointType type = JointType::distance;  ///< as described
-  Vec2 anchor_a;                         ///< metres, world
-  Vec2 anchor_b;                         ///< metres, world
+  Vec2 anchor_a = {};                    ///< metres, world
+  Vec2 anchor_b = {};                    ///< metres, world
   double value = 0;                      ///< distance, spring, rope: length, m; revolute, weld: angle; prismatic: m
-  Vec2 force;                            ///< N on b, of the last substep
+  Vec2 force = {};                       ///< N on b, of the last substep
   double torque = 0;                     ///< N m on b
 };
 

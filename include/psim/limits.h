@@ -32,6 +32,9 @@ inline constexpr Range kMass{1e-9, 1e12};            ///< kg, where it is given
 inline constexpr Range kMassOfShape{1e-30, 1e30};    ///< kg, where it follows from density and shape
 inline constexpr Range kRestitution{0, 1};           ///< 1: no energy is lost
 inline constexpr Range kFriction{0, 1000};           ///< Coulomb's coefficient
+inline constexpr Range kTangentSpeed{-1e4, 1e4};     ///< m/s: of a surface that runs like a belt
+inline constexpr Range kRollingResistance{0, 1};     ///< length / radius
+inline constexpr Range kInertia{1e-30, 1e30};        ///< kg m^2, where it is given and not 0
 inline constexpr Range kGravityScale{-1e6, 1e6};     ///< times gravity
 
 inline constexpr Range kGravity{-1e6, 1e6};         ///< m/s^2, along an axis

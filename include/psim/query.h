@@ -19,16 +19,16 @@ struct QueryFilter {
 
 /// Where a ray enters a body.
 struct RayHit {
-  BodyId body;          ///< that it enters
-  Vec2 point;           ///< metres
-  Vec2 normal;          ///< of the body's surface there; zero where the ray starts inside
+  BodyId body = {};     ///< that it enters
+  Vec2 point = {};      ///< metres
+  Vec2 normal = {};     ///< of the body's surface there; zero where the ray starts inside
   double fraction = 0;  ///< 0..1 of the way
 };
 
 /// The nearest point of a body.
 struct ClosestHit {
-  BodyId body;          ///< the nearest
-  Vec2 point;           ///< metres, on the surface; the question's own point where it is inside
+  BodyId body = {};     ///< the nearest
+  Vec2 point = {};      ///< metres, on the surface; the question's own point where it is inside
   double distance = 0;  ///< metres, 0 inside
 };
 

@@ -38,6 +38,9 @@ class PSIM_API Recorder {
   bool apply_impulse(BodyId id, Vec2 impulse);
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   bool apply_angular_impulse(BodyId id, double impulse);
+  bool set_enabled(BodyId id, bool on);
+  bool set_traits(BodyId id, const BodyTraits& to);
+  bool set_user_data(BodyId id, std::uint64_t value);
   bool set_gravity(Vec2 gravity);
   bool set_skin(double factor);
   void set_sleeping(bool on);

@@ -10,6 +10,8 @@ namespace psim {
 struct Vec2 {
   double x = 0;  ///< to the right
   double y = 0;  ///< up
+  /// The same numbers.
+  friend bool operator==(const Vec2&, const Vec2&) = default;
 };
 
 /// An axis-aligned rectangle, metres. Valid when xmin < xmax and ymin < ymax.

@@ -99,7 +99,7 @@ class PSIM_API World {
   /// Place and motion; nothing if the id is stale. O(1).
   std::optional<BodyState> body(BodyId id) const;
   /// Sets the place, metres and radians; false if the id is stale or the body static or frozen. A non-finite value
-  /// is accepted and quarantines the body in the next step. In a world with walls a place beyond them
+  /// is accepted and quarantines the body in the next step; a disabled body refuses it. In a world with walls a place beyond them
   /// becomes the nearest one within.
   bool set_transform(BodyId id, Vec2 position, double angle);
   /// Sets the motion, m/s and rad/s; beyond the fastest that the lattice can carry it is cut to that. False as
@@ -112,6 +112,24 @@ class PSIM_API World {
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   /// N m s: adds impulse / inertia to the angular velocity. False as set_transform.
   bool apply_angular_impulse(BodyId id, double impulse);
+
+  /// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its
+  /// joints do nothing, and it costs nothing. It keeps its id, its place and its velocity; set_transform and set_velocity
+  /// change those of a moving body meanwhile. What leaned on it wakes, and so does what it comes upon. False if the id is
+  /// stale or the body frozen.
+  bool set_enabled(BodyId id, bool on);
+  /// Whether the body takes part in the world at all.
+  bool is_enabled(BodyId id) const;
+  /// What can be changed of a body; nothing if the id is stale.
+  std::optional<BodyTraits> traits(BodyId id) const;
+  /// Changes what differs from traits(id), in all parts of the body. A mass that changes alone takes the inertia with it.
+  /// The body and what it touches wake. False, and nothing changes, if the id is stale, the body frozen, a number out of
+  /// its range (psim/limits.h), or a static body's sensor flag another one. O(1), and the lists are made anew.
+  bool set_traits(BodyId id, const BodyTraits& to);
+  /// 64 bits that the host keeps with a body; 0 of one that has none, or is not there.
+  std::uint64_t user_data(BodyId id) const;
+  /// Changes them; false if the id is stale. Wakes nobody, and changes no result.
+  bool set_user_data(BodyId id, std::uint64_t value);
 
   /// Changes the world's gravity, m/s^2; everybody wakes. False if it is out of its range (psim/limits.h).
   bool set_gravity(Vec2 gravity);
@@ -212,9 +230,9 @@ class PSIM_API World {
   StepReport replay(const StepDetail& detail, double dt);
 
   std::size_t body_count() const;       ///< all living bodies
-  std::size_t dynamic_count() const;    ///< of those, dynamic or kinematic
-  std::size_t shape_count() const;      ///< of those, not discs
-  std::size_t static_count() const;     ///< of all, static
+  std::size_t dynamic_count() const;    ///< of those that are enabled, dynamic or kinematic
+  std::size_t shape_count() const;      ///< of those, not plain discs
+  std::size_t static_count() const;     ///< of all that are enabled, static
   std::uint64_t frame() const;          ///< steps taken
   std::uint64_t escaped_total() const;  ///< bodies that left an open world
   const WorldDesc& desc() const;        ///< as created, with the present gravity, skin and sleeping

@@ -109,6 +109,8 @@ psim_result psim_world_add_discs(psim_world* world, const psim_disc_batch* batch
     discs.angular_velocity = omega.values();
     discs.type = *type;
     discs.material = to_cpp(given.material);
+    discs.material.tangent_speed = given.tangent_speed;
+    discs.material.rolling_resistance = given.rolling_resistance;
     discs.mass = given.mass;
     discs.gravity_scale = given.gravity_scale;
     discs.fixed_rotation = given.fixed_rotation != 0;
@@ -172,6 +174,47 @@ psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
   return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+}
+
+psim_result psim_world_set_enabled(psim_world* world, psim_body_id id, int32_t on) {
+  return push(world, __func__, id, [&](auto& w) { return w.set_enabled(to_cpp(id), on != 0); });
+}
+
+int32_t psim_world_is_enabled(const psim_world* world, psim_body_id id) {
+  return asked(world, __func__, int32_t{0}, [id](const psim::World& w) -> int32_t { return w.is_enabled(to_cpp(id)); });
+}
+
+psim_result psim_world_traits(const psim_world* world, psim_body_id id, psim_body_traits* traits) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_output(call, "traits", traits); r != PSIM_OK) return r;
+    const auto known = w.traits(to_cpp(id));
+    if (!known) return stale_body(call, id.index);
+    write(to_c(*known), traits);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_traits(psim_world* world, psim_body_id id, const psim_body_traits* traits) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_body_traits given;
+    if (const psim_result r = read(call, "traits", traits, given); r != PSIM_OK) return r;
+    psim::BodyTraits to;
+    if (const std::string wrong = convert(given, to); !wrong.empty()) return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    if (world->changed([&](auto& of) { return of.set_traits(to_cpp(id), to); })) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT, "body " + std::to_string(id.index) + " cannot have these traits");
+  });
+}
+
+uint64_t psim_world_user_data(const psim_world* world, psim_body_id id) {
+  return asked(world, __func__, uint64_t{0}, [id](const psim::World& w) { return w.user_data(to_cpp(id)); });
+}
+
+psim_result psim_world_set_user_data(psim_world* world, psim_body_id id, uint64_t value) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    const bool done = world->changed([&](auto& w) { return w.set_user_data(to_cpp(id), value); });
+    return done ? PSIM_OK : stale_body(call, id.index);
+  });
 }
 
 int32_t psim_world_is_awake(const psim_world* world, psim_body_id id) {

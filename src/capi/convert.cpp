@@ -125,6 +125,8 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   out.gravity = to_cpp(desc.gravity);
   out.linear_damping = desc.linear_damping;
   out.wall = to_cpp(desc.wall);
+  out.wall.tangent_speed = desc.wall_tangent_speed;
+  out.wall.rolling_resistance = desc.wall_rolling_resistance;
   out.dt = desc.dt;
   out.substeps = desc.substeps;
   out.integrator = *integrator;
@@ -154,7 +156,7 @@ std::string convert(const psim_run_options& options, RunOptions& out) {
 namespace {
 
 std::string convert(const psim_shape_part& part, ShapePart& out) {
-  if (part.reserved != 0) return kNotZero;
+  if (part.reserved != 0 || part.reserved_2 != 0) return kNotZero;
   Shape shape;
   std::string wrong = psim::capi::convert(part.shape, shape);
   if (!wrong.empty()) return wrong;
@@ -167,6 +169,9 @@ std::string convert(const psim_shape_part& part, ShapePart& out) {
   out.density = given(part.has_density, part.density);
   out.restitution = given(part.has_restitution, part.restitution);
   out.friction = given(part.has_friction, part.friction);
+  out.tangent_speed = given(part.has_tangent_speed, part.tangent_speed);
+  out.rolling_resistance = given(part.has_rolling_resistance, part.rolling_resistance);
+  if (part.has_one_way != 0) out.one_way = to_cpp(part.one_way);
   if (part.has_filter != 0) out.filter = to_cpp(part.filter);
   if (part.has_sensor != 0) out.sensor = part.sensor != 0;
   return {};
@@ -182,7 +187,54 @@ std::string convert_parts(const psim_body_desc& desc, Shape& out) {
   return {};
 }
 
+std::string convert_surfaces(const psim_body_desc& desc, Shape& out) {
+  if (desc.surface_count == 0) return {};
+  if (desc.surfaces == nullptr) return "surfaces must not be NULL";
+  auto* chain = std::get_if<ChainShape>(&out);
+  if (chain == nullptr) return "surfaces are those of the segments of a chain";
+  for (std::size_t k = 0; k < desc.surface_count; ++k) {
+    const psim_surface& s = desc.surfaces[k];
+    chain->materials.push_back({1, s.restitution, s.friction, s.tangent_speed, s.rolling_resistance});
+  }
+  return {};
+}
+
 }  // namespace
+
+std::string convert(const psim_body_traits& traits, BodyTraits& out) {
+  if (traits.reserved != 0) return kNotZero;
+  const psim_surface& s = traits.surface;
+  out.filter = to_cpp(traits.filter);
+  out.restitution = s.restitution, out.friction = s.friction;
+  out.tangent_speed = s.tangent_speed, out.rolling_resistance = s.rolling_resistance;
+  out.one_way = to_cpp(traits.one_way);
+  out.sensor = traits.sensor != 0;
+  out.bullet = traits.bullet != 0;
+  out.mass = traits.mass;
+  out.inertia = traits.inertia;
+  out.gravity_scale = traits.gravity_scale;
+  out.linear_damping = traits.linear_damping;
+  out.angular_damping = traits.angular_damping;
+  out.locks = {traits.lock_x != 0, traits.lock_y != 0, traits.lock_angle != 0};
+  return {};
+}
+
+psim_body_traits to_c(const BodyTraits& t) {
+  psim_body_traits out;
+  set_defaults(out);
+  out.filter = to_c(t.filter);
+  out.surface = {t.restitution, t.friction, t.tangent_speed, t.rolling_resistance};
+  out.one_way = to_c(t.one_way);
+  out.sensor = t.sensor;
+  out.bullet = t.bullet;
+  out.mass = t.mass;
+  out.inertia = t.inertia;
+  out.gravity_scale = t.gravity_scale;
+  out.linear_damping = t.linear_damping;
+  out.angular_damping = t.angular_damping;
+  out.lock_x = t.locks.x, out.lock_y = t.locks.y, out.lock_angle = t.locks.angle;
+  return out;
+}
 
 std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   const auto type = to_enum(desc.type, BodyType::kinematic_body);
@@ -202,7 +254,13 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   out.bullet = desc.bullet != 0;
   out.sensor = desc.sensor != 0;
   out.filter = to_cpp(desc.filter);
-  if (desc.reserved != 0) return kNotZero;
+  if (desc.reserved != 0 || desc.reserved_2 != 0) return kNotZero;
+  out.material.tangent_speed = desc.tangent_speed;
+  out.material.rolling_resistance = desc.rolling_resistance;
+  out.one_way = to_cpp(desc.one_way);
+  out.enabled = desc.disabled == 0;
+  out.user_data = desc.user_data;
+  if (wrong = convert_surfaces(desc, out.shape); !wrong.empty()) return wrong;
   out.linear_damping = desc.linear_damping;
   out.angular_damping = desc.angular_damping;
   out.locks = {desc.lock_x != 0, desc.lock_y != 0, desc.lock_angle != 0};

@@ -22,13 +22,14 @@ inline psim_material to_c(const Material& m) { return {m.density, m.restitution,
 inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group}; }
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
+psim_body_traits to_c(const BodyTraits& traits);
 psim_field to_c(const Field& field);
 
 inline Vec2 to_cpp(psim_vec2 v) { return {v.x, v.y}; }
 inline Bounds to_cpp(const psim_bounds& b) { return {b.xmin, b.ymin, b.xmax, b.ymax}; }
 inline BodyId to_cpp(psim_body_id id) { return {id.index, id.generation}; }
 inline JointId to_cpp(psim_joint_id id) { return {id.index, id.generation}; }
-inline Material to_cpp(const psim_material& m) { return {m.density, m.restitution, m.friction}; }
+inline Material to_cpp(const psim_material& m) { return {m.density, m.restitution, m.friction, 0, 0}; }
 inline Filter to_cpp(const psim_filter& f) { return {f.category, f.mask, f.group}; }
 CostModel to_cpp(const psim_cost_model& m);
 
@@ -44,6 +45,7 @@ std::string convert(const psim_shape& shape, Shape& out);
 std::string convert(const psim_field& field, Field& out);
 std::string convert(const psim_world_desc& desc, WorldDesc& out);
 std::string convert(const psim_run_options& options, RunOptions& out);
+std::string convert(const psim_body_traits& traits, BodyTraits& out);
 std::string convert(const psim_body_desc& desc, BodyDesc& out);
 std::string convert(const psim_joint_desc& desc, JointDesc& out);
 

@@ -59,6 +59,8 @@ void set_defaults(psim_body_desc& d) {
   d.filter = to_c(from.filter);
 }
 
+void set_defaults(psim_body_traits& d) { d = zeros<psim_body_traits>(); }
+
 void set_defaults(psim_disc_batch& d) {
   const DiscBatch from;
   d = zeros<psim_disc_batch>();
@@ -134,7 +136,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_DIAGNOSTICS) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_BODY_TRAITS) {
     return;
   }
   std::memset(object, 0, size);

@@ -15,6 +15,7 @@ namespace psim::capi {
 void set_defaults(psim_world_desc& d);
 void set_defaults(psim_run_options& d);
 void set_defaults(psim_body_desc& d);
+void set_defaults(psim_body_traits& d);
 void set_defaults(psim_disc_batch& d);
 void set_defaults(psim_joint_desc& d);
 void set_defaults(psim_query_filter& d);

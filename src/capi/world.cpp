@@ -262,6 +262,8 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
     d.max_bytes = from.max_bytes;
     d.restitution_mixing = static_cast<std::int32_t>(from.mixing.restitution);
     d.friction_mixing = static_cast<std::int32_t>(from.mixing.friction);
+    d.wall_tangent_speed = from.wall.tangent_speed;
+    d.wall_rolling_resistance = from.wall.rolling_resistance;
     write(d, desc);
     return PSIM_OK;
   });

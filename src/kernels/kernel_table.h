@@ -54,9 +54,9 @@ struct KernelTable {
                                          double* virial);
   // Manifolds (manifold_kernel.h), by whether A is fixed; solve and relax also by restitution and by whether the sweep
   // is an inner one.
-  void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, float scale, Block, Block);
+  void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, float scale, Block, Block);
   void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
-  void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
+  void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, const ContactParams&, Block, Block);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Block, Block);
   void (*turn_bodies)(const BodyView&, const float* radius, const StreamParams&, Block, Block);
   // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.

@@ -91,9 +91,19 @@ PSIM_INLINE inline void solve_two(F<L> a11, F<L> a12, F<L> a22, F<L> q1, F<L> q2
   l2 = select(both_hold, both2, select(holds1, zero, select(holds2, only2, zero)));
 }
 
-/// v += w l n and friction, of the impulses of the last substep, scaled by `scale`.
+/// An impulse that turns B against A; it moves neither.
 template <class L, bool kFixedA>
-void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, float scale, std::uint32_t begin, std::uint32_t end) {
+PSIM_INLINE inline void turn_against(TwoBodies<L>& m, const SurfaceBlock& s, std::uint32_t k, F<L> impulse, F<L> ga,
+                                     F<L> gb) {
+  if constexpr (!kFixedA) m.ua = m.ua - ga * (L::load(s.inv_size_a + k) * impulse);
+  m.ub = m.ub + gb * (L::load(s.inv_size_b + k) * impulse);
+}
+
+/// v += w l n and friction, of the impulses of the last substep, scaled by `scale`. `surfaces`: null where no contact has
+/// any.
+template <class L, bool kFixedA>
+void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, float scale, std::uint32_t begin,
+                    std::uint32_t end) {
   const F<L> warm = scale;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
@@ -116,6 +126,12 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, float scale, std::
       auto m = gather_motion<L>(b.vel, b.rim_speed, slot);
       apply_impulse<L, kFixedA>(m, px, py, turn(p.an, p.at, r.an, r.at), turn(p.bn, p.bt, r.bn, r.bt),
                                 L::load(c->wa + k), L::load(c->wb + k), L::load(c->ga + k), L::load(c->gb + k));
+      if (surfaces != nullptr) [[unlikely]] {
+        SurfaceBlock& s = surfaces[c - blocks];
+        const auto roll = L::load(s.roll + k) * warm;
+        L::store(s.roll + k, roll);
+        turn_against<L, kFixedA>(m, s, k, roll, L::load(c->ga + k), L::load(c->gb + k));
+      }
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
     }
   }
@@ -291,8 +307,10 @@ PSIM_INLINE inline void relax_normals(RelaxLanes<L>& x, TwoBodies<L>& m, F<L> vn
 /// Friction: one row at the middle of the pressure, which the points share as they share the normal impulse. Points one
 /// after the other would do differently in a scene and in its mirror image. No share is kept back: bodies on ice keep
 /// their momentum.
+/// `surface`: null where none runs.
 template <class L, bool kFixedA>
-PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k) {
+PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k,
+                            const SurfaceBlock* surface) {
   const F<L> zero = 0, one = 1;
   auto& p1 = c.point[0];
   auto& p2 = c.point[1];
@@ -300,7 +318,9 @@ PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c,
   const auto share = n1 / select(zero < n, n, one);
   const auto an1 = L::load(p1.an + k), bn1 = L::load(p1.bn + k), an2 = L::load(p2.an + k), bn2 = L::load(p2.bn + k);
   const auto an = an2 + share * (an1 - an2), bn = bn2 + share * (bn1 - bn2);
-  const auto vt = snapped<L>(x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an));
+  auto vt = snapped<L>(x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an));
+  if (surface != nullptr) [[unlikely]]
+    vt = vt + L::load(surface->belt + k);
   const auto kt = x.wa + x.wb + (x.ga * (an * an) + x.gb * (bn * bn));
   const auto cap = L::load(c.mu + k) * n;
   const auto t1 = L::load(p1.friction + k), t2 = L::load(p2.friction + k);
@@ -312,6 +332,21 @@ PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c,
   const auto d = d1 + d2;
   apply_impulse<L, kFixedA>(m, -(d * x.n.y), d * x.n.x, d1 * an1 + d2 * an2, d1 * bn1 + d2 * bn2, x.wa, x.wb, x.ga,
                             x.gb);
+}
+
+/// Resistance against rolling: a torque that slows what B turns against A, of at most `resist` times the normal impulse.
+template <class L, bool kFixedA>
+PSIM_INLINE inline void resist_rolling(const RelaxLanes<L>& x, TwoBodies<L>& m, SurfaceBlock& s, std::uint32_t k) {
+  const F<L> zero = 0, one = 1;
+  const auto ia = L::load(s.inv_size_a + k), ib = L::load(s.inv_size_b + k);
+  const auto n = max(x.n1, zero) + max(x.n2, zero), cap = L::load(s.resist + k) * n;
+  const auto spin = snapped<L>(m.ub * ib - m.ua * ia);
+  const auto gain = x.ga * (ia * ia) + x.gb * (ib * ib);
+  const auto before = L::load(s.roll + k);
+  const auto wanted = before - spin / select(zero < gain, gain, one);
+  const auto roll = keep((zero < n) & (zero < gain), max(min(wanted, cap), -cap));
+  L::store(s.roll + k, roll);
+  turn_against<L, kFixedA>(m, s, k, roll - before, x.ga, x.gb);
 }
 
 /// What shares kept back is the next substep's from its start: it repeats v - v0.
@@ -343,15 +378,17 @@ PSIM_INLINE inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t
 
 /// kInner: not the last sweep of the pass over these contacts.
 template <class L, bool kFixedA, bool kBounce, bool kInner>
-void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
-                     std::uint32_t end) {
+void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, const ContactParams& p,
+                     std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       auto& p1 = c->point[0];
       auto& p2 = c->point[1];
       const auto l1 = L::load(p1.impulse + k), l2 = L::load(p2.impulse + k);
-      if (lies_open<L, kFixedA>(*c, k, l1, l2)) {
+      SurfaceBlock* const surface = surfaces != nullptr ? surfaces + (c - blocks) : nullptr;
+      const bool rolls = surface != nullptr && any(L::load(surface->roll + k) != zero);
+      if (!rolls && lies_open<L, kFixedA>(*c, k, l1, l2)) {
         L::store(p1.friction + k, zero);
         L::store(p2.friction + k, zero);
         if constexpr (kBounce && !kInner) {
@@ -385,7 +422,9 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       relax_normals<L, kFixedA>(x, m, vn1, vn2);
       L::store(p1.impulse + k, x.n1);
       L::store(p2.impulse + k, x.n2);
-      rub<L, kFixedA>(x, m, *c, k);
+      rub<L, kFixedA>(x, m, *c, k, surface);
+      if (surface != nullptr) [[unlikely]]
+        resist_rolling<L, kFixedA>(x, m, *surface, k);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
       if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {

@@ -41,4 +41,13 @@ struct alignas(kAlign) ManifoldBlock {
   float apart[kBlock];  ///< m: from the centre of A to that of B along the normal; 0 if A is fixed geometry
 };
 
+/// What some contacts have beside: surfaces that run, and resistance against rolling. One struct for each ManifoldBlock,
+/// in worlds that have any.
+struct alignas(kAlign) SurfaceBlock {
+  float belt[kBlock];    ///< m/s: what the surfaces run along t, B against A
+  float resist[kBlock];  ///< m: the torque against rolling is at most this times the normal impulse
+  float inv_size_a[kBlock], inv_size_b[kBlock];  ///< 1/m: 1 / R
+  float roll[kBlock];                            ///< N m s: of that torque, on B
+};
+
 }  // namespace psim::kernels

@@ -22,25 +22,6 @@ Field field(ByteSource& in) {
   return well;
 }
 
-// Bytes that follow from a place. Traits that worlds got later are drawn from them, so that inputs from before still make
-// much the same worlds.
-class Digits {
- public:
-  explicit Digits(Vec2 place) {
-    std::uint64_t seed = std::bit_cast<std::uint64_t>(place.x) * 0x9E3779B97F4A7C15u;
-    seed ^= std::bit_cast<std::uint64_t>(place.y);
-    for (std::uint8_t& byte : bytes_) {  // splitmix64 (Steele, Lea and Flood 2014)
-      std::uint64_t z = (seed += 0x9E3779B97F4A7C15u);
-      z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-      byte = static_cast<std::uint8_t>((z ^ (z >> 27)) * 0x94D049BB133111EBu >> 56);
-    }
-  }
-  operator Bytes() const { return bytes_; }
-
- private:
-  std::array<std::uint8_t, 16> bytes_;
-};
-
 // From 1 g to 1 t, as many in every decade.
 double mass(ByteSource& in) { return std::pow(10, in.number(-3, 3)); }
 
@@ -69,6 +50,8 @@ WorldDesc world(ByteSource& in) {
   d.integrator = one_of(in, kAllIntegrators);
   const Digits digits({d.bounds.xmin, d.gravity.x + d.wall.friction + d.wall.restitution});
   ByteSource own(digits);
+  if (own.chance(24)) d.wall.tangent_speed = own.uniform(-5, 5);
+  if (own.chance(24)) d.wall.rolling_resistance = own.uniform(0, 0.5);
   if (own.chance(64)) d.mixing = {static_cast<Mixing>(own.below(5)), static_cast<Mixing>(own.below(5))};
   if (in.chance(20)) d.restitution_threshold = in.number(0, 2);
   d.sleeping = !in.chance(64);
@@ -181,6 +164,11 @@ BodyDesc body(ByteSource& in) {
   if (own.chance(24)) d.linear_damping = own.uniform(0, 30);
   if (own.chance(24)) d.angular_damping = own.uniform(0, 30);
   if (own.chance(24)) d.locks = {own.chance(128), own.chance(128), own.chance(128)};
+  if (own.chance(24)) d.material.tangent_speed = own.uniform(-5, 5);
+  if (own.chance(24)) d.material.rolling_resistance = own.uniform(0, 0.5);
+  if (own.chance(16)) d.one_way = {own.uniform(-1, 1), own.uniform(-1, 1)};
+  d.enabled = !own.chance(8);
+  d.user_data = own.byte();
   return d;
 }
 

@@ -1,5 +1,6 @@
 // Bodies and joints come, go and are moved.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -148,6 +149,62 @@ void Session::move_body() {
   require(!moved || is_live(id), "a body that is not there was moved");
   if (moved && breaks) broken_.insert(id.index);
   if (moved && breaks && which == 4) maybe_broken_ = true;  // one that cannot turn takes no harm
+  change_body(id, {v.x + at.y, at.x - turn});
+}
+
+// Switches a body off or on, or changes its traits.
+void Session::change_body(BodyId id, Vec2 place) {
+  const Digits digits(place);
+  ByteSource own(digits);
+  const bool lives = is_live(id) && !broken_.contains(id.index);
+  if (broken_.contains(id.index)) return;  // the next step freezes it
+  if (own.chance(48)) {
+    const bool on = own.chance(128);
+    say("enable %u: %d", id.index, on);
+    const bool done = change<bool>("set_enabled", [&](auto& w) { return w.set_enabled(id, on); });
+    require(!done || is_live(id), "set_enabled: a body that is not there");
+    if (done) {
+      require(same<bool>("is_enabled", [&](World& w) { return w.is_enabled(id); }) == on, "set_enabled does so");
+    }
+  }
+  if (own.chance(48)) {
+    const auto has = worlds_.front()->traits(id);
+    require(has.has_value() == is_live(id), "traits of the living");
+    BodyTraits to = has.value_or(BodyTraits{});
+    if (own.chance(64)) to.friction = own.uniform(0, 2);
+    if (own.chance(64)) to.restitution = own.uniform(0, 1);
+    if (own.chance(64)) to.tangent_speed = own.chance(64) ? 0 : own.uniform(-5, 5);
+    if (own.chance(64)) to.rolling_resistance = own.uniform(0, 0.5);
+    if (own.chance(32)) to.one_way = own.chance(64) ? Vec2{} : Vec2{own.uniform(-1, 1), own.uniform(-1, 1)};
+    if (own.chance(32)) to.filter.mask = own.byte();
+    if (own.chance(32)) to.sensor = own.chance(128);
+    if (own.chance(32)) to.bullet = own.chance(128);
+    if (own.chance(64)) to.mass = own.uniform(0.01, 50);
+    if (own.chance(32)) to.inertia = own.chance(64) ? 0 : own.uniform(0.01, 5);
+    if (own.chance(32)) to.gravity_scale = own.uniform(-1, 2);
+    if (own.chance(32)) to.linear_damping = own.uniform(0, 5);
+    if (own.chance(32)) to.angular_damping = own.uniform(0, 5);
+    if (own.chance(32)) to.locks = {own.chance(128), own.chance(128), own.chance(128)};
+    say("traits %u", id.index);
+    const bool done = change<bool>("set_traits", [&](auto& w) { return w.set_traits(id, to); });
+    require(!done || is_live(id), "set_traits: a body that is not there");
+    if (done && lives) {
+      const BodyTraits now = worlds_.front()->traits(id).value();
+      const bool dynamic = worlds_.front()->body(id)->type == BodyType::dynamic_body;
+      require(now.filter == to.filter, "set_traits: the filter");
+      require(!dynamic || now.locks == to.locks, "set_traits: the locks");
+      require(!dynamic || std::fabs(now.mass - to.mass) <= 1e-6 * to.mass, "set_traits: the mass");
+    }
+  }
+  if (own.chance(24)) {
+    const std::uint64_t value = own.byte();
+    const bool done = change<bool>("set_user_data", [&](auto& w) { return w.set_user_data(id, value); });
+    require(done == is_live(id), "set_user_data: true for the living");
+    if (done) {
+      const auto now = same<std::uint64_t>("user_data", [&](World& w) { return w.user_data(id); });
+      require(now == value, "set_user_data does so");
+    }
+  }
 }
 
 void Session::add_joint() {

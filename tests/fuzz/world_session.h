@@ -62,6 +62,7 @@ class Session {
   void bury(const std::vector<BodyId>& gone);
   bool is_live(BodyId id) const;
   void move_body();
+  void change_body(BodyId id, Vec2 place);
   void add_joint();
   JointId some_joint();
   void touch_joint();

@@ -68,12 +68,13 @@ class StripSpeedsTest : public testing::Test {
   WorkerPool pool{1};
   KinematicBodies kinematics;
   MixingRules mixing;
+  Material wall;
   BodyStore bodies{memory};
   Lattice lattice;
   StaticShapes shapes{memory, lattice};
   const kernels::KernelTable kernels = kernels_of(best_isa());
   std::vector<Strip> strips;
-  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing}};
+  StripSpeeds speeds{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing, wall}};
 };
 
 TEST_F(StripSpeedsTest, ACommonFallIsNoSpeed) {

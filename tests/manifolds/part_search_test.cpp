@@ -65,8 +65,8 @@ struct Setting {
   BodyStore& bodies = population.bodies;
   kernels::KernelTable kernels = kernels_of(best_isa());
   WorkerPool pool{1};
-  const MixingRules mixing = {};
-  Surroundings surroundings{memory, lattice, bodies, population.statics, kernels, pool, population.kinematics, mixing};
+  Surroundings surroundings{memory,      lattice,  bodies, population.statics, kernels, pool, population.kinematics,
+                            desc.mixing, desc.wall};
   PartSearch search{surroundings};
 };
 

@@ -13,7 +13,9 @@ struct Scene {
   Bodies bodies;
   std::vector<float> arm_change, angle_change, radius;
   std::vector<ManifoldBlock> blocks;
+  std::vector<kernels::SurfaceBlock> surfaces;  // none, or one for each block
 
+  kernels::SurfaceBlock* surface_blocks() { return surfaces.empty() ? nullptr : surfaces.data(); }
   BodyView view() {
     BodyView v = bodies.view(false, true, false);
     v.arm_change = arm_change.data();
@@ -30,6 +32,7 @@ struct Taste {
   double padding = 0.15;  // of an empty lane
   double zero = 0.1;      // of a signed zero in an impulse
   double smooth = 0.3;    // of a lane without friction
+  bool surfaces = false;  // that run or resist rolling
 };
 
 inline kernels::StreamParams turning(const ContactParams& p) {
@@ -125,6 +128,16 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
       c.rate[l] = pad ? 0 : uniform(random, 0, 60);
     }
   }
+  s.surfaces.resize(taste.surfaces ? blocks : 0);
+  for (kernels::SurfaceBlock& of : s.surfaces) {
+    for (std::uint32_t l = 0; l < kBlock; ++l) {
+      of.belt[l] = random.chance(0.3) ? 0 : uniform(random, -2, 2);
+      of.resist[l] = random.chance(0.3) ? 0 : uniform(random, 0, 0.2);
+      of.inv_size_a[l] = taste.fixed_a && random.chance(0.5) ? 0 : uniform(random, 0.5, 3);
+      of.inv_size_b[l] = uniform(random, 0.5, 3);
+      of.roll[l] = random.chance(taste.zero) ? signed_zero(random) : uniform(random, -0.05, 0.05);
+    }
+  }
   return s;
 }
 
@@ -136,7 +149,8 @@ struct Pass {
 inline const Pass kPasses[] = {
     {"warm",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
-       k.warm_manifolds[t.fixed_a](s.view(), s.blocks.data(), p.warm, 0, static_cast<std::uint32_t>(s.blocks.size()));
+       k.warm_manifolds[t.fixed_a](s.view(), s.blocks.data(), s.surface_blocks(), p.warm, 0,
+                                   static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"solve",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
@@ -145,7 +159,7 @@ inline const Pass kPasses[] = {
      }},
     {"relax",
      [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
-       k.relax_manifolds[t.fixed_a][t.bounce][t.inner](s.view(), s.blocks.data(), p, 0,
+       k.relax_manifolds[t.fixed_a][t.bounce][t.inner](s.view(), s.blocks.data(), s.surface_blocks(), p, 0,
                                                        static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"spend",

@@ -105,7 +105,8 @@ struct Broad {
   WorkerPool pool;
   KinematicBodies kinematics;
   MixingRules mixing;
-  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing}};
+  Material wall;
+  BroadPhase broad{{memory, lattice, bodies, shapes, kernels, pool, kinematics, mixing, wall}};
   PairTable table{memory};
   std::uint32_t next_id = 0;
 };

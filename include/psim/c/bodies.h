@@ -67,6 +67,29 @@ PSIM_API psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id
 /// N m s: turns the body. Errors as psim_world_set_transform.
 PSIM_API psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse);
 
+/// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its joints
+/// do nothing, and it costs nothing. It keeps its id, its place and its velocity; psim_world_set_transform and
+/// psim_world_set_velocity change those of a moving body meanwhile. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE if it is
+/// frozen.
+PSIM_API psim_result psim_world_set_enabled(psim_world* world, psim_body_id id, int32_t on);
+
+/// 1 if the body takes part in the world, 0 if it is disabled or unknown.
+PSIM_API int32_t psim_world_is_enabled(const psim_world* world, psim_body_id id);
+
+/// What can be changed of a body. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_traits(const psim_world* world, psim_body_id id, psim_body_traits* traits);
+
+/// Changes what differs from psim_world_traits, in all parts of the body. A mass that changes alone takes the inertia with
+/// it. The body and what it touches wake. PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT if the body is frozen, a number out of
+/// its range, or a static body's sensor flag another one: then nothing changes.
+PSIM_API psim_result psim_world_set_traits(psim_world* world, psim_body_id id, const psim_body_traits* traits);
+
+/// 64 bits that the caller keeps with a body; 0 of one that has none, or is not there.
+PSIM_API uint64_t psim_world_user_data(const psim_world* world, psim_body_id id);
+
+/// Changes them. Wakes nobody, and changes no result. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_set_user_data(psim_world* world, psim_body_id id, uint64_t value);
+
 /// 1 if the body takes part in the steps; 0 for static, sleeping, frozen and unknown ones.
 PSIM_API int32_t psim_world_is_awake(const psim_world* world, psim_body_id id);
 
@@ -80,10 +103,10 @@ PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, c
 /// All living bodies; 0 for NULL.
 PSIM_API size_t psim_world_body_count(const psim_world* world);
 
-/// Of those, dynamic or kinematic.
+/// Of those that are enabled, dynamic or kinematic.
 PSIM_API size_t psim_world_dynamic_count(const psim_world* world);
 
-/// Of those, static.
+/// Of those that are enabled, static.
 PSIM_API size_t psim_world_static_count(const psim_world* world);
 
 /// Of psim_world_dynamic_count, those that are no discs.

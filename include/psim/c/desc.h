@@ -13,24 +13,26 @@ extern "C" {
 
 /// The world and how it is stepped.
 typedef struct psim_world_desc {
-  uint32_t struct_size;          ///< set by psim_world_desc_init
-  int32_t boundary;              ///< psim_boundary; default walls
-  psim_bounds bounds;            ///< metres; default -500 to 500 on both axes; 1e-9 to 1e9 m wide
-  psim_vec2 gravity;             ///< m/s^2; default (0, -9.81)
-  double linear_damping;         ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; default 0
-  psim_material wall;            ///< of the four sides, when boundary is walls
-  const psim_field* fields;      ///< wells and drag; NULL if there are none
-  size_t field_count;            ///< how many there are; default 0
-  double dt;                     ///< seconds a frame, above 0, at most 10; default 1/60
-  int32_t substeps;              ///< 1 to 64; default 4
-  int32_t integrator;            ///< psim_integrator, of wells and drag; default verlet
-  double restitution_threshold;  ///< m/s, >= 0: slower impacts do not bounce; default 0
-  int32_t sleeping;              ///< flag: bodies at rest are left out of the steps; default 1
-  int32_t reserved;              ///< 0
-  double skin;                   ///< 0.25 to 4: factor on the skin of neighbour lists; default 1
-  uint64_t max_bytes;            ///< that the world may take, 0 (the default) for any number
-  int32_t restitution_mixing;    ///< psim_mixing, of two materials in contact; default the larger
-  int32_t friction_mixing;       ///< psim_mixing; default the geometric mean
+  uint32_t struct_size;            ///< set by psim_world_desc_init
+  int32_t boundary;                ///< psim_boundary; default walls
+  psim_bounds bounds;              ///< metres; default -500 to 500 on both axes; 1e-9 to 1e9 m wide
+  psim_vec2 gravity;               ///< m/s^2; default (0, -9.81)
+  double linear_damping;           ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; default 0
+  psim_material wall;              ///< of the four sides, when boundary is walls
+  const psim_field* fields;        ///< wells and drag; NULL if there are none
+  size_t field_count;              ///< how many there are; default 0
+  double dt;                       ///< seconds a frame, above 0, at most 10; default 1/60
+  int32_t substeps;                ///< 1 to 64; default 4
+  int32_t integrator;              ///< psim_integrator, of wells and drag; default verlet
+  double restitution_threshold;    ///< m/s, >= 0: slower impacts do not bounce; default 0
+  int32_t sleeping;                ///< flag: bodies at rest are left out of the steps; default 1
+  int32_t reserved;                ///< 0
+  double skin;                     ///< 0.25 to 4: factor on the skin of neighbour lists; default 1
+  uint64_t max_bytes;              ///< that the world may take, 0 (the default) for any number
+  int32_t restitution_mixing;      ///< psim_mixing, of two materials in contact; default the larger
+  int32_t friction_mixing;         ///< psim_mixing; default the geometric mean
+  double wall_tangent_speed;       ///< m/s, as in psim_surface: of the walls; default 0
+  double wall_rolling_resistance;  ///< 0 to 1, as in psim_surface: of the walls; default 0
 } psim_world_desc;
 
 /// How the caller wants the world run. None of it changes a bit of the result.
@@ -61,14 +63,43 @@ typedef struct psim_body_desc {
   /// Several shapes that move as one, instead of `shape`; NULL, the default: `shape`. They may overlap: mass, centre of
   /// mass and inertia are the sums over the parts. No chain in a dynamic body.
   const psim_shape_part* parts;
-  size_t part_count;       ///< how many there are
-  double linear_damping;   ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; of a dynamic body; default 0
-  double angular_damping;  ///< 1/s, >= 0: the same of the angular velocity; default 0
+  size_t part_count;          ///< how many there are
+  double linear_damping;      ///< 1/s, >= 0: dv/dt = -c v, integrated exactly; of a dynamic body; default 0
+  double angular_damping;     ///< 1/s, >= 0: the same of the angular velocity; default 0
+  int32_t lock_x;             ///< flag: it does not move along x
+  int32_t lock_y;             ///< flag: it does not move along y
+  int32_t lock_angle;         ///< flag: it does not turn
+  int32_t reserved;           ///< 0
+  double tangent_speed;       ///< m/s, as in psim_surface; default 0
+  double rolling_resistance;  ///< 0 to 1, as in psim_surface; default 0
+  psim_vec2
+      one_way;  ///< solid only for what comes against this direction, in the body's frame; (0, 0), the default: from all sides
+  const psim_surface*
+      surfaces;          ///< of a chain that is `shape`: one for each segment; NULL, the default: all have the body's
+  size_t surface_count;  ///< how many there are
+  uint64_t user_data;    ///< whatever the caller likes: psim_world_user_data
+  int32_t disabled;      ///< flag: it takes no part in the world until psim_world_set_enabled
+  int32_t reserved_2;    ///< 0
+} psim_body_desc;
+
+/// What can be changed of a body at any time.
+typedef struct psim_body_traits {
+  uint32_t struct_size;    ///< set by psim_body_traits_init
+  psim_filter filter;      ///< who it collides with; of parts that differ: the usual one
+  psim_surface surface;    ///< of parts that differ: the largest restitution and friction, else 0
+  psim_vec2 one_way;       ///< as in psim_body_desc; of parts that differ: 0
+  int32_t sensor;          ///< flag: as in psim_body_desc; a static body does not change it
+  int32_t bullet;          ///< flag: as in psim_body_desc; of a body that moves
+  double mass;             ///< kg, of a dynamic body, else 0
+  double inertia;          ///< kg m^2 about the centre of mass, of a dynamic body; 0: it does not turn
+  double gravity_scale;    ///< of a dynamic body, as all that follows
+  double linear_damping;   ///< 1/s
+  double angular_damping;  ///< 1/s
   int32_t lock_x;          ///< flag: it does not move along x
   int32_t lock_y;          ///< flag: it does not move along y
   int32_t lock_angle;      ///< flag: it does not turn
   int32_t reserved;        ///< 0
-} psim_body_desc;
+} psim_body_traits;
 
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
 /// data is NULL stands for zeros.
@@ -91,6 +122,8 @@ typedef struct psim_disc_batch {
   int32_t bullet;                ///< flag
   psim_filter filter;            ///< who they collide with
   int32_t reserved;              ///< 0
+  double tangent_speed;          ///< m/s, as in psim_surface; default 0
+  double rolling_resistance;     ///< 0 to 1, as in psim_surface; default 0
 } psim_disc_batch;
 
 /// One joint. At least one of the bodies must be dynamic.
@@ -218,7 +251,8 @@ enum psim_struct {
   PSIM_STRUCT_STATE = 12,         ///< psim_state
   PSIM_STRUCT_SNAPSHOT = 13,      ///< psim_snapshot
   PSIM_STRUCT_EVENTS = 14,        ///< psim_events
-  PSIM_STRUCT_DIAGNOSTICS = 15    ///< psim_diagnostics
+  PSIM_STRUCT_DIAGNOSTICS = 15,   ///< psim_diagnostics
+  PSIM_STRUCT_BODY_TRAITS = 16    ///< psim_body_traits
 };
 
 /// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the
@@ -274,6 +308,11 @@ static inline void psim_governor_desc_init(psim_governor_desc* desc) {
 /// Sets the defaults.
 static inline void psim_job_system_init(psim_job_system* jobs) {
   psim_init(jobs, PSIM_STRUCT_JOB_SYSTEM, (uint32_t)sizeof *jobs);
+}
+
+/// Sets all to zero: psim_world_traits fills it.
+static inline void psim_body_traits_init(psim_body_traits* traits) {
+  psim_init(traits, PSIM_STRUCT_BODY_TRAITS, (uint32_t)sizeof *traits);
 }
 
 /// (x, y).

@@ -132,6 +132,16 @@ typedef struct psim_material {
   double friction;     ///< Coulomb coefficient, 0 to 1000; default 0
 } psim_material;
 
+/// How a surface bounces, rubs, runs and resists rolling.
+typedef struct psim_surface {
+  double restitution;  ///< 0 to 1
+  double friction;     ///< Coulomb coefficient, 0 to 1000
+  /// m/s: it runs like a belt. Positive carries what lies on it to the right, seen with the outward normal up.
+  double tangent_speed;
+  /// 0 to 1: the torque against rolling is at most this times the radius of what rolls times the normal force.
+  double rolling_resistance;
+} psim_surface;
+
 /// Who collides with whom. Two bodies of the same group other than 0 always do (group > 0) or never
 /// (group < 0); else if each one's category is in the other's mask.
 typedef struct psim_filter {
@@ -155,20 +165,27 @@ typedef struct psim_shape {
 
 /// One of several shapes of a body. All zero but the shape: it stands at the body's place and has its material.
 typedef struct psim_shape_part {
-  psim_shape shape;         ///< in the part's frame
-  psim_vec2 position;       ///< metres: of the part's frame in the body's
-  double angle;             ///< radians: of the part's frame in the body's
-  double density;           ///< kg/m^2, > 0; read if has_density
-  double restitution;       ///< 0..1; read if has_restitution
-  double friction;          ///< Coulomb coefficient, 0..1000; read if has_friction
-  int32_t has_density;      ///< flag: else that of the body
-  int32_t has_restitution;  ///< flag: else that of the body
-  int32_t has_friction;     ///< flag: else that of the body
-  int32_t has_filter;       ///< flag: else that of the body
-  int32_t has_sensor;       ///< flag: else as the body
-  int32_t sensor;           ///< flag: touches nothing, tells who overlaps it; its mass counts; read if has_sensor
-  psim_filter filter;       ///< who it collides with; read if has_filter
-  int32_t reserved;         ///< 0
+  psim_shape shape;           ///< in the part's frame
+  psim_vec2 position;         ///< metres: of the part's frame in the body's
+  double angle;               ///< radians: of the part's frame in the body's
+  double density;             ///< kg/m^2, > 0; read if has_density
+  double restitution;         ///< 0..1; read if has_restitution
+  double friction;            ///< Coulomb coefficient, 0..1000; read if has_friction
+  int32_t has_density;        ///< flag: else that of the body
+  int32_t has_restitution;    ///< flag: else that of the body
+  int32_t has_friction;       ///< flag: else that of the body
+  int32_t has_filter;         ///< flag: else that of the body
+  int32_t has_sensor;         ///< flag: else as the body
+  int32_t sensor;             ///< flag: touches nothing, tells who overlaps it; its mass counts; read if has_sensor
+  psim_filter filter;         ///< who it collides with; read if has_filter
+  int32_t reserved;           ///< 0
+  double tangent_speed;       ///< m/s, as in psim_surface; read if has_tangent_speed
+  double rolling_resistance;  ///< 0..1, as in psim_surface; read if has_rolling_resistance
+  psim_vec2 one_way;          ///< as in psim_body_desc; read if has_one_way
+  int32_t has_tangent_speed;  ///< flag: else that of the body
+  int32_t has_rolling_resistance;  ///< flag: else that of the body
+  int32_t has_one_way;             ///< flag: else that of the body
+  int32_t reserved_2;              ///< 0
 } psim_shape_part;
 
 /// A field that acts on all bodies. Fields of the other kind are not read.

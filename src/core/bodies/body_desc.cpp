@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -21,7 +22,35 @@ double disc_mass(double radius, double mass, const Material& m) {
 
 void check_material(const Material& m, RangeCheck& check) {
   check("restitution", m.restitution, limits::kRestitution)("friction", m.friction, limits::kFriction);
-  check("density", m.density, limits::kDensity);
+  check("density", m.density, limits::kDensity)("tangent speed", m.tangent_speed, limits::kTangentSpeed);
+  check("rolling resistance", m.rolling_resistance, limits::kRollingResistance);
+}
+
+// A direction of any length, 0 for none.
+void check_one_way(Vec2 way, RangeCheck& check) {
+  check("one way", way, limits::kCoordinate);
+  if (way.x != 0 || way.y != 0) check("the length of one way", length_of(way), limits::kAxis);
+}
+
+// The materials of a chain whose segments have their own.
+const std::vector<Material>* materials_of(const Shape& shape) {
+  const auto* chain = std::get_if<ChainShape>(&shape);
+  return chain != nullptr && !chain->materials.empty() ? &chain->materials : nullptr;
+}
+
+// One line of what is wrong with the materials of segments, or nothing.
+std::string check_chain_materials(const Shape& shape) {
+  const std::vector<Material>* materials = materials_of(shape);
+  if (materials == nullptr) return {};
+  const auto& chain = std::get<ChainShape>(shape);
+  const std::size_t segments = chain.vertices.size() - (chain.loop || chain.vertices.empty() ? 0 : 1);
+  if (materials->size() != segments) return "the materials of a chain must be as many as its segments, or none";
+  for (std::size_t k = 0; k < materials->size(); ++k) {
+    RangeCheck check;
+    check_material((*materials)[k], check);
+    if (!check.error.empty()) return "material " + std::to_string(k) + ": " + check.error;
+  }
+  return {};
 }
 
 // A mass as it is given, 0 for none, and the one that results.
@@ -32,6 +61,25 @@ void check_mass(double given, double mass, RangeCheck& check) {
 
 }  // namespace
 
+void share_properties(std::vector<PartProperties> parts, NewBody& body) {
+  Surface most;
+  for (const PartProperties& p : parts) {
+    most.restitution = greater(p.surface.restitution, most.restitution);
+    most.friction = greater(p.surface.friction, most.friction);
+  }
+  body.properties.restitution = most.restitution;
+  body.properties.friction = most.friction;
+  const auto alike = [&](const auto& of) {
+    const auto same = [&](const PartProperties& p) { return std::invoke(of, p) == std::invoke(of, parts[0]); };
+    return std::ranges::all_of(parts, same);
+  };
+  body.kind.filter = alike(&PartProperties::filter) ? parts[0].filter : Filter{};
+  body.kind.sensor = alike(&PartProperties::sensor) && parts[0].sensor != 0;
+  body.kind.one_way = std::ranges::any_of(parts, &PartProperties::is_one_way);
+  body.own.clear();
+  if (!alike(std::identity{}) || parts[0].is_special()) body.own = std::move(parts);
+}
+
 std::string check(const BodyDesc& d, const Bounds& bounds) {
   RangeCheck check;
   check_material(d.material, check);
@@ -40,6 +88,7 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   check("angular velocity", d.angular_velocity, limits::kAngularVelocity);
   check("gravity scale", d.gravity_scale, limits::kGravityScale);
   check("linear damping", d.linear_damping, limits::kDamping)("angular damping", d.angular_damping, limits::kDamping);
+  check_one_way(d.one_way, check);
   const Range radius{limits::kRadius.min,
                      lesser(limits::kRadius.max, greater(bounds.xmax - bounds.xmin, bounds.ymax - bounds.ymin))};
   const auto check_radius = [&](const auto& shape) {
@@ -55,7 +104,18 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   }
   if (!check.error.empty()) return check.error;
   if (!contains(bounds, d.position)) return "position must lie inside the world's bounds";
-  return {};
+  return check_chain_materials(d.shape);
+}
+
+std::string check(const BodyTraits& t, BodyType type) {
+  RangeCheck check;
+  check_material({1, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance}, check);
+  check_one_way(t.one_way, check);
+  if (type != BodyType::dynamic_body) return check.error;
+  check("mass", t.mass, limits::kMass)("gravity scale", t.gravity_scale, limits::kGravityScale);
+  if (t.inertia != 0) check("inertia", t.inertia, limits::kInertia);
+  check("linear damping", t.linear_damping, limits::kDamping)("angular damping", t.angular_damping, limits::kDamping);
+  return check.error;
 }
 
 std::string check(const DiscBatch& batch, const Bounds& bounds) {
@@ -94,11 +154,23 @@ BodyDesc disc_of(const DiscBatch& batch, std::size_t i) {
           .filter = batch.filter};
 }
 
+PartProperties properties_of_part(const Material& material, const Filter& filter, bool sensor, Vec2 one_way) {
+  const double length = length_of(one_way);
+  const auto along = [length](double of) { return length > 0 ? coefficient(of / length) : 0.0f; };
+  return {{coefficient(material.restitution), coefficient(material.friction), coefficient(material.tangent_speed),
+           coefficient(material.rolling_resistance)},
+          filter,
+          sensor ? 1u : 0u,
+          along(one_way.x),
+          along(one_way.y)};
+}
+
 PartProperties part_properties(const ShapePart& part, const BodyDesc& body) {
-  return {{coefficient(part.restitution.value_or(body.material.restitution)),
-           coefficient(part.friction.value_or(body.material.friction))},
-          part.filter.value_or(body.filter),
-          part.sensor.value_or(body.sensor) ? 1u : 0u};
+  const Material& of = body.material;
+  return properties_of_part(
+      {of.density, part.restitution.value_or(of.restitution), part.friction.value_or(of.friction),
+       part.tangent_speed.value_or(of.tangent_speed), part.rolling_resistance.value_or(of.rolling_resistance)},
+      part.filter.value_or(body.filter), part.sensor.value_or(body.sensor), part.one_way.value_or(body.one_way));
 }
 
 namespace {
@@ -113,34 +185,29 @@ BodyProperties properties_of(const BodyDesc& d, double radius, double mass) {
   if (d.type == BodyType::dynamic_body) {
     properties.mass = static_cast<float>(mass);
     properties.inv_mass = static_cast<float>(1 / mass);
-    properties.rim_gain = d.fixed_rotation || d.locks.angle ? 0.0f : static_cast<float>(2 / mass);
+    properties.rim_gain = static_cast<float>(2 / mass);
     properties.gravity_scale = static_cast<float>(d.gravity_scale);
   }
   return properties;
 }
 
-// Gives the body the filter, sensor flag and surface that its parts share, and returns nothing. If the parts of a compound
-// differ, it returns what each has, and gives the body the largest restitution and friction of all.
-std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
-  const auto* compound = std::get_if<CompoundShape>(&d.shape);
-  if (compound == nullptr) {
-    body.kind.filter = d.filter;
-    body.kind.sensor = d.sensor;
-    return {};
-  }
+// Of each part of a body: of a compound, of a chain whose segments have materials, else of the one shape.
+std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
   std::vector<PartProperties> parts;
-  for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
-  Surface most;
-  for (const PartProperties& p : parts) {
-    most.restitution = greater(p.surface.restitution, most.restitution);
-    most.friction = greater(p.surface.friction, most.friction);
+  if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
+    for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
+  } else if (const std::vector<Material>* materials = materials_of(d.shape)) {
+    for (const Material& m : *materials) parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way));
+  } else {
+    parts.push_back(properties_of_part(d.material, d.filter, d.sensor, d.one_way));
   }
-  body.properties.restitution = most.restitution;
-  body.properties.friction = most.friction;
-  if (std::ranges::any_of(parts, [&](const PartProperties& p) { return p != parts[0]; })) return parts;
-  body.kind.filter = parts[0].filter;
-  body.kind.sensor = parts[0].sensor != 0;
-  return {};
+  return parts;
+}
+
+// As share_properties(), but the parts are returned.
+std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
+  share_properties(properties_of_parts(d), body);
+  return std::exchange(body.own, {});
 }
 
 bool has_chain(const Shape& shape) {
@@ -162,7 +229,10 @@ std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
   for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
     const Vec2 from = points[k], to = points[(k + 1) % n];
     if (from.x == to.x && from.y == to.y) return "segment points must differ";
+    const std::size_t first = pieces.list.size();
     pieces.segment(from, to, 0, false);
+    if (chain.materials.empty()) continue;
+    for (std::size_t p = first; p < pieces.list.size(); ++p) pieces.list[p].shape.part = static_cast<std::uint32_t>(k);
   }
   return {};
 }
@@ -194,7 +264,7 @@ std::string cut_compound(const BodyDesc& d, const CompoundShape& compound, const
                       Pieces(d.position + turned(turn, part.position), d.angle + part.angle, lattice, pieces));
     if (!error.empty()) return "part " + std::to_string(k) + ": " + error;
     const PartProperties has = part_properties(part, d);
-    Pieces::mark(std::span(pieces).subspan(first), static_cast<std::uint32_t>(k), has.surface);
+    Pieces::mark(std::span(pieces).subspan(first), static_cast<std::uint32_t>(k), has);
     if (has.sensor != 0) pieces.resize(first);  // it stops nothing: only queries and events know it
   }
   return {};
@@ -202,14 +272,18 @@ std::string cut_compound(const BodyDesc& d, const CompoundShape& compound, const
 
 }  // namespace
 
-bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
+namespace {
+
+bool make_shape(const BodyDesc& d, NewBody& body, std::string& error) {
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
     body.properties = properties_of(d, disc->radius, disc_mass(disc->radius, d.mass, d.material));
-    take_properties(d, body);
-    // Contacts of shapes alone know locks.
+    body.own = take_properties(d, body);
+    // Contacts of shapes alone know locks and special surfaces.
     const bool locked = d.type == BodyType::dynamic_body && (d.locks.x || d.locks.y);
-    if (locked) body.hulls.push_back(disc_hull(body.properties.radius));
-    if (locked) body.kind.inner = body.properties.radius;
+    if (locked || !body.own.empty()) {
+      body.hulls.push_back(disc_hull(body.properties.radius));
+      body.kind.inner = body.properties.radius;
+    }
     return true;
   }
   const bool dynamic = d.type == BodyType::dynamic_body;
@@ -234,14 +308,33 @@ bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
   kind.centre_x = static_cast<float>(hulls.mass.centre.x);
   kind.centre_y = static_cast<float>(hulls.mass.centre.y);
   body.properties = properties_of(d, reach, mass);
-  if (dynamic && !d.fixed_rotation && !d.locks.angle) {
+  if (dynamic) {
     const double r = reach, inertia = mass * hulls.mass.inertia;
     body.properties.rim_gain = static_cast<float>(r * r / inertia);
   }
   const std::vector<PartProperties> parts = take_properties(d, body);
-  for (std::size_t k = 0; !parts.empty() && k < hulls.part.size(); ++k) body.own.push_back(parts[hulls.part[k]]);
+  for (std::size_t k = 0; !parts.empty() && k < hulls.parts.size(); ++k)
+    body.own.push_back(parts[hulls.part_of(k, parts.size())]);
   body.hulls = std::move(hulls.parts);
   return true;
+}
+
+}  // namespace
+
+bool make_moving(const BodyDesc& d, NewBody& body, std::string& error) {
+  if (!make_shape(d, body, error)) return false;
+  if (d.locks.angle && !d.fixed_rotation) body.kind.locked_gain = body.properties.rim_gain;
+  if (d.fixed_rotation || d.locks.angle) body.properties.rim_gain = 0;
+  return true;
+}
+
+void turn_one_way(std::span<PartProperties> parts, double angle) {
+  for (PartProperties& p : parts) {
+    if (!p.is_one_way()) continue;
+    const Vec2 way = turned(sine_cosine(angle), {p.one_way_x, p.one_way_y});
+    p.one_way_x = coefficient(way.x);
+    p.one_way_y = coefficient(way.y);
+  }
 }
 
 // The hulls of a static body's sensors.
@@ -251,9 +344,10 @@ std::string make_sensors(const BodyDesc& d, const std::vector<PartProperties>& p
   if (!make_hulls(d.shape, false, hulls, error)) return error;
   body.own = parts;
   for (std::size_t k = 0; k < hulls.parts.size(); ++k) {
-    if (!parts.empty() && parts[hulls.part[k]].sensor == 0) continue;
+    const std::size_t part = hulls.part_of(k, parts.size());
+    if (!parts.empty() && parts[part].sensor == 0) continue;
     body.hulls.push_back(hulls.parts[k]);
-    if (!parts.empty()) body.own.push_back(parts[hulls.part[k]]);
+    if (!parts.empty()) body.own.push_back(parts[part]);
   }
   return {};
 }
@@ -267,10 +361,12 @@ bool make_static(const BodyDesc& d, const Lattice& lattice, NewBody& body, std::
     error = cut_compound(d, *compound, lattice, pieces);
   } else {
     error = cut_shape(d.shape, Pieces(d.position, d.angle, lattice, pieces));
-    Pieces::mark(pieces, 0, {body.properties.restitution, body.properties.friction});
+    const std::vector<PartProperties> parts = properties_of_parts(d);
+    for (Piece& piece : pieces) mark(piece.shape, parts[piece.shape.part]);
   }
   if (!error.empty()) return false;
-  const std::vector<PartProperties> parts = take_properties(d, body);
+  std::vector<PartProperties> parts = take_properties(d, body);
+  turn_one_way(parts, d.angle);
   body.own = parts;
   if (body.kind.sensor) pieces.clear();
   const bool senses = std::ranges::any_of(parts, [](const PartProperties& p) { return p.sensor != 0; });

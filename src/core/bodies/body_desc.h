@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ inline bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
 /// One line that says what is wrong with a description, or nothing. Shapes other than discs are checked when their
 /// hulls are made (make_hulls).
 std::string check(const BodyDesc& desc, const Bounds& bounds);
+std::string check(const BodyTraits& traits, BodyType type);
 std::string check(const DiscBatch& batch, const Bounds& bounds);
 
 /// One disc of a batch.
@@ -34,6 +36,13 @@ struct NewBody {
   std::vector<Hull> hulls;
   std::vector<PartProperties> own;
 };
+
+/// Gives a body the filter, sensor flag and surface that its parts share. If they differ, or have what only the PartTable
+/// keeps, `own` becomes what each has, and the body gets the largest restitution and friction of all.
+void share_properties(std::vector<PartProperties> parts, NewBody& body);
+
+/// Turns the directions of sides that are solid. Those of static bodies are kept in world axes.
+void turn_one_way(std::span<PartProperties> parts, double angle);
 
 /// Fills in a moving body. Of one that is no disc it makes the hulls, about its centre of mass. A kinematic body turns
 /// about its place, but the engine also finds and meets it by its centre, which goes round (Population::go_round). False,

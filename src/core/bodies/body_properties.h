@@ -55,14 +55,22 @@ static_assert(sizeof(BodyProperties) == 32);
 /// The part of a body that a contact is at decides how it bounces and rubs.
 struct Surface {
   float restitution = 0, friction = 0;
+  float tangent_speed = 0;       ///< m/s: as Material has it
+  float rolling_resistance = 0;  ///< likewise
   friend bool operator==(const Surface&, const Surface&) = default;
 };
 
-/// The PartTable keeps these of each part of a body whose parts differ.
+/// The PartTable keeps these of each part of a body whose parts differ, or have what only contacts of shapes know: a
+/// surface that runs or resists rolling, or one that is solid from one side.
 struct PartProperties {
   Surface surface;
   Filter filter;
   std::uint32_t sensor = 0;  ///< a flag
+  float one_way_x = 0,
+        one_way_y = 0;  ///< of length 1, or 0: solid from all sides; static: in world axes, else the body's
+  bool is_one_way() const { return one_way_x != 0 || one_way_y != 0; }
+  /// Whether discs alone cannot have contacts with it.
+  bool is_special() const { return surface.tangent_speed != 0 || surface.rolling_resistance != 0 || is_one_way(); }
   friend bool operator==(const PartProperties&, const PartProperties&) = default;
 };
 
@@ -70,13 +78,15 @@ struct PartProperties {
 struct BodyKind {
   std::uint32_t first_hull = 0;  ///< number of the first hull in the ShapeTable; 0: a plain disc
   std::uint32_t hull_count = 0;
-  std::uint32_t first_part = 0;      ///< in the PartTable; 0: all parts have what the body has
+  std::uint32_t first_part = 0;      ///< in the PartTable; 0: all parts have what the body has, and no more
   std::uint32_t part_count = 0;      ///< in the PartTable: the hulls come last, behind the parts of fixed pieces
   float centre_x = 0, centre_y = 0;  ///< m: centre of mass in the body's frame
   float inner = 0;                   ///< m: least distance from the centre to the surface
+  float locked_gain = 0;             ///< 1/kg: the rim gain that the body would have if its angle were not locked
   Filter filter;                     ///< as `sensor`: the usual one where parts have their own
   bool bullet = false;
   bool sensor = false;
+  bool one_way = false;     ///< a part of it is solid from one side
   bool restrained = false;  ///< Population::restraints has its damping and locks
   Locks locks;
   /// The number of a hull among the parts.

@@ -33,7 +33,11 @@ inline constexpr std::uint32_t kNoSlot = 0xFFFFFFFFu;
 /// index away: nobody ever has this generation, and no id comes a second time.
 inline constexpr std::uint32_t kLastGeneration = 0xFFFFFFFFu;
 
-enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep };
+/// Where a body is: among the moving ones, the static ones, those with broken numbers, those that sleep, or those that the
+/// host took out of the simulation for a while.
+enum class Place : std::uint8_t { none, moving, fixed, frozen, asleep, disabled };
+/// Whether a body at this place is in nobody's way.
+inline bool is_out(Place place) { return place == Place::none || place == Place::frozen || place == Place::disabled; }
 
 /// One body, by id.
 struct BodyInfo {
@@ -63,6 +67,13 @@ struct Restraint {
   Locks locks;
 };
 using Restraints = ListById<Restraint>;
+
+/// What the host keeps with a body.
+struct UserValue {
+  std::uint32_t id = 0;
+  std::uint64_t value = 0;
+};
+using UserValues = ListById<UserValue>;
 
 /// Frames of a body's present motion that are looked ahead: what margins of lists allow for, who may touch, who wakes.
 /// A quarter more than one frame, since speeds change within a step.
@@ -105,13 +116,25 @@ class BodyStore {
   Surface surface_of(std::uint32_t body_id, std::uint32_t part) const { return surface_of(properties(body_id), part); }
   Surface surface_of(const BodyProperties& body, std::uint32_t part) const {
     const std::uint32_t first = parts.any() ? kinds[body.kind].first_part : 0;
-    return first == 0 ? Surface{body.restitution, body.friction} : parts[first + part].surface;
+    return first == 0 ? Surface{body.restitution, body.friction, 0, 0} : parts[first + part].surface;
   }
   /// 1/kg: 0 of a body that joints cannot move, one that is locked altogether among them.
   float inv_mass_in_joints(std::uint32_t body_id) const {
     const BodyProperties& of = properties(body_id);
     const Locks& locks = kinds[of.kind].locks;
     return locks.x && locks.y && locks.angle ? 0.0f : of.inv_mass;
+  }
+  /// What a part of a body has.
+  PartProperties part_of(const BodyProperties& body, std::uint32_t part) const {
+    const BodyKind& kind = kinds[body.kind];
+    if (kind.first_part != 0) return parts[kind.first_part + part];
+    return {{body.restitution, body.friction, 0, 0}, kind.filter, kind.sensor ? 1u : 0u};
+  }
+  /// Of length 1, in the body's frame, or of a static body in world axes: what comes against it meets this part. 0: what comes from anywhere.
+  Vec2 one_way_of(const BodyKind& body, std::uint32_t part) const {
+    if (body.first_part == 0) return {};
+    const PartProperties& has = parts[body.first_part + part];
+    return {has.one_way_x, has.one_way_y};
   }
   const Filter& filter_of(const BodyKind& body, std::uint32_t part) const {
     return body.first_part == 0 ? body.filter : parts[body.first_part + part].filter;

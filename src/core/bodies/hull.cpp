@@ -316,7 +316,15 @@ struct Maker {
     check("position", part.position, limits::kCoordinate)("angle", part.angle, limits::kAngle);
     check("density", part.density.value_or(limits::kDensity.min), limits::kDensity);
     check("restitution", part.restitution.value_or(0), limits::kRestitution);
-    return check("friction", part.friction.value_or(0), limits::kFriction).error;
+    check("friction", part.friction.value_or(0), limits::kFriction);
+    check("tangent speed", part.tangent_speed.value_or(0), limits::kTangentSpeed);
+    check("rolling resistance", part.rolling_resistance.value_or(0), limits::kRollingResistance);
+    const Vec2 way = part.one_way.value_or(Vec2{});
+    check("one way", way, limits::kCoordinate);
+    if (way.x != 0 || way.y != 0) check("the length of one way", length_of(way), limits::kAxis);
+    const auto* chain = std::get_if<ChainShape>(&part.shape);
+    const bool own = check.error.empty() && chain != nullptr && !chain->materials.empty();
+    return own ? "a chain that is a part has no materials of its own" : check.error;
   }
 };
 

@@ -50,6 +50,10 @@ struct MassProperties {
 struct HullSet {
   std::vector<Hull> parts;
   std::vector<std::uint32_t> part;  ///< of a compound: the number of the part that each hull is of
+  /// The number of the part that a hull is of, among so many: 1, or one for each hull, where this is no compound.
+  std::size_t part_of(std::size_t hull, std::size_t parts) const {
+    return !part.empty() ? part[hull] : (parts > 1 ? hull : 0);
+  }
   MassProperties mass;
 };
 

@@ -51,8 +51,10 @@ class ListById {
     }
     table_[gap] = kNone;
   }
+  bool has(std::uint32_t id) const { return !list_.empty() && table_[slot_of(id)] != kNone; }
   /// The entry of a body that has one.
   Entry& at(std::uint32_t id) { return list_[table_[slot_of(id)]]; }
+  const Entry& at(std::uint32_t id) const { return list_[table_[slot_of(id)]]; }
   void clear() {
     list_.clear();
     std::ranges::fill(table_, kNone);

@@ -56,6 +56,9 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   const bool senses = any_part([&](std::uint32_t k) { return bodies.is_sensor(kind, k); });
   add(t.filtered, any_part([&](std::uint32_t k) { return bodies.filter_of(kind, k) != Filter{}; }));
   add(t.sensors, senses);
+  const bool special = any_part([&](std::uint32_t k) { return bodies.part_of(p, k).is_special(); });
+  add(t.special, special);
+  add(t.special_fixed, special && !moves);
   add(t.moving_sensors, senses && moves);
   if (!moves) {
     add(t.fixed, true);
@@ -85,21 +88,16 @@ Traits Population::recounted() const {
   static_cast<BodyCounts&>(t) = {};
   for (std::uint32_t id = 0; id < bodies.id_count; ++id) {
     const Place place = bodies.info[id].place;
-    if (place != Place::none && place != Place::frozen) count(bodies.properties(id), +1, t);
+    if (!is_out(place)) count(bodies.properties(id), +1, t);
   }
   return t;
 }
 
-BodyId Population::add(const BodyDesc& d, std::string& error) {
-  const bool moves = d.type != BodyType::static_body;
-  std::vector<Piece> pieces;
-  NewBody body;
+// Enters what a body has into the tables. Returns its entry in the table of properties; kNoSlot, and a line in `error`, if
+// there are too many kinds.
+std::uint32_t Population::acquire(NewBody& body, std::string& error) {
   BodyKind& kind = body.kind;
-  kind.bullet = moves && d.bullet;
-  kind.restrained = is_restrained(d);
-  if (kind.restrained) kind.locks = d.locks;
-  if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
-  reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
+  kind.first_hull = kind.hull_count = kind.first_part = kind.part_count = 0;
   const auto forget_kind = [&] { forget(kind); };
   if (!body.hulls.empty()) {
     kind.first_hull = bodies.hulls.acquire(body.hulls);
@@ -113,23 +111,57 @@ BodyId Population::add(const BodyDesc& d, std::string& error) {
   if (entry > kMostKinds) {
     forget_kind();
     error = "too many kinds of body: at most 16,777,215";
-    return kNoBody;
+    return kNoSlot;
   }
   body.properties.kind = entry & kMostKinds;
   const auto forget_entry = [&] {
     bodies.kinds.release(entry);
     forget_kind();
   };
-  const std::uint32_t row = or_else(forget_entry, [&] { return bodies.property_table.acquire(body.properties); });
+  return or_else(forget_entry, [&] { return bodies.property_table.acquire(body.properties); });
+}
+
+// The reverse of acquire().
+void Population::release(std::uint32_t row) {
+  const std::uint32_t entry = bodies.property_table[row].kind;
+  forget(bodies.kinds[entry]);
+  bodies.kinds.release(entry);
+  bodies.property_table.release(row);
+}
+
+BodyId Population::add(const BodyDesc& d, std::string& error) {
+  const bool moves = d.type != BodyType::static_body;
+  std::vector<Piece> pieces;
+  NewBody body;
+  BodyKind& kind = body.kind;
+  kind.bullet = moves && d.bullet;
+  kind.restrained = is_restrained(d);
+  if (kind.restrained) kind.locks = d.locks;
+  if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
+  reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
+  if (d.user_data != 0) user_values.make_room();
+  if (!d.enabled) make_room_to_disable();
+  const std::uint32_t row = acquire(body, error);
+  if (row == kNoSlot) return kNoBody;
 
   const std::uint32_t id = bodies.take_id();
   bodies.info[id].properties = row;
   if (moves) {
-    enter_columns(id, d);
+    BodyState at = bare_state(id);
+    at.x = d.position.x, at.y = d.position.y, at.angle = d.angle;
+    at.vx = d.velocity.x, at.vy = d.velocity.y, at.omega = d.angular_velocity;
+    enter_columns({at, coefficient(d.linear_damping), coefficient(d.angular_damping)});
   } else {
     enter_statics(id, d, pieces);
   }
   count(body.properties, +1, traits);
+  if (d.user_data != 0) user_values.add({id, d.user_data});
+  if (!d.enabled) {
+    disable(id);
+    BodyState& last = disabled.back().last;  // as it was given, not as the columns round it
+    last.x = d.position.x, last.y = d.position.y, last.angle = d.angle;
+    if (moves) last.vx = d.velocity.x, last.vy = d.velocity.y, last.omega = d.angular_velocity;
+  }
   return {id, bodies.info[id].generation};
 }
 
@@ -171,22 +203,22 @@ void Population::enter_statics(std::uint32_t id, const BodyDesc& d, std::vector<
   fixed.push_back({d.position.x, d.position.y, d.angle, bodies.properties(id).radius, id, statics.add(pieces)});
 }
 
-void Population::enter_columns(std::uint32_t id, const BodyDesc& d) {
+void Population::enter_columns(const DisabledBody& as) {
+  const BodyState& at = as.last;
+  const std::uint32_t id = at.id.index;
   const BodyProperties& properties = bodies.properties(id);
   const BodyKind& kind = bodies.kind(id);
   bodies.find_slots();
-  const std::uint32_t slot = bodies.enter(id, lattice_.to_lattice(d.position, arm_of(kind, d.angle)), d.angle);
-  bodies.put_rim_speed(slot, rim_speed_of(d.angular_velocity, properties.radius));
-  const Vec2 velocity = capped(d.velocity);
+  const std::uint32_t slot = bodies.enter(id, lattice_.to_lattice({at.x, at.y}, arm_of(kind, at.angle)), at.angle);
+  bodies.put_rim_speed(slot, rim_speed_of(at.omega, properties.radius));
+  const Vec2 velocity = capped({at.vx, at.vy});
   bodies.put_velocity(slot, velocity);
   if (properties.type() == BodyType::kinematic_body) {
     kinematics.add({id, velocity});
     go_round(id, velocity);
   }
   if (kind.bullet) bullets.add({id});
-  if (kind.restrained) {
-    restraints.add({id, coefficient(d.linear_damping), coefficient(d.angular_damping), d.locks});
-  }
+  if (kind.restrained) restraints.add({id, as.linear_damping, as.angular_damping, kind.locks});
   if (traits.moving == 0) first_radius = least_radius = properties.radius;
   if (traits.discs == 0 && kind.hull_count == 0) first_properties = properties;
   least_radius = lesser(properties.radius, least_radius);
@@ -224,33 +256,50 @@ void Population::lose_all() {
   statics.lose_all();
   fixed.clear();
   frozen.clear();
+  disabled.clear();
+  user_values.clear();
   kinematics.clear();
   bullets.clear();
   restraints.clear();
   traits = {};
 }
 
+// Takes the entry of a body out of a list of those that do not move. The last one takes its place.
+template <class Entry>
+void Population::leave_list(std::vector<Entry>& list, std::uint32_t id) {
+  const std::uint32_t at = bodies.info[id].slot;
+  const auto id_of = [](const Entry& e) {
+    if constexpr (requires { e.last; }) {
+      return e.last.id.index;
+    } else if constexpr (requires { e.id.index; }) {
+      return e.id.index;
+    } else {
+      return e.id;
+    }
+  };
+  bodies.info[id_of(list.back())].slot = at;
+  list[at] = list.back();
+  list.pop_back();
+}
+
 void Population::remove(std::uint32_t id) {
-  make_room_to_leave(1, bodies.info[id].place == Place::fixed);
   BodyInfo& info = bodies.info[id];
-  const BodyProperties& properties = bodies.properties(id);
-  const BodyKind& kind = bodies.kinds[properties.kind];
+  const bool hidden = info.place == Place::disabled && disabled[info.slot].pieces != 0;
+  make_room_to_leave(1, info.place == Place::fixed || hidden);
   if (info.place == Place::moving) {
     leave_columns(id);
   } else if (info.place == Place::fixed) {
     statics.remove(fixed[info.slot].first_shape, id);
-    bodies.info[fixed.back().id].slot = info.slot;
-    fixed[info.slot] = fixed.back();
-    fixed.pop_back();
-    count(properties, -1, traits);
+    leave_list(fixed, id);
+    count(bodies.properties(id), -1, traits);
+  } else if (info.place == Place::disabled) {
+    statics.remove_hidden(disabled[info.slot].first_shape, disabled[info.slot].pieces);
+    leave_list(disabled, id);
   } else {
-    bodies.info[frozen.back().id.index].slot = info.slot;
-    frozen[info.slot] = frozen.back();
-    frozen.pop_back();
+    leave_list(frozen, id);
   }
-  forget(kind);
-  bodies.kinds.release(properties.kind);
-  bodies.property_table.release(info.properties);
+  release(info.properties);
+  if (user_values.has(id)) user_values.remove(id);
   info.place = Place::none;
   info.slot = kNoSlot;
   if (++info.generation != kLastGeneration) {
@@ -258,6 +307,53 @@ void Population::remove(std::uint32_t id) {
   } else {
     ++bodies.retired;
   }
+}
+
+void Population::disable(std::uint32_t id) {
+  DisabledBody now;
+  now.last = state_of(id);
+  BodyInfo& info = bodies.info[id];
+  if (info.place == Place::fixed) {
+    now.first_shape = fixed[info.slot].first_shape;
+    now.pieces = statics.hide(now.first_shape, id);
+    leave_list(fixed, id);
+    count(bodies.properties(id), -1, traits);
+  } else {
+    if (bodies.kind(id).restrained) {
+      const Restraint& of = restraints.at(id);
+      now.linear_damping = of.linear_damping;
+      now.angular_damping = of.angular_damping;
+    }
+    leave_columns(id);
+  }
+  info.place = Place::disabled;
+  info.slot = static_cast<std::uint32_t>(disabled.size());
+  disabled.push_back(now);
+}
+
+void Population::make_room_to_enable(std::uint32_t id) {
+  const BodyKind& kind = bodies.kind(id);
+  const BodyState& last = disabled[bodies.info[id].slot].last;
+  reserve({.type = last.type,
+           .angle = last.angle,
+           .angular_velocity = last.omega,
+           .bullet = kind.bullet,
+           .locks = {.x = kind.restrained}},
+          0);
+}
+
+void Population::enable(std::uint32_t id) {
+  const DisabledBody was = disabled[bodies.info[id].slot];
+  leave_list(disabled, id);
+  if (was.last.type == BodyType::static_body) {
+    bodies.info[id].place = Place::fixed;
+    bodies.info[id].slot = static_cast<std::uint32_t>(fixed.size());
+    statics.show(was.first_shape, was.pieces);
+    fixed.push_back({was.last.x, was.last.y, was.last.angle, bodies.properties(id).radius, id, was.first_shape});
+  } else {
+    enter_columns(was);
+  }
+  count(bodies.properties(id), +1, traits);
 }
 
 void Population::freeze(const BodyState& last) {
@@ -268,13 +364,15 @@ void Population::freeze(const BodyState& last) {
   frozen.push_back(last);
 }
 
+Vec2 Population::within_walls(Vec2 position) const {
+  if (desc_.boundary != Boundary::walls) return position;
+  const Bounds& b = desc_.bounds;
+  return {lesser(greater(position.x, b.xmin), b.xmax), lesser(greater(position.y, b.ymin), b.ymax)};
+}
+
 void Population::place(std::uint32_t id, Vec2 position, double angle) {
   const std::size_t i = bodies.info[id].slot;
-  if (desc_.boundary == Boundary::walls) {
-    const Bounds& b = desc_.bounds;
-    position.x = lesser(greater(position.x, b.xmin), b.xmax);
-    position.y = lesser(greater(position.y, b.ymin), b.ymax);
-  }
+  position = within_walls(position);
   bodies.put_point(i, lattice_.to_lattice(position, arm_of(bodies.kind(id), angle)));
   if (!bodies.angle.empty()) bodies.angle[i] = angle;
   bodies.clear_remainders(i);
@@ -304,6 +402,7 @@ BodyState Population::state_of(std::uint32_t id) const {
   bodies.find_slots();
   const std::size_t i = bodies.info[id].slot;
   if (bodies.info[id].place == Place::frozen) return frozen[i];
+  if (bodies.info[id].place == Place::disabled) return disabled[i].last;
   BodyState s = bare_state(id);
   if (bodies.info[id].place == Place::fixed) {
     s.x = fixed[i].x, s.y = fixed[i].y;

@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "base/lattice.h"
+#include "base/room.h"
+#include "bodies/body_desc.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
 #include "bodies/traits.h"
@@ -33,6 +35,13 @@ struct Motion {
   float fastest() const { return std::sqrt(vx * vx + vy * vy) + std::fabs(rim_speed); }
 };
 
+/// A body that the host took out of the simulation for a while.
+struct DisabledBody {
+  BodyState last;                                 ///< as it was, or as the host changed it since
+  float linear_damping = 0, angular_damping = 0;  ///< 1/s
+  std::uint32_t first_shape = 0, pieces = 0;      ///< of a static body: its hidden pieces in StaticShapes
+};
+
 class Population {
  public:
   /// Keeps references to `desc` and `lattice`.
@@ -51,6 +60,17 @@ class Population {
   void lose_all();
   /// Takes a body out that does not sleep. Slots may change.
   void remove(std::uint32_t id);
+  /// Makes room for one disabled body more.
+  void make_room_to_disable() { disabled.reserve(roomier(disabled)); }
+  /// Takes a body that does not sleep out of the simulation for a while. It keeps its id, its place and its velocity.
+  void disable(std::uint32_t id);
+  /// Makes room for a disabled body to come back, which then needs no memory.
+  void make_room_to_enable(std::uint32_t id);
+  void enable(std::uint32_t id);
+  BodyTraits traits_of(std::uint32_t id) const;
+  /// Changes a body that does not sleep. False if its traits need more kinds than there may be, or, of a static body, it
+  /// would become a sensor or cease to be one.
+  bool set_traits(std::uint32_t id, const BodyTraits& to);
   /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
   /// state.
   void freeze(const BodyState& last);
@@ -64,6 +84,8 @@ class Population {
   /// The state of a body that does not sleep.
   BodyState state_of(std::uint32_t id) const;
 
+  /// In a world with walls, the nearest place within them.
+  Vec2 within_walls(Vec2 position) const;
   /// Puts a moving body at a place, turned by `angle`.
   void place(std::uint32_t id, Vec2 position, double angle);
   void set_velocity(std::uint32_t id, Vec2 velocity, double angular_velocity);
@@ -79,10 +101,13 @@ class Population {
 
   /// Memory that the meter does not count.
   std::size_t bytes() const {
-    return bodies.property_table.bytes() + bodies.hulls.bytes() + bodies.parts.bytes() + bodies.kinds.bytes() +
-           fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() + bullets.bytes() + restraints.bytes();
+    return disabled.capacity() * sizeof(DisabledBody) + bodies.property_table.bytes() + bodies.hulls.bytes() +
+           bodies.parts.bytes() + bodies.kinds.bytes() + fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() +
+           bullets.bytes() + restraints.bytes() + user_values.bytes();
   }
 
+  /// Counts anew, if the first bodies, with which others are compared, may not be as they were. O(bodies).
+  void recount_if_changed();
   /// Traits of the bodies that there are.
   Traits recounted() const;
 
@@ -90,10 +115,13 @@ class Population {
   StaticShapes statics;
   std::vector<FixedBody> fixed;
   std::vector<BodyState> frozen;
+  std::vector<DisabledBody> disabled;
   KinematicBodies kinematics;
   Bullets bullets;
   Restraints restraints;
+  UserValues user_values;
   Traits traits;
+  bool traits_changed = false;      ///< the host changed those of some body since they were counted
   float first_radius = 0;           ///< of the first moving body: what Traits compares with
   BodyProperties first_properties;  ///< the same of the first disc
   float least_radius = 0;           ///< m: of all moving bodies that there ever were
@@ -101,9 +129,15 @@ class Population {
  private:
   void reserve(const BodyDesc& desc, std::size_t pieces);
   void forget(const BodyKind& kind);
-  void enter_columns(std::uint32_t id, const BodyDesc& desc);
+  void enter_columns(const DisabledBody& as);
   void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);
+  template <class Entry>
+  void leave_list(std::vector<Entry>& list, std::uint32_t id);
+  std::uint32_t part_count(std::uint32_t id) const;
+  std::vector<PartProperties> changed_parts(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const;
+  std::uint32_t acquire(NewBody& body, std::string& error);
+  void release(std::uint32_t row);
   void count(const BodyProperties& properties, int sign, Traits& to) const;
   void go_round(std::uint32_t id, Vec2 velocity);
 

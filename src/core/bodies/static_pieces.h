@@ -14,6 +14,13 @@
 
 namespace psim {
 
+/// Gives a piece what its part has.
+inline void mark(StaticShape& shape, const PartProperties& has) {
+  shape.restitution = has.surface.restitution;
+  shape.friction = has.surface.friction;
+  shape.special = has.is_special();
+}
+
 /// Counts the pieces that a moving body is cut into when it falls asleep, and those of them that have a hull.
 struct PieceCount {
   std::uint32_t pieces = 0, hulls = 0;
@@ -35,12 +42,11 @@ class Pieces {
   Pieces(Vec2 position, double angle, const Lattice& lattice, std::vector<Piece>& out)
       : list(out), at_(position), turn_(sine_cosine(angle)), lattice_(lattice) {}
 
-  /// Says of which part pieces are, and how it bounces and rubs.
-  static void mark(std::span<Piece> pieces, std::uint32_t part, const Surface& surface) {
+  /// Says of which part pieces are, and what it has.
+  static void mark(std::span<Piece> pieces, std::uint32_t part, const PartProperties& has) {
     for (Piece& piece : pieces) {
       piece.shape.part = part;
-      piece.shape.restitution = surface.restitution;
-      piece.shape.friction = surface.friction;
+      psim::mark(piece.shape, has);
     }
   }
 

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 namespace psim {
 
 class BodyStore;
+struct PartProperties;
 
 /// A piece of a static body: a disc (one point), a segment (two points) with a radius around it, or
 /// a whole polygon. A polygon comes twice: as its edges, which discs collide with, and whole, for all other shapes.
@@ -35,8 +37,10 @@ struct StaticShape {
   bool face : 1 = false;   ///< an edge of a polygon, whose inside is left of p->q: discs alone collide with it
   bool whole : 1 = false;  ///< a whole polygon about p: shapes with corners alone collide with it
   bool alive : 1 = true;
-  bool asleep : 1 = false;  ///< a piece of a body that sleeps: it may leave at any time
-  bool lone : 1 = false;    ///< a plain disc that sleeps: its Sleeper and its BodyProperties hold the rest
+  bool asleep : 1 = false;   ///< a piece of a body that sleeps: it may leave at any time
+  bool lone : 1 = false;     ///< a plain disc that sleeps: its Sleeper and its BodyProperties hold the rest
+  bool special : 1 = false;  ///< PartProperties::is_special: its contacts with discs are manifolds, too
+  bool hidden : 1 = false;   ///< not alive, but kept until its body is enabled again
 };
 static_assert(sizeof(StaticShape) == 60);
 
@@ -96,6 +100,19 @@ class StaticShapes {
 
   /// Adds the pieces of a body that falls asleep. Returns the number of the first one; the others follow. O(count).
   std::uint32_t add_sleeping(const std::vector<Piece>& pieces);
+  /// Takes the pieces of a static body out of the way, and returns how many. They keep their numbers.
+  std::uint32_t hide(std::uint32_t first, std::uint32_t owner);
+  void show(std::uint32_t first, std::uint32_t count);
+  /// Used when a saved state is read: whether all these pieces are hidden ones of the body; and how many are hidden.
+  bool hides(std::uint32_t first, std::uint32_t count, std::uint32_t owner) const;
+  std::size_t hidden() const;
+  /// Lets hidden pieces go.
+  void remove_hidden(std::uint32_t first, std::uint32_t count);
+  /// How many parts the pieces of a static body are of, at least 1.
+  std::uint32_t parts_from(std::uint32_t first, std::uint32_t owner) const;
+  /// Another surface for the pieces of a part of a static body, or of all its parts.
+  void set_surface(std::uint32_t first, std::uint32_t owner,
+                   const std::function<PartProperties(std::uint32_t)>& of_part);
   /// Makes room for so many pieces of sleeping bodies, `hulls` of them with hulls: adding them allocates nothing.
   void make_room(std::uint32_t pieces, std::uint32_t hulls);
   /// Makes room for so many pieces more, which then are added without an allocation.

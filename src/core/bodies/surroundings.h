@@ -19,6 +19,7 @@ struct Surroundings {
   WorkerPool& pool;
   const KinematicBodies& kinematics;
   const MixingRules& mixing;
+  const Material& wall;  ///< of the walls of the world
 };
 
 }  // namespace psim

@@ -28,7 +28,9 @@ struct BodyCounts {
   std::uint64_t sensors = 0;         ///< bodies with a sensor
   std::uint64_t moving_sensors = 0;  ///< those of them that move
   std::uint64_t bullets = 0;
-  std::uint64_t restrained = 0;  ///< bodies with damping or locks of their own
+  std::uint64_t special = 0;        ///< bodies with a surface that runs, resists rolling or is solid from one side
+  std::uint64_t special_fixed = 0;  ///< those of them that are static
+  std::uint64_t restrained = 0;     ///< bodies with damping or locks of their own
   friend bool operator==(const BodyCounts&, const BodyCounts&) = default;
 };
 
@@ -37,8 +39,9 @@ struct Traits : BodyCounts {
   bool exclusions = false;  ///< some joined bodies do not collide
   bool turning = false;     ///< some body has an angle or an angular velocity
   bool walls = false, wall_bounce = false, wall_rough = false;
-  bool one_rubs = false;  ///< a contact has friction if one of its materials has: a rule of the world
-  double mass_ratio = 1;  ///< heaviest to lightest dynamic body
+  bool wall_special = false;  ///< the walls run or resist rolling
+  bool one_rubs = false;      ///< a contact has friction if one of its materials has: a rule of the world
+  double mass_ratio = 1;      ///< heaviest to lightest dynamic body
   bool gravity = false;
   bool fields = false;  ///< wells or quadratic drag
   Integrator integrator = Integrator::verlet;

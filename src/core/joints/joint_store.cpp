@@ -2,6 +2,7 @@
 #include "joints/joint_store.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "base/room.h"
@@ -38,12 +39,22 @@ void JointStore::link_room(const JointDesc& d) {
   if (first_.size() <= most) first_.resize(most + 1, kNoSlot);
 }
 
+// Which sides of a joint move, and whether any does.
+void JointStore::find_sides(Joint& j) const {
+  const auto dynamic = [&](BodyId id) { return s_.bodies.inv_mass_in_joints(id.index) > 0; };
+  const auto rests = [&](BodyId id) {
+    const Place place = s_.bodies.info[id.index].place;
+    return place == Place::asleep || place == Place::disabled;
+  };
+  j.swapped = !dynamic(j.desc.b);
+  j.held = j.swapped || !dynamic(j.desc.a);
+  j.dormant = rests(j.desc.a) || rests(j.desc.b) || (j.swapped && !dynamic(j.desc.a));
+}
+
 // A joint begins to count. This finds out what follows from its description and its bodies.
 void JointStore::enter(std::uint32_t index) {
   Joint& j = joints_[index];
-  const auto dynamic = [&](BodyId id) { return s_.bodies.inv_mass_in_joints(id.index) > 0; };
-  j.swapped = !dynamic(j.desc.b);
-  j.held = j.swapped || !dynamic(j.desc.a);
+  find_sides(j);
   j.lane = j.articulated = kNoSlot;
   link_room(j.desc);
   for (const BodyId body : {j.desc.a, j.desc.b}) link(index, body.index);
@@ -138,13 +149,20 @@ void JointStore::set_motor(JointId id, double speed, double limit) {
   }
 }
 
-void JointStore::follow_sleep(std::uint32_t body) {
-  const auto sleeps = [&](BodyId id) { return s_.bodies.info[id.index].place == Place::asleep; };
+void JointStore::follow(std::uint32_t body) {
   for (std::uint32_t i = first_of(body); i != kNoSlot; i = joints_[i].next_of(body)) {
     Joint& j = joints_[i];
-    const bool dormant = sleeps(j.desc.a) || sleeps(j.desc.b);
-    stale_ = stale_ || dormant != j.dormant;
-    j.dormant = dormant;
+    const auto sides = [&] { return std::tuple(j.dormant, j.swapped, j.held); };
+    const auto [slept, swapped, held] = sides();
+    const std::uint32_t list = j.list();
+    find_sides(j);
+    stale_ = stale_ || slept != j.dormant;
+    if (swapped == j.swapped && held == j.held) continue;
+    // It goes into another list, without its impulses, which are those of other sides.
+    if (j.lane != kNoSlot) lanes_[list][j.lane] = kNoSlot;
+    j.lane = j.articulated = kNoSlot;
+    std::ranges::fill(j.impulse, 0.0f);
+    stale_ = true;
   }
 }
 

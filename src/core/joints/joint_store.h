@@ -86,18 +86,18 @@ class JointStore {
   /// the axis of a slide, in the world. O(1).
   void load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& torque) const;
 
-  /// Calls each(a, b) with the ids of the two bodies of every joint.
+  /// Calls each(a, b) with the ids of the two bodies of every joint that is not left out.
   template <class Each>
   void each_pair(const Each& each) const {
     for (const Joint& j : joints_) {
-      if (j.alive) each(j.desc.a.index, j.desc.b.index);
+      if (j.alive && !j.dormant) each(j.desc.a.index, j.desc.b.index);
     }
   }
   /// The same for joints that always hold: a rope may hang loose.
   template <class Each>
   void each_tie(const Each& each) const {
     for (const Joint& j : joints_) {
-      if (j.alive && j.desc.type != JointType::rope) each(j.desc.a.index, j.desc.b.index);
+      if (j.alive && !j.dormant && j.desc.type != JointType::rope) each(j.desc.a.index, j.desc.b.index);
     }
   }
   /// Calls each(other) with the ids of the bodies to which a body is joined.
@@ -108,8 +108,9 @@ class JointStore {
       i = joints_[i].next_of(body);
     }
   }
-  /// A body fell asleep or woke: joints of bodies that sleep are left out from now on. O(joints of the body).
-  void follow_sleep(std::uint32_t body);
+  /// A body fell asleep or woke, was disabled or enabled, or its mass or locks changed: joints of which nothing can be
+  /// moved, or a side sleeps or is disabled, are left out from now on. O(joints of the body).
+  void follow(std::uint32_t body);
 
   /// The ids of bodies with joints that are not left out, ascending. The solver must number these bodies.
   const std::vector<std::uint32_t>& bodies();
@@ -152,7 +153,7 @@ class JointStore {
     bool alive = false;
     bool swapped = false;  ///< side A is desc.b, because desc.b is not dynamic
     bool held = false;     ///< side A is not dynamic
-    bool dormant = false;  ///< one of its bodies sleeps, and the other one sleeps, too, or is not dynamic
+    bool dormant = false;  ///< one of its bodies sleeps or is disabled, or neither can be moved
     kernels::JointKind kind = kernels::JointKind::rod;
     std::uint32_t lane = kNoSlot;               ///< 8 block + lane in its list
     std::uint32_t articulated = kNoSlot;        ///< its number in the articulations, if it is in one
@@ -234,6 +235,7 @@ class JointStore {
   void unlink(std::uint32_t index, std::uint32_t body);
   void link_room(const JointDesc& d);
   void enter(std::uint32_t index);
+  void find_sides(Joint& j) const;
   void leave_lane(Joint& j);
   template <class Each>
   void each_lane(const Each& each);

@@ -113,8 +113,7 @@ void Manifolds::Look::carry_far(ManifoldPair& pair, const Manifold& old, float (
 
 // Whether the material of two fixed sides is one, and whether they stand still against each other.
 bool Manifolds::Look::alike(const ManifoldPair& p, const ManifoldPair& q) const {
-  if (p.of_piece() != q.of_piece() || manifolds.sides_of(p, params.wall).a != manifolds.sides_of(q, params.wall).a)
-    return false;
+  if (p.of_piece() != q.of_piece() || manifolds.sides_of(p).a != manifolds.sides_of(q).a) return false;
   if (p.of_piece() || p.a == q.a) return true;
   const auto turns = [&](std::uint32_t slot) { return b.rim_speed[slot] != 0; };
   return !turns(p.a) && !turns(q.a) && b.vel[2 * p.a] == b.vel[2 * q.a] && b.vel[2 * p.a + 1] == b.vel[2 * q.a + 1];

@@ -134,6 +134,7 @@ void Manifolds::keep_impulses() {
       if (pair.lane == ManifoldPair::kNone) continue;
       const ManifoldBlock& c = blocks[pair.lane / kBlock];
       const std::uint32_t l = pair.lane % kBlock;
+      pair.roll = strips_[s].surfaces.empty() ? 0.0f : strips_[s].surfaces[pair.lane / kBlock].roll[l];
       for (int p = 0; p < 2; ++p) {
         const float impulse = c.point[p].impulse[l];
         pair.impulse[p] = impulse > 0 ? impulse : 0.0f;
@@ -226,6 +227,7 @@ struct Manifolds::Layout {
     if (blocks > strip.blocks.capacity())
       strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
     strip.blocks.resize(blocks);
+    strip.surfaces.assign(params.surfaces ? blocks : 0, {});
     for (ManifoldBlock& block : strip.blocks) {
       for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
     }
@@ -298,6 +300,19 @@ struct Manifolds::Layout {
     return (std::fabs(at.nx) > std::fabs(at.ny) ? locks.x : locks.y) ? 0.0f : of.inv_mass;
   }
 
+  // What rolls has a round outline: of two, the smaller one.
+  void fill_surface(const ManifoldPair& pair, const Sides& sides, float size_a, float size_b) const {
+    kernels::SurfaceBlock& s = strip.surfaces[pair.lane / kBlock];
+    const std::uint32_t l = pair.lane % kBlock;
+    const float round = pair.round_a > 0 && pair.round_b > 0 ? std::min(pair.round_a, pair.round_b)
+                                                             : std::max(pair.round_a, pair.round_b);
+    s.belt[l] = snapped(sides.belt());
+    s.resist[l] = snapped(sides.rolling() * round);
+    s.inv_size_a[l] = pair.of_piece() ? 0.0f : 1 / size_a;
+    s.inv_size_b[l] = 1 / size_b;
+    s.roll[l] = snapped(pair.roll);
+  }
+
   // Writes the numbers of a pair whose hulls were looked at into its lane.
   void fill(ManifoldPair& pair) const {
     ManifoldBlock& c = strip.blocks[pair.lane / kBlock];
@@ -316,9 +331,10 @@ struct Manifolds::Layout {
     c.apart[l] = fixed ? 0.0f : at.nx * (at.point[0].ax - at.point[0].bx) + at.ny * (at.point[0].ay - at.point[0].by);
     const float size_a = fixed ? 1.0f : b.radius[pair.a], size_b = b.radius[pair.b];
     fill_points(c, l, pair, at, size_a, size_b);
-    const BodyProperties& sa = pair.of_wall() ? params.wall : b.properties(pair.id_a);
+    static constexpr BodyProperties kWall{};
+    const BodyProperties& sa = pair.of_wall() ? kWall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
-    const Sides sides = psim::sides_of(pair, b, m.s_.statics, sa, sb);
+    const Sides sides = psim::sides_of(pair, m.s_, sa, sb);
     c.wa[l] = fixed ? 0.0f : inv_mass_along(sa, at);
     c.wb[l] = inv_mass_along(sb, at);
     if (c.wa[l] + c.wb[l] == 0) {  // nothing moves them along the normal, with whatever mass
@@ -329,6 +345,7 @@ struct Manifolds::Layout {
     c.gb[l] = sb.rim_gain;
     c.round_a[l] = fixed ? 0.0f : pair.round_a / size_a;
     c.round_b[l] = pair.round_b / size_b;
+    if (!strip.surfaces.empty()) fill_surface(pair, sides, size_a, size_b);
     c.mu[l] = sides.friction(m.s_.mixing);
     c.e[l] = sides.restitution(m.s_.mixing);
     const bool loaded = is_loaded(pair, loads);
@@ -400,7 +417,7 @@ std::size_t Manifolds::bytes() const {
                              crowded_, turned_, turning_, ties) +
                     parts_.bytes();
   for (const StripBlocks& s : strips_)
-    sum += bytes_of(s.blocks, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
+    sum += bytes_of(s.blocks, s.surfaces, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);
   return sum;
 }

@@ -192,6 +192,8 @@ struct Manifolds::Look {
       const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
       fit_to_segment(pair, pair.manifold, *a, now.qa, hull_b, now.qb, way, way, margin);
     }
+    if (params.surfaces && go_through(pair, now)) pair.manifold.count = 0;
+    if (pair.manifold.count == 0) pair.roll = 0;
     pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
@@ -223,6 +225,8 @@ struct Manifolds::Look {
     }
   }
 
+  bool go_through(ManifoldPair& pair, const Stand& now) const;  // manifold_crossing.cpp
+
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).
   enum class Meets : std::uint8_t { what_was_found, face, nothing };
   Meets at_segment(const ManifoldPair& pair, const Hull& a, Rotor qa, Vec2 way, Vec2 middle, const Manifold& m,
@@ -245,7 +249,7 @@ struct Manifolds::Look {
 
   // Whether the impact sweeps see to a pair, wherever its bodies are thrown within the step.
   bool is_elastic(const ManifoldPair& pair, const Stand& now) const {
-    if (manifolds.sides_of(pair, params.wall).restitution(manifolds.s_.mixing) != 1) return false;
+    if (manifolds.sides_of(pair).restitution(manifolds.s_.mixing) != 1) return false;
     const float reach = pair.fixed_a ? b.radius[pair.b] : std::min(b.radius[pair.a], b.radius[pair.b]);
     return dt * std::sqrt(now.vx * now.vx + now.vy * now.vy) <= kMostSizes * reach;
   }

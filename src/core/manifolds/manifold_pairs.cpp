@@ -102,7 +102,9 @@ struct Manifolds::Sorter {
 
   bool leaves(const StaticPair& pair) const {
     const std::uint8_t kind = m.kind_[pair.body];
-    const bool shape = (kind & kShape) != 0;
+    // Contacts of shapes alone know special surfaces.
+    const bool special = pair.shape < kWallLeft ? statics[pair.shape].special : m.wall_special_;
+    const bool shape = (kind & kShape) != 0 || special;
     if ((kind & kKinematic) != 0 && shape) return true;
     if (pair.shape < kWallLeft) {
       const StaticShape& piece = statics[pair.shape];
@@ -132,6 +134,10 @@ struct Manifolds::Sorter {
     name(sides..., first);
     const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
     if (parts_a == 1 && parts_b == 1) {
+      if (!collide(first)) {
+        out.pop_back();
+        return true;
+      }
       first.before = m.index_.find(first, known);
       return true;
     }
@@ -148,13 +154,13 @@ struct Manifolds::Sorter {
     return true;
   }
 
-  // Whether two parts collide, of bodies of which one has several. Walls hold bodies that are nothing but sensors, which
+  // Whether two parts collide, of bodies of which one has parts that may differ. Walls hold bodies that are nothing but sensors, which
   // would fall out of the world, but no sensor that is a part of a body.
   bool collide(const PairName& pair) const {
     const bool differ = ((m.kind_[pair.b] | (pair.of_piece() ? 0 : m.kind_[pair.a])) & kParts) != 0;
     if (!differ) return true;
     const BodyKind& kind = b.kind(pair.id_b);
-    if (pair.of_wall()) return !b.is_sensor(kind, pair.part_b);
+    if (pair.of_wall()) return kind.sensor || !b.is_sensor(kind, pair.part_b);
     const std::uint32_t part_a = pair.of_piece() ? statics[pair.shape].part : pair.part_a;
     return b.collide(b.kind(pair.id_a), part_a, kind, pair.part_b);
   }
@@ -224,6 +230,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   const BodyStore& b = s_.bodies;
   keep_impulses();
   any_filter_ = settings.any_filter;
+  wall_special_ = settings.wall_special;
   walls_ = settings.walls;
   const std::size_t strips = table.strips.size(), slots = kernels::round_up_block(b.count);
   found_.resize(std::max(found_.size(), strips));
@@ -257,7 +264,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   for (std::size_t s = 0; s < strips; ++s) {
     const Strip& strip = table.strips[s];
     const std::span kinds(kind_.data() + strip.body_begin, kind_.data() + strip.body_end);
-    special_[s] = std::ranges::any_of(kinds, [](std::uint8_t kind) { return kind != kDisc; });
+    special_[s] = settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return kind != kDisc; });
   }
 }
 

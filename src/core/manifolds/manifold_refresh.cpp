@@ -19,7 +19,8 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
   if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
   if (!pair.of_piece()) return pair.active;
   const BodyKind& kind = s.bodies.kind(pair.id_b);
-  const float inner = kind.inner;
+  if (pair.crossing == ManifoldPair::kPasses) return false;
+  const float inner = kind.hull_count != 0 ? kind.inner : s.bodies.radius[pair.b];
   if (pair.active && pair.least_gap() < -kDeep * inner) return true;
   const StaticShape& piece = s.statics[pair.shape];
   if (!piece.segment || piece.asleep) return false;

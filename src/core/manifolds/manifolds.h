@@ -53,6 +53,7 @@ struct ManifoldPair : PairName {
   float gap[2] = {};  ///< m, now
   float impulse[2] = {}, friction[2] = {};
   float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
+  float roll = 0;                  ///< N m s, on B: of the torque against rolling
   bool active = false;             ///< the pair has a lane
   bool ahead = false;              ///< the bodies are apart, and may meet within the step
   bool flying = false;             ///< B comes too fast for a contact: continuous collision sees to it
@@ -70,6 +71,10 @@ struct ManifoldPair : PairName {
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
   std::uint8_t colour = kAlone;
+  /// Of a pair with a side that is solid from one side: whether the other body meets it, or goes through it until they are
+  /// apart; not known while they are not near.
+  enum Crossing : std::uint8_t { kUnknown, kMeets, kPasses };
+  Crossing crossing = kUnknown;
   bool placed = false;        ///< the pair is new, and its bodies hardly move
   bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
   bool hangs = false;         ///< they hang together with fixed ground, over joints, too
@@ -117,10 +122,10 @@ struct ManifoldParams {
   double dt = 0;
   Vec2 gravity;
   Walls walls;
-  BodyProperties wall;     ///< friction and restitution of the walls
   bool changed = false;    ///< the settings below changed since the last step
   bool asleep = false;     ///< some body sleeps
   bool locks = false;      ///< some body may be locked along an axis
+  bool surfaces = false;   ///< some surfaces run, resist rolling or are solid from one side
   Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
   Stiffness bouncing[2];   ///< contacts with restitution: between moving bodies, with fixed ones
   Stiffness in_stacks[2];  ///< contacts of stacks on a moving body, on fixed ground
@@ -142,12 +147,13 @@ class Manifolds {
   /// The blocks of a strip.
   struct StripBlocks {
     std::vector<kernels::ManifoldBlock> blocks;
-    std::vector<std::uint32_t> active;   // pairs that have a lane in this step
-    std::vector<std::uint32_t> laid;     // pairs that have a lane in the blocks as they are
-    std::vector<std::uint32_t> rewrite;  // active pairs whose lane may be out of date in more than its gaps
-    std::vector<std::uint32_t> landing;  // pairs whose bodies may meet in this step
-    std::vector<std::uint32_t> open;     // pairs that are open in one of two points
-    std::vector<std::uint32_t> watched;  // contacts with kinematic bodies, and pairs deep in something fixed
+    std::vector<kernels::SurfaceBlock> surfaces;  // as many, in worlds that have such surfaces
+    std::vector<std::uint32_t> active;            // pairs that have a lane in this step
+    std::vector<std::uint32_t> laid;              // pairs that have a lane in the blocks as they are
+    std::vector<std::uint32_t> rewrite;           // active pairs whose lane may be out of date in more than its gaps
+    std::vector<std::uint32_t> landing;           // pairs whose bodies may meet in this step
+    std::vector<std::uint32_t> open;              // pairs that are open in one of two points
+    std::vector<std::uint32_t> watched;           // contacts with kinematic bodies, and pairs deep in something fixed
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
@@ -198,9 +204,13 @@ class Manifolds {
   /// last strip may have had more pairs, which are not there yet.
   bool fit(std::size_t strips);
 
-  Sides sides_of(const PairName& pair, const BodyProperties& wall) const {
-    return psim::sides_of(pair, s_.bodies, s_.statics, pair.of_wall() ? wall : s_.bodies.properties(pair.id_a),
-                          s_.bodies.properties(pair.id_b));
+  /// Least cosine between the normal of a contact and the direction of a side that is solid, for a body that comes.
+  static constexpr double kSolidSide = 0.5;
+  /// The direction, in world axes, against which a body must come to meet side A or B of a pair; 0: any.
+  Vec2 one_way_of(const PairName& pair, bool of_b) const;
+  Sides sides_of(const PairName& pair) const {
+    const BodyProperties& of_b = s_.bodies.properties(pair.id_b);
+    return psim::sides_of(pair, s_, pair.of_wall() ? of_b : s_.bodies.properties(pair.id_a), of_b);
   }
 
   /// Makes room for so many pairs.
@@ -421,9 +431,10 @@ class Manifolds {
   std::uint64_t new_pairs_ = 0;  // since then
   float g_ = 0;                  // m/s^2, in this step
   bool any_filter_ = false;
-  bool both_ = false;        // old_pairs_ has the pairs of the last step
-  bool collecting_ = false;  // pairs_ is not complete yet
-  bool laid_ = false;        // impulses are in the blocks, not in the pairs
+  bool wall_special_ = false;  // the walls run or resist rolling
+  bool both_ = false;          // old_pairs_ has the pairs of the last step
+  bool collecting_ = false;    // pairs_ is not complete yet
+  bool laid_ = false;          // impulses are in the blocks, not in the pairs
   bool cold_ = false;
   bool weighs_ = false;  // there was gravity when footings were found
 };

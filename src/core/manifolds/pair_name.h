@@ -7,6 +7,7 @@
 
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
+#include "bodies/surroundings.h"
 
 namespace psim {
 
@@ -36,19 +37,30 @@ struct PairName {
   }
 };
 
-/// Restitution and friction of the two sides of a pair.
+/// The surfaces of the two sides of a pair.
 struct Sides {
   Surface a, b;
+  /// m/s: what the surfaces run, B against A, to the left of the normal from A to B.
+  float belt() const { return a.tangent_speed + b.tangent_speed; }
+  float rolling() const { return std::max(a.rolling_resistance, b.rolling_resistance); }
   float friction(const MixingRules& rules) const { return mixed(rules.friction, a.friction, b.friction); }
   float restitution(const MixingRules& rules) const { return mixed(rules.restitution, a.restitution, b.restitution); }
 };
-/// `of_a`, `of_b`: what the two bodies have, or the wall.
-inline Sides sides_of(const PairName& pair, const BodyStore& bodies, const StaticShapes& statics,
-                      const BodyProperties& of_a, const BodyProperties& of_b) {
-  const Surface b = bodies.surface_of(of_b, pair.part_b);
-  if (pair.of_wall()) return {{of_a.restitution, of_a.friction}, b};
-  if (!pair.of_piece()) return {bodies.surface_of(of_a, pair.part_a), b};
-  return {{statics[pair.shape].restitution, statics[pair.shape].friction}, b};
+/// Of a wall of the world.
+inline Surface surface_of(const Material& m) {
+  return {coefficient(m.restitution), coefficient(m.friction), coefficient(m.tangent_speed),
+          coefficient(m.rolling_resistance)};
+}
+/// The sides of a pair. Surfaces of a body are read by its properties, which the caller knows: those of A do not count
+/// where it is a wall.
+inline Sides sides_of(const PairName& pair, const Surroundings& s, const BodyProperties& of_a,
+                      const BodyProperties& of_b) {
+  const Surface b = s.bodies.surface_of(of_b, pair.part_b);
+  if (pair.of_wall()) return {surface_of(s.wall), b};
+  if (!pair.of_piece()) return {s.bodies.surface_of(of_a, pair.part_a), b};
+  const StaticShape& piece = s.statics[pair.shape];
+  if (piece.special) return {s.bodies.surface_of(of_a, piece.part), b};
+  return {{piece.restitution, piece.friction, 0, 0}, b};
 }
 
 }  // namespace psim

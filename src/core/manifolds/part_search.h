@@ -22,6 +22,8 @@ struct CollectSettings {
   Walls walls;
   kernels::ReachParams margin;  ///< of the lists
   float ahead = 0;              ///< s: the lists use the places that bodies will have
+  bool surfaces = false;        ///< some surfaces run, resist rolling or are solid from one side
+  bool wall_special = false;    ///< those of the walls do
 };
 
 class PartSearch {

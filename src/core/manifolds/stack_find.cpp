@@ -50,6 +50,7 @@ void Stacks::find(const ManifoldParams& params) {
   links_.reserve(usual);
   stacks_.reserve(usual);
   const double g = length_of(params.gravity);
+  surfaces_ = params.surfaces;
   find_supports(params.gravity);
   mark_links();
   for (const std::uint32_t top : bodies) {
@@ -114,6 +115,10 @@ void Stacks::mark_links() {
     const Standing& mine = standing_[slot];
     if (mine.below != 1 || mine.above > 1 || mine.side > kSideShare * mine.support) return false;
     const ManifoldPair& pair = manifolds_.pairs()[mine.on];
+    if (surfaces_) {
+      const Sides sides = manifolds_.sides_of(pair);
+      if (sides.belt() != 0 || sides.rolling() > 0) return false;
+    }
     if (pair.rest_frames != 0 || !pair.stands || (pair.fixed_a && pair.a == slot)) return false;
     if (b_.properties(b_.id[slot]).inv_mass == 0) return false;
     const std::uint32_t lower = lower_of(pair, slot);

@@ -109,6 +109,7 @@ class Stacks {
   bool follow_down(std::uint32_t top);
   void add_stack(std::size_t begin, std::size_t end);
 
+  bool surfaces_ = false;  // some run or resist rolling
   const BodyStore& b_;
   WorkerPool& pool_;
   Manifolds& manifolds_;

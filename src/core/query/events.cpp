@@ -180,9 +180,7 @@ void EventList::compare_rest(const Observed& world) {
   const BodyStore& b = world.bodies;
   const ContactStore& c = world.contacts.discs;
   const Manifolds& manifolds = world.contacts.manifolds;
-  const auto here = [&](std::uint32_t id) {
-    return b.info[id].place != Place::none && b.info[id].place != Place::frozen;
-  };
+  const auto here = [&](std::uint32_t id) { return !is_out(b.info[id].place); };
   now_.clear();
   if (b.awake() != 0) {
     for (std::size_t s = 0; s < world.table.strips.size(); ++s) {
@@ -243,7 +241,7 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
     const QueryIndex::Part& moving = index.part(world, QueryIndex::kMoving);
     const QueryIndex::Part& sleeping = index.part(world, QueryIndex::kSleeping);
     const QueryIndex::Part& fixed = index.part(world, QueryIndex::kFixed);
-    const auto here = [&](std::uint32_t id) { return b.info[id].place != Place::frozen; };
+    const auto here = [&](std::uint32_t id) { return !is_out(b.info[id].place); };
     // Finds the bodies in some parts of the index that overlap the sensors in `part`.
     const auto look = [&](const QueryIndex::Part& part, std::initializer_list<const QueryIndex::Part*> into) {
       for (const QueryItem& item : part.grid.items()) {

@@ -110,6 +110,7 @@ Publisher::Row Publisher::row_of(std::uint32_t id, const Observed& world) {
   };
   if (info.place == Place::fixed) return still(world.population.fixed[info.slot]);
   if (info.place == Place::frozen) return still(world.population.frozen[info.slot]);
+  if (info.place == Place::disabled) return still(world.population.disabled[info.slot].last);
   const auto [place, angle] = world.stand(id);
   const Vec2 at = world.lattice.from_centre(place) - arm_of(b.kind(id), angle);
   Row row{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(angle), 0};

@@ -73,7 +73,7 @@ void become_fixed(const SleepSource& source, std::vector<Piece>& list, Sleeper& 
       const std::size_t first = list.size();
       pieces.solid(bodies.hulls[kind.first_hull + h]);
       const std::uint32_t part = kind.part_of_hull(h);
-      Pieces::mark(std::span(list).subspan(first), part, bodies.surface_of(properties, part));
+      Pieces::mark(std::span(list).subspan(first), part, bodies.part_of(properties, part));
     }
     for (Piece& piece : list) piece.shape.owner = s.id;
   }
@@ -95,7 +95,7 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
     s.substep = static_cast<float>(dt / source.substeps);
     sleepers.widest = greater(bodies.properties(s.id).radius, sleepers.widest);
     become_fixed(source, sleepers.pieces, s);
-    if (!source.joints.empty()) source.joints.follow_sleep(s.id);
+    if (!source.joints.empty()) source.joints.follow(s.id);
   }
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = bodies.listed = 0;  // nobody is awake

@@ -76,7 +76,8 @@ class SleepChoice {
     return bodies_.id[slot] != kNoSlot && bodies_.properties(bodies_.id[slot]).inv_mass > 0;
   }
   bool may_sleep(std::uint32_t slot) const {
-    return (rests_firmly(state_[slot]) || rests_creeping(state_[slot])) && is_dynamic(slot);
+    return (rests_firmly(state_[slot]) || rests_creeping(state_[slot])) && is_dynamic(slot) &&
+           !bodies_.kind(bodies_.id[slot]).one_way;  // fixed geometry does not know how it is turned
   }
   void disturb(std::uint32_t slot) { state_[slot] |= kDisturbed | kCreepDisturbed; }
 
@@ -259,6 +260,7 @@ std::string Sleep::why_awake(const SleepSource& source, std::uint32_t id, bool s
   const BodyInfo& info = bodies.info[id];
   if (info.place == Place::fixed) return "it is static";
   if (info.place == Place::frozen) return "it is frozen: its numbers were broken";
+  if (info.place == Place::disabled) return "it is disabled";
   if (info.place == Place::asleep) return "it sleeps";
   if (!sleeping) return "awake: sleeping is off in this world";
   if (!(bodies.properties(id).inv_mass > 0)) return "awake: kinematic bodies never sleep";

@@ -123,7 +123,7 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
               const Sleeper self = sleepers.list[bodies.info[now.id].slot];
               if (!any) bodies.find_slots();
               wake_one(source, sleepers, now.id);
-              if (!source.joints.empty()) source.joints.follow_sleep(now.id);
+              if (!source.joints.empty()) source.joints.follow(now.id);
               any = true;
               ask_joined_and_stacked(source, sleepers, self, now.rings);
               if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);

@@ -322,7 +322,7 @@ void Continuous::follow(const ContinuousInput& in) {
   const Airspace space{in.contacts,     in.joints.any_exclusions() ? &in.joints : nullptr,
                        in.filters,      in.dt,
                        in.gravity,      in.restitution_threshold,
-                       in.walls,        in.wall,
+                       in.walls,        in.surfaces,
                        kinematic_slots_};
   const auto is_bullet = [&](std::uint32_t i) { return !fast_.empty() && fast_[i] != 0; };
   const auto fly = [&](std::uint32_t i, Job& job, std::span<const std::uint32_t> partners) {

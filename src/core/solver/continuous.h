@@ -32,7 +32,7 @@ struct ContinuousInput {
   Vec2 gravity;                      ///< m/s^2
   double restitution_threshold = 0;  ///< m/s
   const Walls* walls = nullptr;      ///< null if the world has none
-  BodyProperties wall = {};          ///< their surface
+  bool surfaces = false;             ///< some surfaces run, resist rolling or are solid from one side
 };
 
 class Continuous {

@@ -52,7 +52,7 @@ bool Flight::may_collide_with(std::uint32_t id) const {
 // Whether a hull of this body collides with a part of another one, or with a wall (kNoSlot): see Manifolds::Sorter.
 bool Flight::collide(const Hull& mine, std::uint32_t id, std::uint32_t part) const {
   if (!space_.filters) return true;
-  if (id == kNoSlot) return kind_.first_part == 0 || !b_.is_sensor(kind_, number_of(mine));
+  if (id == kNoSlot) return kind_.first_part == 0 || kind_.sensor || !b_.is_sensor(kind_, number_of(mine));
   return b_.collide(kind_, number_of(mine), b_.kind(id), part);
 }
 
@@ -137,7 +137,15 @@ void Flight::find_fixed(std::vector<std::uint32_t>& near) {
       const Vec2 p = piece.vertex(0), u = piece.vertex(1) - p;
       if (cross(u, at_ - p) > -0.05 * double{b_.radius[slot_]} * length_of(u)) continue;
     }
-    meet_hull(piece, {{}, {}, {}, s.owner, s.part, {s.restitution, s.friction}, true, k});
+    Other other;
+    other.id = s.owner;
+    other.part = s.part;
+    other.has = {s.restitution, s.friction, 0, 0};
+    if (s.special) other.has = b_.surface_of(s.owner, s.part);
+    if (s.special) other.one_way = b_.one_way_of(b_.kind(s.owner), s.part);
+    other.fixed = true;
+    other.piece = k;
+    meet_hull(piece, other);
   }
 }
 
@@ -154,7 +162,10 @@ void Flight::find_walls() {
     hull.set_vertex(0, foot - along);
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
-    meet_hull(hull, {{}, {}, {}, kNoSlot, 0, {space_.wall.restitution, space_.wall.friction}, true});
+    Other other;
+    other.has = psim::surface_of(s_.wall);
+    other.fixed = true;
+    meet_hull(hull, other);
   }
 }
 
@@ -225,6 +236,7 @@ void Flight::meet_hulls(std::uint32_t id, Other other) {
     if (!overlap(box, way)) continue;
     other.part = k;
     other.has = b_.surface_of(id, k);
+    if (space_.surfaces) other.one_way = one_way_of(id, k, other.course.angle);
     meet_hull(hull, other);
   }
 }
@@ -245,8 +257,27 @@ void Flight::meet_hull(const Hull& hull, const Other& other) {
     const bool bounced = slow && mixed(s_.mixing.restitution, surface_of(part).restitution, other.has.restitution) > 0;
     if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
-    if (share < first_.share) first_ = {share, pressed, normal, other, hull, &part};
+    if (!(share < first_.share)) continue;
+    if (space_.surfaces && !(!pressed && is_solid(pair, other, part, share))) continue;
+    first_ = {share, pressed, normal, other, hull, &part};
   }
+}
+
+// The direction of a side of a body that moves, turned by `angle`.
+Vec2 Flight::one_way_of(std::uint32_t id, std::uint32_t part, double angle) const {
+  const Vec2 way = b_.one_way_of(b_.kind(id), part);
+  return way == Vec2{} ? way : turned(sine_cosine(angle), way);
+}
+
+// Whether hulls that meet do so at a side that is solid (manifold_crossing.cpp).
+bool Flight::is_solid(const Approach& pair, const Other& other, const Hull& mine, double share) const {
+  const Vec2 own = one_way_of(b_.id[slot_], number_of(mine), leg().facing(share));
+  if (other.one_way == Vec2{} && own == Vec2{}) return true;
+  const Manifold m = pair.touch(share, 1e30);
+  const auto meets = [&](Vec2 way, double sign) {
+    return way == Vec2{} || sign * dot({m.nx, m.ny}, way) > Manifolds::kSolidSide;
+  };
+  return meets(other.one_way, 1) && meets(own, -1);
 }
 
 // Whether a body that bounced in the sweeps of the substeps passed through a hull, or ends deep in it. Between, the
@@ -373,6 +404,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const Surface has = surface_of(*first_.mine);
   s.restitution = slow ? 0.0 : double{mixed(s_.mixing.restitution, has.restitution, other.has.restitution)};
   s.friction = double{mixed(s_.mixing.friction, has.friction, other.has.friction)};
+  const double belt = double{has.tangent_speed} + double{other.has.tangent_speed};
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle
     n = first_.normal;
     touching = {upright(n), {}};
@@ -384,8 +416,10 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   Rates their_way = other.way, their_velocity = other.velocity;
   if (other.slot == kNoSlot) {
     s.least = space_.restitution_threshold * space_.dt;
+    s.belt = belt * space_.dt;
     collide_rates(their_way, way_, s, n, points);
     s.least = space_.restitution_threshold;
+    s.belt = belt;
     const bool bent = way_.along.x != before.along.x || way_.along.y != before.along.y || way_.turn != before.turn;
     way_.along = way_.along + 0.5 * left_ * space_.dt * fall_;
     velocity_.along = velocity_.along - left_ * fall_;  // what gravity gives after the impact
@@ -397,6 +431,7 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   const BodyProperties& theirs_of = b_.properties(b_.id[other.slot]);
   s.wa = theirs_of.inv_mass;
   s.ia = inertia(theirs_of);
+  s.belt = belt;
   s.least = space_.restitution_threshold;
   collide_rates(their_velocity, velocity_, s, n, points);
   way_ = {other.way.along, 0};

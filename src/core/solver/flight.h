@@ -28,7 +28,7 @@ struct Airspace {
   Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
   double restitution_threshold = 0;                ///< m/s: slower impacts do not bounce
   const Walls* walls = nullptr;                    ///< null if the world has none
-  BodyProperties wall = {};                        ///< their surface
+  bool surfaces = false;                           ///< some surfaces run, resist rolling or are solid from one side
   std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
@@ -58,6 +58,7 @@ class Flight {
     std::uint32_t id = kNoSlot;  // of the body; a wall has none
     std::uint32_t part = 0;
     Surface has;
+    Vec2 one_way;                   // in world axes: what comes against it meets this side; 0: what comes from anywhere
     bool fixed = false;             // it is fixed, or moves straight on: the sweeps see to bodies that are not too fast
     std::uint32_t piece = kNoSlot;  // of fixed geometry
     std::uint32_t slot = kNoSlot;   // of a body that the impact moves
@@ -87,6 +88,8 @@ class Flight {
   void meet_hulls(std::uint32_t id, Other other);
   void meet_hull(const Hull& hull, const Other& other);
   bool passes(const Approach& pair) const;
+  bool is_solid(const Approach& pair, const Other& other, const Hull& mine, double share) const;
+  Vec2 one_way_of(std::uint32_t id, std::uint32_t part, double angle) const;
   void find_all(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners);
   double strikes(const Approach& pair, const Hull& mine, float inner, bool& pressed, Vec2& normal);
   Vec2 smoothed(Vec2 n, std::span<const std::uint32_t> near) const;

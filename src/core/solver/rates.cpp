@@ -45,7 +45,7 @@ void collide_rates(Rates& a, Rates& b, const ImpactSurface& s, Vec2 n, std::span
   const Vec2 t = upright(n);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const ImpactPoint& p = points[k];
-    const double sliding = dot(t, speed_at(b, p.b) - speed_at(a, p.a)), most = s.friction * impulse[k];
+    const double sliding = dot(t, speed_at(b, p.b) - speed_at(a, p.a)) + s.belt, most = s.friction * impulse[k];
     push(a, b, s, p, std::clamp(-sliding / weight(p, p, t), -most, most) * t);
   }
 }

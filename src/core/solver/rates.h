@@ -19,6 +19,7 @@ struct Rates {
 struct ImpactSurface {
   double wa = 0, ia = 0, wb = 0, ib = 0;
   double restitution = 0, friction = 0;
+  double belt = 0;   // what the surfaces run, B against A, to the left of the normal
   double least = 0;  // slower impacts do not bounce
 };
 

@@ -30,6 +30,7 @@ struct Around {
   const Surroundings& s;
   const kernels::BodyView& view;
   const Manifolds& manifolds;
+  bool surfaces;   // some run
   Vec2 gravity;    // m/s^2
   double& virial;  // N s m: of the impacts so far
 };
@@ -116,6 +117,9 @@ class ShapeImpact {
  private:
   enum class Found : std::uint8_t { none, slow, hit };
 
+  // m/s: what the surfaces run.
+  double belt() const { return in_.surfaces ? double{in_.manifolds.sides_of(pair_).belt()} : 0.0; }
+
   // Puts the contact of time t into its lane.
   void put(Manifolds& manifolds, ManifoldPair& pair, Manifold m, double t) const {
     const kernels::BodyView& view = in_.view;
@@ -134,7 +138,7 @@ class ShapeImpact {
   void strike(Hit& hit, double t, double h) const {
     const Vec2 along{-hit.n.y, hit.n.x};
     const int k = hit.count == 2 && hit.approach[1] < hit.approach[0] ? 1 : 0;
-    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k]));
+    const double vt = dot(along, b_.velocity(t, hit.arm_b[k]) - a_.velocity(t, hit.arm_a[k])) + belt();
     const double friction = find_rough_impulses(a_, b_, along, k, vt, c_.mu[l_], std::fabs(c_.e[l_]), hit);
     Push push(hit);
     push.add(hit, k, friction * along);
@@ -393,7 +397,7 @@ class ShapeImpact {
       Mover a = a_, b = b_;
       a.v = a.v - a.inv_mass * push.sum, a.omega += a.inv_inertia * push.turn_a;
       b.v = b.v + b.inv_mass * push.sum, b.omega += b.inv_inertia * push.turn_b;
-      const double vt = dot(t, b.velocity(hit.time, hit.arm_b[k]) - a.velocity(hit.time, hit.arm_a[k]));
+      const double vt = dot(t, b.velocity(hit.time, hit.arm_b[k]) - a.velocity(hit.time, hit.arm_a[k])) + belt();
       const double cap = mu * (hit.impulse[0] + hit.impulse[1]);
       push.add(hit, k, std::clamp(-vt / gain(a, b, hit, k, t, k, t), -cap, cap) * t);
     }

@@ -135,7 +135,7 @@ void Solver::Run::meet_shapes() {
   Manifolds& manifolds = contacts.manifolds;
   run_phases(manifolds.strip_count(), s_.pool, [&](std::size_t index) {
     Manifolds::StripBlocks& strip = manifolds.strip(index);
-    const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
+    const Around around{s_, view_, manifolds, params_.surfaces, params_.gravity, solver_.sums_[index].shapes};
     const auto each = [&](const std::vector<std::uint32_t>& list, const auto& visit) {
       for (const std::uint32_t k : list) {
         ManifoldPair& pair = manifolds.pair(k);
@@ -160,7 +160,7 @@ void Solver::Run::meet_shapes() {
 bool Solver::Run::impact_shapes(std::size_t index, bool first, bool all) {
   Manifolds& manifolds = contacts.manifolds;
   Manifolds::StripBlocks& strip = manifolds.strip(index);
-  const Around around{s_, view_, manifolds, params_.gravity, solver_.sums_[index].shapes};
+  const Around around{s_, view_, manifolds, params_.surfaces, params_.gravity, solver_.sums_[index].shapes};
   const double floor = discs_.pair.bounce_floor;
   bool any = false;
   for (const auto& [k, lane, a, b, elastic, ahead] : solver_.bouncing_[index]) {

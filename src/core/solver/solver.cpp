@@ -223,22 +223,24 @@ void Solver::Run::hold() {
 void Solver::Run::warm(bool first_of_step) {
   ContactParams p = discs_.pair;
   if (!first_of_step) p.warm = 1;
-  const auto warm_blocks = [&](bool fixed, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-    s_.kernels.warm_manifolds[fixed](view_, blocks, p.warm, begin, end);
+  const auto warm_blocks = [&](bool fixed, ManifoldBlock* blocks, SurfaceBlock* surfaces, std::uint32_t begin,
+                               std::uint32_t end) {
+    s_.kernels.warm_manifolds[fixed](view_, blocks, surfaces, p.warm, begin, end);
   };
   once(p, s_.kernels.warm, s_.kernels.warm_static, warm_blocks);
   if (joined_) joints.warm(view_, p.warm);
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
-// fixed shapes. The tables are of kernels; all sweeps over contacts under heavy loads but the `outer`-th one are inner
+// fixed shapes. The tables are of kernels, and pass_blocks runs those of shapes; all sweeps over contacts under heavy loads but the `outer`-th one are inner
 // ones, as are all others but the first one (`outer` is 0) or the last one.
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
   const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
-    for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-      pass_blocks[fixed][bounce_][inner](view_, blocks, loaded ? loaded_.pair : discs_.pair, begin, end);
-    });
+    for_manifolds(fixed, loaded,
+                  [&](ManifoldBlock* blocks, SurfaceBlock* surfaces, std::uint32_t begin, std::uint32_t end) {
+                    pass_blocks(fixed, inner, blocks, surfaces, loaded ? loaded_.pair : discs_.pair, begin, end);
+                  });
   };
   for_pairs([&](const ContactBlocks& b, std::size_t) {
     pass_pairs[model_][bounce_](view_, pairs_, discs_.pair, b.begin, b.loaded);
@@ -276,12 +278,20 @@ void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, con
 
 void Solver::Run::solve() {
   if (joined_) joints.solve(view_, drift_.h, drift_.smooth_limit2);
-  pass(s_.kernels.solve, s_.kernels.solve_static, s_.kernels.solve_manifolds, 0);
+  const auto blocks = [&](bool fixed, bool inner, ManifoldBlock* of, SurfaceBlock*, const ContactParams& p,
+                          std::uint32_t begin, std::uint32_t end) {
+    s_.kernels.solve_manifolds[fixed][bounce_][inner](view_, of, p, begin, end);
+  };
+  pass(s_.kernels.solve, s_.kernels.solve_static, blocks, 0);
 }
 
 void Solver::Run::relax() {
   if (joined_) joints.relax(view_);
-  pass(s_.kernels.relax, s_.kernels.relax_static, s_.kernels.relax_manifolds, loaded_sweeps_ - 1);
+  const auto blocks = [&](bool fixed, bool inner, ManifoldBlock* of, SurfaceBlock* surfaces, const ContactParams& p,
+                          std::uint32_t begin, std::uint32_t end) {
+    s_.kernels.relax_manifolds[fixed][bounce_][inner](view_, of, surfaces, p, begin, end);
+  };
+  pass(s_.kernels.relax, s_.kernels.relax_static, blocks, loaded_sweeps_ - 1);
 }
 
 void Solver::Run::drift() {

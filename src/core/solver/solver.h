@@ -28,6 +28,7 @@ struct SolverParams {
   double impacts = 0;                ///< impacts of a body in a substep
   float warm = 1;                    ///< new substep / old substep
   bool turns = false;                ///< some points turn with their bodies: there are shapes or joints
+  bool surfaces = false;             ///< some surfaces run
   ContactModel model;
   int most_sweeps = 0;  ///< most sweeps over impacts in a substep; 0: as many as it takes
 };

@@ -26,6 +26,7 @@ inline constexpr float kTiniest = std::numeric_limits<float>::min();  // below i
 class Solver::Run : SolverInput {
   using ContactParams = kernels::ContactParams;
   using ManifoldBlock = kernels::ManifoldBlock;
+  using SurfaceBlock = kernels::SurfaceBlock;
   using FieldPass = void (*)(const kernels::BodyView&, const kernels::FieldParams&, std::uint32_t, std::uint32_t);
   using Clock = std::chrono::steady_clock;
 
@@ -67,7 +68,8 @@ class Solver::Run : SolverInput {
     const auto one = [&](std::size_t index) {
       Manifolds::StripBlocks& s = contacts.manifolds.strip(index);
       const std::uint32_t begin = kind == 0 ? 0 : s.end[kind - 1];
-      if (begin != s.end[kind]) each(s.blocks.data(), begin, s.end[kind]);
+      SurfaceBlock* const surfaces = s.surfaces.empty() ? nullptr : s.surfaces.data();
+      if (begin != s.end[kind]) each(s.blocks.data(), surfaces, begin, s.end[kind]);
     };
     if (fixed && kinematics.empty()) {
       s_.pool.run(table.strips.size(), one);
@@ -85,9 +87,10 @@ class Solver::Run : SolverInput {
     for_pairs([&](const ContactBlocks& b, std::size_t) { pass_pairs[model_](view_, pairs_, p, b.begin, b.end); });
     for (const bool fixed : {false, true}) {
       for (const bool loaded : {false, true}) {
-        for_manifolds(fixed, loaded, [&](ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
-          pass_blocks(fixed, blocks, begin, end);
-        });
+        for_manifolds(fixed, loaded,
+                      [&](ManifoldBlock* blocks, SurfaceBlock* surfaces, std::uint32_t begin, std::uint32_t end) {
+                        pass_blocks(fixed, blocks, surfaces, begin, end);
+                      });
       }
     }
     for_statics([&](const ContactBlocks& b, std::size_t) { pass_statics[model_](view_, statics_, p, b.begin, b.end); });

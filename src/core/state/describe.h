@@ -1,6 +1,7 @@
 // How saved states and recordings write the small types that several parts of a world share (archive.h).
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <tuple>
 
@@ -19,15 +20,18 @@ constexpr std::uint64_t last_of(Enum<Integrator>) { return 3; }
 constexpr std::uint64_t last_of(Enum<JointType>) { return 5; }
 constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 5; }
 constexpr std::uint64_t last_of(Enum<kernels::Model>) { return 2; }
-constexpr std::uint64_t last_of(Enum<Place>) { return 4; }
+constexpr std::uint64_t last_of(Enum<Place>) { return 5; }
 constexpr std::uint64_t last_of(Enum<ManifoldPair::StackRole>) { return 2; }
+constexpr std::uint64_t last_of(Enum<ManifoldPair::Crossing>) { return 2; }
 
 // ---- the members of a struct, in the order in which they are saved
 inline auto fields(Vec2& v) { return std::tie(v.x, v.y); }
 inline auto fields(Bounds& b) { return std::tie(b.xmin, b.ymin, b.xmax, b.ymax); }
 inline auto fields(LatticePoint& p) { return std::tie(p.x, p.y, p.dx, p.dy); }
 inline auto fields(BodyId& id) { return std::tie(id.index, id.generation); }
-inline auto fields(Material& m) { return std::tie(m.density, m.restitution, m.friction); }
+inline auto fields(Material& m) {
+  return std::tie(m.density, m.restitution, m.friction, m.tangent_speed, m.rolling_resistance);
+}
 inline auto fields(MixingRules& m) { return std::tie(m.restitution, m.friction); }
 inline auto fields(Locks& l) { return std::tie(l.x, l.y, l.angle); }
 inline auto fields(Filter& f) { return std::tie(f.category, f.mask, f.group); }
@@ -43,8 +47,8 @@ inline auto fields(JointDesc& d) {
 }
 
 inline auto fields(BodyKind& k) {
-  return std::tie(k.first_hull, k.hull_count, k.first_part, k.part_count, k.centre_x, k.centre_y, k.inner, k.filter,
-                  k.bullet, k.sensor, k.restrained, k.locks);
+  return std::tie(k.first_hull, k.hull_count, k.first_part, k.part_count, k.centre_x, k.centre_y, k.inner,
+                  k.locked_gain, k.filter, k.bullet, k.sensor, k.one_way, k.restrained, k.locks);
 }
 inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
 inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }
@@ -59,8 +63,12 @@ inline void one_value(Archive& a, Hull& h) {
 }
 
 inline void one_value(Archive& a, PartProperties& p) {
-  values(a, p.surface.restitution, p.surface.friction, p.filter, p.sensor);
-  a.require(p.surface.restitution >= 0 && p.surface.restitution <= 1 && p.surface.friction >= 0 && p.sensor <= 1);
+  Surface& s = p.surface;
+  values(a, s.restitution, s.friction, s.tangent_speed, s.rolling_resistance, p.filter, p.sensor, p.one_way_x,
+         p.one_way_y);
+  a.require(p.surface.restitution >= 0 && p.surface.restitution <= 1 && p.surface.friction >= 0 && p.sensor <= 1 &&
+            s.rolling_resistance >= 0 && std::isfinite(s.tangent_speed) && std::fabs(p.one_way_x) <= 1.001f &&
+            std::fabs(p.one_way_y) <= 1.001f);
 }
 
 inline void one_value(Archive& a, BodyProperties& s) {

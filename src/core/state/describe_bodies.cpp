@@ -141,7 +141,7 @@ void check_users(Archive& a, const BodyStore& b) {
     if (!a.ok()) return;
     ++of_properties[b.info[k].properties];
     const BodyProperties& s = b.properties(k);
-    a.require((place == Place::fixed) == (s.type() == BodyType::static_body));
+    if (place != Place::disabled) a.require((place == Place::fixed) == (s.type() == BodyType::static_body));
     if (place != Place::moving && place != Place::asleep) continue;
     a.require(s.radius > 0 && (s.type() == BodyType::dynamic_body ? s.mass > 0 : s.inv_mass == 0));
   }
@@ -184,9 +184,32 @@ void describe_bodies(Archive& a, BodyStore& b, bool lists) {
 
 }  // namespace
 
+static void describe_disabled(Archive& a, Population& p) {
+  BodyStore& bodies = p.bodies;
+  std::size_t at = 0, hidden = 0;
+  a.list(p.disabled, [&](DisabledBody& d) {
+    values(a, d.last, d.linear_damping, d.angular_damping, d.first_shape, d.pieces);
+    const std::uint32_t id = d.last.id.index;
+    if (a.loading()) a.require(put(bodies, id, Place::disabled, at++));
+    if (!a.ok()) return;
+    const bool fixed = bodies.properties(id).type() == BodyType::static_body;
+    a.require(d.last.type == bodies.properties(id).type() && d.last.id.generation == bodies.info[id].generation);
+    a.require(d.linear_damping >= 0 && d.angular_damping >= 0);
+    a.require((fixed || d.pieces == 0) && p.statics.hides(d.first_shape, d.pieces, id));
+    hidden += d.pieces;
+  });
+  a.require(hidden == p.statics.hidden());
+  a.list(p.user_values.entries(), [&](UserValue& u) {
+    a.index(bodies.id_count, u.id);
+    values(a, u.value);
+    a.require(a.ok() && bodies.info[u.id].place != Place::none);
+  });
+  if (a.loading()) a.require(p.user_values.index());
+}
+
 void describe_population(Archive& a, Population& p, bool lists) {
   BodyStore& bodies = p.bodies;
-  values(a, p.first_properties.mass, p.first_radius, p.least_radius, p.first_properties);
+  values(a, p.traits_changed, p.first_properties.mass, p.first_radius, p.least_radius, p.first_properties);
   a.require(p.first_radius >= 0 && p.least_radius >= 0);
   a.refuse_nan(true, true);
   describe_bodies(a, bodies, lists);
@@ -196,6 +219,7 @@ void describe_population(Archive& a, Population& p, bool lists) {
     if (a.loading()) a.require(f.radius >= 0 && put(bodies, f.id, Place::fixed, at++));
   });
   p.statics.describe(a, bodies);
+  describe_disabled(a, p);
   a.refuse_nan(false);
   for (const FixedBody& f : p.fixed) a.require(f.first_shape <= p.statics.size());
   at = 0;
@@ -229,15 +253,16 @@ void describe_population(Archive& a, Population& p, bool lists) {
 static void describe_flags(Archive& a, std::span<StaticShape> shapes) {
   std::vector<std::uint8_t> bits;
   for (const StaticShape& s : shapes) {
-    bits.push_back(
-        static_cast<std::uint8_t>(s.segment | s.face << 1 | s.whole << 2 | s.alive << 3 | s.asleep << 4 | s.lone << 5));
+    bits.push_back(static_cast<std::uint8_t>(s.segment | s.face << 1 | s.whole << 2 | s.alive << 3 | s.asleep << 4 |
+                                             s.lone << 5 | s.special << 6 | s.hidden << 7));
   }
-  a.packed(bits, 1 << 6);
+  a.packed(bits, 1 << 8);
   a.require(bits.size() == shapes.size());
   for (std::size_t k = 0; k < shapes.size() && a.ok(); ++k) {
     const auto bit = [&](int n) { return (bits[k] >> n & 1) != 0; };
     StaticShape& s = shapes[k];
     s.segment = bit(0), s.face = bit(1), s.whole = bit(2), s.alive = bit(3), s.asleep = bit(4), s.lone = bit(5);
+    s.special = bit(6), s.hidden = bit(7);
   }
 }
 
@@ -274,11 +299,12 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
     alive_ = count_ - told.size();
     for (const std::uint32_t k : told) {
       const S& s = statics_[k];
-      a.require(s.owner < bodies.id_count);
-      if (!a.ok() || !s.alive) continue;
-      ++alive_;
+      a.require(s.owner < bodies.id_count && !(s.alive && s.hidden));
+      if (!a.ok() || !(s.alive || s.hidden)) continue;
+      alive_ += s.alive;
       a.require(s.radius >= 0 && s.radius < 1e30f);
-      a.require(bodies.info[s.owner].place == (s.asleep ? Place::asleep : Place::fixed));
+      const Place place = s.hidden ? Place::disabled : (s.asleep ? Place::asleep : Place::fixed);
+      a.require(bodies.info[s.owner].place == place);
       const BodyKind& kind = bodies.kind(s.owner);
       a.require(kind.first_part == 0 || s.part < kind.part_count);
       a.require(!s.whole || (s.hull < hulls_.size() && hulls_[s.hull].count != 0 && hull_used[s.hull]++ == 0));
@@ -293,7 +319,8 @@ void StaticShapes::check_runs(Archive& a) const {
   std::vector<std::uint8_t> taken(count_);
   const auto run = [&](std::uint32_t first, std::uint32_t length) {
     a.require(a.ok() && length <= count_ && first <= count_ - length);
-    for (std::uint32_t k = first; a.ok() && k < first + length; ++k) a.require(!statics_[k].alive && taken[k]++ == 0);
+    for (std::uint32_t k = first; a.ok() && k < first + length; ++k)
+      a.require(!statics_[k].alive && !statics_[k].hidden && taken[k]++ == 0);
   };
   for (std::uint32_t length = 0; length <= kLongestRun; ++length) {
     for (const std::uint32_t first : runs_[length]) run(first, length);

@@ -106,9 +106,9 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.a, p.b, p.shape, p.id_a, p.id_b, p.owner, p.part_a, p.part_b, p.fixed_a, p.lane);
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
-  values(a, p.round_a, p.round_b, p.active, p.ahead, p.flying, p.ghost, p.moved, p.landing, p.rocking, p.lasting,
-         p.changed, p.stack, p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced, p.placed, p.stands, p.hangs,
-         p.yields);
+  values(a, p.round_a, p.round_b, p.roll, p.crossing, p.active, p.ahead, p.flying, p.ghost, p.moved, p.landing,
+         p.rocking, p.lasting, p.changed, p.stack, p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced,
+         p.placed, p.stands, p.hangs, p.yields);
   a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
@@ -138,6 +138,8 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   a.packed(begin_);
   a.list(strips_, [&](StripBlocks& s) {
     a.plain(s.blocks);
+    a.plain(s.surfaces);
+    a.require(s.surfaces.empty() || s.surfaces.size() == s.blocks.size());
     a.packed(s.active);
     a.packed(s.laid);
     // In the middle of a step a strip may watch pairs of lists that are not saved yet; who goes on from the state finds
@@ -159,8 +161,8 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
     a.packed(kind_, slots);
   }
   Totals& t = totals_;
-  values(a, t.points, g_, any_filter_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again, new_pairs_,
-         cold_, weighs_);
+  values(a, t.points, g_, any_filter_, wall_special_, t.loaded, t.colours, t.blocks, t.pass_blocks, laid_, looks_.again,
+         new_pairs_, cold_, weighs_);
   if (!a.loading()) return;
   own_end_ = own_end;
   if (!kinds) kind_.release();
@@ -207,6 +209,8 @@ void Manifolds::check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAro
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
     if (around.present() && around.in_place) a.require(slot < b.count && b.id[slot] == id);
+    const bool known = a.ok() && slot < b.count && b.id[slot] == id;
+    if (known) a.require(slot < kind_.capacity() && has_corners(slot) == (b.kind(id).hull_count != 0));
   };
   const bool fixed = p.of_piece(), wall = p.of_wall();
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
@@ -277,7 +281,7 @@ static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) 
     a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
     if (!a.ok()) return;
     const Place place = b.info[end.index].place;
-    a.require(place == Place::moving || place == Place::asleep || place == Place::fixed);
+    a.require(place != Place::none && place != Place::frozen);
     dynamic = dynamic || b.properties(end.index).inv_mass > 0;
   }
   a.require(dynamic);

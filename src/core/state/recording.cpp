@@ -13,7 +13,8 @@ namespace {
 constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &World::set_velocity,
                             &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
                             &World::set_gravity,   &World::set_sleeping,     &World::wake,
-                            &World::remove_joint,  &World::set_motor,        &World::set_skin};
+                            &World::remove_joint,  &World::set_motor,        &World::set_skin,
+                            &World::set_enabled,   &World::set_traits,       &World::set_user_data};
 
 // What an entry of the log is: one of these, or behind them a call.
 enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kCallsBegin };
@@ -21,7 +22,7 @@ constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 8;
+  static constexpr std::uint64_t kFormat = 9;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -40,18 +41,23 @@ static auto fields(StepDetail& d) {
 static auto fields(JointId& id) { return std::tie(id.index, id.generation); }
 static auto fields(DiscShape& s) { return std::tie(s.radius); }
 static auto fields(SegmentShape& s) { return std::tie(s.p1, s.p2); }
-static auto fields(ChainShape& s) { return std::tie(s.vertices, s.loop); }
+static auto fields(ChainShape& s) { return std::tie(s.vertices, s.loop, s.materials); }
 static auto fields(BoxShape& s) { return std::tie(s.width, s.height, s.radius); }
 static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
 static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
 static auto fields(ShapePart& p) {
-  return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor);
+  return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor,
+                  p.tangent_speed, p.rolling_resistance, p.one_way);
 }
 static auto fields(CompoundShape& s) { return std::tie(s.parts); }
 static auto fields(BodyDesc& d) {
   return std::tie(d.type, d.shape, d.position, d.angle, d.velocity, d.angular_velocity, d.material, d.mass,
                   d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
-                  d.locks);
+                  d.locks, d.one_way, d.enabled, d.user_data);
+}
+static auto fields(BodyTraits& t) {
+  return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
+                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks);
 }
 
 namespace {
@@ -209,6 +215,9 @@ bool Recorder::wake(BodyId id) { return log_->call<8>(world_, id); }
 bool Recorder::remove_joint(JointId id) { return log_->call<9>(world_, id); }
 bool Recorder::set_motor(JointId id, double speed, double limit) { return log_->call<10>(world_, id, speed, limit); }
 bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); }
+bool Recorder::set_enabled(BodyId id, bool on) { return log_->call<12>(world_, id, on); }
+bool Recorder::set_traits(BodyId id, const BodyTraits& to) { return log_->call<13>(world_, id, to); }
+bool Recorder::set_user_data(BodyId id, std::uint64_t value) { return log_->call<14>(world_, id, value); }
 
 std::vector<std::byte> Recorder::recording() const {
   Log end;

@@ -58,6 +58,7 @@ SolverParams solver_params(const StepContext& c, double dt, const StepDetail& de
   p.warm = c.dynamics.last_substep > 0 ? static_cast<float>(lesser(h / c.dynamics.last_substep, kMostWarm)) : 1.0f;
   p.model = c.plan.model;
   p.turns = c.plan.turns;
+  p.surfaces = c.plan.surfaces;
   p.most_sweeps = detail.sweeps;
   return p;
 }
@@ -185,7 +186,7 @@ ContinuousInput continuous_input(const StepContext& c, const ManifoldParams& p, 
           p.gravity,
           c.desc.restitution_threshold,
           walls,
-          p.wall};
+          p.surfaces};
 }
 
 // Bodies that went far for their size do not pass what is solid.

@@ -10,6 +10,7 @@ void take_traits(const WorldDesc& d, Traits& traits) {
   traits.walls = d.boundary == Boundary::walls;
   traits.wall_bounce = coefficient(d.wall.restitution) > 0;
   traits.wall_rough = coefficient(d.wall.friction) > 0;
+  traits.wall_special = coefficient(d.wall.tangent_speed) != 0 || coefficient(d.wall.rolling_resistance) != 0;
   traits.one_rubs = d.mixing.friction == Mixing::max || d.mixing.friction == Mixing::mean;
   traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
@@ -36,7 +37,8 @@ Plan make_plan(const Traits& t) {
   p.loads = p.uneven && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) && (t.gravity || t.fields);
   p.radii = t.same_radius != t.moving;
   p.materials = t.same_properties != t.discs;
-  p.manifolds = t.cornered != 0;
+  p.surfaces = t.moving != 0 && (t.special != 0 || (t.walls && t.wall_special));
+  p.manifolds = t.cornered != 0 || p.surfaces;
   p.joints = t.joints != 0;
   p.turns = p.manifolds || p.joints;
   p.filters = t.filtered != 0 || t.sensors != 0 || t.exclusions;
@@ -84,6 +86,8 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("solver.friction", p.friction, "two surfaces that can meet have friction",
       "no two surfaces that can meet have friction");
   add("manifolds", p.manifolds, "bodies other than discs", "all moving bodies are discs");
+  add("surfaces", p.surfaces, "some surfaces run, resist rolling or are solid from one side",
+      "no surface runs, resists rolling or is solid from one side");
   add("joints", p.joints, "bodies are joined", "no body is joined to another");
   add("filters", p.filters, "some bodies do not collide with others, or are sensors",
       "everybody collides with everybody");

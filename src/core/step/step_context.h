@@ -87,7 +87,8 @@ struct StepContext {
   Population population{desc, lattice, memory};
   BodyStore& bodies = population.bodies;
   StaticShapes& statics = population.statics;
-  Surroundings surroundings{memory, lattice, bodies, statics, kernels, pool, population.kinematics, desc.mixing};
+  Surroundings surroundings{memory,      lattice,  bodies, statics, kernels, pool, population.kinematics,
+                            desc.mixing, desc.wall};
   JointStore joints{surroundings};
   // What a step makes of them.
   NeighbourLists neighbours{surroundings};

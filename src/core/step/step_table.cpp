@@ -137,8 +137,9 @@ void loads(StepContext& c, const Span&, StepReport&, PieceRange p) {
 
 void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
   const BroadPhase& broad = c.neighbours.broad;
-  c.contacts.manifolds.begin_collect({c.plan.filters, c.walls, broad.margin(), broad.ahead()}, c.neighbours.table,
-                                     c.neighbours.stale);
+  c.contacts.manifolds.begin_collect(
+      {c.plan.filters, c.walls, broad.margin(), broad.ahead(), c.plan.surfaces, c.population.traits.wall_special},
+      c.neighbours.table, c.neighbours.stale);
 }
 
 void sort_out(StepContext& c, const Span&, StepReport&, PieceRange p) {

@@ -19,9 +19,8 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   p.dt = dt;
   p.gravity = desc.gravity;
   p.walls = walls;
-  p.wall.restitution = coefficient(desc.wall.restitution);
-  p.wall.friction = coefficient(desc.wall.friction);
   p.locks = plan.restraints;
+  p.surfaces = plan.surfaces;
   return p;
 }
 

@@ -43,6 +43,8 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   check("substeps", d.substeps, limits::kSubsteps)("linear damping", d.linear_damping, limits::kDamping);
   check("restitution threshold", d.restitution_threshold, limits::kSpeed)("skin", d.skin, limits::kSkin);
   check("wall restitution", d.wall.restitution, limits::kRestitution);
+  check("wall tangent speed", d.wall.tangent_speed, limits::kTangentSpeed);
+  check("wall rolling resistance", d.wall.rolling_resistance, limits::kRollingResistance);
   check("wall friction", d.wall.friction, limits::kFriction)("threads", o.threads, limits::kThreads);
   if (!check.error.empty()) return check.error;
   for (const Field& field : d.fields) {

@@ -22,6 +22,7 @@ void wake_around_kinematic(Owners& w, std::uint32_t id) {
 void body_came(Owners& w, std::uint32_t id) {
   spoil_work(w);
   w.plan_stale = w.observers.placed = true;
+  if (w.bodies.info[id].place == Place::disabled) return;
   if (w.bodies.info[id].place == Place::fixed) {
     w.observers.queries.forget(QueryIndex::kFixed);
     w.note_sleep(w.sleep.disturb_at_fixed(w.sleep_source(), id));
@@ -32,16 +33,16 @@ void body_came(Owners& w, std::uint32_t id) {
   }
 }
 
-// Tells all others that a body goes out of the simulation. `same`: it keeps its id.
-void body_goes(Owners& w, std::uint32_t id, bool same) {
+// Tells all others that a body goes out of the simulation. `same`: it keeps its id; `tied`: and its joints.
+void body_goes(Owners& w, std::uint32_t id, bool same, bool tied = false) {
   disturb_joined(w, id);
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
   const BodyInfo& info = w.bodies.info[id];
   if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
-  remove_joints_of(w, id);
+  if (!tied) remove_joints_of(w, id);
   w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
-  if (info.place != Place::frozen) w.plan_stale = true;
+  if (!is_out(info.place)) w.plan_stale = true;
   spoil_work(w);
 }
 
@@ -59,6 +60,13 @@ bool can_move(Owners& w, BodyId id) {
   if (place != Place::moving && place != Place::asleep) return false;
   disturb(w, id.index);
   return true;
+}
+
+// A body that moves, and that the host took out of the simulation for a while; else none.
+DisabledBody* disabled_mover(Owners& w, BodyId id) {
+  if (!w.population.is_valid(id) || w.bodies.info[id.index].place != Place::disabled) return nullptr;
+  DisabledBody& body = w.population.disabled[w.bodies.info[id.index].slot];
+  return body.last.type != BodyType::static_body ? &body : nullptr;
 }
 
 // A body gets an angle or an angular velocity.
@@ -87,7 +95,7 @@ bool push(Owners& w, BodyId id, const Change& change) {
 
 void remove_body(Owners& w, std::uint32_t id) {
   w.settled();
-  w.population.make_room_to_leave(1, w.bodies.info[id].place == Place::fixed);
+  w.population.make_room_to_leave(1, w.bodies.properties(id).type() == BodyType::static_body);
   body_goes(w, id, false);
   w.population.remove(id);
   forget_impulses_of_nobody(w);
@@ -189,6 +197,14 @@ std::optional<BodyState> World::body(BodyId id) const {
 bool World::set_transform(BodyId id, Vec2 position, double angle) try {
   const FloatSettings settings;
   Owners& w = *impl_;
+  if (DisabledBody* body = disabled_mover(w, id)) {
+    if (!finite(position) || !finite(angle)) return false;
+    w.settled();
+    position = w.population.within_walls(position);
+    body->last.x = position.x, body->last.y = position.y, body->last.angle = angle;
+    w.observers.placed = true;
+    return true;
+  }
   if (!can_move(w, id)) return false;
   if (!finite(position) || !finite(angle)) {
     w.quarantine.doubtful.push_back(id);
@@ -215,6 +231,12 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) try {
 
 bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) try {
   const FloatSettings settings;
+  if (DisabledBody* body = disabled_mover(*impl_, id)) {
+    if (!limits::kVelocity.contains(velocity) || !limits::kAngularVelocity.contains(angular_velocity)) return false;
+    impl_->settled();
+    body->last.vx = velocity.x, body->last.vy = velocity.y, body->last.omega = angular_velocity;
+    return true;
+  }
   return push(*impl_, id, [&](std::uint32_t) {
     if (!limits::kVelocity.contains(velocity) || !limits::kAngularVelocity.contains(angular_velocity)) return false;
     if (angular_velocity != 0) let_turn(*impl_);
@@ -273,6 +295,82 @@ bool World::apply_angular_impulse(BodyId id, double impulse) try {
     population.bodies.put_rim_speed(slot, rim_speed);
     return true;
   });
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
+}
+
+bool World::set_enabled(BodyId id, bool on) try {
+  const FloatSettings settings;
+  if (!is_valid(id) || impl_->bodies.info[id.index].place == Place::frozen) return false;
+  if (is_enabled(id) == on) return true;
+  Owners& w = impl_->settled();
+  Population& population = w.population;
+  if (on) {
+    population.make_room_to_enable(id.index);
+    population.enable(id.index);
+    or_else([&] { population.disable(id.index); },
+            [&] {
+              body_came(w, id.index);
+              disturb_joined(w, id.index);
+            });
+  } else {
+    disturb(w, id.index);
+    population.make_room_to_disable();
+    body_goes(w, id.index, true, true);
+    population.disable(id.index);
+    forget_impulses_of_nobody(w);
+  }
+  if (!w.joints.empty()) w.joints.follow(id.index);
+  return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
+}
+
+bool World::is_enabled(BodyId id) const {
+  return is_valid(id) && impl_->bodies.info[id.index].place != Place::disabled;
+}
+
+std::optional<BodyTraits> World::traits(BodyId id) const {
+  const FloatSettings settings;
+  if (!is_valid(id)) return std::nullopt;
+  return impl_->population.traits_of(id.index);
+}
+
+bool World::set_traits(BodyId id, const BodyTraits& to) try {
+  const FloatSettings settings;
+  if (!is_valid(id) || impl_->bodies.info[id.index].place == Place::frozen) return false;
+  if (!check(to, impl_->bodies.properties(id.index).type()).empty()) return false;
+  Owners& w = impl_->settled();
+  if (w.population.traits_of(id.index) == to) return true;
+  disturb(w, id.index);
+  disturb_joined(w, id.index);
+  w.bodies.find_slots();
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
+  if (!w.population.set_traits(id.index, to)) return false;
+  if (!w.joints.empty()) w.joints.follow(id.index);
+  spoil_work(w);
+  w.plan_stale = true;
+  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
+  return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
+}
+
+std::uint64_t World::user_data(BodyId id) const {
+  const UserValues& values = impl_->population.user_values;
+  return is_valid(id) && values.has(id.index) ? values.at(id.index).value : 0;
+}
+
+bool World::set_user_data(BodyId id, std::uint64_t value) try {
+  if (!is_valid(id)) return false;
+  UserValues& values = impl_->settled().population.user_values;
+  if (values.has(id.index)) {
+    values.at(id.index).value = value;
+    if (value == 0) values.remove(id.index);
+  } else if (value != 0) {
+    values.add({id.index, value});
+  }
+  return true;
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
 }

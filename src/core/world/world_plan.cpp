@@ -40,6 +40,7 @@ void replan(Owners& w) {
   if (!w.plan_stale && plan.events == traits.events && plan.publish == traits.snapshots) return;
   Plan next = plan;
   if (w.plan_stale) {
+    w.population.recount_if_changed();
     traits = present_traits(w);
     next = make_plan(traits);
   }

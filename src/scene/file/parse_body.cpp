@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/range_text.h"
+#include "base/rotor.h"
 #include "file/parse_limits.h"
 #include "file/parse_parts.h"
 
@@ -61,9 +63,9 @@ void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& b
   if (const std::optional<Node> material = node.find("material")) {
     body.material = named_material(*material, context);
   }
-  body.material.density = node.number_or("density", body.material.density, limits::kDensity);
-  body.material.restitution = node.number_or("restitution", body.material.restitution, limits::kRestitution);
-  body.material.friction = node.number_or("friction", body.material.friction, limits::kFriction);
+  read_material_keys(node, body.material);
+  body.one_way = read_one_way(node).value_or(body.one_way);
+  body.enabled = node.boolean_or("enabled", body.enabled);
   body.mass = node.number_or("mass", body.mass, limits::kMass);
   body.gravity_scale = node.number_or("gravity_scale", body.gravity_scale, limits::kGravityScale);
   body.fixed_rotation = node.boolean_or("fixed_rotation", body.fixed_rotation);
@@ -73,6 +75,14 @@ void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& b
   body.linear_damping = node.number_or("linear_damping", body.linear_damping, limits::kDamping);
   body.angular_damping = node.number_or("angular_damping", body.angular_damping, limits::kDamping);
   if (const std::optional<Node> locks = node.find("lock")) body.locks = read_locks(*locks);
+}
+
+std::optional<Vec2> read_one_way(const Node& node) {
+  const std::optional<Node> key = node.find("one_way");
+  if (!key) return std::nullopt;
+  const Vec2 way = key->vec2(limits::kCoordinate);
+  if (!limits::kAxis.contains(length_of(way))) key->fail("is no direction: its length " + range_text(limits::kAxis));
+  return way;
 }
 
 Filter read_filter(const Node& node, Filter filter) {

@@ -36,6 +36,12 @@ void read_joints(const Node& scene, const Context& context, Scene& out);
 
 /// The material of this name.
 const Material& named_material(const Node& name, const Context& context);
+/// A material that stands there itself.
+Material read_material(const Node& node);
+/// The keys of a material that there are, in a node that may have others.
+void read_material_keys(const Node& node, Material& material);
+/// `one_way`; nothing where there is no key.
+std::optional<Vec2> read_one_way(const Node& node);
 
 /// A shape of any kind that a body of this type may have.
 Shape read_shape(const Node& shape, const Context& context, BodyType type);
@@ -44,10 +50,29 @@ Shape read_shapes(const Node& shapes, const Context& context, const BodyDesc& bo
 double read_radius(const Node& radius, const Context& context);
 
 /// The keys that bodies and groups share, without place, shape and velocity.
-inline constexpr std::array<std::string_view, 18> kSharedBodyKeys = {
-    "type",           "angle",          "angular_velocity", "material", "density",  "mass",
-    "restitution",    "friction",       "gravity_scale",    "bullet",   "category", "mask",
-    "fixed_rotation", "linear_damping", "angular_damping",  "lock",     "group",    "sensor"};
+inline constexpr std::array<std::string_view, 22> kSharedBodyKeys = {"tangent_speed",
+                                                                     "rolling_resistance",
+                                                                     "one_way",
+                                                                     "enabled",
+
+                                                                     "type",
+                                                                     "angle",
+                                                                     "angular_velocity",
+                                                                     "material",
+                                                                     "density",
+                                                                     "mass",
+                                                                     "restitution",
+                                                                     "friction",
+                                                                     "gravity_scale",
+                                                                     "bullet",
+                                                                     "category",
+                                                                     "mask",
+                                                                     "fixed_rotation",
+                                                                     "linear_damping",
+                                                                     "angular_damping",
+                                                                     "lock",
+                                                                     "group",
+                                                                     "sensor"};
 void read_shared_body_keys(const Node& node, const Context& context, BodyDesc& body);
 /// `category`, `mask` and `group`, each as in `filter` where there is no key.
 Filter read_filter(const Node& node, Filter filter);

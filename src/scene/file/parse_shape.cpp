@@ -20,14 +20,15 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kShapes = {"disc",    "box",     "polygon", "outline",
                                                      "capsule", "segment", "chain"};
-constexpr std::array<std::string_view, 9> kPartKeys = {"position", "angle", "density", "restitution", "friction",
-                                                       "category", "mask",  "group",   "sensor"};
+constexpr std::array<std::string_view, 12> kPartKeys = {
+    "tangent_speed", "rolling_resistance", "one_way",  "position", "angle", "density",
+    "restitution",   "friction",           "category", "mask",     "group", "sensor"};
 constexpr std::array<std::string_view, 1> kDiscKeys = {"radius"};
 constexpr std::array<std::string_view, 2> kBoxKeys = {"size", "radius"};
 constexpr std::array<std::string_view, 2> kPolygonKeys = {"vertices", "radius"};
 constexpr std::array<std::string_view, 3> kCapsuleKeys = {"p1", "p2", "radius"};
 constexpr std::array<std::string_view, 2> kSegmentKeys = {"p1", "p2"};
-constexpr std::array<std::string_view, 2> kChainKeys = {"vertices", "loop"};
+constexpr std::array<std::string_view, 3> kChainKeys = {"vertices", "loop", "materials"};
 
 bool same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 
@@ -48,7 +49,19 @@ SegmentShape read_segment(const Node& node) {
   return segment;
 }
 
-ChainShape read_chain(const Node& node) {
+// One material for each segment: its name, or itself.
+std::vector<Material> read_segment_materials(const Node& node, std::size_t segments, const Context& context) {
+  node.expect_array(segments, segments);
+  std::vector<Material> materials;
+  materials.reserve(segments);
+  for (std::size_t k = 0; k < segments; ++k) {
+    const Node element = node.element(k);
+    materials.push_back(element.is_string() ? named_material(element, context) : read_material(element));
+  }
+  return materials;
+}
+
+ChainShape read_chain(const Node& node, const Context& context) {
   ChainShape chain;
   chain.loop = node.boolean_or("loop", false);
   const Node vertices = node.require("vertices");
@@ -63,6 +76,9 @@ ChainShape read_chain(const Node& node) {
         .fail("is the first vertex: a loop joins its last vertex to the first by itself");
   }
   if (std::string error; !is_line(chain.vertices, error)) vertices.fail(std::move(error));
+  if (const std::optional<Node> materials = node.find("materials")) {
+    chain.materials = read_segment_materials(*materials, chain.vertices.size() - (chain.loop ? 0 : 1), context);
+  }
   return chain;
 }
 
@@ -148,7 +164,7 @@ Shape read_kind(const Node& shape, std::string_view kind, const Context& context
     return checked(node, read_segment(node));
   }
   node.expect_object(kChainKeys);
-  ChainShape chain = read_chain(node);
+  ChainShape chain = read_chain(node, context);
   if (type == BodyType::dynamic_body) {
     node.fail("is the shape of a dynamic body: a chain is \"static\" or \"kinematic\" only");
   }
@@ -186,6 +202,11 @@ ShapePart read_part(const Node& node, const Context& context, const BodyDesc& bo
   if (const auto key = node.find("restitution")) part.restitution = key->number(limits::kRestitution);
   if (const auto key = node.find("friction")) part.friction = key->number(limits::kFriction);
   if (node.find("category") || node.find("mask") || node.find("group")) part.filter = read_filter(node, body.filter);
+  if (const auto key = node.find("tangent_speed")) part.tangent_speed = key->number(limits::kTangentSpeed);
+  if (const auto key = node.find("rolling_resistance")) {
+    part.rolling_resistance = key->number(limits::kRollingResistance);
+  }
+  part.one_way = read_one_way(node);
   if (const auto key = node.find("sensor")) part.sensor = key->boolean();
   return part;
 }

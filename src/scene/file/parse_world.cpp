@@ -10,7 +10,8 @@
 namespace psim::scene {
 namespace {
 
-constexpr std::array<std::string_view, 3> kMaterialKeys = {"density", "restitution", "friction"};
+constexpr std::array<std::string_view, 5> kMaterialKeys = {"density", "restitution", "friction", "tangent_speed",
+                                                           "rolling_resistance"};
 constexpr std::array<std::string_view, 6> kWorldKeys = {"bounds",         "boundary", "gravity",
                                                         "linear_damping", "material", "mixing"};
 constexpr std::array<std::string_view, 3> kBoundaries = {"walls", "periodic", "open"};
@@ -90,17 +91,28 @@ const Material& named_material(const Node& name, const Context& context) {
             (known.empty() ? "; the scene has no materials" : "; materials: " + word_list(known)));
 }
 
+void read_material_keys(const Node& node, Material& material) {
+  material.density = node.number_or("density", material.density, limits::kDensity);
+  material.restitution = node.number_or("restitution", material.restitution, limits::kRestitution);
+  material.friction = node.number_or("friction", material.friction, limits::kFriction);
+  material.tangent_speed = node.number_or("tangent_speed", material.tangent_speed, limits::kTangentSpeed);
+  material.rolling_resistance =
+      node.number_or("rolling_resistance", material.rolling_resistance, limits::kRollingResistance);
+}
+
+Material read_material(const Node& node) {
+  node.expect_object(kMaterialKeys);
+  Material material;
+  read_material_keys(node, material);
+  return material;
+}
+
 void read_materials(const Node& scene, Context& context) {
   const std::optional<Node> materials = scene.find("materials");
   if (!materials) return;
   materials->expect_object();
   for (const auto& [name, unused] : materials->json().get_ref<const Json::object_t&>()) {
-    const Node node = materials->require(name);
-    node.expect_object(kMaterialKeys);
-    Material& material = context.materials[name];
-    material.density = node.number_or("density", material.density, limits::kDensity);
-    material.restitution = node.number_or("restitution", material.restitution, limits::kRestitution);
-    material.friction = node.number_or("friction", material.friction, limits::kFriction);
+    context.materials[name] = read_material(materials->require(name));
   }
 }
 

@@ -106,7 +106,10 @@ std::string array_lines(const std::vector<std::string>& elements, std::size_t in
 }
 
 std::string material_text(const Material& m) {
-  return Object().add("density", m.density).add("restitution", m.restitution).add("friction", m.friction).one_line();
+  Object out;
+  out.add("density", m.density).add("restitution", m.restitution).add("friction", m.friction);
+  out.add_unless("tangent_speed", m.tangent_speed, 0).add_unless("rolling_resistance", m.rolling_resistance, 0);
+  return out.one_line();
 }
 
 // The keys of a filter, less those that are as usual.
@@ -129,6 +132,9 @@ struct ShapeText {
   std::string operator()(const ChainShape& chain) const {
     Object keys;
     keys.raw("vertices", list_of(chain.vertices)).add_if("loop", chain.loop);
+    std::string materials;
+    for (const Material& m : chain.materials) materials += (materials.empty() ? "" : ", ") + material_text(m);
+    if (!materials.empty()) keys.raw("materials", '[' + materials + ']');
     return Object().raw("chain", keys.one_line()).one_line();
   }
   std::string operator()(const BoxShape& box) const {
@@ -155,6 +161,9 @@ struct ShapeText {
       if (part.density) keys.add("density", *part.density);
       if (part.restitution) keys.add("restitution", *part.restitution);
       if (part.friction) keys.add("friction", *part.friction);
+      if (part.tangent_speed) keys.add("tangent_speed", *part.tangent_speed);
+      if (part.rolling_resistance) keys.add("rolling_resistance", *part.rolling_resistance);
+      if (part.one_way) keys.add("one_way", *part.one_way);
       if (part.filter) add_filter(keys, *part.filter, nullptr);
       if (part.sensor) keys.add("sensor", *part.sensor);
       const std::string own = keys.one_line();  // behind the shape, in one object with it
@@ -178,6 +187,9 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
       .add_unless("density", body.material.density, absent.material.density)
       .add_unless("restitution", body.material.restitution, absent.material.restitution)
       .add_unless("friction", body.material.friction, absent.material.friction)
+      .add_unless("tangent_speed", body.material.tangent_speed, 0)
+      .add_unless("rolling_resistance", body.material.rolling_resistance, 0)
+      .add_unless("one_way", body.one_way, {})
       .add_unless("mass", body.mass, 0)
       .add_unless("gravity_scale", body.gravity_scale, absent.gravity_scale)
       .add_if("fixed_rotation", body.fixed_rotation)
@@ -192,6 +204,7 @@ void add_shared_keys(Object& out, const BodyDesc& body) {
     if (locked) locks += (locks.empty() ? "" : ", ") + text_of(std::string_view(name));
   }
   if (!locks.empty()) out.raw("lock", '[' + locks + ']');
+  if (!body.enabled) out.raw("enabled", "false");
 }
 
 std::string body_text(const BodyDesc& body, std::string_view name) {

@@ -73,7 +73,7 @@ bool add_one_by_one(World& world, const GroupDesc& group, const PlacedGroup& pla
 bool add_placed(World& world, const GroupDesc& group, const PlacedGroup& placed, std::string& error) {
   const BodyDesc &body = group.body, plain;
   const bool restrained = body.linear_damping != 0 || body.angular_damping != 0 || body.locks != plain.locks;
-  if (!is_disc(body.shape) || body.sensor || restrained) {
+  if (!is_disc(body.shape) || body.sensor || restrained || !body.enabled || body.one_way != plain.one_way) {
     return add_one_by_one(world, group, placed, error);
   }
   const std::size_t n = placed.x.size();
