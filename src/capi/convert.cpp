@@ -1,4 +1,5 @@
 #include "convert.h"
+#include "structs.h"
 
 #include <algorithm>
 #include <cstddef>

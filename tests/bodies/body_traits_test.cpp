@@ -50,7 +50,7 @@ TEST(BodyTraits, ChangedIsAsMade) {
     WorldDesc desc = walled({-10, 0, 10, 20}, {0, -kG});
     desc.sleeping = seed % 2 == 0;
     auto made = make(desc), changed = make(desc);
-    for (int k = 0; k < 60; ++k) {
+    for (std::uint32_t k = 0; k < 60; ++k) {
       Random r(1000 * seed + k), other(5000 * seed + k), place(1000 * seed + k);
       BodyDesc wanted = some_body(r, true), before = some_body(place, false);
       wanted.position = before.position = {-8.8 + 2.2 * (k % 9), 1.5 + 2.2 * (k / 9)};  // apart
@@ -168,7 +168,7 @@ TEST(DisabledBodies, AreAsIfTheyWereNotThere) {
     auto without = make(desc), with = make(desc);
     std::vector<std::pair<BodyId, BodyId>> pairs;
     std::vector<BodyId> off;
-    for (int k = 0; k < 80; ++k) {
+    for (std::uint32_t k = 0; k < 80; ++k) {
       Random r(k);
       BodyDesc body = some_body(r, true);
       if (k % 3 == 0) {
@@ -281,7 +281,7 @@ TEST(DisabledBodies, AreSavedAndReplayed) {
   std::string error;
   std::vector<BodyId> ids{recorder.add_body(ground(material(0, 0.5)), error)};
   Random r(9);
-  for (int k = 0; k < 60; ++k) {
+  for (std::uint32_t k = 0; k < 60; ++k) {
     BodyDesc body = some_body(r, true);
     body.enabled = r.chance(0.7);
     body.user_data = k;
@@ -289,7 +289,7 @@ TEST(DisabledBodies, AreSavedAndReplayed) {
   }
   std::vector<std::byte> saved;
   std::uint64_t later = 0;
-  for (int frame = 0; frame < 200; ++frame) {
+  for (std::uint32_t frame = 0; frame < 200; ++frame) {
     recorder.set_enabled(ids[r.below(ids.size())], r.chance(0.5));
     if (frame % 20 == 0) recorder.set_user_data(ids[r.below(ids.size())], frame);
     if (frame == 100) world->save(saved);

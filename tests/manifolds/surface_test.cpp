@@ -319,7 +319,7 @@ TEST(Surfaces, GoOnWithTheSameBits) {
       }
       std::vector<std::uint64_t> hashes;
       std::vector<std::byte> saved;
-      for (int frame = 0; frame < 240; ++frame) {
+      for (std::size_t frame = 0; frame < 240; ++frame) {
         recorder.step();
         if (frame % 60 == 59) {
           BodyTraits traits = world->traits(ids[frame / 2]).value();

@@ -57,6 +57,7 @@ bool beyond_the_schema(std::string_view error) {
                                         "needs \"bounds\"",
                                         "stands there twice",
                                         "is no direction",
+                                        "one for each segment",
                                         "nor is \"a\"",
                                         "is the shape of a dynamic body",
                                         "must be convex",

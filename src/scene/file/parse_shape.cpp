@@ -51,7 +51,10 @@ SegmentShape read_segment(const Node& node) {
 
 // One material for each segment: its name, or itself.
 std::vector<Material> read_segment_materials(const Node& node, std::size_t segments, const Context& context) {
-  node.expect_array(segments, segments);
+  node.expect_array(0, kMostChainVertices);
+  if (node.size() != segments) {
+    node.fail("has " + std::to_string(node.size()) + " elements: one for each segment, " + std::to_string(segments));
+  }
   std::vector<Material> materials;
   materials.reserve(segments);
   for (std::size_t k = 0; k < segments; ++k) {
