@@ -52,7 +52,7 @@ BodyTraits Population::traits_of(std::uint32_t id) const {
   t.inertia = inertia_of(of, kind);
   t.gravity_scale = of.gravity_scale;
   t.locks = kind.locks;
-  if (!kind.restrained) return t;
+  if (!kind.restrained || bodies.info[id].place == Place::frozen) return t;
   if (bodies.info[id].place == Place::disabled) {
     t.linear_damping = disabled[bodies.info[id].slot].linear_damping;
     t.angular_damping = disabled[bodies.info[id].slot].angular_damping;

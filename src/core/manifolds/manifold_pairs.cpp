@@ -321,6 +321,7 @@ void Manifolds::place_pairs(std::size_t strips) {
   strips_.resize(std::max(strips_.size(), strips));
   for (std::size_t s = strips; s < strips_.size(); ++s) {
     strips_[s].blocks.clear();
+    strips_[s].surfaces.clear();
     std::ranges::fill(strips_[s].end, 0u);
   }
   for (StripBlocks& s : strips_) s.laid.clear();
