@@ -99,7 +99,8 @@ class PSIM_API World {
   /// Place and motion; nothing if the id is stale. O(1).
   std::optional<BodyState> body(BodyId id) const;
   /// Sets the place, metres and radians; false if the id is stale or the body static or frozen. A non-finite value
-  /// is accepted and quarantines the body in the next step; a disabled body refuses it. In a world with walls a place beyond them
+  /// is accepted and quarantines the body in the next step; a disabled body refuses one, and those out of
+  /// their ranges (psim/limits.h). In a world with walls a place beyond them
   /// becomes the nearest one within.
   bool set_transform(BodyId id, Vec2 position, double angle);
   /// Sets the motion, m/s and rad/s; beyond the fastest that the lattice can carry it is cut to that. False as

@@ -119,6 +119,36 @@ const std::map<std::string, std::function<void(std::size_t)>> kCases{
          for (const BodyId id : crowd.ids) crowd.world->set_velocity(id, {1, 0}, 0);
        });
      }},
+    {"disable discs",
+     [](std::size_t n) {
+       Crowd crowd;
+       for (std::size_t k = 0; k < n; ++k) crowd.add(in_row(k));
+       counted_calls([&] {
+         for (const BodyId id : crowd.ids) crowd.world->set_enabled(id, false);
+       });
+     }},
+    {"enable static boxes",
+     [](std::size_t n) {
+       Crowd crowd;
+       for (std::size_t k = 0; k < n; ++k) crowd.add(in_row(k), BodyType::static_body, BoxShape{0.5, 0.5, 0});
+       for (const BodyId id : crowd.ids) crowd.world->set_enabled(id, false);
+       counted_calls([&] {
+         for (const BodyId id : crowd.ids) crowd.world->set_enabled(id, true);
+       });
+     }},
+    {"change traits",
+     [](std::size_t n) {
+       Crowd crowd;
+       for (std::size_t k = 0; k < n; ++k) crowd.add(in_row(k));
+       counted_calls([&] {
+         for (const BodyId id : crowd.ids) {
+           BodyTraits traits = crowd.world->traits(id).value();
+           traits.linear_damping = 1;
+           crowd.world->set_traits(id, traits);
+           crowd.world->set_user_data(id, 1 + id.index);
+         }
+       });
+     }},
     {"wake sleepers",
      [](std::size_t n) {
        Crowd crowd = sleepers(n, false);

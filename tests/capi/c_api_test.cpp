@@ -61,6 +61,65 @@ TEST(CApi, InitFillsWhatANewerCallerHasWithZeros) {
   EXPECT_EQ(newer[sizeof newer - 1], 0);
 }
 
+TEST(CApi, BodiesAreDisabledAndChange) {
+  CWorld c;
+  psim_body_desc desc;
+  psim_body_desc_init(&desc);
+  const psim_surface surfaces[2] = {{0, 0.5, 3, 0}, {0, 0.1, 0, 0.2}};
+  const psim_vec2 line[3] = {{9, 0}, {0, 0}, {-9, 0}};
+  desc.type = PSIM_BODY_STATIC;
+  desc.shape = psim_chain(line, 3, 0);
+  desc.surfaces = surfaces;
+  desc.surface_count = 3;
+  EXPECT_EQ(psim_world_add_body(c.world, &desc, nullptr), PSIM_ERROR_ARGUMENT);  // two segments
+  desc.surface_count = 2;
+  EXPECT_EQ(psim_world_add_body(c.world, &desc, nullptr), PSIM_OK) << c.last();
+  psim_body_desc_init(&desc);
+  desc.surfaces = surfaces;
+  desc.surface_count = 1;
+  EXPECT_EQ(psim_world_add_body(c.world, &desc, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last(), "psim_world_add_body: surfaces are those of the segments of a chain");
+  psim_body_desc_init(&desc);
+  desc.shape = psim_box(0.5, 0.5);
+  desc.position = psim_xy(1, 0.25);
+  desc.material.friction = 0.5;
+  desc.user_data = 0xFEDCBA9876543210u;
+  desc.disabled = 1;
+  psim_body_id id;
+  ASSERT_EQ(psim_world_add_body(c.world, &desc, &id), PSIM_OK) << c.last();
+  EXPECT_EQ(psim_world_user_data(c.world, id), 0xFEDCBA9876543210u);
+  EXPECT_EQ(psim_world_set_user_data(c.world, id, 5), PSIM_OK);
+  EXPECT_EQ(psim_world_user_data(c.world, id), 5u);
+  EXPECT_EQ(psim_world_is_enabled(c.world, id), 0);
+  EXPECT_EQ(psim_world_dynamic_count(c.world), 0u);
+  EXPECT_EQ(psim_world_set_enabled(c.world, id, 1), PSIM_OK);
+  EXPECT_EQ(psim_world_is_enabled(c.world, id), 1);
+  psim_body_traits traits;
+  psim_body_traits_init(&traits);
+  ASSERT_EQ(psim_world_traits(c.world, id, &traits), PSIM_OK) << c.last();
+  EXPECT_FLOAT_EQ(static_cast<float>(traits.mass), 0.25f);
+  EXPECT_EQ(traits.surface.friction, 0.5);
+  traits.mass = -1;
+  EXPECT_EQ(psim_world_set_traits(c.world, id, &traits), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last(), "psim_world_set_traits: body 1 cannot have these traits");
+  traits.mass = 2;
+  traits.lock_angle = 1;
+  ASSERT_EQ(psim_world_set_traits(c.world, id, &traits), PSIM_OK) << c.last();
+  ASSERT_EQ(psim_world_traits(c.world, id, &traits), PSIM_OK);
+  EXPECT_EQ(traits.mass, 2);
+  EXPECT_EQ(traits.lock_angle, 1);
+  for (int k = 0; k < 60; ++k) psim_world_step(c.world, nullptr);
+  psim_body_state state;
+  ASSERT_EQ(psim_world_body(c.world, id, &state), PSIM_OK);
+  EXPECT_NEAR(state.vx, 3, 1e-3);  // the belt of the first segment
+  EXPECT_EQ(psim_world_remove_body(c.world, id), PSIM_OK);
+  EXPECT_EQ(psim_world_set_enabled(c.world, id, 1), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_traits(c.world, id, &traits), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_set_traits(c.world, id, &traits), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_set_user_data(c.world, id, 1), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_user_data(c.world, id), 0u);
+}
+
 TEST(CApi, ErrorsSayWhatAndWhere) {
   psim_world_desc desc = CWorld::defaults();
   desc.boundary = 9;

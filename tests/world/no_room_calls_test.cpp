@@ -58,6 +58,12 @@ std::unique_ptr<World> yard() {
   world->enable_snapshots(true);
   for (int k = 0; k < 150; ++k) world->step();
   for (int k = 0; k < 20; ++k) world->add_body(disc_at(-9.7 + k, 6 + 0.1 * k), error);
+  for (const BodyType type : {BodyType::dynamic_body, BodyType::static_body}) {  // ids 35 and 36
+    BodyDesc off = disc_at(-3.5, 1.3);
+    off.type = type;
+    off.enabled = false;
+    world->add_body(off, error);
+  }
   for (int k = 0; k < 20; ++k) world->step();
   return world;
 }
@@ -78,7 +84,18 @@ struct Named {
 };
 
 BodyId nth(World& world, std::uint32_t index) { return world.id_of(index); }
-constexpr std::uint32_t kAsleep = 3, kJoined = 1, kBar = 13, kAwake = 20;
+constexpr std::uint32_t kAsleep = 3, kJoined = 1, kBar = 13, kAwake = 20, kOff = 35, kOffWall = 36;
+
+// Changes most of what a body has.
+bool change(World& w, std::uint32_t index) {
+  BodyTraits t = w.traits(nth(w, index)).value_or(BodyTraits{});
+  t.friction = 0.7;
+  t.tangent_speed = 2;
+  t.bullet = true;
+  t.linear_damping = 1;
+  t.locks.x = true;
+  return w.set_traits(nth(w, index), t);
+}
 
 template <class S>
 BodyDesc of_shape(BodyType type, double x, double y, S shape) {
@@ -153,6 +170,16 @@ const std::vector<Named>& calls() {
          return w.apply_impulse_at(nth(w, kAsleep), {1, 1}, {2, 2});
        }},
       {"turn a sleeper", [](World& w) { return w.apply_angular_impulse(nth(w, kAsleep), 0.1); }},
+      {"disable a sleeper", [](World& w) { return w.set_enabled(nth(w, kAsleep), false); }},
+      {"disable what is joined", [](World& w) { return w.set_enabled(nth(w, kJoined), false); }},
+      {"disable the ground", [](World& w) { return w.set_enabled(nth(w, 0), false); }},
+      {"enable", [](World& w) { return w.set_enabled(nth(w, kOff), true); }},
+      {"enable a wall on sleepers", [](World& w) { return w.set_enabled(nth(w, kOffWall), true); }},
+      {"change traits of a sleeper", [](World& w) { return change(w, kAsleep); }},
+      {"change traits of what moves", [](World& w) { return change(w, kAwake); }},
+      {"change traits of the ground", [](World& w) { return change(w, 0); }},
+      {"change traits of what is disabled", [](World& w) { return change(w, kOff); }},
+      {"user data", [](World& w) { return w.set_user_data(nth(w, kAwake), 7); }},
       {"wake", [](World& w) { return w.wake(nth(w, kAsleep)); }},
       {"gravity",
        [](World& w) {

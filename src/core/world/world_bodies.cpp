@@ -198,7 +198,7 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) try {
   const FloatSettings settings;
   Owners& w = *impl_;
   if (DisabledBody* body = disabled_mover(w, id)) {
-    if (!finite(position) || !finite(angle)) return false;
+    if (!limits::kCoordinate.contains(position) || !limits::kAngle.contains(angle)) return false;
     w.settled();
     position = w.population.within_walls(position);
     body->last.x = position.x, body->last.y = position.y, body->last.angle = angle;
@@ -307,12 +307,16 @@ bool World::set_enabled(BodyId id, bool on) try {
   Population& population = w.population;
   if (on) {
     population.make_room_to_enable(id.index);
+    const DisabledBody was = population.disabled[w.bodies.info[id.index].slot];
     population.enable(id.index);
-    or_else([&] { population.disable(id.index); },
-            [&] {
-              body_came(w, id.index);
-              disturb_joined(w, id.index);
-            });
+    const auto take_back = [&] {
+      population.disable(id.index);
+      population.disabled.back() = was;  // to the last bit
+    };
+    or_else(take_back, [&] {
+      body_came(w, id.index);
+      disturb_joined(w, id.index);
+    });
   } else {
     disturb(w, id.index);
     population.make_room_to_disable();
