@@ -65,6 +65,7 @@ class Flight {
     float inner = 1e30f;            // m
     std::uint32_t held = kNoSlot;   // of a kinematic shape
   };
+  static constexpr double kTolerance = 1e-3;  // share of the inner radius to which impacts are found
   struct Impact {
     double share = Approach::kNever;
     bool pressed = false;  // deep from the start of the leg

@@ -1,6 +1,7 @@
 // How saved states and recordings write the small types that several parts of a world share (archive.h).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <tuple>
@@ -120,6 +121,18 @@ void describe_free(Archive& a, std::vector<std::uint32_t>& list, std::size_t beg
   }
   for (std::size_t k = begin; k < end && a.ok(); ++k) a.require(is_free(k) == (listed[k] != 0));
   if (a.ok()) list.reserve(end);  // what is given back later needs no memory
+}
+
+/// How many bodies are at a place.
+inline std::size_t count_of(const BodyStore& b, Place place) {
+  const auto is_there = [place](const BodyInfo& info) { return info.place == place; };
+  return static_cast<std::size_t>(std::count_if(b.info.data(), b.info.data() + b.id_count, is_there));
+}
+/// Makes a body that is read the `at`-th of those at a place. False if it is not of them, or is there already.
+inline bool put(BodyStore& b, std::uint32_t body, Place place, std::size_t at) {
+  if (body >= b.id_count || b.info[body].place != place || b.info[body].slot != kNoSlot) return false;
+  b.info[body].slot = static_cast<std::uint32_t>(at);
+  return true;
 }
 
 /// Who is in a world. `lists`: with where they were when the lists were made.

@@ -1,0 +1,62 @@
+// A world with something of everything, for the tests of calls without memory. Public API only.
+#pragma once
+
+#include "psim/psim.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace psim::test {
+
+inline BodyDesc disc_at(double x, double y) {
+  BodyDesc d;
+  d.position = {x, y};
+  d.shape = DiscShape{0.4};
+  d.material.friction = 0.5;
+  return d;
+}
+
+// Heaps that sleep, one of them on a joint; others that fall; a kinematic bar, a sensor, terrain.
+inline std::unique_ptr<World> yard() {
+  std::string error;
+  WorldDesc desc;
+  desc.bounds = {-40, -10, 40, 40};
+  auto world = World::create(desc, {.threads = 2}, error);
+  BodyDesc ground;
+  ground.type = BodyType::static_body;
+  ground.shape = ChainShape{{{30, 1}, {10, 0}, {-10, 0}, {-30, 1}}, false};
+  world->add_body(ground, error);
+  std::vector<BodyId> ids;
+  for (int k = 0; k < 12; ++k) {
+    BodyDesc box = disc_at(-8 + 1.5 * k, 0.4);
+    if (k % 2 == 0) box.shape = BoxShape{0.8, 0.8, 0};
+    ids.push_back(world->add_body(box, error));
+  }
+  BodyDesc bar = disc_at(20, 8);
+  bar.type = BodyType::kinematic_body;
+  bar.shape = BoxShape{4, 0.3, 0};
+  bar.angular_velocity = 1;
+  world->add_body(bar, error);
+  BodyDesc sensor = disc_at(0, 2);
+  sensor.sensor = true;
+  sensor.type = BodyType::static_body;
+  world->add_body(sensor, error);
+  JointDesc rod;
+  rod.a = ids[0], rod.b = ids[1];
+  world->add_joint(rod, error);
+  world->set_event_options({.contacts = true, .hits = true, .hit_speed = 0.1, .sensors = true});
+  world->enable_snapshots(true);
+  for (int k = 0; k < 150; ++k) world->step();
+  for (int k = 0; k < 20; ++k) world->add_body(disc_at(-9.7 + k, 6 + 0.1 * k), error);
+  for (const BodyType type : {BodyType::dynamic_body, BodyType::static_body}) {  // ids 35 and 36
+    BodyDesc off = disc_at(-3.5, 1.3);
+    off.type = type;
+    off.enabled = false;
+    world->add_body(off, error);
+  }
+  for (int k = 0; k < 20; ++k) world->step();
+  return world;
+}
+
+}  // namespace psim::test
