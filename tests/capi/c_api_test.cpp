@@ -65,7 +65,7 @@ TEST(CApi, BodiesAreDisabledAndChange) {
   CWorld c;
   psim_body_desc desc;
   psim_body_desc_init(&desc);
-  const psim_surface surfaces[2] = {{0, 0.5, 3, 0}, {0, 0.1, 0, 0.2}};
+  const psim_surface surfaces[3] = {{0, 0.5, 3, 0}, {0, 0.1, 0, 0.2}, {}};
   const psim_vec2 line[3] = {{9, 0}, {0, 0}, {-9, 0}};
   desc.type = PSIM_BODY_STATIC;
   desc.shape = psim_chain(line, 3, 0);

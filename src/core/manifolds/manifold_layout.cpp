@@ -226,6 +226,7 @@ struct Manifolds::Layout {
     const std::uint32_t blocks = place_runs();
     if (blocks > strip.blocks.capacity())
       strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
+    if (params.surfaces) strip.surfaces.reserve(strip.blocks.capacity());
     strip.blocks.resize(blocks);
     strip.surfaces.assign(params.surfaces ? blocks : 0, {});
     for (ManifoldBlock& block : strip.blocks) {
