@@ -21,11 +21,10 @@ constexpr float kClose = 0.01f, kHeld = 0.02f;
 
 constexpr float kFarApart = 1e20f;  // m
 
-/// v += w l n and friction, of the impulses of the last substep, scaled by `scale`. `surfaces`: null where no contact has
-/// any.
-template <class L, bool kFixedA>
-void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, float scale, std::uint32_t begin,
-                    std::uint32_t end) {
+/// kSurfaces: some contacts have surfaces.
+template <class L, bool kFixedA, bool kSurfaces>
+PSIM_INLINE inline void warm_all(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, float scale,
+                                 std::uint32_t begin, std::uint32_t end) {
   const F<L> warm = scale;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
@@ -48,7 +47,7 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surf
       auto m = gather_motion<L>(b.vel, b.rim_speed, slot);
       apply_impulse<L, kFixedA>(m, px, py, turn(p.an, p.at, r.an, r.at), turn(p.bn, p.bt, r.bn, r.bt),
                                 L::load(c->wa + k), L::load(c->wb + k), L::load(c->ga + k), L::load(c->gb + k));
-      if (surfaces != nullptr) [[unlikely]] {
+      if constexpr (kSurfaces) {
         SurfaceBlock& s = surfaces[c - blocks];
         const auto roll = L::load(s.roll + k) * warm;
         L::store(s.roll + k, roll);
@@ -57,6 +56,15 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surf
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
     }
   }
+}
+
+/// v += w l n and friction, of the impulses of the last substep, scaled by `scale`. `surfaces`: null where no contact has
+/// any.
+template <class L, bool kFixedA>
+void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, float scale, std::uint32_t begin,
+                    std::uint32_t end) {
+  if (surfaces == nullptr) return warm_all<L, kFixedA, false>(b, blocks, surfaces, scale, begin, end);
+  warm_all<L, kFixedA, true>(b, blocks, surfaces, scale, begin, end);
 }
 
 /// The lanes in which the approach of a point before the kick is an impact. `target` is the velocity with which the
@@ -229,8 +237,8 @@ PSIM_INLINE inline void relax_normals(RelaxLanes<L>& x, TwoBodies<L>& m, F<L> vn
 /// Friction: one row at the middle of the pressure, which the points share as they share the normal impulse. Points one
 /// after the other would do differently in a scene and in its mirror image. No share is kept back: bodies on ice keep
 /// their momentum.
-/// `surface`: null where none runs.
-template <class L, bool kFixedA>
+/// `surface` is read if kSurface.
+template <class L, bool kFixedA, bool kSurface>
 PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c, std::uint32_t k,
                             const SurfaceBlock* surface) {
   const F<L> zero = 0, one = 1;
@@ -241,8 +249,7 @@ PSIM_INLINE inline void rub(RelaxLanes<L>& x, TwoBodies<L>& m, ManifoldBlock& c,
   const auto an1 = L::load(p1.an + k), bn1 = L::load(p1.bn + k), an2 = L::load(p2.an + k), bn2 = L::load(p2.bn + k);
   const auto an = an2 + share * (an1 - an2), bn = bn2 + share * (bn1 - bn2);
   auto vt = snapped<L>(x.n.x * (m.vby - m.vay) - x.n.y * (m.vbx - m.vax) + (m.ub * bn - m.ua * an));
-  if (surface != nullptr) [[unlikely]]
-    vt = vt + L::load(surface->belt + k);
+  if constexpr (kSurface) vt = vt + L::load(surface->belt + k);
   const auto kt = x.wa + x.wb + (x.ga * (an * an) + x.gb * (bn * bn));
   const auto cap = L::load(c.mu + k) * n;
   const auto t1 = L::load(p1.friction + k), t2 = L::load(p2.friction + k);
@@ -298,18 +305,19 @@ PSIM_INLINE inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t
   L::store(point.impulse + k, select(was, lasts, n));
 }
 
-/// kInner: not the last sweep of the pass over these contacts.
-template <class L, bool kFixedA, bool kBounce, bool kInner>
-void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, const ContactParams& p,
-                     std::uint32_t begin, std::uint32_t end) {
+/// As relax_manifolds(). kSurfaces: some contacts have surfaces.
+template <class L, bool kFixedA, bool kBounce, bool kInner, bool kSurfaces>
+PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces,
+                                  const ContactParams& p, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       auto& p1 = c->point[0];
       auto& p2 = c->point[1];
       const auto l1 = L::load(p1.impulse + k), l2 = L::load(p2.impulse + k);
-      SurfaceBlock* const surface = surfaces != nullptr ? surfaces + (c - blocks) : nullptr;
-      const bool rolls = surface != nullptr && any(L::load(surface->roll + k) != zero);
+      SurfaceBlock* const surface = kSurfaces ? surfaces + (c - blocks) : nullptr;
+      bool rolls = false;
+      if constexpr (kSurfaces) rolls = any(L::load(surface->roll + k) != zero);
       if (!rolls && lies_open<L, kFixedA>(*c, k, l1, l2)) {
         L::store(p1.friction + k, zero);
         L::store(p2.friction + k, zero);
@@ -344,9 +352,8 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* sur
       relax_normals<L, kFixedA>(x, m, vn1, vn2);
       L::store(p1.impulse + k, x.n1);
       L::store(p2.impulse + k, x.n2);
-      rub<L, kFixedA>(x, m, *c, k, surface);
-      if (surface != nullptr) [[unlikely]]
-        resist_rolling<L, kFixedA>(x, m, *surface, k);
+      rub<L, kFixedA, kSurfaces>(x, m, *c, k, surface);
+      if constexpr (kSurfaces) resist_rolling<L, kFixedA>(x, m, *surface, k);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
       if constexpr (!kFixedA && !kInner) owe_shares<L, kBounce>(b, *c, k, x);
       if constexpr (kBounce && !kInner) {
@@ -355,6 +362,14 @@ void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* sur
       }
     }
   }
+}
+
+/// kInner: not the last sweep of the pass over these contacts. `surfaces`: null where no contact has any.
+template <class L, bool kFixedA, bool kBounce, bool kInner>
+void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, const ContactParams& p,
+                     std::uint32_t begin, std::uint32_t end) {
+  if (surfaces == nullptr) return relax_all<L, kFixedA, kBounce, kInner, false>(b, blocks, surfaces, p, begin, end);
+  relax_all<L, kFixedA, kBounce, kInner, true>(b, blocks, surfaces, p, begin, end);
 }
 
 /// As spend_contacts: moves what impacts added into the velocities before the kick, so that the next

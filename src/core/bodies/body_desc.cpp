@@ -22,14 +22,15 @@ double disc_mass(double radius, double mass, const Material& m) {
 
 void check_material(const Material& m, RangeCheck& check) {
   check("restitution", m.restitution, limits::kRestitution)("friction", m.friction, limits::kFriction);
-  check("density", m.density, limits::kDensity)("tangent speed", m.tangent_speed, limits::kTangentSpeed);
-  check("rolling resistance", m.rolling_resistance, limits::kRollingResistance);
+  check("density", m.density, limits::kDensity);
+  if (m.tangent_speed != 0) check("tangent speed", m.tangent_speed, limits::kTangentSpeed);
+  if (m.rolling_resistance != 0) check("rolling resistance", m.rolling_resistance, limits::kRollingResistance);
 }
 
 // A direction of any length, 0 for none.
 void check_one_way(Vec2 way, RangeCheck& check) {
-  check("one way", way, limits::kCoordinate);
-  if (way.x != 0 || way.y != 0) check("the length of one way", length_of(way), limits::kAxis);
+  if (way.x == 0 && way.y == 0) return;
+  check("one way", way, limits::kCoordinate)("the length of one way", length_of(way), limits::kAxis);
 }
 
 // The materials of a chain whose segments have their own.
@@ -206,6 +207,13 @@ std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
 
 // As share_properties(), but the parts are returned.
 std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
+  const bool plain = !std::holds_alternative<CompoundShape>(d.shape) && materials_of(d.shape) == nullptr &&
+                     d.material.tangent_speed == 0 && d.material.rolling_resistance == 0 && d.one_way == Vec2{};
+  if (plain) {  // as most bodies are
+    body.kind.filter = d.filter;
+    body.kind.sensor = d.sensor;
+    return {};
+  }
   share_properties(properties_of_parts(d), body);
   return std::exchange(body.own, {});
 }

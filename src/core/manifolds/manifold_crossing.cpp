@@ -46,4 +46,10 @@ bool Manifolds::Look::go_through(ManifoldPair& pair, const Stand& now) const {
   return !meets;
 }
 
+// What goes through has no contact, and what has none resists no rolling.
+void Manifolds::Look::see_surfaces(ManifoldPair& pair, const Stand& now) const {
+  if (go_through(pair, now)) pair.manifold.count = 0;
+  if (pair.manifold.count == 0) pair.roll = 0;
+}
+
 }  // namespace psim

@@ -129,12 +129,13 @@ void Manifolds::keep_impulses() {
   laid_ = false;
   s_.pool.run(strip_count(), [&](std::size_t s) {
     const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
+    const bool surfaces = !strips_[s].surfaces.empty();
     for (const std::uint32_t k : strips_[s].laid) {
       ManifoldPair& pair = pairs_[k];
       if (pair.lane == ManifoldPair::kNone) continue;
       const ManifoldBlock& c = blocks[pair.lane / kBlock];
       const std::uint32_t l = pair.lane % kBlock;
-      pair.roll = strips_[s].surfaces.empty() ? 0.0f : strips_[s].surfaces[pair.lane / kBlock].roll[l];
+      if (surfaces) pair.roll = strips_[s].surfaces[pair.lane / kBlock].roll[l];
       for (int p = 0; p < 2; ++p) {
         const float impulse = c.point[p].impulse[l];
         pair.impulse[p] = impulse > 0 ? impulse : 0.0f;

@@ -192,8 +192,7 @@ struct Manifolds::Look {
       const Vec2 way = pair.of_piece() ? Vec2{} : lattice.way({}, now.at);
       fit_to_segment(pair, pair.manifold, *a, now.qa, hull_b, now.qb, way, way, margin);
     }
-    if (params.surfaces && go_through(pair, now)) pair.manifold.count = 0;
-    if (pair.manifold.count == 0) pair.roll = 0;
+    if (params.surfaces) see_surfaces(pair, now);
     pair.placed = pair.margin < 0 && !pair.ahead && pair.recalled == 0 && now.wanted <= kPlaced * now.inner;
     pair.base = now.at;
     pair.turn_a = now.qa;
@@ -225,7 +224,9 @@ struct Manifolds::Look {
     }
   }
 
-  bool go_through(ManifoldPair& pair, const Stand& now) const;  // manifold_crossing.cpp
+  // Sides that are solid from one side (manifold_crossing.cpp).
+  bool go_through(ManifoldPair& pair, const Stand& now) const;
+  void see_surfaces(ManifoldPair& pair, const Stand& now) const;
 
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).
   enum class Meets : std::uint8_t { what_was_found, face, nothing };

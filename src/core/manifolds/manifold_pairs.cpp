@@ -134,7 +134,7 @@ struct Manifolds::Sorter {
     name(sides..., first);
     const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
     if (parts_a == 1 && parts_b == 1) {
-      if (!collide(first)) {
+      if (have_parts(first) && !collide(first)) {
         out.pop_back();
         return true;
       }
@@ -146,7 +146,7 @@ struct Manifolds::Sorter {
     const auto add = [&](std::uint32_t part_a, std::uint32_t part_b) {
       pair.part_a = part_a;
       pair.part_b = part_b;
-      if (!collide(pair)) return;
+      if (have_parts(pair) && !collide(pair)) return;
       pair.before = m.index_.find(pair, known);
       out.push_back(pair);
     };
@@ -154,11 +154,14 @@ struct Manifolds::Sorter {
     return true;
   }
 
-  // Whether two parts collide, of bodies of which one has parts that may differ. Walls hold bodies that are nothing but sensors, which
-  // would fall out of the world, but no sensor that is a part of a body.
+  // Whether a body of a pair has parts that may differ.
+  PSIM_INLINE bool have_parts(const PairName& pair) const {
+    return ((m.kind_[pair.b] | (pair.of_piece() ? 0 : m.kind_[pair.a])) & kParts) != 0;
+  }
+
+  // Whether two parts collide, of such bodies. Walls hold bodies that are nothing but sensors, which would fall out of
+  // the world, but no sensor that is a part of a body.
   bool collide(const PairName& pair) const {
-    const bool differ = ((m.kind_[pair.b] | (pair.of_piece() ? 0 : m.kind_[pair.a])) & kParts) != 0;
-    if (!differ) return true;
     const BodyKind& kind = b.kind(pair.id_b);
     if (pair.of_wall()) return kind.sensor || !b.is_sensor(kind, pair.part_b);
     const std::uint32_t part_a = pair.of_piece() ? statics[pair.shape].part : pair.part_a;
