@@ -135,6 +135,30 @@ TEST(BodyTraits, RefuseWhatIsWrong) {
   EXPECT_NEAR(state(*world, id).omega, 2 / (4.0 / 6), 1e-5);
 }
 
+// Also of sensors that have many hulls and no pieces.
+TEST(BodyTraits, StaticSensorsChange) {
+  auto world = make(unbounded(50));
+  world->set_event_options({.sensors = true});
+  BodyDesc net;
+  net.type = BodyType::static_body;
+  net.sensor = true;
+  net.shape = ChainShape{{{-4, 3}, {-2, 2}, {0, 3}, {2, 2}, {4, 3}}, false, {}};
+  const BodyId id = add(*world, net);
+  BodyTraits t = world->traits(id).value();
+  t.tangent_speed = 1;
+  ASSERT_TRUE(world->set_traits(id, t));
+  t.filter.mask = 2;
+  ASSERT_TRUE(world->set_traits(id, t));
+  EXPECT_EQ(world->traits(id).value(), t);
+  BodyDesc seen = disc({3, 2.5}), passed = disc({-3, 2.5});
+  seen.filter.category = 2;
+  const BodyId other = add(*world, seen);
+  add(*world, passed);
+  run(*world, 1);
+  ASSERT_EQ(world->events().sensor_begin.size(), 1u);
+  EXPECT_EQ(world->events().sensor_begin[0].b, other);
+}
+
 TEST(BodyTraits, ChangesWakeAndCount) {
   auto world = make(unbounded(50));
   const BodyId floor = add(*world, ground(material(0, 0.8)));

@@ -63,14 +63,16 @@ BodyTraits Population::traits_of(std::uint32_t id) const {
   return t;
 }
 
-// Of a body whose parts do not differ, the table does not say how many there are.
+// Of a body whose parts do not differ, the table does not say how many there are. Hulls of static bodies are those of
+// sensors, which stand behind the parts of the pieces.
 std::uint32_t Population::part_count(std::uint32_t id) const {
   const BodyKind& kind = bodies.kind(id);
   if (kind.first_part != 0) return kind.part_count;
   const BodyInfo& info = bodies.info[id];
   if (bodies.properties(id).type() != BodyType::static_body) return std::max(1u, kind.hull_count);
-  return statics.parts_from(info.place == Place::fixed ? fixed[info.slot].first_shape : disabled[info.slot].first_shape,
-                            id);
+  const std::uint32_t first =
+      info.place == Place::fixed ? fixed[info.slot].first_shape : disabled[info.slot].first_shape;
+  return statics.parts_from(first, id) + kind.hull_count;
 }
 
 // What the parts of a body have once those of its traits changed that differ. Nothing, if all have what the body has.
@@ -115,21 +117,16 @@ void Population::recount_if_changed() {
   traits = recounted();
 }
 
-bool Population::set_traits(std::uint32_t id, const BodyTraits& to) {
-  const BodyTraits from = traits_of(id);
-  BodyInfo& info = bodies.info[id];
-  const BodyProperties old = bodies.properties(id);
-  const BodyKind old_kind = bodies.kinds[old.kind];
+// What a body becomes.
+NewBody Population::changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const {
+  const BodyProperties& old = bodies.properties(id);
+  const BodyKind& old_kind = bodies.kinds[old.kind];
   const BodyType type = old.type();
-  if (type == BodyType::static_body && to.sensor != from.sensor) return false;
-
   NewBody body{old, old_kind, {}, {}};
   for (std::uint32_t k = 0; k < old_kind.hull_count; ++k) body.hulls.push_back(bodies.hulls[old_kind.first_hull + k]);
   share_properties(changed_parts(id, from, to), body);
   body.kind.bullet = to.bullet && type != BodyType::static_body;
-  Restraint rest{id, 0, 0, {}};
   if (type == BodyType::dynamic_body) {
-    rest = {id, coefficient(to.linear_damping), coefficient(to.angular_damping), to.locks};
     body.kind.restrained = to.linear_damping != 0 || to.angular_damping != 0 || to.locks != Locks{};
     body.kind.locks = to.locks;
     if (to.mass != from.mass) {
@@ -150,6 +147,19 @@ bool Population::set_traits(std::uint32_t id, const BodyTraits& to) {
     body.hulls.assign(shaped ? 1 : 0, disc_hull(old.radius));
     body.kind.inner = shaped ? old.radius : 0;
   }
+  return body;
+}
+
+bool Population::set_traits(std::uint32_t id, const BodyTraits& to) {
+  const BodyTraits from = traits_of(id);
+  BodyInfo& info = bodies.info[id];
+  const BodyProperties old = bodies.properties(id);
+  const BodyKind old_kind = bodies.kinds[old.kind];
+  const BodyType type = old.type();
+  if (type == BodyType::static_body && to.sensor != from.sensor) return false;
+
+  NewBody body = changed_body(id, from, to);
+  const Restraint rest{id, coefficient(to.linear_damping), coefficient(to.angular_damping), body.kind.locks};
   // What has no room, has none here: nothing was changed yet.
   const bool here = info.place == Place::moving;
   if (here && body.kind.bullet) bullets.make_room();

@@ -136,6 +136,7 @@ class Population {
   void leave_list(std::vector<Entry>& list, std::uint32_t id);
   std::uint32_t part_count(std::uint32_t id) const;
   std::vector<PartProperties> changed_parts(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const;
+  NewBody changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const;
   std::uint32_t acquire(NewBody& body, std::string& error);
   void release(std::uint32_t row);
   void count(const BodyProperties& properties, int sign, Traits& to) const;
