@@ -72,10 +72,10 @@ typedef struct psim_body_desc {
   int32_t reserved;           ///< 0
   double tangent_speed;       ///< m/s, as in psim_surface; default 0
   double rolling_resistance;  ///< 0 to 1, as in psim_surface; default 0
-  psim_vec2
-      one_way;  ///< solid only for what comes against this direction, in the body's frame; (0, 0), the default: from all sides
-  const psim_surface*
-      surfaces;          ///< of a chain that is `shape`: one for each segment; NULL, the default: all have the body's
+  /// Solid only for what comes against this direction, in the body's frame; (0, 0), the default: from all sides.
+  psim_vec2 one_way;
+  /// Of a chain that is `shape`: one for each segment; NULL, the default: all have the body's.
+  const psim_surface* surfaces;
   size_t surface_count;  ///< how many there are
   uint64_t user_data;    ///< whatever the caller likes: psim_world_user_data
   int32_t disabled;      ///< flag: it takes no part in the world until psim_world_set_enabled
