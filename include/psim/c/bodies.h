@@ -48,7 +48,8 @@ PSIM_API psim_result psim_world_id_of(const psim_world* world, uint32_t index, p
 /// Place and motion of a body. O(1). PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_state* state);
 
-/// Sets the place, metres and radians. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE. A number that is
+/// Sets the place, metres and radians, also of a disabled body, which refuses numbers out of their ranges.
+/// PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE. A number that is
 /// not finite is taken and quarantines the body in the next step. With walls a place beyond them
 /// becomes the nearest one within.
 PSIM_API psim_result psim_world_set_transform(psim_world* world, psim_body_id id, psim_vec2 position, double angle);
@@ -76,7 +77,7 @@ PSIM_API psim_result psim_world_set_enabled(psim_world* world, psim_body_id id, 
 /// 1 if the body takes part in the world, 0 if it is disabled or unknown.
 PSIM_API int32_t psim_world_is_enabled(const psim_world* world, psim_body_id id);
 
-/// What can be changed of a body. PSIM_ERROR_STALE_ID.
+/// Fills in what psim_world_set_traits can change of a body. PSIM_ERROR_STALE_ID if the body is gone.
 PSIM_API psim_result psim_world_traits(const psim_world* world, psim_body_id id, psim_body_traits* traits);
 
 /// Changes what differs from psim_world_traits, in all parts of the body. A mass that changes alone takes the inertia with
@@ -103,10 +104,10 @@ PSIM_API size_t psim_world_why_awake(const psim_world* world, psim_body_id id, c
 /// All living bodies; 0 for NULL.
 PSIM_API size_t psim_world_body_count(const psim_world* world);
 
-/// Of those that are enabled, dynamic or kinematic.
+/// Counts the enabled bodies that are dynamic or kinematic; 0 for NULL.
 PSIM_API size_t psim_world_dynamic_count(const psim_world* world);
 
-/// Of those that are enabled, static.
+/// Counts the enabled bodies that are static; 0 for NULL.
 PSIM_API size_t psim_world_static_count(const psim_world* world);
 
 /// Of psim_world_dynamic_count, those that are no discs.

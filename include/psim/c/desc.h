@@ -74,7 +74,7 @@ typedef struct psim_body_desc {
   double rolling_resistance;  ///< 0 to 1, as in psim_surface; default 0
   /// Solid only for what comes against this direction, in the body's frame; (0, 0), the default: from all sides.
   psim_vec2 one_way;
-  /// Of a chain that is `shape`: one for each segment; NULL, the default: all have the body's.
+  /// Where `shape` is a chain, each of its segments has one of these surfaces; NULL, the default: all have the body's.
   const psim_surface* surfaces;
   size_t surface_count;  ///< how many there are
   uint64_t user_data;    ///< whatever the caller likes: psim_world_user_data
@@ -82,7 +82,7 @@ typedef struct psim_body_desc {
   int32_t reserved_2;    ///< 0
 } psim_body_desc;
 
-/// What can be changed of a body at any time.
+/// psim_world_traits reads these of a body, and psim_world_set_traits changes them at any time.
 typedef struct psim_body_traits {
   uint32_t struct_size;    ///< set by psim_body_traits_init
   psim_filter filter;      ///< who it collides with; of parts that differ: the usual one

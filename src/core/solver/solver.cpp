@@ -232,8 +232,8 @@ void Solver::Run::warm(bool first_of_step) {
 }
 
 // One pass over all contacts: those of discs, then of shapes; sweeps over those under heavy loads; then those with
-// fixed shapes. The tables are of kernels, and pass_blocks runs those of shapes; all sweeps over contacts under heavy loads but the `outer`-th one are inner
-// ones, as are all others but the first one (`outer` is 0) or the last one.
+// fixed shapes. The tables are of kernels, and pass_blocks runs those of shapes. All sweeps over contacts under heavy
+// loads but the `outer`-th one are inner ones, as are all others but the first one (`outer` is 0) or the last one.
 template <class Pairs, class Statics, class Blocks>
 void Solver::Run::pass(const Pairs& pass_pairs, const Statics& pass_statics, const Blocks& pass_blocks, int outer) {
   const auto pass_manifolds = [&](bool fixed, bool loaded, bool inner) {
