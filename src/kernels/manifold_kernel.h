@@ -321,6 +321,7 @@ PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, Surf
       if (!rolls && lies_open<L, kFixedA>(*c, k, l1, l2)) {
         L::store(p1.friction + k, zero);
         L::store(p2.friction + k, zero);
+        if constexpr (kSurfaces) L::store(surface->roll + k, zero);
         if constexpr (kBounce && !kInner) {
           L::store(p1.start + k, zero);
           L::store(p2.start + k, zero);
