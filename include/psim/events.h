@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "psim/joint.h"
 #include "psim/types.h"
 
 namespace psim {
@@ -38,6 +39,7 @@ struct Events {
   std::span<const HitEvent> hits = {};            ///< faster than EventOptions::hit_speed
   std::span<const TouchEvent> sensor_begin = {};  ///< a is the sensor, b entered it
   std::span<const TouchEvent> sensor_end = {};    ///< a is the sensor, b left it
+  std::span<const JointBreak> breaks = {};        ///< joints that broke, by JointId::index; always told
 };
 
 }  // namespace psim

@@ -19,34 +19,61 @@ struct JointId {
 /// No joint.
 inline constexpr JointId kNoJoint{};
 
+/// The world as a body of a joint: anchors at it are points of the world.
+inline constexpr BodyId kWorldBody{0xFFFFFFFEu, 0};
+
 /// What a joint allows.
 enum class JointType : std::uint8_t {
-  distance,   ///< a rod: the anchors stay `length` apart
-  spring,     ///< force `stiffness` x stretch + `damping` x its rate along the line of the anchors
-  rope,       ///< the anchors come no further apart than `length`
-  revolute,   ///< a pin: the anchors coincide; limits and motor on the angle
-  prismatic,  ///< a slide: b moves along `axis` of a and does not turn; limits and motor along it
-  weld        ///< the anchors coincide and the angle is kept
+  distance,  ///< a rod: the anchors stay `length` apart; or, see JointDesc, a spring, ends and a motor along their line
+  spring,    ///< force `stiffness` x stretch + `damping` x its rate along the line of the anchors
+  rope,      ///< the anchors come no further apart than `length`
+  revolute,  ///< a pin: the anchors coincide; spring, limits and motor on the angle
+  prismatic,  ///< a slide: b moves along `axis` of a and does not turn; spring, limits and motor along it
+  weld,       ///< the anchors coincide and the angle is kept
+  wheel,      ///< b moves along `axis` of a, with spring and limits, and turns freely or by the motor
+  motor,      ///< drives b against a: at `linear_velocity` and `angular_velocity`, with limited force and torque
+  target,     ///< a spring from the point `target` of the world, which the host moves, to the anchor of b
+  gear,       ///< the way of one joint + `ratio` x that of another one stays what it is
+  pulley,     ///< a rope over two points of the world: the way to a + `ratio` x the way to b is `length` at most
+  filter      ///< the two bodies do not collide, nothing else
 };
 
-/// One joint. At least one of the bodies must be dynamic. Other than `spring`, joints are rigid;
-/// stiffness and damping of a weld soften its angle.
+/// One joint. At least one of the bodies must be dynamic. Rows without a spring are rigid.
 struct JointDesc {
   JointType type = JointType::distance;  ///< what it allows
-  BodyId a = {};                         ///< a body
+  BodyId a = {};                         ///< a body or kWorldBody; target: not asked for
   BodyId b = {};                         ///< another
-  Vec2 anchor_a = {};                    ///< metres, in the frame of a
+  Vec2 anchor_a = {};                    ///< metres, in the frame of a; kWorldBody: a point of the world
   Vec2 anchor_b = {};                    ///< metres, in the frame of b
-  std::optional<double> length = {};     ///< metres; none: as far apart as the anchors are now
-  double stiffness = 0;                  ///< spring: N/m; weld: N m/rad, 0 = rigid
-  double damping = 0;                    ///< spring: N s/m; weld: N m s/rad
-  Vec2 axis{1, 0};                       ///< prismatic: direction in a's frame
+  /// metres; none: as far apart as the anchors are now. Pulley: way to a + ratio x way to b.
+  std::optional<double> length = {};
+  /// N/m, along a line or an axis; N m/rad of an angle (revolute, weld). 0: no spring; weld: rigid.
+  double stiffness = 0;
+  double damping = 0;                    ///< N s/m or N m s
+  Vec2 axis{1, 0};                       ///< prismatic, wheel: direction in a's frame
   std::optional<double> reference = {};  ///< radians: angle b - a that counts as 0; none: the present one
-  std::optional<double> lower = {};      ///< revolute: radians; prismatic: metres; none: no limit
+  std::optional<double> lower = {};      ///< revolute: radians; distance, prismatic, wheel: metres; none: no limit
   std::optional<double> upper = {};      ///< as lower, and not below it
-  double motor_speed = 0;                ///< rad/s or m/s
+  double motor_speed = 0;                ///< rad/s (revolute, wheel) or m/s
   double motor_limit = 0;                ///< most torque, N m, or force, N; 0: no motor
   bool collide = false;                  ///< whether the two bodies still collide
+  Vec2 target = {};                      ///< target: metres, a point of the world
+  double rest = 0;                       ///< revolute, radians; prismatic, metres: where the spring rests
+  Vec2 linear_velocity = {};             ///< motor: m/s, of b's anchor against the point of a there
+  double angular_velocity = 0;           ///< motor: rad/s, of b against a
+  double force_limit = 0;                ///< motor, target: N; 0: motor: no force, target: any force
+  double torque_limit = 0;               ///< motor: N m; 0: no torque
+  Vec2 ground_a = {};                    ///< pulley: metres, the point of the world over which the rope goes to a
+  Vec2 ground_b = {};                    ///< pulley: metres, the same to b
+  double ratio = 1;                      ///< gear, pulley: see JointType
+  JointId joint_a = {};                  ///< gear: a revolute or prismatic joint
+  JointId joint_b = {};                  ///< gear: another one
+  /// Hz: how fast the spring swings alone, from which stiffness and damping follow when the joint is made.
+  std::optional<double> frequency = {};
+  double damping_ratio = 0;     ///< with frequency: 1 is the least damping without a swing
+  double break_force = 0;       ///< N: the joint is gone after a step with more in the mean; 0: never
+  double break_torque = 0;      ///< N m: the same
+  std::uint64_t user_data = 0;  ///< 64 bits of the host
 };
 
 /// What a joint does.
@@ -56,9 +83,22 @@ struct JointState {
   JointType type = JointType::distance;  ///< as described
   Vec2 anchor_a = {};                    ///< metres, world
   Vec2 anchor_b = {};                    ///< metres, world
-  double value = 0;                      ///< distance, spring, rope: length, m; revolute, weld: angle; prismatic: m
-  Vec2 force = {};                       ///< N on b, of the last substep
-  double torque = 0;                     ///< N m on b
+  /// distance, spring, rope, target: length, m; revolute, weld, motor: angle, rad; prismatic, wheel: m along the axis;
+  /// gear: the sum that it keeps; pulley: way to a + ratio x way to b, m; filter: 0
+  double value = 0;
+  Vec2 force = {};    ///< N on b, of the last substep
+  double torque = 0;  ///< N m on b
+};
+
+/// A joint was loaded with more than it bears, and is gone.
+struct JointBreak {
+  JointId joint = {};           ///< its handle, of nothing any more
+  BodyId a = {};                ///< as described
+  BodyId b = {};                ///< as described
+  Vec2 point = {};              ///< metres: the anchor at b
+  Vec2 force = {};              ///< N on b, the mean of the step
+  double torque = 0;            ///< N m on b, the mean of the step
+  std::uint64_t user_data = 0;  ///< JointDesc::user_data
 };
 
 }  // namespace psim

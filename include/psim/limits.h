@@ -55,6 +55,10 @@ inline constexpr Range kStiffness{0, 1e12};       ///< N/m or N m/rad
 inline constexpr Range kJointDamping{0, 1e12};    ///< N s/m or N m s
 inline constexpr Range kMotorSpeed{-1e6, 1e6};    ///< m/s or rad/s
 inline constexpr Range kMotorLimit{0, 1e30};      ///< N or N m; the largest is as good as none
+inline constexpr Range kFrequency{0, 1e6, true};  ///< Hz: of a spring
+inline constexpr Range kDampingRatio{0, 1e6};     ///< of a spring: 1 is the least damping without a swing
+inline constexpr Range kRatio{-1e6, 1e6};         ///< of a gear, 1e-6 at least without its sign
+inline constexpr Range kPulleyRatio{1e-6, 1e6};   ///< of a pulley
 
 }  // namespace limits
 }  // namespace psim

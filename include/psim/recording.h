@@ -47,7 +47,9 @@ class PSIM_API Recorder {
   bool wake(BodyId id);
   JointId add_joint(const JointDesc& desc, std::string& error);
   bool remove_joint(JointId id);
+  bool set_joint(JointId id, const JointDesc& desc, std::string& error);
   bool set_motor(JointId id, double speed, double limit);
+  bool set_target(JointId id, Vec2 point);
   ///@}
   /// A detail that a governor chose in another run.
   StepReport replay(const StepDetail& detail);

@@ -48,10 +48,14 @@ struct GroupDesc {
   BodyDesc body;
 };
 
-/// A joint of a scene: bodies by their index in the scene, which is their id.
+/// The world as a body of a joint of a scene.
+inline constexpr std::uint64_t kWorldSide = 0xFFFFFFFFu;
+
+/// A joint of a scene: bodies by their index in the scene, which is their id, or kWorldSide. A gear has joints instead.
 struct SceneJoint {
   std::uint64_t a = 0, b = 0;
-  JointDesc joint;  ///< its a and b are filled in when the world is made
+  JointDesc joint;                         ///< its a and b, and those of a gear, are filled in when the world is made
+  std::uint64_t joint_a = 0, joint_b = 0;  ///< gear: joints before it, by their index in Scene::joints
 };
 
 struct Scene {

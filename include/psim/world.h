@@ -155,9 +155,17 @@ class PSIM_API World {
   bool is_valid_joint(JointId id) const;
   /// What it does, by the state after the last step; nothing if the id is stale.
   std::optional<JointState> joint(JointId id) const;
-  /// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor. False if the id
-  /// is stale, the joint of another type, or a number out of its range (psim/limits.h).
+  /// Its description: the lengths, references, stiffness and damping that follow from others are set, and `frequency` is
+  /// not; nothing if the id is stale.
+  std::optional<JointDesc> joint_desc(JointId id) const;
+  /// Gives a joint another description of the same type and bodies, with everything else as add_joint takes it. Both
+  /// bodies wake. False and one line in `error`, and nothing changes, if the id is stale or the description refused.
+  bool set_joint(JointId id, const JointDesc& desc, std::string& error);
+  /// distance, revolute, prismatic, wheel: rad/s and N m, or m/s and N; a limit of 0 stops the motor. Both bodies wake.
+  /// False if the id is stale, the joint of another type, or a number out of its range (psim/limits.h).
   bool set_motor(JointId id, double speed, double limit);
+  /// target: moves the point of the world that pulls, metres. The body wakes. False as set_motor.
+  bool set_target(JointId id, Vec2 point);
   /// All joints.
   std::size_t joint_count() const;
 

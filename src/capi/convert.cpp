@@ -269,8 +269,8 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
 }
 
 std::string convert(const psim_joint_desc& desc, JointDesc& out) {
-  const auto type = to_enum(desc.type, JointType::weld);
-  if (!type) return "joint type " + number(desc.type) + " is none of psim_joint_type, 0 to 5";
+  const auto type = to_enum(desc.type, JointType::filter);
+  if (!type) return "joint type " + number(desc.type) + " is none of psim_joint_type, 0 to 11";
   if (desc.reserved != 0) return kNotZero;
   out.type = *type;
   out.a = to_cpp(desc.a);
@@ -287,7 +287,65 @@ std::string convert(const psim_joint_desc& desc, JointDesc& out) {
   out.motor_speed = desc.motor_speed;
   out.motor_limit = desc.motor_limit;
   out.collide = desc.collide != 0;
+  out.target = to_cpp(desc.target);
+  out.rest = desc.rest;
+  out.linear_velocity = to_cpp(desc.linear_velocity);
+  out.angular_velocity = desc.angular_velocity;
+  out.force_limit = desc.force_limit;
+  out.torque_limit = desc.torque_limit;
+  out.ground_a = to_cpp(desc.ground_a);
+  out.ground_b = to_cpp(desc.ground_b);
+  out.ratio = desc.ratio;
+  out.joint_a = to_cpp(desc.joint_a);
+  out.joint_b = to_cpp(desc.joint_b);
+  out.frequency = given(desc.frequency != 0, desc.frequency);
+  out.damping_ratio = desc.damping_ratio;
+  out.break_force = desc.break_force;
+  out.break_torque = desc.break_torque;
+  out.user_data = desc.user_data;
   return {};
+}
+
+psim_joint_desc to_c(const JointDesc& d) {
+  psim_joint_desc out;
+  set_defaults(out);
+  out.struct_size = static_cast<std::uint32_t>(sizeof out);
+  out.type = static_cast<std::int32_t>(d.type);
+  out.a = to_c(d.a);
+  out.b = to_c(d.b);
+  out.anchor_a = to_c(d.anchor_a);
+  out.anchor_b = to_c(d.anchor_b);
+  const auto set = [](const std::optional<double>& value, double& to, std::int32_t& has) {
+    has = value.has_value();
+    to = value.value_or(0);
+  };
+  set(d.length, out.length, out.has_length);
+  set(d.reference, out.reference, out.has_reference);
+  set(d.lower, out.lower, out.has_lower);
+  set(d.upper, out.upper, out.has_upper);
+  out.stiffness = d.stiffness;
+  out.damping = d.damping;
+  out.axis = to_c(d.axis);
+  out.motor_speed = d.motor_speed;
+  out.motor_limit = d.motor_limit;
+  out.collide = d.collide;
+  out.target = to_c(d.target);
+  out.rest = d.rest;
+  out.linear_velocity = to_c(d.linear_velocity);
+  out.angular_velocity = d.angular_velocity;
+  out.force_limit = d.force_limit;
+  out.torque_limit = d.torque_limit;
+  out.ground_a = to_c(d.ground_a);
+  out.ground_b = to_c(d.ground_b);
+  out.ratio = d.ratio;
+  out.joint_a = to_c(d.joint_a);
+  out.joint_b = to_c(d.joint_b);
+  out.frequency = d.frequency.value_or(0);
+  out.damping_ratio = d.damping_ratio;
+  out.break_force = d.break_force;
+  out.break_torque = d.break_torque;
+  out.user_data = d.user_data;
+  return out;
 }
 
 }  // namespace psim::capi

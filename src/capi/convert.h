@@ -23,6 +23,7 @@ inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group};
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
+psim_joint_desc to_c(const JointDesc& desc);
 psim_field to_c(const Field& field);
 
 inline Vec2 to_cpp(psim_vec2 v) { return {v.x, v.y}; }

@@ -30,6 +30,7 @@ struct psim_world {
   std::vector<psim_field> fields;
   std::vector<psim_touch_event> begin, end, sensor_begin, sensor_end;
   std::vector<psim_hit_event> hits;
+  std::vector<psim_joint_break> breaks;
   std::vector<psim::PlanEntry> plan_text;
   std::vector<psim_plan_entry> plan;
   std::vector<size_t> plan_bytes;

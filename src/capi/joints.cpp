@@ -49,12 +49,44 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
   });
 }
 
+psim_result psim_world_joint_desc(const psim_world* world, psim_joint_id id, psim_joint_desc* desc) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_output(call, "desc", desc); r != PSIM_OK) return r;
+    const auto known = w.joint_desc(to_cpp(id));
+    if (!known) return stale_joint(call, id.index);
+    write(to_c(*known), desc);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_joint(psim_world* world, psim_joint_id id, const psim_joint_desc* desc) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_joint_desc given;
+    if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+    if (!w.is_valid_joint(to_cpp(id))) return stale_joint(call, id.index);
+    psim::JointDesc joint;
+    std::string wrong = convert(given, joint);
+    if (wrong.empty() && world->changed([&](auto& one) { return one.set_joint(to_cpp(id), joint, wrong); })) {
+      return PSIM_OK;
+    }
+    return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  });
+}
+
+psim_result psim_world_set_target(psim_world* world, psim_joint_id id, psim_vec2 point) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if (!w.is_valid_joint(to_cpp(id))) return stale_joint(call, id.index);
+    if (world->changed([&](auto& one) { return one.set_target(to_cpp(id), to_cpp(point)); })) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT, "only target joints have a target, a point from -1e9 to 1e9 m");
+  });
+}
+
 psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     if (!w.is_valid_joint(to_cpp(id))) return stale_joint(call, id.index);
     if (world->changed([&](auto& one) { return one.set_motor(to_cpp(id), speed, limit); })) return PSIM_OK;
     return call.fail(PSIM_ERROR_ARGUMENT,
-                     "only revolute and prismatic joints have a motor; speed must be finite and "
+                     "only distance, revolute, prismatic and wheel joints have a motor; speed must be finite and "
                      "limit 0 or more");
   });
 }

@@ -120,6 +120,11 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     for (const psim::HitEvent& e : from.hits) {
       world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
     }
+    world->breaks.clear();
+    for (const psim::JointBreak& b : from.breaks) {
+      world->breaks.push_back(
+          {to_c(b.joint), to_c(b.a), to_c(b.b), to_c(b.point), to_c(b.force), b.torque, b.user_data});
+    }
     psim_events out;
     psim_events_init(&out);
     out.begin = world->begin.data();
@@ -132,6 +137,8 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.sensor_begin_count = world->sensor_begin.size();
     out.sensor_end = world->sensor_end.data();
     out.sensor_end_count = world->sensor_end.size();
+    out.breaks = world->breaks.data();
+    out.break_count = world->breaks.size();
     write(out, events);
     return PSIM_OK;
   });

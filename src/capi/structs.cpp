@@ -78,6 +78,9 @@ void set_defaults(psim_joint_desc& d) {
   d.a = to_c(from.a);
   d.b = to_c(from.b);
   d.axis = to_c(from.axis);
+  d.ratio = from.ratio;
+  d.joint_a = to_c(from.joint_a);
+  d.joint_b = to_c(from.joint_b);
 }
 
 void set_defaults(psim_query_filter& d) {

@@ -13,9 +13,10 @@
 
 namespace psim::kernels {
 
-/// What a joint of a world becomes. `driven` and `slide` have limits and a motor.
-enum class JointKind : std::uint8_t { rod, spring, pin, driven, slide, weld };
-inline constexpr int kJointKinds = 6;
+/// What a joint of a world becomes. `driven` and `slide` have limits and a motor; a `linkage` has no blocks, nor has one
+/// that does nothing but keep its bodies from colliding.
+enum class JointKind : std::uint8_t { rod, spring, pin, driven, slide, weld, linkage, none };
+inline constexpr int kJointKinds = 6;  // those with blocks
 
 /// The two bodies of each lane and the arms from their centres to the anchors.
 struct JointBodies {

@@ -209,10 +209,17 @@ void Session::change_body(BodyId id, Vec2 place) {
 
 void Session::add_joint() {
   if (joints_.size() >= most_joints_) return;
+  JointDesc d = joint_of(static_cast<JointType>(in_.below(12)));
+  d.a = in_.chance(40) ? kWorldBody : some_body();
+  d.b = in_.chance(10) ? kWorldBody : some_body();
+  if (d.type == JointType::gear) d.joint_a = some_joint(), d.joint_b = some_joint();
+  add(d);
+}
+
+// A description without bodies.
+JointDesc Session::joint_of(JointType type) {
   JointDesc d;
-  d.type = static_cast<JointType>(in_.below(6));
-  d.a = some_body();
-  d.b = some_body();
+  d.type = type;
   d.anchor_a = in_.chance(128) ? Vec2{} : in_.vec2(-1, 1);
   d.anchor_b = in_.chance(128) ? Vec2{} : in_.vec2(-1, 1);
   if (in_.chance(80)) d.length = in_.number(0, 4);
@@ -224,7 +231,21 @@ void Session::add_joint() {
   if (in_.chance(60)) d.upper = in_.number(0, 2);
   if (in_.chance(60)) d.motor_speed = in_.number(-10, 10), d.motor_limit = in_.number(0, 200);
   d.collide = in_.chance(60);
-  add(d);
+  if (in_.chance(60)) d.frequency = in_.number(0, 20), d.damping_ratio = in_.number(0, 2);
+  if (in_.chance(60)) d.rest = in_.number(-2, 2);
+  if (in_.chance(30)) d.break_force = in_.number(0, 500);
+  if (in_.chance(20)) d.break_torque = in_.number(0, 500);
+  if (in_.chance(20)) d.user_data = in_.byte();
+  if (type == JointType::motor) {
+    d.linear_velocity = in_.vec2(-5, 5);
+    d.angular_velocity = in_.number(-10, 10);
+    d.torque_limit = in_.number(0, 100);
+  }
+  if (in_.chance(128)) d.force_limit = in_.number(0, 500);
+  if (type == JointType::target) d.target = in_.vec2(-10, 10);
+  if (type == JointType::pulley) d.ground_a = in_.vec2(-10, 10), d.ground_b = in_.vec2(-10, 10);
+  if (type == JointType::pulley || type == JointType::gear) d.ratio = in_.number(-3, 3);
+  return d;
 }
 
 JointId Session::add(const JointDesc& d) {
@@ -238,7 +259,9 @@ JointId Session::add(const JointDesc& d) {
   say("joint %u type %d of %u and %u%s", id.index, static_cast<int>(d.type), d.a.index, d.b.index,
       d.collide ? " colliding" : "");
   if (id == kNoJoint) return id;
-  require(is_live(d.a) && is_live(d.b), "a joint on a body that is not there");
+  const auto is_there = [&](BodyId body) { return body == kWorldBody || is_live(body); };
+  const bool own_a = d.type != JointType::target && d.type != JointType::gear, own_b = d.type != JointType::gear;
+  require((!own_a || is_there(d.a)) && (!own_b || is_there(d.b)), "a joint on a body that is not there");
   joints_.push_back(id);
   jointed_ = true;
   return id;
@@ -251,13 +274,15 @@ JointId Session::some_joint() {
 
 void Session::touch_joint() {
   const JointId id = some_joint();
-  const std::size_t which = in_.below(3);
+  const std::size_t which = in_.below(5);
   const double speed = in_.number(-10, 10), limit = in_.number(0, 100);
   const bool valid = worlds_.front()->is_valid_joint(id);
+  if (which >= 3) return change_joint(id, which == 3);
   say("change joint %u by %zu", id.index, which);
   const auto ask = [&](World& w) {
     const auto state = w.joint(id);
-    if (state) require(w.is_valid(state->a) && w.is_valid(state->b), "a joint of no bodies");
+    const auto is_there = [&](BodyId body) { return body == kWorldBody || w.is_valid(body); };
+    if (state) require(is_there(state->a) && is_there(state->b), "a joint of no bodies");
     return state.has_value();
   };
   const auto touch = [&](auto& w) { return which == 0 ? w.remove_joint(id) : w.set_motor(id, speed, limit); };
@@ -265,6 +290,31 @@ void Session::touch_joint() {
   require(!did || valid, "a joint that is not there was changed");
   require(which == 1 || did == valid, "a joint that is there was refused");
   if (which == 0 && did) std::erase(joints_, id);
+}
+
+// Another description, or another target.
+void Session::change_joint(JointId id, bool whole) {
+  const auto before = worlds_.front()->joint_desc(id);
+  if (!whole || !before) {
+    const Vec2 to = in_.vec2(-10, 10);
+    say("target of joint %u", id.index);
+    const bool did = change<bool>("set_target", [&](auto& w) { return w.set_target(id, to); });
+    require(!did || (before && before->type == JointType::target), "set_target of another joint");
+    if (did) require(worlds_.front()->joint_desc(id)->target.x == to.x, "set_target does so");
+    return;
+  }
+  JointDesc d = joint_of(before->type);
+  d.a = before->a, d.b = before->b, d.joint_a = before->joint_a, d.joint_b = before->joint_b;
+  say("joint %u is described anew", id.index);
+  const bool did = change<bool>("set_joint", [&](auto& w) {
+    std::string error;
+    const bool done = w.set_joint(id, d, error);
+    require(done == error.empty(), "set_joint: true or an error");
+    if (!done) refused(error);
+    return done;
+  });
+  const JointDesc now = *worlds_.front()->joint_desc(id);
+  require(now.break_force == (did ? d.break_force : before->break_force), "set_joint does so, or nothing");
 }
 
 }  // namespace psim::fuzz

@@ -35,11 +35,14 @@ bool Session::create_from_scene(const WorldDesc& desc, const RunOptions& options
     if (in_.chance(40)) g.body.shape = BoxShape{g.radius_min, g.radius_min, 0};
     scene.groups.push_back(g);
   }
-  for (std::size_t k = in_.below(4); k > 0; --k) {
+  for (std::size_t k = in_.below(5); k > 0; --k) {
     SceneJoint joint;
     joint.a = in_.below_wide(scene.body_count() + 1);
     joint.b = in_.below_wide(scene.body_count() + 1);
-    joint.joint.type = static_cast<JointType>(in_.below(6));
+    joint.joint.type = static_cast<JointType>(in_.below(12));
+    if (in_.chance(30)) joint.a = kWorldSide;
+    joint.joint_a = in_.below(4);
+    joint.joint_b = in_.below(4);
     joint.joint.stiffness = in_.number(0, 500);
     scene.joints.push_back(joint);
   }

@@ -66,6 +66,8 @@ class Session {
   void add_joint();
   JointId some_joint();
   void touch_joint();
+  void change_joint(JointId id, bool whole);
+  JointDesc joint_of(JointType type);
 
   // world_input_many.cpp
   BodyId add(const BodyDesc& desc);

@@ -25,12 +25,6 @@ class Springs : public testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(Substeps, Springs, testing::Values(1, 4, 16));
 
-BodyId board(JointScene& s, Vec2 at, double width, double height, double mass) {
-  BodyDesc d = moving(box(at, width, height, {}, mass), {}, 0);
-  d.filter.mask = 0;
-  return s.add(d);
-}
-
 JointDesc spring(BodyId a, BodyId b, double length, double stiffness, Vec2 anchor_a = {}, Vec2 anchor_b = {}) {
   JointDesc d = between(JointType::spring, a, b, anchor_a, anchor_b);
   d.length = length;

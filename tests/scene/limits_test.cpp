@@ -178,11 +178,13 @@ std::vector<Row> rows() {
           joint_row(R"("type": "spring", "stiffness": 1, "length": #)", kLength,
                     [](E& e, double v) {
                       e.joint.type = JointType::spring;
+                      e.joint.stiffness = 1;
                       e.joint.length = v;
                     }),
-          joint_row(R"("type": "spring", "stiffness": #)", kStiffness,
+          joint_row(R"("type": "spring", "damping": 1, "stiffness": #)", kStiffness,
                     [](E& e, double v) {
                       e.joint.type = JointType::spring;
+                      e.joint.damping = 1;
                       e.joint.stiffness = v;
                     }),
           joint_row(R"("type": "weld", "damping": #)", kJointDamping,
@@ -228,6 +230,52 @@ std::vector<Row> rows() {
           joint_row(turning + R"("motor_limit": #)", kMotorLimit, [](E& e, double v) {
             e.joint.type = JointType::revolute;
             e.joint.motor_limit = v;
+          }),
+          joint_row(R"("type": "distance", "lower": #)", kLength, [](E& e, double v) { e.joint.lower = v; }),
+          joint_row(turning + R"("stiffness": 1, "target": #)", kCoordinate,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::revolute;
+                      e.joint.stiffness = 1;
+                      e.joint.rest = v;
+                    }),
+          joint_row(R"("type": "motor", "linear_velocity": [0, #])", kMotorSpeed,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.linear_velocity = {0, v};
+                    }),
+          joint_row(R"("type": "motor", "angular_velocity": #)", kMotorSpeed,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.angular_velocity = v;
+                    }),
+          joint_row(R"("type": "motor", "force_limit": #)", kMotorLimit,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.force_limit = v;
+                    }),
+          joint_row(R"("type": "motor", "torque_limit": #)", kMotorLimit,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.torque_limit = v;
+                    }),
+          joint_row(R"("type": "pulley", "ground_a": [1, #], "ground_b": [3, 1], "length": 5)", kCoordinate,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::pulley;
+                      e.joint.ground_a = {1, v};
+                      e.joint.ground_b = {3, 1};
+                      e.joint.length = 5;
+                    }),
+          joint_row(R"("type": "pulley", "ground_a": [1, 1], "ground_b": [3, 1], "ratio": #)", kPulleyRatio,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::pulley;
+                      e.joint.ground_a = {1, 1};
+                      e.joint.ground_b = {3, 1};
+                      e.joint.ratio = v;
+                    }),
+          joint_row(R"("type": "wheel", "damping_ratio": #, "frequency": 1)", Range{0, 1e6}, [](E& e, double v) {
+            e.joint.type = JointType::wheel;
+            e.joint.frequency = 1;
+            e.joint.damping_ratio = v;
           })};
 }
 

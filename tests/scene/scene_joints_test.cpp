@@ -96,12 +96,38 @@ TEST(SceneJoints, BadOnesAreRefusedAtTheirPlace) {
       {R"({"type": "weld", "a": 0, "b": 1, "collide": 1})", "joints[0].collide", "true or false"},
       {R"({"type": "weld", "a": 0, "b": 1, "lenght": 1})", "joints[0].lenght", "did you mean \"length\""},
       {R"({"type": "weld", "a": 0, "b": 1, "length": 1})", "joints[0].length",
-       "is no key of a weld joint: of \"distance\", \"spring\" or \"rope\" only"},
+       "is no key of a weld joint: of \"distance\", \"spring\", \"rope\" or \"pulley\" only"},
       {R"({"type": "rope", "a": 0, "b": 1, "axis": [1, 0]})", "joints[0].axis",
-       "is no key of a rope joint: of \"prismatic\" only"},
-      {R"({"type": "rope", "a": 0, "b": 1, "stiffness": 1})", "joints[0].stiffness", "of \"spring\" or \"weld\" only"},
-      {R"({"type": "distance", "a": 0, "b": 1, "motor_speed": 1})", "joints[0].motor_speed",
-       "of \"revolute\" or \"prismatic\" only"},
+       "is no key of a rope joint: of \"prismatic\" or \"wheel\" only"},
+      {R"({"type": "rope", "a": 0, "b": 1, "stiffness": 1})", "joints[0].stiffness", "\"wheel\" or \"target\" only"},
+      {R"({"type": "weld", "a": 0, "b": 1, "motor_speed": 1})", "joints[0].motor_speed",
+       "of \"distance\", \"revolute\", \"prismatic\" or \"wheel\" only"},
+      {R"({"type": "spring", "a": 0, "b": 1, "stiffness": 0})", "joints[0].stiffness", "no \"damping\""},
+      {R"({"type": "spring", "a": 0, "b": 1, "stiffness": 1, "frequency": 1})", "joints[0].stiffness",
+       "follows from \"frequency\""},
+      {R"({"type": "wheel", "a": 0, "b": 1, "damping_ratio": 1})", "joints[0].damping_ratio", "with \"frequency\""},
+      {R"({"type": "wheel", "a": 0, "b": 1, "frequency": 0})", "joints[0].frequency", "above 0"},
+      {R"({"type": "distance", "a": 0, "b": 1, "lower": -1})", "joints[0].lower", "out of range"},
+      {R"({"type": "weld", "a": 0, "b": 1, "break_force": 0})", "joints[0].break_force", "above 0"},
+      {R"({"type": "weld", "a": "world", "b": "world"})", "joints[0].b", "two different bodies"},
+      {R"({"type": "weld", "a": "world", "b": 2})", "joints[0].b", "at least one that is"},
+      {R"({"type": "filter", "a": "world", "b": 1})", "joints[0].a", "is the world: a body"},
+      {R"({"type": "target", "b": 2, "target": [0, 0], "stiffness": 1})", "joints[0].b", "a body that is"},
+      {R"({"type": "target", "b": "world", "target": [0, 0], "stiffness": 1})", "joints[0].b", "is the world"},
+      {R"({"type": "target", "b": 1, "stiffness": 1})", "joints[0]", "\"target\" is missing"},
+      {R"({"type": "target", "b": 1, "a": 0, "target": [0, 0], "stiffness": 1})", "joints[0].a", "is no key of a target"},
+      {R"({"type": "motor", "a": 0, "b": 1, "linear_velocity": [1]})", "joints[0].linear_velocity", "has 1 element"},
+      {R"({"type": "motor", "a": 0, "b": 1, "torque_limit": -1})", "joints[0].torque_limit", "out of range"},
+      {R"({"type": "pulley", "a": 0, "b": 1, "ground_a": [0, 1]})", "joints[0]", "\"ground_b\" is missing"},
+      {R"({"type": "pulley", "a": 0, "b": 1, "ground_a": [0, 1], "ground_b": [1, 1], "ratio": 0})", "joints[0].ratio",
+       "out of range"},
+      {R"({"type": "gear", "joint_a": 0, "joint_b": 1})", "joints[0].joint_a", "no joint 0 before this one"},
+      {R"({"type": "rope", "a": 0, "b": 1}, {"type": "gear", "joint_a": 0, "joint_b": 0})", "joints[1].joint_a",
+       "is a rope joint: revolute or prismatic"},
+      {R"({"type": "revolute", "a": 0, "b": 1}, {"type": "gear", "joint_a": 0, "joint_b": 0})", "joints[1].joint_b",
+       "two different joints"},
+      {R"({"type": "revolute", "a": 0, "b": 1}, {"type": "revolute", "a": 0, "b": 2},
+          {"type": "gear", "joint_a": 0, "joint_b": 1, "ratio": 1e-9})", "joints[2].ratio", "1e-6 at least"},
       {R"({"type": "spring", "a": 0, "b": 1, "reference": 1, "stiffness": 1})", "joints[0].reference",
        "is no key of a spring"},
       {R"({"type": "spring", "a": 0, "b": 1})", "joints[0]", "\"stiffness\" is missing"},
@@ -127,15 +153,41 @@ TEST(SceneJoints, ReadBackFromTheirText) {
     {"type": "revolute", "a": 0, "b": 1, "reference": 0, "lower": -0.1, "upper": 0,
      "motor_speed": -1, "motor_limit": 2},
     {"type": "prismatic", "a": 0, "b": 1, "axis": [0.1, 1], "upper": 1e-3},
-    {"type": "weld", "a": 0, "b": 1, "stiffness": 3, "damping": 0.2})"));
+    {"type": "weld", "a": 0, "b": 1, "stiffness": 3, "damping": 0.2},
+    {"type": "wheel", "a": "world", "b": 1, "axis": [0, 1], "frequency": 3, "damping_ratio": 0.5, "lower": -1},
+    {"type": "motor", "a": 0, "b": 1, "linear_velocity": [1, 2], "angular_velocity": 3, "force_limit": 4,
+     "torque_limit": 5, "break_force": 6, "break_torque": 7},
+    {"type": "target", "b": 1, "target": [1, 2], "stiffness": 3, "force_limit": 4},
+    {"type": "pulley", "a": 0, "b": 1, "ground_a": [1, 2], "ground_b": [3, 4], "ratio": 2, "length": 9},
+    {"type": "revolute", "a": 0, "b": 1, "stiffness": 2, "damping": 1, "target": 0.5},
+    {"type": "gear", "joint_a": 3, "joint_b": 4, "ratio": -2},
+    {"type": "filter", "a": 0, "b": 1},
+    {"type": "distance", "a": 0, "b": "world", "anchor_b": [0, 3], "lower": 1, "upper": 2, "motor_speed": 3, "motor_limit": 4})"));
   const std::string text = scene_to_json(scene);
   const Scene again = parsed_scene(text);
   EXPECT_EQ(scene_to_json(again), text);
-  ASSERT_EQ(again.joints.size(), 6u);
-  for (std::size_t k = 0; k < 6; ++k) {
+  ASSERT_EQ(again.joints.size(), 14u);
+  EXPECT_EQ(again.joints[6].a, kWorldSide);
+  EXPECT_EQ(again.joints[13].b, kWorldSide);
+  for (std::size_t k = 0; k < 14; ++k) {
     const JointDesc &p = scene.joints[k].joint, &q = again.joints[k].joint;
-    EXPECT_EQ(again.joints[k].a, 0u);
-    EXPECT_EQ(again.joints[k].b, 1u);
+    EXPECT_EQ(again.joints[k].a, scene.joints[k].a);
+    EXPECT_EQ(again.joints[k].b, scene.joints[k].b);
+    EXPECT_EQ(again.joints[k].joint_a, scene.joints[k].joint_a);
+    EXPECT_EQ(again.joints[k].joint_b, scene.joints[k].joint_b);
+    EXPECT_EQ(p.frequency, q.frequency);
+    EXPECT_EQ(p.damping_ratio, q.damping_ratio);
+    EXPECT_EQ(p.target.y, q.target.y);
+    EXPECT_EQ(p.rest, q.rest);
+    EXPECT_EQ(p.linear_velocity.y, q.linear_velocity.y);
+    EXPECT_EQ(p.angular_velocity, q.angular_velocity);
+    EXPECT_EQ(p.force_limit, q.force_limit);
+    EXPECT_EQ(p.torque_limit, q.torque_limit);
+    EXPECT_EQ(p.ground_a.x, q.ground_a.x);
+    EXPECT_EQ(p.ground_b.y, q.ground_b.y);
+    EXPECT_EQ(p.ratio, q.ratio);
+    EXPECT_EQ(p.break_force, q.break_force);
+    EXPECT_EQ(p.break_torque, q.break_torque);
     EXPECT_EQ(p.type, q.type);
     EXPECT_EQ(p.anchor_a.x, q.anchor_a.x);
     EXPECT_EQ(p.anchor_b.y, q.anchor_b.y);

@@ -56,6 +56,16 @@ struct JointScene {
   std::unique_ptr<World> world;
 };
 
+/// A box that meets nobody.
+inline BodyId board(JointScene& s, Vec2 at, double width, double height, double mass) {
+  BodyDesc d;
+  d.shape = BoxShape{width, height, 0};
+  d.position = at;
+  d.mass = mass;
+  d.filter.mask = 0;
+  return s.add(d);
+}
+
 inline JointDesc between(JointType type, BodyId a, BodyId b, Vec2 anchor_a = {}, Vec2 anchor_b = {}) {
   JointDesc d;
   d.type = type;

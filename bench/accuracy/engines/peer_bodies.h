@@ -97,8 +97,12 @@ inline std::string missing_in(const Translation& has, const BodyDesc& body) {
 }
 
 inline std::string missing_in(const Translation& has, const JointDesc& joint) {
+  const bool sprung = joint.frequency || joint.stiffness != 0 || joint.damping != 0;
+  const bool rigid = joint.type != JointType::spring && joint.type != JointType::weld;
+  if (rigid && sprung) return "spring of a joint";
   switch (joint.type) {
     case JointType::distance:
+      if (joint.lower || joint.upper || joint.motor_limit != 0) return "limit or motor of a rod";
       return has.rods ? "" : "rod";
     case JointType::spring:
       return has.springs ? "" : "spring";
@@ -111,9 +115,10 @@ inline std::string missing_in(const Translation& has, const JointDesc& joint) {
       if (joint.lower || joint.upper || joint.motor_limit != 0) return "limit or motor of a slide";
       return has.slides ? "" : "slide";
     case JointType::weld:
-      break;
+      return has.welds ? "" : "weld";
+    default:
+      return "wheel, motor, target, gear, pulley or filter";
   }
-  return has.welds ? "" : "weld";
 }
 
 /// An open chain with an end more on each side, straight on, for engines that want to know what neighbours its ends.

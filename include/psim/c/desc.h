@@ -128,27 +128,43 @@ typedef struct psim_disc_batch {
 
 /// One joint. At least one of the bodies must be dynamic.
 typedef struct psim_joint_desc {
-  uint32_t struct_size;   ///< set by psim_joint_desc_init
-  int32_t type;           ///< psim_joint_type; default distance
-  psim_body_id a;         ///< a body
-  psim_body_id b;         ///< another
-  psim_vec2 anchor_a;     ///< metres, in the frame of a
-  psim_vec2 anchor_b;     ///< metres, in the frame of b
-  double length;          ///< metres; without has_length as far apart as the anchors are now
-  double stiffness;       ///< spring: N/m; weld: N m/rad, 0 = rigid
-  double damping;         ///< spring: N s/m; weld: N m s/rad
-  psim_vec2 axis;         ///< prismatic: direction in the frame of a; default (1, 0)
-  double reference;       ///< radians: angle b - a that counts as 0; without has_reference the present
-  double lower;           ///< revolute: radians; prismatic: metres; without has_lower no limit
-  double upper;           ///< as lower, and not below it
-  double motor_speed;     ///< rad/s or m/s
-  double motor_limit;     ///< most torque, N m, or force, N, >= 0; 0: no motor
-  int32_t has_length;     ///< flag: length is set
-  int32_t has_reference;  ///< flag: reference is set
-  int32_t has_lower;      ///< flag: lower is set
-  int32_t has_upper;      ///< flag: upper is set
-  int32_t collide;        ///< flag: the two bodies still collide
-  int32_t reserved;       ///< 0
+  uint32_t struct_size;       ///< set by psim_joint_desc_init
+  int32_t type;               ///< psim_joint_type; default distance
+  psim_body_id a;             ///< a body
+  psim_body_id b;             ///< another
+  psim_vec2 anchor_a;         ///< metres, in the frame of a
+  psim_vec2 anchor_b;         ///< metres, in the frame of b
+  double length;              ///< metres; without has_length as far apart as the anchors are now
+  double stiffness;           ///< N/m along a line or axis, N m/rad of an angle; 0: no spring; weld: rigid
+  double damping;             ///< N s/m or N m s/rad
+  psim_vec2 axis;             ///< prismatic, wheel: direction in the frame of a; default (1, 0)
+  double reference;           ///< radians: angle b - a that counts as 0; without has_reference the present
+  double lower;               ///< revolute: radians; distance, prismatic, wheel: metres; without has_lower no limit
+  double upper;               ///< as lower, and not below it
+  double motor_speed;         ///< rad/s or m/s
+  double motor_limit;         ///< most torque, N m, or force, N, >= 0; 0: no motor
+  int32_t has_length;         ///< flag: length is set
+  int32_t has_reference;      ///< flag: reference is set
+  int32_t has_lower;          ///< flag: lower is set
+  int32_t has_upper;          ///< flag: upper is set
+  int32_t collide;            ///< flag: the two bodies still collide
+  int32_t reserved;           ///< 0
+  psim_vec2 target;           ///< target: metres, a point of the world
+  double rest;                ///< revolute, radians; prismatic, metres: where the spring rests
+  psim_vec2 linear_velocity;  ///< motor: m/s, of b's anchor against the point of a there
+  double angular_velocity;    ///< motor: rad/s
+  double force_limit;         ///< motor, target: N; 0: motor: no force, target: any force
+  double torque_limit;        ///< motor: N m; 0: no torque
+  psim_vec2 ground_a;         ///< pulley: metres, the point of the world over which the rope goes to a
+  psim_vec2 ground_b;         ///< pulley: metres, the same to b
+  double ratio;               ///< gear, pulley; default 1
+  psim_joint_id joint_a;      ///< gear: a revolute or prismatic joint
+  psim_joint_id joint_b;      ///< gear: another one
+  double frequency;           ///< Hz: instead of stiffness and damping; 0: those count
+  double damping_ratio;       ///< with frequency: 1 is the least damping without a swing
+  double break_force;         ///< N: the joint is gone after a step with more in the mean; 0: never
+  double break_torque;        ///< N m: the same
+  uint64_t user_data;         ///< 64 bits of the host
 } psim_joint_desc;
 
 /// Which bodies a question is about. Default: all but sensors.

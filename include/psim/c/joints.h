@@ -16,9 +16,11 @@ typedef struct psim_joint_state {
   int32_t reserved;    ///< 0
   psim_vec2 anchor_a;  ///< metres, world
   psim_vec2 anchor_b;  ///< metres, world
-  double value;        ///< distance, spring, rope: length; revolute, weld: angle; prismatic: metres
-  psim_vec2 force;     ///< N on b, of the last substep
-  double torque;       ///< N m on b
+  /// distance, spring, rope, target: length, m; revolute, weld, motor: angle, rad; prismatic, wheel: m along the axis;
+  /// gear: the sum that it keeps; pulley: way to a + ratio x way to b, m; filter: 0
+  double value;
+  psim_vec2 force;  ///< N on b, of the last substep
+  double torque;    ///< N m on b
 } psim_joint_state;
 
 /// Ties two bodies and puts the handle into `id` (may be NULL).
@@ -33,7 +35,19 @@ PSIM_API int32_t psim_world_is_valid_joint(const psim_world* world, psim_joint_i
 /// What a joint does. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joint_state* state);
 
-/// Revolute and prismatic: rad/s and N m, or m/s and N; a limit of 0 stops the motor.
+/// The description of a joint: lengths, references, stiffness and damping that follow from others are set, and
+/// `frequency` is 0. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_joint_desc(const psim_world* world, psim_joint_id id, psim_joint_desc* desc);
+
+/// Gives a joint another description of the same type and bodies. Both bodies wake. PSIM_ERROR_STALE_ID;
+/// PSIM_ERROR_ARGUMENT, and nothing changes, if it is refused.
+PSIM_API psim_result psim_world_set_joint(psim_world* world, psim_joint_id id, const psim_joint_desc* desc);
+
+/// Target: moves the point of the world that pulls, metres. The body wakes. PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT for
+/// other joints or a number out of its range.
+PSIM_API psim_result psim_world_set_target(psim_world* world, psim_joint_id id, psim_vec2 point);
+
+/// Distance, revolute, prismatic and wheel: rad/s and N m, or m/s and N; a limit of 0 stops the motor.
 /// PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT for other joints, a number out of its range or a
 /// negative limit.
 PSIM_API psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double speed, double limit);

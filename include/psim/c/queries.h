@@ -43,6 +43,17 @@ typedef struct psim_hit_event {
   double speed;      ///< m/s, of approach along the normal
 } psim_hit_event;
 
+/// A joint was loaded with more than it bears, and is gone.
+typedef struct psim_joint_break {
+  psim_joint_id joint;  ///< its handle, of nothing any more
+  psim_body_id a;       ///< as described
+  psim_body_id b;       ///< as described
+  psim_vec2 point;      ///< metres: the anchor at b
+  psim_vec2 force;      ///< N on b, the mean of the step
+  double torque;        ///< N m on b, the mean of the step
+  uint64_t user_data;   ///< of the description
+} psim_joint_break;
+
 /// One point in which two bodies touched at the end of the last step. Two shapes that touch along an edge
 /// have two, one after the other.
 typedef struct psim_contact {
@@ -80,6 +91,8 @@ typedef struct psim_events {
   size_t sensor_begin_count;             ///< how many
   const psim_touch_event* sensor_end;    ///< a is the sensor, b left it
   size_t sensor_end_count;               ///< how many
+  const psim_joint_break* breaks;        ///< joints that broke, by index; always told
+  size_t break_count;                    ///< how many
 } psim_events;
 
 /// Sets the defaults.

@@ -90,7 +90,13 @@ enum psim_joint_type {
   PSIM_JOINT_ROPE = 2,       ///< the anchors come no further apart than `length`
   PSIM_JOINT_REVOLUTE = 3,   ///< a pin; limits and motor on the angle
   PSIM_JOINT_PRISMATIC = 4,  ///< a slide along `axis` of a; limits and motor along it
-  PSIM_JOINT_WELD = 5        ///< the anchors coincide and the angle is kept
+  PSIM_JOINT_WELD = 5,       ///< the anchors coincide and the angle is kept
+  PSIM_JOINT_WHEEL = 6,      ///< b moves along `axis` of a, with spring and limits, and turns freely or by the motor
+  PSIM_JOINT_MOTOR = 7,      ///< drives b against a with limited force and torque
+  PSIM_JOINT_TARGET = 8,     ///< a spring from the point `target` of the world to b
+  PSIM_JOINT_GEAR = 9,       ///< the way of joint_a + ratio x that of joint_b stays what it is
+  PSIM_JOINT_PULLEY = 10,    ///< a rope over two points of the world
+  PSIM_JOINT_FILTER = 11     ///< the two bodies do not collide, nothing else
 };
 
 /// Kinds of psim_field.
@@ -118,6 +124,9 @@ typedef struct psim_body_id {
   uint32_t index;       ///< the body's id in published state and files; 0xFFFFFFFF: no body
   uint32_t generation;  ///< how many bodies had the index before
 } psim_body_id;
+
+/// The index of the world as a body of a joint, of generation 0: anchors at it are points of the world.
+#define PSIM_WORLD_BODY_INDEX 0xFFFFFFFEu
 
 /// The handle of a joint.
 typedef struct psim_joint_id {

@@ -54,6 +54,12 @@ bool is_ragdoll(std::span<const Candidate> joints) {
          std::all_of(joints.begin(), joints.end(), pinned);
 }
 
+// Linkages have more rows than an articulation knows, and all that hangs together is solved in one way.
+bool has_linkage(std::span<const Candidate> joints) {
+  return std::any_of(joints.begin(), joints.end(),
+                     [](const Candidate& c) { return c.kind == kernels::JointKind::linkage; });
+}
+
 }  // namespace
 
 // The order in which the joints of a group are eliminated: always one that is coupled with the fewest of those that are
@@ -147,7 +153,7 @@ void Articulations::lay_out(std::span<const Candidate> candidates) {
     std::vector<std::pair<std::size_t, Elimination>> orders;
     std::size_t work = 0;
     for (std::size_t k = begin; k < end && work <= left; ++k) {
-      if (is_ragdoll(joints(k))) continue;
+      if (is_ragdoll(joints(k)) || has_linkage(joints(k))) continue;
       orders.emplace_back(k, joints(k));
       work += orders.back().second.work();
     }

@@ -59,8 +59,6 @@ void JointStore::find_articulations() {
   for (std::uint32_t n = 0; n < all.size(); ++n) joints_[all[n].joint].articulated = n;
 }
 
-// Joints that no articulation solves get the first free colour in the order of their ids, and are sorted by colour, then by kind. Within a colour
-// no two lanes share a dynamic body; after the last colour blocks hold one lane each.
 void JointStore::list_ends(std::uint32_t list) {
   ends_[list].assign(lanes_[list].size(), {});
   for (std::size_t lane = 0; lane < lanes_[list].size(); ++lane) {
@@ -83,14 +81,15 @@ void JointStore::count_springs(std::size_t members) {
   }
 }
 
-// Sorts the joints that are swept by the first colour that is free at both bodies; the last class has the rest.
+// Joints in blocks get the first colour that is free at both bodies, in the order of their ids, and are sorted by colour,
+// then by kind: within a colour no two lanes share a dynamic body. The last class has the rest, in blocks of one lane.
 std::vector<std::vector<std::uint32_t>> JointStore::colour(std::size_t members) {
   std::vector<std::vector<std::uint32_t>> of_class(kColours + 1);
   swept_.assign(members, 0);
   std::vector<std::uint32_t> used(members, 0);
   for (std::uint32_t i = 0; i < joints_.size(); ++i) {
     Joint& j = joints_[i];
-    if (!j.alive || j.dormant || j.articulated != kNoSlot) continue;
+    if (!j.alive || j.dormant || j.articulated != kNoSlot || j.kind == kernels::JointKind::linkage) continue;
     swept_[j.body[0]] = swept_[j.body[1]] = 1;
     const std::uint32_t taken = used[j.body[1]] | (j.held ? 0 : used[j.body[0]]);
     const std::uint32_t free = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kColours);
@@ -106,14 +105,14 @@ std::vector<std::vector<std::uint32_t>> JointStore::colour(std::size_t members) 
 void JointStore::lay_out() {
   save_impulses();
   const std::vector<std::uint32_t>& ids = bodies();
-  const auto member = [&](std::uint32_t id) {
-    return static_cast<std::uint32_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
-  };
-  for (Joint& j : joints_) {
+  fragile_.clear();
+  for (std::uint32_t i = 0; i < joints_.size(); ++i) {
+    Joint& j = joints_[i];
     j.lane = j.articulated = kNoSlot;
     if (!j.alive || j.dormant) continue;
-    j.body[0] = member(j.swapped ? j.desc.b.index : j.desc.a.index);
-    j.body[1] = member(j.swapped ? j.desc.a.index : j.desc.b.index);
+    j.body[0] = member_of(j.swapped ? j.desc.b.index : j.desc.a.index);
+    j.body[1] = member_of(j.swapped ? j.desc.a.index : j.desc.b.index);
+    if (j.extra != kNoSlot && extras_[j.extra].breaks()) fragile_.push_back(i);
   }
   find_articulations();
   find_tethers();
@@ -135,13 +134,14 @@ void JointStore::lay_out() {
     add_jobs(begin, of == kColours);
   }
   joint_phases_ = phases_.size();
+  lay_out_linkages();
   add_tethers();
   for (std::uint32_t list = 0; list < kLists; ++list) lists_.assign(list, blocks_of(list));
   for (std::uint32_t list = 0; list < kLists; ++list) list_ends(list);
   each_lane([&](const Joint& j, auto& block, std::uint32_t k) {
     JointLists::each_impulse(block, k, [&](int i, float& l) { l = j.impulse[i]; });
-    block.wa[k] = s_.bodies.inv_mass_in_joints(ids[j.body[0]]);
-    block.wb[k] = s_.bodies.inv_mass_in_joints(ids[j.body[1]]);
+    block.wa[k] = inverse_mass_of(ids[j.body[0]]);
+    block.wb[k] = inverse_mass_of(ids[j.body[1]]);
   });
   for (const Tether& t : tethers_) {
     kernels::LineBlock& block = lists_.rods(true)[t.lane / kBlock];

@@ -30,12 +30,14 @@ void JointStore::sweep(const kernels::BodyView& view, const Pass& pass, const Jo
 }
 
 // A whole pass. Its sweeps go forwards and backwards in turn, the first one over tethers, too.
-template <class Pass>
-void JointStore::sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards) {
+template <class Pass, class Link>
+void JointStore::sweep_all(const kernels::BodyView& view, const Pass& pass, const Link& link, bool backwards) {
   JointParams p = params_;
   for (int n = 0, end = sweeps(); n < end; ++n) {
     p.again = n != 0;
-    sweep(view, pass, p, ((n & 1) != 0) != backwards, n == 0);
+    const bool back = ((n & 1) != 0) != backwards;
+    sweep(view, pass, p, back, n == 0);
+    (linkages_.*link)(view, p, back, s_.pool);
   }
 }
 
@@ -52,12 +54,13 @@ void JointStore::warm(const kernels::BodyView& view, float factor) {
   parted_ = true;
   params_.warm = factor;
   sweep(view, s_.kernels.warm_joints, params_, false, true);
+  linkages_.warm(view, params_, s_.pool);
 }
 
 void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_limit2) {
   if (!parted_) part(view);
   parted_ = false;
-  sweep_all(view, s_.kernels.solve_joints, false);
+  sweep_all(view, s_.kernels.solve_joints, &Linkages::solve, false);
   shares_.run(s_.pool, [&](const ListRange& r) {
     s_.kernels.part_joints(view, share(), r.begin, r.end);
     clear(share().push, share().push_rim_speed, r.begin, r.end);
@@ -65,7 +68,10 @@ void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_
   kernels::BodyView pushed = view;
   pushed.vel = share().push;
   pushed.rim_speed = share().push_rim_speed;
-  for (int n = 0; n < sweeps() / 2; ++n) sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0, false);
+  for (int n = 0; n < sweeps() / 2; ++n) {
+    sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0, false);
+    linkages_.push(pushed, params_, (n & 1) != 0, s_.pool);
+  }
   articulations_.solve(view, static_cast<double>(drift), static_cast<double>(smooth_limit2), s_.pool);
 }
 
@@ -79,9 +85,10 @@ void JointStore::let_go(const kernels::BodyView& view) {
 
 void JointStore::relax(const kernels::BodyView& view) {
   part(view);
-  sweep_all(view, s_.kernels.relax_joints, true);
+  sweep_all(view, s_.kernels.relax_joints, &Linkages::relax, true);
   part(view);
   articulations_.finish(view, s_.bodies.angle.data(), s_.pool);
+  if (!fragile_.empty()) add_loads();
 }
 
 }  // namespace psim

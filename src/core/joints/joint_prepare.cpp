@@ -63,7 +63,8 @@ void fill_line(kernels::LineBlock& at, std::uint32_t k, double length, bool rope
 }
 
 // `way` is -1 if the row runs from b to a.
-void fill_drive(kernels::Drive& at, std::uint32_t k, const JointDesc& d, double way, double h) {
+template <class Desc>
+void fill_drive(kernels::Drive& at, std::uint32_t k, const Desc& d, double way, double h) {
   const double none = 1e30;
   const double lower = d.lower.value_or(-none), upper = d.upper.value_or(none);
   at.lower[k] = narrow(way > 0 ? lower : -upper);
@@ -80,7 +81,8 @@ void fill_spring(Block& at, std::uint32_t k, const SpringRow& row) {
 }
 
 // The axis in the frame of side A. If A is body b, it points the other way and is turned by the reference angle.
-Vec2 axis_of(const JointDesc& d, bool swapped) {
+template <class Desc>
+Vec2 axis_of(const Desc& d, bool swapped) {
   const double size = length_of(d.axis);
   const Vec2 axis{d.axis.x / size, d.axis.y / size};
   return swapped ? -1.0 * turned(sine_cosine(-d.reference.value_or(0)), axis) : axis;
@@ -93,11 +95,13 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
   members_.resize(bodies_.size());
   constexpr std::size_t kEach = 512;
   run_each(members_.size(), kEach, s_.pool, [&](std::size_t n, std::size_t) {
-    const std::uint32_t id = bodies_[n], slot = b.info[id].slot;
-    const BodyKind& kind = b.kind(id);
+    const std::uint32_t id = bodies_[n];
     JointMember& m = members_[n];  // in place: a copy would wait for what was just written
     m = {};
     m.number = solved.dummies();
+    if (is_world(id)) return;
+    const std::uint32_t slot = b.info[id].slot;
+    const BodyKind& kind = b.kind(id);
     m.rim_gain = static_cast<double>(b.properties(id).rim_gain);
     m.inverse_mass = static_cast<double>(b.inv_mass_in_joints(id));
     if (b.info[id].place == Place::moving) {
@@ -150,17 +154,25 @@ void JointStore::find_shares(const SolverBodies& solved) {
 }
 
 // Sweeps do not follow springs that are stiffer: of nets they would gain energy.
-SpringRow JointStore::spring_of(const Joint& j, double mass) const {
+SpringRow JointStore::spring_of(double stiffness, double damping, double mass, std::uint32_t crowd) const {
   const double most = kStiffest * mass / h_;
-  return spring_row(lesser(acting_ * j.desc.stiffness, most / h_), lesser(acting_ * j.desc.damping, most), mass, h_,
-                    crowd_of(j));
+  return spring_row(lesser(acting_ * stiffness, most / h_), lesser(acting_ * damping, most), mass, h_, crowd);
+}
+
+const JointMember& JointStore::side_at(std::uint32_t member, Vec2 anchor, JointMember& world) const {
+  if (!is_world(bodies_[member])) return members_[member];
+  world = members_[member];
+  world.at = s_.lattice.to_lattice(anchor);
+  world.centre = anchor;
+  return world;
 }
 
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
 // the offsets in `disp`.
 template <class Block>
 inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) const {
-  const JointMember& ma = members_[ends.body[0]];
+  JointMember world;
+  const JointMember& ma = side_at(ends.body[0], ends.anchor[0], world);
   const JointMember& mb = members_[ends.body[1]];
   at.body[2 * k] = ma.number;
   at.body[2 * k + 1] = mb.number;
@@ -180,8 +192,9 @@ inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) 
 // Fills the arms of a lane and the rows of its kind.
 template <class Block>
 void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const Ends& ends) const {
-  const JointDesc& d = joint.desc;
-  const JointMember& ma = members_[ends.body[0]];
+  const Basics& d = joint.desc;
+  JointMember world;
+  const JointMember& ma = side_at(ends.body[0], ends.anchor[0], world);
   const JointMember& mb = members_[ends.body[1]];
   const Vec2 apart = fill_arms(at, k, ends);
   const auto arm = [&](const JointMember& m, int side) { return turned(m.turn, ends.anchor[side] - m.centre); };
@@ -191,7 +204,8 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
     fill_line(at, k, *d.length, d.type == JointType::rope, apart);
     if (joint.kind == JointKind::spring) {
-      fill_spring(at, k, spring_of(joint, line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart)));
+      const double mass = line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart);
+      fill_spring(at, k, spring_of(d.stiffness, d.damping, mass, crowd_of(joint)));
     }
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
@@ -206,7 +220,10 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   }
   if constexpr (std::is_same_v<Block, kernels::DrivenBlock>) fill_drive(at.drive, k, d, sign, h_);
   if constexpr (std::is_same_v<Block, kernels::WeldBlock>) {
-    if (d.stiffness > 0) fill_spring(at, k, spring_of(joint, pinned_inertia(ma, mb, arm(ma, 0), arm(mb, 1))));
+    if (d.stiffness > 0) {
+      const double mass = pinned_inertia(ma, mb, arm(ma, 0), arm(mb, 1));
+      fill_spring(at, k, spring_of(d.stiffness, d.damping, mass, crowd_of(joint)));
+    }
   }
 }
 
@@ -221,7 +238,7 @@ void JointStore::set_articulations(bool calm) {
   for (Articulations::Body& b : articulations_.bodies()) {
     const JointMember& m = members_[b.id];
     b.number = m.number;
-    b.slot = s_.bodies.info[bodies_[b.id]].slot;
+    b.slot = is_world(bodies_[b.id]) ? 0 : s_.bodies.info[bodies_[b.id]].slot;
     b.inverse_mass = m.inverse_mass;
     b.inverse_inertia = 0;
     b.radius = 1 / m.inverse_radius;
@@ -229,8 +246,9 @@ void JointStore::set_articulations(bool calm) {
   }
   for (Articulations::Joint& to : articulations_.joints()) {
     Joint& joint = joints_[to.joint];
-    const JointDesc& d = joint.desc;
-    const JointMember &ma = members_[joint.body[0]], &mb = members_[joint.body[1]];
+    const Basics& d = joint.desc;
+    JointMember world;
+    const JointMember &ma = side_at(joint.body[0], joint.anchor(0), world), &mb = members_[joint.body[1]];
     const double sign = joint.swapped ? -1 : 1;
     to.geometry = {.kind = joint.kind,
                    .base = s_.lattice.way(ma.at, mb.at),
@@ -271,7 +289,7 @@ void JointStore::set_articulations(bool calm) {
 
 // A pass sweeps as often as a frame can afford.
 int JointStore::sweeps() const {
-  const std::uint32_t blocks = block_count();
+  const std::uint32_t blocks = work_blocks();
   const std::uint32_t many = tethers_.empty() ? kMany : kManyOfNets;
   return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
 }
@@ -290,6 +308,13 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   find_members(fixed, solved);
   find_shares(solved);
   if (!articulations_.empty()) set_articulations(calm);
+  set_linkages();
+  substeps_ = 0;
+  for (const std::uint32_t i : fragile_) {
+    Extra& extra = extras_[joints_[i].extra];
+    extra.force = {};
+    extra.torque = 0;
+  }
   const std::uint32_t padding = solved.dummies() + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     const std::vector<std::uint32_t>& lanes = lanes_[r.list];

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,10 +24,14 @@
 #include "joint_views.h"
 #include "joints/articulations.h"
 #include "joints/joint_lists.h"
+#include "joints/linkages.h"
 #include "joints/spring_row.h"
 #include "psim/joint.h"
 
 namespace psim {
+
+/// Whether an id of a joint's body stands for the world.
+inline bool is_world(std::uint32_t id) { return id == kWorldBody.index; }
 
 /// A body with joints, in this frame.
 struct JointMember {
@@ -47,19 +52,43 @@ class JointStore {
 
   /// Adds a joint. Its description was checked, and all optional values but the limits are set.
   JointId add(const JointDesc& d);
+  /// Gives a joint another description of the same type and bodies, checked and set likewise.
+  void change(JointId id, const JointDesc& d);
+  /// And the gears that it is part of.
   bool remove(JointId id);
   /// Forgets all joints.
   void lose_all() {
     joints_.clear();
+    extras_.clear();
+    linkages_.clear();
+    free_extras_.clear();
+    gears_.clear();
+    fragile_.clear();
     count_ = exclusions_ = 0;
   }
   void remove_of_body(std::uint32_t body);
 
+  bool any_fragile() const { return !fragile_.empty(); }
+  /// The handle of the joint of an index; kNoJoint if there is none.
+  JointId id_of(std::uint32_t index) const {
+    return joints_[index].alive ? JointId{index, joints_[index].generation} : kNoJoint;
+  }
   bool is_valid(JointId id) const {
     return id.index < joints_.size() && joints_[id.index].alive && joints_[id.index].generation == id.generation;
   }
-  const JointDesc& desc(JointId id) const { return joints_[id.index].desc; }
-  void set_motor(JointId id, double speed, double limit);
+  JointDesc desc(JointId id) const;
+  /// The two bodies of a joint, or kWorldBody.
+  std::array<BodyId, 2> sides(JointId id) const { return {joints_[id.index].desc.a, joints_[id.index].desc.b}; }
+  /// kg or kg m^2: what the spring of a joint of these bodies moves; 0: nothing.
+  static double sprung_mass(const JointDesc& d, const JointMember& a, const JointMember& b, const Lattice& lattice);
+  /// A joint that bore less in the last step than it was loaded with, in the mean.
+  struct Overload {
+    std::uint32_t joint = 0;
+    Vec2 force;
+    double torque = 0;
+  };
+  /// Those joints, by index.
+  std::vector<Overload> overloads() const;
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
   std::size_t bytes() const;
@@ -72,7 +101,7 @@ class JointStore {
   void release_blocks();
   /// About how many lanes the passes of a step work on. Solve and relax sweep over every block sweeps() times.
   std::uint64_t lane_operations(int substeps) const {
-    return empty() ? 0 : std::uint64_t{2} * static_cast<std::uint64_t>(substeps * sweeps()) * block_count() * kBlock;
+    return empty() ? 0 : std::uint64_t{2} * static_cast<std::uint64_t>(substeps * sweeps()) * work_blocks() * kBlock;
   }
   /// Counts the lanes of the blocks, and how many have a joint. O(lanes).
   void count_lanes(std::uint64_t& lanes, std::uint64_t& used) const {
@@ -86,7 +115,7 @@ class JointStore {
   /// the axis of a slide, in the world. O(1).
   void load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& torque) const;
 
-  /// Calls each(a, b) with the ids of the two bodies of every joint that is not left out.
+  /// Calls each(a, b) with the ids of the two bodies of every joint that is not left out; one may be the world's.
   template <class Each>
   void each_pair(const Each& each) const {
     for (const Joint& j : joints_) {
@@ -97,14 +126,17 @@ class JointStore {
   template <class Each>
   void each_tie(const Each& each) const {
     for (const Joint& j : joints_) {
-      if (j.alive && !j.dormant && j.desc.type != JointType::rope) each(j.desc.a.index, j.desc.b.index);
+      const JointType type = j.desc.type;
+      const bool holds = type != JointType::rope && type != JointType::motor && type != JointType::target &&
+                         type != JointType::gear && type != JointType::pulley;
+      if (j.alive && !j.dormant && holds) each(j.desc.a.index, j.desc.b.index);
     }
   }
-  /// Calls each(other) with the ids of the bodies to which a body is joined.
+  /// Calls each(other) with the ids of the bodies to which a body is joined; one may be the world's.
   template <class Each>
   void each_joined(std::uint32_t body, const Each& each) const {
     for (std::uint32_t i = first_of(body); i != kNoSlot;) {
-      each(joints_[i].other(body));
+      if (joints_[i].kind != kernels::JointKind::none) each(joints_[i].other(body));
       i = joints_[i].next_of(body);
     }
   }
@@ -112,7 +144,8 @@ class JointStore {
   /// moved, or a side sleeps or is disabled, are left out from now on. O(joints of the body).
   void follow(std::uint32_t body);
 
-  /// The ids of bodies with joints that are not left out, ascending. The solver must number these bodies.
+  /// The ids of bodies with joints that are not left out, ascending; the last may be that of the world. The solver must
+  /// number these bodies.
   const std::vector<std::uint32_t>& bodies();
 
   /// Whether a joint keeps two bodies from colliding. O(joints of the body that has fewer).
@@ -145,18 +178,41 @@ class JointStore {
   static constexpr std::uint32_t kLists = JointLists::kCount;
   static constexpr std::uint32_t kTether = 1u << 31;  // plus the number of a tether: as a lane has it
 
+  /// What most joints need of a JointDesc, under the same names.
+  struct Basics {
+    JointType type = JointType::distance;
+    BodyId a, b;
+    Vec2 anchor_a, anchor_b;
+    std::optional<double> length;
+    double stiffness = 0, damping = 0;
+    Vec2 axis{1, 0};
+    std::optional<double> reference, lower, upper;
+    double motor_speed = 0, motor_limit = 0;
+    bool collide = false;
+  };
+  /// What a few joints have besides.
+  struct Extra {
+    JointDesc desc;  ///< all of it
+    std::uint32_t linkage = kNoSlot;
+    Vec2 force;  ///< N: the sum over the substeps of the frame, of joints that may break
+    double torque = 0;
+
+    bool breaks() const { return desc.break_force > 0 || desc.break_torque > 0; }
+  };
+
   struct Joint {
     std::uint32_t next[2] = {kNoSlot, kNoSlot};    ///< the next joint in the lists of the bodies a and b
     std::uint32_t before[2] = {kNoSlot, kNoSlot};  ///< the one before it
-    JointDesc desc;
+    Basics desc;
     std::uint32_t generation = 0;
     bool alive = false;
     bool swapped = false;  ///< side A is desc.b, because desc.b is not dynamic
     bool held = false;     ///< side A is not dynamic
-    bool dormant = false;  ///< one of its bodies sleeps or is disabled, or neither can be moved
+    bool dormant = false;  ///< one of its bodies sleeps or is disabled, neither can be moved, or it does nothing
     kernels::JointKind kind = kernels::JointKind::rod;
     std::uint32_t lane = kNoSlot;               ///< 8 block + lane in its list
     std::uint32_t articulated = kNoSlot;        ///< its number in the articulations, if it is in one
+    std::uint32_t extra = kNoSlot;              ///< in extras_, if it has more than the basics
     std::uint32_t body[2] = {0, 0};             ///< numbers in members_ of the sides A and B
     float impulse[JointLists::kImpulses] = {};  ///< in articulations, or while the blocks are made anew
     float gain = 0;                             ///< J: the account of an articulation
@@ -167,7 +223,8 @@ class JointStore {
     std::uint32_t& next_of(std::uint32_t id) { return next[desc.a.index == id ? 0 : 1]; }
     std::uint32_t& before_of(std::uint32_t id) { return before[desc.a.index == id ? 0 : 1]; }
     bool is_soft() const {
-      return kind == kernels::JointKind::spring || (kind == kernels::JointKind::weld && desc.stiffness > 0);
+      return kind == kernels::JointKind::spring ||
+             (desc.stiffness > 0 && (kind == kernels::JointKind::weld || kind == kernels::JointKind::linkage));
     }
     /// In the frame of the body at side A, 0, or B, 1.
     Vec2 anchor(std::uint32_t side) const { return (side != 0) == swapped ? desc.anchor_a : desc.anchor_b; }
@@ -233,7 +290,28 @@ class JointStore {
   std::uint32_t first_of(std::uint32_t body) const { return body < first_.size() ? first_[body] : kNoSlot; }
   void link(std::uint32_t index, std::uint32_t body);
   void unlink(std::uint32_t index, std::uint32_t body);
-  void link_room(const JointDesc& d);
+  void link_room(const Basics& d);
+  void set_desc(Joint& j, const JointDesc& d);
+  void make_extra(Joint& j, const JointDesc& d);
+  static kernels::JointKind kind_of(const JointDesc& d);
+  void describe_extra(class Archive& a, Joint& j);
+  void check(Archive& a, Joint& j);
+  void drop_extra(Joint& j);
+  JointId part_of_gear(const Joint& gear, int part) const {
+    return part == 0 ? extras_[gear.extra].desc.joint_a : extras_[gear.extra].desc.joint_b;
+  }
+  std::uint32_t member_of(std::uint32_t id) const {
+    return static_cast<std::uint32_t>(std::lower_bound(bodies_.begin(), bodies_.end(), id) - bodies_.begin());
+  }
+  float inverse_mass_of(std::uint32_t id) const { return is_world(id) ? 0 : s_.bodies.inv_mass_in_joints(id); }
+  void find_ends(Linkage& l, const Joint& j) const;
+  void lay_out_linkages();
+  void set_linkages();
+  void set_linkage(Linkage& l, const Joint& j) const;
+  void set_drives(Linkage& l, const JointDesc& d, std::uint32_t crowd) const;
+  /// A side of a joint in this frame. `world`: room for the world, which is where the anchor is.
+  const JointMember& side_at(std::uint32_t member, Vec2 anchor, JointMember& world) const;
+  void add_loads();
   void enter(std::uint32_t index);
   void find_sides(Joint& j) const;
   void leave_lane(Joint& j);
@@ -258,12 +336,14 @@ class JointStore {
     return sum;
   }
   int sweeps() const;
+  /// Blocks, and linkages as if they were in some.
+  std::uint32_t work_blocks() const { return block_count() + static_cast<std::uint32_t>(linkages_.count() + 7) / 8; }
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
   void set_articulations(bool calm);
   void find_shares(const SolverBodies& solved);
   /// The most springs at one of the bodies of a joint.
   std::uint32_t crowd_of(const Joint& j) const { return std::max(springs_[j.body[0]], springs_[j.body[1]]); }
-  SpringRow spring_of(const Joint& j, double mass) const;
+  SpringRow spring_of(double stiffness, double damping, double mass, std::uint32_t crowd) const;
   template <class Block>
   Vec2 fill_arms(Block& block, std::uint32_t lane, const Ends& ends) const;
   template <class Block>
@@ -273,8 +353,8 @@ class JointStore {
   template <class Pass>
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards,
              bool tethers);
-  template <class Pass>
-  void sweep_all(const kernels::BodyView& view, const Pass& pass, bool backwards);
+  template <class Pass, class Link>
+  void sweep_all(const kernels::BodyView& view, const Pass& pass, const Link& link, bool backwards);
   void part(const kernels::BodyView& view);
   kernels::JointShare share() {
     return {share_vel_.data(),      share_rim_speed_.data(), push_vel_.data(),
@@ -285,7 +365,12 @@ class JointStore {
 
   std::vector<Joint> joints_;
   std::vector<std::uint32_t> free_;
-  std::vector<std::uint32_t> first_;  // by body id: the first of its joints
+  std::vector<Extra> extras_;
+  std::vector<std::uint32_t> free_extras_;
+  Linkages linkages_;
+  std::vector<std::uint32_t> gears_;    // joints
+  std::vector<std::uint32_t> fragile_;  // joints that may break and are not dormant, by index
+  std::vector<std::uint32_t> first_;    // by body id: the first of its joints
   std::size_t count_ = 0;
   std::size_t exclusions_ = 0;  // number of joints whose bodies do not collide
 
@@ -307,6 +392,7 @@ class JointStore {
   std::vector<std::uint8_t> marks_;
 
   double h_ = 0;         // s: the substep of the last prepare
+  int substeps_ = 0;     // since then
   double acting_ = 1;    // how long forces act in it, of h
   bool parted_ = false;  // true between the two calls of part_joints in a pass
   kernels::JointParams params_;

@@ -17,9 +17,9 @@ constexpr std::uint32_t kLinks = 2, kLinksOfLarge = 8;  // from one body with te
 constexpr std::uint8_t kMostWays = 2;
 constexpr double kApart = 0.5;  // of a second way: how far its support is from the first one, at least
 
-// Springs and slides do not keep a distance.
+// Springs, slides and linkages do not keep a distance.
 bool far_kept(kernels::JointKind kind) {
-  return kind != kernels::JointKind::spring && kind != kernels::JointKind::slide;
+  return kind != kernels::JointKind::spring && kind != kernels::JointKind::slide && kind != kernels::JointKind::linkage;
 }
 
 }  // namespace

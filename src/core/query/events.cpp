@@ -287,7 +287,7 @@ void EventList::collect(const Observed& world, const QueryIndex& index) {
 
 std::size_t EventList::bytes() const {
   return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_, toggled_,
-                  count_, touching_, begin_, end_) +
+                  count_, touching_, begin_, end_, breaks) +
          hits_.bytes();
 }
 

@@ -74,7 +74,10 @@ class EventList {
   /// Forgets who touched: the next step tells of all that touch then, as if they began to.
   void start_over();
 
-  Events view() const { return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_}; }
+  Events view() const { return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_, breaks}; }
+
+  std::vector<JointBreak> breaks;  ///< of the last step, told whether or not the host asks
+
   std::size_t bytes() const;
 
  private:

@@ -132,8 +132,9 @@ class SleepChoice {
         });
   }
 
+  bool moves(std::uint32_t id) const { return !is_world(id) && bodies_.info[id].place == Place::moving; }
   bool is_free(std::uint32_t id) const {
-    return bodies_.info[id].place == Place::moving && bodies_.properties(id).inv_mass > 0;
+    return !is_world(id) && bodies_.info[id].place == Place::moving && bodies_.properties(id).inv_mass > 0;
   }
 
   std::uint32_t root_of(std::uint32_t id) {
@@ -150,7 +151,7 @@ class SleepChoice {
     for (std::uint32_t id = 0; id < bodies_.id_count; ++id) root[id] = id;
     source_.joints.each_pair([&](std::uint32_t a, std::uint32_t b) {
       for (const std::uint32_t id : {a, b}) {
-        if (bodies_.info[id].place == Place::moving) state_[bodies_.info[id].slot] |= kSupported;
+        if (moves(id)) state_[bodies_.info[id].slot] |= kSupported;
       }
       if (is_free(a) && is_free(b)) {
         const std::uint32_t p = root_of(a), q = root_of(b);
@@ -158,8 +159,7 @@ class SleepChoice {
         return;
       }
       for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
-        if (is_free(one) && bodies_.info[other].place == Place::moving &&
-            (state_[bodies_.info[other].slot] & kCalm) == 0) {
+        if (is_free(one) && moves(other) && (state_[bodies_.info[other].slot] & kCalm) == 0) {
           disturb(bodies_.info[one].slot);
         }
       }
@@ -291,7 +291,8 @@ std::string Sleep::why_awake(const SleepSource& source, std::uint32_t id, bool s
   });
   source.joints.each_joined(id, [&](std::uint32_t other) {
     supported = true;
-    if (bodies.info[other].place == Place::moving && !rested(other)) joined = std::min(joined, other);
+    if (!is_world(other) && bodies.info[other].place == Place::moving && !rested(other))
+      joined = std::min(joined, other);
   });
   if (restless != kNoSlot)
     return "awake: it touches body " + std::to_string(restless) + ", which moves or did so of late";

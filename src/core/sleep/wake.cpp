@@ -76,7 +76,9 @@ void ask_joined_and_stacked(const SleepSource& source, Sleepers& sleepers, const
     }
   }
   if (source.joints.empty()) return;
-  source.joints.each_joined(woken.id, [&](std::uint32_t other) { sleepers.queue.push_back({other, rings}); });
+  source.joints.each_joined(woken.id, [&](std::uint32_t other) {
+    if (!is_world(other)) sleepers.queue.push_back({other, rings});
+  });
 }
 
 // Calls each(body) for the sleepers whose box a square of half width `reach`, m, meets.

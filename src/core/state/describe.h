@@ -18,8 +18,8 @@ constexpr std::uint64_t last_of(Enum<BodyType>) { return 2; }
 constexpr std::uint64_t last_of(Enum<Boundary>) { return 2; }
 constexpr std::uint64_t last_of(Enum<Mixing>) { return 4; }
 constexpr std::uint64_t last_of(Enum<Integrator>) { return 3; }
-constexpr std::uint64_t last_of(Enum<JointType>) { return 5; }
-constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 5; }
+constexpr std::uint64_t last_of(Enum<JointType>) { return 11; }
+constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 7; }
 constexpr std::uint64_t last_of(Enum<kernels::Model>) { return 2; }
 constexpr std::uint64_t last_of(Enum<Place>) { return 5; }
 constexpr std::uint64_t last_of(Enum<ManifoldPair::StackRole>) { return 2; }
@@ -42,9 +42,12 @@ inline auto fields(WorldDesc& d) {
   return std::tie(d.bounds, d.boundary, d.gravity, d.linear_damping, d.wall, d.mixing, d.dt, d.substeps, d.integrator,
                   d.restitution_threshold, d.sleeping, d.skin, d.fields);
 }
+inline auto fields(JointId& id) { return std::tie(id.index, id.generation); }
 inline auto fields(JointDesc& d) {
   return std::tie(d.type, d.a, d.b, d.anchor_a, d.anchor_b, d.length, d.stiffness, d.damping, d.axis, d.reference,
-                  d.lower, d.upper, d.motor_speed, d.motor_limit, d.collide);
+                  d.lower, d.upper, d.motor_speed, d.motor_limit, d.collide, d.target, d.rest, d.linear_velocity,
+                  d.angular_velocity, d.force_limit, d.torque_limit, d.ground_a, d.ground_b, d.ratio, d.joint_a,
+                  d.joint_b, d.frequency, d.damping_ratio, d.break_force, d.break_torque, d.user_data);
 }
 
 inline auto fields(BodyKind& k) {

@@ -276,8 +276,10 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
 
 static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) {
   a.require(joint.a.index != joint.b.index && joint.length && joint.reference);
+  const bool alone = joint.type == JointType::pulley || joint.type == JointType::filter;
   bool dynamic = false;
   for (const BodyId& end : {joint.a, joint.b}) {
+    if (end == kWorldBody && !alone) continue;
     a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
     if (!a.ok()) return;
     const Place place = b.info[end.index].place;
@@ -287,26 +289,77 @@ static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) 
   a.require(dynamic);
 }
 
+// What a few joints have besides the basics.
+void JointStore::describe_extra(Archive& a, Joint& j) {
+  bool rare = j.extra != kNoSlot;
+  values(a, rare);
+  if (!rare || !a.ok()) return;
+  a.require(j.alive);
+  if (a.loading()) {
+    j.extra = static_cast<std::uint32_t>(extras_.size());
+    extras_.emplace_back();
+  }
+  Extra& extra = extras_[j.extra];
+  values(a, extra.desc);
+  if (j.kind != kernels::JointKind::linkage || !a.ok()) return;
+  if (a.loading()) {
+    extra.linkage = linkages_.add();
+    linkages_[extra.linkage].set_type(extra.desc.type);
+  }
+  linkages_[extra.linkage].each_impulse([&a](double& l) { values(a, l); });
+}
+
+// A joint that was read: its bodies, and whether it is solved as its description asks for.
+void JointStore::check(Archive& a, Joint& j) {
+  using kernels::JointKind;
+  const auto index = static_cast<std::uint32_t>(&j - joints_.data());
+  const JointDesc d = desc({index, j.generation});
+  set_desc(j, d);
+  check_joint(a, d, s_.bodies);
+  const JointKind asked = kind_of(d);
+  a.require(j.kind == asked || (j.kind == JointKind::driven && asked == JointKind::pin));
+  a.require(asked != JointKind::linkage || (j.extra != kNoSlot && extras_[j.extra].linkage != kNoSlot));
+  for (const JointId part : {d.joint_a, d.joint_b}) {
+    if (d.type != JointType::gear) break;
+    a.require(part.index < joints_.size() && is_valid(part) && part.index != index);
+    if (!a.ok()) return;
+    const JointType type = joints_[part.index].desc.type;
+    a.require(type == JointType::revolute || type == JointType::prismatic);
+  }
+}
+
 void JointStore::describe(Archive& a) {
-  if (!a.loading()) save_impulses();
-  a.list(joints_, [&](Joint& j) { values(a, j.desc, j.generation, j.alive, j.dormant, j.kind, j.impulse, j.gain); });
+  if (!a.loading()) {
+    save_impulses();
+  } else {
+    lose_all();
+  }
+  a.list(joints_, [&](Joint& j) {
+    Basics& d = j.desc;
+    values(a, d.type, d.a, d.b, d.anchor_a, d.anchor_b, d.length, d.stiffness, d.damping, d.axis, d.reference, d.lower,
+           d.upper, d.motor_speed, d.motor_limit, d.collide);
+    values(a, j.generation, j.alive, j.dormant, j.kind, j.impulse, j.gain);
+    describe_extra(a, j);
+  });
   describe_free(a, free_, 0, joints_.size(),
                 [&](std::size_t k) { return !joints_[k].alive && joints_[k].generation != kLastGeneration; });
   a.list(tethers_, [&](Tether& t) { values(a, t.key[0], t.key[1], t.key[2], t.impulse); });
   bool laid = !stale_;
   values(a, laid, h_);
   if (a.loading()) {
-    for (const Joint& j : joints_) {
-      if (j.alive) check_joint(a, j.desc, s_.bodies);
+    free_extras_.reserve(extras_.size());  // dropping needs no memory
+    for (Joint& j : joints_) {
+      if (j.alive && a.ok()) check(a, j);
     }
-    if (!a.ok()) joints_.clear(), free_.clear();
+    if (!a.ok()) lose_all(), free_.clear();
     count_ = exclusions_ = 0;
     first_.clear();
     for (auto& lanes : lanes_) lanes.clear();
     for (std::uint32_t k = 0; k < joints_.size(); ++k) {
       if (joints_[k].alive) enter(k);
     }
-    stale_ = true;  // what follows from the joints is found anew
+    for (const std::uint32_t gear : gears_) find_sides(joints_[gear]);  // all others are known now
+    stale_ = true;                                                      // what follows from the joints is found anew
     if (laid && a.ok()) {
       lay_out();
       stale_ = false;

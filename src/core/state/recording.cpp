@@ -14,15 +14,16 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
                             &World::set_gravity,   &World::set_sleeping,     &World::wake,
                             &World::remove_joint,  &World::set_motor,        &World::set_skin,
-                            &World::set_enabled,   &World::set_traits,       &World::set_user_data};
+                            &World::set_enabled,   &World::set_traits,       &World::set_user_data,
+                            &World::set_target};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kCallsBegin };
+enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kCallsBegin };
 constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 9;
+  static constexpr std::uint64_t kFormat = 10;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -38,7 +39,6 @@ struct RecordHeader : FileHeader {
 static auto fields(StepDetail& d) {
   return std::tie(d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
 }
-static auto fields(JointId& id) { return std::tie(id.index, id.generation); }
 static auto fields(DiscShape& s) { return std::tie(s.radius); }
 static auto fields(SegmentShape& s) { return std::tie(s.p1, s.p2); }
 static auto fields(ChainShape& s) { return std::tie(s.vertices, s.loop, s.materials); }
@@ -197,6 +197,11 @@ JointId Recorder::add_joint(const JointDesc& desc, std::string& error) {
       world_, [&] { log_->add(kAddJoint, desc); }, [&] { return world_.add_joint(desc, error); });
 }
 
+bool Recorder::set_joint(JointId id, const JointDesc& desc, std::string& error) {
+  return log_->done(
+      world_, [&] { log_->add(kSetJoint, id, desc); }, [&] { return world_.set_joint(id, desc, error); });
+}
+
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
 bool Recorder::set_transform(BodyId id, Vec2 position, double angle) {
   return log_->call<1>(world_, id, position, angle);
@@ -214,6 +219,7 @@ void Recorder::set_sleeping(bool on) { log_->call<7>(world_, on); }
 bool Recorder::wake(BodyId id) { return log_->call<8>(world_, id); }
 bool Recorder::remove_joint(JointId id) { return log_->call<9>(world_, id); }
 bool Recorder::set_motor(JointId id, double speed, double limit) { return log_->call<10>(world_, id, speed, limit); }
+bool Recorder::set_target(JointId id, Vec2 point) { return log_->call<15>(world_, id, point); }
 bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); }
 bool Recorder::set_enabled(BodyId id, bool on) { return log_->call<12>(world_, id, on); }
 bool Recorder::set_traits(BodyId id, const BodyTraits& to) { return log_->call<13>(world_, id, to); }
@@ -295,6 +301,11 @@ struct Replay::State {
       case kAddJoint:
         w.add_joint(get<JointDesc>(), error);
         break;
+      case kSetJoint: {
+        const auto id = get<JointId>();
+        w.set_joint(id, get<JointDesc>(), error);
+        break;
+      }
       default:
         call(op - std::size_t{kCallsBegin});
     }

@@ -30,7 +30,9 @@ void link_bodies(StepContext& c) {
     if (bodies.info[id].place == Place::moving) bodies.linked[bodies.info[id].slot] = 0xFF;
   };
   for (const auto& [id, velocity] : c.population.kinematics) link(id);
-  for (const std::uint32_t id : c.joints.bodies()) link(id);
+  for (const std::uint32_t id : c.joints.bodies()) {
+    if (!is_world(id)) link(id);
+  }
   for (const Restraint& r : c.population.restraints) link(r.id);
 }
 
@@ -182,6 +184,7 @@ void stand(StepContext& c, const Span& span, StepReport&, PieceRange) {
   if (!c.joints.empty() && manifolds.footing_is_old()) {
     c.bodies.find_slots();
     const auto end_of = [&](std::uint32_t id) {
+      if (is_world(id)) return ManifoldPair::kNone;
       const bool moves = c.bodies.info[id].place == Place::moving && c.bodies.properties(id).inv_mass > 0;
       return moves ? c.bodies.info[id].slot : ManifoldPair::kNone;
     };

@@ -18,6 +18,7 @@ Quarantine::Freeze freezer(Owners& w) {
 // A page of the ledger, and a report that follows the given detail, if there is one.
 StepReport open_page(Owners& w, const StepDetail* given) {
   w.ledger.begin_step(w.memory);
+  w.observers.events.breaks.clear();
   w.detailed = given != nullptr;
   StepReport report;
   if (given != nullptr) report.detail = *given;
@@ -89,6 +90,14 @@ void lose(StepReport& report, const char* what) {
 void move(Owners& w, double dt, StepReport& report) {
   if (w.plan.events) w.observers.events.approach(w.observed(), dt);
   const Moved moved = move_bodies(w, dt, report);
+  if (w.joints.any_fragile()) {
+    try {
+      break_joints(w);
+    } catch (const std::bad_alloc&) {  // a later step breaks the others
+      w.recover();
+      lose(report, "breaks");
+    }
+  }
   if (!moved.sound) report.quarantined += w.quarantine.settle(w.population, w.lattice, dt, freezer(w));
   if (!moved.inside && w.desc.boundary == Boundary::open) {
     const auto remove = [&w](std::uint32_t id) { remove_body(w, id); };

@@ -76,6 +76,8 @@ void disturb(Owners& w, std::uint32_t id);
 // world_joints.cpp
 void disturb_joined(Owners& w, std::uint32_t body);
 void remove_joints_of(Owners& w, std::uint32_t body);
+/// Joints that the step loaded too much go, and events say so.
+void break_joints(Owners& w);
 
 // state_keeper.cpp
 void save(Owners& w, std::vector<std::byte>& out);

@@ -95,7 +95,7 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
 }
 
 Painter::Painter(const Scene& scene, Colouring colouring)
-    : scene_(scene), colouring_(colouring), shapes_(scene), joints_(all_joints(scene)) {}
+    : scene_(scene), colouring_(colouring), shapes_(scene), joints_(drawn_joints(scene)) {}
 
 void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const {
   canvas.clear(kOutside);
@@ -226,16 +226,26 @@ void Painter::paint_joints(Canvas& canvas, const PictureCamera& camera, const Mo
     canvas.line(camera.at(from), camera.at(to), kJointWidth, kJoint);
   };
   for (const SceneJoint& joint : joints_) {
-    const std::size_t a = moment.row_of(joint.a), b = moment.row_of(joint.b);
-    if (a == moment.size() || b == moment.size()) continue;
-    const Vec2 place_a{moment.x[a], moment.y[a]}, place_b{moment.x[b], moment.y[b]};
-    const Vec2 anchor_a = to_world(joint.joint.anchor_a, place_a, moment.angle[a]);
-    const Vec2 anchor_b = to_world(joint.joint.anchor_b, place_b, moment.angle[b]);
-    if (!std::isfinite(anchor_a.x + anchor_a.y + anchor_b.x + anchor_b.y)) continue;
-    draw(anchor_a, anchor_b);
+    const std::uint64_t body[] = {joint.a, joint.b};
+    const Vec2 local[] = {joint.joint.anchor_a, joint.joint.anchor_b};
+    Vec2 place[2], anchor[2];
+    bool there = true, moves[2] = {};
+    for (const int side : {0, 1}) {
+      anchor[side] = local[side];
+      if (body[side] == kWorldSide) continue;
+      const std::size_t row = moment.row_of(body[side]);
+      there = there && row != moment.size();
+      if (row == moment.size()) continue;
+      place[side] = {moment.x[row], moment.y[row]};
+      anchor[side] = to_world(local[side], place[side], moment.angle[row]);
+      moves[side] = moment.type[row] != BodyType::static_body;
+    }
+    if (!there || !std::isfinite(anchor[0].x + anchor[0].y + anchor[1].x + anchor[1].y)) continue;
+    draw(anchor[0], anchor[1]);
     if (joint.joint.type < JointType::revolute) continue;
-    if (moment.type[a] != BodyType::static_body) draw(place_a, anchor_a);
-    if (moment.type[b] != BodyType::static_body) draw(place_b, anchor_b);
+    for (const int side : {0, 1}) {
+      if (moves[side]) draw(place[side], anchor[side]);
+    }
   }
 }
 

@@ -25,7 +25,7 @@ constexpr double kShort = 1e-4;         // of a distance: what is missing withou
 constexpr double kSlack = 1e-3;         // of a distance: less slack than this is none
 constexpr std::size_t kMostSteps = 64;  // joints that are looked at to find the way round a loop
 
-// The ways through joints between the anchors of a scene's bodies. Springs and slides keep no distance.
+// The ways through joints between the anchors of a scene's bodies, of those that keep a distance.
 class Ways {
  public:
   Ways(const Scene& scene, const Survey& survey) : scene_(scene), bodies_(scene), joints_(all_joints(scene)) {
@@ -43,10 +43,10 @@ class Ways {
   const SceneJoint& joint(std::size_t k) const { return joints_[k]; }
   bool keeps(std::size_t k) const {
     const JointType type = joints_[k].joint.type;
-    return type != JointType::spring && type != JointType::prismatic;
+    return type == JointType::revolute || type == JointType::weld || is_rod(k);
   }
   bool is_rod(std::size_t k) const {
-    return joints_[k].joint.type == JointType::distance || joints_[k].joint.type == JointType::rope;
+    return joints_[k].joint.type == JointType::rope || is_rigid_rod(joints_[k].joint);
   }
   bool moves(std::uint64_t id) const { return bodies_.type_of(id) == BodyType::dynamic_body; }
   const BodyDesc& desc_of(std::uint64_t id) const { return bodies_.desc_of(id); }
@@ -54,7 +54,8 @@ class Ways {
     return id == joints_[k].a ? joints_[k].joint.anchor_a : joints_[k].joint.anchor_b;
   }
   Vec2 place(std::size_t k, std::uint64_t id) const {
-    const Vec2 at = id < scene_.bodies.size() ? scene_.bodies[id].position : place_.at(id);
+    const bool own = id < scene_.bodies.size() || id == kWorldSide;
+    const Vec2 at = own ? desc_of(id).position : place_.at(id);
     return to_world(anchor(k, id), at, desc_of(id).angle);
   }
   double length(std::size_t k) const {
@@ -180,7 +181,7 @@ double way_round(const Ways& ways, std::size_t k) {
 void check_loops(const Ways& ways, Lines& lines) {
   for (std::size_t k = 0; k < ways.count(); ++k) {
     const SceneJoint& j = ways.joint(k);
-    if (j.joint.type != JointType::distance || !j.joint.length) continue;
+    if (!is_rigid_rod(j.joint) || !j.joint.length) continue;
     const double way = way_round(ways, k), length = *j.joint.length;
     if (way >= length * (1 - kShort)) continue;
     lines.push_back("joints[" + std::to_string(k) + "]: its length is " + number_text(length) +

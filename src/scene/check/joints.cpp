@@ -23,10 +23,16 @@ constexpr double kApart = 0.05;
 // A spring whose swing is shorter than so many substeps is softer than it says.
 constexpr double kSubstepsASwing = 6;
 
-constexpr const char* kNames[] = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
+constexpr const char* kNames[] = {"distance", "spring", "rope",   "revolute", "prismatic", "weld",
+                                  "wheel",    "motor",  "target", "gear",     "pulley",    "filter"};
+
+bool is_spring(const JointDesc& joint) {
+  return joint.type == JointType::spring || (joint.type == JointType::distance && joint.stiffness > 0);
+}
 
 std::string joint_name(const Scene& scene, const SceneJoint& joint, std::size_t k) {
   const auto body = [&](std::uint64_t id) {
+    if (id == kWorldSide) return std::string("the world");
     const bool named = id < scene.body_names.size() && !scene.body_names[id].empty();
     return named ? '"' + scene.body_names[id] + '"' : std::to_string(id);
   };
@@ -34,7 +40,9 @@ std::string joint_name(const Scene& scene, const SceneJoint& joint, std::size_t 
          body(joint.a) + " and " + body(joint.b) + ")";
 }
 
-double size_of(const SceneBodies& bodies, std::uint64_t id) { return bounding_radius(bodies.desc_of(id).shape); }
+double size_of(const SceneBodies& bodies, std::uint64_t id) {
+  return id == kWorldSide ? HUGE_VAL : bounding_radius(bodies.desc_of(id).shape);
+}
 
 // Anchors that a joint wants nearer than they are.
 void check_anchors(const Scene& scene, const SceneBodies& bodies, std::size_t k, Lines& lines) {
@@ -50,7 +58,7 @@ void check_anchors(const Scene& scene, const SceneBodies& bodies, std::size_t k,
                       " m apart at the start, and will be pulled together; move anchor_a, anchor_b "
                       "or position");
     }
-  } else if (joint.joint.length && type != JointType::spring) {
+  } else if (joint.joint.length && (type == JointType::rope || is_rigid_rod(joint.joint))) {
     const double over = *apart - *joint.joint.length;
     const double wrong = type == JointType::rope ? over : std::fabs(over);
     if (wrong > kApart * size) {
@@ -66,7 +74,8 @@ void check_motor(const Scene& scene, std::size_t k, Lines& lines) {
   if (joint.joint.motor_speed == 0 || joint.joint.motor_limit > 0) return;
   lines.push_back(joint_name(scene, joint, k) +
                   ": motor_speed without motor_limit does nothing; give motor_limit, the most " +
-                  (joint.joint.type == JointType::revolute ? "torque in N m" : "force in N"));
+                  (joint.joint.type == JointType::revolute || joint.joint.type == JointType::wheel ? "torque in N m"
+                                                                                                   : "force in N"));
 }
 
 // Mass of every body that moves, by id, for look-up only; infinite for the others.
@@ -98,17 +107,22 @@ void check_spring(const Scene& scene, const std::unordered_map<std::uint64_t, do
 
 }  // namespace
 
+bool is_rigid_rod(const JointDesc& joint) {
+  return joint.type == JointType::distance && !joint.frequency && joint.stiffness == 0 && joint.damping == 0 &&
+         !joint.lower && !joint.upper && joint.motor_limit == 0;
+}
+
 void check_joints(const Scene& scene, const Survey& survey, Lines& lines) {
   if (!survey.misplaced.empty()) return;  // ids behind those are not known
   const SceneBodies bodies(scene);
   const bool springs =
-      std::ranges::any_of(scene.joints, [](const SceneJoint& joint) { return joint.joint.type == JointType::spring; });
+      std::ranges::any_of(scene.joints, [](const SceneJoint& joint) { return is_spring(joint.joint); });
   const auto mass = springs ? masses(survey) : std::unordered_map<std::uint64_t, double>();
   for (std::size_t k = 0; k < scene.joints.size(); ++k) {
     const SceneJoint& joint = scene.joints[k];
     check_anchors(scene, bodies, k, lines);
     check_motor(scene, k, lines);
-    if (joint.joint.type == JointType::spring) {
+    if (is_spring(joint.joint)) {
       check_spring(scene, mass, joint, joint_name(scene, joint, k), lines);
     }
   }
@@ -128,7 +142,7 @@ MayOverlap jointed_pairs(const Scene& scene) {
   const auto key = [](std::uint64_t a, std::uint64_t b) { return std::min(a, b) << 32 | std::max(a, b); };
   auto pairs = std::make_shared<std::unordered_set<std::uint64_t>>();
   for (const SceneJoint& joint : all_joints(scene)) {
-    if (!joint.joint.collide) pairs->insert(key(joint.a, joint.b));
+    if (!joint.joint.collide && joint.joint.type != JointType::gear) pairs->insert(key(joint.a, joint.b));
   }
   return [pairs, key](std::uint32_t a, std::uint32_t b) { return pairs->contains(key(a, b)); };
 }

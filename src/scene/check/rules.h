@@ -16,6 +16,8 @@ using Lines = std::vector<std::string>;
 void check_polygons(const Scene& scene, Lines& lines);
 
 // joints.cpp
+/// Whether the anchors of a joint stay as far apart as it says.
+bool is_rigid_rod(const JointDesc& joint);
 void check_joints(const Scene& scene, const Survey& survey, Lines& lines);
 /// Pairs that a joint without `collide` ties.
 MayOverlap jointed_pairs(const Scene& scene);

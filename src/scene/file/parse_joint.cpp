@@ -18,36 +18,65 @@ namespace psim::scene {
 namespace {
 
 // In the order of JointType.
-constexpr std::array<std::string_view, 6> kJointTypes = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
+constexpr std::array<std::string_view, 12> kJointTypes = {"distance",  "spring", "rope",   "revolute",
+                                                          "prismatic", "weld",   "wheel",  "motor",
+                                                          "target",    "gear",   "pulley", "filter"};
 constexpr std::array<std::string_view, 3> kLinkTypes = {"distance", "spring", "rope"};
 constexpr std::array<std::string_view, 5> kPins = {"none", "top", "corners", "left", "ends"};
 
-constexpr unsigned bit(JointType type) { return 1u << static_cast<unsigned>(type); }
-constexpr unsigned kAnyType = 0x3Fu;
-constexpr unsigned kLengths = bit(JointType::distance) | bit(JointType::spring) | bit(JointType::rope);
-constexpr unsigned kSoft = bit(JointType::spring) | bit(JointType::weld);
-constexpr unsigned kDriven = bit(JointType::revolute) | bit(JointType::prismatic);
-constexpr unsigned kAngled = kDriven | bit(JointType::weld);
+template <class... Types>
+constexpr unsigned bits(Types... types) {
+  return ((1u << static_cast<unsigned>(types)) | ...);
+}
+using enum JointType;
+constexpr unsigned kAnyType = 0xFFFu;
+constexpr unsigned kNotGear = kAnyType & ~bits(gear);
+constexpr unsigned kA = kAnyType & ~bits(gear, target);
+constexpr unsigned kAnchorB = kAnyType & ~bits(gear, filter), kAnchorA = kAnchorB & ~bits(target);
+constexpr unsigned kLengths = bits(distance, spring, rope, pulley);
+constexpr unsigned kSoft = bits(distance, spring, weld, revolute, prismatic, wheel, target);
+constexpr unsigned kMotors = bits(distance, revolute, prismatic, wheel);
+constexpr unsigned kRests = bits(revolute, prismatic);
+constexpr unsigned kAngled = bits(revolute, prismatic, weld);
+constexpr unsigned kBreaks = kAnyType & ~bits(filter);
 
 // A key and the types of joint that have it.
 struct Key {
   std::string_view name;
   unsigned types;
 };
-constexpr std::array kJointKeys = {Key{"type", kAnyType},      Key{"a", kAnyType},
-                                   Key{"b", kAnyType},         Key{"anchor_a", kAnyType},
-                                   Key{"anchor_b", kAnyType},  Key{"collide", kAnyType},
-                                   Key{"length", kLengths},    Key{"stiffness", kSoft},
-                                   Key{"damping", kSoft},      Key{"axis", bit(JointType::prismatic)},
-                                   Key{"reference", kAngled},  Key{"lower", kDriven},
-                                   Key{"upper", kDriven},      Key{"motor_speed", kDriven},
-                                   Key{"motor_limit", kDriven}};
-constexpr std::array kLinkKeys = {Key{"type", kAnyType},
-                                  Key{"stiffness", bit(JointType::spring)},
-                                  Key{"damping", bit(JointType::spring)},
-                                  Key{"diagonals", kAnyType},
-                                  Key{"pin", kAnyType},
-                                  Key{"collide", kAnyType}};
+constexpr std::array kJointKeys = {Key{"type", kAnyType},
+                                   Key{"a", kA},
+                                   Key{"b", kNotGear},
+                                   Key{"anchor_a", kAnchorA},
+                                   Key{"anchor_b", kAnchorB},
+                                   Key{"collide", kAnyType & ~bits(filter)},
+                                   Key{"length", kLengths},
+                                   Key{"stiffness", kSoft},
+                                   Key{"damping", kSoft},
+                                   Key{"frequency", kSoft},
+                                   Key{"damping_ratio", kSoft},
+                                   Key{"axis", bits(prismatic, wheel)},
+                                   Key{"reference", kAngled},
+                                   Key{"lower", kMotors},
+                                   Key{"upper", kMotors},
+                                   Key{"motor_speed", kMotors},
+                                   Key{"motor_limit", kMotors},
+                                   Key{"target", kRests | bits(target)},
+                                   Key{"linear_velocity", bits(motor)},
+                                   Key{"angular_velocity", bits(motor)},
+                                   Key{"force_limit", bits(motor, target)},
+                                   Key{"torque_limit", bits(motor)},
+                                   Key{"ground_a", bits(pulley)},
+                                   Key{"ground_b", bits(pulley)},
+                                   Key{"ratio", bits(gear, pulley)},
+                                   Key{"joint_a", bits(gear)},
+                                   Key{"joint_b", bits(gear)},
+                                   Key{"break_force", kBreaks},
+                                   Key{"break_torque", kBreaks}};
+constexpr std::array kLinkKeys = {Key{"type", kAnyType},        Key{"stiffness", bits(spring)},
+                                  Key{"damping", bits(spring)}, Key{"diagonals", kAnyType},
+                                  Key{"pin", kAnyType},         Key{"collide", kAnyType}};
 
 std::vector<std::string_view> names_of(unsigned types) {
   std::vector<std::string_view> names;
@@ -63,7 +92,7 @@ void expect_keys(const Node& node, std::span<const Key> keys, JointType type) {
   for (const Key& key : keys) all.push_back(key.name);
   node.expect_object(all);
   for (const Key& key : keys) {
-    if (key.types & bit(type) || !node.find(key.name)) continue;
+    if (key.types & bits(type) || !node.find(key.name)) continue;
     node.fail_at_key(key.name, "is no key of a " + std::string(kJointTypes[static_cast<std::size_t>(type)]) +
                                    " joint: of " + word_list(names_of(key.types)) + " only");
   }
@@ -82,25 +111,51 @@ std::uint64_t read_body_id(const Node& node, const Context& context) {
   node.fail("no body \"" + printable(node.string()) + "\": the name or the id of a body, ids count from 0");
 }
 
+// A body as read_body_id() has it, or "world" where it may be.
+std::uint64_t read_side(const Node& node, const Context& context, bool world) {
+  if (!node.is_string() || node.string() != "world" || context.body_ids.contains("world")) {
+    return read_body_id(node, context);
+  }
+  if (!world) node.fail("is the world: a body");
+  return kWorldSide;
+}
+
 void read_length(const Node& node, JointDesc& joint) {
   const std::optional<Node> length = node.find("length");
   if (!length) return;
   joint.length = length->number(joint.type == JointType::spring ? limits::kLength : limits::kRodLength);
 }
 
-// A spring has a stiffness; a weld may.
-void read_softness(const Node& node, JointType type, double& stiffness, double& damping) {
-  if (type == JointType::spring) {
-    const Node required = node.require("stiffness");
-    stiffness = required.number(limits::kStiffness);
-  } else {
-    stiffness = node.number_or("stiffness", stiffness, limits::kStiffness);
+// A spring has a stiffness or a frequency; others may.
+void read_softness(const Node& node, JointType type, JointDesc& joint) {
+  const bool needed = (bits(type) & bits(spring, target)) != 0;
+  if (const std::optional<Node> frequency = node.find("frequency")) {
+    for (const std::string_view other : {"stiffness", "damping"}) {
+      if (node.find(other)) node.fail_at_key(other, "follows from \"frequency\" and \"damping_ratio\": these or those");
+    }
+    joint.frequency = frequency->number(limits::kFrequency);
+    joint.damping_ratio = node.number_or("damping_ratio", joint.damping_ratio, limits::kDampingRatio);
+    return;
   }
-  damping = node.number_or("damping", damping, limits::kJointDamping);
+  if (node.number_or("damping_ratio", 0, limits::kDampingRatio) != 0) {
+    node.fail_at_key("damping_ratio", "is for a spring with \"frequency\"");
+  }
+  if (needed) {
+    const Node required = node.require("stiffness");
+    joint.stiffness = required.number(limits::kStiffness);
+  } else {
+    joint.stiffness = node.number_or("stiffness", joint.stiffness, limits::kStiffness);
+  }
+  joint.damping = node.number_or("damping", joint.damping, limits::kJointDamping);
+  if (needed && joint.stiffness == 0 && joint.damping == 0) {
+    node.fail_at_key("stiffness", "is 0, and there is no \"damping\": one of them above 0");
+  }
 }
 
 void read_limits_and_motor(const Node& node, JointDesc& joint) {
-  const Range range = joint.type == JointType::revolute ? limits::kAngle : limits::kCoordinate;
+  const Range range = joint.type == JointType::revolute   ? limits::kAngle
+                      : joint.type == JointType::distance ? limits::kLength
+                                                          : limits::kCoordinate;
   const std::optional<Node> lower = node.find("lower"), upper = node.find("upper");
   if (lower) joint.lower = lower->number(range);
   if (upper) joint.upper = upper->number(range);
@@ -121,27 +176,97 @@ void read_axis(const Node& node, JointDesc& joint) {
   }
 }
 
-SceneJoint read_joint(const Node& node, const Context& context, const SceneBodies& bodies) {
+// What a motor or a target asks for.
+void read_drive(const Node& node, JointDesc& joint) {
+  if (joint.type == JointType::target) {
+    const Node at = node.require("target");
+    joint.target = at.vec2(limits::kCoordinate);
+  } else if ((bits(joint.type) & kRests) != 0) {
+    joint.rest = node.number_or("target", joint.rest, limits::kCoordinate);
+  }
+  joint.linear_velocity = node.vec2_or("linear_velocity", joint.linear_velocity, limits::kMotorSpeed);
+  joint.angular_velocity = node.number_or("angular_velocity", joint.angular_velocity, limits::kMotorSpeed);
+  joint.force_limit = node.number_or("force_limit", joint.force_limit, limits::kMotorLimit);
+  joint.torque_limit = node.number_or("torque_limit", joint.torque_limit, limits::kMotorLimit);
+}
+
+// Past which load it breaks; above 0 where it is given.
+void read_break(const Node& node, JointDesc& joint) {
+  constexpr Range kLoad{0, limits::kMotorLimit.max, true};
+  if (const std::optional<Node> force = node.find("break_force")) joint.break_force = force->number(kLoad);
+  if (const std::optional<Node> torque = node.find("break_torque")) joint.break_torque = torque->number(kLoad);
+}
+
+void read_pulley(const Node& node, JointDesc& joint) {
+  const Node a = node.require("ground_a"), b = node.require("ground_b");
+  joint.ground_a = a.vec2(limits::kCoordinate);
+  joint.ground_b = b.vec2(limits::kCoordinate);
+  joint.ratio = node.number_or("ratio", joint.ratio, limits::kPulleyRatio);
+}
+
+// A joint of the list, of those before this one.
+std::uint64_t read_part(const Node& node, const Scene& scene) {
+  const std::uint64_t k = node.integer(0, kLargestBodyId);
+  if (k >= scene.joints.size()) {
+    node.fail("no joint " + std::to_string(k) + " before this one: the place in \"joints\" of an earlier one");
+  }
+  const JointType type = scene.joints[k].joint.type;
+  if (type != JointType::revolute && type != JointType::prismatic) {
+    node.fail("is a " + std::string(kJointTypes[static_cast<std::size_t>(type)]) + " joint: revolute or prismatic");
+  }
+  return k;
+}
+
+void read_gear(const Node& node, const Scene& scene, SceneJoint& out) {
+  const Node a = node.require("joint_a"), b = node.require("joint_b");
+  out.joint_a = read_part(a, scene);
+  out.joint_b = read_part(b, scene);
+  if (out.joint_a == out.joint_b) b.fail("is the joint of \"joint_a\": two different joints");
+  out.joint.ratio = node.number_or("ratio", out.joint.ratio, limits::kRatio);
+  if (std::fabs(out.joint.ratio) < limits::kPulleyRatio.min)
+    node.fail_at_key("ratio", "is too near to 0: 1e-6 at least");
+}
+
+void read_sides(const Node& node, const Context& context, const SceneBodies& bodies, SceneJoint& out) {
+  const JointType type = out.joint.type;
+  const bool world = type != JointType::pulley && type != JointType::filter;
+  const Node b = node.require("b");
+  out.b = read_side(b, context, world && type != JointType::target);
+  out.a = kWorldSide;
+  if (type != JointType::target) {
+    const Node a = node.require("a");
+    out.a = read_side(a, context, world);
+  }
+  if (out.a == out.b) b.fail("is the body of \"a\": two different bodies");
+  const auto moves = [&](std::uint64_t id) { return id != kWorldSide && bodies.type_of(id) == BodyType::dynamic_body; };
+  if (!moves(out.a) && !moves(out.b)) {
+    b.fail(type == JointType::target ? "is not dynamic: a body that is"
+                                     : "is not dynamic, nor is \"a\": at least one that is");
+  }
+}
+
+SceneJoint read_joint(const Node& node, const Context& context, const SceneBodies& bodies, const Scene& scene) {
   node.expect_object();
   SceneJoint out;
   JointDesc& joint = out.joint;
   const Node type = node.require("type");
   joint.type = static_cast<JointType>(type.one_of(kJointTypes));
   expect_keys(node, kJointKeys, joint.type);
-  const Node a = node.require("a"), b = node.require("b");
-  out.a = read_body_id(a, context);
-  out.b = read_body_id(b, context);
-  if (out.a == out.b) b.fail("is the body of \"a\": two different bodies");
-  if (bodies.type_of(out.a) != BodyType::dynamic_body && bodies.type_of(out.b) != BodyType::dynamic_body) {
-    b.fail("is not dynamic, nor is \"a\": at least one that is");
+  joint.collide = node.boolean_or("collide", joint.collide);
+  read_break(node, joint);
+  if (joint.type == JointType::gear) {
+    read_gear(node, scene, out);
+    return out;
   }
+  read_sides(node, context, bodies, out);
   joint.anchor_a = node.vec2_or("anchor_a", joint.anchor_a, limits::kCoordinate);
   joint.anchor_b = node.vec2_or("anchor_b", joint.anchor_b, limits::kCoordinate);
-  joint.collide = node.boolean_or("collide", joint.collide);
-  const unsigned of_type = bit(joint.type);
+  const unsigned of_type = bits(joint.type);
   if (of_type & kLengths) read_length(node, joint);
-  if (of_type & kSoft) read_softness(node, joint.type, joint.stiffness, joint.damping);
-  if (of_type & kDriven) read_limits_and_motor(node, joint);
+  if (of_type & kSoft) read_softness(node, joint.type, joint);
+  if (of_type & kMotors) read_limits_and_motor(node, joint);
+  if (of_type & bits(pulley)) read_pulley(node, joint);
+  read_drive(node, joint);
   if (const std::optional<Node> reference = node.find("reference")) {
     joint.reference = reference->number(limits::kAngle);
   }
@@ -166,7 +291,7 @@ void read_joints(const Node& scene, const Context& context, Scene& out) {
   const SceneBodies bodies(out);
   out.joints.reserve(joints->size());
   for (std::size_t k = 0; k < joints->size(); ++k) {
-    out.joints.push_back(read_joint(joints->element(k), context, bodies));
+    out.joints.push_back(read_joint(joints->element(k), context, bodies, out));
   }
 }
 
@@ -186,7 +311,10 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
   }
   expect_keys(*node, kLinkKeys, links.type);
   if (links.type == JointType::spring) {
-    read_softness(*node, links.type, links.stiffness, links.damping);
+    JointDesc spring_of_links;
+    read_softness(*node, links.type, spring_of_links);
+    links.stiffness = spring_of_links.stiffness;
+    links.damping = spring_of_links.damping;
   }
   links.diagonals = node->boolean_or("diagonals", links.diagonals);
   if (links.diagonals && group.layout == Layout::hex) {

@@ -21,7 +21,8 @@ namespace {
 
 constexpr std::string_view kTypeNames[] = {"dynamic", "static", "kinematic"};
 constexpr std::string_view kBoundaryNames[] = {"walls", "periodic", "open"};
-constexpr std::string_view kJointNames[] = {"distance", "spring", "rope", "revolute", "prismatic", "weld"};
+constexpr std::string_view kJointNames[] = {"distance", "spring", "rope",   "revolute", "prismatic", "weld",
+                                            "wheel",    "motor",  "target", "gear",     "pulley",    "filter"};
 constexpr std::string_view kPinNames[] = {"none", "top", "corners", "left", "ends"};
 constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explicit"};
 
@@ -252,34 +253,51 @@ std::string links_text(const LinkDesc& links) {
   return out.add_if("collide", links.collide).one_line();
 }
 
+void add_spring(Object& out, const JointDesc& joint) {
+  if (joint.frequency) {
+    out.add("frequency", *joint.frequency).add_unless("damping_ratio", joint.damping_ratio, 0);
+    return;
+  }
+  const bool needed = joint.type == JointType::spring || joint.type == JointType::target;
+  if (needed) out.add("stiffness", joint.stiffness);
+  if (!needed) out.add_unless("stiffness", joint.stiffness, 0);
+  out.add_unless("damping", joint.damping, 0);
+}
+
+// The bodies of a joint, or the joints of a gear.
+void add_sides(Object& out, const SceneJoint& joint) {
+  const JointType type = joint.joint.type;
+  const auto side = [](std::uint64_t id) { return id == kWorldSide ? "\"world\"" : std::to_string(id); };
+  if (type == JointType::gear) {
+    out.raw("joint_a", std::to_string(joint.joint_a)).raw("joint_b", std::to_string(joint.joint_b));
+    return;
+  }
+  if (type != JointType::target) out.raw("a", side(joint.a));
+  out.raw("b", side(joint.b));
+  out.add_unless("anchor_a", joint.joint.anchor_a, {}).add_unless("anchor_b", joint.joint.anchor_b, {});
+}
+
 std::string joint_text(const SceneJoint& scene_joint) {
   const JointDesc& joint = scene_joint.joint;
   const JointDesc absent;
   const JointType type = joint.type;
-  const bool driven = type == JointType::revolute || type == JointType::prismatic;
   Object out;
-  out.add("type", name_of(type, kJointNames))
-      .raw("a", std::to_string(scene_joint.a))
-      .raw("b", std::to_string(scene_joint.b))
-      .add_unless("anchor_a", joint.anchor_a, absent.anchor_a)
-      .add_unless("anchor_b", joint.anchor_b, absent.anchor_b);
-  if (type == JointType::distance || type == JointType::spring || type == JointType::rope) {
-    if (joint.length) out.add("length", *joint.length);
-  } else if (joint.reference) {
-    out.add("reference", *joint.reference);
-  }
-  if (type == JointType::spring) {
-    out.add("stiffness", joint.stiffness).add_unless("damping", joint.damping, 0);
-  }
-  if (type == JointType::weld) {
-    out.add_unless("stiffness", joint.stiffness, 0).add_unless("damping", joint.damping, 0);
-  }
-  if (type == JointType::prismatic) out.add_unless("axis", joint.axis, absent.axis);
-  if (driven) {
-    if (joint.lower) out.add("lower", *joint.lower);
-    if (joint.upper) out.add("upper", *joint.upper);
-    out.add_unless("motor_speed", joint.motor_speed, 0).add_unless("motor_limit", joint.motor_limit, 0);
-  }
+  out.add("type", name_of(type, kJointNames));
+  add_sides(out, scene_joint);
+  if (joint.length) out.add("length", *joint.length);
+  if (joint.reference) out.add("reference", *joint.reference);
+  add_spring(out, joint);
+  if (type == JointType::target) out.add("target", joint.target);
+  out.add_unless("axis", joint.axis, absent.axis).add_unless("target", joint.rest, 0);
+  if (joint.lower) out.add("lower", *joint.lower);
+  if (joint.upper) out.add("upper", *joint.upper);
+  out.add_unless("motor_speed", joint.motor_speed, 0).add_unless("motor_limit", joint.motor_limit, 0);
+  out.add_unless("linear_velocity", joint.linear_velocity, {})
+      .add_unless("angular_velocity", joint.angular_velocity, 0);
+  out.add_unless("force_limit", joint.force_limit, 0).add_unless("torque_limit", joint.torque_limit, 0);
+  if (type == JointType::pulley) out.add("ground_a", joint.ground_a).add("ground_b", joint.ground_b);
+  out.add_unless("ratio", joint.ratio, 1);
+  out.add_unless("break_force", joint.break_force, 0).add_unless("break_torque", joint.break_torque, 0);
   return out.add_if("collide", joint.collide).one_line();
 }
 

@@ -98,20 +98,35 @@ bool add_group(World& world, const Scene& scene, std::size_t k, std::string& err
   return false;
 }
 
-bool add_joint(World& world, const SceneJoint& joint, const std::string& name, std::string& error) {
+// `made`: the joints so far, of which gears are made.
+bool add_joint(World& world, const SceneJoint& joint, const std::string& name, std::vector<JointId>& made,
+               std::string& error) {
+  const auto body = [&world](std::uint64_t id) {
+    return id == kWorldSide ? kWorldBody : world.id_of(static_cast<std::uint32_t>(id));
+  };
   JointDesc desc = joint.joint;
-  desc.a = world.id_of(static_cast<std::uint32_t>(joint.a));
-  desc.b = world.id_of(static_cast<std::uint32_t>(joint.b));
+  desc.a = body(joint.a);
+  desc.b = body(joint.b);
+  if (desc.type == JointType::gear) {
+    if (std::max(joint.joint_a, joint.joint_b) >= made.size()) {
+      error = name + ": a gear needs two joints before it";
+      return false;
+    }
+    desc.joint_a = made[joint.joint_a];
+    desc.joint_b = made[joint.joint_b];
+  }
   std::string what;
-  if (world.add_joint(desc, what) != kNoJoint) return true;
+  made.push_back(world.add_joint(desc, what));
+  if (made.back() != kNoJoint) return true;
   error = name + ": " + what;
   return false;
 }
 
 bool add_joints(World& world, const Scene& scene, std::string& error) {
+  std::vector<JointId> made;
   for (std::size_t k = 0; k < scene.joints.size(); ++k) {
     const std::string name = "joints[" + std::to_string(k) + "]";
-    if (!add_joint(world, scene.joints[k], name, error)) return false;
+    if (!add_joint(world, scene.joints[k], name, made, error)) return false;
   }
   const SceneBodies bodies(scene);
   for (std::size_t k = 0; k < scene.groups.size(); ++k) {
@@ -119,7 +134,7 @@ bool add_joints(World& world, const Scene& scene, std::string& error) {
     append_links(scene.groups[k], bodies.first_of_group(k), links);
     const std::string name = "groups[" + std::to_string(k) + "].links";
     for (const SceneJoint& link : links) {
-      if (!add_joint(world, link, name, error)) return false;
+      if (!add_joint(world, link, name, made, error)) return false;
     }
   }
   return true;

@@ -55,11 +55,14 @@ std::size_t SceneBodies::group_of(std::uint64_t id) const {
 }
 
 const BodyDesc& SceneBodies::desc_of(std::uint64_t id) const {
+  static const BodyDesc world{.type = BodyType::static_body};
+  if (id == kWorldSide) return world;
   if (id < scene_.bodies.size()) return scene_.bodies[id];
   return scene_.groups[group_of(id)].body;
 }
 
 BodyType SceneBodies::type_of(std::uint64_t id) const {
+  if (id == kWorldSide) return BodyType::static_body;
   if (id < scene_.bodies.size()) return scene_.bodies[id].type;
   const std::size_t k = group_of(id);
   const GroupDesc& group = scene_.groups[k];
@@ -67,9 +70,9 @@ BodyType SceneBodies::type_of(std::uint64_t id) const {
 }
 
 std::optional<double> SceneBodies::anchor_distance(const SceneJoint& joint) const {
-  const std::uint64_t n = scene_.bodies.size();
-  if (joint.a >= n || joint.b >= n) return std::nullopt;
-  const BodyDesc &body_a = scene_.bodies[joint.a], &body_b = scene_.bodies[joint.b];
+  const auto placed = [&](std::uint64_t id) { return id < scene_.bodies.size() || id == kWorldSide; };
+  if (!placed(joint.a) || !placed(joint.b)) return std::nullopt;
+  const BodyDesc &body_a = desc_of(joint.a), &body_b = desc_of(joint.b);
   const Vec2 a = to_world(joint.joint.anchor_a, body_a.position, body_a.angle);
   const Vec2 b = to_world(joint.joint.anchor_b, body_b.position, body_b.angle);
   return length_of(b - a);
@@ -118,6 +121,29 @@ std::vector<SceneJoint> all_joints(const Scene& scene) {
     append_links(scene.groups[k], bodies.first_of_group(k), joints);
   }
   return joints;
+}
+
+std::vector<SceneJoint> drawn_joints(const Scene& scene) {
+  std::vector<SceneJoint> drawn;
+  for (const SceneJoint& joint : all_joints(scene)) {
+    const JointDesc& d = joint.joint;
+    SceneJoint line = joint;
+    if (d.type == JointType::gear || d.type == JointType::filter) continue;
+    if (d.type == JointType::target) line.joint.anchor_a = d.target;
+    if (d.type == JointType::pulley) {
+      line.a = kWorldSide;
+      line.b = joint.a;
+      line.joint.type = JointType::rope;
+      line.joint.anchor_a = d.ground_a;
+      line.joint.anchor_b = d.anchor_a;
+      drawn.push_back(line);
+      line.b = joint.b;
+      line.joint.anchor_a = d.ground_b;
+      line.joint.anchor_b = d.anchor_b;
+    }
+    drawn.push_back(line);
+  }
+  return drawn;
 }
 
 }  // namespace psim

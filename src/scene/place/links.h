@@ -45,4 +45,7 @@ void append_links(const GroupDesc& group, std::uint64_t first, std::vector<Scene
 /// The scene's joints, then those of the groups' links.
 std::vector<SceneJoint> all_joints(const Scene& scene);
 
+/// What is drawn of these: joints from an anchor to another one. Of a pulley two, of a gear none.
+std::vector<SceneJoint> drawn_joints(const Scene& scene);
+
 }  // namespace psim

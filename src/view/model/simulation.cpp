@@ -74,7 +74,7 @@ void Simulation::make(bool keep_state) {
   catalogue_ = std::move(looks);
   told_catalogue_.reset();
   std::vector<JointLook> joints;
-  for (const SceneJoint& j : all_joints(scene)) {
+  for (const SceneJoint& j : drawn_joints(scene)) {
     joints.push_back({static_cast<std::uint32_t>(j.a), static_cast<std::uint32_t>(j.b), j.joint.anchor_a,
                       j.joint.anchor_b, j.joint.type});
   }

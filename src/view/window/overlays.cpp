@@ -130,15 +130,26 @@ void Overlays::add_joints(const std::vector<JointLook>& joints, const WorldDesc&
     above.add(from, to, 1.4f, kJoint);
   };
   for (const JointLook& joint : joints) {
-    const std::size_t row_a = bodies.row_of(joint.a), row_b = bodies.row_of(joint.b);
-    if (row_a == bodies.size() || row_b == bodies.size()) continue;
-    const Vec2 a = bodies.place(row_a, alpha), c = bodies.place(row_b, alpha);
-    const Vec2 anchor_a = to_world(joint.anchor_a, a, bodies.angle(row_a, alpha));
-    const Vec2 anchor_b = to_world(joint.anchor_b, c, bodies.angle(row_b, alpha));
-    line(anchor_a, anchor_b);
+    const std::uint32_t body[] = {joint.a, joint.b};
+    const Vec2 local[] = {joint.anchor_a, joint.anchor_b};
+    Vec2 place[2], anchor[2];
+    bool there = true, moves[2] = {};
+    for (const int side : {0, 1}) {
+      anchor[side] = local[side];
+      if (body[side] == kWorldSide) continue;
+      const std::size_t row = bodies.row_of(body[side]);
+      there = there && row != bodies.size();
+      if (row == bodies.size()) continue;
+      place[side] = bodies.place(row, alpha);
+      anchor[side] = to_world(local[side], place[side], bodies.angle(row, alpha));
+      moves[side] = (bodies.looks()[row] & kStaticBit) == 0;
+    }
+    if (!there) continue;
+    line(anchor[0], anchor[1]);
     if (joint.type < JointType::revolute) continue;
-    if ((bodies.looks()[row_a] & kStaticBit) == 0) line(a, anchor_a);
-    if ((bodies.looks()[row_b] & kStaticBit) == 0) line(c, anchor_b);
+    for (const int side : {0, 1}) {
+      if (moves[side]) line(place[side], anchor[side]);
+    }
   }
 }
 
