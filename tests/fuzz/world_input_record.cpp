@@ -72,7 +72,9 @@ void Session::starve() {
     require(done || report.no_room_for != nullptr, "a step without memory: no reason");
     over_ = report.no_room_for != nullptr && std::string_view(report.no_room_for) == "motion";
   } else if (which == 1) {
-    const std::size_t n = std::min(count, most_bodies_ - std::min(most_bodies_, bodies_.size()));
+    // All in one place: each is near each other, and so many make half a million pairs.
+    constexpr std::size_t kMostInOnePlace = 1000;
+    const std::size_t n = std::min({count, kMostInOnePlace, most_bodies_ - std::min(most_bodies_, bodies_.size())});
     const std::vector<double> x(n, in_.home.x), y(n, in_.home.y), radius{0.2};
     DiscBatch batch;
     batch.x = x;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint32_t kLinkageColours = 24;
 constexpr std::uint32_t kJob = 32;      // linkages: a job takes some microseconds
+constexpr double kFastest = 10;         // m/s or rad/s: errors go out of the places no faster
 constexpr double kResolvedTurn = 0.05;  // rad in a substep: how much of a turn still counts in full
 constexpr double kBeyond = 1e29;        // m or rad: ends that are further away are none
 
@@ -246,7 +247,8 @@ void solve_one(Linkage& l, const kernels::BodyView& view, double h, bool again) 
 
 void push_one(Linkage& l, const kernels::BodyView& view, double rate) {
   Motions m(l, view.vel, view.rim_speed);
-  const auto miss = [&](const LinkageRow& r) { return m.speed(l, r) + rate * r.value; };
+  const auto back = [rate](double error) { return lesser(greater(rate * error, -kFastest), kFastest); };
+  const auto miss = [&](const LinkageRow& r) { return m.speed(l, r) + back(r.value); };
   Linkage& rows = l;
   for (std::uint32_t n = l.paired ? 2 : 0; n < l.drives; ++n) {
     const LinkageDrive& d = l.drive[n];
@@ -254,7 +256,7 @@ void push_one(Linkage& l, const kernels::BodyView& view, double rate) {
     const double beyond = lesser(row.value - d.lower, 0) + greater(row.value - d.upper, 0);
     if (beyond == 0) continue;
     const double speed = m.speed(l, row) + held_speed(row, misses(l, miss));
-    const double impulse = -row.mass * (speed + rate * beyond);
+    const double impulse = -row.mass * (speed + back(beyond));
     m.push(l, row, impulse);
     for (std::uint32_t k = 0; k < l.rigid; ++k) m.push(rows, l.row[k], row.held[k] * impulse);
   }
