@@ -166,6 +166,10 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   if (!a.loading()) return;
   own_end_ = own_end;
   if (!kinds) kind_.release();
+  for (std::uint32_t i = 0; i < slots && around.present() && a.ok(); ++i) {
+    const std::uint32_t id = s_.bodies.id[i];
+    a.require(kinds && (id == kNoSlot || has_corners(i) == (s_.bodies.kind(id).hull_count != 0)));
+  }
   for (const ManifoldPair& p : pairs_) check_pair(a, p, around);
   a.require(begin_.size() <= strips_.size() + 1);
   a.require(std::is_sorted(begin_.begin(), begin_.end()));
@@ -209,8 +213,6 @@ void Manifolds::check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAro
     if (!a.ok()) return;
     a.require(b.info[id].place != Place::none && part < std::max(b.kind(id).hull_count, 1u));
     if (around.present() && around.in_place) a.require(slot < b.count && b.id[slot] == id);
-    const bool known = a.ok() && slot < b.count && b.id[slot] == id;
-    if (known) a.require(slot < kind_.capacity() && has_corners(slot) == (b.kind(id).hull_count != 0));
   };
   const bool fixed = p.of_piece(), wall = p.of_wall();
   a.require(p.owner < b.id_count && p.id_b < b.id_count && (p.id_a < b.id_count || p.id_a == PairName::kNone));
