@@ -49,9 +49,8 @@ void hold_joints(const BodyView& b, const JointShare& s, const StreamParams& p, 
     const auto u = L::load(b.rim_speed + i), u0 = L::load(b.rim_speed0 + i), share = L::load(s.rim_speed + i);
     const auto all = u - u0, others = all - share, push = L::load(s.push_rim_speed + i);
     const auto by_others = squarable<L>(others), by_all = squarable<L>(all);
-    const auto smooth =
-        ((by_others * by_others <= least + kNoise * (u * u + u0 * u0)) | (by_all * by_all <= least)) &
-        ((share < none) | (none < share));
+    const auto smooth = ((by_others * by_others <= least + kNoise * (u * u + u0 * u0)) | (by_all * by_all <= least)) &
+                        ((share < none) | (none < share));
     const auto taken = select(smooth, part * all, none);
     L::store(s.push_rim_speed + i, push - taken);
     L::store(s.push0_rim_speed + i, push + taken);

@@ -180,6 +180,18 @@ const std::map<std::string, std::function<void(std::size_t)>> kCases{
          for (const JointId id : crowd.joints) crowd.world->set_motor(id, 1, 1);
        });
      }},
+    {"change joints",
+     [](std::size_t n) {
+       Crowd crowd = joined(n, false, JointType::revolute);
+       crowd.world->step();
+       counted_calls([&] {
+         for (const JointId id : crowd.joints) {
+           JointDesc desc = crowd.world->joint_desc(id).value();
+           desc.stiffness = 1, desc.break_force = 1e6;
+           crowd.world->set_joint(id, desc, crowd.error);
+         }
+       });
+     }},
     {"step after half were removed, with events",
      [](std::size_t n) {
        Crowd crowd({0, -9.81});

@@ -348,6 +348,53 @@ TEST(CApi, ContactsAreThoseOfCpp) {
   EXPECT_EQ(psim_world_strips(nullptr, &strips, &count), PSIM_ERROR_ARGUMENT);
 }
 
+TEST(CApi, JointsAreChangedAndBreak) {
+  CWorld c;
+  const psim_body_id load = c.add(psim_disc(0.5), {0, 0});
+  psim_joint_desc desc;
+  psim_joint_desc_init(&desc);
+  EXPECT_EQ(desc.ratio, 1);
+  EXPECT_EQ(desc.joint_a.index, 0xFFFFFFFFu);
+  desc.type = PSIM_JOINT_TARGET;
+  desc.b = load;
+  psim_joint_id mouse{};
+  EXPECT_EQ(psim_world_add_joint(c.world, &desc, &mouse), PSIM_ERROR_ARGUMENT);
+  desc.frequency = 4;
+  desc.damping_ratio = 1;
+  desc.user_data = 5;
+  ASSERT_EQ(psim_world_add_joint(c.world, &desc, &mouse), PSIM_OK) << c.last();
+  ASSERT_EQ(psim_world_set_target(c.world, mouse, {2, 1}), PSIM_OK) << c.last();
+  EXPECT_EQ(psim_world_set_target(c.world, mouse, {kNaN, 1}), PSIM_ERROR_ARGUMENT);
+  for (int k = 0; k < 120; ++k) psim_world_step(c.world, nullptr);
+  psim_joint_state state{};
+  ASSERT_EQ(psim_world_joint(c.world, mouse, &state), PSIM_OK);
+  EXPECT_NEAR(state.anchor_b.x, 2, 1e-3);
+  EXPECT_EQ(state.a.index, PSIM_WORLD_BODY_INDEX);
+
+  psim_joint_desc now;
+  psim_joint_desc_init(&now);
+  ASSERT_EQ(psim_world_joint_desc(c.world, mouse, &now), PSIM_OK) << c.last();
+  EXPECT_GT(now.stiffness, 0);
+  EXPECT_EQ(now.frequency, 0);
+  EXPECT_EQ(now.target.x, 2);
+  now.break_force = -1;
+  EXPECT_EQ(psim_world_set_joint(c.world, mouse, &now), PSIM_ERROR_ARGUMENT);
+  EXPECT_NE(c.last().find("break force"), std::string::npos) << c.last();
+  now.break_force = 1e-3;
+  ASSERT_EQ(psim_world_set_joint(c.world, mouse, &now), PSIM_OK) << c.last();
+  psim_world_step(c.world, nullptr);
+  psim_events events;
+  psim_events_init(&events);
+  ASSERT_EQ(psim_world_events(c.world, &events), PSIM_OK);
+  ASSERT_EQ(events.break_count, 1u);
+  EXPECT_EQ(events.breaks[0].joint.index, mouse.index);
+  EXPECT_EQ(events.breaks[0].b.index, load.index);
+  EXPECT_EQ(events.breaks[0].user_data, 5u);
+  EXPECT_EQ(psim_world_joint_desc(c.world, mouse, &now), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_set_joint(c.world, mouse, &now), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_set_target(c.world, mouse, {0, 0}), PSIM_ERROR_STALE_ID);
+}
+
 TEST(CApi, SleepGravityAndMotorsAreReachable) {
   CWorld c;
   const psim_body_id hub = c.add(psim_disc(0.5), {0, 0}, PSIM_BODY_STATIC);

@@ -227,10 +227,11 @@ std::vector<Row> rows() {
                       e.joint.type = JointType::revolute;
                       e.joint.motor_speed = v;
                     }),
-          joint_row(turning + R"("motor_limit": #)", kMotorLimit, [](E& e, double v) {
-            e.joint.type = JointType::revolute;
-            e.joint.motor_limit = v;
-          }),
+          joint_row(turning + R"("motor_limit": #)", kMotorLimit,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::revolute;
+                      e.joint.motor_limit = v;
+                    }),
           joint_row(R"("type": "distance", "lower": #)", kLength, [](E& e, double v) { e.joint.lower = v; }),
           joint_row(turning + R"("stiffness": 1, "target": #)", kCoordinate,
                     [](E& e, double v) {

@@ -119,15 +119,13 @@ TEST(Rube, ReadsJoints) {
   EXPECT_EQ(axle.joint.motor_limit, 10);
   EXPECT_EQ(axle.joint.reference, 0.5);
   const SceneJoint& wheel = scene.joints[1];
-  EXPECT_EQ(wheel.joint.type, JointType::revolute);
+  EXPECT_EQ(wheel.joint.type, JointType::wheel);
   EXPECT_EQ(wheel.joint.anchor_b.x, 1);
   EXPECT_EQ(wheel.joint.motor_limit, 0);
-}
-
-TEST(Rube, SaysWhatIsApproximated) {
-  const Scene scene = parsed_scene(std::string(kCar));
-  ASSERT_EQ(scene.notes.size(), 1u);
-  EXPECT_EQ(scene.notes[0], "joint[1]: a wheel joint becomes a revolute one, without its spring");
+  EXPECT_EQ(wheel.joint.axis.y, 1);
+  EXPECT_GT(wheel.joint.stiffness, 0);
+  EXPECT_EQ(wheel.joint.damping, 0);
+  EXPECT_TRUE(scene.notes.empty());
 }
 
 TEST(Rube, BoundsLeaveRoomAroundEverything) {
@@ -205,8 +203,19 @@ TEST(Rube, JointsWithAFrequencyAreSprings) {
   EXPECT_EQ(slide.motor_limit, 5);
 }
 
+TEST(Rube, FrictionJointsDriveToRest) {
+  const JointDesc& joint = parsed_scene(jointed(R"({"type": "friction", "bodyA": 0, "bodyB": 1, "maxForce": 5,
+                                                    "maxTorque": 2})"))
+                               .joints.at(0)
+                               .joint;
+  EXPECT_EQ(joint.type, JointType::motor);
+  EXPECT_EQ(joint.force_limit, 5);
+  EXPECT_EQ(joint.torque_limit, 2);
+  EXPECT_EQ(joint.linear_velocity.x, 0);
+}
+
 TEST(Rube, WhatCannotBeMadeIsLeftOutAndSaid) {
-  for (const std::string_view type : {"motor", "friction", "gear"}) {
+  for (const std::string_view type : {"motor", "mouse", "gear"}) {
     const Scene scene = parsed_scene(jointed("{\"type\": \"" + std::string(type) + "\", \"bodyA\": 0, \"bodyB\": 1}"));
     EXPECT_TRUE(scene.joints.empty());
     ASSERT_EQ(scene.notes.size(), 1u);

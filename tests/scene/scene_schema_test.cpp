@@ -342,7 +342,8 @@ TEST(SceneSchema, DefaultsAreTheParsers) {
        world + pair + R"(, "joints": [{"type": "target", "b": 1, "target": [1, 1], "stiffness": 1}]})"},
       {"/$defs/pulley/properties", "/joints/0", joint(R"("type": "pulley", "ground_a": [2, 8], "ground_b": [6, 8])")},
       {"/$defs/gear/properties", "/joints/2",
-       world + pair + R"(, "joints": [{"type": "revolute", "a": "world", "b": 0}, {"type": "revolute", "a": "world", "b": 1},
+       world + pair +
+           R"(, "joints": [{"type": "revolute", "a": "world", "b": 0}, {"type": "revolute", "a": "world", "b": 1},
            {"type": "gear", "joint_a": 0, "joint_b": 1}]})"},
       {"/$defs/well/properties", "/fields/0",
        world + R"(, "fields": [{"type": "well", "position": [1, 1], "strength": 1}]})"},

@@ -70,7 +70,17 @@ Bytes record(std::uint64_t every, std::uint64_t* hash = nullptr, bool past = fal
         break;
       }
       case 11:
-        if (!joints.empty()) recorder.set_motor(joints.back(), 2, 3);
+        if (!joints.empty() && frame % 32 < 16) recorder.set_motor(joints.back(), 2, 3);
+        if (!joints.empty() && frame % 32 >= 16) {
+          JointDesc d = world->joint_desc(joints.back()).value_or(JointDesc{});
+          d.stiffness = 3, d.break_torque = 40;
+          recorder.set_joint(joints.back(), d, error);
+          JointDesc mouse;
+          mouse.type = JointType::target;
+          mouse.b = ids[k];
+          mouse.frequency = 1;
+          recorder.set_target(recorder.add_joint(mouse, error), {1, 1});
+        }
         break;
       case 12:
         if (frame > 100 && !joints.empty()) recorder.remove_joint(joints.back()), joints.pop_back();

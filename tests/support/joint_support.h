@@ -56,6 +56,25 @@ struct JointScene {
   std::unique_ptr<World> world;
 };
 
+/// A world that does not sleep.
+inline JointScene free_scene(int substeps, Vec2 gravity) {
+  WorldDesc desc;
+  desc.gravity = gravity;
+  desc.substeps = substeps;
+  desc.sleeping = false;
+  return JointScene(desc);
+}
+
+/// A disc that meets nobody.
+inline BodyId ghost(JointScene& s, Vec2 at, double mass, double radius = 0.1) {
+  BodyDesc d;
+  d.shape = DiscShape{radius};
+  d.position = at;
+  d.mass = mass;
+  d.filter.mask = 0;
+  return s.add(d);
+}
+
 /// A box that meets nobody.
 inline BodyId board(JointScene& s, Vec2 at, double width, double height, double mass) {
   BodyDesc d;

@@ -144,6 +144,20 @@ const std::vector<Named>& calls() {
          d.a = nth(w, kAsleep), d.b = nth(w, kAwake);
          return w.add_joint(d, error) != kNoJoint;
        }},
+      {"join by a wheel that breaks",
+       [](World& w) {
+         JointDesc d;
+         d.type = JointType::wheel;
+         d.a = kWorldBody, d.b = nth(w, kAsleep);
+         d.stiffness = 5, d.break_force = 1e6;
+         return w.add_joint(d, error) != kNoJoint;
+       }},
+      {"change a joint",
+       [](World& w) {
+         JointDesc d = *w.joint_desc({0, 0});
+         d.lower = 0.1, d.stiffness = 20, d.user_data = 3;
+         return w.set_joint({0, 0}, d, error);
+       }},
       {"part",
        [](World& w) {
          return w.remove_joint({0, 0});

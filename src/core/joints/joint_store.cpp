@@ -180,7 +180,6 @@ bool JointStore::remove(JointId id) {
   }
   Joint& j = joints_[id.index];
   if (j.desc.type == JointType::gear) std::erase(gears_, id.index);
-  if (j.extra != kNoSlot && extras_[j.extra].breaks()) std::erase(fragile_, id.index);
   drop_extra(j);
   for (const BodyId body : {j.desc.a, j.desc.b}) unlink(id.index, body.index);
   leave_lane(j);
@@ -348,6 +347,7 @@ void JointStore::add_loads() {
 
 std::vector<JointStore::Overload> JointStore::overloads() const {
   std::vector<Overload> out;
+  if (stale_) return out;  // nothing was solved since joints came, went or changed
   for (const std::uint32_t i : fragile_) {
     const Extra& extra = extras_[joints_[i].extra];
     const Overload load{i, (1.0 / substeps_) * extra.force, extra.torque / substeps_};

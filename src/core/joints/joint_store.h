@@ -87,7 +87,7 @@ class JointStore {
     Vec2 force;
     double torque = 0;
   };
-  /// Those joints, by index.
+  /// Those joints, by index. O(joints that may break).
   std::vector<Overload> overloads() const;
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }

@@ -80,7 +80,7 @@ struct Linkage {
   double length = 0;       ///< m or rad: what the first row counts from
   double inverse[3] = {};  ///< of the first two rows: xx, xy, yy; of one rigid row: xx
   std::array<LinkageEnd, kMostEnds> end;
-  std::array<LinkagePart, 2> part;
+  LinkagePart part[2];
   std::array<LinkageRow, LinkageRow::kMost> row;
   std::array<LinkageDrive, LinkageDrive::kMost> drive;
 

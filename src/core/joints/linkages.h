@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "base/column.h"
 #include "base/tasks.h"
+#include "base/worker_pool.h"
 #include "joint_views.h"
 #include "joints/linkage.h"
 #include "views.h"

@@ -23,14 +23,14 @@ enum class Kind : std::uint8_t {
   weld,
   rope,
   wheel,
-  motor,
   friction,
+  motor,
   gear,
   pulley,
   mouse
 };
 constexpr std::array<std::string_view, 11> kKinds = {"revolute", "distance", "prismatic", "weld",   "rope", "wheel",
-                                                     "motor",    "friction", "gear",      "pulley", "mouse"};
+                                                     "friction", "motor",    "gear",      "pulley", "mouse"};
 
 const RubeBody& body_of(const Node& joint, std::string_view key, const std::vector<RubeBody>& bodies) {
   const Node node = joint.require(key);
@@ -49,9 +49,10 @@ double reduced(double a, double b) {
 }
 
 // stiffness = m (2 pi f)^2, damping = 2 m zeta 2 pi f.
-void soften(const Node& node, double mass, JointDesc& joint) {
-  const double rate = kTwoPi * rube_number_or(node, "frequency", 0, {0, 1e6});
-  const double ratio = rube_number_or(node, "dampingRatio", 0, {0, 1e6});
+void soften(const Node& node, double mass, JointDesc& joint, std::string_view frequency = "frequency",
+            std::string_view damping = "dampingRatio") {
+  const double rate = kTwoPi * rube_number_or(node, frequency, 0, {0, 1e6});
+  const double ratio = rube_number_or(node, damping, 0, {0, 1e6});
   joint.stiffness = mass * rate * rate;
   joint.damping = 2 * mass * ratio * rate;
 }
@@ -83,10 +84,15 @@ void read_kind(const Node& node, Kind kind, const RubeBody& a, const RubeBody& b
       read_limits_and_motor(node, limits::kAngle, "maxMotorTorque", joint);
       break;
     case Kind::wheel:
-      joint.type = JointType::revolute;
-      read_limits_and_motor(node, limits::kAngle, "maxMotorTorque", joint);
-      joint.lower.reset();
-      joint.upper.reset();
+      joint.type = JointType::wheel;
+      read_rube_axis(node, joint);
+      read_limits_and_motor(node, limits::kCoordinate, "maxMotorTorque", joint);
+      soften(node, reduced(a.mass, b.mass), joint, "springFrequency", "springDampingRatio");
+      break;
+    case Kind::friction:  // drives to rest with what it has
+      joint.type = JointType::motor;
+      joint.force_limit = rube_number_or(node, "maxForce", 0, limits::kMotorLimit);
+      joint.torque_limit = rube_number_or(node, "maxTorque", 0, limits::kMotorLimit);
       break;
     case Kind::prismatic:
       joint.type = JointType::prismatic;
@@ -124,7 +130,7 @@ void read_rube_joints(const Node& root, const std::vector<RubeBody>& bodies, Sce
     node.expect_object();
     const Node type = node.require("type");
     const auto kind = static_cast<Kind>(type.one_of(kKinds));
-    if (kind > Kind::wheel) {
+    if (kind > Kind::friction) {
       scene.notes.push_back(path + ": a " + type.string() + " joint is left out");
       continue;
     }
@@ -133,9 +139,6 @@ void read_rube_joints(const Node& root, const std::vector<RubeBody>& bodies, Sce
     if (a.type != BodyType::dynamic_body && b.type != BodyType::dynamic_body) {
       scene.notes.push_back(path + ": joins two bodies, neither of them dynamic, and is left out");
       continue;
-    }
-    if (kind == Kind::wheel) {
-      scene.notes.push_back(path + ": a wheel joint becomes a revolute one, without its spring");
     }
     SceneJoint out;
     out.a = a.id;
