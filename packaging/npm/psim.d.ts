@@ -137,6 +137,26 @@ export interface JointOptions {
   motorSpeed?: number;
   motorLimit?: number;
   collide?: boolean;
+  /** target: a point of the world. */
+  target?: [number, number];
+  /** Where the spring of a pin or slide rests. */
+  rest?: number;
+  linearVelocity?: [number, number];
+  angularVelocity?: number;
+  forceLimit?: number;
+  torqueLimit?: number;
+  groundA?: [number, number];
+  groundB?: [number, number];
+  ratio?: number;
+  /** gear: two joints. */
+  jointA?: Id;
+  jointB?: Id;
+  /** Hz: instead of stiffness and damping. */
+  frequency?: number;
+  dampingRatio?: number;
+  /** Past them, N and N m, the joint is gone. */
+  breakForce?: number;
+  breakTorque?: number;
 }
 
 export interface World {
@@ -189,8 +209,13 @@ export interface World {
   applyImpulse(id: Id, px: number, py: number, x: number, y: number): void;
   wake(id: Id): void;
 
-  addJoint(type: 'distance' | 'spring' | 'rope' | 'revolute' | 'prismatic' | 'weld', a: Id, b: Id,
-           options?: JointOptions): Id;
+  /** The world as a body of a joint: anchors at it are points of the world. */
+  static readonly worldBody: Id;
+  /** A target has no a, a gear neither. */
+  addJoint(type: 'distance' | 'spring' | 'rope' | 'revolute' | 'prismatic' | 'weld' | 'wheel' | 'motor' | 'target' |
+                 'gear' | 'pulley' | 'filter', a: Id | undefined, b: Id | undefined, options?: JointOptions): Id;
+  /** target: moves the point that pulls. */
+  setTarget(id: Id, x: number, y: number): void;
   removeJoint(id: Id): void;
   setMotor(id: Id, speed: number, limit: number): void;
 

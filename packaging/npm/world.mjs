@@ -1,10 +1,15 @@
 // A world. Names and meanings follow the C API; ids are {index, generation}.
 import { Grab } from './grab.mjs';
 
-const jointTypes = ['distance', 'spring', 'rope', 'revolute', 'prismatic', 'weld'];
+const jointTypes = ['distance', 'spring', 'rope', 'revolute', 'prismatic', 'weld', 'wheel', 'motor', 'target', 'gear',
+  'pulley', 'filter'];
+const none = { index: 0xffffffff, generation: 0 };
 const bodyTypes = ['dynamic', 'static', 'kinematic'];
 
 export class World {
+  /** The world as a body of a joint: anchors at it are points of the world. */
+  static worldBody = { index: 0xfffffffe, generation: 0 };
+
   #memory;
   #psim;
 
@@ -143,24 +148,31 @@ export class World {
   // ---- joints ----
   addJoint(type, a, b, options = {}) {
     const m = this.#memory;
-    const o = { anchorA: [0, 0], anchorB: [0, 0], axis: [1, 0], ...options };
+    const origin = [0, 0];
+    const o = { anchorA: origin, anchorB: origin, axis: [1, 0], target: origin, linearVelocity: origin, groundA: origin,
+      groundB: origin, jointA: none, jointB: none, ...options };
     const given = (name) => (o[name] === undefined ? 0 : 1);
     const values = [
       ...o.anchorA, ...o.anchorB, o.length ?? 0, o.stiffness ?? 0, o.damping ?? 0, ...o.axis, o.reference ?? 0,
       o.lower ?? 0, o.upper ?? 0, o.motorSpeed ?? 0, o.motorLimit ?? 0,
       given('length'), given('reference'), given('lower'), given('upper'), o.collide ? 1 : 0,
+      ...o.target, o.rest ?? 0, ...o.linearVelocity, o.angularVelocity ?? 0, o.forceLimit ?? 0, o.torqueLimit ?? 0,
+      ...o.groundA, ...o.groundB, o.ratio ?? 1, o.frequency ?? 0, o.dampingRatio ?? 0, o.breakForce ?? 0,
+      o.breakTorque ?? 0,
     ];
-    return m.numbers(values.length + 3, (at) => {
+    const sides = [a ?? none, b ?? none, o.jointA, o.jointB].flatMap((id) => [id.index, id.generation]);
+    return m.numbers(values.length + 5, (at) => {
       m.f64.set(values, at >> 3);
       const ids = at + 8 * values.length;
-      m.u32.set([a.index, a.generation, b.index, b.generation], ids >> 2);
+      m.u32.set(sides, ids >> 2);
       const number = jointTypes.indexOf(type);
-      m.check(m.call('_psim_flat_add_joint', this.address, number, ids, at, ids + 16), this.address);
-      return { index: m.u32[(ids + 16) >> 2], generation: m.u32[(ids + 20) >> 2] };
+      m.check(m.call('_psim_flat_add_joint', this.address, number, ids, at, ids + 32), this.address);
+      return { index: m.u32[(ids + 32) >> 2], generation: m.u32[(ids + 36) >> 2] };
     });
   }
 
   removeJoint(id) { this.#do('_psim_flat_remove_joint', id.index, id.generation); }
+  setTarget(id, x, y) { this.#do('_psim_flat_set_target', id.index, id.generation, x, y); }
   setMotor(id, speed, limit) { this.#do('_psim_flat_set_motor', id.index, id.generation, speed, limit); }
 
   // ---- queries ----

@@ -136,7 +136,9 @@ PSIM_FLAT int psim_flat_wake(psim_world* world, std::uint32_t index, std::uint32
 
 // ---- joints ----------------------------------------------------------------------------------------------------
 /// v: anchors a and b (4), length, stiffness, damping, axis (2), reference, lower, upper, motor speed and limit, then
-/// flags: has length, reference, lower, upper; collide. ids: index and generation of a, of b.
+/// flags: has length, reference, lower, upper; collide; then target (2), rest, linear velocity (2), angular velocity, force
+/// and torque limit, grounds a and b (4), ratio, frequency, damping ratio, break force and torque. ids: index and
+/// generation of a, of b, and of the joints a and b of a gear.
 PSIM_FLAT int psim_flat_add_joint(psim_world* world, int type, const std::uint32_t* ids, const double* v,
                                   psim_joint_id* id) {
   psim_joint_desc d;
@@ -149,10 +151,18 @@ PSIM_FLAT int psim_flat_add_joint(psim_world* world, int type, const std::uint32
   d.motor_speed = v[12], d.motor_limit = v[13];
   d.has_length = v[14] != 0, d.has_reference = v[15] != 0, d.has_lower = v[16] != 0, d.has_upper = v[17] != 0;
   d.collide = v[18] != 0;
+  d.target = {v[19], v[20]}, d.rest = v[21];
+  d.linear_velocity = {v[22], v[23]}, d.angular_velocity = v[24], d.force_limit = v[25], d.torque_limit = v[26];
+  d.ground_a = {v[27], v[28]}, d.ground_b = {v[29], v[30]}, d.ratio = v[31];
+  d.frequency = v[32], d.damping_ratio = v[33], d.break_force = v[34], d.break_torque = v[35];
+  d.joint_a = {ids[4], ids[5]}, d.joint_b = {ids[6], ids[7]};
   return psim_world_add_joint(world, &d, id);
 }
 PSIM_FLAT int psim_flat_remove_joint(psim_world* world, std::uint32_t index, std::uint32_t generation) {
   return psim_world_remove_joint(world, {index, generation});
+}
+PSIM_FLAT int psim_flat_set_target(psim_world* world, std::uint32_t index, std::uint32_t generation, double x, double y) {
+  return psim_world_set_target(world, {index, generation}, {x, y});
 }
 PSIM_FLAT int psim_flat_set_motor(psim_world* world, std::uint32_t index, std::uint32_t generation, double speed,
                                   double limit) {

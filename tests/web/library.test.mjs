@@ -108,6 +108,20 @@ test('bodies and joints come, are pushed, and go', () => {
   world.free();
 });
 
+test('a target pulls a body along, and a joint breaks', () => {
+  const world = psim.world(empty);
+  const { worldBody } = world.constructor;
+  const [a, b] = world.add([disc(-5, 20), disc(5, 20)]);
+  const mouse = world.addJoint('target', undefined, a, { target: [-5, 20], frequency: 5, dampingRatio: 1 });
+  world.setTarget(mouse, 0, 25);
+  world.addJoint('weld', worldBody, b, { anchorA: [5, 20], breakForce: 1e-3 });
+  for (let k = 0; k < 120; ++k) world.step();
+  assert.ok(Math.abs(world.body(a).x) < 0.01);
+  assert.equal(world.jointCount, 1);
+  assert.throws(() => world.setTarget(mouse, NaN, 0), /psim: .*psim_world_set_target/);
+  world.free();
+});
+
 test('queries answer', () => {
   const world = psim.world(with_(disc(0, 10), disc(3, 10)));
   const hit = world.rayCast(-10, 10, 10, 10);
