@@ -91,10 +91,11 @@ struct StepReport {
   /// Why nothing was done: there was no room for "pairs", "contacts" or, of a recorder, the "recording", and the world is
   /// as before; or null. "motion": bodies had begun to move, and no later call does anything. "events", "snapshot": the
   /// step was done, but there was no room for what it tells. After lost events the next step tells of all that touch then,
-  /// as if they began to. "sleep", "escape": the step was done, but bodies that rest stay awake, or bodies that left an
-  /// open world stay in it, up to a later step.
+  /// as if they began to. "sleep", "escape", "breaks": the step was done, but bodies that rest stay awake, bodies that left
+  /// an open world stay in it, or joints that bore too much hold, up to a later step.
   const char* no_room_for = nullptr;
   double virial = 0;  ///< N s m: sum over contacts of normal impulse x centre distance, see docs/queries-events.md
+  std::uint64_t touching = 0;  ///< of the pairs, those with such contacts
 };
 
 /// Sums over every body, computed when asked for (not part of a step), in double precision and in

@@ -40,6 +40,7 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.detail = {d.substeps, static_cast<std::uint8_t>(flags), d.frames, d.horizon, d.pieces};
   r.predicted_ms = from.predicted_ms;
   r.virial = from.virial;
+  r.touching = from.touching;
   return r;
 }
 

@@ -161,7 +161,8 @@ PSIM_FLAT int psim_flat_add_joint(psim_world* world, int type, const std::uint32
 PSIM_FLAT int psim_flat_remove_joint(psim_world* world, std::uint32_t index, std::uint32_t generation) {
   return psim_world_remove_joint(world, {index, generation});
 }
-PSIM_FLAT int psim_flat_set_target(psim_world* world, std::uint32_t index, std::uint32_t generation, double x, double y) {
+PSIM_FLAT int psim_flat_set_target(psim_world* world, std::uint32_t index, std::uint32_t generation, double x,
+                                   double y) {
   return psim_world_set_target(world, {index, generation}, {x, y});
 }
 PSIM_FLAT int psim_flat_set_motor(psim_world* world, std::uint32_t index, std::uint32_t generation, double speed,

@@ -34,6 +34,7 @@ typedef struct psim_step_report {
   uint32_t fast;                     ///< shapes and bullets so fast for their size that their way was looked at
   uint32_t renewed;                  ///< bodies whose lists alone were made anew
   uint32_t reserved;                 ///< 0
+  uint64_t touching;                 ///< of the pairs, those with such contacts
 } psim_step_report;
 
 /// Sets the defaults.

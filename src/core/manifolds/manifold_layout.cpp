@@ -402,14 +402,18 @@ std::uint64_t Manifolds::expected_writes() const {
   return sum;
 }
 
-std::uint64_t Manifolds::closed(std::size_t index) const {
-  std::uint64_t sum = 0;
+Manifolds::Closed Manifolds::closed(std::size_t index) const {
+  Closed sum;
   for (const ManifoldBlock& block : strips_[index].blocks) {
-    std::uint32_t open = 0;  // an impulse of -0 marks an open contact
-    for (const ManifoldBlock::Point& p : block.point) {
-      for (const float impulse : p.impulse) open += std::bit_cast<std::uint32_t>(impulse) >> 31;
+    std::uint32_t open = 0, apart = 0;  // an impulse of -0 marks an open contact
+    for (std::uint32_t l = 0; l < kBlock; ++l) {
+      const std::uint32_t first = std::bit_cast<std::uint32_t>(block.point[0].impulse[l]) >> 31;
+      const std::uint32_t second = std::bit_cast<std::uint32_t>(block.point[1].impulse[l]) >> 31;
+      open += first + second;
+      apart += first & second;
     }
-    sum += 2 * kBlock - open;
+    sum.points += 2 * kBlock - open;
+    sum.pairs += kBlock - apart;
   }
   return sum;
 }

@@ -306,7 +306,10 @@ class Manifolds {
     return !std::signbit(c.point[0].impulse[l]) || !std::signbit(c.point[1].impulse[l]);
   }
   /// The number of points of a strip that carry an impulse.
-  std::uint64_t closed(std::size_t strip) const;
+  struct Closed {
+    std::uint64_t points = 0, pairs = 0;
+  };
+  Closed closed(std::size_t strip) const;
   std::size_t bytes() const;
   std::size_t column_bytes() const { return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes(); }
 

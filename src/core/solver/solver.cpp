@@ -359,10 +359,12 @@ void Solver::sum_up(const SolverInput& in, int substeps) {
     add(in.contacts.discs.pairs, s.blocks, [](std::size_t) { return ~0u; });
     add(fixed, s.static_blocks, [&](std::size_t l) { return fixed.refresh[l] < 1e30f ? ~0u : 0u; });  // round shapes
     sums_[index].virial += sum * substeps;
-    sums_[index].closed = closed;
+    sums_[index].closed = sums_[index].touching = closed;
     Manifolds& manifolds = in.contacts.manifolds;
     if (!manifolds.any() || index >= manifolds.strip_count()) return;
-    sums_[index].closed += manifolds.closed(index);
+    const Manifolds::Closed of_shapes = manifolds.closed(index);
+    sums_[index].closed += of_shapes.points;
+    sums_[index].touching += of_shapes.pairs;
     sums_[index].shapes += substeps * virial_of(manifolds.strip(index));
   });
 }
@@ -394,11 +396,12 @@ SolverReport Solver::run(const SolverInput& in, const SolverParams& params, bool
   sum_up(in, params.substeps);
   SolverReport report;
   report.forces_ms = run.forces_ms();
-  closed_ = 0;
+  closed_ = touching_ = 0;
   for (const StripSum& strip : sums_) {
     report.virial += strip.virial;
     report.shapes += strip.shapes;
     closed_ += strip.closed;
+    touching_ += strip.touching;
   }
   return report;
 }

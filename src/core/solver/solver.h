@@ -79,8 +79,10 @@ class Solver {
 
   /// The number of contacts with an impulse at the end of the last run.
   std::uint64_t closed() const { return closed_; }
+  /// The number of pairs that have some.
+  std::uint64_t touching() const { return touching_; }
   /// The step has no contacts, so that the solver does not run.
-  void skip() { closed_ = 0; }
+  void skip() { closed_ = touching_ = 0; }
   /// The mean number of sweeps over impacts that a substep needed in the last run with restitution. If the sweeps were
   /// limited, it is the number of the runs before, which slowly fades.
   double sweeps() const { return sweeps_; }
@@ -100,9 +102,10 @@ class Solver {
   };
   class Run;
   struct StripSum {
-    double virial = 0;         // N s m, of discs
-    double shapes = 0;         // and of shapes
-    std::uint64_t closed = 0;  // contacts with an impulse
+    double virial = 0;           // N s m, of discs
+    double shapes = 0;           // and of shapes
+    std::uint64_t closed = 0;    // contacts with an impulse
+    std::uint64_t touching = 0;  // pairs with such contacts
   };
 
   void find_loaded(const PairTable& table);
@@ -130,7 +133,7 @@ class Solver {
   std::vector<Fadings> fading_;   // of each restrained body
   std::vector<Stand> locked_at_;  // of each restrained body: where it was before the run
   std::vector<StripSum> sums_;    // by strip
-  std::uint64_t closed_ = 0;
+  std::uint64_t closed_ = 0, touching_ = 0;
   double sweeps_ = 2;
 };
 

@@ -131,6 +131,7 @@ void count_contacts(const Owners& w, StepReport& report) {
   report.pairs = contacts.discs.pairs.count + contacts.discs.fixed.count + contacts.manifolds.pair_count();
   report.pairs_reused = contacts.kept ? report.pairs : 0;
   report.contacts = w.dynamics.solver.closed();
+  report.touching = w.dynamics.solver.touching();
   report.colours = std::max(contacts.discs.colours(), contacts.manifolds.totals().colours);
 }
 

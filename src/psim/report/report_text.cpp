@@ -60,7 +60,7 @@ std::string report_text(const RunReport& report) {
                  "Pairs {}  contacts {}  hit ratio {:.1f} %  colours {:.1f}  "
                  "neighbour lists rebuilt {} of {} frames\n",
                  grouped_mean(report.per_frame(report.pairs_sum)), grouped_mean(report.per_frame(report.contacts_sum)),
-                 percent(report.contacts_sum, report.pairs_sum), report.per_frame(report.colours_sum),
+                 percent(report.touching_sum, report.pairs_sum), report.per_frame(report.colours_sum),
                  report.neighbour_rebuilds, frame.count());
   const auto vector = static_cast<double>(report.lanes.vector);
   const auto scalar = static_cast<double>(report.lanes.scalar);

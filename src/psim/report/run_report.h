@@ -38,7 +38,7 @@ struct RunReport {
   Samples frame_ms;  ///< wall time around every World::step, the first ones included
   std::array<Samples, kPhaseCount> phase_ms;
 
-  double pairs_sum = 0, contacts_sum = 0, colours_sum = 0;  ///< over all frames
+  double pairs_sum = 0, contacts_sum = 0, touching_sum = 0, colours_sum = 0;  ///< over all frames
   std::uint64_t neighbour_rebuilds = 0;
   // The ledger of what was left out.
   double asleep_sum = 0, reused_sum = 0;  ///< bodies, pairs; over all frames

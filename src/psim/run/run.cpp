@@ -55,6 +55,7 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   for (std::size_t i = 0; i < kPhaseCount; ++i) report.phase_ms[i].add(phases[i]);
   report.pairs_sum += static_cast<double>(step.pairs);
   report.contacts_sum += static_cast<double>(step.contacts);
+  report.touching_sum += static_cast<double>(step.touching);
   report.colours_sum += step.colours;
   report.neighbour_rebuilds += step.rebuilt ? 1 : 0;
   report.virial += step.virial;
