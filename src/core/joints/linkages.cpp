@@ -307,7 +307,7 @@ std::uint32_t Linkages::add() {
   return number;
 }
 
-void Linkages::lay_out(std::vector<std::uint32_t> some, std::size_t members) {
+void Linkages::lay_out(std::span<const std::uint32_t> some, std::size_t members) {
   stop();
   std::vector<std::vector<std::uint32_t>> of_colour(kLinkageColours + 1);
   std::vector<std::uint32_t> used(members, 0);

@@ -25,7 +25,7 @@ class Linkages {
 
   /// From now on the passes go over these, whose ends know their bodies. Within a colour no two move one body; those behind
   /// the last colour are solved one by one. O(linkages).
-  void lay_out(std::vector<std::uint32_t> some, std::size_t members);
+  void lay_out(std::span<const std::uint32_t> some, std::size_t members);
   void stop() { order_.clear(), colours_.clear(); }
 
   std::size_t count() const { return order_.size(); }
