@@ -204,7 +204,7 @@ TEST(Rube, JointsWithAFrequencyAreSprings) {
 }
 
 TEST(Rube, FrictionJointsDriveToRest) {
-  const JointDesc& joint = parsed_scene(jointed(R"({"type": "friction", "bodyA": 0, "bodyB": 1, "maxForce": 5,
+  const JointDesc joint = parsed_scene(jointed(R"({"type": "friction", "bodyA": 0, "bodyB": 1, "maxForce": 5,
                                                     "maxTorque": 2})"))
                                .joints.at(0)
                                .joint;

@@ -154,7 +154,7 @@ const std::vector<Named>& calls() {
        }},
       {"change a joint",
        [](World& w) {
-         JointDesc d = *w.joint_desc({0, 0});
+         JointDesc d = w.joint_desc({0, 0}).value_or(JointDesc{});
          d.lower = 0.1, d.stiffness = 20, d.user_data = 3;
          return w.set_joint({0, 0}, d, error);
        }},
