@@ -206,8 +206,8 @@ TEST(Rube, JointsWithAFrequencyAreSprings) {
 TEST(Rube, FrictionJointsDriveToRest) {
   const JointDesc joint = parsed_scene(jointed(R"({"type": "friction", "bodyA": 0, "bodyB": 1, "maxForce": 5,
                                                     "maxTorque": 2})"))
-                               .joints.at(0)
-                               .joint;
+                              .joints.at(0)
+                              .joint;
   EXPECT_EQ(joint.type, JointType::motor);
   EXPECT_EQ(joint.force_limit, 5);
   EXPECT_EQ(joint.torque_limit, 2);

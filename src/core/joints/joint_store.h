@@ -77,11 +77,9 @@ class JointStore {
     return id.index < joints_.size() && joints_[id.index].alive && joints_[id.index].generation == id.generation;
   }
   JointDesc desc(JointId id) const;
-  /// The two bodies of a joint, or kWorldBody.
-  std::array<BodyId, 2> sides(JointId id) const { return {joints_[id.index].desc.a, joints_[id.index].desc.b}; }
   /// kg or kg m^2: what the spring of a joint of these bodies moves; 0: nothing.
   static double sprung_mass(const JointDesc& d, const JointMember& a, const JointMember& b, const Lattice& lattice);
-  /// A joint that bore less in the last step than it was loaded with, in the mean.
+  /// A joint that was loaded in the last step, in the mean, with more than it bears.
   struct Overload {
     std::uint32_t joint = 0;
     Vec2 force;
