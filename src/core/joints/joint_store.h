@@ -54,7 +54,7 @@ class JointStore {
   JointId add(const JointDesc& d);
   /// Gives a joint another description of the same type and bodies, checked and set likewise.
   void change(JointId id, const JointDesc& d);
-  /// And the gears that it is part of.
+  /// Removes a joint, and with it the gears that it is part of. False if the id is stale.
   bool remove(JointId id);
   /// Forgets all joints.
   void lose_all() {
@@ -85,7 +85,7 @@ class JointStore {
     Vec2 force;
     double torque = 0;
   };
-  /// Those joints, by index. O(joints that may break).
+  /// Lists the joints that the last step overloaded, by index. O(joints that may break).
   std::vector<Overload> overloads() const;
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
@@ -176,7 +176,7 @@ class JointStore {
   static constexpr std::uint32_t kLists = JointLists::kCount;
   static constexpr std::uint32_t kTether = 1u << 31;  // plus the number of a tether: as a lane has it
 
-  /// What most joints need of a JointDesc, under the same names.
+  /// Basics hold what most joints need of a JointDesc, under the same names; a net has a million of them.
   struct Basics {
     JointType type = JointType::distance;
     BodyId a, b;
@@ -188,7 +188,7 @@ class JointStore {
     double motor_speed = 0, motor_limit = 0;
     bool collide = false;
   };
-  /// What a few joints have besides.
+  /// An Extra holds what a few joints have besides: a linkage, a load that breaks it, data of the host.
   struct Extra {
     JointDesc desc;  ///< all of it
     std::uint32_t linkage = kNoSlot;

@@ -84,7 +84,7 @@ struct Linkage {
   std::array<LinkageRow, LinkageRow::kMost> row;
   std::array<LinkageDrive, LinkageDrive::kMost> drive;
 
-  /// What it is made of, by its type.
+  /// Sets which rows a joint of this type has, and which of them are rigid.
   void set_type(JointType of);
   /// Its impulses, for saved states.
   template <class Each>
