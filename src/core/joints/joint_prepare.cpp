@@ -93,6 +93,8 @@ Vec2 axis_of(const Desc& d, bool swapped) {
 void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved) {
   const BodyStore& b = s_.bodies;
   members_.resize(bodies_.size());
+  const bool holds = !bodies_.empty() && is_world(bodies_.back());
+  world_ = holds ? static_cast<std::uint32_t>(bodies_.size() - 1) : kNoSlot;
   constexpr std::size_t kEach = 512;
   run_each(members_.size(), kEach, s_.pool, [&](std::size_t n, std::size_t) {
     const std::uint32_t id = bodies_[n];
@@ -159,19 +161,11 @@ SpringRow JointStore::spring_of(double stiffness, double damping, double mass, s
   return spring_row(lesser(acting_ * stiffness, most / h_), lesser(acting_ * damping, most), mass, h_, crowd);
 }
 
-const JointMember& JointStore::side_at(std::uint32_t member, Vec2 anchor, JointMember& world) const {
-  if (!is_world(bodies_[member])) return members_[member];
-  world = members_[member];
-  world.at = s_.lattice.to_lattice(anchor);
-  world.centre = anchor;
-  return world;
-}
-
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
 // the offsets in `disp`.
 template <class Block>
 inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) const {
-  JointMember world;
+  std::optional<JointMember> world;
   const JointMember& ma = side_at(ends.body[0], ends.anchor[0], world);
   const JointMember& mb = members_[ends.body[1]];
   at.body[2 * k] = ma.number;
@@ -193,7 +187,7 @@ inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) 
 template <class Block>
 void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const Ends& ends) const {
   const Basics& d = joint.desc;
-  JointMember world;
+  std::optional<JointMember> world;
   const JointMember& ma = side_at(ends.body[0], ends.anchor[0], world);
   const JointMember& mb = members_[ends.body[1]];
   const Vec2 apart = fill_arms(at, k, ends);
@@ -247,7 +241,7 @@ void JointStore::set_articulations(bool calm) {
   for (Articulations::Joint& to : articulations_.joints()) {
     Joint& joint = joints_[to.joint];
     const Basics& d = joint.desc;
-    JointMember world;
+    std::optional<JointMember> world;
     const JointMember &ma = side_at(joint.body[0], joint.anchor(0), world), &mb = members_[joint.body[1]];
     const double sign = joint.swapped ? -1 : 1;
     to.geometry = {.kind = joint.kind,

@@ -308,7 +308,13 @@ class JointStore {
   void set_linkage(Linkage& l, const Joint& j) const;
   void set_drives(Linkage& l, const JointDesc& d, std::uint32_t crowd) const;
   /// A side of a joint in this frame. `world`: room for the world, which is where the anchor is.
-  const JointMember& side_at(std::uint32_t member, Vec2 anchor, JointMember& world) const;
+  const JointMember& side_at(std::uint32_t member, Vec2 anchor, std::optional<JointMember>& world) const {
+    if (member != world_) return members_[member];
+    world = members_[member];
+    world->at = s_.lattice.to_lattice(anchor);
+    world->centre = anchor;
+    return *world;
+  }
   void add_loads();
   void enter(std::uint32_t index);
   void find_sides(Joint& j) const;
@@ -389,10 +395,11 @@ class JointStore {
   Jobs shares_;                     // blocks of bodies that have joints; all are of list 0
   std::vector<std::uint8_t> marks_;
 
-  double h_ = 0;         // s: the substep of the last prepare
-  int substeps_ = 0;     // since then
-  double acting_ = 1;    // how long forces act in it, of h
-  bool parted_ = false;  // true between the two calls of part_joints in a pass
+  double h_ = 0;                   // s: the substep of the last prepare
+  std::uint32_t world_ = kNoSlot;  // in members_
+  int substeps_ = 0;               // since then
+  double acting_ = 1;              // how long forces act in it, of h
+  bool parted_ = false;            // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
   Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory},
       push0_vel_{s_.memory}, push0_rim_speed_{s_.memory};

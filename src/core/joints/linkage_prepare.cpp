@@ -133,7 +133,7 @@ void JointStore::set_drives(Linkage& l, const JointDesc& d, std::uint32_t crowd)
 void JointStore::set_linkage(Linkage& l, const Joint& j) const {
   const JointDesc& d = extras_[j.extra].desc;
   for (std::uint32_t e = 0; e < l.ends; ++e) set_end(l.end[e], members_[l.end[e].member]);
-  JointMember world;
+  std::optional<JointMember> world;
   const auto set = [&](int part, const JointDesc& of) {
     const std::uint32_t a = l.end[l.part[part].end[0]].member, b = l.end[l.part[part].end[1]].member;
     // One side at most is the world.
