@@ -217,6 +217,16 @@ struct DragField {
 /// What acts on every body.
 using Field = std::variant<WellField, DragField>;
 
+/// A push away from a point: on each part of a body it is `impulse_per_length` times the width that the part shows to the
+/// point, at the part's nearest point.
+struct Explosion {
+  Vec2 position = {};                ///< metres
+  double radius = 0;                 ///< metres: up to here the push is whole
+  double falloff = 0;                ///< metres: beyond `radius` the push fades over these to nothing
+  double impulse_per_length = 0;     ///< N s/m; below 0 it pulls
+  std::uint32_t mask = 0xFFFFFFFFu;  ///< bodies whose category is in it
+};
+
 /// The bounds of a world that is as good as without: 1,000 km and more on each side of the origin. What a step costs
 /// depends on the bodies alone.
 inline constexpr Bounds kOpenBounds{-0x1p20, -0x1p20, 0x1p20, 0x1p20};

@@ -11,8 +11,18 @@ namespace psim {
 
 /// Two bodies began or ceased to touch; a.index < b.index.
 struct TouchEvent {
-  BodyId a = {};  ///< a.index < b.index
-  BodyId b = {};  ///< the other
+  BodyId a = {};     ///< a.index < b.index
+  BodyId b = {};     ///< the other; kNoBody for a wall of the world
+  Vec2 point = {};   ///< metres: of two bodies that began, where they press or overlap most
+  Vec2 normal = {};  ///< of length 1, from a to b: there, and of a wall always; else zero
+};
+
+/// A body that moved in a step.
+struct MoveEvent {
+  BodyId body = {};          ///< dynamic or kinematic
+  Vec2 position = {};        ///< metres: of its origin, as in BodyState
+  double angle = 0;          ///< radians
+  bool fell_asleep = false;  ///< after the step
 };
 
 /// Two bodies hit each other.
@@ -30,6 +40,8 @@ struct EventOptions {
   bool hits = false;      ///< impacts
   double hit_speed = 1;   ///< m/s: slower ones are not told
   bool sensors = false;   ///< who enters and leaves them
+  bool sleep = false;     ///< who falls asleep and who wakes
+  bool moves = false;     ///< who moved, and whereto
 };
 
 /// Of the last step, each ordered by a, then b. Valid until the next call that changes the world.
@@ -40,6 +52,9 @@ struct Events {
   std::span<const TouchEvent> sensor_begin = {};  ///< a is the sensor, b entered it
   std::span<const TouchEvent> sensor_end = {};    ///< a is the sensor, b left it
   std::span<const JointBreak> breaks = {};        ///< joints that broke, by JointId::index; always told
+  std::span<const BodyId> fell_asleep = {};       ///< at the end of the step
+  std::span<const BodyId> woke = {};              ///< since the end of the step before; also by what the host did
+  std::span<const MoveEvent> moves = {};          ///< all that took part in the step and are there, asleep or not
 };
 
 }  // namespace psim

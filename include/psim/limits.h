@@ -53,6 +53,9 @@ inline constexpr Range kRodLength{0, 1e9, true};  ///< m: of a rod or rope
 inline constexpr Range kAxis{1e-9, 2e9};          ///< the length of a direction
 inline constexpr Range kStiffness{0, 1e12};       ///< N/m or N m/rad
 inline constexpr Range kJointDamping{0, 1e12};    ///< N s/m or N m s
+inline constexpr Range kForce{-1e30, 1e30};       ///< N along an axis, or N m: for a step
+inline constexpr Range kBlastLength{0, 1e6};      ///< m: radius and falloff of an explosion
+inline constexpr Range kBlast{-1e12, 1e12};       ///< N s/m: of an explosion
 inline constexpr Range kMotorSpeed{-1e6, 1e6};    ///< m/s or rad/s
 inline constexpr Range kMotorLimit{0, 1e30};      ///< N or N m; the largest is as good as none
 inline constexpr Range kFrequency{0, 1e6, true};  ///< Hz: of a spring

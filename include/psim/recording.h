@@ -38,6 +38,11 @@ class PSIM_API Recorder {
   bool apply_impulse(BodyId id, Vec2 impulse);
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   bool apply_angular_impulse(BodyId id, double impulse);
+  bool apply_force(BodyId id, Vec2 force);
+  bool apply_force_at(BodyId id, Vec2 force, Vec2 point);
+  bool apply_torque(BodyId id, double torque);
+  std::optional<std::size_t> explode(const Explosion& explosion);
+  bool set_fields(const std::vector<Field>& fields, std::string& error);
   bool set_enabled(BodyId id, bool on);
   bool set_traits(BodyId id, const BodyTraits& to);
   bool set_user_data(BodyId id, std::uint64_t value);

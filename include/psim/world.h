@@ -114,6 +114,18 @@ class PSIM_API World {
   /// N m s: adds impulse / inertia to the angular velocity. False as set_transform.
   bool apply_angular_impulse(BodyId id, double impulse);
 
+  /// Pushes a body at its centre of mass, N, until the next step is over, beside gravity and all other forces. Forces of
+  /// several calls add up. The body wakes. False, and nothing changes, if the id is stale, the body static, disabled or
+  /// frozen, or the force out of its range (psim/limits.h).
+  bool apply_force(BodyId id, Vec2 force);
+  /// The same at a world point, metres: turns the body too.
+  bool apply_force_at(BodyId id, Vec2 force, Vec2 point);
+  /// The same with a torque, N m.
+  bool apply_torque(BodyId id, double torque);
+  /// Pushes all dynamic bodies around a point away from it, at once. Returns how many; nothing if a number is out of its
+  /// range (psim/limits.h).
+  std::optional<std::size_t> explode(const Explosion& explosion);
+
   /// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its
   /// joints do nothing, and it costs nothing. It keeps its id, its place and its velocity; set_transform and set_velocity
   /// change those of a moving body meanwhile. What leaned on it wakes, and so does what it comes upon. False if the id is
@@ -134,6 +146,10 @@ class PSIM_API World {
 
   /// Changes the world's gravity, m/s^2; everybody wakes. False if it is out of its range (psim/limits.h).
   bool set_gravity(Vec2 gravity);
+  /// Changes WorldDesc::fields: wells and drag come, go or move; everybody wakes. False and one line in `error`, and
+  /// nothing changes, if one is refused. O(fields), and the lists are made anew if wells or quadratic drag were not there
+  /// before or are gone.
+  bool set_fields(const std::vector<Field>& fields, std::string& error);
   /// Changes WorldDesc::skin: the next step makes its lists anew. False if it is not 0.25 to 4.
   bool set_skin(double factor);
   /// Changes WorldDesc::max_bytes; nothing is given back that the world has already. A recording does not hold it.
@@ -244,7 +260,7 @@ class PSIM_API World {
   std::size_t static_count() const;     ///< of all that are enabled, static
   std::uint64_t frame() const;          ///< steps taken
   std::uint64_t escaped_total() const;  ///< bodies that left an open world
-  const WorldDesc& desc() const;        ///< as created, with the present gravity, skin and sleeping
+  const WorldDesc& desc() const;        ///< as created, with the present gravity, fields, skin and sleeping
   Isa isa() const;                      ///< that its kernels use
   int threads() const;                  ///< as created; fewer where the system starts no more
 

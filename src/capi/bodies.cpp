@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "convert.h"
+#include "psim/limits.h"
 #include "structs.h"
 
 using namespace psim::capi;
@@ -47,10 +48,13 @@ class Column {
   std::span<const double> values_;
 };
 
-// Pushes a body by apply(world); says why where it does not move.
+// Pushes a body by apply(world); says why where it does not move. `fits`: whether the numbers are in their ranges.
 template <class Push>
-psim_result push(psim_world* world, const char* name, psim_body_id id, const Push& apply) {
+psim_result push(psim_world* world, const char* name, psim_body_id id, const Push& apply, bool fits = true) {
   return guarded(world, name, [&](psim::World& w, const Call& call) -> psim_result {
+    if (!fits) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "forces must be -1e30 to 1e30 N or N m, points -1e9 to 1e9 m");
+    }
     if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
     if (world->changed(apply)) return PSIM_OK;
     return call.fail(PSIM_ERROR_NOT_MOVABLE, "body " + std::to_string(id.index) + " is static or frozen");
@@ -174,6 +178,39 @@ psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
   return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+}
+
+psim_result psim_world_apply_force(psim_world* world, psim_body_id id, psim_vec2 force) {
+  const bool fits = psim::limits::kForce.contains(to_cpp(force));
+  return push(
+      world, __func__, id, [&](auto& w) { return w.apply_force(to_cpp(id), to_cpp(force)); }, fits);
+}
+
+psim_result psim_world_apply_force_at(psim_world* world, psim_body_id id, psim_vec2 force, psim_vec2 point) {
+  const bool fits = psim::limits::kForce.contains(to_cpp(force)) && psim::limits::kCoordinate.contains(to_cpp(point));
+  return push(
+      world, __func__, id, [&](auto& w) { return w.apply_force_at(to_cpp(id), to_cpp(force), to_cpp(point)); }, fits);
+}
+
+psim_result psim_world_apply_torque(psim_world* world, psim_body_id id, double torque) {
+  return push(
+      world, __func__, id, [&](auto& w) { return w.apply_torque(to_cpp(id), torque); },
+      psim::limits::kForce.contains(torque));
+}
+
+psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (explosion == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "explosion must not be NULL");
+    if (explosion->reserved != 0) return call.fail(PSIM_ERROR_ARGUMENT, "reserved must be 0");
+    const psim::Explosion given{to_cpp(explosion->position), explosion->radius, explosion->falloff,
+                                explosion->impulse_per_length, explosion->mask};
+    const auto found = world->changed([&](auto& w) { return w.explode(given); });
+    if (pushed != nullptr) *pushed = found.value_or(0);
+    if (found) return PSIM_OK;
+    return call.fail(PSIM_ERROR_ARGUMENT,
+                     "an explosion's radius and falloff must be 0 to 1e6 m, its impulse per length "
+                     "-1e12 to 1e12 N s/m, its place -1e9 to 1e9 m");
+  });
 }
 
 psim_result psim_world_set_enabled(psim_world* world, psim_body_id id, int32_t on) {

@@ -106,6 +106,18 @@ std::string convert(const psim_field& field, Field& out) {
   }
 }
 
+std::string convert(const psim_field* fields, std::size_t count, std::vector<Field>& out) {
+  if (fields == nullptr && count != 0) return "fields must not be NULL";
+  out.clear();
+  for (std::size_t k = 0; k < count; ++k) {
+    Field field;
+    const std::string wrong = convert(fields[k], field);
+    if (!wrong.empty()) return "field " + std::to_string(k) + ": " + wrong;
+    out.push_back(field);
+  }
+  return {};
+}
+
 std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   const auto boundary = to_enum(desc.boundary, Boundary::open);
   if (!boundary) return "boundary " + number(desc.boundary) + " is none of psim_boundary, 0 to 2";
@@ -113,14 +125,8 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
   if (!integrator) {
     return "integrator " + number(desc.integrator) + " is none of psim_integrator, 0 to 3";
   }
-  if (desc.fields == nullptr && desc.field_count != 0) return "fields must not be NULL";
   if (desc.reserved != 0) return kNotZero;
-  for (std::size_t k = 0; k < desc.field_count; ++k) {
-    Field field;
-    const std::string wrong = convert(desc.fields[k], field);
-    if (!wrong.empty()) return "field " + std::to_string(k) + ": " + wrong;
-    out.fields.push_back(field);
-  }
+  if (std::string wrong = convert(desc.fields, desc.field_count, out.fields); !wrong.empty()) return wrong;
   out.bounds = to_cpp(desc.bounds);
   out.boundary = *boundary;
   out.gravity = to_cpp(desc.gravity);

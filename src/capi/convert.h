@@ -44,6 +44,7 @@ std::optional<Enum> to_enum(std::int32_t value, Enum last) {
 /// Each of these returns one line of what is wrong, or nothing.
 std::string convert(const psim_shape& shape, Shape& out);
 std::string convert(const psim_field& field, Field& out);
+std::string convert(const psim_field* fields, std::size_t count, std::vector<Field>& out);
 std::string convert(const psim_world_desc& desc, WorldDesc& out);
 std::string convert(const psim_run_options& options, RunOptions& out);
 std::string convert(const psim_body_traits& traits, BodyTraits& out);

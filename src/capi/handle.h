@@ -31,6 +31,9 @@ struct psim_world {
   std::vector<psim_touch_event> begin, end, sensor_begin, sensor_end;
   std::vector<psim_hit_event> hits;
   std::vector<psim_joint_break> breaks;
+  std::vector<psim_touch_point> begin_points;
+  std::vector<psim_body_id> fell_asleep, woke;
+  std::vector<psim_move_event> moves;
   std::vector<psim::PlanEntry> plan_text;
   std::vector<psim_plan_entry> plan;
   std::vector<size_t> plan_bytes;

@@ -40,6 +40,11 @@ void copy(std::span<const psim::TouchEvent> from, std::vector<psim_touch_event>&
   for (const psim::TouchEvent& e : from) to.push_back({to_c(e.a), to_c(e.b)});
 }
 
+void copy(std::span<const psim::BodyId> from, std::vector<psim_body_id>& to) {
+  to.clear();
+  for (const psim::BodyId id : from) to.push_back(to_c(id));
+}
+
 }  // namespace
 
 psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to, const psim_query_filter* filter,
@@ -103,7 +108,8 @@ psim_result psim_world_set_event_options(psim_world* world, const psim_event_opt
     if (!(given.hit_speed >= 0)) {
       return call.fail(PSIM_ERROR_ARGUMENT, "hit_speed must be 0 or more");
     }
-    w.set_event_options({given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0});
+    w.set_event_options({given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0, given.sleep != 0,
+                         given.moves != 0});
     return PSIM_OK;
   });
 }
@@ -116,6 +122,14 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     copy(from.end, world->end);
     copy(from.sensor_begin, world->sensor_begin);
     copy(from.sensor_end, world->sensor_end);
+    world->begin_points.clear();
+    for (const psim::TouchEvent& e : from.begin) world->begin_points.push_back({to_c(e.point), to_c(e.normal)});
+    copy(from.fell_asleep, world->fell_asleep);
+    copy(from.woke, world->woke);
+    world->moves.clear();
+    for (const psim::MoveEvent& e : from.moves) {
+      world->moves.push_back({to_c(e.body), to_c(e.position), e.angle, e.fell_asleep ? 1 : 0, 0});
+    }
     world->hits.clear();
     for (const psim::HitEvent& e : from.hits) {
       world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
@@ -139,6 +153,13 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.sensor_end_count = world->sensor_end.size();
     out.breaks = world->breaks.data();
     out.break_count = world->breaks.size();
+    out.begin_points = world->begin_points.data();
+    out.fell_asleep = world->fell_asleep.data();
+    out.fell_asleep_count = world->fell_asleep.size();
+    out.woke = world->woke.data();
+    out.woke_count = world->woke.size();
+    out.moves = world->moves.data();
+    out.move_count = world->moves.size();
     write(out, events);
     return PSIM_OK;
   });

@@ -196,6 +196,19 @@ psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity) {
   });
 }
 
+psim_result psim_world_set_fields(psim_world* world, const psim_field* fields, size_t count) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    std::vector<psim::Field> given;
+    std::string wrong = convert(fields, count, given);
+    world->fields.reserve(count);  // keep_fields() needs no memory then
+    if (wrong.empty() && world->changed([&](auto& w) { return w.set_fields(given, wrong); })) {
+      keep_fields(*world);
+      return PSIM_OK;
+    }
+    return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  });
+}
+
 psim_result psim_world_set_skin(psim_world* world, double factor) {
   return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
     if (world->changed([&](auto& w) { return w.set_skin(factor); })) return PSIM_OK;

@@ -73,6 +73,18 @@ std::string event_fault(const World& world) {
   for (const HitEvent& hit : events.hits) {
     if (!finite(hit.point) || !finite(hit.normal) || !finite(hit.speed)) return "a hit is not finite";
   }
+  for (const TouchEvent& touch : events.begin) {
+    if (!finite(touch.point) || !finite(touch.normal)) return "where a touch begins is not finite";
+  }
+  for (const BodyId id : events.woke) {
+    if (!world.is_valid(id)) return "a body that is gone woke";
+  }
+  for (const BodyId id : events.fell_asleep) {
+    if (!world.is_valid(id) || world.is_awake(id)) return "a body fell asleep that does not sleep";
+  }
+  for (const MoveEvent& move : events.moves) {
+    if (!world.is_valid(move.body) || !finite(move.position) || !finite(move.angle)) return "a move is not finite";
+  }
   return {};
 }
 
@@ -143,6 +155,13 @@ bool same_events(const World& one, const World& other) {
     return bodies(e, f) && e.point.x == f.point.x && e.normal.y == f.normal.y && e.speed == f.speed;
   };
   const Events e = one.events(), f = other.events();
+  const auto moves = [](const MoveEvent& x, const MoveEvent& y) {
+    return x.body == y.body && x.position.x == y.position.x && x.angle == y.angle && x.fell_asleep == y.fell_asleep;
+  };
+  if (!std::ranges::equal(e.fell_asleep, f.fell_asleep) || !std::ranges::equal(e.woke, f.woke) ||
+      !std::ranges::equal(e.moves, f.moves, moves)) {
+    return false;
+  }
   return std::ranges::equal(e.begin, f.begin, bodies) && std::ranges::equal(e.end, f.end, bodies) &&
          std::ranges::equal(e.hits, f.hits, hits) && std::ranges::equal(e.sensor_begin, f.sensor_begin, bodies) &&
          std::ranges::equal(e.sensor_end, f.sensor_end, bodies);

@@ -68,6 +68,21 @@ PSIM_API psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id
 /// N m s: turns the body. Errors as psim_world_set_transform.
 PSIM_API psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse);
 
+/// Pushes a body at its centre of mass, N, until the next step is over, beside all other forces. Forces of several calls
+/// add up, and the body wakes. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE, PSIM_ERROR_ARGUMENT for a force out of its
+/// range.
+PSIM_API psim_result psim_world_apply_force(psim_world* world, psim_body_id id, psim_vec2 force);
+
+/// The same at a world point, metres: turns the body too.
+PSIM_API psim_result psim_world_apply_force_at(psim_world* world, psim_body_id id, psim_vec2 force, psim_vec2 point);
+
+/// The same with a torque, N m.
+PSIM_API psim_result psim_world_apply_torque(psim_world* world, psim_body_id id, double torque);
+
+/// Pushes all dynamic bodies around a point away from it, at once. `pushed` gets how many, unless it is NULL.
+/// PSIM_ERROR_ARGUMENT for a number out of its range.
+PSIM_API psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed);
+
 /// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its joints
 /// do nothing, and it costs nothing. It keeps its id, its place and its velocity; psim_world_set_transform and
 /// psim_world_set_velocity change those of a moving body meanwhile. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE if it is

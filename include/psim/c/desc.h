@@ -184,6 +184,8 @@ typedef struct psim_event_options {
   int32_t hits;          ///< flag: impacts
   int32_t sensors;       ///< flag: who enters and leaves them
   double hit_speed;      ///< m/s: slower impacts are not told; default 1
+  int32_t sleep;         ///< flag: who falls asleep and who wakes
+  int32_t moves;         ///< flag: who moved, and whereto
 } psim_event_options;
 
 /// psim_measure_costs fills this with the costs of work on one machine with one number of threads. Hand it on as it is:

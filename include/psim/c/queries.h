@@ -31,8 +31,23 @@ typedef struct psim_closest_hit {
 /// Two bodies began or ceased to touch.
 typedef struct psim_touch_event {
   psim_body_id a;  ///< a.index < b.index; of a sensor's events the sensor
-  psim_body_id b;  ///< the other
+  psim_body_id b;  ///< the other; no body for a wall of the world
 } psim_touch_event;
+
+/// Where two bodies touch.
+typedef struct psim_touch_point {
+  psim_vec2 point;   ///< metres: where they press or overlap most
+  psim_vec2 normal;  ///< of length 1, from a to b
+} psim_touch_point;
+
+/// A body that moved in a step.
+typedef struct psim_move_event {
+  psim_body_id body;    ///< dynamic or kinematic
+  psim_vec2 position;   ///< metres: of its origin
+  double angle;         ///< radians
+  int32_t fell_asleep;  ///< flag: after the step
+  int32_t reserved;     ///< 0
+} psim_move_event;
 
 /// Two bodies hit each other.
 typedef struct psim_hit_event {
@@ -93,6 +108,13 @@ typedef struct psim_events {
   size_t sensor_end_count;               ///< how many
   const psim_joint_break* breaks;        ///< joints that broke, by index; always told
   size_t break_count;                    ///< how many
+  const psim_touch_point* begin_points;  ///< of each event in `begin`
+  const psim_body_id* fell_asleep;       ///< at the end of the step
+  size_t fell_asleep_count;              ///< how many
+  const psim_body_id* woke;              ///< since the end of the step before; also by what the host did
+  size_t woke_count;                     ///< how many
+  const psim_move_event* moves;          ///< all that took part in the step and are there, asleep or not
+  size_t move_count;                     ///< how many
 } psim_events;
 
 /// Sets the defaults.

@@ -210,6 +210,17 @@ typedef struct psim_field {
   double quadratic;    ///< 1/m, >= 0: drag
 } psim_field;
 
+/// A push away from a point: on each part of a body it is `impulse_per_length` times the width that the part shows to the
+/// point, at the part's nearest point.
+typedef struct psim_explosion {
+  psim_vec2 position;         ///< metres
+  double radius;              ///< metres, >= 0: up to here the push is whole
+  double falloff;             ///< metres, >= 0: beyond `radius` the push fades over these to nothing
+  double impulse_per_length;  ///< N s/m; below 0 it pulls
+  uint32_t mask;              ///< bodies whose category is in it
+  uint32_t reserved;          ///< 0
+} psim_explosion;
+
 /// Numbers that lie `stride` bytes apart.
 typedef struct psim_column {
   const double* data;  ///< the first; NULL: no column

@@ -78,6 +78,9 @@ PSIM_API psim_result psim_world_prepare(psim_world* world);
 /// Changes gravity, m/s^2, within its range; everybody wakes.
 PSIM_API psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity);
 
+/// Changes the wells and drag of the world; everybody wakes. Nothing changes if one is refused.
+PSIM_API psim_result psim_world_set_fields(psim_world* world, const psim_field* fields, size_t count);
+
 /// Changes the factor on the skin of neighbour lists, 0.25 to 4: the next step makes its lists anew.
 PSIM_API psim_result psim_world_set_skin(psim_world* world, double factor);
 /// Changes psim_world_desc.max_bytes, 0 for any number; nothing is given back that the world has already.
@@ -94,8 +97,8 @@ PSIM_API psim_result psim_world_set_governor(psim_world* world, const psim_gover
 /// (PSIM_ERROR_INTERNAL from the step).
 PSIM_API psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs);
 
-/// The present description: as created, with the gravity, skin and sleeping set since. `fields` points
-/// into the world and stays valid until psim_world_restore.
+/// The present description: as created, with the gravity, fields, skin and sleeping set since. `fields` points
+/// into the world and stays valid until psim_world_restore or psim_world_set_fields.
 PSIM_API psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc);
 
 /// The psim_isa that the kernels use; -1 for NULL.

@@ -68,6 +68,25 @@ struct Restraint {
 };
 using Restraints = ListById<Restraint>;
 
+/// The speeds of a body, m/s.
+struct Motion {
+  float vx = 0, vy = 0, rim_speed = 0;
+  /// No point of the body is faster.
+  float fastest() const { return std::sqrt(vx * vx + vy * vy) + std::fabs(rim_speed); }
+};
+
+/// What the host pushes a body with until the next step is over. Pushes of frames in which time stood still add up to an
+/// impulse.
+struct AppliedForce {
+  std::uint32_t id = 0;
+  Vec2 force;         ///< N
+  double torque = 0;  ///< N m
+  Vec2 impulse;       ///< N s
+  double spin = 0;    ///< N m s
+  Motion before;      ///< within LentSpeeds: how it moves (solver/applied_forces.h)
+};
+using AppliedForces = ListById<AppliedForce>;
+
 /// What the host keeps with a body.
 struct UserValue {
   std::uint32_t id = 0;

@@ -58,7 +58,6 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   add(t.sensors, senses);
   const bool special = any_part([&](std::uint32_t k) { return bodies.part_of(p, k).is_special(); });
   add(t.special, special);
-  add(t.special_fixed, special && !moves);
   add(t.moving_sensors, senses && moves);
   if (!moves) {
     add(t.fixed, true);
@@ -242,6 +241,7 @@ void Population::leave_columns(std::uint32_t id) {
   if (properties.type() == BodyType::kinematic_body) kinematics.remove(id);
   if (bodies.kinds[properties.kind].bullet) bullets.remove(id);
   if (bodies.kinds[properties.kind].restrained) restraints.remove(id);
+  if (applied.has(id)) applied.remove(id);
 }
 
 void Population::make_room_to_leave(std::size_t n, bool fixed) {
@@ -261,6 +261,7 @@ void Population::lose_all() {
   kinematics.clear();
   bullets.clear();
   restraints.clear();
+  applied.clear();
   traits = {};
 }
 

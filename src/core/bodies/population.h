@@ -28,13 +28,6 @@ inline constexpr std::int32_t kFarSteps = 1 << 30;
 /// The fastest speed of the engine in a step of dt seconds, m/s.
 double speed_limit(const Lattice& lattice, double dt);
 
-/// The speeds of a body, m/s.
-struct Motion {
-  float vx = 0, vy = 0, rim_speed = 0;
-  /// No point of the body is faster.
-  float fastest() const { return std::sqrt(vx * vx + vy * vy) + std::fabs(rim_speed); }
-};
-
 /// A body that the host took out of the simulation for a while.
 struct DisabledBody {
   BodyState last;                                 ///< as it was, or as the host changed it since
@@ -103,7 +96,7 @@ class Population {
   std::size_t bytes() const {
     return disabled.capacity() * sizeof(DisabledBody) + bodies.property_table.bytes() + bodies.hulls.bytes() +
            bodies.parts.bytes() + bodies.kinds.bytes() + fixed.capacity() * sizeof(FixedBody) + kinematics.bytes() +
-           bullets.bytes() + restraints.bytes() + user_values.bytes();
+           bullets.bytes() + restraints.bytes() + applied.bytes() + user_values.bytes();
   }
 
   /// Counts anew, if the first bodies, with which others are compared, may not be as they were. O(bodies).
@@ -119,6 +112,7 @@ class Population {
   KinematicBodies kinematics;
   Bullets bullets;
   Restraints restraints;
+  AppliedForces applied;
   UserValues user_values;
   Traits traits;
   bool traits_changed = false;      ///< the host changed those of some body since they were counted

@@ -80,8 +80,8 @@ class StripColours {
 
 class ContactFinder {
  public:
-  ContactFinder(const Observed& world, const LastStep& last, ContactList& list)
-      : world_(world), last_(last), list_(list) {}
+  ContactFinder(const Observed& world, const LastStep& last, ContactList& list, const std::vector<std::uint8_t>* only)
+      : world_(world), last_(last), list_(list), only_(only) {}
 
   /// The contacts, in order.
   std::span<const Contact> find() {
@@ -103,11 +103,11 @@ class ContactFinder {
 
  private:
   void gather() {
-    const std::size_t jobs = jobs_for(sleepers_.list.size(), kSleepers);
+    const std::size_t jobs = only_ != nullptr ? 0 : jobs_for(sleepers_.list.size(), kSleepers);
     list_.found.resize(std::max(list_.found.size(), strips_ + jobs + 1));
     for (std::vector<Contact>& some : list_.found) some.clear();
     world_.pool.run(strips_, [&](std::size_t strip) { find_listed(strip); });
-    if (jobs != 0 || !sleepers_.recent.empty()) {
+    if (only_ == nullptr && (jobs != 0 || !sleepers_.recent.empty())) {
       bodies_.find_slots();
       run_each(sleepers_.list.size(), kSleepers, world_.pool,
                [&](std::size_t k, std::size_t job) { find_kept(sleepers_.list[k], list_.found[strips_ + job]); });
@@ -121,6 +121,8 @@ class ContactFinder {
   ContactWriter::Load load_of(const ContactLanes& c, std::uint32_t lane) const {
     return {times_, c.impulse[lane], rough_ ? c.friction[lane] : 0};
   }
+  // Walls always.
+  bool wanted(std::uint32_t id) const { return only_ == nullptr || id == kNoSlot || (*only_)[id] != 0; }
   bool counts(float impulse) const { return last_.begun ? impulse > 0 : closed(impulse); }
 
   void put(std::size_t strip, Contact contact, std::uint32_t colour) {
@@ -147,6 +149,7 @@ class ContactFinder {
       if (!overlaps_ && !counts(contacts_.pairs.impulse[lane])) continue;
       std::uint32_t i = list_.slot(table_.owner[p]), j = list_.slot(table_.other[p]);
       if (id_at(i) == kNoSlot || id_at(j) == kNoSlot || !world_.tells_of(id_at(i), id_at(j))) continue;
+      if (!wanted(id_at(i)) || !wanted(id_at(j))) continue;
       Vec2 normal{0, 1};  // contacts that came from a saved state have no normals yet
       if (!contacts_.pairs.nx.empty()) normal = {wide(contacts_.pairs.nx[lane]), wide(contacts_.pairs.ny[lane])};
       if (bodies_.id[i] > bodies_.id[j]) {
@@ -172,6 +175,7 @@ class ContactFinder {
       if (gaps && contacts_.fixed.gap[lane] >= kNoGap) continue;
       if (!(gaps && overlaps_) && !counts(contacts_.fixed.impulse[lane])) continue;
       if (id == kNoSlot || !world_.tells_of(id) || !writer_.stands(pair.shape)) continue;
+      if (!wanted(id) || !wanted(writer_.owner(pair.shape))) continue;
       const LatticePoint at = bodies_.point(slot);
       const double r = wide(bodies_.radius[slot]);
       const Vec2 normal{wide(contacts_.fixed.nx[lane]), wide(contacts_.fixed.ny[lane])};
@@ -194,6 +198,7 @@ class ContactFinder {
     if (last_.begun ? pair.moved : pair.lane == PairName::kNone && !overlaps_) return;
     if (id_of(pair.b) != pair.id_b || (pair.a != kNoSlot && id_of(pair.a) != pair.id_a)) return;
     if (pair.a == kNoSlot && !writer_.stands(pair.shape)) return;
+    if (!wanted(pair.id_a) || !wanted(pair.id_b)) return;
     if (overlaps_) {
       Contact overlap;
       overlap.separation = writer_.distance(pair);
@@ -302,6 +307,7 @@ class ContactFinder {
   const PairTable& table_ = world_.table;
   const Sleepers& sleepers_ = world_.sleep.sleepers;
   ContactList& list_;
+  const std::vector<std::uint8_t>* const only_;
   bool overlaps_ = false;  // only overlaps are wanted, whether the solver pressed there or not
   const ContactWriter writer_{world_};
   const bool rough_ = contacts_.model().rough();
@@ -312,12 +318,13 @@ class ContactFinder {
 
 }  // namespace
 
-std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list) {
-  return ContactFinder(world, last, list).find();
+std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list,
+                                       const std::vector<std::uint8_t>* only) {
+  return ContactFinder(world, last, list, only).find();
 }
 
 double deepest_contact(const Observed& world, const LastStep& last, ContactList& list) {
-  return ContactFinder(world, last, list).deepest();
+  return ContactFinder(world, last, list, nullptr).deepest();
 }
 
 }  // namespace psim

@@ -59,7 +59,9 @@ struct LastStep {
   double disc_mass = 1;         ///< kg: impulses of discs are divided by it where all discs have one mass; else 1
 };
 
-std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list);
+/// `only`: by id; contacts of the lists alone, whose bodies are all marked.
+std::span<const Contact> find_contacts(const Observed& world, const LastStep& last, ContactList& list,
+                                       const std::vector<std::uint8_t>* only = nullptr);
 /// The deepest overlap of these contacts, m, and of all pairs of shapes in the lists, as they stand now; or 0.
 double deepest_contact(const Observed& world, const LastStep& last, ContactList& list);
 

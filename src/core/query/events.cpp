@@ -21,6 +21,14 @@ constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
 std::uint32_t first_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
 std::uint32_t second_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
+bool is_wall(std::uint32_t id) { return id >= kWallLeft; }
+// Of length 1, into a wall of the world; zero for a body.
+Vec2 inward(std::uint32_t id) {
+  if (!is_wall(id)) return {};
+  const double to = id == kWallRight || id == kWallTop ? 1 : -1;
+  return id == kWallLeft || id == kWallRight ? Vec2{to, 0} : Vec2{0, to};
+}
+
 // A bit for each closed contact of a block. An impulse of -0 marks an open one.
 std::uint8_t closed_bits(const float* impulse) {
   unsigned open = 0;
@@ -55,18 +63,28 @@ void drop(Keys& from, const Keys& what) {
 
 void EventList::set_options(const EventOptions& options) {
   options_ = options;
+  slept_at_ = kNever;
   clear();
   if (!options.contacts) {
     build_ = 0;
     give_back(lane_key_, touching_, paired_, toggled_, rest_found_, rest_, slept_);
   }
+  if (!options.contacts) {
+    give_back(began_with_);
+    contacts_ = ContactList();
+  }
   if (!options.sensors) give_back(sensed_);
+  if (!options.sleep && !options.moves) give_back(sleepers_, asleep_before_);
+  if (!options.moves) give_back(moves_);
   if (!options.hits) give_back(hits_);
 }
 
 void EventList::clear() {
   for (std::vector<TouchEvent>* events : {&begin_, &end_, &sensor_begin_, &sensor_end_}) events->clear();
   hits_.hits.clear();
+  fell_asleep_.clear();
+  woke_.clear();
+  moves_.clear();
 }
 
 void EventList::start_over() {
@@ -100,18 +118,49 @@ void EventList::replace(Keys& known, std::uint32_t ids) {
 
 // Writes the events of what began and ended. A body that is gone has the handle that it had.
 void EventList::tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end) {
+  const auto handle = [&](std::uint32_t id) { return is_wall(id) ? kNoBody : world.handle(id); };
   const auto last_handle = [&](std::uint32_t id) {
     const auto gone = removed(id);
-    return gone != removed_.end() ? *gone : world.handle(id);
+    return gone != removed_.end() ? *gone : handle(id);
   };
   sort_keys(began_.begin(), began_.end());
   sort_keys(ended_.begin(), ended_.end());
   begin.clear();
   end.clear();
-  for (const std::uint64_t key : began_) begin.push_back({world.handle(first_of(key)), world.handle(second_of(key))});
-  for (const std::uint64_t key : ended_) end.push_back({last_handle(first_of(key)), last_handle(second_of(key))});
+  for (const std::uint64_t key : began_) {
+    begin.push_back({handle(first_of(key)), handle(second_of(key)), {}, inward(second_of(key))});
+  }
+  for (const std::uint64_t key : ended_) {
+    end.push_back({last_handle(first_of(key)), last_handle(second_of(key)), {}, inward(second_of(key))});
+  }
   began_.clear();
   ended_.clear();
+}
+
+// Where the pairs touch that began to, by the contacts of the step. Normals of walls are known, and tell which is which.
+void EventList::find_points(const Observed& world, const LastStep& last) {
+  if (begin_.empty()) return;
+  began_with_.assign(world.bodies.id_count, 0);
+  for (const TouchEvent& e : begin_) {
+    began_with_[e.a.index] = 1;
+    if (e.b != kNoBody) began_with_[e.b.index] = 1;
+  }
+  const std::span<const Contact> found = find_contacts(world, last, contacts_, &began_with_);
+  const auto before = [](const Contact& c, const TouchEvent& e) {
+    return std::pair(c.a.index, c.b.index) < std::pair(e.a.index, e.b.index);
+  };
+  auto first = found.begin();
+  for (TouchEvent& e : begin_) {
+    first = std::partition_point(first, found.end(), [&](const Contact& c) { return before(c, e); });
+    const Contact* deepest = nullptr;
+    for (auto c = first; c != found.end() && c->a == e.a && c->b == e.b; ++c) {
+      const bool other_wall = e.b == kNoBody && !(dot(c->normal, e.normal) > 0.5);
+      if (!other_wall && (deepest == nullptr || c->separation < deepest->separation)) deepest = &*c;
+    }
+    if (deepest == nullptr) continue;
+    e.point = deepest->point;
+    e.normal = deepest->normal;
+  }
 }
 
 // Contacts of two discs. If the lanes are those of the last step, only changes are looked at.
@@ -185,16 +234,21 @@ void EventList::compare_rest(const Observed& world) {
   if (b.awake() != 0) {
     for (std::size_t s = 0; s < world.table.strips.size(); ++s) {
       for (const StaticPair& pair : world.table.static_contacts[s]) {
-        if (pair.shape >= kWallLeft || !closed(c.fixed.impulse[pair.contact])) continue;
+        if (!closed(c.fixed.impulse[pair.contact])) continue;
         const std::uint32_t id = b.id[pair.body];
-        if (id != kNoSlot && world.tells_of(id)) now_.push_back(pair_key(id, world.statics[pair.shape].owner));
+        const std::uint32_t other = is_wall(pair.shape) ? pair.shape : world.statics[pair.shape].owner;
+        if (id != kNoSlot && world.tells_of(id)) now_.push_back(pair_key(id, other));
       }
     }
     for (std::size_t s = 0; s < manifolds.strip_count(); ++s) {
       for (const std::uint32_t k : manifolds.strip(s).active) {
         const ManifoldPair& pair = manifolds.pairs()[k];
-        if (pair.id_a == ManifoldPair::kNone || !manifolds.closed(s, pair)) continue;
-        if (here(pair.id_a) && here(pair.id_b)) now_.push_back(pair_key(pair.id_a, pair.id_b));
+        if (!manifolds.closed(s, pair) || !here(pair.id_b)) continue;
+        if (pair.of_wall()) {
+          if (world.tells_of(pair.id_b)) now_.push_back(pair_key(pair.id_b, pair.shape));
+        } else if (pair.id_a != ManifoldPair::kNone && here(pair.id_a)) {
+          now_.push_back(pair_key(pair.id_a, pair.id_b));
+        }
       }
     }
   }
@@ -206,7 +260,7 @@ void EventList::compare_rest(const Observed& world) {
 // Sleepers still touch what they touched, though no contact says so; and a pair of discs becomes another kind of
 // contact once one of them sleeps.
 void EventList::settle_sleepers(const Observed& world) {
-  const auto place = [&](std::uint32_t id) { return world.bodies.info[id].place; };
+  const auto place = [&](std::uint32_t id) { return is_wall(id) ? Place::fixed : world.bodies.info[id].place; };
   const auto asleep = [&](std::uint64_t key) {
     const Place p = place(first_of(key)), q = place(second_of(key));
     return p != Place::moving && q != Place::moving && (p == Place::asleep || q == Place::asleep);
@@ -270,7 +324,7 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
   tell(world, sensor_begin_, sensor_end_);
 }
 
-void EventList::collect(const Observed& world, const QueryIndex& index) {
+void EventList::collect(const Observed& world, const QueryIndex& index, const LastStep& last) {
   // Total order: an index comes again with a higher generation only.
   std::ranges::sort(removed_, {}, [](BodyId id) { return std::pair(id.index, id.generation); });
   if (options_.contacts) {
@@ -278,6 +332,7 @@ void EventList::collect(const Observed& world, const QueryIndex& index) {
     compare_rest(world);
     settle_sleepers(world);
     tell(world, begin_, end_);
+    find_points(world, last);
   }
   if (options_.hits) hits_.collect(world);
   if (options_.sensors) gather_sensed(world, index);
@@ -285,10 +340,44 @@ void EventList::collect(const Observed& world, const QueryIndex& index) {
   left_ = false;
 }
 
+void EventList::collect_sleep(const Observed& world, bool stepped) {
+  fell_asleep_.clear();
+  woke_.clear();
+  moves_.clear();
+  if ((options_.sleep || options_.moves) && slept_at_ != world.sleep.sleepers.changes) {
+    asleep_before_.swap(sleepers_);
+    sleepers_.clear();
+    for (const Sleeper& s : world.sleep.sleepers.list) sleepers_.push_back(world.handle(s.id));
+    std::ranges::sort(sleepers_, {}, &BodyId::index);  // Total order: no two have one index.
+    slept_at_ = world.sleep.sleepers.changes;
+    const auto by_index = [](BodyId x, BodyId y) { return x.index < y.index; };
+    std::ranges::set_difference(sleepers_, asleep_before_, std::back_inserter(fell_asleep_), by_index);
+    std::ranges::set_difference(asleep_before_, sleepers_, std::back_inserter(woke_), by_index);
+    const auto gone = [&](BodyId id) {
+      const BodyInfo& info = world.bodies.info[id.index];
+      return info.generation != id.generation || is_out(info.place);
+    };
+    std::erase_if(woke_, gone);
+  }
+  if (options_.moves && stepped) {
+    const auto fell_asleep = [&](std::uint32_t id) {
+      const auto at = std::ranges::lower_bound(fell_asleep_, id, {}, &BodyId::index);
+      return at != fell_asleep_.end() && at->index == id;
+    };
+    for (std::uint32_t id = 0; id < world.bodies.id_count; ++id) {
+      const Place place = world.bodies.info[id].place;
+      if (place != Place::moving && (place != Place::asleep || !fell_asleep(id))) continue;
+      const BodyState s = world.state_of(id);
+      moves_.push_back({s.id, {s.x, s.y}, s.angle, place == Place::asleep});
+    }
+  }
+}
+
 std::size_t EventList::bytes() const {
   return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_, toggled_,
-                  count_, touching_, begin_, end_, breaks) +
-         hits_.bytes();
+                  count_, touching_, begin_, end_, breaks, began_with_, sleepers_, asleep_before_, fell_asleep_, woke_,
+                  moves_) +
+         hits_.bytes() + contacts_.bytes();
 }
 
 }  // namespace psim

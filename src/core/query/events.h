@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "psim/events.h"
+#include "query/contact_list.h"
 #include "query/query_index.h"
 
 namespace psim {
@@ -53,7 +54,7 @@ class EventList {
   void describe(class Archive& a, std::uint32_t ids);  ///< for saved states
 
   void set_options(const EventOptions& options);
-  bool on() const { return options_.contacts || options_.hits || options_.sensors; }
+  bool on() const { return options_.contacts || options_.hits || options_.sensors || options_.sleep || options_.moves; }
 
   /// A body was removed, or frozen, which leaves its id valid (`same`).
   void body_left(BodyId id, bool same) {
@@ -65,8 +66,10 @@ class EventList {
   void approach(const Observed& world, double dt) {
     if (options_.hits) hits_.approach(world, options_.hit_speed, dt);
   }
-  /// After the step: finds all events. O(contacts) for touching; a query for each sensor.
-  void collect(const Observed& world, const QueryIndex& index);
+  /// After the step: finds all events but those of sleep. O(contacts) for touching; a query for each sensor.
+  void collect(const Observed& world, const QueryIndex& index, const LastStep& last);
+  /// After bodies fell asleep: who did, and who woke. `stepped`: bodies moved. O(sleepers) if any did, O(bodies) for moves.
+  void collect_sleep(const Observed& world, bool stepped);
 
   /// Empties the lists: nothing happens in a step that waits.
   void clear();
@@ -74,14 +77,16 @@ class EventList {
   /// Forgets who touched: the next step tells of all that touch then, as if they began to.
   void start_over();
 
-  Events view() const { return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_, breaks}; }
+  Events view() const {
+    return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_, breaks, fell_asleep_, woke_, moves_};
+  }
 
   std::vector<JointBreak> breaks;  ///< of the last step, told whether or not the host asks
 
   std::size_t bytes() const;
 
  private:
-  using Keys = std::vector<std::uint64_t>;  // a << 32 | b
+  using Keys = std::vector<std::uint64_t>;  // a << 32 | b; of a wall its number is b
 
   void compare_lanes(const Observed& world);
   void renew_lanes(const Observed& world, std::uint32_t blocks);
@@ -92,6 +97,7 @@ class EventList {
   std::vector<BodyId>::const_iterator removed(std::uint32_t index) const;
   void retire(Keys& known);
   void tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end);
+  void find_points(const Observed& world, const LastStep& last);
 
   EventOptions options_;
   // Since the last step, with the generation that they had; for collect() by index, then by generation.
@@ -114,6 +120,14 @@ class EventList {
 
   HitList hits_;
   std::vector<TouchEvent> begin_, end_, sensor_begin_, sensor_end_;
+  std::vector<std::uint8_t> began_with_;  // by id: the body is in begin_
+  ContactList contacts_;                  // of these bodies
+
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+  std::uint64_t slept_at_ = kNever;  // Sleepers::changes when sleepers_ was made
+  std::vector<BodyId> sleepers_;     // by index, as the host was told of them
+  std::vector<BodyId> asleep_before_, fell_asleep_, woke_;
+  std::vector<MoveEvent> moves_;
 };
 
 }  // namespace psim

@@ -100,6 +100,7 @@ void fall_asleep(const SleepSource& source, Sleepers& sleepers, std::size_t firs
   bodies.dead += static_cast<std::uint32_t>(sleepers.list.size() - first);
   if (bodies.dead == bodies.count) bodies.count = bodies.dead = bodies.listed = 0;  // nobody is awake
   sleepers.changed = true;
+  ++sleepers.changes;
 }
 
 }  // namespace

@@ -95,9 +95,10 @@ class Sleepers {
   std::size_t dropped = 0;     ///< number of touches in runs of bodies that woke
   float widest = 0;            ///< m: no sleeper has a larger radius
   TouchMemory recent;
-  bool woke = false;     ///< a body woke since the lists were made
-  bool changed = false;  ///< a body fell asleep or woke since events were collected
-  bool leaving = false;  ///< bodies are falling asleep: some are in the columns and in the list
+  bool woke = false;          ///< a body woke since the lists were made
+  bool changed = false;       ///< a body fell asleep or woke since events were collected
+  std::uint64_t changes = 0;  ///< how often one did
+  bool leaving = false;       ///< bodies are falling asleep: some are in the columns and in the list
   // Scratch of sleeping and waking.
   std::vector<Waking> queue;
   std::vector<std::uint32_t> found, roots;

@@ -59,6 +59,7 @@ void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   bodies.enter(id, s.at, s.angle);
   sleepers.mark_woken(id, s.at, s.angle);
   sleepers.woke = sleepers.changed = true;
+  ++sleepers.changes;
 }
 
 // N s: with what the points of a touch press together. `mass` is that of discs where all have the same.

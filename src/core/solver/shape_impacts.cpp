@@ -61,15 +61,15 @@ bool closes(const kernels::BodyView& view, const kernels::ManifoldBlock& c, std:
 }
 
 // How two bodies move against each other, and how far they have moved since the frame's start.
-struct Motion {
+struct PairMotion {
   Vec2 v, d;                   // m/s, m
   double spin = 0, swing = 0;  // m/s, m: what turning adds at most
 };
 
-Motion motion_of(const Around& in, const ManifoldPair& pair) {
+PairMotion motion_of(const Around& in, const ManifoldPair& pair) {
   const kernels::BodyView& view = in.view;
   const std::size_t b = pair.b;
-  Motion m{{view.vel[2 * b], view.vel[2 * b + 1]}, {view.disp[2 * b], view.disp[2 * b + 1]}};
+  PairMotion m{{view.vel[2 * b], view.vel[2 * b + 1]}, {view.disp[2 * b], view.disp[2 * b + 1]}};
   m.spin = std::fabs(double{view.rim_speed[b]});
   m.swing = double{in.s.bodies.radius[b]} * std::fabs(double{view.angle_change[b]});
   if (!pair.of_piece()) {
@@ -84,7 +84,7 @@ Motion motion_of(const Around& in, const ManifoldPair& pair) {
 
 // Whether bodies that were apart at the start of the step may meet in this substep, and turn so fast that it matters when.
 bool turns_ahead(const Around& in, const ManifoldPair& pair, double dt, double h) {
-  const Motion m = motion_of(in, pair);
+  const PairMotion m = motion_of(in, pair);
   const Vec2 n{pair.manifold.nx, pair.manifold.ny};
   const double closing = m.spin - dot(n, m.v);
   return m.spin * dt > kTurning * double{in.s.bodies.radius[pair.b]} && closing > 2 * length_of(in.gravity) * dt &&
@@ -173,7 +173,7 @@ bool Solver::Run::impact_shapes(std::size_t index, bool first, bool all) {
     e = std::fabs(e);
     if (e < 1 && !ahead && static_cast<double>(e) * (approach_of(view_, block, l) + gravity_ * h_) < floor) continue;
     const ManifoldPair& pair = manifolds.pairs()[k];
-    const Motion m = motion_of(around, pair);
+    const PairMotion m = motion_of(around, pair);
     const Vec2 n{pair.manifold.nx, pair.manifold.ny};
     const double added = m.spin + gravity_ * h_, closing = length_of(m.v) + added;
     if (e < 1 && static_cast<double>(e) * closing < floor) continue;  // too slow to bounce

@@ -120,7 +120,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       drift_.h = stream_.h;  // damping is part of the change of velocity then
     }
   }
-  if (!kinematics.empty() || !restraints.empty()) s_.bodies.find_slots();
+  if (!kinematics.empty() || !restraints.empty() || pushes.any()) s_.bodies.find_slots();
   if (!restraints.empty()) find_restrained();
   if (contacts.manifolds.cold() && params.most_sweeps == 0) {
     const std::uint32_t fitting = kColdVisits / std::max(contacts.manifolds.totals().blocks, 1u);
@@ -155,12 +155,19 @@ void Solver::Run::set_contacts() {
 void Solver::Run::substep(bool first_of_step) {
   const bool first = first_of_step || fields_.varying;
   Stacks& stacks = contacts.stacks;
-  if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) force(fields_.accelerate);
+  if (fields_.varying && (fields_.advance == nullptr || bounce_ != 0)) {
+    force(fields_.accelerate);
+    if (pushes.any()) pushes.add(s_.bodies);
+  }
   if (bounce_ && first_of_step) set_floors();
   if (bounce_) impacts();
   if (contacts.manifolds.any()) meet_shapes();
-  if (fields_.advance) force(fields_.advance);
+  if (fields_.advance) {
+    force(fields_.advance);
+    if (pushes.any()) push_advanced();
+  }
   kick(first);
+  if (pushes.any()) spin(first);
   if (!restraints.empty()) restrain(first);
   if (!kinematics.empty()) hold();
   if (first) warm(first_of_step);
@@ -201,6 +208,17 @@ void Solver::Run::kick(bool first) {
       view_.rim_speed0[i] = u;
     }
   });
+}
+
+// Applied forces where an integrator moves bodies on: the drift takes the mean of the speeds before and after.
+void Solver::Run::push_advanced() {
+  pushes.add(s_.bodies);
+  pushes.kick(s_.bodies, h_);
+}
+
+// Applied torques. Later kicks repeat the change of the first one, where they keep the rim speeds of before.
+void Solver::Run::spin(bool first) {
+  if (first || !(params_.model.rough() || params_.turns)) pushes.spin(s_.bodies, h_, true);
 }
 
 // Kinematic bodies keep their velocities; the centre of one that turns about another point goes round.

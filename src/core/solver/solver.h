@@ -12,6 +12,7 @@
 #include "joints/joint_store.h"
 #include "lists/pair_table.h"
 #include "manifolds/contacts.h"
+#include "solver/applied_forces.h"
 #include "solver/forces.h"
 
 namespace psim {
@@ -41,6 +42,7 @@ struct SolverInput {
   const Forces* forces;  ///< null where accelerations are uniform
   const KinematicBodies& kinematics;
   const Restraints& restraints;
+  const ForcesOfStep& pushes;
 };
 
 /// What the passes of a step did.

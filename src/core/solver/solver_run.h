@@ -104,6 +104,8 @@ class Solver::Run : SolverInput {
   bool impact_shapes(std::size_t strip, bool first, bool all);
   void meet_shapes();
   void kick(bool first);
+  void push_advanced();
+  void spin(bool first);
   void hold();
   void find_restrained();
   void restrain(bool first);

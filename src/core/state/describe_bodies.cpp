@@ -227,7 +227,12 @@ void describe_population(Archive& a, Population& p, bool lists) {
     const bool moves = a.ok() && (bodies.info[r.id].place == Place::moving || bodies.info[r.id].place == Place::asleep);
     a.require(moves && bodies.kind(r.id).restrained && r.linear_damping >= 0 && r.angular_damping >= 0);
   });
-  if (a.loading()) a.require(p.kinematics.index() && p.bullets.index() && p.restraints.index());
+  a.list(p.applied.entries(), [&](AppliedForce& f) {
+    a.index(bodies.id_count, f.id);
+    values(a, f.force, f.torque, f.impulse, f.spin);
+    a.require(a.ok() && bodies.info[f.id].place == Place::moving);
+  });
+  if (a.loading()) a.require(p.kinematics.index() && p.bullets.index() && p.restraints.index() && p.applied.index());
 }
 
 }  // namespace psim

@@ -253,7 +253,12 @@ void Manifolds::check_strip(Archive& a, std::size_t index, const ManifoldsAround
 }
 
 void EventList::describe(Archive& a, std::uint32_t ids) {
-  values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, left_, build_);
+  values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, options_.sleep, options_.moves,
+         left_, build_);
+  a.list(sleepers_, [&](BodyId& id) {
+    a.index(ids, id.index);
+    a.value(id.generation);
+  });
   a.list(removed_, [&](BodyId& id) {
     a.index(ids, id.index);
     a.value(id.generation);
@@ -263,11 +268,17 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
     a.packed(*keys);
     if (!a.loading()) continue;
     for (const std::uint64_t key : *keys) {
-      const bool known = key >> 32 < ids && static_cast<std::uint32_t>(key) < ids;
+      const auto other = static_cast<std::uint32_t>(key);
+      const bool wall =
+          other >= kWallLeft && other <= kWallTop && (keys == &rest_found_ || keys == &rest_ || keys == &slept_);
+      const bool known = key >> 32 < ids && (other < ids || wall);
       a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
     }
   }
   if (!a.loading()) return;
+  slept_at_ = kNever;
+  const auto by_index = [](BodyId x, BodyId y) { return x.index >= y.index; };
+  a.require(std::adjacent_find(sleepers_.begin(), sleepers_.end(), by_index) == sleepers_.end());
   a.require(lane_key_.size() == touching_.size() * kernels::kBlock);
   for (const Keys* keys : {&paired_, &rest_, &slept_}) a.require(std::is_sorted(keys->begin(), keys->end()));
   clear();

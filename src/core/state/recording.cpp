@@ -15,15 +15,16 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::set_gravity,   &World::set_sleeping,     &World::wake,
                             &World::remove_joint,  &World::set_motor,        &World::set_skin,
                             &World::set_enabled,   &World::set_traits,       &World::set_user_data,
-                            &World::set_target};
+                            &World::set_target,    &World::apply_force,      &World::apply_force_at,
+                            &World::apply_torque,  &World::explode};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kCallsBegin };
+enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kCallsBegin };
 constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 10;
+  static constexpr std::uint64_t kFormat = 11;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -55,6 +56,7 @@ static auto fields(BodyDesc& d) {
                   d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
                   d.locks, d.one_way, d.enabled, d.user_data);
 }
+static auto fields(Explosion& e) { return std::tie(e.position, e.radius, e.falloff, e.impulse_per_length, e.mask); }
 static auto fields(BodyTraits& t) {
   return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
                   t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks);
@@ -202,6 +204,11 @@ bool Recorder::set_joint(JointId id, const JointDesc& desc, std::string& error) 
       world_, [&] { log_->add(kSetJoint, id, desc); }, [&] { return world_.set_joint(id, desc, error); });
 }
 
+bool Recorder::set_fields(const std::vector<Field>& given, std::string& error) {
+  return log_->done(
+      world_, [&] { log_->add(kSetFields, given); }, [&] { return world_.set_fields(given, error); });
+}
+
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
 bool Recorder::set_transform(BodyId id, Vec2 position, double angle) {
   return log_->call<1>(world_, id, position, angle);
@@ -214,6 +221,10 @@ bool Recorder::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) {
   return log_->call<4>(world_, id, impulse, point);
 }
 bool Recorder::apply_angular_impulse(BodyId id, double impulse) { return log_->call<5>(world_, id, impulse); }
+bool Recorder::apply_force(BodyId id, Vec2 force) { return log_->call<16>(world_, id, force); }
+bool Recorder::apply_force_at(BodyId id, Vec2 force, Vec2 point) { return log_->call<17>(world_, id, force, point); }
+bool Recorder::apply_torque(BodyId id, double torque) { return log_->call<18>(world_, id, torque); }
+std::optional<std::size_t> Recorder::explode(const Explosion& explosion) { return log_->call<19>(world_, explosion); }
 bool Recorder::set_gravity(Vec2 gravity) { return log_->call<6>(world_, gravity); }
 void Recorder::set_sleeping(bool on) { log_->call<7>(world_, on); }
 bool Recorder::wake(BodyId id) { return log_->call<8>(world_, id); }
@@ -306,6 +317,9 @@ struct Replay::State {
         w.set_joint(id, get<JointDesc>(), error);
         break;
       }
+      case kSetFields:
+        w.set_fields(get<std::vector<Field>>(), error);
+        break;
       default:
         call(op - std::size_t{kCallsBegin});
     }

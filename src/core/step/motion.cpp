@@ -9,6 +9,7 @@
 #include "base/trace.h"
 #include "bodies/quarantine.h"
 #include "least.h"
+#include "solver/applied_forces.h"
 
 namespace psim {
 namespace {
@@ -130,8 +131,12 @@ void narrow_phase(StepContext& c, double dt) {
 namespace {
 
 // Substeps. If nobody is near anything there are none: then the closed form of integrate() is all.
-void solve(StepContext& c, double dt, StepReport& report) {
+void solve(StepContext& c, const ForcesOfStep& pushes, double dt, StepReport& report) {
   prepare_forces(c, report);
+  if (pushes.any()) {
+    c.bodies.find_slots();
+    pushes.add(c.bodies);
+  }
   const StageTimer timer(report, c.tracer, Stage::solver);
   note_skips(c);
   if (c.contacts.discs.pass_blocks() == 0 && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
@@ -152,12 +157,9 @@ void solve(StepContext& c, double dt, StepReport& report) {
   }
   Contacts& contacts = c.contacts;
   if (c.plan.joints) c.joints.prepare(c.population.fixed, contacts.solved, h, coast_time(p.damping, h), c.plan.sleep);
-  const SolverInput input{contacts,
-                          c.neighbours.table,
-                          c.joints,
-                          c.dynamics.forces.get(),
-                          c.population.kinematics,
-                          c.population.restraints};
+  const SolverInput input{
+      contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics, c.population.restraints,
+      pushes};
   const SolverReport done = c.dynamics.solver.run(input, p, c.dynamics.moving);
   c.dynamics.last_substep = h;
   c.dynamics.stiff_substep = p.stiff_substep;
@@ -231,11 +233,19 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
 
 Moved move_bodies(StepContext& c, double dt, StepReport& report) {
   if (c.plan.continuous) c.dynamics.continuous.make_room(continuous_input(c, c.manifold_params(dt), dt));
-  solve(c, dt, report);
+  const ForcesOfStep pushes(c.population, c.lattice, dt / report.detail.frames, dt);
+  solve(c, pushes, dt, report);
   c.dynamics.moving = true;
   stop_fast_bodies(c, dt, report);
   if (c.plan.restraints) c.dynamics.solver.put_back(c.bodies, c.population.restraints);
-  return integrate(c, dt, report);
+  if (!pushes.any()) return integrate(c, dt, report);
+  // Free bodies turn by the mean of their rim speeds before and after.
+  pushes.spin(c.bodies, dt / 2, false);
+  const Moved moved = integrate(c, dt, report);
+  pushes.spin(c.bodies, dt / 2, false);
+  pushes.put_back(c.bodies, c.desc.gravity);
+  c.population.applied.clear();
+  return moved;
 }
 
 }  // namespace psim

@@ -22,7 +22,7 @@ void take_traits(const WorldDesc& d, Traits& traits) {
 Plan make_plan(const Traits& t) {
   Plan p;
   p.fields = t.fields;
-  p.scales = t.kinematic != 0 || t.odd_gravity != 0;
+  p.scales = t.kinematic != 0 || t.odd_gravity != 0 || t.pushed;
   p.forces = t.fields || p.scales;
   if (t.fields) p.integrator = t.integrator;
   p.restitution = t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
@@ -63,7 +63,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   const bool moves = t.moving != 0;
   const std::string higher = std::string(integrator_name(p.integrator)) + " moves bodies in the fields, " +
                              (p.integrator == Integrator::euler ? "one evaluation" : "four evaluations") + " a substep";
-  add("forces", p.forces, "wells, quadratic drag, gravity scales or kinematic bodies",
+  add("forces", p.forces, "wells, quadratic drag, gravity scales, applied forces or kinematic bodies",
       "gravity is uniform: part of the kick");
   add("forces.integrator", p.integrator != Integrator::verlet, higher.c_str(),
       t.fields ? "verlet: the kick and the drift are leapfrog already"

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "base/trace.h"
+#include "solver/applied_forces.h"
 
 namespace psim {
 
@@ -55,7 +56,13 @@ void forget_contacts(StepContext& c) {
 void run_part(StepContext& c, const Span& span, StepReport& report, std::size_t end) {
   const StepPart& now = step_parts()[c.progress.part];
   const StageTimer timer(report, c.tracer, now.stage);
-  now.run(c, span, report, {c.progress.at, end});
+  const bool finds_pairs = now.stage != Stage::colouring && !now.in_place;
+  if (finds_pairs && !c.population.applied.empty()) {
+    const LentSpeeds lent(c.population, c.lattice, span.frame, span.step);
+    now.run(c, span, report, {c.progress.at, end});
+  } else {
+    now.run(c, span, report, {c.progress.at, end});
+  }
   c.progress.at = static_cast<std::uint32_t>(end);
   if (end != now.pieces(c)) return;
   c.progress.part = next_part(c, static_cast<std::uint8_t>(c.progress.part + 1));

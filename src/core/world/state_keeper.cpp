@@ -22,9 +22,9 @@ constexpr std::uint64_t last_of(Enum<ListMode>) { return static_cast<std::uint64
 static auto fields(Traits& t) {
   return std::tie(t.moving, t.discs, t.kinematic_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_properties,
                   t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
-                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.special, t.special_fixed,
-                  t.restrained, t.one_rubs, t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce, t.wall_rough,
-                  t.wall_special, t.mass_ratio, t.gravity, t.fields, t.integrator, t.damping, t.events, t.sleeping);
+                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.special, t.restrained, t.one_rubs,
+                  t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce, t.wall_rough, t.wall_special, t.mass_ratio,
+                  t.gravity, t.fields, t.pushed, t.integrator, t.damping, t.events, t.sleeping);
 }
 static auto fields(Plan& p) {
   return std::tie(p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,
@@ -183,6 +183,7 @@ class StateKeeper {
     traits.joints = w_.joints.count();
     take_traits(w_.desc, traits);
     a.require(traits == w_.population.traits);
+    a.require(traits.pushed || w_.population.applied.empty());
     a.require(w_.population.kinematics.size() == traits.kinematic && w_.population.bullets.size() == traits.bullets &&
               w_.population.restraints.size() == traits.restrained);
     for (std::size_t k = 0; k < w_.bodies.count && w_.quarantine.doubtful.empty(); ++k) {

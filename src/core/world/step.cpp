@@ -118,7 +118,7 @@ void collect_events(Owners& w, StepReport& report) {
   if (!w.plan.events) return;
   const StageTimer timer(report, w.tracer, Stage::publish);
   try {
-    w.observers.events.collect(w.observed(), w.observers.queries);
+    w.observers.events.collect(w.observed(), w.observers.queries, last_step(w));
   } catch (const std::bad_alloc&) {
     w.observers.events.start_over();
     lose(report, "events");
@@ -176,8 +176,16 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
   w.progress = {};
 }
 
-// Time stands still in this frame: the work goes on in the next one.
-void stand_still(Owners& w) {
+// Time stands still in this frame: the work goes on in the next one. Where bodies are pushed it begins again then: lists
+// are made for the speeds that the forces of all frames will give.
+void stand_still(Owners& w, double frame_dt) {
+  for (AppliedForce& of : w.population.applied.entries()) {
+    of.impulse = of.impulse + frame_dt * of.force;
+    of.spin += frame_dt * of.torque;
+    of.force = {};
+    of.torque = 0;
+  }
+  if (!w.population.applied.empty()) spoil_work(w);
   w.observers.events.clear();
   if (w.progress.waits < 255) ++w.progress.waits;
 }
@@ -208,6 +216,18 @@ void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
     }
   }
   report.asleep = w.sleep.sleepers.list.size();
+}
+
+// Bodies that fell asleep or woke, and those that moved.
+void collect_sleep(Owners& w, StepReport& report) {
+  if (!w.plan.events) return;
+  const StageTimer timer(report, w.tracer, Stage::publish);
+  try {
+    w.observers.events.collect_sleep(w.observed(), report.detail.solves);
+  } catch (const std::bad_alloc&) {
+    w.observers.events.start_over();
+    lose(report, "events");
+  }
 }
 
 // Room for so many candidates and strips is made in small worlds, too: bodies come together.
@@ -268,9 +288,10 @@ StepReport try_step(Owners& w, double dt, const StepDetail* given) {
     refused = true;
   }
   if (!refused) {
-    if (report.detail.waits()) stand_still(w);
+    if (report.detail.waits()) stand_still(w, dt);
     publish(w, report);
     fall_asleep(w, dt, report);
+    collect_sleep(w, report);
   }
   w.ledger.end_step(w.memory, report);
   report.total_ms = std::chrono::duration<double, std::milli>(w.tracer.begin() - begin).count();

@@ -33,6 +33,13 @@ std::string check_field(const Field& field) {
 
 }  // namespace
 
+std::string check(const std::vector<Field>& fields) {
+  for (const Field& field : fields) {
+    if (std::string error = check_field(field); !error.empty()) return error;
+  }
+  return {};
+}
+
 std::string check(const WorldDesc& d, const RunOptions& o) {
   const Bounds& b = d.bounds;
   RangeCheck check;
@@ -47,9 +54,7 @@ std::string check(const WorldDesc& d, const RunOptions& o) {
   check("wall rolling resistance", d.wall.rolling_resistance, limits::kRollingResistance);
   check("wall friction", d.wall.friction, limits::kFriction)("threads", o.threads, limits::kThreads);
   if (!check.error.empty()) return check.error;
-  for (const Field& field : d.fields) {
-    if (std::string error = check_field(field); !error.empty()) return error;
-  }
+  if (std::string error = psim::check(d.fields); !error.empty()) return error;
   if (!isa_available(o.isa)) {
     return "this CPU has no " + std::string(isa_name(o.isa)) + "; the best it has is " +
            std::string(isa_name(best_isa()));

@@ -51,29 +51,11 @@ void forget_impulses_of_nobody(Owners& w) {
   if (w.bodies.count == 0) w.contacts.impulses_valid = false;
 }
 
-// Whether the host may move or push a body. From now on it is awake and its slot is known.
-bool can_move(Owners& w, BodyId id) {
-  w.settled();
-  w.bodies.find_slots();
-  if (!w.population.is_valid(id)) return false;
-  const Place place = w.bodies.info[id.index].place;
-  if (place != Place::moving && place != Place::asleep) return false;
-  disturb(w, id.index);
-  return true;
-}
-
 // A body that moves, and that the host took out of the simulation for a while; else none.
 DisabledBody* disabled_mover(Owners& w, BodyId id) {
   if (!w.population.is_valid(id) || w.bodies.info[id.index].place != Place::disabled) return nullptr;
   DisabledBody& body = w.population.disabled[w.bodies.info[id.index].slot];
   return body.last.type != BodyType::static_body ? &body : nullptr;
-}
-
-// A body gets an angle or an angular velocity.
-void let_turn(Owners& w) {
-  if (!w.bodies.rim_speed.empty()) return;
-  w.plan_stale = true;
-  w.population.let_turn();
 }
 
 // Lets change(slot) change how a body moves. It returns false, and changes nothing, if a number is not finite.
@@ -92,6 +74,22 @@ bool push(Owners& w, BodyId id, const Change& change) {
 }
 
 }  // namespace
+
+bool can_move(Owners& w, BodyId id) {
+  w.settled();
+  w.bodies.find_slots();
+  if (!w.population.is_valid(id)) return false;
+  const Place place = w.bodies.info[id.index].place;
+  if (place != Place::moving && place != Place::asleep) return false;
+  disturb(w, id.index);
+  return true;
+}
+
+void let_turn(Owners& w) {
+  if (!w.bodies.rim_speed.empty()) return;
+  w.plan_stale = true;
+  w.population.let_turn();
+}
 
 void remove_body(Owners& w, std::uint32_t id) {
   w.settled();

@@ -16,6 +16,7 @@ namespace psim {
 
 /// One line of what is wrong with a description, or empty.
 std::string check(const WorldDesc& desc, const RunOptions& options);
+std::string check(const std::vector<Field>& fields);
 
 struct Owners : StepContext {
   using StepContext::StepContext;
@@ -72,12 +73,20 @@ void remove_body(Owners& w, std::uint32_t id);
 void freeze_body(Owners& w, const BodyState& last);
 /// The host moves or pushes a body, or what is joined to it.
 void disturb(Owners& w, std::uint32_t id);
+/// Whether the host may move or push a body. From now on it is awake and its slot is known.
+bool can_move(Owners& w, BodyId id);
+/// A body gets an angle or an angular velocity.
+void let_turn(Owners& w);
 
 // world_joints.cpp
 void disturb_joined(Owners& w, std::uint32_t body);
 void remove_joints_of(Owners& w, std::uint32_t body);
 /// Joints that the step loaded too much go, and events say so.
 void break_joints(Owners& w);
+
+// world_queries.cpp
+/// What the contacts of a step are like that has just been done.
+LastStep last_step(const Owners& w);
 
 // state_keeper.cpp
 void save(Owners& w, std::vector<std::byte>& out);

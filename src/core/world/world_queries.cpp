@@ -21,11 +21,8 @@ template <class Find>
 auto with_contacts(Owners& w, ContactList& list, const Find& find) {
   const FloatSettings settings;
   const WorkerPool::Awake awake(w.pool);
-  LastStep last;
+  LastStep last = last_step(w);
   last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
-  last.with_manifolds = w.plan.manifolds;
-  last.substeps = w.dynamics.substeps;
-  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
   find_moved(w, list);
   turn_back(w);
   const struct TurnAgain {
@@ -37,6 +34,14 @@ auto with_contacts(Owners& w, ContactList& list, const Find& find) {
 }
 
 }  // namespace
+
+LastStep last_step(const Owners& w) {
+  LastStep last;
+  last.with_manifolds = w.plan.manifolds;
+  last.substeps = w.dynamics.substeps;
+  if (w.plan.model.model == kernels::Model::plain) last.disc_mass = w.population.first_properties.mass;
+  return last;
+}
 
 void World::set_event_options(const EventOptions& options) try {
   Owners& w = impl_->settled();
@@ -136,7 +141,10 @@ std::span<const std::uint32_t> World::strips() try {
 std::span<const Contact> World::contacts() try {
   if (impl_->ledger.steps == 0) return {};
   Owners& w = impl_->settled();
-  return with_contacts(w, w.observers.contacts, find_contacts);
+  const auto find = [](const Observed& world, const LastStep& last, ContactList& list) {
+    return find_contacts(world, last, list);
+  };
+  return with_contacts(w, w.observers.contacts, find);
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(std::span<const Contact>());
 }
