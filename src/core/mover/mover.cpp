@@ -83,7 +83,7 @@ struct MoverWork {
         deepest = lesser(near[k].distance, deepest);
         path.touch({near[k].body, near[k].point, near[k].normal, 0});
       }
-      state.squeezed = -deepest;
+      state.squeezed = 0 - deepest;
       if (deepest == 0) return;
       Vec2 out;
       for (int sweep = 0; sweep < 20; ++sweep) {
@@ -115,8 +115,13 @@ struct MoverWork {
     } else {
       path.fly(dt * velocity, state.velocity);
     }
-    const double rise = dot(state.velocity, path.up);
-    const auto ground = rise <= 1e-9 ? path.settle(walks) : std::nullopt;
+    auto ground = dot(state.velocity, path.up) <= 1e-9 ? path.settle(walks) : std::nullopt;
+    if (walks && !ground) {  // it walked off an edge, or hangs between two sides
+      const Vec2 fall = dot(velocity, path.up) * path.up;
+      state.velocity = state.velocity + fall;
+      path.fly(dt * fall, state.velocity);
+      ground = path.settle(false);
+    }
     state.stands = ground.has_value();
     if (!ground) return;
     state.ground = *ground;
