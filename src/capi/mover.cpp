@@ -17,7 +17,7 @@ namespace {
 psim_result read_desc(const Call& call, const psim_mover_desc* desc, psim::MoverDesc& out) {
   psim_mover_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
-  out = {given.radius,      given.half_height, to_cpp(given.up),  given.slope_limit,
+  out = {given.radius,      given.half_height, to_cpp(given.up), given.slope_limit,
          given.step_height, given.skin,        given.push_force, {}};
   if (const psim_result r = read_filter(call, given.filter, out.filter); r != PSIM_OK) return r;
   return psim::Mover::sound(out) ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, "a number of desc is out of its range");

@@ -10,9 +10,8 @@ psim_result psim::capi::read_filter(const Call& call, const psim_query_filter* f
   if (filter == nullptr) return PSIM_OK;
   psim_query_filter given;
   if (const psim_result r = read(call, "filter", filter, given); r != PSIM_OK) return r;
-  out = {given.mask,           given.dynamic != 0, given.kinematic != 0,   given.fixed != 0,
-         given.sensors != 0,   given.category,     to_cpp(given.ignore), given.one_way != 0,
-         given.enter_only != 0};
+  out = {given.mask,     given.dynamic != 0,   given.kinematic != 0, given.fixed != 0,     given.sensors != 0,
+         given.category, to_cpp(given.ignore), given.one_way != 0,   given.enter_only != 0};
   return PSIM_OK;
 }
 
@@ -75,8 +74,8 @@ psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psi
 psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position, double angle,
                                const psim_query_filter* filter, psim_body_id* ids, size_t capacity, size_t* count) {
   psim::Shape given;
-  const psim_result result = guarded(
-      world, __func__, [&](const psim::World&, const Call& call) { return read_shape(call, shape, given); });
+  const psim_result result =
+      guarded(world, __func__, [&](const psim::World&, const Call& call) { return read_shape(call, shape, given); });
   if (result != PSIM_OK) return result;
   return list(world, __func__, filter, ids, capacity, count, [&](const psim::World& w, const psim::QueryFilter& f) {
     return w.overlap(given, to_cpp(position), angle, f);

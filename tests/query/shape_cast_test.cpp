@@ -1,6 +1,5 @@
 // Casts of shapes, with and without a turn on the way, against brute force and closed forms.
 #include "body_outlines.h"
-#include "sanitized.h"
 #include "support.h"
 
 namespace psim::test {
@@ -116,7 +115,8 @@ TEST(ShapeCast, MeetsWhatBruteForceMeets) {
         ++misses;
         continue;
       }
-      const auto k = static_cast<std::size_t>(std::find(crowd.id.begin(), crowd.id.end(), hit->body) - crowd.id.begin());
+      const auto k =
+          static_cast<std::size_t>(std::find(crowd.id.begin(), crowd.id.end(), hit->body) - crowd.id.begin());
       ASSERT_LT(k, crowd.id.size());
       if (hit->fraction == 0 && hit->normal == Vec2{}) {
         ++inside;
@@ -431,8 +431,8 @@ TEST(ShapeCast, IsTheSameForEveryIsa) {
     const Bounds b = world->desc().bounds;
     for (int n = 0; n < 300; ++n) {
       const Vec2 from{r.uniform(b.xmin, b.xmax), r.uniform(b.ymin, b.ymax)};
-      const auto hit = world->shape_cast(BoxShape{1, 0.3, 0}, from, 0.3, {r.uniform(-9, 9), r.uniform(-9, 9)},
-                                         n % 2 == 0 ? 0 : 2.0);
+      const auto hit =
+          world->shape_cast(BoxShape{1, 0.3, 0}, from, 0.3, {r.uniform(-9, 9), r.uniform(-9, 9)}, n % 2 == 0 ? 0 : 2.0);
       if (hit) answers.insert(answers.end(), {hit->fraction, hit->normal.x, hit->point.y});
     }
     EXPECT_GT(answers.size(), 300u);

@@ -69,8 +69,7 @@ struct MoverWork {
       std::array<NearHit, kMostNear> near;
       std::array<double, kMostNear> need{}, push{};
       QueryFilter filter = path.filter;
-      const std::size_t count =
-          std::min(world.nearby(path.capsule, path.at, 0, reach, near, filter), near.size());
+      const std::size_t count = std::min(world.nearby(path.capsule, path.at, 0, reach, near, filter), near.size());
       double deepest = 0;
       for (std::size_t k = 0; k < count; ++k) {
         need[k] = -near[k].distance;  // a surface that is apart stays so

@@ -8,8 +8,8 @@
 namespace psim {
 namespace {
 
-constexpr int kMostLooks = 8;     // at obstacles in one way
-constexpr double kNoWay = 1e-9;   // m: a shorter way is none
+constexpr int kMostLooks = 8;       // at obstacles in one way
+constexpr double kNoWay = 1e-9;     // m: a shorter way is none
 constexpr double kStepFuzz = 1e-4;  // m: a step may be higher by this, for rounding
 /// Ground under the round end of who falls may be this share of the radius above the foot.
 constexpr double kLandingEdge = 0.3;

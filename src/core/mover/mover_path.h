@@ -23,9 +23,9 @@ class MoverPath {
 
   const World& world;
   const MoverDesc& desc;
-  Vec2 up, side;    ///< of length 1: `side` is to the right of `up`
-  Vec2 at;          ///< m: the middle of the capsule
-  Shape capsule;    ///< upright, about its middle
+  Vec2 up, side;  ///< of length 1: `side` is to the right of `up`
+  Vec2 at;        ///< m: the middle of the capsule
+  Shape capsule;  ///< upright, about its middle
   QueryFilter filter;
   std::array<MoverTouch, Mover::kMostTouches> touches;
   std::size_t touch_count = 0;
@@ -49,8 +49,8 @@ class MoverPath {
   // Along ground, to the right.
   static Vec2 along(Vec2 normal) { return {normal.y, -normal.x}; }
 
-  double least_rise_;   // of the normal of ground along `up`
-  double slope_ = 0;    // the tangent of the slope limit
+  double least_rise_;    // of the normal of ground along `up`
+  double slope_ = 0;     // the tangent of the slope limit
   bool wedged_ = false;  // it lies between two surfaces that it cannot stand on
   ShapeCastHit wedge_;   // the second of them, with the normal between both
 };

@@ -62,7 +62,8 @@ std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& f
   return nothing_found<std::vector<RayHit>>();
 }
 
-std::size_t World::ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits, const QueryFilter& filter) try {
+std::size_t World::ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits,
+                                  const QueryFilter& filter) try {
   const FloatSettings settings;
   const WorkerPool::Awake awake(impl_->pool);
   return ask(*impl_).ray_cast_batch(rays, hits, filter);
