@@ -230,7 +230,8 @@ std::string near_answer(const World& world, const Shape& shape, Vec2 at, double 
     if (!world.is_valid(hit.body)) return "fault: a body nearby is not there";
     if (!finite(hit.point) || !finite(hit.normal) || !(hit.distance <= reach)) return "fault: nearby beyond reach";
     if (k > 0 && hit.distance < near[k - 1].distance) return "fault: nearby: nearest first";
-    answer += " " + std::to_string(hit.body.index) + ":" + text(hit.distance) + " " + text(hit.normal.x);
+    answer += ' ';
+    answer += std::to_string(hit.body.index) + ":" + text(hit.distance) + " " + text(hit.normal.x);
   }
   return answer;
 }

@@ -10,8 +10,14 @@ namespace psim {
 namespace {
 
 // A core with one or two vertices has one edge; another has as many edges as vertices.
-int edges(const OutlineView& o) { return o.count > 2 ? o.count : 1; }
-Vec2 end_of(const OutlineView& o, int k) { return o.v[k + 1 < o.count ? k + 1 : 0]; }
+template <class O>
+int edges(const O& o) {
+  return o.count > 2 ? o.count : 1;
+}
+template <class O>
+Vec2 end_of(const O& o, int k) {
+  return o.v[k + 1 < o.count ? k + 1 : 0];
+}
 
 // The point of the edge from p to q that is nearest to `from`, relative to `from`.
 Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
@@ -22,7 +28,8 @@ Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
 }
 
 // Whether a point lies inside the polygon and not on its rim. A core of one or two vertices has no inside.
-bool holds(const OutlineView& o, Vec2 point) {
+template <class O>
+bool holds(const O& o, Vec2 point) {
   if (o.count < 3) return false;
   for (int k = 0; k < o.count; ++k) {
     if (!(cross(end_of(o, k) - o.v[k], point - o.v[k]) > 0)) return false;
@@ -31,7 +38,8 @@ bool holds(const OutlineView& o, Vec2 point) {
 }
 
 // From the origin to the nearest point of the core; nothing if the origin lies inside.
-std::optional<Vec2> to_core(const OutlineView& o) {
+template <class O>
+std::optional<Vec2> to_core(const O& o) {
   if (holds(o, {})) return {};
   Vec2 best = to_edge(o.v[0], end_of(o, 0), {});
   for (int k = 1; k < edges(o); ++k) {
@@ -71,6 +79,37 @@ bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
   return cross(q - p, s - r) != 0 && sides(p, q, r, s) && sides(r, s, p, q);
 }
 
+// Where a ray from the origin enters an outline or a difference.
+template <class O>
+RayEntry enter_convex(const O& o, Vec2 u, double length) {
+  if (o.count == 1) return enter(o.v[0], o.radius, u, length);
+  const std::optional<Vec2> core = to_core(o);
+  if (!core || dot(*core, *core) < o.radius * o.radius) return {0, {}};
+  RayEntry best;
+  const auto take = [&](double at, Vec2 normal) {
+    if (best.at < 0 || at < best.at) best = {at, normal};
+  };
+  for (int k = 0; k < o.count; ++k) {  // a line has two sides
+    const Vec2 p = o.v[k], edge = end_of(o, k) - p;
+    const double span = std::sqrt(dot(edge, edge));
+    if (!(span > 0)) continue;
+    const Vec2 normal{edge.y / span, -edge.x / span};
+    // The ray comes in through the edge, which is moved out by the radius.
+    const double height = -dot(normal, p) - o.radius, fall = -dot(normal, u);
+    if (!(fall > 0) || height < 0 || height > fall * length) continue;
+    const double at = height / fall;
+    const double along = dot(at * u - p, edge) / span;
+    const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
+    if (along >= -seam && along <= span + seam) take(at, normal);
+  }
+  if (!(o.radius > 0)) return best;
+  for (int k = 0; k < o.count; ++k) {
+    const RayEntry corner = enter(o.v[k], o.radius, u, length);
+    if (corner.at >= 0) take(corner.at, corner.normal);
+  }
+  return best;
+}
+
 }  // namespace
 
 Box box_of(const Outline& o) {
@@ -100,34 +139,8 @@ RayEntry enter(Vec2 centre, double radius, Vec2 u, double length) {
   return {at, radius > 0 ? 1 / radius * (at * u - centre) : Vec2{}};
 }
 
-RayEntry enter(const OutlineView& o, Vec2 u, double length) {
-  if (o.count == 1) return enter(o.v[0], o.radius, u, length);
-  const std::optional<Vec2> core = to_core(o);
-  if (!core || dot(*core, *core) < o.radius * o.radius) return {0, {}};
-  RayEntry best;
-  const auto take = [&](double at, Vec2 normal) {
-    if (best.at < 0 || at < best.at) best = {at, normal};
-  };
-  for (int k = 0; k < o.count; ++k) {  // a line has two sides
-    const Vec2 p = o.v[k], edge = end_of(o, k) - p;
-    const double span = std::sqrt(dot(edge, edge));
-    if (!(span > 0)) continue;
-    const Vec2 normal{edge.y / span, -edge.x / span};
-    // The ray comes in through the edge, which is moved out by the radius.
-    const double height = -dot(normal, p) - o.radius, fall = -dot(normal, u);
-    if (!(fall > 0) || height < 0 || height > fall * length) continue;
-    const double at = height / fall;
-    const double along = dot(at * u - p, edge) / span;
-    const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
-    if (along >= -seam && along <= span + seam) take(at, normal);
-  }
-  if (!(o.radius > 0)) return best;
-  for (int k = 0; k < o.count; ++k) {
-    const RayEntry corner = enter(o.v[k], o.radius, u, length);
-    if (corner.at >= 0) take(corner.at, corner.normal);
-  }
-  return best;
-}
+RayEntry enter(const Outline& o, Vec2 u, double length) { return enter_convex(o, u, length); }
+RayEntry enter(const Difference& d, Vec2 u, double length) { return enter_convex(d, u, length); }
 
 NearPoint near_point(Vec2 centre, double radius) {
   const double far = std::sqrt(dot(centre, centre));

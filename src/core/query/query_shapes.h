@@ -26,15 +26,6 @@ struct Difference {
 };
 Difference difference(const Outline& a, const Outline& b);
 
-/// An outline or a difference.
-struct OutlineView {
-  OutlineView(const Outline& o) : v(o.v), count(o.count), radius(o.radius) {}
-  OutlineView(const Difference& d) : v(d.v), count(d.count), radius(d.radius) {}
-  const Vec2* v;
-  std::int32_t count;
-  double radius;
-};
-
 /// The smallest box about the core of an outline.
 struct Box {
   Vec2 low, high;
@@ -52,7 +43,8 @@ struct RayEntry {
 };
 
 /// `u` has length 1. A line without thickness can be entered from either side.
-RayEntry enter(const OutlineView& outline, Vec2 u, double length);
+RayEntry enter(const Outline& outline, Vec2 u, double length);
+RayEntry enter(const Difference& outline, Vec2 u, double length);
 /// Where a ray from the origin enters a disc about `centre`.
 RayEntry enter(Vec2 centre, double radius, Vec2 u, double length);
 

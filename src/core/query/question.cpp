@@ -4,18 +4,6 @@
 
 namespace psim {
 
-bool Question::wants(const QueryItem& item) const {
-  const BodyProperties& properties = world.bodies.properties(item.body);
-  const BodyKind& kind = world.bodies.kinds[properties.kind];
-  if (!filter.sensors && world.bodies.is_sensor(kind, item.part)) return false;
-  const Filter& has = world.bodies.filter_of(kind, item.part);
-  if ((has.category & filter.mask) == 0) return false;
-  if (filter.category != 0xFFFFFFFFu && (has.mask & filter.category) == 0) return false;
-  if (item.body == filter.ignore.index && world.handle(item.body) == filter.ignore) return false;
-  if (properties.type() == BodyType::static_body) return filter.fixed;
-  return properties.type() == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
-}
-
 Vec2 Question::one_way(const QueryIndex::Part& part, const QueryItem& item) const {
   const BodyProperties& properties = world.bodies.properties(item.body);
   const BodyKind& kind = world.bodies.kinds[properties.kind];

@@ -23,7 +23,17 @@ struct Question {
   const QueryFilter& filter;
   Vec2 period = world.period();  // m
 
-  bool wants(const QueryItem& item) const;
+  bool wants(const QueryItem& item) const {
+    const BodyProperties& properties = world.bodies.properties(item.body);
+    const BodyKind& kind = world.bodies.kinds[properties.kind];
+    if (!filter.sensors && world.bodies.is_sensor(kind, item.part)) return false;
+    const Filter& has = world.bodies.filter_of(kind, item.part);
+    if ((has.category & filter.mask) == 0) return false;
+    if (filter.category != 0xFFFFFFFFu && (has.mask & filter.category) == 0) return false;
+    if (item.body == filter.ignore.index && world.handle(item.body) == filter.ignore) return false;
+    if (properties.type() == BodyType::static_body) return filter.fixed;
+    return properties.type() == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
+  }
   /// Whether an item is met where it has this normal, which is zero where the question starts in it.
   bool meets(const QueryIndex::Part& part, const QueryItem& item, Vec2 normal) const {
     if (filter.enter_only && normal == Vec2{}) return false;
