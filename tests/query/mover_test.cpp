@@ -1,4 +1,5 @@
 // Characters: what they climb, stand on, pass and never enter.
+#include "allocation_counter.h"
 #include "mover_support.h"
 
 namespace psim::test {
@@ -23,6 +24,29 @@ TEST(Mover, FallsAndStands) {
   walk(*world, mover, 0, 100);
   EXPECT_NEAR(mover.position().y, at.y, 1e-12);
   EXPECT_EQ(mover.position().x, at.x);
+}
+
+TEST(Mover, NeedsNoMemory) {
+  auto world = level();
+  for (int k = 0; k < 20; ++k) add(*world, box({2.0 * k, 0.1 * (k % 3)}, 1, 0.3, 0.1 * k));
+  Mover mover({}, {0, 3});
+  walk(*world, mover, 3, 2);
+  const std::uint64_t before = allocations();
+  for (int k = 0; k < 300; ++k) ASSERT_TRUE(mover.move(*world, {3, mover.velocity().y - kG * kDt}, kDt));
+  EXPECT_EQ(allocations(), before);
+  EXPECT_GT(mover.position().x, 5);
+}
+
+// A capsule without a straight part is a disc.
+TEST(Mover, MayBeADisc) {
+  auto world = level();
+  MoverDesc desc;
+  desc.half_height = 0;
+  Mover mover(desc, {0, 3});
+  walk(*world, mover, 2, 90);
+  EXPECT_TRUE(mover.on_ground());
+  EXPECT_NEAR(foot(mover), desc.skin, 1e-7);
+  EXPECT_NEAR(mover.position().x, 3, 1e-6);
 }
 
 TEST(Mover, WalksAtItsSpeedAndStopsAtWalls) {

@@ -18,6 +18,7 @@ namespace {
 constexpr Range kRadius{1e-6, 1e3}, kHeight{0, 1e3}, kSlope{0, 1.5}, kForce{0, 1e12};
 constexpr int kMostPushesOut = 4;      // looks at what overlaps
 constexpr std::size_t kMostNear = 16;  // pieces that one look sees
+constexpr double kStill = 1e-9;        // m: ground that goes no farther stands still, but for rounding
 constexpr int kMostRides = 64;         // parts of a way on a platform; one that is longer is a jump
 
 // m/s: of a point of a body.
@@ -53,11 +54,11 @@ struct MoverWork {
     Vec2 way = nearest_way(world, now - state.ground.point);
     if (const auto has = world.traits(state.ground.body)) way = way + dt * has->tangent_speed * Vec2{n.y, -n.x};
     const double length = length_of(way), part = desc.radius / 2;
-    if (!(length > 0) || !sound_place(path.at + way)) return;
+    if (!(length > kStill) || !sound_place(path.at + way)) return;
     const int parts = length < kMostRides * part ? static_cast<int>(length / part) + 1 : 1;
     for (int k = 0; k < parts; ++k) {
+      if (k > 0) push_out();
       path.at = path.at + 1.0 / parts * way;
-      push_out();
     }
   }
 
