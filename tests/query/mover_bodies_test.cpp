@@ -8,7 +8,7 @@ namespace {
 TEST(Mover, RidesOnPlatforms) {
   for (const Vec2 v : {Vec2{2, 0}, Vec2{-3, 0}, Vec2{0, 2}, Vec2{0, -2}, Vec2{1, 1}}) {
     auto world = make(unbounded());
-    BodyDesc platform = box({0, 0}, 6, 0.5, 0, BodyType::kinematic_body);
+    BodyDesc platform = block({0, 0}, 6, 0.5, 0, BodyType::kinematic_body);
     const BodyId id = add(*world, platform);
     Mover mover({}, {0.5, 1.5});
     walk(*world, mover, 0, 40);
@@ -56,7 +56,7 @@ TEST(Mover, TurnsWithATurningPlatform) {
 
 TEST(Mover, IsCarriedByABelt) {
   auto world = make(unbounded());
-  BodyDesc belt = box({0, 0}, 40, 1);
+  BodyDesc belt = block({0, 0}, 40, 1);
   belt.material.tangent_speed = 2;
   add(*world, belt);
   Mover mover({}, {-10, 1.5});
@@ -71,7 +71,7 @@ TEST(Mover, IsCarriedByABelt) {
 TEST(Mover, PassesOneWayShapesFromBelowAlone) {
   for (const double speed : {0.0, 1.0, -1.0}) {
     auto world = level();
-    BodyDesc shelf = box({0, 1.8}, 30, 0.2, 0, speed == 0 ? BodyType::static_body : BodyType::kinematic_body);
+    BodyDesc shelf = block({0, 1.8}, 30, 0.2, 0, speed == 0 ? BodyType::static_body : BodyType::kinematic_body);
     shelf.one_way = {0, 1};
     shelf.velocity = {speed, 0};
     const BodyId id = add(*world, shelf);
@@ -93,7 +93,7 @@ TEST(Mover, PassesOneWayShapesFromBelowAlone) {
 // A lift that is solid from above comes up under who falls.
 TEST(Mover, LandsOnAOneWayLiftThatRises) {
   auto world = make(unbounded());
-  BodyDesc lift = box({0, -4}, 4, 0.2, 0, BodyType::kinematic_body);
+  BodyDesc lift = block({0, -4}, 4, 0.2, 0, BodyType::kinematic_body);
   lift.one_way = {0, 1};
   lift.velocity = {0, 3};
   const BodyId id = add(*world, lift);
@@ -126,7 +126,7 @@ TEST(Mover, DoesNotFallThroughAThinChainAtSpeed) {
 TEST(Mover, PushesBodiesWithItsForce) {
   for (const double force : {0.0, 100.0, 1e6}) {
     auto world = make(unbounded(100, {0, 0}));
-    const BodyId crate = add(*world, box({2, 0}, 1, 1, 0, BodyType::dynamic_body));  // 1 kg
+    const BodyId crate = add(*world, block({2, 0}, 1, 1, 0, BodyType::dynamic_body));  // 1 kg
     add(*world, ground());
     world->set_transform(crate, {2, 0.5}, 0);
     MoverDesc desc;
@@ -151,7 +151,7 @@ TEST(Mover, PushesBodiesWithItsForce) {
 // What comes upon it moves it; between two it says how deep it is in them.
 TEST(Mover, IsMovedByWhatComesUponIt) {
   auto world = level();
-  const BodyId press = add(*world, box({-5, 1}, 2, 2, 0, BodyType::kinematic_body));
+  const BodyId press = add(*world, block({-5, 1}, 2, 2, 0, BodyType::kinematic_body));
   Mover mover({}, {0, 0.91});
   walk(*world, mover, 0, 5);
   world->set_velocity(press, {2, 0}, 0);
@@ -160,7 +160,7 @@ TEST(Mover, IsMovedByWhatComesUponIt) {
   EXPECT_TRUE(mover.on_ground());
   EXPECT_LT(depth_of(*world, mover), 1e-6);
   EXPECT_EQ(mover.squeezed(), 0);
-  add(*world, box({state(*world, press).x + 3, 5}, 2, 10));
+  add(*world, block({state(*world, press).x + 3, 5}, 2, 10));
   walk(*world, mover, 0, 15);
   EXPECT_GT(mover.squeezed(), 0.01);
   EXPECT_LT(mover.squeezed(), 0.2);

@@ -28,7 +28,7 @@ TEST(Mover, FallsAndStands) {
 
 TEST(Mover, NeedsNoMemory) {
   auto world = level();
-  for (int k = 0; k < 20; ++k) add(*world, box({2.0 * k, 0.1 * (k % 3)}, 1, 0.3, 0.1 * k));
+  for (int k = 0; k < 20; ++k) add(*world, block({2.0 * k, 0.1 * (k % 3)}, 1, 0.3, 0.1 * k));
   Mover mover({}, {0, 3});
   walk(*world, mover, 3, 2);
   const std::uint64_t before = allocations();
@@ -51,7 +51,7 @@ TEST(Mover, MayBeADisc) {
 
 TEST(Mover, WalksAtItsSpeedAndStopsAtWalls) {
   auto world = level();
-  const BodyId wall = add(*world, box({8, 5}, 2, 10));
+  const BodyId wall = add(*world, block({8, 5}, 2, 10));
   Mover mover({}, {0, 1});
   walk(*world, mover, 4, 60);
   EXPECT_NEAR(mover.position().x, 4, 0.2);
@@ -69,7 +69,7 @@ TEST(Mover, ClimbsStepsOfItsHeightAndNoHigherOnes) {
     for (const double height : {0.02, 0.1, 0.2, 0.29, 0.31, 0.4, 0.8}) {
       for (const double way : {1.0, -1.0}) {
         auto world = level();
-        add(*world, box({way * 6, height / 2}, 8, height));
+        add(*world, block({way * 6, height / 2}, 8, height));
         MoverDesc desc;
         desc.radius = radius;
         Mover mover(desc, {0, 1 + radius});
@@ -94,8 +94,8 @@ TEST(Mover, ClimbsStepsOfItsHeightAndNoHigherOnes) {
 
 TEST(Mover, ClimbsStairsAndComesDown) {
   auto world = level();
-  for (int k = 1; k <= 10; ++k) add(*world, box({2 + 0.3 * k, 0.1 * k}, 0.3, 0.2 * k));
-  add(*world, box({7.15, 1}, 4, 2));
+  for (int k = 1; k <= 10; ++k) add(*world, block({2 + 0.3 * k, 0.1 * k}, 0.3, 0.2 * k));
+  add(*world, block({7.15, 1}, 4, 2));
   Mover mover({}, {0, 1});
   walk(*world, mover, 0, 30);
   double most = 0;
@@ -203,7 +203,7 @@ TEST(Mover, NeverEntersAnythingInRandomLevels) {
       for (int k = 0; k < 50; ++k) {
         const Vec2 at{r.uniform(-15, 15), r.uniform(0, 8)};
         const double angle = r.uniform(-2, 2);
-        BodyDesc body = box(at, r.uniform(0.1, 3), r.uniform(0.1, 1), angle);
+        BodyDesc body = block(at, r.uniform(0.1, 3), r.uniform(0.1, 1), angle);
         if (k % 5 == 1) body.shape = DiscShape{r.uniform(0.1, 1)};
         if (k % 5 == 2)
           body.shape = ChainShape{{{-2, 0}, {-1, r.uniform(-1, 1)}, {0.5, 0}, {2, r.uniform(-1, 1)}}, false};
@@ -243,7 +243,7 @@ TEST(Mover, NeverEntersAnythingInRandomLevels) {
 
 TEST(Mover, GoesAcrossTheSeamOfAPeriodicWorld) {
   auto world = make(periodic(20, 20));
-  BodyDesc floor = box({10, 1}, 20, 1, 0, BodyType::kinematic_body);
+  BodyDesc floor = block({10, 1}, 20, 1, 0, BodyType::kinematic_body);
   floor.velocity = {3, 0};
   const BodyId id = add(*world, floor);
   Mover mover({}, {10, 2.6});
@@ -310,12 +310,12 @@ TEST(Mover, RefusesBadNumbersAndStaysAsItIs) {
 // What it stood on may go, or be another body of the same index.
 TEST(Mover, FallsWhenItsGroundGoes) {
   auto world = make(unbounded());
-  const BodyId id = add(*world, box({0, 0}, 4, 1));
+  const BodyId id = add(*world, block({0, 0}, 4, 1));
   Mover mover({}, {0, 1.5});
   walk(*world, mover, 0, 20);
   ASSERT_TRUE(mover.on_ground());
   world->remove_body(id);
-  add(*world, box({50, 0}, 4, 1));
+  add(*world, block({50, 0}, 4, 1));
   walk(*world, mover, 0, 30);
   EXPECT_FALSE(mover.on_ground());
   EXPECT_LT(mover.position().y, 1);

@@ -7,7 +7,7 @@ namespace psim::test {
 
 inline constexpr double kDt = 1.0 / 60;
 
-inline BodyDesc box(Vec2 at, double width, double height, double angle = 0, BodyType type = BodyType::static_body) {
+inline BodyDesc block(Vec2 at, double width, double height, double angle = 0, BodyType type = BodyType::static_body) {
   BodyDesc body;
   body.type = type;
   body.shape = BoxShape{width, height, 0};
