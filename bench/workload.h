@@ -47,6 +47,7 @@ void register_manifold_kernels();
 void register_collide_kernels();
 void register_frames();
 void register_states();
+void register_queries();
 void register_pictures();
 
 }  // namespace psim::bench

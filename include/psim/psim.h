@@ -10,6 +10,7 @@
 #include "psim/isa.h"
 #include "psim/joint.h"
 #include "psim/limits.h"
+#include "psim/mover.h"
 #include "psim/outline.h"
 #include "psim/query.h"
 #include "psim/recording.h"

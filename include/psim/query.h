@@ -15,6 +15,13 @@ struct QueryFilter {
   bool kinematic = true;             ///< kinematic ones
   bool fixed = true;                 ///< static ones
   bool sensors = false;              ///< sensors, of the kinds above
+  /// What the question itself is: bodies whose own mask (Filter::mask) has one of these bits. All bits: every body,
+  /// whatever its mask.
+  std::uint32_t category = 0xFFFFFFFFu;
+  BodyId ignore = {};  ///< this body is not found
+  /// Rays, casts and nearby meet shapes with a one_way direction (BodyDesc) on their solid side alone; else all around.
+  bool one_way = false;
+  bool enter_only = false;  ///< rays and casts pass through what they overlap where they start
 };
 
 /// Where a ray enters a body.
@@ -23,6 +30,29 @@ struct RayHit {
   Vec2 point = {};      ///< metres
   Vec2 normal = {};     ///< of the body's surface there; zero where the ray starts inside
   double fraction = 0;  ///< 0..1 of the way
+};
+
+/// A ray of World::ray_cast_batch.
+struct RayInput {
+  Vec2 from = {};  ///< metres
+  Vec2 to = {};    ///< metres
+};
+
+/// Where a shape that moves meets a body.
+struct ShapeCastHit {
+  BodyId body = {};  ///< that it meets
+  Vec2 point = {};   ///< metres, on the body's surface: the middle of what touches; `from` if it overlaps at the start
+  Vec2 normal = {};  ///< of the body's surface there; zero if it overlaps at the start
+  double fraction = 0;  ///< 0..1 of the way and of the rotation
+};
+
+/// Part of a body near a shape.
+struct NearHit {
+  BodyId body = {};      ///< whose part it is
+  Vec2 point = {};       ///< metres, on its surface: the nearest, or the middle of what is nearest
+  Vec2 normal = {};      ///< of length 1, from there to the shape: the shortest way out if they overlap
+  double distance = 0;   ///< metres; negative: how deep they overlap
+  bool one_way = false;  ///< the part is solid from one side alone
 };
 
 /// The nearest point of a body.

@@ -189,6 +189,20 @@ class PSIM_API World {
   std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
   /// All of them, nearest first, then by id.
   std::vector<RayHit> ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
+  /// The first hits of many rays, on all threads of the world or the host's job system: hits[k] is what ray_cast says to
+  /// rays[k], or a RayHit without a body. Returns how many rays met a body; 0, and nothing is written, if the spans differ
+  /// in length. The same on any number of threads. Not beside another call.
+  std::size_t ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits, const QueryFilter& filter = {});
+  /// The first body that a convex shape, or one of the parts of a compound, meets on its way. The shape starts at `from`
+  /// (metres), turned by `angle` (radians), goes `translation` (metres) and turns by `rotation` (radians, at most 1,000
+  /// either way) evenly meanwhile about its own origin. Exact to 1e-6 m. Segments and chains are taken as lines.
+  std::optional<ShapeCastHit> shape_cast(const Shape& shape, Vec2 from, double angle, Vec2 translation,
+                                         double rotation = 0, const QueryFilter& filter = {}) const;
+  /// What lies within `reach` metres of a shape placed at (position, angle), piece by piece: each segment of a chain, each
+  /// part of a compound, each copy in a periodic world. The nearest come first, then by id. Writes as many as there is room
+  /// for into `found` and returns how many there are.
+  std::size_t nearby(const Shape& shape, Vec2 position, double angle, double reach, std::span<NearHit> found,
+                     const QueryFilter& filter = {}) const;
   /// Bodies that overlap a shape placed at (position, angle), by id.
   std::vector<BodyId> overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter = {}) const;
   /// Bodies of which some part lies in the rectangle, by id.

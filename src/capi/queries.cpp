@@ -6,14 +6,22 @@
 
 using namespace psim::capi;
 
-namespace {
-
-psim_result read_filter(const Call& call, const psim_query_filter* filter, psim::QueryFilter& out) {
+psim_result psim::capi::read_filter(const Call& call, const psim_query_filter* filter, QueryFilter& out) {
   if (filter == nullptr) return PSIM_OK;
   psim_query_filter given;
   if (const psim_result r = read(call, "filter", filter, given); r != PSIM_OK) return r;
-  out = {given.mask, given.dynamic != 0, given.kinematic != 0, given.fixed != 0, given.sensors != 0};
+  out = {given.mask,     given.dynamic != 0,   given.kinematic != 0, given.fixed != 0,     given.sensors != 0,
+         given.category, to_cpp(given.ignore), given.one_way != 0,   given.enter_only != 0};
   return PSIM_OK;
+}
+
+namespace {
+
+// The shape of a question.
+psim_result read_shape(const Call& call, const psim_shape* shape, psim::Shape& out) {
+  if (shape == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "shape must not be NULL");
+  const std::string wrong = convert(*shape, out);
+  return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, wrong);
 }
 
 // Asks ask(world, filter), which returns a list, and gives out as much of it as there is room for.
@@ -71,14 +79,70 @@ psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psi
 psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position, double angle,
                                const psim_query_filter* filter, psim_body_id* ids, size_t capacity, size_t* count) {
   psim::Shape given;
-  const psim_result result = guarded(world, __func__, [&](const psim::World&, const Call& call) -> psim_result {
-    if (shape == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "shape must not be NULL");
-    const std::string wrong = convert(*shape, given);
-    return wrong.empty() ? PSIM_OK : call.fail(PSIM_ERROR_ARGUMENT, wrong);
-  });
+  const psim_result result =
+      guarded(world, __func__, [&](const psim::World&, const Call& call) { return read_shape(call, shape, given); });
   if (result != PSIM_OK) return result;
   return list(world, __func__, filter, ids, capacity, count, [&](const psim::World& w, const psim::QueryFilter& f) {
     return w.overlap(given, to_cpp(position), angle, f);
+  });
+}
+
+psim_result psim_world_ray_cast_batch(psim_world* world, const psim_ray* rays, psim_ray_hit* hits, size_t count,
+                                      const psim_query_filter* filter, size_t* met) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    if ((rays == nullptr || hits == nullptr) && count != 0) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "rays and hits must not be NULL");
+    }
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    std::vector<psim::RayInput> asked(count);
+    std::vector<psim::RayHit> found(count);
+    for (std::size_t k = 0; k < count; ++k) asked[k] = {to_cpp(rays[k].from), to_cpp(rays[k].to)};
+    const std::size_t all = w.ray_cast_batch(asked, found, f);
+    for (std::size_t k = 0; k < count; ++k) hits[k] = to_c(found[k]);
+    if (met != nullptr) *met = all;
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_shape_cast(const psim_world* world, const psim_shape* shape, psim_vec2 from, double angle,
+                                  psim_vec2 translation, double rotation, const psim_query_filter* filter,
+                                  psim_shape_cast_hit* hit) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::Shape given;
+    if (const psim_result r = read_shape(call, shape, given); r != PSIM_OK) return r;
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = w.shape_cast(given, to_cpp(from), angle, to_cpp(translation), rotation, f);
+    if (!found) return PSIM_NOTHING;
+    *hit = {to_c(found->body), to_c(found->point), to_c(found->normal), found->fraction};
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, psim_vec2 position, double angle,
+                              double reach, const psim_query_filter* filter, psim_near_hit* hits, size_t capacity,
+                              size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (count == nullptr || (hits == nullptr && capacity != 0)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "count must not be NULL, nor the array where it has a capacity");
+    }
+    *count = 0;
+    psim::Shape given;
+    if (const psim_result r = read_shape(call, shape, given); r != PSIM_OK) return r;
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    // No more than there are: a capacity may be any number.
+    const std::size_t all = w.nearby(given, to_cpp(position), angle, reach, {}, f);
+    std::vector<psim::NearHit> found(std::min(capacity, all));
+    w.nearby(given, to_cpp(position), angle, reach, found, f);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const psim::NearHit& h = found[k];
+      hits[k] = {to_c(h.body), to_c(h.point), to_c(h.normal), h.distance, h.one_way, 0};
+    }
+    *count = all;
+    return PSIM_OK;
   });
 }
 

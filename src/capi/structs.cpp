@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "convert.h"
+#include "psim/mover.h"
 
 namespace psim::capi {
 namespace {
@@ -91,6 +92,20 @@ void set_defaults(psim_query_filter& d) {
   d.kinematic = from.kinematic;
   d.fixed = from.fixed;
   d.sensors = from.sensors;
+  d.category = from.category;
+  d.ignore = to_c(from.ignore);
+}
+
+void set_defaults(psim_mover_desc& d) {
+  const MoverDesc from;
+  d = zeros<psim_mover_desc>();
+  d.radius = from.radius;
+  d.half_height = from.half_height;
+  d.up = to_c(from.up);
+  d.slope_limit = from.slope_limit;
+  d.step_height = from.step_height;
+  d.skin = from.skin;
+  d.push_force = from.push_force;
 }
 
 void set_defaults(psim_event_options& d) {
@@ -139,7 +154,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_BODY_TRAITS) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_MOVER_STATE) {
     return;
   }
   std::memset(object, 0, size);
@@ -161,6 +176,9 @@ void psim_init(void* object, int32_t kind, uint32_t size) {
       break;
     case PSIM_STRUCT_QUERY_FILTER:
       fill<psim_query_filter>(object, size);
+      break;
+    case PSIM_STRUCT_MOVER_DESC:
+      fill<psim_mover_desc>(object, size);
       break;
     case PSIM_STRUCT_EVENT_OPTIONS:
       fill<psim_event_options>(object, size);

@@ -19,6 +19,7 @@ void set_defaults(psim_body_traits& d);
 void set_defaults(psim_disc_batch& d);
 void set_defaults(psim_joint_desc& d);
 void set_defaults(psim_query_filter& d);
+void set_defaults(psim_mover_desc& d);
 void set_defaults(psim_event_options& d);
 void set_defaults(psim_cost_model& d);
 void set_defaults(psim_governor_desc& d);
@@ -42,6 +43,9 @@ psim_result read(const Call& call, const char* what, const T* in, T& out) {
 /// The caller's run options, or the defaults for NULL; PSIM_ERROR_UNSUPPORTED where the CPU lacks the
 /// instruction set.
 psim_result read_options(const Call& call, const psim_run_options* options, RunOptions& out);
+
+/// The caller's filter, or the defaults for NULL.
+psim_result read_filter(const Call& call, const psim_query_filter* filter, QueryFilter& out);
 
 /// Keeps the world's fields as C sees them.
 void keep_fields(psim_world& handle);

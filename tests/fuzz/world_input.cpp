@@ -155,11 +155,20 @@ void Session::call_rich(std::size_t kind) {
 
 void Session::ask() {
   QueryFilter f;
-  if (in_.chance(40)) f = {in_.byte(), in_.chance(128), in_.chance(128), in_.chance(128), in_.chance(128)};
+  if (in_.chance(40))
+    f = {in_.byte(),
+         in_.chance(128),
+         in_.chance(128),
+         in_.chance(128),
+         in_.chance(128),
+         in_.chance(200) ? 0xFFFFFFFFu : in_.byte(),
+         {},
+         in_.chance(60),
+         in_.chance(60)};
   const Vec2 p = in_.place(-2 * kHalf, 2 * kHalf), q = in_.place(-2 * kHalf, 2 * kHalf);
-  const std::size_t which = in_.below(4);
+  const std::size_t which = in_.below(7);
   const double more = in_.number(0, 10);
-  const Shape outline = which == 1 ? shape(in_) : Shape(DiscShape{});
+  const Shape outline = which == 1 || which == 4 || which == 5 ? shape(in_) : Shape(DiscShape{});
   say("ask %zu: %g %g to %g %g, %g", which, p.x, p.y, q.x, q.y, more);
   const std::string answer = same<std::string>("a question", [&](World& w) {
     switch (which) {
@@ -169,6 +178,12 @@ void Session::ask() {
         return bodies_answer(w, w.overlap(outline, p, more, f));
       case 2:
         return bodies_answer(w, w.in_region({p.x, p.y, q.x, q.y}, f));
+      case 4:
+        return cast_answer(w, outline, p, more, {q.x - p.x, q.y - p.y}, f.dynamic ? 0 : more, f);
+      case 5:
+        return near_answer(w, outline, p, more, f);
+      case 6:
+        return mover_answer(w, p, q, f);
       default:
         return closest_answer(w, p, more, f);
     }

@@ -223,6 +223,47 @@ std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter
   return answer;
 }
 
+std::string cast_answer(const World& world, const Shape& shape, Vec2 from, double angle, Vec2 way, double rotation,
+                        const QueryFilter& filter) {
+  const auto hit = world.shape_cast(shape, from, angle, way, rotation, filter);
+  if (!hit) return {};
+  if (!world.is_valid(hit->body)) return "fault: a cast meets a body that is not there";
+  if (!finite(hit->point) || !finite(hit->normal)) return "fault: what a cast meets is not finite";
+  if (!(hit->fraction >= 0 && hit->fraction <= 1)) return "fault: fraction of a cast " + text(hit->fraction);
+  return std::to_string(hit->body.index) + " at " + text(hit->fraction) + " " + text(hit->point.x) + " " +
+         text(hit->normal.y);
+}
+
+std::string near_answer(const World& world, const Shape& shape, Vec2 at, double reach, const QueryFilter& filter) {
+  std::vector<NearHit> near(4);
+  const std::size_t count = world.nearby(shape, at, 0.3, reach, near, filter);
+  std::string answer = std::to_string(count);
+  for (std::size_t k = 0; k < std::min(count, near.size()); ++k) {
+    const NearHit& hit = near[k];
+    if (!world.is_valid(hit.body)) return "fault: a body nearby is not there";
+    if (!finite(hit.point) || !finite(hit.normal) || !(hit.distance <= reach)) return "fault: nearby beyond reach";
+    if (k > 0 && hit.distance < near[k - 1].distance) return "fault: nearby: nearest first";
+    answer += ' ';
+    answer += std::to_string(hit.body.index) + ":" + text(hit.distance) + " " + text(hit.normal.x);
+  }
+  return answer;
+}
+
+std::string mover_answer(World& world, Vec2 at, Vec2 velocity, const QueryFilter& filter) {
+  MoverDesc desc;
+  desc.filter = filter;
+  Mover mover(desc, at);
+  std::string answer;
+  for (int k = 0; k < 5; ++k) {
+    if (!mover.move(world, velocity, 0.05)) return answer + "refused";
+    if (!finite(mover.position()) || !finite(mover.velocity())) return "fault: a mover is not finite";
+    if (mover.ground() && !world.is_valid(mover.ground()->body)) return "fault: a mover stands on nothing";
+    answer += text(mover.position().x) + " " + text(mover.position().y) + (mover.on_ground() ? "on " : "off ");
+    velocity.y = mover.velocity().y - 1;
+  }
+  return answer;
+}
+
 std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies) {
   std::string answer;
   for (std::size_t k = 0; k < bodies.size(); ++k) {

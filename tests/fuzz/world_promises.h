@@ -21,6 +21,11 @@ std::string events_answer(const World& world);
 /// Of a report all that does not depend on the machine.
 std::string report_answer(const StepReport& report);
 std::string ray_answer(const World& world, Vec2 from, Vec2 to, const QueryFilter& filter);
+std::string cast_answer(const World& world, const Shape& shape, Vec2 from, double angle, Vec2 way, double rotation,
+                        const QueryFilter& filter);
+std::string near_answer(const World& world, const Shape& shape, Vec2 at, double reach, const QueryFilter& filter);
+/// Some moves of a mover, which does not push.
+std::string mover_answer(World& world, Vec2 at, Vec2 velocity, const QueryFilter& filter);
 std::string bodies_answer(const World& world, const std::vector<BodyId>& bodies);
 std::string closest_answer(const World& world, Vec2 point, double reach, const QueryFilter& filter);
 

@@ -47,6 +47,7 @@ example("spawned in [0-9.]+ ms, then [0-9.]+ ms a step\n100000 discs, the highes
         "${bin}/bulk_spawn")
 example("0\\.[0-9]+ s: the floor was hit at x = 3\\.[0-9] with 8\\.[0-9] m/s\n.*1\\.[0-9]+ s: goal!\n.*out of the goal.*"
         "${bin}/events")
+example("stands: at [^\n]*\n.*rides: at \\(1[5-8]\\.[0-9], 4\\.[0-9]\\), where it should be" "${bin}/platformer")
 example("the ball is at \\(.*\\)\n(the wall is [0-7]\\.[0-9] m high|nothing is left of the wall)" "${bin}/c_api")
 file(GLOB_RECURSE shared "${scratch}/prefix/*/libpsim.so")
 example("psim [0-9.]+: 1000 discs fell [34]\\.[0-9]+ m in a second"

@@ -66,6 +66,9 @@ struct Given {
   DiscBatch discs, fixed;
   Shape box = BoxShape{10, 10, 0};
   std::vector<std::byte> state;
+  std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});
+  std::vector<RayHit> hits = std::vector<RayHit>(300);
+  std::vector<NearHit> near = std::vector<NearHit>(8);
 
   Given() {
     discs.x = x, discs.y = y, discs.radius = r;
@@ -77,8 +80,8 @@ struct Given {
   }
 };
 
-const Given& given() {
-  static const Given all;
+Given& given() {
+  static Given all;
   return all;
 }
 
@@ -169,6 +172,23 @@ const std::vector<Named>& calls() {
       {"rays",
        [](World& w) {
          return !w.ray_cast_all({-20, 0.4}, {20, 0.4}).empty();
+       }},
+      {"ray batch", [](World& w) { return w.ray_cast_batch(given().rays, given().hits) == 300; }},
+      {"shape cast",
+       [](World& w) {
+         return w.shape_cast(given().box, {-60, 3}, 0, {90, 0}, 1).has_value();
+       }},
+      {"nearby",
+       [](World& w) {
+         return w.nearby(given().box, {0, 0}, 0.1, 1, given().near) != 0;
+       }},
+      {"walk and push a sleeper",
+       [](World& w) {
+         MoverDesc desc;
+         desc.push_force = 1e3;
+         Mover mover(desc, {-8.72, 0.91});
+         const bool done = mover.move(w, {3, 0}, 1.0 / 60);
+         return done && !mover.touches().empty();
        }},
       {"overlap",
        [](World& w) {

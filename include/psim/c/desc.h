@@ -175,6 +175,11 @@ typedef struct psim_query_filter {
   int32_t kinematic;     ///< flag: kinematic ones
   int32_t fixed;         ///< flag: static ones
   int32_t sensors;       ///< flag: sensors, of the kinds above
+  uint32_t category;  ///< bodies whose own mask has one of these bits; default all bits: every body, whatever its mask
+  psim_body_id ignore;  ///< this body is not found; default no body
+  int32_t one_way;      ///< flag: rays, casts and nearby meet shapes that are solid from one side on that side alone
+  int32_t enter_only;   ///< flag: rays and casts pass through what they overlap where they start
+  int32_t reserved;     ///< 0
 } psim_query_filter;
 
 /// What steps tell. Default: nothing.
@@ -270,7 +275,9 @@ enum psim_struct {
   PSIM_STRUCT_SNAPSHOT = 13,      ///< psim_snapshot
   PSIM_STRUCT_EVENTS = 14,        ///< psim_events
   PSIM_STRUCT_DIAGNOSTICS = 15,   ///< psim_diagnostics
-  PSIM_STRUCT_BODY_TRAITS = 16    ///< psim_body_traits
+  PSIM_STRUCT_BODY_TRAITS = 16,   ///< psim_body_traits
+  PSIM_STRUCT_MOVER_DESC = 17,    ///< psim_mover_desc
+  PSIM_STRUCT_MOVER_STATE = 18    ///< psim_mover_state
 };
 
 /// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the

@@ -21,6 +21,30 @@ typedef struct psim_ray_hit {
   double fraction;    ///< 0 to 1 of the way
 } psim_ray_hit;
 
+/// A ray of psim_world_ray_cast_batch.
+typedef struct psim_ray {
+  psim_vec2 from;  ///< metres
+  psim_vec2 to;    ///< metres
+} psim_ray;
+
+/// Where a shape that moves meets a body.
+typedef struct psim_shape_cast_hit {
+  psim_body_id body;  ///< that it meets
+  psim_vec2 point;    ///< metres, on the body's surface: the middle of what touches; `from` if it overlaps at the start
+  psim_vec2 normal;   ///< of the body's surface there; zero if it overlaps at the start
+  double fraction;    ///< 0 to 1 of the way and of the rotation
+} psim_shape_cast_hit;
+
+/// Part of a body near a shape.
+typedef struct psim_near_hit {
+  psim_body_id body;  ///< whose part it is
+  psim_vec2 point;    ///< metres, on its surface: the nearest, or the middle of what is nearest
+  psim_vec2 normal;   ///< of length 1, from there to the shape: the shortest way out if they overlap
+  double distance;    ///< metres; negative: how deep they overlap
+  int32_t one_way;    ///< flag: the part is solid from one side alone
+  int32_t reserved;   ///< 0
+} psim_near_hit;
+
 /// The nearest point of a body.
 typedef struct psim_closest_hit {
   psim_body_id body;  ///< the nearest
@@ -130,6 +154,23 @@ PSIM_API psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from
 PSIM_API psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
                                              const psim_query_filter* filter, psim_ray_hit* hits, size_t capacity,
                                              size_t* count);
+
+/// The first hits of many rays, on all threads of the world or the host's job system: hits[k] is what psim_world_ray_cast
+/// says to rays[k], or a hit of no body (index 0xFFFFFFFF). `*met`: how many rays met a body; may be NULL. Not beside
+/// another call.
+PSIM_API psim_result psim_world_ray_cast_batch(psim_world* world, const psim_ray* rays, psim_ray_hit* hits,
+                                               size_t count, const psim_query_filter* filter, size_t* met);
+
+/// The first body that a convex shape meets on its way from `from`, metres, turned by `angle`: it goes `translation`,
+/// metres, and turns by `rotation`, radians, at most 1,000 either way, about its own origin meanwhile. PSIM_NOTHING.
+PSIM_API psim_result psim_world_shape_cast(const psim_world* world, const psim_shape* shape, psim_vec2 from,
+                                           double angle, psim_vec2 translation, double rotation,
+                                           const psim_query_filter* filter, psim_shape_cast_hit* hit);
+
+/// What lies within `reach` metres of a shape placed at (position, angle), piece by piece, the nearest first.
+PSIM_API psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, psim_vec2 position,
+                                       double angle, double reach, const psim_query_filter* filter, psim_near_hit* hits,
+                                       size_t capacity, size_t* count);
 
 /// Bodies that overlap a shape placed at (position, angle), by id.
 PSIM_API psim_result psim_world_overlap(const psim_world* world, const psim_shape* shape, psim_vec2 position,

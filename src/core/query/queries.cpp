@@ -2,81 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "base/elementary.h"
 #include "base/rotor.h"
-#include "base/sort_keys.h"
+#include "base/tasks.h"
 #include "bodies/hull.h"
+#include "query/question.h"
 
 namespace psim {
 namespace {
-
-constexpr double kLargest = 1e100;  // m: larger numbers count as infinite
-
-bool sane(double v) { return std::fabs(v) <= kLargest; }
-bool sane(Vec2 p) { return sane(p.x) && sane(p.y); }
-
-struct Question {
-  const QueryIndex& index;
-  const Observed& world;
-  const QueryFilter& filter;
-  Vec2 period = world.period();  // m
-
-  bool wants(const QueryItem& item) const {
-    const BodyProperties& properties = world.bodies.properties(item.body);
-    const BodyKind& kind = world.bodies.kinds[properties.kind];
-    if (!filter.sensors && world.bodies.is_sensor(kind, item.part)) return false;
-    if ((world.bodies.filter_of(kind, item.part).category & filter.mask) == 0) return false;
-    if (properties.type() == BodyType::static_body) return filter.fixed;
-    return properties.type() == BodyType::dynamic_body ? filter.dynamic : filter.kinematic;
-  }
-
-  // Calls each(part) for the grids that may hold wanted bodies.
-  template <class Each>
-  void parts(const Each& each) const {
-    const std::size_t fixed = world.population.fixed.size();
-    if (filter.fixed && fixed != 0) each(index.part(world, QueryIndex::kFixed));
-    if ((filter.dynamic && world.bodies.living() != fixed) || (filter.kinematic && world.any_kinematic())) {
-      each(index.part(world, QueryIndex::kMoving));
-    }
-    if (filter.dynamic && !world.sleep.sleepers.empty()) each(index.part(world, QueryIndex::kSleeping));
-  }
-
-  // A point in the coordinates of the grids.
-  Vec2 place(Vec2 p) const { return nearest_copy(p - world.lattice.centre(), period); }
-
-  // Appends the bodies that meet an outline about `middle`. Its box has half the width and height `half`.
-  void gather(const Outline& shape, Vec2 middle, Vec2 half, std::vector<std::uint32_t>& ids) const {
-    parts([&](const QueryIndex::Part& part) {
-      QueryIndex::each_overlap(
-          world, part, shape, place(middle), half, [&](const QueryItem& item) { return wants(item); },
-          [&](std::uint32_t id) { ids.push_back(id); });
-    });
-  }
-
-  // All that were gathered, each once, ordered by id.
-  std::vector<BodyId> answer(std::vector<std::uint32_t> ids) const {
-    sort_keys(ids.begin(), ids.end());
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    std::vector<BodyId> out;
-    out.reserve(ids.size());
-    for (const std::uint32_t id : ids) out.push_back(world.handle(id));
-    return out;
-  }
-};
-
-// A body that is met.
-struct Met {
-  double at = 0;  // m: how far away
-  std::uint32_t body = 0;
-  Vec2 where;  // the normal where a ray enters; or the point that is nearest
-};
-
-// The nearest comes first. Ties are broken so that the order depends on neither slots nor grids.
-bool before(const Met& a, const Met& b) {
-  return std::tie(a.at, a.body, a.where.x, a.where.y) < std::tie(b.at, b.body, b.where.x, b.where.y);
-}
 
 // A ray of `length` metres along u from `from`, in the coordinates of the grids.
 struct Ray {
@@ -86,9 +20,7 @@ struct Ray {
     whole = length;
     if (!(length > 0)) return;
     u = {way.x / length, way.y / length};
-    const Vec2 period = q.period;
-    if (period.x > 0 && u.x != 0) length = lesser(period.x / std::fabs(u.x), length);
-    if (period.y > 0 && u.y != 0) length = lesser(period.y / std::fabs(u.y), length);
+    length = followed(q, u, length);
   }
 
   RayHit answer(const Question& q, Vec2 p, const Met& e) const {
@@ -110,7 +42,9 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
       const RayEntry e = item.piece == QueryIndex::kDisc
                              ? enter(to, r, ray.u, limit)
                              : enter(QueryIndex::outline(q.world, part, item, to), ray.u, limit);
-      if (e.at >= 0 && e.at <= limit && q.wants(item)) each(Met{e.at, item.body, e.normal});
+      if (e.at >= 0 && e.at <= limit && q.wants(item) && q.meets(part, item, e.normal)) {
+        each(Met{e.at, item.body, e.normal});
+      }
     };
     if (ray.length > 0) {
       part.grid.along(ray.from, ray.u, limit, meet);
@@ -135,6 +69,19 @@ std::optional<RayHit> Queries::ray_cast(Vec2 from, Vec2 to, const QueryFilter& f
   });
   if (!best) return {};
   return ray.answer(q, from, *best);
+}
+
+std::size_t Queries::ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits,
+                                    const QueryFilter& filter) const {
+  if (hits.size() != rays.size()) return 0;
+  const Question q{index, world, filter};
+  q.parts([](const QueryIndex::Part&) {});  // made before the threads begin, which would wait for each other
+  constexpr std::size_t kJobRays = 64;      // some tens of microseconds
+  run_each(rays.size(), kJobRays, world.pool, [&](std::size_t k, std::size_t) {
+    hits[k] = ray_cast(rays[k].from, rays[k].to, filter).value_or(RayHit{});
+  });
+  return static_cast<std::size_t>(
+      std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.body != kNoBody; }));
 }
 
 std::vector<RayHit> Queries::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& filter) const {

@@ -70,15 +70,15 @@ class QueryGrid {
     }
   }
 
-  /// Calls each(item, shift) for all items that a ray may meet on its first `limit` metres, and for others, roughly in
-  /// the order of the way. `each` may lower `limit`. `u` has length 1.
+  /// Calls each(item, shift) for all items that a disc of radius `wide`, m, about the head of a ray may meet on its first
+  /// `limit` metres, and for others, roughly in the order of the way. `each` may lower `limit`. `u` has length 1.
   template <class Each>
-  void along(Vec2 from, Vec2 u, const double& limit, const Each& each) const {
+  void along(Vec2 from, Vec2 u, const double& limit, const Each& each, double wide = 0) const {
     for (const Level& g : levels_) {
       // Slab by slab along the axis on which the ray passes more cells.
       const bool flat = std::fabs(u.x) * g.y.edge >= std::fabs(u.y) * g.x.edge;
       const Axis &axis = flat ? g.x : g.y, &across = flat ? g.y : g.x;
-      const double way = flat ? u.x : u.y, origin = flat ? from.x : from.y, r = g.most;
+      const double way = flat ? u.x : u.y, origin = flat ? from.x : from.y, r = g.most + wide;
       const double side_way = flat ? u.y : u.x, side = flat ? from.y : from.x;
       const bool ahead = way > 0;
       const double end = origin + limit * way;

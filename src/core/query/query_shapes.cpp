@@ -10,8 +10,14 @@ namespace psim {
 namespace {
 
 // A core with one or two vertices has one edge; another has as many edges as vertices.
-int edges(const Outline& o) { return o.count > 2 ? o.count : 1; }
-Vec2 end_of(const Outline& o, int k) { return o.v[k + 1 < o.count ? k + 1 : 0]; }
+template <class O>
+int edges(const O& o) {
+  return o.count > 2 ? o.count : 1;
+}
+template <class O>
+Vec2 end_of(const O& o, int k) {
+  return o.v[k + 1 < o.count ? k + 1 : 0];
+}
 
 // The point of the edge from p to q that is nearest to `from`, relative to `from`.
 Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
@@ -22,7 +28,8 @@ Vec2 to_edge(Vec2 p, Vec2 q, Vec2 from) {
 }
 
 // Whether a point lies inside the polygon and not on its rim. A core of one or two vertices has no inside.
-bool holds(const Outline& o, Vec2 point) {
+template <class O>
+bool holds(const O& o, Vec2 point) {
   if (o.count < 3) return false;
   for (int k = 0; k < o.count; ++k) {
     if (!(cross(end_of(o, k) - o.v[k], point - o.v[k]) > 0)) return false;
@@ -31,7 +38,8 @@ bool holds(const Outline& o, Vec2 point) {
 }
 
 // From the origin to the nearest point of the core; nothing if the origin lies inside.
-std::optional<Vec2> to_core(const Outline& o) {
+template <class O>
+std::optional<Vec2> to_core(const O& o) {
   if (holds(o, {})) return {};
   Vec2 best = to_edge(o.v[0], end_of(o, 0), {});
   for (int k = 1; k < edges(o); ++k) {
@@ -41,11 +49,65 @@ std::optional<Vec2> to_core(const Outline& o) {
   return best;
 }
 
+// Of the points of a core that lie farthest along n: how far, and from where to where along t.
+struct Foot {
+  double height = -1e300, from = 0, to = 0;  // m
+};
+Foot foot_of(const Outline& o, Vec2 n, Vec2 t) {
+  Foot foot;
+  double size = 0;
+  for (int k = 0; k < o.count; ++k) {
+    foot.height = greater(dot(n, o.v[k]), foot.height);
+    size = greater(std::fabs(o.v[k].x) + std::fabs(o.v[k].y), size);
+  }
+  const double same = 1e-9 * (1 + size);
+  bool first = true;
+  for (int k = 0; k < o.count; ++k) {
+    if (dot(n, o.v[k]) < foot.height - same) continue;
+    const double at = dot(t, o.v[k]);
+    foot.from = first ? at : lesser(at, foot.from);
+    foot.to = first ? at : greater(at, foot.to);
+    first = false;
+  }
+  return foot;
+}
+
 bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
   const auto sides = [](Vec2 from, Vec2 to, Vec2 a, Vec2 b) {
     return cross(to - from, a - from) * cross(to - from, b - from) <= 0;
   };
   return cross(q - p, s - r) != 0 && sides(p, q, r, s) && sides(r, s, p, q);
+}
+
+// Where a ray from the origin enters an outline or a difference.
+template <class O>
+RayEntry enter_convex(const O& o, Vec2 u, double length) {
+  if (o.count == 1) return enter(o.v[0], o.radius, u, length);
+  const std::optional<Vec2> core = to_core(o);
+  if (!core || dot(*core, *core) < o.radius * o.radius) return {0, {}};
+  RayEntry best;
+  const auto take = [&](double at, Vec2 normal) {
+    if (best.at < 0 || at < best.at) best = {at, normal};
+  };
+  for (int k = 0; k < o.count; ++k) {  // a line has two sides
+    const Vec2 p = o.v[k], edge = end_of(o, k) - p;
+    const double span = std::sqrt(dot(edge, edge));
+    if (!(span > 0)) continue;
+    const Vec2 normal{edge.y / span, -edge.x / span};
+    // The ray comes in through the edge, which is moved out by the radius.
+    const double height = -dot(normal, p) - o.radius, fall = -dot(normal, u);
+    if (!(fall > 0) || height < 0 || height > fall * length) continue;
+    const double at = height / fall;
+    const double along = dot(at * u - p, edge) / span;
+    const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
+    if (along >= -seam && along <= span + seam) take(at, normal);
+  }
+  if (!(o.radius > 0)) return best;
+  for (int k = 0; k < o.count; ++k) {
+    const RayEntry corner = enter(o.v[k], o.radius, u, length);
+    if (corner.at >= 0) take(corner.at, corner.normal);
+  }
+  return best;
 }
 
 }  // namespace
@@ -77,34 +139,8 @@ RayEntry enter(Vec2 centre, double radius, Vec2 u, double length) {
   return {at, radius > 0 ? 1 / radius * (at * u - centre) : Vec2{}};
 }
 
-RayEntry enter(const Outline& o, Vec2 u, double length) {
-  if (o.count == 1) return enter(o.v[0], o.radius, u, length);
-  const std::optional<Vec2> core = to_core(o);
-  if (!core || dot(*core, *core) < o.radius * o.radius) return {0, {}};
-  RayEntry best;
-  const auto take = [&](double at, Vec2 normal) {
-    if (best.at < 0 || at < best.at) best = {at, normal};
-  };
-  for (int k = 0; k < o.count; ++k) {  // a line has two sides
-    const Vec2 p = o.v[k], edge = end_of(o, k) - p;
-    const double span = std::sqrt(dot(edge, edge));
-    if (!(span > 0)) continue;
-    const Vec2 normal{edge.y / span, -edge.x / span};
-    // The ray comes in through the edge, which is moved out by the radius.
-    const double height = -dot(normal, p) - o.radius, fall = -dot(normal, u);
-    if (!(fall > 0) || height < 0 || height > fall * length) continue;
-    const double at = height / fall;
-    const double along = dot(at * u - p, edge) / span;
-    const double seam = 1e-12 * span;  // so that no ray slips through where two edges meet
-    if (along >= -seam && along <= span + seam) take(at, normal);
-  }
-  if (!(o.radius > 0)) return best;
-  for (int k = 0; k < o.count; ++k) {
-    const RayEntry corner = enter(o.v[k], o.radius, u, length);
-    if (corner.at >= 0) take(corner.at, corner.normal);
-  }
-  return best;
-}
+RayEntry enter(const Outline& o, Vec2 u, double length) { return enter_convex(o, u, length); }
+RayEntry enter(const Difference& d, Vec2 u, double length) { return enter_convex(d, u, length); }
 
 NearPoint near_point(Vec2 centre, double radius) {
   const double far = std::sqrt(dot(centre, centre));
@@ -116,6 +152,64 @@ NearPoint near_point(Vec2 centre, double radius) {
 NearPoint near_point(const Outline& o) {
   const std::optional<Vec2> core = to_core(o);
   return core ? near_point(*core, o.radius) : NearPoint{};
+}
+
+// Both go round by the directions of their edges, from the lowest vertex on: the edges of the difference are theirs,
+// sorted by direction.
+Difference difference(const Outline& a, const Outline& b) {
+  Outline c = a;
+  for (int k = 0; k < c.count; ++k) c.v[k] = -1 * c.v[k];
+  const auto lowest = [](const Outline& o) {
+    int low = 0;
+    for (int k = 1; k < o.count; ++k) {
+      if (o.v[k].y < o.v[low].y || (o.v[k].y == o.v[low].y && o.v[k].x < o.v[low].x)) low = k;
+    }
+    return low;
+  };
+  const int first_b = lowest(b), first_c = lowest(c);
+  const auto vertex = [](const Outline& o, int k) { return o.v[k % o.count]; };
+  const int n = b.count > 1 ? b.count : 0, m = c.count > 1 ? c.count : 0;  // edges
+  Difference d;
+  d.radius = a.radius + b.radius;
+  if (n + m == 0) d.v[d.count++] = b.v[0] + c.v[0];
+  for (int i = 0, j = 0; i < n || j < m;) {
+    const Vec2 p = vertex(b, first_b + i), q = vertex(c, first_c + j);
+    d.v[d.count++] = p + q;
+    const double turn =
+        i == n ? -1.0 : (j == m ? 1.0 : cross(vertex(b, first_b + i + 1) - p, vertex(c, first_c + j + 1) - q));
+    if (turn >= 0) ++i;
+    if (turn <= 0) ++j;
+  }
+  return d;
+}
+
+Gap gap_between(const Outline& a, const Outline& b) {
+  constexpr double kTouch = 1e-10;  // m: nearer cores have no direction from one to the other
+  const Difference d = difference(a, b);
+  const std::optional<Vec2> core = to_core(d);
+  const double far = core ? length_of(*core) : 0;
+  if (far > kTouch) return {far - d.radius, -1 / far * *core};
+  Gap gap{-1e300, {0, 1}};
+  for (int k = 0; k < d.count; ++k) {  // a line has two sides
+    const Vec2 edge = end_of(d, k) - d.v[k];
+    const double span = length_of(edge);
+    if (!(span > 0)) continue;
+    const Vec2 normal{edge.y / span, -edge.x / span};
+    const double distance = -dot(normal, d.v[k]);
+    if (distance > gap.distance) gap = {distance, normal};
+  }
+  if (gap.distance == -1e300) gap.distance = 0;  // two points in one place
+  gap.distance -= d.radius;
+  return gap;
+}
+
+Vec2 nearest_point(const Outline& a, const Outline& b, Vec2 normal) {
+  const Vec2 along = upright(normal);
+  const Foot mine = foot_of(b, normal, along), other = foot_of(a, -1 * normal, along);
+  const double from = greater(mine.from, other.from), to = lesser(mine.to, other.to);
+  // Where the two do not face each other: the end of b towards a.
+  const double at = from <= to ? from / 2 + to / 2 : std::clamp(other.from, mine.from, mine.to);
+  return at * along + (mine.height + b.radius) * normal;
 }
 
 bool overlap(const Outline& a, const Outline& b) {

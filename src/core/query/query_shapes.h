@@ -17,6 +17,15 @@ struct Outline {
   double radius = 0;  ///< m
 };
 
+/// The difference of two outlines: all vectors from a point of `a` to a point of `b`. The outlines have a point in common
+/// where it holds the origin.
+struct Difference {
+  Vec2 v[2 * Hull::kMost];  ///< m, counter-clockwise
+  std::int32_t count = 0;
+  double radius = 0;  ///< m
+};
+Difference difference(const Outline& a, const Outline& b);
+
 /// The smallest box about the core of an outline.
 struct Box {
   Vec2 low, high;
@@ -35,6 +44,7 @@ struct RayEntry {
 
 /// `u` has length 1. A line without thickness can be entered from either side.
 RayEntry enter(const Outline& outline, Vec2 u, double length);
+RayEntry enter(const Difference& outline, Vec2 u, double length);
 /// Where a ray from the origin enters a disc about `centre`.
 RayEntry enter(Vec2 centre, double radius, Vec2 u, double length);
 
@@ -45,6 +55,16 @@ struct NearPoint {
 };
 NearPoint near_point(const Outline& outline);
 NearPoint near_point(Vec2 centre, double radius);
+
+/// How far two outlines are apart.
+struct Gap {
+  double distance = 0;  ///< m; negative: how deep they overlap
+  Vec2 normal;          ///< of length 1, from b to a: the shortest way out if they overlap
+};
+Gap gap_between(const Outline& a, const Outline& b);
+/// The point of the surface of b that is nearest to a, seen along a normal of length 1 from b to a: the middle of all
+/// nearest points.
+Vec2 nearest_point(const Outline& a, const Outline& b, Vec2 normal);
 
 /// Whether two outlines have a point in common.
 bool overlap(const Outline& a, const Outline& b);

@@ -67,6 +67,31 @@ std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& f
   return nothing_found<std::vector<RayHit>>();
 }
 
+std::size_t World::ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits,
+                                  const QueryFilter& filter) try {
+  const FloatSettings settings;
+  const WorkerPool::Awake awake(impl_->pool);
+  return ask(*impl_).ray_cast_batch(rays, hits, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::size_t>();
+}
+
+std::optional<ShapeCastHit> World::shape_cast(const Shape& shape, Vec2 from, double angle, Vec2 translation,
+                                              double rotation, const QueryFilter& filter) const try {
+  const FloatSettings settings;
+  return ask(*impl_).shape_cast(shape, from, angle, translation, rotation, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::optional<ShapeCastHit>>();
+}
+
+std::size_t World::nearby(const Shape& shape, Vec2 position, double angle, double reach, std::span<NearHit> found,
+                          const QueryFilter& filter) const try {
+  const FloatSettings settings;
+  return ask(*impl_).nearby(shape, position, angle, reach, found, filter);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::size_t>();
+}
+
 std::vector<BodyId> World::overlap(const Shape& shape, Vec2 position, double angle, const QueryFilter& filter) const
     try {
   const FloatSettings settings;
