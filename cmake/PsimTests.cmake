@@ -205,7 +205,8 @@ if(TARGET accuracy AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE
 endif()
 
 # The C API, from strict C99, and its layout.
-add_executable(psim_c99 tests/capi/c99.c tests/capi/abi_v1.c tests/capi/abi_v1_movers.c tests/capi/abi_v1_names.c)
+add_executable(psim_c99 tests/capi/c99.c tests/capi/abi_v1.c tests/capi/abi_v1_names.c
+               tests/capi/abi_v1_queries.c)
 set_target_properties(psim_c99 PROPERTIES C_STANDARD 99 C_EXTENSIONS OFF LINKER_LANGUAGE CXX)
 target_link_libraries(psim_c99 PRIVATE psim::psim)
 if(NOT MSVC)
