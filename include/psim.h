@@ -35,6 +35,7 @@
 #include "psim/c/desc.h"
 #include "psim/c/joints.h"
 #include "psim/c/mover.h"
+#include "psim/c/draw.h"
 #include "psim/c/outline.h"
 #include "psim/c/queries.h"
 #include "psim/c/recording.h"

@@ -4,6 +4,7 @@
 
 #ifdef __cplusplus
 #include "psim/contact.h"
+#include "psim/debug_draw.h"
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/integrator.h"

@@ -38,6 +38,7 @@ class PSIM_API Recorder {
   bool apply_impulse(BodyId id, Vec2 impulse);
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   bool apply_angular_impulse(BodyId id, double impulse);
+  bool set_body(BodyId id, const BodyDesc& desc, std::string& error);
   bool apply_force(BodyId id, Vec2 force);
   bool apply_force_at(BodyId id, Vec2 force, Vec2 point);
   bool apply_torque(BodyId id, double torque);

@@ -13,6 +13,7 @@
 
 #include "psim/api.h"
 #include "psim/contact.h"
+#include "psim/debug_draw.h"
 #include "psim/desc.h"
 #include "psim/events.h"
 #include "psim/jobs.h"
@@ -139,6 +140,11 @@ class PSIM_API World {
   /// The body and what it touches wake. False, and nothing changes, if the id is stale, the body frozen, a number out of
   /// its range (psim/limits.h), or a static body's sensor flag another one. O(1), and the lists are made anew.
   bool set_traits(BodyId id, const BodyTraits& to);
+  /// Gives a body another description, as add_body takes it: another type, shape or place, also of a static body. It
+  /// keeps its handle and its joints, whose anchors stay where they are in its frame; a joint between two bodies that
+  /// are not dynamic does nothing. What it touched and what it comes upon wakes. False and one line in `error`, and
+  /// nothing changes, if the id is stale, the body frozen or the description refused. The lists are made anew.
+  bool set_body(BodyId id, const BodyDesc& desc, std::string& error);
   /// 64 bits that the host keeps with a body; 0 of one that has none, or is not there.
   std::uint64_t user_data(BodyId id) const;
   /// Changes them; false if the id is stale. Wakes nobody, and changes no result.
@@ -223,6 +229,10 @@ class PSIM_API World {
   /// first step. Valid until the next call of this function or one that changes the world. O(contacts) a call;
   /// nothing where nobody calls.
   std::span<const Contact> contacts();
+  /// Hands bodies, joints, contacts, forces and bounds to the host's own drawing, as they are now: bounds first, then
+  /// bodies by id, joints by index, contacts in their order. False if a number in `options` is not finite or there was no
+  /// memory; then not all is drawn. Changes no result. O(what is drawn), and contacts() if they or forces are wanted.
+  bool debug_draw(DebugDraw& to, const DebugDrawOptions& options);
   /// By BodyId::index: the strip that the body lay in when the last step's lists were made. A strip is some rows of
   /// the broad phase's cells, or all large bodies; what a step does to one may run beside what it does to others
   /// (docs/step.md): even ones together, then odd ones. kNoStrip for who is in no list: static, sleeping, frozen, new,

@@ -180,6 +180,20 @@ psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id,
   return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
 }
 
+psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_body_desc given;
+    if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    psim::BodyDesc body;
+    std::string wrong = convert(given, body);
+    if (wrong.empty() && world->changed([&](auto& one) { return one.set_body(to_cpp(id), body, wrong); })) {
+      return PSIM_OK;
+    }
+    return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  });
+}
+
 psim_result psim_world_apply_force(psim_world* world, psim_body_id id, psim_vec2 force) {
   const bool fits = psim::limits::kForce.contains(to_cpp(force));
   return push(

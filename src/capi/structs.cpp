@@ -96,6 +96,19 @@ void set_defaults(psim_query_filter& d) {
   d.ignore = to_c(from.ignore);
 }
 
+void set_defaults(psim_debug_draw& d) {
+  const DebugDrawOptions from;
+  d = {};
+  d.struct_size = static_cast<std::uint32_t>(sizeof d);
+  d.bodies = from.bodies;
+  d.joints = from.joints;
+  d.contacts = from.contacts;
+  d.forces = from.forces;
+  d.bounds = from.bounds;
+  d.force_scale = from.force_scale;
+  d.normal_length = from.normal_length;
+}
+
 void set_defaults(psim_mover_desc& d) {
   const MoverDesc from;
   d = zeros<psim_mover_desc>();
@@ -154,7 +167,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_MOVER_STATE) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_DEBUG_DRAW) {
     return;
   }
   std::memset(object, 0, size);
@@ -176,6 +189,9 @@ void psim_init(void* object, int32_t kind, uint32_t size) {
       break;
     case PSIM_STRUCT_QUERY_FILTER:
       fill<psim_query_filter>(object, size);
+      break;
+    case PSIM_STRUCT_DEBUG_DRAW:
+      fill<psim_debug_draw>(object, size);
       break;
     case PSIM_STRUCT_MOVER_DESC:
       fill<psim_mover_desc>(object, size);

@@ -150,6 +150,7 @@ void Session::move_body() {
   if (moved && breaks) broken_.insert(id.index);
   if (moved && breaks && which == 4) maybe_broken_ = true;  // one that cannot turn takes no harm
   change_body(id, {v.x + at.y, at.x - turn});
+  push_body(id, {v.x + at.y, at.x - turn});
 }
 
 // Switches a body off or on, or changes its traits.

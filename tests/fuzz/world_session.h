@@ -63,6 +63,8 @@ class Session {
   bool is_live(BodyId id) const;
   void move_body();
   void change_body(BodyId id, Vec2 place);
+  void push_body(BodyId id, Vec2 place);  // world_input_forces.cpp
+  void change_fields(ByteSource& own);
   void add_joint();
   JointId some_joint();
   void touch_joint();

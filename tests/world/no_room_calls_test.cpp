@@ -65,6 +65,7 @@ struct Given {
   std::vector<double> x{1, 2, 3, 4}, y{30, 30, 30, 30}, r{0.5}, low_x{-6, -5, -3, 1}, low_y{0.5, 0.6, 0.5, 0.6};
   DiscBatch discs, fixed;
   Shape box = BoxShape{10, 10, 0};
+  std::vector<Field> fields{WellField{{0, 5}, 3, 1}, DragField{0.1, 0.1}};
   std::vector<std::byte> state;
   std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});
   std::vector<RayHit> hits = std::vector<RayHit>(300);
@@ -124,6 +125,24 @@ const std::vector<Named>& calls() {
          return w.apply_impulse_at(nth(w, kAsleep), {1, 1}, {2, 2});
        }},
       {"turn a sleeper", [](World& w) { return w.apply_angular_impulse(nth(w, kAsleep), 0.1); }},
+      {"apply a force to a sleeper",
+       [](World& w) {
+         return w.apply_force(nth(w, kAsleep), {1, 1});
+       }},
+      {"apply a force at a point",
+       [](World& w) {
+         return w.apply_force_at(nth(w, kAwake), {1, 1}, {2, 2});
+       }},
+      {"apply a torque", [](World& w) { return w.apply_torque(nth(w, kJoined), 0.1); }},
+      {"explode",
+       [](World& w) {
+         return w.explode({{0, 1}, 3, 5, 0.1, ~0u}).has_value();
+       }},
+      {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
+      {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},
+      {"the ground becomes a bar", [](World& w) { return w.set_body(nth(w, 0), given().bar, error); }},
+      {"what is joined becomes a polygon", [](World& w) { return w.set_body(nth(w, kJoined), given().polygon, error); }},
+      {"what is disabled becomes a wall", [](World& w) { return w.set_body(nth(w, kOff), given().terrain, error); }},
       {"disable a sleeper", [](World& w) { return w.set_enabled(nth(w, kAsleep), false); }},
       {"disable what is joined", [](World& w) { return w.set_enabled(nth(w, kJoined), false); }},
       {"disable the ground", [](World& w) { return w.set_enabled(nth(w, 0), false); }},

@@ -83,6 +83,10 @@ PSIM_API psim_result psim_world_apply_torque(psim_world* world, psim_body_id id,
 /// PSIM_ERROR_ARGUMENT for a number out of its range.
 PSIM_API psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed);
 
+/// Gives a body another description, as psim_world_add_body takes it: another type, shape or place, also of a static body.
+/// It keeps its handle and its joints. PSIM_ERROR_STALE_ID, PSIM_ERROR_ARGUMENT; nothing changes then.
+PSIM_API psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc);
+
 /// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its joints
 /// do nothing, and it costs nothing. It keeps its id, its place and its velocity; psim_world_set_transform and
 /// psim_world_set_velocity change those of a moving body meanwhile. PSIM_ERROR_STALE_ID, PSIM_ERROR_NOT_MOVABLE if it is

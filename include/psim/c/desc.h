@@ -277,7 +277,8 @@ enum psim_struct {
   PSIM_STRUCT_DIAGNOSTICS = 15,   ///< psim_diagnostics
   PSIM_STRUCT_BODY_TRAITS = 16,   ///< psim_body_traits
   PSIM_STRUCT_MOVER_DESC = 17,    ///< psim_mover_desc
-  PSIM_STRUCT_MOVER_STATE = 18    ///< psim_mover_state
+  PSIM_STRUCT_MOVER_STATE = 18,   ///< psim_mover_state
+  PSIM_STRUCT_DEBUG_DRAW = 19     ///< psim_debug_draw
 };
 
 /// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the

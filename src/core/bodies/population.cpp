@@ -128,39 +128,57 @@ void Population::release(std::uint32_t row) {
   bodies.property_table.release(row);
 }
 
-BodyId Population::add(const BodyDesc& d, std::string& error) {
+// Makes the properties and the pieces of a body. What has no room, has none here.
+std::optional<Population::Newcomer> Population::describe(const BodyDesc& d, std::string& error) {
   const bool moves = d.type != BodyType::static_body;
-  std::vector<Piece> pieces;
+  Newcomer made;
   NewBody body;
   BodyKind& kind = body.kind;
   kind.bullet = moves && d.bullet;
   kind.restrained = is_restrained(d);
   if (kind.restrained) kind.locks = d.locks;
-  if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, pieces, error))) return kNoBody;
-  reserve(d, pieces.size());  // what has no room, has none here: nobody was added yet
+  if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, made.pieces, error))) return std::nullopt;
+  reserve(d, made.pieces.size());
   if (d.user_data != 0) user_values.make_room();
   if (!d.enabled) make_room_to_disable();
-  const std::uint32_t row = acquire(body, error);
-  if (row == kNoSlot) return kNoBody;
+  made.row = acquire(body, error);
+  if (made.row == kNoSlot) return std::nullopt;
+  return made;
+}
 
-  const std::uint32_t id = bodies.take_id();
-  bodies.info[id].properties = row;
+// A body with an id takes its place.
+void Population::enter(std::uint32_t id, const BodyDesc& d, Newcomer& newcomer) {
+  const bool moves = d.type != BodyType::static_body;
+  bodies.info[id].properties = newcomer.row;
   if (moves) {
     BodyState at = bare_state(id);
     at.x = d.position.x, at.y = d.position.y, at.angle = d.angle;
     at.vx = d.velocity.x, at.vy = d.velocity.y, at.omega = d.angular_velocity;
     enter_columns({at, coefficient(d.linear_damping), coefficient(d.angular_damping)});
   } else {
-    enter_statics(id, d, pieces);
+    enter_statics(id, d, newcomer.pieces);
   }
-  count(body.properties, +1, traits);
-  if (d.user_data != 0) user_values.add({id, d.user_data});
+  count(bodies.properties(id), +1, traits);
+  put_user_data(id, d.user_data);
   if (!d.enabled) {
     disable(id);
     BodyState& last = disabled.back().last;  // as it was given, not as the columns round it
     last.x = d.position.x, last.y = d.position.y, last.angle = d.angle;
     if (moves) last.vx = d.velocity.x, last.vy = d.velocity.y, last.omega = d.angular_velocity;
   }
+}
+
+// There is room for it.
+void Population::put_user_data(std::uint32_t id, std::uint64_t value) {
+  if (user_values.has(id)) user_values.remove(id);
+  if (value != 0) user_values.add({id, value});
+}
+
+BodyId Population::add(const BodyDesc& d, std::string& error) {
+  std::optional<Newcomer> made = describe(d, error);
+  if (!made) return kNoBody;
+  const std::uint32_t id = bodies.take_id();
+  enter(id, d, *made);
   return {id, bodies.info[id].generation};
 }
 
@@ -265,24 +283,6 @@ void Population::lose_all() {
   traits = {};
 }
 
-// Takes the entry of a body out of a list of those that do not move. The last one takes its place.
-template <class Entry>
-void Population::leave_list(std::vector<Entry>& list, std::uint32_t id) {
-  const std::uint32_t at = bodies.info[id].slot;
-  const auto id_of = [](const Entry& e) {
-    if constexpr (requires { e.last; }) {
-      return e.last.id.index;
-    } else if constexpr (requires { e.id.index; }) {
-      return e.id.index;
-    } else {
-      return e.id;
-    }
-  };
-  bodies.info[id_of(list.back())].slot = at;
-  list[at] = list.back();
-  list.pop_back();
-}
-
 void Population::remove(std::uint32_t id) {
   BodyInfo& info = bodies.info[id];
   const bool hidden = info.place == Place::disabled && disabled[info.slot].pieces != 0;
@@ -308,61 +308,6 @@ void Population::remove(std::uint32_t id) {
   } else {
     ++bodies.retired;
   }
-}
-
-void Population::disable(std::uint32_t id) {
-  DisabledBody now;
-  now.last = state_of(id);
-  BodyInfo& info = bodies.info[id];
-  if (info.place == Place::fixed) {
-    now.first_shape = fixed[info.slot].first_shape;
-    now.pieces = statics.hide(now.first_shape, id);
-    leave_list(fixed, id);
-    count(bodies.properties(id), -1, traits);
-  } else {
-    if (bodies.kind(id).restrained) {
-      const Restraint& of = restraints.at(id);
-      now.linear_damping = of.linear_damping;
-      now.angular_damping = of.angular_damping;
-    }
-    leave_columns(id);
-  }
-  info.place = Place::disabled;
-  info.slot = static_cast<std::uint32_t>(disabled.size());
-  disabled.push_back(now);
-}
-
-void Population::make_room_to_enable(std::uint32_t id) {
-  const BodyKind& kind = bodies.kind(id);
-  const BodyState& last = disabled[bodies.info[id].slot].last;
-  reserve({.type = last.type,
-           .angle = last.angle,
-           .angular_velocity = last.omega,
-           .bullet = kind.bullet,
-           .locks = {.x = kind.restrained}},
-          0);
-}
-
-void Population::enable(std::uint32_t id) {
-  const DisabledBody was = disabled[bodies.info[id].slot];
-  leave_list(disabled, id);
-  if (was.last.type == BodyType::static_body) {
-    bodies.info[id].place = Place::fixed;
-    bodies.info[id].slot = static_cast<std::uint32_t>(fixed.size());
-    statics.show(was.first_shape, was.pieces);
-    fixed.push_back({was.last.x, was.last.y, was.last.angle, bodies.properties(id).radius, id, was.first_shape});
-  } else {
-    enter_columns(was);
-  }
-  count(bodies.properties(id), +1, traits);
-}
-
-void Population::freeze(const BodyState& last) {
-  leave_columns(last.id.index);
-  BodyInfo& info = bodies.info[last.id.index];
-  info.place = Place::frozen;
-  info.slot = static_cast<std::uint32_t>(frozen.size());
-  frozen.push_back(last);
 }
 
 Vec2 Population::within_walls(Vec2 position) const {

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,18 @@ class Population {
   /// Makes room for a disabled body to come back, which then needs no memory.
   void make_room_to_enable(std::uint32_t id);
   void enable(std::uint32_t id);
+  /// A body that is being given another description, and what is needed to give it the old one back.
+  struct Change {
+    DisabledBody before;
+    std::uint32_t row = 0;  // of its properties
+    bool was_disabled = false;
+    std::uint64_t user_data = 0;
+  };
+  /// Gives a body that does not sleep another description. Nothing, with a line in `error`, if its shape is refused. A
+  /// change is then either kept or taken back.
+  std::optional<Change> change(std::uint32_t id, const BodyDesc& desc, std::string& error);
+  void keep(const Change& change);
+  void take_back(std::uint32_t id, const Change& change);
   BodyTraits traits_of(std::uint32_t id) const;
   /// Changes a body that does not sleep. False if its traits need more kinds than there may be, or, of a static body, it
   /// would become a sensor or cease to be one.
@@ -121,6 +134,14 @@ class Population {
   float least_radius = 0;           ///< m: of all moving bodies that there ever were
 
  private:
+  // A body that is described, before it gets its id.
+  struct Newcomer {
+    std::uint32_t row = 0;
+    std::vector<Piece> pieces;
+  };
+  std::optional<Newcomer> describe(const BodyDesc& desc, std::string& error);
+  void enter(std::uint32_t id, const BodyDesc& desc, Newcomer& newcomer);
+  void put_user_data(std::uint32_t id, std::uint64_t value);
   void reserve(const BodyDesc& desc, std::size_t pieces);
   void forget(const BodyKind& kind);
   void enter_columns(const DisabledBody& as);
@@ -139,5 +160,23 @@ class Population {
   const WorldDesc& desc_;
   const Lattice& lattice_;
 };
+
+// Takes the entry of a body out of a list of those that do not move. The last one takes its place.
+template <class Entry>
+void Population::leave_list(std::vector<Entry>& list, std::uint32_t id) {
+  const std::uint32_t at = bodies.info[id].slot;
+  const auto id_of = [](const Entry& e) {
+    if constexpr (requires { e.last; }) {
+      return e.last.id.index;
+    } else if constexpr (requires { e.id.index; }) {
+      return e.id.index;
+    } else {
+      return e.id;
+    }
+  };
+  bodies.info[id_of(list.back())].slot = at;
+  list[at] = list.back();
+  list.pop_back();
+}
 
 }  // namespace psim

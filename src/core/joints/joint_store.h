@@ -70,6 +70,7 @@ class JointStore {
 
   bool any_fragile() const { return !fragile_.empty(); }
   /// The handle of the joint of an index; kNoJoint if there is none.
+  std::uint32_t indices() const { return static_cast<std::uint32_t>(joints_.size()); }  ///< that joints may have
   JointId id_of(std::uint32_t index) const {
     return joints_[index].alive ? JointId{index, joints_[index].generation} : kNoJoint;
   }

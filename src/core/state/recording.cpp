@@ -19,7 +19,7 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::apply_torque,  &World::explode};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kCallsBegin };
+enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kSetBody, kCallsBegin };
 constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
@@ -204,6 +204,11 @@ bool Recorder::set_joint(JointId id, const JointDesc& desc, std::string& error) 
       world_, [&] { log_->add(kSetJoint, id, desc); }, [&] { return world_.set_joint(id, desc, error); });
 }
 
+bool Recorder::set_body(BodyId id, const BodyDesc& desc, std::string& error) {
+  return log_->done(
+      world_, [&] { log_->add(kSetBody, id, desc); }, [&] { return world_.set_body(id, desc, error); });
+}
+
 bool Recorder::set_fields(const std::vector<Field>& given, std::string& error) {
   return log_->done(
       world_, [&] { log_->add(kSetFields, given); }, [&] { return world_.set_fields(given, error); });
@@ -315,6 +320,11 @@ struct Replay::State {
       case kSetJoint: {
         const auto id = get<JointId>();
         w.set_joint(id, get<JointDesc>(), error);
+        break;
+      }
+      case kSetBody: {
+        const auto id = get<BodyId>();
+        w.set_body(id, get<BodyDesc>(), error);
         break;
       }
       case kSetFields:

@@ -358,6 +358,37 @@ bool World::set_traits(BodyId id, const BodyTraits& to) try {
   return impl_->ran_out(false);
 }
 
+bool World::set_body(BodyId id, const BodyDesc& d, std::string& error) try {
+  const FloatSettings settings;
+  Owners& w = impl_->settled();
+  error = check(d, w.desc.bounds);
+  if (!is_valid(id)) error = "there is no such body";
+  if (error.empty() && w.bodies.info[id.index].place == Place::frozen) error = "the body is frozen";
+  if (!error.empty()) return false;
+  disturb(w, id.index);
+  disturb_joined(w, id.index);
+  w.bodies.find_slots();
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
+  const bool was_out = is_out(w.bodies.info[id.index].place);
+  const auto change = w.population.change(id.index, d, error);
+  if (!change) return false;
+  const auto come = [&] {
+    body_came(w, id.index);
+    if (w.observers.events.on() && !was_out) w.observers.events.body_left(id, true);
+  };
+  or_else([&] { w.population.take_back(id.index, *change); }, come);
+  w.population.keep(*change);
+  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
+  spoil_work(w);
+  w.plan_stale = w.observers.placed = true;
+  if (!w.joints.empty()) w.joints.follow(id.index);
+  forget_impulses_of_nobody(w);
+  return true;
+} catch (const std::bad_alloc&) {
+  say_no_room(*impl_, "the body", error);
+  return impl_->ran_out(false);
+}
+
 std::uint64_t World::user_data(BodyId id) const {
   const UserValues& values = impl_->population.user_values;
   return is_valid(id) && values.has(id.index) ? values.at(id.index).value : 0;

@@ -1,0 +1,73 @@
+// Bodies are pushed, something explodes, fields change, bodies get other descriptions.
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "world_descs.h"
+#include "world_session.h"
+
+namespace psim::fuzz {
+
+void Session::push_body(BodyId id, Vec2 place) {
+  const Digits digits({place.y, place.x});
+  ByteSource own(digits);
+  if (broken_.contains(id.index)) return;  // the next step freezes it
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (own.chance(64)) {
+    const bool wrong = own.chance(8);
+    const Vec2 force = wrong ? Vec2{0, nan} : own.vec2(-500, 500), at = own.vec2(-kHalf, kHalf);
+    const double torque = wrong ? nan : own.number(-50, 50);
+    const std::size_t which = own.below(3);
+    say("force %u by %zu: %g %g torque %g at %g %g", id.index, which, force.x, force.y, torque, at.x, at.y);
+    const bool pushed = change<bool>("applying a force", [&](auto& w) {
+      if (which == 0) return w.apply_force(id, force);
+      if (which == 1) return w.apply_force_at(id, force, {in_.home.x + at.x, in_.home.y + at.y});
+      return w.apply_torque(id, torque);
+    });
+    require(!pushed || (is_live(id) && !wrong), "a force on a body that is not there, or no number");
+  }
+  if (own.chance(16)) {
+    const Explosion blast{{in_.home.x + own.number(-kHalf, kHalf), in_.home.y + own.number(-kHalf, kHalf)},
+                          own.number(0, 5), own.number(0, 5), own.number(-20, 50), own.byte()};
+    say("explode at %g %g", blast.position.x, blast.position.y);
+    change<std::optional<std::size_t>>("explode", [&](auto& w) { return w.explode(blast); });
+  }
+  if (own.chance(12)) change_fields(own);
+  if (own.chance(24)) {
+    const BodyDesc to = body(own);
+    say("body %u becomes type %d shape %zu", id.index, static_cast<int>(to.type), to.shape.index());
+    const bool done = change<bool>("set_body", [&](auto& w) {
+      std::string error;
+      const bool changed = w.set_body(id, to, error);
+      if (!changed) refused(error);
+      return changed;
+    });
+    require(!done || is_live(id), "set_body: a body that is not there");
+    if (done) {
+      require(worlds_.front()->body(id)->type == to.type, "set_body: the type");
+      require(worlds_.front()->is_enabled(id) == to.enabled, "set_body: whether it is enabled");
+    }
+  }
+}
+
+void Session::change_fields(ByteSource& own) {
+  std::vector<Field> fields;
+  while (fields.size() < 3 && own.chance(128)) {
+    if (own.chance(128)) {
+      fields.push_back(WellField{own.vec2(-kHalf, kHalf), own.number(-50, 50), own.number(0, 1), own.number(0, 3),
+                                 own.chance(128) ? own.number(0, 10) : 0});
+    } else {
+      fields.push_back(DragField{own.number(0, 2), own.chance(128) ? own.number(0, 1) : 0});
+    }
+  }
+  say("%zu fields", fields.size());
+  const bool done = change<bool>("set_fields", [&](auto& w) {
+    std::string error;
+    const bool changed = w.set_fields(fields, error);
+    if (!changed) refused(error);
+    return changed;
+  });
+  require(!done || worlds_.front()->desc().fields.size() == fields.size(), "set_fields does so");
+}
+
+}  // namespace psim::fuzz
