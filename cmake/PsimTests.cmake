@@ -271,12 +271,14 @@ endif()
 set_tests_properties(PublicApiIsDocumented PROPERTIES
   LABELS docs TIMEOUT 120 SKIP_REGULAR_EXPRESSION "docs are not tested")
 
-# The key-by-key page of scene files is the schema's.
+# The key-by-key page of scene files is the schema's. What the lists of other engines' functions name is in the headers.
 find_package(Python3 COMPONENTS Interpreter)
 if(Python3_FOUND)
   add_test(NAME SceneReferenceIsCurrent
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/scene-reference" --check)
-  set_tests_properties(SceneReferenceIsCurrent PROPERTIES LABELS docs TIMEOUT 60)
+  add_test(NAME FunctionsOfOtherEnginesAreFound
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/docs/check_functions.py" "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(SceneReferenceIsCurrent FunctionsOfOtherEnginesAreFound PROPERTIES LABELS docs TIMEOUT 60)
 endif()
 
 # Who includes whom, sizes of files and folders, and the layout of the code. Label `rooms`.
