@@ -98,8 +98,7 @@ void set_defaults(psim_query_filter& d) {
 
 void set_defaults(psim_debug_draw& d) {
   const DebugDrawOptions from;
-  d = {};
-  d.struct_size = static_cast<std::uint32_t>(sizeof d);
+  d = zeros<psim_debug_draw>();
   d.bodies = from.bodies;
   d.joints = from.joints;
   d.contacts = from.contacts;
