@@ -156,7 +156,7 @@ struct MoverWork {
       const Vec2 push = -impulse * t.normal;
       const bool done =
           recorder != nullptr ? recorder->apply_impulse_at(t.body, push, at) : world.apply_impulse_at(t.body, push, at);
-      if (!done && ran_out_of_memory()) return std::exchange(ran_out_of_memory(), pushed) && pushed;
+      if (!done && ran_out_of_memory()) return pushed;
       pushed |= done;
     }
     return true;
