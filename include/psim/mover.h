@@ -73,33 +73,28 @@ class PSIM_API Mover {
   /// As described.
   const MoverDesc& desc() const { return desc_; }
   /// Metres: the middle of the capsule.
-  Vec2 position() const { return state_.position; }
+  Vec2 position() const { return position_; }
   /// m/s: what is left of the last move's velocity.
-  Vec2 velocity() const { return state_.velocity; }
+  Vec2 velocity() const { return velocity_; }
   /// Whether it stands.
-  bool on_ground() const { return state_.stands; }
+  bool on_ground() const { return stands_; }
   /// On what; nothing in the air.
-  std::optional<MoverGround> ground() const {
-    return state_.stands ? std::optional<MoverGround>(state_.ground) : std::nullopt;
-  }
+  std::optional<MoverGround> ground() const { return stands_ ? std::optional<MoverGround>(ground_) : std::nullopt; }
   /// What it met in the last move, each body once, in the order of the move.
-  std::span<const MoverTouch> touches() const { return {state_.touches.data(), state_.touch_count}; }
+  std::span<const MoverTouch> touches() const { return {touches_.data(), touch_count_}; }
   /// Metres: how deep it is still in something after the last move, from both sides at once; 0: it is free.
-  double squeezed() const { return state_.squeezed; }
+  double squeezed() const { return squeezed_; }
 
  private:
   friend struct MoverWork;
-  struct State {
-    Vec2 position, velocity;
-    bool stands = false;
-    MoverGround ground;
-    Vec2 anchor;  // the point of the ground in the frame of its body
-    double squeezed = 0;
-    std::array<MoverTouch, kMostTouches> touches;
-    std::size_t touch_count = 0;
-  };
   MoverDesc desc_;
-  State state_;
+  Vec2 position_, velocity_;
+  bool stands_ = false;
+  MoverGround ground_;
+  Vec2 anchor_;  // the point of the ground in the frame of its body
+  double squeezed_ = 0;
+  std::array<MoverTouch, kMostTouches> touches_;
+  std::size_t touch_count_ = 0;
 };
 
 }  // namespace psim

@@ -40,19 +40,19 @@ Vec2 nearest_way(const World& world, Vec2 way) {
 struct MoverWork {
   World& world;
   const MoverDesc& desc;
-  Mover::State& state;
+  Mover& mover;
   const double dt;
-  MoverPath path{world, desc, state.position};
+  MoverPath path{world, desc, mover.position_};
 
   // Takes the capsule along with the ground, which has moved and turned since the last move.
   void ride() {
-    if (!state.stands) return;
-    const auto body = world.body(state.ground.body);
-    if (!body || !world.is_enabled(state.ground.body)) return;
-    const Vec2 now = Vec2{body->x, body->y} + turned(sine_cosine(body->angle), state.anchor);
-    const Vec2 n = state.ground.normal;
-    Vec2 way = nearest_way(world, now - state.ground.point);
-    if (const auto has = world.traits(state.ground.body)) way = way + dt * has->tangent_speed * Vec2{n.y, -n.x};
+    if (!mover.stands_) return;
+    const auto body = world.body(mover.ground_.body);
+    if (!body || !world.is_enabled(mover.ground_.body)) return;
+    const Vec2 now = Vec2{body->x, body->y} + turned(sine_cosine(body->angle), mover.anchor_);
+    const Vec2 n = mover.ground_.normal;
+    Vec2 way = nearest_way(world, now - mover.ground_.point);
+    if (const auto has = world.traits(mover.ground_.body)) way = way + dt * has->tangent_speed * Vec2{n.y, -n.x};
     const double length = length_of(way), part = desc.radius / 2;
     if (!(length > kStill) || !sound_place(path.at + way)) return;
     const int parts = length < kMostRides * part ? static_cast<int>(length / part) + 1 : 1;
@@ -64,13 +64,12 @@ struct MoverWork {
 
   // Out of what overlaps: the least way that keeps the near surfaces outside, by Gauss and Seidel.
   void push_out() {
-    state.squeezed = 0;
+    mover.squeezed_ = 0;
     const double reach = desc.radius / 2;
     for (int look = 0; look < kMostPushesOut; ++look) {
       std::array<NearHit, kMostNear> near;
       std::array<double, kMostNear> need{}, push{};
-      QueryFilter filter = path.filter;
-      const std::size_t count = std::min(world.nearby(path.capsule, path.at, 0, reach, near, filter), near.size());
+      const std::size_t count = std::min(world.nearby(path.capsule, path.at, 0, reach, near, path.filter), near.size());
       double deepest = 0;
       for (std::size_t k = 0; k < count; ++k) {
         need[k] = -near[k].distance;  // a surface that is apart stays so
@@ -83,7 +82,7 @@ struct MoverWork {
         deepest = lesser(near[k].distance, deepest);
         path.touch({near[k].body, near[k].point, near[k].normal, 0});
       }
-      state.squeezed = 0 - deepest;
+      mover.squeezed_ = 0 - deepest;
       if (deepest == 0) return;
       Vec2 out;
       for (int sweep = 0; sweep < 20; ++sweep) {
@@ -101,38 +100,38 @@ struct MoverWork {
   // Whether a shape that is solid from one side, and in which the foot is, came against the mover in the last step.
   bool catches(const NearHit& near) const {
     const auto body = world.body(near.body);
-    const double closing = body ? dot(velocity_at(*body, near.point) - state.velocity, near.normal) : 0;
+    const double closing = body ? dot(velocity_at(*body, near.point) - mover.velocity_, near.normal) : 0;
     return closing >= 0 && -near.distance <= desc.skin + closing * dt;
   }
 
   // Its own way.
   void go(Vec2 velocity) {
-    const bool walks = state.stands && dot(velocity, path.up) <= 1e-9;
-    state.velocity = velocity;
+    const bool walks = mover.stands_ && dot(velocity, path.up) <= 1e-9;
+    mover.velocity_ = velocity;
     if (walks) {
       const double speed = dot(velocity, path.side);
-      state.velocity = path.walk(dt * speed, state.ground.normal) ? speed * path.side : Vec2{};
+      mover.velocity_ = path.walk(dt * speed, mover.ground_.normal) ? speed * path.side : Vec2{};
     } else {
-      path.fly(dt * velocity, state.velocity);
+      path.fly(dt * velocity, mover.velocity_);
     }
-    auto ground = dot(state.velocity, path.up) <= 1e-9 ? path.settle(walks) : std::nullopt;
+    auto ground = dot(mover.velocity_, path.up) <= 1e-9 ? path.settle(walks) : std::nullopt;
     if (walks && !ground) {  // it walked off an edge, or hangs between two sides
       const Vec2 fall = dot(velocity, path.up) * path.up;
-      state.velocity = state.velocity + fall;
-      path.fly(dt * fall, state.velocity);
+      mover.velocity_ = mover.velocity_ + fall;
+      path.fly(dt * fall, mover.velocity_);
       ground = path.settle(false);
     }
-    state.stands = ground.has_value();
+    mover.stands_ = ground.has_value();
     if (!ground) return;
-    state.ground = *ground;
-    state.velocity = dot(state.velocity, path.side) * path.side;
+    mover.ground_ = *ground;
+    mover.velocity_ = dot(mover.velocity_, path.side) * path.side;
     const auto body = world.body(ground->body);
     if (!body) return;
     const SineCosine turn = sine_cosine(body->angle);
-    state.anchor = turned({-turn.sine, turn.cosine}, nearest_way(world, ground->point - Vec2{body->x, body->y}));
-    state.ground.velocity = velocity_at(*body, Vec2{body->x, body->y} + turned(turn, state.anchor));
+    mover.anchor_ = turned({-turn.sine, turn.cosine}, nearest_way(world, ground->point - Vec2{body->x, body->y}));
+    mover.ground_.velocity = velocity_at(*body, Vec2{body->x, body->y} + turned(turn, mover.anchor_));
     if (const auto has = world.traits(ground->body)) {
-      state.ground.velocity = state.ground.velocity + has->tangent_speed * Vec2{ground->normal.y, -ground->normal.x};
+      mover.ground_.velocity = mover.ground_.velocity + has->tangent_speed * Vec2{ground->normal.y, -ground->normal.x};
     }
   }
 
@@ -156,7 +155,7 @@ struct MoverWork {
       const Vec2 push = -impulse * t.normal;
       const bool done =
           recorder != nullptr ? recorder->apply_impulse_at(t.body, push, at) : world.apply_impulse_at(t.body, push, at);
-      if (!done && ran_out_of_memory()) return std::exchange(ran_out_of_memory(), pushed) && pushed;
+      if (!done && ran_out_of_memory()) return pushed;
       pushed |= done;
     }
     return true;
@@ -165,7 +164,7 @@ struct MoverWork {
   static bool sound_place(Vec2 p) { return limits::kCoordinate.contains(p); }
 };
 
-Mover::Mover(const MoverDesc& desc, Vec2 position) : desc_(desc) { state_.position = position; }
+Mover::Mover(const MoverDesc& desc, Vec2 position) : desc_(desc), position_(position) {}
 
 bool Mover::sound(const MoverDesc& d) {
   const double length = length_of(d.up);
@@ -176,12 +175,12 @@ bool Mover::sound(const MoverDesc& d) {
 
 bool Mover::move(World& world, Vec2 velocity, double dt, Recorder* recorder) {
   const FloatSettings settings;
-  if (!sound(desc_) || !MoverWork::sound_place(state_.position) || !limits::kVelocity.contains(velocity) ||
+  if (!sound(desc_) || !MoverWork::sound_place(position_) || !limits::kVelocity.contains(velocity) ||
       !limits::kTimeStep.contains(dt)) {
     return false;
   }
   const bool before = std::exchange(ran_out_of_memory(), false);
-  State next = state_;
+  Mover next = *this;
   MoverWork work{world, desc_, next, dt};
   work.ride();
   work.push_out();
@@ -190,18 +189,17 @@ bool Mover::move(World& world, Vec2 velocity, double dt, Recorder* recorder) {
     ran_out_of_memory() |= before;
     return false;
   }
-  next.position = work.path.at;
-  next.touches = work.path.touches;
-  next.touch_count = work.path.touch_count;
-  state_ = next;
+  next.position_ = work.path.at;
+  next.touches_ = work.path.touches;
+  next.touch_count_ = work.path.touch_count;
+  *this = next;
   ran_out_of_memory() |= before;
   return true;
 }
 
 bool Mover::set_position(Vec2 position) {
   if (!MoverWork::sound_place(position)) return false;
-  state_ = {};
-  state_.position = position;
+  *this = Mover(desc_, position);
   return true;
 }
 
