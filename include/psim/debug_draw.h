@@ -41,14 +41,14 @@ class PSIM_API DebugDraw {
 
 /// What is wanted.
 struct DebugDrawOptions {
-  bool bodies = true;                   ///< circles and polygons
-  bool joints = true;                   ///< lines between anchors
-  bool contacts = false;                ///< dots, and lines of their normals
-  bool forces = false;                  ///< lines: of contacts the mean of the last step, of joints its last substep
-  bool bounds = true;                   ///< the sides of a world that is not open
-  double force_scale = 0.01;            ///< m/N
-  double normal_length = 0.2;           ///< m
-  std::optional<Bounds> region = {};    ///< only bodies and contacts that may reach into it
+  bool bodies = true;                 ///< circles and polygons
+  bool joints = true;                 ///< lines between anchors
+  bool contacts = false;              ///< dots, and lines of their normals
+  bool forces = false;                ///< lines: of contacts the mean of the last step, of joints its last substep
+  bool bounds = true;                 ///< the sides of a world that is not open
+  double force_scale = 0.01;          ///< m/N
+  double normal_length = 0.2;         ///< m
+  std::optional<Bounds> region = {};  ///< only bodies and contacts that may reach into it
 };
 
 }  // namespace psim

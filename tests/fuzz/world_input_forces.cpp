@@ -28,7 +28,10 @@ void Session::push_body(BodyId id, Vec2 place) {
   }
   if (own.chance(16)) {
     const Explosion blast{{in_.home.x + own.number(-kHalf, kHalf), in_.home.y + own.number(-kHalf, kHalf)},
-                          own.number(0, 5), own.number(0, 5), own.number(-20, 50), own.byte()};
+                          own.number(0, 5),
+                          own.number(0, 5),
+                          own.number(-20, 50),
+                          own.byte()};
     say("explode at %g %g", blast.position.x, blast.position.y);
     change<std::optional<std::size_t>>("explode", [&](auto& w) { return w.explode(blast); });
   }

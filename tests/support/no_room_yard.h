@@ -59,4 +59,42 @@ inline std::unique_ptr<World> yard() {
   return world;
 }
 
+template <class S>
+inline BodyDesc of_shape(BodyType type, double x, double y, S shape) {
+  BodyDesc d = disc_at(x, y);
+  d.type = type;
+  d.shape = std::move(shape);
+  return d;
+}
+
+/// What calls are given is made beforehand: only what the engine allocates shall fail.
+struct Given {
+  BodyDesc disc = disc_at(0, 20), above = disc_at(-3.5, 1.2);
+  BodyDesc polygon = of_shape(BodyType::dynamic_body, 3, 20, PolygonShape{{{0, 0}, {1, 0}, {0.5, 1}}, 0.1});
+  BodyDesc terrain = of_shape(BodyType::static_body, 0, 0, ChainShape{{{9, 0.5}, {0, 0.5}, {-9, 0.5}}, false});
+  BodyDesc bar = of_shape(BodyType::kinematic_body, -2, 0.9, BoxShape{1, 1, 0});
+  std::vector<double> x{1, 2, 3, 4}, y{30, 30, 30, 30}, r{0.5}, low_x{-6, -5, -3, 1}, low_y{0.5, 0.6, 0.5, 0.6};
+  DiscBatch discs, fixed;
+  Shape box = BoxShape{10, 10, 0};
+  std::vector<Field> fields{WellField{{0, 5}, 3, 1}, DragField{0.1, 0.1}};
+  std::vector<std::byte> state;
+  std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});
+  std::vector<RayHit> hits = std::vector<RayHit>(300);
+  std::vector<NearHit> near = std::vector<NearHit>(8);
+
+  Given() {
+    discs.x = x, discs.y = y, discs.radius = r;
+    fixed.x = low_x, fixed.y = low_y, fixed.radius = r;
+    fixed.type = BodyType::static_body;
+    const auto later = yard();
+    for (int k = 0; k < 10; ++k) later->step();
+    later->save(state);
+  }
+};
+
+inline Given& given() {
+  static Given all;
+  return all;
+}
+
 }  // namespace psim::test

@@ -123,4 +123,17 @@ inline Placed pyramid(int n, double mirror = 1, Isa isa = best_isa(), int thread
   return p;
 }
 
+/// A body that is drawn at random, of any shape.
+inline BodyDesc body_of_any_shape(Random& r, Vec2 at) {
+  const std::size_t kind = r.below(4);
+  BodyDesc body = disc(at, {}, r.uniform(0.2, 0.5));
+  if (kind == 1) body = box(at, r.uniform(0.3, 1), r.uniform(0.3, 1));
+  if (kind == 2) body = capsule(at, r.uniform(0.2, 1), 0.2);
+  if (kind == 3) body.shape = CompoundShape{{{BoxShape{1, 0.2}}, {DiscShape{0.3}, {0.5, 0}}}}, body.position = at;
+  body.mass = r.uniform(0.1, 20);
+  body.material = material(0, r.uniform(0, 1));
+  body.angle = r.uniform(-3, 3);
+  return body;
+}
+
 }  // namespace psim::test

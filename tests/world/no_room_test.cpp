@@ -12,7 +12,7 @@
 
 #include "allocation_counter.h"
 #include "psim/scene.h"
-#include "support.h"
+#include "rigid_support.h"
 
 namespace psim::test {
 namespace {

@@ -44,8 +44,10 @@ void draw_bodies(const QueryIndex& index, const Observed& world, const std::opti
       pieces.push_back({&part, &item, centre + at});
     });
   }
+  const auto order = [](const Piece& p) {
+    return std::tuple(p.item->body, p.item->part, p.item->piece, p.at.x, p.at.y);
+  };
   // Total order: no two pieces of a body have one number, no two copies one place.
-  const auto order = [](const Piece& p) { return std::tuple(p.item->body, p.item->part, p.item->piece, p.at.x, p.at.y); };
   std::ranges::sort(pieces, {}, order);
   for (const Piece& p : pieces) {
     const BodyId body = world.handle(p.item->body);

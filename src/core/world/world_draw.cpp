@@ -27,7 +27,8 @@ void draw_joint(const World& world, JointId id, const DebugDrawOptions& options,
   if (options.joints) {
     const auto arm = [&](BodyId body, Vec2 anchor) {
       const auto state = world.body(body);
-      if (state && (state->x != anchor.x || state->y != anchor.y)) to.line({state->x, state->y}, anchor, DrawKind::joint);
+      if (state && (state->x != anchor.x || state->y != anchor.y))
+        to.line({state->x, state->y}, anchor, DrawKind::joint);
     };
     arm(joint->a, joint->anchor_a);
     if (joint->type != JointType::gear && joint->type != JointType::pulley) {
