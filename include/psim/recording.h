@@ -33,6 +33,7 @@ class PSIM_API Recorder {
   BodyId add_body(const BodyDesc& desc, std::string& error);
   std::size_t add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error);
   bool remove_body(BodyId id);
+  std::size_t remove_bodies(std::span<const BodyId> ids);
   bool set_transform(BodyId id, Vec2 position, double angle);
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   bool apply_impulse(BodyId id, Vec2 impulse);

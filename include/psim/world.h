@@ -93,12 +93,22 @@ class PSIM_API World {
   /// Removes a body; false if the id is stale. What leaned on it falls.
   bool remove_body(BodyId id);
 
+  /// Removes many; returns how many. Those whose id is stale are passed over. If memory runs out (out_of_memory) those
+  /// that come later stay.
+  std::size_t remove_bodies(std::span<const BodyId> ids);
+
   /// Whether the body is there.
   bool is_valid(BodyId id) const;
   /// The handle of the body of this index; kNoBody if there is none.
   BodyId id_of(std::uint32_t index) const;
   /// Place and motion; nothing if the id is stale. O(1).
   std::optional<BodyState> body(BodyId id) const;
+  /// Where its mass is, metres; of a static body its place. Nothing if the id is stale.
+  std::optional<Vec2> centre_of_mass(BodyId id) const;
+  /// m/s: of the point of the body that is at `point`, metres. Nothing if the id is stale.
+  std::optional<Vec2> velocity_at(BodyId id, Vec2 point) const;
+  /// The smallest box about all its parts, metres. Nothing if the id is stale. O(its parts).
+  std::optional<Bounds> bounds_of(BodyId id) const;
   /// Sets the place, metres and radians; false if the id is stale or the body static or frozen. A non-finite value
   /// is accepted and quarantines the body in the next step; a disabled body refuses one, and those out of
   /// their ranges (psim/limits.h). In a world with walls a place beyond them
@@ -190,6 +200,8 @@ class PSIM_API World {
   bool set_target(JointId id, Vec2 point);
   /// All joints.
   std::size_t joint_count() const;
+  /// Those of a body, by index; none if the id is stale.
+  std::vector<JointId> joints_of(BodyId id) const;
 
   /// The first body that the way from `from` to `to` enters.
   std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;

@@ -61,6 +61,18 @@ psim_result push(psim_world* world, const char* name, psim_body_id id, const Pus
   });
 }
 
+// What a world knows of a body.
+template <class Out, class Ask>
+psim_result tell(const psim_world* world, const char* name, psim_body_id id, Out* out, const Ask& ask) {
+  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (out == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "the place for the answer must not be NULL");
+    const auto known = ask(w);
+    if (!known) return stale_body(call, id.index);
+    *out = to_c(*known);
+    return PSIM_OK;
+  });
+}
+
 }  // namespace
 
 psim_result psim_world_add_body(psim_world* world, const psim_body_desc* desc, psim_body_id* id) {
@@ -178,6 +190,31 @@ psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
   return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
+}
+
+psim_result psim_world_remove_bodies(psim_world* world, const psim_body_id* ids, size_t count, size_t* removed) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (ids == nullptr && count != 0) return call.fail(PSIM_ERROR_ARGUMENT, "ids must not be NULL");
+    std::vector<psim::BodyId> given;
+    given.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) given.push_back(to_cpp(ids[k]));
+    const std::size_t gone = world->changed([&](auto& w) { return w.remove_bodies(given); });
+    if (removed != nullptr) *removed = gone;
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_centre_of_mass(const psim_world* world, psim_body_id id, psim_vec2* centre) {
+  return tell(world, __func__, id, centre, [&](const psim::World& w) { return w.centre_of_mass(to_cpp(id)); });
+}
+
+psim_result psim_world_velocity_at(const psim_world* world, psim_body_id id, psim_vec2 point, psim_vec2* velocity) {
+  return tell(world, __func__, id, velocity,
+              [&](const psim::World& w) { return w.velocity_at(to_cpp(id), to_cpp(point)); });
+}
+
+psim_result psim_world_bounds_of(const psim_world* world, psim_body_id id, psim_bounds* bounds) {
+  return tell(world, __func__, id, bounds, [&](const psim::World& w) { return w.bounds_of(to_cpp(id)); });
 }
 
 psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc) {

@@ -1,4 +1,6 @@
 // Joints.
+#include <algorithm>
+
 #include "convert.h"
 #include "structs.h"
 
@@ -88,6 +90,19 @@ psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double spe
     return call.fail(PSIM_ERROR_ARGUMENT,
                      "only distance, revolute, prismatic and wheel joints have a motor; speed must be finite and "
                      "limit 0 or more");
+  });
+}
+
+psim_result psim_world_joints_of(const psim_world* world, psim_body_id id, psim_joint_id* ids, size_t capacity,
+                                 size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (count == nullptr || (ids == nullptr && capacity != 0)) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "count, and ids where there is room for some, must not be NULL");
+    }
+    const std::vector<psim::JointId> found = w.joints_of(to_cpp(id));
+    for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k) ids[k] = to_c(found[k]);
+    *count = found.size();
+    return PSIM_OK;
   });
 }
 

@@ -83,6 +83,20 @@ PSIM_API psim_result psim_world_apply_torque(psim_world* world, psim_body_id id,
 /// PSIM_ERROR_ARGUMENT for a number out of its range.
 PSIM_API psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed);
 
+/// Removes many; `removed` gets how many, unless it is NULL. Those whose id is stale are passed over.
+PSIM_API psim_result psim_world_remove_bodies(psim_world* world, const psim_body_id* ids, size_t count,
+                                              size_t* removed);
+
+/// Where the mass of a body is, metres; of a static body its place. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_centre_of_mass(const psim_world* world, psim_body_id id, psim_vec2* centre);
+
+/// m/s: of the point of a body that is at `point`, metres. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_velocity_at(const psim_world* world, psim_body_id id, psim_vec2 point,
+                                            psim_vec2* velocity);
+
+/// The smallest box about all parts of a body, metres. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_bounds_of(const psim_world* world, psim_body_id id, psim_bounds* bounds);
+
 /// Gives a body another description, as psim_world_add_body takes it: another type, shape or place, also of a static body.
 /// It keeps its handle and its joints. PSIM_ERROR_STALE_ID, PSIM_ERROR_ARGUMENT; nothing changes then.
 PSIM_API psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc);

@@ -55,6 +55,10 @@ PSIM_API psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, d
 /// All joints; 0 for NULL.
 PSIM_API size_t psim_world_joint_count(const psim_world* world);
 
+/// The joints of a body, by index. `*count` gets how many there are; `ids` (may be NULL) has room for `capacity` of them.
+PSIM_API psim_result psim_world_joints_of(const psim_world* world, psim_body_id id, psim_joint_id* ids, size_t capacity,
+                                          size_t* count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -131,6 +131,11 @@ class JointStore {
       if (j.alive && !j.dormant && holds) each(j.desc.a.index, j.desc.b.index);
     }
   }
+  /// Calls each(index) for the joints of a body.
+  template <class Each>
+  void each_of(std::uint32_t body, const Each& each) const {
+    for (std::uint32_t i = first_of(body); i != kNoSlot; i = joints_[i].next_of(body)) each(i);
+  }
   /// Calls each(other) with the ids of the bodies to which a body is joined; one may be the world's.
   template <class Each>
   void each_joined(std::uint32_t body, const Each& each) const {

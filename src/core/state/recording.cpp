@@ -215,6 +215,11 @@ bool Recorder::set_fields(const std::vector<Field>& given, std::string& error) {
 }
 
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
+std::size_t Recorder::remove_bodies(std::span<const BodyId> ids) {
+  std::size_t removed = 0;
+  for (const BodyId id : ids) removed += remove_body(id) ? 1 : 0;
+  return removed;
+}
 bool Recorder::set_transform(BodyId id, Vec2 position, double angle) {
   return log_->call<1>(world_, id, position, angle);
 }

@@ -73,6 +73,21 @@ bool push(Owners& w, BodyId id, const Change& change) {
   return true;
 }
 
+// Room for what leaves is made once. Joints, sleepers and events are told of each body.
+void remove_all(Owners& w, std::span<const BodyId> ids, std::size_t& removed) {
+  const auto is_static = [&](BodyId id) {
+    return w.population.is_valid(id) && w.bodies.properties(id.index).type() == BodyType::static_body;
+  };
+  w.population.make_room_to_leave(ids.size(), std::ranges::any_of(ids, is_static));
+  for (const BodyId id : ids) {
+    if (!w.population.is_valid(id)) continue;
+    body_goes(w, id.index, false);
+    w.population.remove(id.index);
+    ++removed;
+  }
+  forget_impulses_of_nobody(w);
+}
+
 }  // namespace
 
 bool can_move(Owners& w, BodyId id) {
@@ -176,6 +191,16 @@ bool World::remove_body(BodyId id) try {
   return true;
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
+}
+
+std::size_t World::remove_bodies(std::span<const BodyId> ids) {
+  std::size_t removed = 0;
+  try {
+    remove_all(impl_->settled(), ids, removed);
+  } catch (const std::bad_alloc&) {
+    impl_->ran_out(removed);
+  }
+  return removed;
 }
 
 bool World::is_valid(BodyId id) const { return impl_->population.is_valid(id); }

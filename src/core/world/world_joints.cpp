@@ -289,6 +289,16 @@ bool World::is_valid_joint(JointId id) const { return impl_->joints.is_valid(id)
 
 std::size_t World::joint_count() const { return impl_->joints.count(); }
 
+std::vector<JointId> World::joints_of(BodyId id) const try {
+  std::vector<JointId> found;
+  if (!is_valid(id)) return found;
+  impl_->joints.each_of(id.index, [&](std::uint32_t index) { found.push_back(impl_->joints.id_of(index)); });
+  std::ranges::sort(found, {}, &JointId::index);  // Total order: no two have one index.
+  return found;
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<JointId>>();
+}
+
 namespace {
 
 // Changes one thing of a joint whose type has it, and wakes its bodies. False if there is no such joint.
