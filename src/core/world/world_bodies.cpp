@@ -19,38 +19,6 @@ void wake_around_kinematic(Owners& w, std::uint32_t id) {
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));
 }
 
-void body_came(Owners& w, std::uint32_t id) {
-  spoil_work(w);
-  w.plan_stale = w.observers.placed = true;
-  if (w.bodies.info[id].place == Place::disabled) return;
-  if (w.bodies.info[id].place == Place::fixed) {
-    w.observers.queries.forget(QueryIndex::kFixed);
-    w.note_sleep(w.sleep.disturb_at_fixed(w.sleep_source(), id));
-  } else {
-    w.observers.queries.forget(QueryIndex::kMoving);
-    w.sleep.sleepers.mark_moving(id);
-    wake_around_kinematic(w, id);
-  }
-}
-
-// Tells all others that a body goes out of the simulation. `same`: it keeps its id; `tied`: and its joints.
-void body_goes(Owners& w, std::uint32_t id, bool same, bool tied = false) {
-  disturb_joined(w, id);
-  w.bodies.find_slots();
-  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
-  const BodyInfo& info = w.bodies.info[id];
-  if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
-  if (!tied) remove_joints_of(w, id);
-  w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
-  if (!is_out(info.place)) w.plan_stale = true;
-  spoil_work(w);
-}
-
-// The impulses of the lists are nobody's once no body is awake.
-void forget_impulses_of_nobody(Owners& w) {
-  if (w.bodies.count == 0) w.contacts.impulses_valid = false;
-}
-
 // A body that moves, and that the host took out of the simulation for a while; else none.
 DisabledBody* disabled_mover(Owners& w, BodyId id) {
   if (!w.population.is_valid(id) || w.bodies.info[id.index].place != Place::disabled) return nullptr;
@@ -89,6 +57,36 @@ void remove_all(Owners& w, std::span<const BodyId> ids, std::size_t& removed) {
 }
 
 }  // namespace
+
+void body_came(Owners& w, std::uint32_t id) {
+  spoil_work(w);
+  w.plan_stale = w.observers.placed = true;
+  if (w.bodies.info[id].place == Place::disabled) return;
+  if (w.bodies.info[id].place == Place::fixed) {
+    w.observers.queries.forget(QueryIndex::kFixed);
+    w.note_sleep(w.sleep.disturb_at_fixed(w.sleep_source(), id));
+  } else {
+    w.observers.queries.forget(QueryIndex::kMoving);
+    w.sleep.sleepers.mark_moving(id);
+    wake_around_kinematic(w, id);
+  }
+}
+
+void body_goes(Owners& w, std::uint32_t id, bool same, bool tied) {
+  disturb_joined(w, id);
+  w.bodies.find_slots();
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
+  const BodyInfo& info = w.bodies.info[id];
+  if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
+  if (!tied) remove_joints_of(w, id);
+  w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
+  if (!is_out(info.place)) w.plan_stale = true;
+  spoil_work(w);
+}
+
+void forget_impulses_of_nobody(Owners& w) {
+  if (w.bodies.count == 0) w.contacts.impulses_valid = false;
+}
 
 bool can_move(Owners& w, BodyId id) {
   w.settled();
@@ -318,117 +316,6 @@ bool World::apply_angular_impulse(BodyId id, double impulse) try {
     population.bodies.put_rim_speed(slot, rim_speed);
     return true;
   });
-} catch (const std::bad_alloc&) {
-  return impl_->ran_out(false);
-}
-
-bool World::set_enabled(BodyId id, bool on) try {
-  const FloatSettings settings;
-  if (!is_valid(id) || impl_->bodies.info[id.index].place == Place::frozen) return false;
-  if (is_enabled(id) == on) return true;
-  Owners& w = impl_->settled();
-  Population& population = w.population;
-  if (on) {
-    population.make_room_to_enable(id.index);
-    const DisabledBody was = population.disabled[w.bodies.info[id.index].slot];
-    population.enable(id.index);
-    const auto take_back = [&] {
-      population.disable(id.index);
-      population.disabled.back() = was;  // to the last bit
-    };
-    or_else(take_back, [&] {
-      body_came(w, id.index);
-      disturb_joined(w, id.index);
-    });
-  } else {
-    disturb(w, id.index);
-    population.make_room_to_disable();
-    body_goes(w, id.index, true, true);
-    population.disable(id.index);
-    forget_impulses_of_nobody(w);
-  }
-  if (!w.joints.empty()) w.joints.follow(id.index);
-  return true;
-} catch (const std::bad_alloc&) {
-  return impl_->ran_out(false);
-}
-
-bool World::is_enabled(BodyId id) const {
-  return is_valid(id) && impl_->bodies.info[id.index].place != Place::disabled;
-}
-
-std::optional<BodyTraits> World::traits(BodyId id) const {
-  const FloatSettings settings;
-  if (!is_valid(id)) return std::nullopt;
-  return impl_->population.traits_of(id.index);
-}
-
-bool World::set_traits(BodyId id, const BodyTraits& to) try {
-  const FloatSettings settings;
-  if (!is_valid(id) || impl_->bodies.info[id.index].place == Place::frozen) return false;
-  if (!check(to, impl_->bodies.properties(id.index).type()).empty()) return false;
-  Owners& w = impl_->settled();
-  if (w.population.traits_of(id.index) == to) return true;
-  disturb(w, id.index);
-  disturb_joined(w, id.index);
-  w.bodies.find_slots();
-  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
-  if (!w.population.set_traits(id.index, to)) return false;
-  if (!w.joints.empty()) w.joints.follow(id.index);
-  spoil_work(w);
-  w.plan_stale = true;
-  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
-  return true;
-} catch (const std::bad_alloc&) {
-  return impl_->ran_out(false);
-}
-
-bool World::set_body(BodyId id, const BodyDesc& d, std::string& error) try {
-  const FloatSettings settings;
-  Owners& w = impl_->settled();
-  error = check(d, w.desc.bounds);
-  if (!is_valid(id)) error = "there is no such body";
-  if (error.empty() && w.bodies.info[id.index].place == Place::frozen) error = "the body is frozen";
-  if (!error.empty()) return false;
-  disturb(w, id.index);
-  disturb_joined(w, id.index);
-  w.bodies.find_slots();
-  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
-  const bool was_out = is_out(w.bodies.info[id.index].place);
-  const auto change = w.population.change(id.index, d, error);
-  if (!change) return false;
-  const auto come = [&] {
-    body_came(w, id.index);
-    if (w.observers.events.on() && !was_out) w.observers.events.body_left(id, true);
-  };
-  or_else([&] { w.population.take_back(id.index, *change); }, come);
-  w.population.keep(*change);
-  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
-  spoil_work(w);
-  w.plan_stale = w.observers.placed = true;
-  if (!w.joints.empty()) w.joints.follow(id.index);
-  forget_impulses_of_nobody(w);
-  return true;
-} catch (const std::bad_alloc&) {
-  say_no_room(*impl_, "the body", error);
-  return impl_->ran_out(false);
-}
-
-std::uint64_t World::user_data(BodyId id) const {
-  const UserValues& values = impl_->population.user_values;
-  return is_valid(id) && values.has(id.index) ? values.at(id.index).value : 0;
-}
-
-bool World::set_user_data(BodyId id, std::uint64_t value) try {
-  if (!is_valid(id)) return false;
-  UserValues& values = impl_->settled().population.user_values;
-  if (values.has(id.index)) {
-    values.at(id.index).value = value;
-    if (value == 0) values.remove(id.index);
-  } else if (value != 0) {
-    values.add({id.index, value});
-  }
-  return true;
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
 }

@@ -70,6 +70,12 @@ void apply_plan(Owners& w);
 
 // world_bodies.cpp
 void remove_body(Owners& w, std::uint32_t id);
+/// Tells all others of a body that came, or that goes out of the simulation. `same`: it keeps its id; `tied`: and its
+/// joints.
+void body_came(Owners& w, std::uint32_t id);
+void body_goes(Owners& w, std::uint32_t id, bool same, bool tied = false);
+/// The impulses of the lists are nobody's once no body is awake.
+void forget_impulses_of_nobody(Owners& w);
 void freeze_body(Owners& w, const BodyState& last);
 /// The host moves or pushes a body, or what is joined to it.
 void disturb(Owners& w, std::uint32_t id);
