@@ -1,6 +1,6 @@
 // Questions to a pile of 100,000 discs that has run 120 frames, the index made beforehand:
-//   Rays/<threads>          10,000 rays of 20 m by World::ray_cast_batch, wall time
-//   ShapeCast/<shape>       casts of 5 m; turning: by 2 rad on the way
+//   Rays/<threads>          10,000 rays of up to 28 m by World::ray_cast_batch, wall time
+//   ShapeCast/<shape>       casts of up to 7 m; turning: by 2 rad on the way
 //   Mover                   moves of a character that runs to and fro over a terrain of 200 pieces
 // items_per_second: rays, casts or moves.
 #include <benchmark/benchmark.h>

@@ -25,7 +25,7 @@ cpp_names = marked(sorted(headers.glob("*.h")))
 classes = {name for path in headers.glob("*.h")
            for name in re.findall(r"class PSIM_API (\w+)", path.read_text())}
 wrong = [f"{name} is declared in C but not shown" for name in sorted(c_names - shown)]
-unmarked = r"(?!PSIM_API|inline|static|using|typedef)[\w:<>,&*]+ [\w:<>,&* ]*\w+\(|class (?!PSIM_API)"
+unmarked = r"(?!PSIM_API|inline|static|using|typedef)[\w:<>,&*]+ [\w:<>,&* ]*\w+\(|class (?!PSIM_API)[^;]*$"
 for path in sorted(headers.rglob("*.h")):
     for line in path.read_text().splitlines():
         if re.match(unmarked, line):
