@@ -59,11 +59,11 @@ void Population::freeze(const BodyState& last) {
 }
 
 std::optional<Population::Change> Population::change(std::uint32_t id, const BodyDesc& d, std::string& error) {
-  const BodyInfo& info = bodies.info[id];
   disabled.reserve(disabled.size() + 2);
   make_room_to_leave(1, true);
   std::optional<Newcomer> made = describe(d, error);
   if (!made) return std::nullopt;
+  const BodyInfo& info = bodies.info[id];  // where it stays: room for one body more was made
   Change change;
   change.was_disabled = info.place == Place::disabled;
   change.row = info.properties;
